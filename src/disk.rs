@@ -1,13 +1,13 @@
 //! Files: reading untrusted ones within limits, and writing outputs atomically.
 //!
-//! Reading: a path, perhaps out of somebody else's file, becomes its bytes or an error. Folders, devices and pipes are
+//! Reading turns a path, possibly taken from a foreign file, into bytes or an error. Folders, devices and pipes are
 //! refused before they are opened, because opening a pipe waits for its writer and a device may never end. Files that
 //! report no bytes are empty and are not opened either: reading some of `/proc` blocks. At most the limit is read, even
 //! if the file grows meanwhile.
 //!
-//! Writing: every output of the program goes through [`write`] or [`write_new`]. The bytes go to a temporary file in the
-//! same folder, are flushed to the disk, and take the name of the output by a rename. At any moment the name therefore
-//! stands for the old file or for the new one, never for a part.
+//! Writing: every output of the program goes through [`write`] or [`write_new`]. The bytes go to a temporary file in
+//! the same folder, are flushed to the disk, and take the name of the output by a rename. At any moment the name
+//! therefore refers to the complete old file or to the complete new file, never to a part.
 
 pub mod stored_path;
 
@@ -20,7 +20,7 @@ use std::time::Duration;
 
 use tempfile::{Builder, NamedTempFile};
 
-/// Most symbolic links that are followed to an output.
+/// Maximum number of symbolic links that are followed to an output.
 const MOST_LINKS: usize = 40;
 
 /// Canonical paths of the files read so far; `None` unless [`protect_inputs`] was called.
@@ -35,8 +35,8 @@ pub fn read(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
     read_own(path, max_bytes)
 }
 
-/// Reads a file that the program keeps for itself and may replace, such as its preferences: like [`read`], but the file does
-/// not count as an input.
+/// Reads a file that the program keeps for itself and may replace, such as its preferences. Works like [`read`], but
+/// the file does not count as an input.
 ///
 /// # Errors
 /// Errors are those of [`read`].
@@ -48,7 +48,7 @@ pub fn read_own(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
     if !metadata.is_file() {
         return Err(refused("it is not a regular file".to_owned()));
     }
-    let too_large = || refused(format!("it is larger than {} MiB, the most that is read", max_bytes >> 20));
+    let too_large = || refused(format!("it is larger than {} MiB, the maximum", max_bytes >> 20));
     if metadata.len() > max_bytes {
         return Err(too_large());
     }
@@ -73,7 +73,7 @@ pub fn starts_with(path: &Path, prefix: &[u8]) -> bool {
     is_regular && File::open(path).and_then(|mut file| file.read_exact(&mut start)).is_ok() && start == prefix
 }
 
-/// From now on [`write`] refuses to replace a file that this process has read.
+/// Makes [`write`] refuse, from now on, to replace a file that this process has read.
 pub fn protect_inputs() {
     lock_inputs().get_or_insert_default();
 }
@@ -99,7 +99,8 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     write_by(path, |file| file.write_all(bytes))
 }
 
-/// Writes what `produce` writes to `path`, as [`write`] does, piece by piece: for outputs that are not kept in memory.
+/// Writes the output of `produce` to `path` piece by piece, in the same way as [`write`], for outputs that are not kept
+/// in memory.
 ///
 /// # Errors
 /// As for [`write`], and errors of `produce`. An existing file is then unchanged.
@@ -154,7 +155,7 @@ pub fn write_new(folder: &Path, stem: &str, extension: &str, bytes: &[u8]) -> io
 /// Checks that [`write`] can create or replace `path`, before a long computation. Leaves no file behind.
 ///
 /// # Errors
-/// Those of [`write`], except for a disk that is full later.
+/// Errors are those of [`write`]. A disk that becomes full later is not detected.
 pub fn check_writable(path: &Path) -> io::Result<()> {
     match Target::of(path)? {
         Target::Direct(path) => OpenOptions::new().write(true).open(path).map(drop),
@@ -166,7 +167,8 @@ pub fn check_writable(path: &Path) -> io::Result<()> {
     }
 }
 
-/// Opens the file at `path`, which is created if missing, and locks it against other processes until it is dropped.
+/// Opens the file at `path`, creating it if missing, and locks it against other processes until the returned file is
+/// dropped.
 ///
 /// # Errors
 /// The file cannot be opened, or another process has held the lock for two seconds.
@@ -183,13 +185,13 @@ pub fn lock(path: &Path) -> io::Result<File> {
     Err(ErrorKind::WouldBlock.into())
 }
 
-/// The file behind the path of an output.
+/// File behind the path of an output.
 enum Target {
-    /// A device, a pipe, or an open file of a process.
+    /// Device, pipe, or open file of a process.
     Direct(PathBuf),
-    /// A regular file.
+    /// Existing regular file.
     Replaced(PathBuf),
-    /// No file yet.
+    /// Path without a file yet.
     New(PathBuf),
 }
 
@@ -207,7 +209,7 @@ impl Target {
                 Err(error) => return Err(error),
             };
             if metadata.is_symlink() {
-                // Links of /proc stand for open files, which have no name to be replaced.
+                // Links in /proc refer to open files, which have no name to be replaced.
                 if folder.starts_with("/proc") {
                     return Ok(Self::Direct(path));
                 }
@@ -218,27 +220,28 @@ impl Target {
                 return Err(refused("it is a folder".to_owned()));
             }
             if lock_inputs().as_ref().is_some_and(|inputs| inputs.contains(&real)) {
-                return Err(refused("it is an input of this command".to_owned()));
+                return Err(refused("it is an input of this command; choose another path".to_owned()));
             }
             return Ok(if metadata.is_file() { Self::Replaced(real) } else { Self::Direct(real) });
         }
-        Err(refused("too many symbolic links".to_owned()))
+        Err(refused("it has too many symbolic links".to_owned()))
     }
 }
 
-/// A temporary file in `folder` with `bytes`, flushed to the disk. Deleted when dropped.
+/// Returns a temporary file in `folder` with `bytes`, flushed to the disk. The file is deleted when dropped.
 fn written(folder: &Path, bytes: &[u8]) -> io::Result<NamedTempFile> {
     produced(folder, |file| file.write_all(bytes))
 }
 
-/// A temporary file in `folder` with what `produce` writes, flushed to the disk. Deleted when dropped.
+/// Returns a temporary file in `folder` with the output of `produce`, flushed to the disk. The file is deleted when
+/// dropped.
 fn produced(folder: &Path, produce: impl FnOnce(&mut dyn io::Write) -> io::Result<()>) -> io::Result<NamedTempFile> {
     let mut builder = Builder::new();
     builder.prefix(".rasterscope-").suffix(".tmp");
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt as _;
-        // As for any new file: the user's mask takes away what it should not have.
+        // As for any new file, the user's umask removes further permissions.
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
     let mut file = builder.tempfile_in(folder).map_err(|error| plain(&error))?;
@@ -257,10 +260,10 @@ fn plain(error: &io::Error) -> io::Error {
     }
 }
 
-/// Flushes the names in a folder to the disk, where the system can.
+/// Flushes the directory entries of a folder to the disk, if the system supports it.
 fn sync_folder(folder: &Path) {
     if let Ok(folder) = File::open(folder) {
-        // Not every file system offers it; the file itself is on the disk.
+        // Not every file system supports it; the file itself is on the disk already.
         drop(folder.sync_all());
     }
 }
@@ -291,7 +294,7 @@ mod tests {
         }
         let large = folder.path().join("large");
         File::create(&large).unwrap().set_len((1 << 20) + 1).unwrap();
-        assert_eq!(reason(&large), "it is larger than 1 MiB, the most that is read");
+        assert_eq!(reason(&large), "it is larger than 1 MiB, the maximum");
     }
 
     #[test]
@@ -305,7 +308,7 @@ mod tests {
     #[cfg(target_os = "linux")]
     #[test]
     fn files_of_proc_are_empty() {
-        // Reports no bytes and has some.
+        // The file reports a length of 0, but has content.
         assert!(!std::fs::read("/proc/self/stat").unwrap().is_empty());
         assert_eq!(read(Path::new("/proc/self/stat"), 1 << 20).unwrap(), b"");
     }
@@ -351,7 +354,7 @@ mod tests {
         write(&at("real"), b"1").unwrap();
         std::fs::write(at("ordinary"), b"").unwrap();
         let mode = |name: &str| std::fs::metadata(at(name)).unwrap().mode();
-        assert_eq!(mode("real"), mode("ordinary"), "a new file is as open as any other");
+        assert_eq!(mode("real"), mode("ordinary"), "a new file has the usual permissions");
         std::fs::set_permissions(at("real"), std::fs::Permissions::from_mode(0o640)).unwrap();
         symlink("real", at("link")).unwrap();
         symlink("made", at("dangling")).unwrap();

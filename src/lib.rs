@@ -1,6 +1,6 @@
-//! Rasterscope: a software rendering pipeline that anyone can open up, stop at any stage, and question.
+//! Rasterscope: a software rendering pipeline that can be stopped and inspected at any stage.
 //!
-//! Modules stand in the order of the data flow; each imports only from those above it.
+//! Modules are listed in the order of the data flow; each imports only from those above it.
 
 pub mod text;
 
@@ -33,6 +33,8 @@ pub mod case;
 pub mod report;
 
 pub mod lab;
+
+pub mod manual;
 
 #[cfg(feature = "ui")]
 pub mod ui;

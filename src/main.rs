@@ -1,4 +1,5 @@
-//! The program: the window when started plainly, headless commands otherwise. See `rasterscope --help`.
+//! Program entry point: opens the window if started without a command, and runs headless commands otherwise. See
+//! `rasterscope --help`.
 
 mod cli;
 

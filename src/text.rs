@@ -6,7 +6,7 @@
 use std::borrow::Cow;
 use std::path::Path;
 
-/// Longest message of a decoder or of the operating system, in characters.
+/// Maximum length of a message of a decoder or of the operating system, in characters.
 const LONGEST_MESSAGE: usize = 200;
 
 /// Returns `text` with control characters, line separators and bidirectional controls replaced by U+FFFD.

@@ -1,5 +1,5 @@
-//! Broken, hostile and merely unusual files: each is refused or loaded with a warning as its table row allows, and
-//! none panics, hangs, eats memory or gives silently wrong geometry.
+//! Broken, hostile and merely unusual files: each is rejected or loaded with a warning as its table row allows, and
+//! none causes a panic, a hang, excessive memory or silently wrong geometry.
 
 #![expect(clippy::print_stderr, reason = "a test that had nothing to read says so, and the table prints its count")]
 
@@ -23,10 +23,10 @@ use sound::sound;
 
 const LONGEST: Duration = Duration::from_secs(10);
 
-/// One row of the table of samples.
+/// A row of the table of samples.
 struct Row {
     file: String,
-    /// `ERR`, `WARN` or `LOAD`.
+    /// Allowed results: `ERR`, `WARN` or `LOAD`.
     allowed: Vec<String>,
     why: String,
 }
@@ -50,7 +50,7 @@ fn rows(index: &str) -> Vec<Row> {
             file: cells[1].clone(),
             allowed: cells[3]
                 .split('/')
-                // In the words of the table: "showing a partial picture is also fine".
+                // The table says: "showing a partial picture is also fine".
                 .chain(cells[4].contains("partial picture is also fine").then_some("LOAD"))
                 .map(str::to_owned)
                 .collect(),
@@ -68,20 +68,20 @@ impl Row {
         self.file.rsplit('/').next().unwrap()
     }
 
-    /// The model to load: the file itself, or the model around the picture.
+    /// Returns the model to load: the file itself, or the model that uses the picture.
     fn model(&self, bad: &Path) -> PathBuf {
         let file = bad.join(&self.file);
         if self.is_picture() { file.with_file_name(format!("wrap/{}.obj", self.name())) } else { file }
     }
 
-    /// The line that the table names.
+    /// Returns the line number that the table states.
     fn line(&self) -> Option<usize> {
         let (_, rest) = self.why.split_once("line ")?;
         rest.split(|c: char| !c.is_ascii_digit()).next()?.parse().ok()
     }
 }
 
-/// Loads in a thread of its own, so that a panic or a hang is a finding.
+/// Loads on a thread of its own, so that a panic or a hang is detected.
 fn load(model: &Path) -> Result<Result<Loaded, SceneError>, String> {
     let (sender, receiver) = mpsc::channel();
     let path = model.to_owned();
@@ -130,7 +130,7 @@ fn area(loaded: &Loaded) -> f32 {
     loaded.scene.library.meshes().iter().map(areas).sum()
 }
 
-/// Peak of the resident memory of this process so far, bytes; `None` where the system does not tell.
+/// Returns the peak resident memory of this process so far, in bytes; `None` if the system does not report it.
 fn peak_memory() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
@@ -183,7 +183,7 @@ fn samples_with_a_known_result_have_it() {
     assert!(secret.lines().filter(|line| !line.is_empty()).all(|line| !told.contains(line)), "{told}");
 }
 
-/// The texture coordinate that each position of the square sample has: itself, with v turned to run down.
+/// Each position of the square sample has itself as its texture coordinate, with v flipped to run down.
 #[test]
 fn texture_coordinates_stay_at_their_corners() {
     let Some(folder) = samples() else { return };
@@ -214,7 +214,7 @@ fn a_cmyk_picture_has_the_colours_of_the_original() {
     }
 }
 
-/// Writes the files into a new folder and loads the first.
+/// Writes the files to a new folder and loads the first one.
 fn load_texts(files: &[(&str, &str)]) -> Result<Loaded, String> {
     let folder = tempfile::tempdir().unwrap();
     for (name, text) in files {
@@ -280,7 +280,7 @@ fn a_texture_that_is_missing_is_remembered_and_told_at_its_pixels() {
     let frame = run(&scene, &scene.home, &recipe, Viewport { width: 33, height: 33 }, &mut ());
     let told = (0..33 * 33).filter_map(|i| inspect(&scene, &recipe, &frame, i % 33, i / 33));
     let verdict = told.map(|report| report.verdict).find(|verdict| verdict.contains("Won by")).unwrap();
-    let why = "Black: the texture “nowhere.png” could not be read, and the colour of its material “m”, which stands in for it, \
+    let why = "Black: the texture “nowhere.png” could not be read, and the fallback, the colour of its material “m”, \
                is (0, 0, 0). Won by";
     assert!(verdict.starts_with(why), "{verdict}");
 }
@@ -343,7 +343,7 @@ fn the_largest_coordinates_give_a_finite_scene() {
     assert!(loaded.warnings[0].text.contains("scaled"), "{}", loaded.warnings[0]);
 }
 
-/// A grid of `side`² vertices and 2·(`side` − 1)² triangles.
+/// Returns the OBJ text of a grid of `side`² vertices and 2·(`side` − 1)² triangles.
 fn grid(side: usize) -> String {
     let vertices = (0..side * side).map(|i| format!("v {} {} 0\n", i % side, i / side)).collect::<String>();
     let corners = (0..(side - 1) * (side - 1)).map(|i| i / (side - 1) * side + i % (side - 1) + 1);
@@ -358,7 +358,7 @@ fn a_load_ends_at_the_memory_limit_and_when_it_is_cancelled() {
     std::fs::write(&path, grid(400)).unwrap();
     let load = |control: LoadControl<'_>| obj::load_with(&path, TrMeaning::Auto, control);
     let error = load(LoadControl::quiet(MemoryLimit::mib(16))).unwrap_err().to_string();
-    assert!(error.contains("needs more than 16 MiB of memory, the limit; `--memory` raises it"), "{error}");
+    assert!(error.contains("needs more than 16 MiB of memory, the limit; raise it with `--memory`"), "{error}");
     assert!(load(LoadControl::quiet(MemoryLimit::mib(160))).is_ok());
 
     let shares = Mutex::new(Vec::new());
@@ -366,7 +366,7 @@ fn a_load_ends_at_the_memory_limit_and_when_it_is_cancelled() {
     load(LoadControl { progress: &progress, ..LoadControl::quiet(MemoryLimit::default()) }).unwrap();
     let shares = shares.into_inner().unwrap();
     assert!(shares.len() > 40 && shares.is_sorted() && shares[shares.len() - 1] == 1.0, "{shares:?}");
-    // Wherever it is cancelled, it ends before the next report.
+    // Wherever loading is cancelled, it ends before the next progress report.
     for wanted in [0.0, 0.2, 0.5, 0.8, 0.9, 0.98] {
         let (cancel, reports) = (AtomicBool::new(false), AtomicUsize::new(0));
         let progress = |share| {
@@ -397,13 +397,13 @@ fn textures_beyond_the_memory_limit_are_not_decoded() {
     std::fs::write(folder.path().join("a.mtl"), materials).unwrap();
     let path = folder.path().join("a.obj");
     std::fs::write(&path, format!("mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\n{faces}")).unwrap();
-    // 2²² texels of 32 bytes are 128 MiB: three of them fit.
+    // 2²² texels of 32 bytes are 128 MiB: three such textures fit.
     let Loaded { scene, warnings, .. } =
         obj::load_with(&path, TrMeaning::Auto, LoadControl::quiet(MemoryLimit::mib(400))).unwrap();
     assert_eq!(scene.library.textures().len(), 3);
     let left_out: Vec<_> = warnings.iter().filter(|w| w.text.contains("2048 × 2048 texels")).collect();
     assert_eq!(left_out.len(), 47);
-    assert!(left_out[0].to_string().contains("a.mtl:8: texture left out"), "{}", left_out[0]);
+    assert!(left_out[0].to_string().contains("a.mtl:8: texture not loaded"), "{}", left_out[0]);
 }
 
 #[test]
@@ -435,7 +435,7 @@ fn attributes_are_interpolated_where_a_face_crosses_itself() {
     assert_eq!(mesh.triangles.len(), 2);
     let middle = mesh.positions.iter().position(|p| (*p - Vec3::new(0.5, 0.5, 0.0)).length() < 1e-6).unwrap();
     assert!((mesh.uvs[middle] - Vec2::new(0.5, 0.5)).length() < 1e-6);
-    // The crossing lies on the edge from the green to the blue corner.
+    // The self-intersection lies on the edge from the green to the blue corner.
     assert!((mesh.colors[middle] - Vec3::new(0.0, 0.5, 0.5)).length() < 1e-6, "{}", mesh.colors[middle]);
 }
 

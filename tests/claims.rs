@@ -1,5 +1,5 @@
-//! Quantitative and comparative sentences of README and help, each with its proof: a check that runs here, a test elsewhere, or
-//! a command whose output shows it, for what only a clock can show.
+//! Quantitative and comparative sentences of README and help, each with its proof: a check in this file, a test
+//! elsewhere, or a command whose output shows it, for claims about time.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -19,11 +19,11 @@ use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::{DepthMapping, Scene, builtin};
 use rasterscope::upscale::{Anchor, Drawn, Light, Upscaling};
 
-/// A sentence, or the part of one that claims something.
+/// A sentence, or a part of one, that makes a claim.
 struct Claim {
-    /// File that holds it.
+    /// File that contains it.
     source: &'static str,
-    /// Its words.
+    /// Text of the claim.
     words: &'static str,
     proof: Proof,
 }
@@ -34,14 +34,14 @@ enum Proof {
     Here(fn()),
     /// A test in another file.
     Test(&'static str, &'static str),
-    /// Arguments of the program whose output shows it.
+    /// Arguments of the program whose output proves the claim.
     Command(&'static str),
 }
 
 const CLAIMS: &[Claim] = &[
     Claim {
         source: "src/antialias/settings.rs",
-        words: "It splits everywhere, so the picture is that of the regular grid.",
+        words: "Every square is subdivided, so the picture is that of the regular grid.",
         proof: Proof::Test("src/antialias/pattern.rs", "a_quartered_pixel_has_the_places_of_a_regular_grid"),
     },
     Claim {
@@ -51,12 +51,12 @@ const CLAIMS: &[Claim] = &[
     },
     Claim {
         source: "src/antialias/settings.rs",
-        words: "as many steps as samples along upright and level edges",
+        words: "as many steps as samples along vertical and horizontal edges",
         proof: Proof::Here(low_discrepancy_has_a_step_for_each_sample),
     },
     Claim {
         source: "src/antialias/settings.rs",
-        words: "With 16, 64 or 256 samples closer to the truth than the regular grid on the scene chess",
+        words: "With 16, 64 or 256 samples it is closer to the truth than the regular grid on the scene chess",
         proof: Proof::Test("tests/claims.rs", "low_discrepancy_is_closer_on_chess"),
     },
     Claim {
@@ -71,12 +71,12 @@ const CLAIMS: &[Claim] = &[
     },
     Claim {
         source: "src/antialias/settings.rs",
-        words: "edges that are nearly upright or level show only n steps",
+        words: "nearly vertical or horizontal edges show only n steps",
         proof: Proof::Here(a_regular_grid_has_a_step_for_each_square_of_an_axis),
     },
     Claim {
         source: "src/antialias/settings.rs",
-        words: "Inside of surfaces, in textures and at cut-outs, nothing improves.",
+        words: "Inside surfaces, in textures and at alpha-tested edges, nothing improves.",
         proof: Proof::Test("src/chain/samples.rs", "multisampling_leaves_the_inside_of_triangles_alone"),
     },
     Claim {
@@ -150,12 +150,12 @@ const CLAIMS: &[Claim] = &[
     },
     Claim {
         source: "src/upscale/checkerboard/edges.rs",
-        words: "Good on upright and level edges, which the plain checkerboard frays.",
+        words: "Good on vertical and horizontal edges, which the plain checkerboard frays.",
         proof: Proof::Test("src/upscale/checkerboard/edges.rs", "upright_and_level_edges_come_back_as_they_were"),
     },
     Claim {
         source: "src/upscale/checkerboard/edges.rs",
-        words: "as half of them was never drawn",
+        words: "because half of them was never drawn",
         proof: Proof::Test("src/chain/whole.rs", "only_what_the_upscaler_reads_is_rasterized"),
     },
     Claim {
@@ -173,32 +173,32 @@ const CLAIMS: &[Claim] = &[
     },
     Claim {
         source: "src/upscale/accumulation.rs",
-        words: "enlarged ones regain the detail that one frame has not",
+        words: "upscaled ones regain detail that a single frame lacks",
         proof: Proof::Test("src/chain/tests.rs", "enlarged_accumulation_regains_what_one_frame_has_not"),
     },
     Claim {
         source: "src/upscale/checkerboard/temporal.rs",
-        words: "While the view stands still the picture is native from the second frame on, bit for bit.",
+        words: "In a still view the picture equals native rendering from the second frame on, bit for bit.",
         proof: Proof::Test("src/chain/tests.rs", "a_settled_picture_changes_no_more"),
     },
     Claim {
         source: "src/upscale/accumulation.rs",
-        words: "Still pictures become the mean of 16 samples of each pixel, one a frame, and then change no more",
+        words: "Still pictures become the mean of 16 samples of each pixel, one per frame, and then stay unchanged",
         proof: Proof::Test("src/chain/tests.rs", "accumulation_comes_to_the_mean_of_its_samples"),
     },
     Claim {
         source: "src/pipeline/settings.rs",
-        words: "the truth, and slower",
+        words: "the ground truth, but slower",
         proof: Proof::Command("diff chess --set execution=classic --set arithmetic=exact --against arithmetic=fixed"),
     },
     Claim {
         source: "src/pipeline/settings.rs",
-        words: "always right, and slower",
+        words: "always correct, but slower",
         proof: Proof::Command("diff stained-glass --set blending.order=exact --against blending.order=triangles"),
     },
     Claim {
         source: "src/pipeline/settings.rs",
-        words: "always right",
+        words: "always correct",
         proof: Proof::Test("tests/properties/transparency.rs", "exact_order_is_that_of_fragments_sorted_by_depth"),
     },
     Claim {
@@ -211,7 +211,7 @@ const CLAIMS: &[Claim] = &[
     },
     Claim {
         source: "src/pipeline/settings.rs",
-        words: "floats are finest where perspective is coarsest, so far surfaces fight less",
+        words: "floats are finest where perspective is coarsest, so distant surfaces z-fight less",
         proof: Proof::Test("tests/depth_cases.rs", "close_surfaces_tie_as_often_as_theory_says"),
     },
     Claim {
@@ -239,7 +239,7 @@ const CLAIMS: &[Claim] = &[
     },
     Claim {
         source: "src/pipeline/settings.rs",
-        words: "The picture is the same; what the plan saves shows in the time.",
+        words: "The picture is the same; the time shows what skipping",
         proof: Proof::Test("tests/tiled/main.rs", "every_switch_gives_the_same_picture"),
     },
     Claim {
@@ -298,7 +298,7 @@ const CLAIMS: &[Claim] = &[
     },
 ];
 
-/// Text as it is read: string continuations and line breaks are spaces.
+/// Returns the text as displayed: string continuations and line breaks become spaces.
 fn flowing(text: &str) -> String {
     text.replace("\\\n", " ").split_whitespace().collect::<Vec<_>>().join(" ")
 }
@@ -325,7 +325,7 @@ fn every_claim_stands_in_its_source_and_has_a_proof() {
     }
 }
 
-/// Checks that the program accepts a command and completes it, on a small picture and without repetition.
+/// Checks that the program accepts and completes a command, on a small picture and without repetitions.
 fn assert_runs(arguments: &str) {
     const REPEATED: [&str; 3] = ["--size", "--frames", "--rounds"];
     let mut words = arguments.split_whitespace();
@@ -348,23 +348,23 @@ fn assert_runs(arguments: &str) {
     assert!(output.status.success(), "{arguments}: {}", String::from_utf8_lossy(&output.stderr));
 }
 
-/// Help texts of a set of alternatives.
+/// Returns the help texts of a set of alternatives.
 fn help_of<T: Choice>() -> Vec<&'static str> {
     T::ALL.iter().map(|choice| choice.help()).collect()
 }
 
-/// Words by which a sentence compares or counts.
+/// Words that indicate a comparison or a count.
 const COMPARISONS: [&str; 18] = [
     "faster", "slower", "cheap", "cheaper", "closer", "dear", "cost", "costs", "pays", "saves", "less", "fewer",
     "half", "halved", "twice", "better", "best", "worse",
 ];
 
-/// Parts of sentences that have such a word and say what something is.
+/// Parts of sentences that contain such a word but are definitions.
 const DEFINITIONS: &[&str] = &[
-    "samples at the corners of pixels, shared edges drawn twice",
+    "samples at pixel corners, shared edges drawn twice",
     "snapped to 1/256 px",
     "filled in up to the border",
-    "from the row or the column, whichever changes less",
+    "with more weight for the one that changes less",
 ];
 
 /// Whether a sentence has a comparing word, or a number with a unit.
@@ -417,7 +417,7 @@ fn every_help_text_that_compares_has_its_claims_in_the_table() {
     assert!(unproven.is_empty(), "neither a row of the table nor a definition:\n{}", unproven.join("\n"));
 }
 
-/// Sentences that were measured and found untrue, or that nothing can measure.
+/// Sentences that measurements refuted, or that nothing can measure, stay out of the sources.
 #[test]
 fn claims_that_were_refuted_stay_out() {
     let refuted = [
@@ -432,7 +432,7 @@ fn claims_that_were_refuted_stay_out() {
     }
 }
 
-/// Number of different positions of samples along an axis.
+/// Returns the number of distinct sample positions along an axis.
 fn steps(pattern: Pattern, axis: usize) -> usize {
     let positions: BTreeSet<u64> = pattern.offsets(0, 0).iter().map(|place| place[axis].to_bits()).collect();
     positions.len()
@@ -464,13 +464,13 @@ fn the_converged_reference_has_all_samples() {
 
 fn nearly_all_steps_lie_near() {
     let scale = DepthScale::perspective(DepthMapping::Standard, DepthEncoding::Unorm24, 0.1, 1e4);
-    // At ten times the near plane nine tenths of the steps are used, at a hundred times 99 %.
+    // At ten times the near plane 90 % of the steps are used, at a hundred times 99 %.
     for (distance, share) in [(1.0, 0.9), (10.0, 0.99)] {
         assert!((f64::from(scale.stored(distance)) - share).abs() < 1e-3, "{distance}");
     }
 }
 
-/// Root mean square error of the coverage of a pixel by half-planes whose borders cross it.
+/// Returns the root mean square error of a pixel's coverage by half-planes whose borders cross it.
 fn half_plane_error(pattern: Pattern) -> f64 {
     let places = pattern.offsets(0, 0);
     let mut random = fastrand::Rng::with_seed(31);
@@ -482,7 +482,7 @@ fn half_plane_error(pattern: Pattern) -> f64 {
         if distance.abs() >= (a + b) / 2.0 {
             continue;
         }
-        // The exact area is the distribution function of the sum of two uniform numbers.
+        // The exact area is the distribution function of the sum of two uniform random variables.
         let half_square = |t: f64| t.max(0.0).powi(2) / 2.0;
         let corners = [(a + b) / 2.0, (a - b) / 2.0, (b - a) / 2.0, -(a + b) / 2.0];
         let signs = [1.0, -1.0, -1.0, 1.0];
@@ -509,10 +509,10 @@ fn drawn(scene: &Arc<Scene>, size: (u32, u32), antialias: Antialiasing) -> Image
     Renderer::default().render_settled(scene, &scene.home, &recipe, viewport).image().clone()
 }
 
-/// Asserts that one of two methods has the smaller squared error in light on a scene, for each number of samples. The truth is
-/// the mean of many pixels of a large picture.
+/// Asserts that the first of two methods has the smaller squared error in linear light on a scene, for each number of
+/// samples. The reference is the mean of many pixels of a large picture.
 fn assert_closer(scene: &str, samples: &[Samples], [closer, farther]: [Method; 2]) {
-    /// Pixels along a side of the large picture for each of the small one.
+    /// Pixels of the large picture per pixel of the small one, along each axis.
     const FINE: u32 = 32;
     const SIZE: (u32, u32) = (48, 27);
     let scene = Arc::new(builtin::by_id(scene).expect("a built-in scene").build());
@@ -551,7 +551,7 @@ fn regular_grid_is_closer_on_cubes_and_cel() {
 fn nearest_from_the_corner_moves_the_picture() {
     for (scale, expected) in [(1.5, 0.5), (2.0, 0.5), (3.0, 1.0), (4.0, 1.5)] {
         let how = Upscaling::new("nearest", scale).expect("it has this scale").with_anchor(Anchor::Corner);
-        // Samples numbered by their codes; the last pixel starts a new block.
+        // The samples are numbered by their codes; the last pixel starts a new block.
         let columns = Image::from_fn(49, 1, |x, _| [x as u8, 0, 0, 255]);
         let width = (48.0 * scale) as u32;
         let full = how.upscale(&Drawn::from(&columns), width, 1);
@@ -561,7 +561,8 @@ fn nearest_from_the_corner_moves_the_picture() {
     }
 }
 
-/// Checks that a method overshoots a step by at most so many percent at any scale and anchor, and by nearly as much at one.
+/// Checks that a method overshoots a step by at most `most` percent at any scale and anchor, and nearly reaches that at
+/// one.
 fn overshoots(method: &str, most: f64) {
     const STEP: [f64; 2] = [50.0, 200.0];
     let mut greatest = 0.0_f64;
@@ -575,12 +576,12 @@ fn overshoots(method: &str, most: f64) {
             greatest = greatest.max(100.0 * beyond / (STEP[1] - STEP[0]));
         }
     }
-    // Codes are rounded: half a code of a step of 150.
+    // Values are rounded to codes: half a code of a step of 150.
     let rounding = 50.0 / (STEP[1] - STEP[0]);
     assert!(greatest <= most + rounding && greatest >= most - 1.0 - rounding, "{method}: {greatest} %, not {most} %");
 }
 
-/// Percentage of the pairs whose depths are equal, at evenly spaced positions of `distance` in 0…1.
+/// Returns the percentage of pairs with equal depths, at evenly spaced positions of `distance` in [0, 1].
 fn ties(scale: &DepthScale, distance: impl Fn(f64) -> f64) -> f64 {
     let equal = |pair: &u32| {
         let near = distance((f64::from(*pair) + 0.5) / f64::from(PAIRS));
@@ -589,10 +590,10 @@ fn ties(scale: &DepthScale, distance: impl Fn(f64) -> f64) -> f64 {
     100.0 * (0..PAIRS).filter(equal).count() as f64 / f64::from(PAIRS)
 }
 
-/// Pairs of which the table gives shares.
+/// Number of pairs that the shares of the table refer to.
 const PAIRS: u32 = 200_000;
 
-/// Distance between the two of a pair, as a share of their distance from the eye.
+/// Distance between the surfaces of a pair, as a share of their distance from the eye.
 const GAP: f64 = 1e-4;
 
 fn depths_tie_as_often_as_the_table_says() {

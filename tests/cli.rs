@@ -1,4 +1,4 @@
-//! The program as its users meet it: arguments in, exit code, standard output, standard error and files out.
+//! The program as seen by its users: arguments in; exit code, standard output, standard error and files out.
 
 use std::fs;
 use std::path::Path;
@@ -28,7 +28,7 @@ use tempfile::TempDir;
 const COMMANDS_WITH_SETTINGS: [&[&str]; 9] =
     [&[], &["render"], &["vector"], &["pixel"], &["check"], &["fates"], &["plan"], &["screenshot"], &["window"]];
 
-/// The program, to be run in a folder of its own and with no display in reach.
+/// Returns the program, to be run in a folder of its own without access to a display.
 fn program(folder: &TempDir, args: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_rasterscope"));
     command.args(args).current_dir(folder);
@@ -57,7 +57,7 @@ fn assert_success(output: &Output) {
     assert!(output.status.success(), "{}: {}", output.status, stderr(output));
 }
 
-/// Exit code `code`, nothing on standard output, and on standard error one line that names the `culprit`.
+/// Checks for exit code `code`, no standard output, and one line on standard error that contains the `culprit`.
 #[track_caller]
 fn assert_failure(output: &Output, code: i32, culprit: &str) {
     let complaint = stderr(output);
@@ -148,13 +148,13 @@ fn pixel_names_the_triangle_that_is_not_seen_and_why() {
     let output = run(&folder, &["pixel", "back-facing", "--size", "160x100", "--at", "80,50"]);
     assert_success(&output);
     let text = stdout(&output);
-    assert!(text.contains("Background: triangle 2 of “middle panel” covers it, but turns its back"), "{text}");
+    assert!(text.contains("Background: triangle 2 of “middle panel” covers it, but is back-facing"), "{text}");
     let json = run(&folder, &["pixel", "back-facing", "--size", "160x100", "--at", "80,50", "--json"]);
     let report: serde_json::Value = serde_json::from_str(stdout(&json)).unwrap();
     assert_eq!(report["absent"][0]["cause"], "back-facing");
 }
 
-/// A measurement says on which machine it was made, and under which load.
+/// Checks that a measurement states its machine and the machine's load.
 fn assert_machine(machine: &serde_json::Value) {
     assert!(machine["threads"].as_u64().unwrap() >= 1);
     if cfg!(target_os = "linux") {
@@ -240,7 +240,7 @@ fn every_buffer_is_a_picture_of_its_own() {
 #[test]
 fn t_junctions_are_counted_checked_and_named_at_the_pixels_that_they_open() {
     let folder = folder();
-    // A triangle over an edge, and below it a fan whose rim dips off that edge by less than the tolerance.
+    // A triangle above an edge, and below it a fan whose rim leaves that edge by less than the tolerance.
     let rim: Vec<f32> = (1..8).map(|i| i as f32 * 0.25 - 1.0).collect();
     let mut model = "v -1 0 0\nv 1 0 0\nv 0 1 0\nv 0 -1 0\n".to_owned();
     rim.iter().for_each(|x| model += &format!("v {x} -0.0002 0\n"));
@@ -339,10 +339,10 @@ fn times_are_one_line_per_stage_after_the_result() {
     }
 }
 
-/// A method and its scale name one configuration, whatever draws it.
+/// A method and its scale define one configuration, whichever command draws it.
 #[test]
 fn reports_and_tiles_have_the_pictures_that_the_same_settings_draw() {
-    // As large as the crop of a report at most, which then is the whole picture.
+    // At most as large as the crop of a report, so that the crop is the whole picture.
     let viewport = Viewport { width: 61, height: 47 };
     let scene = SceneSource::named("cubes".into()).load().unwrap().scene;
     let subject = Subject { name: scene.name.clone(), camera: scene.home, scene: Arc::new(scene) };
@@ -402,7 +402,7 @@ fn the_share_of_drawn_pixels_is_told() {
     assert!(stdout(&output).trim_end().ends_with("50.0 % of the pixels drawn"), "{}", stdout(&output));
 }
 
-/// Settings whose pictures are compared with the replays of their pixels, besides the upscalers.
+/// Settings, besides the upscalers, whose pictures are compared with the replays of their pixels.
 const MORE_SETTINGS: [&str; 4] = ["wireframe=true", "shading=gouraud", "background=#D04010", "depth-bias.slope=-2"];
 
 #[test]
@@ -540,7 +540,7 @@ fn draws_of_several_kinds_are_planned_apart() {
     assert_failure(&run(&folder(), &["plan", "nowhere.obj"]), 2, "nowhere.obj");
 }
 
-/// A class of few cases, in the configurations that a report takes least time for.
+/// A small class, in the fastest configurations of a report.
 const SMALL_REPORT: [&str; 7] =
     ["stability", "--class", "needles", "--rasterizer", "scanline", "--rasterizer", "scanline-published"];
 
@@ -591,7 +591,7 @@ fn stability_names_what_it_does_not_know_and_cannot_write() {
 
 #[test]
 fn depths_are_told_with_their_code_and_their_step_in_the_world() {
-    // A panel at distance 1000, with the near plane at 0.1 and the far one at 100 000.
+    // A panel at distance 1000, with the near plane at 0.1 and the far plane at 100 000.
     let args = ["pixel", "z-fighting", "--at", "240,150", "--size", "1280x720", "--set"];
     let told = |format: &str, options: &[&str]| {
         let output = run(&folder(), &[&args[..], &[&format!("depth-format={format}")], options].concat());
@@ -625,7 +625,7 @@ fn a_camera_file_changes_the_view() {
 #[test]
 fn bad_input_is_one_line_that_names_the_culprit() {
     let inputs: [(&[&str], &str); 15] = [
-        (&["--set", "shadign=gouraud"], "error: --set `shadign` is no setting"),
+        (&["--set", "shadign=gouraud"], "error: --set `shadign` is not a setting"),
         (&["--set", "shading=phong"], "error: --set shading: unknown variant `phong`"),
         (&["--set", "shading"], "error: --set `shading` is not of the form key=value"),
         (&["--set", "light.direction=0,0,0"], "error: --set light.direction: the direction"),
@@ -762,7 +762,7 @@ fn a_case_beyond_the_program_is_refused_in_words() {
 #[test]
 fn corners_of_polygons_are_snapped_unless_told() {
     let folder = folder();
-    // Its left edge is a hair right of the first column's centres, but not on the 1/256 px grid.
+    // The left edge is slightly right of the first column's centres, but not on the 1/256 px grid.
     let polygon = r#"{"id": "p", "kind": "poly_fill", "width": 3, "height": 1, "rule": "nonzero",
         "contours": [[[0.5001, 0], [2, 0], [2, 1], [0.5001, 1]]]}"#;
     fs::write(folder.path().join("case.json"), polygon).unwrap();

@@ -1,4 +1,4 @@
-//! What the depth buffer stores for a distance, against exact arithmetic and against what theory expects.
+//! Stored depths of distances, checked against exact arithmetic and against theory.
 #![expect(clippy::print_stderr, reason = "says what was checked, and with which figures")]
 
 mod cases;
@@ -9,18 +9,18 @@ use rasterscope::pipeline::depth::{DepthEncoding, DepthScale};
 use rasterscope::scene::DepthMapping;
 use serde_json::Value;
 
-/// Largest error of a stored float, in units of its last place: half a unit for the rounding itself, and 2⁻²⁹ for each of
-/// the three roundings in f64 before, twice as units are relative to the lower end of a power of two.
+/// Largest error of a stored float, in ulps: half a unit for its rounding, and 2⁻²⁹ for each of the three preceding
+/// roundings in f64, doubled because units are relative to the lower end of a power of two.
 const MAX_ULP: f64 = 0.5 + 6.0 / (1 << 29) as f64;
 
-/// Figures of all cases of one mapping in one encoding.
+/// Statistics of all cases of one mapping in one encoding.
 #[derive(Default)]
 struct Figures {
     cases: usize,
     pairs: usize,
     ties: usize,
     inversions: usize,
-    /// Largest error of stored floats.
+    /// Largest error of stored floats, in ulps.
     max_ulp: Option<f64>,
 }
 
@@ -47,7 +47,7 @@ fn numbers(list: &Value) -> Vec<f64> {
     serde_json::from_value(list.clone()).expect("a list of numbers")
 }
 
-/// Steps of f32 at `value`.
+/// Returns the spacing of f32 at `value`.
 fn ulp(value: f64) -> f64 {
     let float = value as f32;
     f64::from(float.next_up()) - f64::from(float)
@@ -95,7 +95,8 @@ fn stored_depths_are_the_exact_ones_rounded_once() {
     }
 }
 
-/// Share of ties and inversions among 200 000 pairs of distances z and z·(1 + gap), z log-uniform between the planes.
+/// Returns the shares of ties and inversions among 200 000 pairs of distances z and z·(1 + gap), z log-uniform between
+/// the planes.
 fn ties_and_inversions(scale: &DepthScale, reversed: bool, planes: [f32; 2], gap: f64) -> [f64; 2] {
     const PAIRS: u32 = 200_000;
     let mut random = fastrand::Rng::with_seed(25);
@@ -110,8 +111,9 @@ fn ties_and_inversions(scale: &DepthScale, reversed: bool, planes: [f32; 2], gap
     counts.map(|count| f64::from(count) / f64::from(PAIRS))
 }
 
-/// The share of ties that theory expects of a standard depth in even steps: two depths that differ by δ steps tie with
-/// probability 1 − δ if δ < 1, and δ(z) = c/z; so the mean of 1 − c/z over log z, from c, or the near plane, to the far one.
+/// Returns the share of ties that theory predicts for a standard depth in even steps. Two depths that differ by δ steps
+/// tie with probability 1 − δ if δ < 1, and δ(z) = c/z. The result is the mean of 1 − c/z over log z, from c, or the
+/// near plane, to the far plane.
 fn expected_ties(step: f64, [near, far]: [f32; 2], gap: f64) -> f64 {
     let [near, far] = [near, far].map(f64::from);
     let c = near * far / (far - near) * gap / (1.0 + gap) / step;
@@ -119,8 +121,8 @@ fn expected_ties(step: f64, [near, far]: [f32; 2], gap: f64) -> f64 {
     ((far / from).ln() - c * (1.0 / from - 1.0 / far)) / (far / near).ln()
 }
 
-/// The experiment of Upchurch and Desbrun, "Tightening the Precision of Perspective Rendering" (2012), as far as it
-/// concerns the depth buffer: which formats still tell close surfaces apart.
+/// The experiment of Upchurch and Desbrun, "Tightening the Precision of Perspective Rendering" (2012), limited to the
+/// depth buffer: the formats that still separate close surfaces.
 #[test]
 fn close_surfaces_tie_as_often_as_theory_says() {
     const PLANES: [f32; 2] = [0.1, 1e4];
@@ -135,12 +137,12 @@ fn close_surfaces_tie_as_often_as_theory_says() {
         assert_eq!(inversions, 0.0, "{mapping:?} {encoding:?}");
         ties
     };
-    // Floats in [0.5, 1) are as far apart as whole numbers of 24 bits, and nothing nearer than 2·near ties.
+    // Floats in [0.5, 1) are spaced like integers of 24 bits, and distances below 2·near never tie.
     let step = |encoding: DepthEncoding| encoding.largest_code().map_or(1.0 / (1 << 24) as f64, |c| 1.0 / f64::from(c));
     for gap in [1e-3, 1e-4, 1e-5] {
         for encoding in [DepthEncoding::F32, DepthEncoding::Unorm24, DepthEncoding::Unorm16] {
             let expected = expected_ties(step(encoding), PLANES, gap);
-            // Five standard deviations of a share of 200 000.
+            // Five standard deviations of a share of 200 000 pairs.
             let margin = 5.0 * (expected * (1.0 - expected) / 200_000.0).sqrt();
             let ties = share(DepthMapping::Standard, encoding, gap);
             assert!(
@@ -153,6 +155,6 @@ fn close_surfaces_tie_as_often_as_theory_says() {
             assert_eq!(share(mapping, DepthEncoding::F32, gap), 0.0, "{mapping:?}");
         }
     }
-    // The figures that the experiment is known for.
+    // The known results of the experiment.
     assert!((0.26..0.28).contains(&expected_ties(step(DepthEncoding::F32), PLANES, 1e-4)));
 }

@@ -1,4 +1,4 @@
-//! Numerical cases, read and answered as the command does, against answers in exact arithmetic.
+//! Numerical cases, read and answered like `rasterscope case`, checked against answers in exact arithmetic.
 #![expect(clippy::print_stderr, reason = "says how many were checked, and how many were not")]
 
 mod cases;
@@ -11,7 +11,7 @@ use rasterscope::pipeline::settings::{Arithmetic, Rasterizer};
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-/// The answer to a case that must not be refused.
+/// Returns the answer to a case that must not be refused.
 fn answer(sample: &Sample, options: Options) -> Answer {
     match outcome(sample, options) {
         Outcome::Answered(answer) => answer,
@@ -30,7 +30,7 @@ fn value<T: DeserializeOwned>(value: &Value) -> T {
     serde_json::from_value(value.clone()).unwrap_or_else(|error| panic!("{error}: {value}"))
 }
 
-/// Checks all cases of a kind, which must not be refused, and says how many there were.
+/// Checks all cases of a kind, none of which may be refused, and prints their number.
 fn check_all(kind: &str, check: impl Fn(&Sample, Answer)) {
     let samples = cases::of_kinds(&[kind]);
     for sample in &samples {
@@ -45,11 +45,11 @@ fn set<T: std::hash::Hash + Eq + Copy + std::fmt::Debug>(list: &[T]) -> HashSet<
     set
 }
 
-/// Arithmetics whose decisions are exact: the key of their answers, and the fraction bits that corners are snapped to.
+/// Arithmetics with exact decisions: the key of their answers, and the fraction bits to which corners are snapped.
 const EXACT: [(Arithmetic, &str, Option<u32>); 2] =
     [(Arithmetic::Exact, "none", None), (Arithmetic::Fixed, "8", Some(8))];
 
-/// Pixels of spans [row, first column, one past the last column]; panics if one is covered twice.
+/// Returns the pixels of spans [row, first column, one past the last column]. Panics if one is covered twice.
 fn pixels(spans: &[[u32; 3]]) -> HashSet<(u32, u32)> {
     set(&spans.iter().flat_map(|[y, left, right]| (*left..*right).map(|x| (x, *y))).collect::<Vec<_>>())
 }
@@ -59,7 +59,7 @@ fn triangles_cover_the_exact_samples_by_every_sound_algorithm() {
     let samples = cases::of_kinds(&["tri_coverage"]);
     for sample in &samples {
         for (arithmetic, key, bits) in EXACT {
-            // Answers of wide pictures are frozen for corners as given only.
+            // Answers of wide pictures are stored for unsnapped corners only.
             let Some(exact) = sample.expected["spans"].get(key) else { continue };
             let exact: Vec<Vec<[u32; 3]>> = value(exact);
             for rasterizer in Rasterizer::sound() {
@@ -101,7 +101,7 @@ fn triangles_in_clip_space_cover_what_lies_clearly_inside() {
 
 #[test]
 fn weights_are_within_rounding_of_the_exact_ones() {
-    // Edge value, area, reciprocal, product and sum: some roundings of numbers up to 1.
+    // Edge function, area, reciprocal, product and sum: some roundings of numbers up to 1.
     const ROUNDINGS: f64 = 8.0 / 16_777_216.0;
     check_all("tri_attr", |sample, answer| {
         let Answer::TriAttr(attributes) = answer else { panic!() };
@@ -189,7 +189,7 @@ fn areas_are_right_to_the_last_bit() {
     });
 }
 
-/// Of a code: what single precision loses in the coordinates of a texture of few texels, and in weighing them.
+/// Tolerance in codes: loss of single precision in the coordinates of a texture of few texels, and in weighting them.
 const TEXTURE_TOLERANCE: f64 = 1e-3;
 
 #[test]
@@ -205,10 +205,10 @@ fn textures_read_as_the_exact_mixture() {
     });
 }
 
-/// How far a weighted sum may be off: what 32-bit weights lose of 255.
+/// Tolerance of a weighted sum: loss of 32-bit weights for values up to 255.
 const UPSCALE_TOLERANCE: f64 = 1e-4;
 
-/// How far a drawn code may be from the weighted sum: half a code, and what fixed point adds.
+/// Tolerance of a drawn code against the weighted sum: half a code, and the error of fixed point.
 const CODE_TOLERANCE: f64 = 0.6;
 
 #[test]

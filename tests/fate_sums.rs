@@ -1,8 +1,8 @@
-//! Every triangle that goes in and every fragment that is generated ends in exactly one bin: in every built-in scene and in
-//! every model there is, from outside and from within, by every culling, depth test and depth format.
+//! Every input triangle and every generated fragment ends in exactly one bin: in every built-in scene and every model,
+//! from outside and from inside, with every culling, depth test and depth format.
 //!
-//! What came in is counted apart from the bins: triangles in the scene's meshes, fragments and rejections by an observer of
-//! the frame's own drawing.
+//! Inputs are counted independently of the bins: triangles in the scene's meshes, fragments and rejections by an
+//! observer of the frame's own rendering.
 
 mod common;
 
@@ -18,13 +18,13 @@ use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::{Camera, Scene, builtin, obj};
 use rayon::prelude::*;
 
-/// Odd on purpose.
+/// Size of the pictures, odd to test incomplete blocks.
 const SIZE: Viewport = Viewport { width: 33, height: 23 };
 
-/// Scenes with more triangles than this are asked with fewer recipes.
+/// Number of triangles above which a scene is tested with fewer recipes.
 const MANY_TRIANGLES: usize = 3_000;
 
-/// Each culling with each depth test and each depth format.
+/// Returns recipes for each combination of culling, depth test and depth format.
 fn all_recipes() -> Vec<Recipe> {
     let mut recipes = Vec::new();
     for culling in Culling::ALL {
@@ -40,7 +40,7 @@ fn all_recipes() -> Vec<Recipe> {
     recipes
 }
 
-/// Few recipes in which every culling, depth test and depth format occurs.
+/// Returns few recipes in which every culling, depth test and depth format occurs.
 fn few_recipes() -> Vec<Recipe> {
     let longest = Culling::ALL.len().max(DepthTest::ALL.len()).max(DepthFormat::ALL.len());
     (0..longest)
@@ -54,14 +54,14 @@ fn few_recipes() -> Vec<Recipe> {
         .collect()
 }
 
-/// From its home, from so near that much is cut and much lies behind, and without perspective.
+/// Returns the home view, a view so close that many triangles are clipped or behind the eye, and an orthographic view.
 fn views(scene: &Scene) -> [Camera; 3] {
     let mut inside = scene.home;
     inside.dolly(0.15);
     [scene.home, inside, scene.home.with_orthographic(true)]
 }
 
-/// What was met on the way.
+/// Counts over all checked frames.
 #[derive(Default)]
 struct Met {
     triangles: [AtomicU64; TriangleFate::ALL.len()],
@@ -113,7 +113,7 @@ fn check_all(scenes: &[Scene]) -> Met {
 fn sums_match_in_every_builtin_scene() {
     let scenes: Vec<_> = builtin::ALL.iter().map(builtin::Builtin::build).collect();
     let met = check_all(&scenes);
-    // No scene has corners that are not finite, and within the guard band nothing is cut away altogether.
+    // No scene has corners that are not finite, and within the guard band no triangle is clipped away completely.
     let never = [TriangleFate::Unaccounted, TriangleFate::NotFinite, TriangleFate::ClippedAway];
     for fate in TriangleFate::ALL.iter().filter(|fate| !never.contains(fate)) {
         assert!(met.triangles[*fate as usize].load(Ordering::Relaxed) > 0, "nothing ended so: {fate:?}");
@@ -127,7 +127,7 @@ fn sums_match_in_every_model() {
     let kinds = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()).filter(|path| path.is_dir());
     let files = kinds.flat_map(|kind| std::fs::read_dir(kind).unwrap()).map(|entry| entry.unwrap().path());
     let files: Vec<_> = files.filter(|path| path.extension().is_some_and(|extension| extension == "obj")).collect();
-    // Those of points and lines alone, and those that are no models, cannot be loaded, which is tested elsewhere.
+    // Models of points and lines only, and files that are no models, cannot be loaded; other tests cover that.
     let scenes: Vec<_> = files.par_iter().filter_map(|path| Some(obj::load(path).ok()?.scene)).collect();
     assert!(scenes.len() > 30, "{} of {} files", scenes.len(), files.len());
     let met = check_all(&scenes);

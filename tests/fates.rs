@@ -1,6 +1,5 @@
-//! The ends of triangles and fragments against a count that goes another way: which samples a triangle covers by whole
-//! numbers, how each fragment ends by what holds of all fragments at its pixel at once, and what the geometry stages reject
-//! by double precision.
+//! Fates of triangles and fragments, checked against an independent count: coverage of samples in integers, fates of
+//! fragments from all fragments at their pixel at once, and rejections of the geometry stages in double precision.
 
 mod common;
 
@@ -16,13 +15,14 @@ use rasterscope::scene::{DepthMapping, Scene, TriangleId};
 
 use common::{SceneBuilder, for_seeds, render, soup};
 
-/// Odd on purpose, and small: every triangle is asked for every pixel.
+/// Size of the pictures, odd and small, because every triangle is tested at every pixel.
 const SIZE: (u32, u32) = (37, 29);
 
-/// Steps of the grid of corners per pixel, and to its centre.
+/// Grid steps of corners per pixel.
 const STEPS: i128 = 256;
 
-/// Triangles through each other, some translucent, around and behind the eye too, without textures: what covers is opacity.
+/// Returns triangles that intersect each other, some translucent, also around and behind the eye. They have no
+/// textures, so transparency depends on opacity only.
 fn scene(rng: &mut fastrand::Rng) -> Scene {
     let at = |x: f32, z: f32| Mat4::from_translation(Vec3::new(x, 0.0, z));
     SceneBuilder::new(Vec3::new(0.2, 0.3, 1.4))
@@ -32,7 +32,8 @@ fn scene(rng: &mut fastrand::Rng) -> Scene {
         .0
 }
 
-/// The edge values of a triangle at the centre of a pixel, if that belongs to it by the top-left rule.
+/// Returns the edge functions of a triangle at the centre of a pixel; `None` if the triangle does not own it by the
+/// top-left rule.
 fn edges(triangle: &ScreenTriangle, x: u32, y: u32) -> Option<[f64; 3]> {
     let corners = triangle.vertices.each_ref().map(|v| [i128::from(v.x), i128::from(v.y)]);
     let [px, py] = [x, y].map(|at| i128::from(at) * STEPS + STEPS / 2);
@@ -41,7 +42,7 @@ fn edges(triangle: &ScreenTriangle, x: u32, y: u32) -> Option<[f64; 3]> {
     let sign = cross(corners[0], corners[1], corners[2]).signum();
     let mut values = [0.0; 3];
     for (opposite, value) in values.iter_mut().enumerate() {
-        // Along the edge with the inside at the right as seen on the screen, whose y runs down.
+        // Along the edge with the inside on the right as seen on the screen, where y points down.
         let (mut a, mut b) = (corners[(opposite + 1) % 3], corners[(opposite + 2) % 3]);
         if sign < 0 {
             (a, b) = (b, a);
@@ -56,15 +57,15 @@ fn edges(triangle: &ScreenTriangle, x: u32, y: u32) -> Option<[f64; 3]> {
     Some(values)
 }
 
-/// A fragment as this count sees it.
+/// A fragment in this count.
 struct Candidate {
     triangle: TriangleId,
     depth: f32,
     is_blended: bool,
 }
 
-/// How each of the fragments at one pixel ends, given all of them in drawing order, those that are blended last. A fragment
-/// passes if it is nearer than every opaque one before it; it is hidden if any opaque one after it passes.
+/// Returns the fates of all fragments at one pixel, given in drawing order with blended ones last. A fragment passes if
+/// it is nearer than every opaque one before it; it is hidden if any opaque one after it passes.
 fn endings(all: &[Candidate], tests_depth: bool) -> Vec<FragmentFate> {
     let passes = |place: usize| {
         let is_nearer = |other: &Candidate| other.is_blended || all[place].depth < other.depth;
@@ -82,7 +83,7 @@ fn endings(all: &[Candidate], tests_depth: bool) -> Vec<FragmentFate> {
     (0..all.len()).map(ending).collect()
 }
 
-/// Counts of fragments of each triangle by their ends.
+/// Returns the number of fragments of each triangle by fate.
 fn expected_fragments(scene: &Scene, frame: &Frame, tests_depth: bool) -> Vec<[u64; FragmentFate::ALL.len()]> {
     let mut counts = vec![[0; FragmentFate::ALL.len()]; scene.triangle_count()];
     let translucent = scene.instances.len() as u32 - 1;
@@ -100,8 +101,8 @@ fn expected_fragments(scene: &Scene, frame: &Frame, tests_depth: bool) -> Vec<[u
     counts
 }
 
-/// What double precision says of a triangle before it is rasterized: outside the view, or the doubled area of what is left of
-/// it between the near and the far plane, on the screen and y down.
+/// Evaluates a triangle before rasterization in double precision. Returns `None` outside the view, otherwise the
+/// doubled screen area, y down, of its part between the near and the far plane.
 fn in_double_precision(corners: [DVec4; 3]) -> Option<f64> {
     let planes: [fn(DVec4) -> f64; 6] =
         [|p| p.z, |p| p.w - p.z, |p| p.w + p.x, |p| p.w - p.x, |p| p.w + p.y, |p| p.w - p.y];
@@ -128,7 +129,7 @@ fn in_double_precision(corners: [DVec4; 3]) -> Option<f64> {
     Some(on_screen.iter().enumerate().map(|(place, [x, y])| x * next(place)[1] - y * next(place)[0]).sum())
 }
 
-/// The triangles that the geometry stages should reject, by their fate.
+/// Returns the expected fates of triangles that the geometry stages reject.
 fn expected_rejections(scene: &Scene, culling: Culling) -> Vec<Option<TriangleFate>> {
     let aspect = SIZE.0 as f32 / SIZE.1 as f32;
     let clip_from_world =

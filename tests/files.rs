@@ -1,5 +1,5 @@
-//! Files in and out: outputs are written whole or not at all, inputs are never replaced, names from models cannot steer
-//! a terminal, and files without an end do not block.
+//! Input and output files: outputs are written completely or not at all, inputs are never replaced, names from models
+//! cannot control a terminal, and endless files do not block.
 
 use std::fs;
 use std::path::Path;
@@ -22,7 +22,7 @@ fn text(output: &Output) -> String {
     [&output.stdout, &output.stderr].map(|bytes| String::from_utf8_lossy(bytes).into_owned()).concat()
 }
 
-/// A folder with a textured model, a view and a case.
+/// Creates a folder with a textured model, a view and a case.
 fn inputs() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, content: &str| fs::write(folder.path().join(name), content).unwrap();
@@ -115,7 +115,7 @@ fn devices_and_redirected_output_are_written_to() {
     assert!(!fs::metadata("/dev/null").unwrap().is_file());
 }
 
-/// Whether a terminal or a title bar may obey the character; the end of a line is the program's own.
+/// Whether a terminal or a title bar may interpret the character; line ends are the program's own.
 fn is_control(c: char) -> bool {
     c != '\n' && (c.is_control() || matches!(c as u32, 0x202A..=0x202E | 0x2066..=0x2069 | 0x200E..=0x200F | 0x61C))
 }
@@ -128,7 +128,7 @@ fn names_from_models_cannot_steer_the_terminal() {
     fs::write(at("model.mtl"), format!("newmtl {bad}\nKd 1 0 0\nmap_Kd {bad}.png\n")).unwrap();
     let faces =
         format!("o {bad}\nusemtl {bad}\nf 1/1 2/2 3/3\no {bad}2\nusemtl missing{bad}\nf 1/1 2/2 3/3\n{bad} 1\n");
-    // UTF-16, which may hold any control character.
+    // UTF-16 may contain any control character.
     let model =
         format!("mtllib model.mtl\nmtllib {bad}.mtl\n{TRIANGLE}{faces}").replace("a\u{9b}", "a\u{1b}]0;\u{7}\u{9b}");
     let name = format!("{bad}.obj");
@@ -152,7 +152,7 @@ fn names_from_models_cannot_steer_the_terminal() {
             panic!("{command:?} prints {c:?} in {said:?}");
         }
     }
-    // The names are still told apart, and the default material says what was missing.
+    // The names remain distinguishable, and the default material reports what was missing.
     let said = text(&run(folder.path(), &["fates", &name]));
     assert!(said.contains('\u{FFFD}') && said.contains("is not defined"), "{said}");
 }
@@ -177,13 +177,13 @@ fn pipes_and_files_of_proc_do_not_block() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     assert!(Command::new("mkfifo").arg(at("pipe.png")).status().unwrap().success());
-    // A regular file of no size that blocks whoever reads it, as far as one may.
+    // A regular file of size 0 that blocks readers with permission to read it.
     std::os::unix::fs::symlink("/proc/kmsg", at("kmsg.png")).unwrap();
     for (texture, reason) in [("pipe.png", "it is not a regular file"), ("kmsg.png", "it is empty")] {
         fs::write(at("model.mtl"), format!("newmtl m\nmap_Kd {texture}\n")).unwrap();
         fs::write(at("model.obj"), format!("mtllib model.mtl\n{TRIANGLE}usemtl m\nf 1/1 2/2 3/3\n")).unwrap();
         let said = text(&run(folder.path(), &["fates", "model.obj"]));
-        assert!(said.contains("texture left out") && said.contains(reason), "{said}");
+        assert!(said.contains("texture not loaded") && said.contains(reason), "{said}");
     }
     for command in [
         &["fates", "pipe.png"][..],
@@ -197,7 +197,7 @@ fn pipes_and_files_of_proc_do_not_block() {
     }
 }
 
-/// Source files below `folder`.
+/// Collects the source files below `folder` into `found`.
 fn sources(folder: &Path, found: &mut Vec<std::path::PathBuf>) {
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
@@ -218,7 +218,7 @@ fn only_one_module_opens_files() {
     let mut elsewhere = Vec::new();
     for path in found {
         let name = path.strip_prefix(&root).unwrap().display().to_string();
-        // Test modules make files of their own.
+        // Test modules create files of their own.
         let is_test = name.ends_with("tests.rs") || name.contains("/tests/");
         if is_test || name == "disk.rs" {
             continue;
@@ -265,7 +265,7 @@ fn an_interrupted_measurement_writes_what_is_complete() {
         let mut command = Command::new(env!("CARGO_BIN_EXE_rasterscope"));
         command.args(args).current_dir(folder.path()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
     };
-    // More frames than any test waits for; the signal comes when the first have been drawn.
+    // More frames than any test waits for; the signal follows after the first frames were drawn.
     let child = started(&["bench", "triangle", "--size", "320x240", "--frames", "100000", "--json"]);
     let interrupt = || Command::new("sh").arg("-c").arg(format!("kill -INT {}", child.id())).status().unwrap();
     let cpu = || {
@@ -278,7 +278,7 @@ fn an_interrupted_measurement_writes_what_is_complete() {
             .and_then(|ticks| ticks.parse().ok())
             .unwrap_or(0_u64)
     };
-    // At most 20 s: a program that ended early fails below.
+    // Waits at most 20 s; if the program ended early, the test fails below.
     for _ in 0..1000 {
         if cpu() >= 30 {
             break;
@@ -298,7 +298,7 @@ fn an_interrupted_measurement_writes_what_is_complete() {
 fn long_measurements_check_their_output_before_they_begin() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("file"), "").unwrap();
-    // None of these would end within the time of a test.
+    // Each of these commands would exceed the time of a test.
     for command in [
         &["report", "-o", "file/report", "--rounds", "1000"][..],
         &["scaling", "-o", "file/scaling", "--rounds", "1000"],

@@ -1,12 +1,12 @@
-//! Golden images: small pictures in `tests/golden` that were looked at once and found right. Every pixel must stay.
+//! Golden images: small pictures in `tests/golden` that were inspected once and found correct. Every pixel must stay.
 //!
-//! A picture that differs is written beside its difference into the target folder, and the failure names both; a picture
-//! without a golden fails, and so does a golden without a picture. After a change that was meant, renew them with
-//! `RASTERSCOPE_BLESS=1 cargo test --test golden`, and look at what changed before it is committed.
+//! A picture that differs is written with its difference image into the target folder, and the failure names both. A
+//! picture without a golden image fails, and so does a golden image without a picture. After an intended change, renew
+//! them with `RASTERSCOPE_BLESS=1 cargo test --test golden`, and inspect the changes before committing them.
 //!
-//! They come from x86-64 Linux with glibc. The pipeline itself is basic IEEE arithmetic, the same everywhere; but the
-//! sRGB tables, fields of view and some textures go through `powf`, `tan` and `sin` of the platform's library, so
-//! elsewhere a code may differ by one.
+//! They were made on x86-64 Linux with glibc. The pipeline itself is basic IEEE arithmetic, the same everywhere, but
+//! the sRGB tables, fields of view and some textures use `powf`, `tan` and `sin` of the platform's library. On other
+//! platforms a code may differ by one.
 
 mod common;
 
@@ -26,7 +26,7 @@ use rasterscope::upscale::{self, Scale, Upscaling};
 
 const SIZE: (u32, u32) = (160, 100);
 
-/// Amplification of differences, so that one code can be seen.
+/// Amplification of difference images, so that a difference of one code is visible.
 const DIFFERENCE_GAIN: u8 = 32;
 
 fn scene(id: &str) -> Scene {
@@ -37,7 +37,7 @@ fn image(scene: &Scene, recipe: &Recipe) -> Image<Rgba8> {
     render(scene, recipe, SIZE).image().clone()
 }
 
-/// Every picture that has a golden, with the name of its file.
+/// Returns every picture with a golden image, and its file name without extension.
 fn pictures() -> Vec<(String, Image<Rgba8>)> {
     let mut pictures: Vec<_> =
         builtin::ALL.iter().map(|b| (b.id.to_owned(), image(&b.build(), &Recipe::default()))).collect();
@@ -49,7 +49,7 @@ fn pictures() -> Vec<(String, Image<Rgba8>)> {
     pictures
 }
 
-/// Single switches on the scenes that show them.
+/// Returns pictures of single switches on the scenes that show them.
 fn switches() -> impl Iterator<Item = (String, Image<Rgba8>)> {
     [
         ("chess", "interpolation=affine"),
@@ -88,7 +88,7 @@ fn switches() -> impl Iterator<Item = (String, Image<Rgba8>)> {
     .map(|(id, switch)| (format!("{id}.{}", switch.replace('=', "-")), image(&scene(id), &recipe(&[switch]))))
 }
 
-/// Every depth format but the default one, where they differ most.
+/// Returns pictures of every depth format except the default, on the scene where they differ most.
 fn depth_formats() -> impl Iterator<Item = (String, Image<Rgba8>)> {
     let z_fighting = scene("z-fighting");
     DepthFormat::ALL.iter().filter(|format| **format != DepthFormat::F32).map(move |format| {
@@ -98,7 +98,7 @@ fn depth_formats() -> impl Iterator<Item = (String, Image<Rgba8>)> {
     })
 }
 
-/// Every upscaler at its largest enlargement.
+/// Returns pictures of every upscaler at its largest scale.
 fn upscalers() -> Vec<(String, Image<Rgba8>)> {
     let chess = scene("chess");
     let picture = |id: &str| {
@@ -109,7 +109,7 @@ fn upscalers() -> Vec<(String, Image<Rgba8>)> {
     upscale::ALL.iter().filter(|u| u.id() != "native").filter_map(|u| picture(u.id())).collect()
 }
 
-/// Buffers as the window shows them.
+/// Returns pictures of buffers as the window shows them.
 fn buffers() -> Vec<(String, Image<Rgba8>)> {
     let picture = |(id, buffer): (&str, Buffer), name: &str| {
         let (scene, recipe) = (scene(id), Recipe::default());
@@ -126,7 +126,7 @@ fn buffers() -> Vec<(String, Image<Rgba8>)> {
     ]
 }
 
-/// Pictures of stages that are not the finished frame.
+/// Returns pictures of stages before the finished frame.
 fn stages() -> impl Iterator<Item = (String, Image<Rgba8>)> {
     let (scene, recipe) = (scene("near-plane"), Recipe::default());
     let frame = render(&scene, &recipe, SIZE);
@@ -139,7 +139,8 @@ fn golden_folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden")
 }
 
-/// What is wrong with a picture, if anything is. Leaves it and its difference in the target folder.
+/// Describes the fault of a picture; `None` if it is correct. Writes a wrong picture and its difference into the target
+/// folder.
 fn complaint(name: &str, actual: &Image<Rgba8>) -> Option<String> {
     let golden = golden_folder().join(format!("{name}.png"));
     let aside = Path::new(env!("CARGO_TARGET_TMPDIR")).join("golden");

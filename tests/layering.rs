@@ -1,29 +1,29 @@
-//! The order of the modules, held by reading the sources: imports point only upstream, and the window's toolkit is
-//! named in the window alone.
+//! Checks of the order of modules by reading the sources: imports point only upstream, and only the window names its
+//! toolkit.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Crates that only the window may name.
+/// Crates that only the window may use.
 const WINDOW_TOOLKIT: [&str; 6] = ["egui", "eframe", "egui_plot", "egui_extras", "egui_kittest", "rfd"];
 
-/// Marks of unfinished work, in halves so that this file does not carry them.
+/// Markers of unfinished work, split so that this file does not contain them.
 const UNFINISHED: [[&str; 2]; 4] = [["TO", "DO"], ["FIX", "ME"], ["unimple", "mented"], ["to", "do"]];
 
-/// A source file: its path below `src`, and its text.
+/// A source file.
 struct Source {
     path: PathBuf,
     text: String,
 }
 
 impl Source {
-    /// The top-level module that it belongs to.
+    /// Returns the top-level module that the file belongs to.
     fn module(&self) -> String {
         let first = self.path.iter().next().unwrap_or_default();
         Path::new(first).with_extension("").display().to_string()
     }
 
-    /// Lines of code, numbered from 1, without comments.
+    /// Returns the lines of code without comments, numbered from 1.
     fn code(&self) -> impl Iterator<Item = (usize, &str)> {
         self.text.lines().enumerate().map(|(index, line)| (index + 1, line.split("//").next().unwrap_or_default()))
     }
@@ -47,12 +47,12 @@ fn sources() -> Vec<Source> {
     sources
 }
 
-/// Words as Rust sees them: runs of letters, digits and underscores.
+/// Splits text into identifiers: runs of letters, digits and underscores.
 fn words(text: &str) -> impl Iterator<Item = &str> {
     text.split(|c: char| !c.is_alphanumeric() && c != '_')
 }
 
-/// Modules of the library in the order of their declaration, then those of the program.
+/// Returns the modules of the library in the order of their declaration, then those of the program.
 fn order(sources: &[Source]) -> Vec<String> {
     let library = sources.iter().find(|source| source.path == Path::new("lib.rs")).unwrap();
     let declared = library.code().filter_map(|(_, line)| {
@@ -62,7 +62,7 @@ fn order(sources: &[Source]) -> Vec<String> {
     declared.chain(["lib", "cli", "main"].map(str::to_owned)).collect()
 }
 
-/// The top-level modules that `code` names behind `crate::` or `rasterscope::`, one by one or within braces.
+/// Returns the top-level modules that `code` names after `crate::` or `rasterscope::`, singly or within braces.
 fn imports(code: &str) -> Vec<String> {
     let starts = code.match_indices("crate::").map(|(at, prefix)| (at, prefix.len()));
     let starts = starts.chain(code.match_indices("rasterscope::").map(|(at, prefix)| (at, prefix.len())));
@@ -91,7 +91,7 @@ fn imports_point_only_upstream() {
         let own = position(&source.module()).unwrap_or_else(|| panic!("{} is in no module", source.path.display()));
         let code: String = source.code().flat_map(|(_, line)| [line, "\n"]).collect();
         for import in imports(&code) {
-            // What is no module is a macro of the crate.
+            // Names that are no modules are macros of the crate.
             let Some(imported) = position(&import) else { continue };
             found += 1;
             assert!(imported <= own, "{} imports {import}, which comes after it", source.path.display());

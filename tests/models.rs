@@ -1,4 +1,4 @@
-//! Real models: as many triangles as an independent count, materials and textures as their libraries say.
+//! Real models: triangle counts equal to an independent count, and the materials and textures of their libraries.
 
 mod common;
 
@@ -8,15 +8,15 @@ use common::models;
 use rasterscope::scene::obj::{self, Loaded};
 use rasterscope::scene::{DepthMapping, MeshData, SceneError};
 
-/// Models with faces, or triangles of polygons, that cover nothing or the same again: they are left out, which the
-/// independent count (corners − 2) cannot know. Name, triangles left, why.
+/// Models with faces, or triangles of polygons, that have no area or repeat others. The loader drops them, which the
+/// independent count (corners − 2) does not know. Name, remaining triangles, reason.
 const WITHOUT_AREA: [(&str, usize, &str); 3] = [
     ("spider/spider.obj", 1368 - 56, "56 faces have two corners in one place"),
     ("odd/box_longline.obj", 12, "a cube, one face of which runs around its four corners 233 times"),
     ("odd/issue-319-002.obj", 14 - 1, "one polygon has two corners in one place"),
 ];
 
-/// Name and count of triangles of each row of the table.
+/// Returns name and triangle count of each row of the table.
 fn rows(table: &str) -> Vec<(String, usize)> {
     table
         .lines()
@@ -47,9 +47,9 @@ fn every_model_has_as_many_triangles_as_counted_independently() {
         let result = obj::load(&models.join(&name));
         let expected = WITHOUT_AREA.iter().find(|(n, ..)| *n == name).map_or(counted, |(_, left, _)| *left);
         match result {
-            // `3.1+e2` is no number in any language: an error is right.
+            // `3.1+e2` is not a valid number, so an error is correct.
             Err(SceneError::Line { line: 11, .. }) if name == "odd/number_formats.obj" => {}
-            // Points, lines or a lone vertex: nothing to draw.
+            // Points, lines or a single vertex: nothing to draw.
             Err(_) if counted == 0 => {}
             Ok(loaded) if loaded.scene.triangle_count() == expected && counted > 0 => {}
             Ok(loaded) => failures.push(format!("{name}: {} instead of {expected}", loaded.scene.triangle_count())),

@@ -1,5 +1,5 @@
-//! The inspector replays pixels, and this holds it to its word: over all switches, what the replay of every pixel of a
-//! frame arrives at is the frame, bit for bit, and what it lists agrees with the buffers.
+//! Replays equal the frame: for all switches, the replay of every pixel of a frame gives the frame, bit for bit, and
+//! its list of fragments agrees with the buffers.
 
 mod common;
 
@@ -18,10 +18,10 @@ use rasterscope::pipeline::settings::{
 use rasterscope::scene::{Scene, Transparency, TriangleId, builtin};
 use rasterscope::upscale::{Anchor, Upscaling};
 
-/// Odd on purpose: blocks and squares do not divide it.
+/// Size of the pictures, odd so that blocks and squares do not divide it.
 const SIZE: (u32, u32) = (47, 35);
 
-/// A recipe for each alternative of a setting, the others at their default.
+/// Returns a recipe for each alternative of a setting, with the others at their default.
 fn each<C: Choice>(set: fn(&mut Recipe, C)) -> impl Iterator<Item = Recipe> {
     C::ALL.iter().map(move |choice| {
         let mut recipe = Recipe::default();
@@ -30,7 +30,7 @@ fn each<C: Choice>(set: fn(&mut Recipe, C)) -> impl Iterator<Item = Recipe> {
     })
 }
 
-/// Every switch around the default recipe.
+/// Returns recipes with a single switch changed from the default.
 fn single_switches() -> Vec<Recipe> {
     each::<Culling>(|r, c| r.pipeline.culling = c)
         .chain(each::<Rasterizer>(|r, c| r.pipeline.rasterizer = c))
@@ -48,14 +48,14 @@ fn single_switches() -> Vec<Recipe> {
         .collect()
 }
 
-/// All rasterizers × arithmetics × facings.
+/// Returns all rasterizers × arithmetics × cullings.
 fn ways_of_covering() -> Vec<Recipe> {
     let recipes = cross::<Rasterizer>(&[Recipe::default()], |r, c| r.pipeline.rasterizer = c);
     let recipes = cross::<Arithmetic>(&recipes, |r, c| r.pipeline.arithmetic = c);
     cross::<Culling>(&recipes, |r, c| r.pipeline.culling = c)
 }
 
-/// Each recipe once with every choice.
+/// Returns each recipe combined with every choice.
 fn cross<C: Choice>(recipes: &[Recipe], set: fn(&mut Recipe, C)) -> Vec<Recipe> {
     let with = |recipe: &Recipe, choice: C| {
         let mut recipe = *recipe;
@@ -65,7 +65,8 @@ fn cross<C: Choice>(recipes: &[Recipe], set: fn(&mut Recipe, C)) -> Vec<Recipe> 
     recipes.iter().flat_map(|recipe| C::ALL.iter().map(move |choice| with(recipe, *choice))).collect()
 }
 
-/// All fill rules × depth tests × formats × interpolations, without culling, so that more meets at each pixel.
+/// Returns all fill rules × depth tests × formats × interpolations, without culling, so that more fragments meet at
+/// each pixel.
 fn combined_switches() -> Vec<Recipe> {
     let mut recipes = vec![Recipe::default()];
     recipes[0].pipeline.culling = Culling::None;
@@ -75,7 +76,7 @@ fn combined_switches() -> Vec<Recipe> {
     cross::<Interpolation>(&recipes, |r, c| r.pipeline.interpolation = c)
 }
 
-/// Depth biases × formats, each with another depth test and other numbers to decide coverage in, without culling.
+/// Returns all depth biases × formats, without culling; depth test and arithmetic change from recipe to recipe.
 fn depth_biases() -> Vec<Recipe> {
     let mut recipe = Recipe::default();
     recipe.pipeline.culling = Culling::None;
@@ -90,13 +91,13 @@ fn depth_biases() -> Vec<Recipe> {
     biased.enumerate().map(with).collect()
 }
 
-/// Every upscaler × scale, and every upscaler with a wireframe.
+/// Returns every upscaler × scale, and every upscaler with a wireframe.
 fn upscalers() -> Vec<Recipe> {
     let plain = Upscaling::every().map(|upscaler| Recipe { upscaler, ..Recipe::default() });
     plain.chain(upscalers_at_their_first_scale(true)).collect()
 }
 
-/// Every way to smooth, each with and without an upscaler, and every filter.
+/// Returns every anti-aliasing method, with and without an upscaler, and every post filter.
 fn smooth() -> Vec<Recipe> {
     let plain = Recipe::default();
     let enlarged = Recipe { upscaler: Upscaling::new("bilinear", 3).unwrap(), ..plain };
@@ -108,14 +109,14 @@ fn smooth() -> Vec<Recipe> {
     recipes.into_iter().chain(bytes).chain(filters).collect()
 }
 
-/// Every upscaler at the first scale that it offers.
+/// Returns every upscaler at the first scale that it offers.
 fn upscalers_at_their_first_scale(wireframe: bool) -> impl Iterator<Item = Recipe> {
     let mut methods: Vec<Upscaling> = Upscaling::every().collect();
     methods.dedup_by_key(|upscaling| upscaling.method());
     methods.into_iter().map(move |upscaler| Recipe { upscaler, wireframe, ..Recipe::default() })
 }
 
-/// Replays every pixel of every scene under every recipe; says how much was compared.
+/// Replays every pixel of every scene under every recipe, and prints the number of comparisons.
 #[expect(clippy::print_stderr, reason = "how much was compared is the point of these tests")]
 fn replay_all(scenes: &[(&str, Scene)], recipes: &[Recipe], size: (u32, u32)) {
     let compared = AtomicU64::new(0);
@@ -146,7 +147,7 @@ fn replay_frame(name: &str, scene: &Scene, recipe: &Recipe, (width, height): (u3
     u64::from(width) * u64::from(height)
 }
 
-/// What the report lists is what the buffers hold at the drawn pixel that it tells about.
+/// Checks that the report agrees with the buffers at the drawn pixel that it describes.
 fn check_against_buffers(report: &PixelReport, frame: &Frame, buffers: &Buffers) {
     let [x, y] = report.drawn_at;
     let (column, row) = frame.drawn.grid.sample_at(x, y).expect("reports tell about drawn pixels");
@@ -161,7 +162,7 @@ fn check_against_buffers(report: &PixelReport, frame: &Frame, buffers: &Buffers)
         Some(visible) => {
             assert_eq!(visible.triangle, winner);
             assert_eq!(visible.affine_weights, buffers.lambda.at(column, row));
-            // Bit for bit: published weights may be NaN.
+            // Compared bit for bit, because published weights may be NaN.
             let bits = |weights: [f32; 3]| weights.map(f32::to_bits);
             assert_eq!(bits(visible.attribute_weights), bits(buffers.perspective_lambda.at(column, row)));
             if frame.antialias.is_off() {
@@ -170,7 +171,7 @@ fn check_against_buffers(report: &PixelReport, frame: &Frame, buffers: &Buffers)
             assert_eq!(frame.geometry.triangles[visible.submission].id, visible.triangle);
         }
     }
-    // What is blended leaves no depth.
+    // Blended fragments write no depth.
     let stores = |f: &&FragmentRecord| f.outcome.is_written() && f.transparency != Transparency::Blended;
     let last = report.fragments.iter().rfind(stores).map_or(frame.drawn.clear_depth, |f| f.depth.value);
     assert!(stored.is_none_or(|d| d == last));

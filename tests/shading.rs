@@ -1,5 +1,5 @@
-//! Highlights, normal maps, emission, opacity maps and alpha filtering: by independent oracles in double precision, and the
-//! same bits in both executions, in replays and in traces.
+//! Highlights, normal maps, emission, opacity maps and alpha filtering: checked against independent oracles in double
+//! precision, and for equal bits in both executions, in replays and in traces.
 
 mod common;
 
@@ -20,7 +20,7 @@ use rasterscope::scene::{
 
 const SIZE: (u32, u32) = (40, 30);
 
-/// A square over [−1, 1]² at z = 0 that faces +z; u grows to the right and v downwards.
+/// Returns a square over [−1, 1]² at z = 0 that faces +z; u increases to the right and v downwards.
 fn square() -> Mesh {
     let corners = [Vec2::new(-1.0, -1.0), Vec2::new(1.0, -1.0), Vec2::ONE, Vec2::new(-1.0, 1.0)];
     Mesh::new(MeshData {
@@ -34,7 +34,7 @@ fn square() -> Mesh {
     .expect("the square is sound")
 }
 
-/// A scene of one mesh in a material that `make` makes.
+/// Returns a scene of one mesh with the material that `make` returns.
 fn scene_of(mesh: Mesh, world_from_model: Mat4, make: impl FnOnce(&mut Library) -> Material) -> Scene {
     let mut library = Library::default();
     let material = make(&mut library);
@@ -52,7 +52,7 @@ fn classic(recipe: &Recipe) -> Recipe {
     Recipe { execution: Execution::Classic, ..*recipe }
 }
 
-/// Draws in both ways, which must agree, and returns the picture.
+/// Draws in both executions, checks that they agree, and returns the picture.
 fn picture(scene: &Scene, recipe: &Recipe) -> Image<Rgba8> {
     let drawn = render(scene, &classic(recipe), SIZE);
     let tiled = Renderer::default().render(
@@ -75,7 +75,7 @@ fn code(light: f64) -> f64 {
     255.0 * if light <= 0.003_130_8 { light * 12.92 } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// The point of the plane through the origin with this normal that a pixel's centre shows.
+/// Returns the point at a pixel's centre on the plane through the origin with this normal.
 fn point_seen(camera: &Camera, (x, y): (u32, u32), plane: DVec3) -> DVec3 {
     let Projection::Perspective { fov_y } = camera.projection else { panic!("a perspective view") };
     let tan = (f64::from(fov_y) * 0.5).tan();
@@ -89,7 +89,7 @@ fn point_seen(camera: &Camera, (x, y): (u32, u32), plane: DVec3) -> DVec3 {
     eye - ray * (eye.dot(plane) / ray.dot(plane))
 }
 
-/// A repeated texture at `uv`, bilinear, as codes over 255.
+/// Returns the bilinear sample of a repeated texture at `uv`, as sRGB-encoded values in [0, 1].
 fn bilinear(image: &Image<Rgba8>, uv: DVec2) -> DVec3 {
     let (width, height) = image.size();
     let place = DVec2::new(uv.x * f64::from(width) - 0.5, uv.y * f64::from(height) - 0.5);
@@ -248,7 +248,7 @@ fn scale_and_offset_are_those_of_a_mesh_that_has_them() {
     assert_eq!(picture(&moved, &Recipe::default()), picture(&due, &Recipe::default()));
 }
 
-/// A leaf of one colour among hidden texels of another one, cut out or graded.
+/// Returns a leaf of one colour among hidden texels of another colour, with alpha `edge` at its border.
 fn leaf(hidden: [u8; 3], edge: u8) -> Image<Rgba8> {
     let [r, g, b] = hidden;
     Image::from_fn(16, 16, |x, y| match (x.abs_diff(8).max(y.abs_diff(7)), x) {
@@ -258,7 +258,7 @@ fn leaf(hidden: [u8; 3], edge: u8) -> Image<Rgba8> {
     })
 }
 
-/// The whole overlay of a frame.
+/// Returns the totals of the overlay of a frame.
 fn bleeding(scene: &Scene, recipe: &Recipe) -> [f64; 2] {
     let frame = render(scene, recipe, SIZE);
     let context = Context {
@@ -335,7 +335,7 @@ fn without_specular_colour_blinn_phong_is_lambert() {
     assert_eq!(picture(&scene, &recipe(&["shading=blinn-phong"])), picture(&scene, &recipe(&["shading=lambert"])));
 }
 
-/// Everything at once: two objects with all that a material may have, one of them seen through, one cut out.
+/// Returns a scene of two objects with every material feature, one of them blended and one alpha-tested.
 fn everything() -> Scene {
     let mut random = fastrand::Rng::with_seed(10);
     let mut scene = scene_of(cube(), Mat4::from_rotation_y(0.6) * Mat4::from_scale(Vec3::splat(0.6)), |library| {
@@ -370,7 +370,7 @@ fn full_material(library: &mut Library, random: &mut fastrand::Rng, alphas: &[u8
     }
 }
 
-/// Settings under which what is new comes together with what was there.
+/// Returns settings that combine the new material features with existing ones.
 fn sweep() -> Vec<Recipe> {
     let mut all = Vec::new();
     for shading in Shading::ALL.iter().filter(|shading| shading.reads_material() || **shading == Shading::Normals) {

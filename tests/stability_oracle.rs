@@ -1,5 +1,5 @@
-//! The report's oracle against answers that another one gave, in other arithmetic and another language: whoever judges
-//! must first be judged.
+//! Validates the oracle of the stability report against answers of an independent oracle, in other arithmetic and
+//! another language.
 #![expect(clippy::print_stderr, reason = "says what was checked")]
 
 mod cases;
@@ -18,10 +18,10 @@ use rasterscope::report::stability::spans::Hits;
 use rasterscope::report::stability::sweep::DEFAULT_SEED;
 use serde_json::Value;
 
-/// Answers are frozen as the nearest f64; ours go through another division.
+/// Tolerance for stored answers, which are rounded to the nearest f64, whereas ours use another division.
 const FROZEN: f64 = 1e-15;
 
-/// Cases of a kind whose class starts with `prefix`, each with its answer.
+/// Returns the cases of a kind whose class starts with `prefix`, each with its answer.
 fn cases_of(kind: &str, prefix: &str) -> Vec<(Case, Value)> {
     let all = cases::of_kinds(&[kind]).into_iter();
     let wanted = all.filter(|sample| sample.case["class"].as_str().is_some_and(|class| class.starts_with(prefix)));
@@ -125,7 +125,7 @@ fn check_depth(id: &str, case: &Depth, answer: &Value) {
     assert_eq!(Value::from(ties), answer["ideal"]["ties"], "{id}");
 }
 
-/// Checks all cases of some classes, of which there are at least `least` where there are any at all.
+/// Checks all cases of some classes. If there are any, there must be at least `least`.
 fn check(kind: &str, prefix: &str, least: usize) {
     let all = cases_of(kind, prefix);
     for (case, answer) in &all {
@@ -171,7 +171,7 @@ fn the_catalogue_can_be_opened_as_case_files() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("case.json");
     let mut opened = 0;
-    // What is no number, two triangles at once and random pairs are the report's own.
+    // Cases that are not finite, pairs of triangles and random pairs exist in the report only.
     for class in catalogue::all().filter(|class| !["not-finite", "coplanar", "depth-published"].contains(&class.id)) {
         for case in class.cases(DEFAULT_SEED) {
             std::fs::write(&path, case.to_json()).expect("a file");

@@ -1,4 +1,4 @@
-//! Statements of models and material libraries: what they change, and the warning where they change nothing.
+//! Statements of models and material libraries: their effects, and warnings about statements without effect.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -20,7 +20,7 @@ use rasterscope::scene::{Alpha, LoadControl, Material, MemoryLimit, Scene, Trian
 const SQUARE: &str = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n";
 const FACE: &str = "f 1/1 2/2 3/3 4/4\n";
 
-/// A folder with a square in the material `m`, and the library `a.mtl` of this text.
+/// Creates a folder with a square in the material `m`, and a library `a.mtl` with this text.
 fn folder_with(library: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("a.obj"), format!("mtllib a.mtl\n{SQUARE}usemtl m\n{FACE}")).unwrap();
@@ -28,7 +28,7 @@ fn folder_with(library: &str) -> tempfile::TempDir {
     folder
 }
 
-/// The warnings without their folder.
+/// Returns the warnings without the path of their folder.
 fn warnings(loaded: &Loaded, folder: &Path) -> Vec<String> {
     let prefix = format!("{}/", folder.display());
     loaded.warnings.iter().map(|warning| warning.to_string().replacen(&prefix, "", 1)).collect()
@@ -48,7 +48,7 @@ fn write_picture(path: &Path, texels: &[Rgba8]) {
     file::write_png(path, &Image::from_pixels(texels.len() as u32, 1, texels.to_vec())).unwrap();
 }
 
-/// The texels of a texture of the material.
+/// Returns the texels of a texture of the material.
 fn texels(scene: &Scene, texture: Option<rasterscope::scene::TextureId>) -> &[Rgba8] {
     scene.library.texture(texture.unwrap()).image().pixels()
 }
@@ -137,7 +137,7 @@ fn statements_that_are_not_rendered_give_one_warning_each() {
         "a.obj:13: `l` (lines) is not rendered (2 times, here first)",
         "a.obj:15: `curv` (curve) is not rendered",
         "a.obj:16: `bevel` (bevel interpolation) is not rendered",
-        "a.obj:17: statement \"nonsense\" is not known; left out",
+        "a.obj:17: unknown statement \"nonsense\"; ignored",
         "a.mtl:2: `Pr` (roughness (PBR)) is not rendered (2 times, here first)",
         "a.mtl:3: `Pm` (metalness (PBR)) is not rendered",
         "a.mtl:4: `map_Pr` (roughness texture (PBR)) is not rendered",
@@ -163,7 +163,7 @@ fn tr_is_taken_by_evidence_unless_its_meaning_is_given() {
         let folder = folder_with(library);
         let (loaded, told) = load(folder.path());
         assert_eq!(material(&loaded.scene).opacity, expected, "{library}");
-        let said = told.iter().any(|text| text.contains("`Tr` is taken as opacity, since") && text.contains(reason));
+        let said = told.iter().any(|text| text.contains("`Tr` is treated as opacity because") && text.contains(reason));
         assert_eq!(said, !reason.is_empty(), "{library}: {told:?}");
     }
     let folder = folder_with(meshlab);
@@ -177,7 +177,7 @@ fn tr_is_taken_by_evidence_unless_its_meaning_is_given() {
     assert_eq!(material(&load(folder.path()).0.scene).opacity, 1.0, "no face uses the other material");
 }
 
-/// A TGA picture of 2 × 1 texels with 32 bits each.
+/// Returns a TGA picture of 2 × 1 texels with 32 bits each.
 fn tga(alpha_bits: u8, alpha: u8) -> Vec<u8> {
     let mut bytes = vec![0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 1, 0, 32, 0x20 | alpha_bits];
     bytes.extend([10, 20, 30, alpha, 40, 50, 60, alpha]);
@@ -236,7 +236,7 @@ fn files_are_found_in_any_normal_form_and_in_other_case_with_a_warning() {
     );
 }
 
-/// A grid of 24 × 24 quads, large enough for clusters, with broken numbers written for some of its vertices.
+/// Returns a grid of 24 × 24 quads, large enough for clusters, with invalid numbers for some of its vertices.
 fn grid(broken: &[(usize, &str)]) -> Scene {
     const SIDE: usize = 24;
     let mut text = String::new();
@@ -270,7 +270,7 @@ fn frame(scene: &Scene, settings: &[&str]) -> (Recipe, Frame) {
 
 #[test]
 fn triangles_with_a_corner_that_is_not_finite_have_their_own_fate_in_every_execution() {
-    // Inner vertices, each a corner of six triangles that share none with the others.
+    // Inner vertices that are not finite, each a corner of six triangles that no other of them shares.
     let (whole, (scene, broken)) = (grid(&[]), broken_grid());
     assert_eq!(scene.home, whole.home, "bounds and first view leave them out");
     let mut reference = None;
@@ -296,7 +296,7 @@ fn triangles_with_a_corner_that_is_not_finite_have_their_own_fate_in_every_execu
     assert_ne!(reference.as_deref(), Some(frame(&whole, &[]).1.image().pixels()), "there are holes");
 }
 
-/// A grid of which some corners are not finite, and the number of such triangles.
+/// Returns a grid with some corners that are not finite, and the number of affected triangles.
 fn broken_grid() -> (Scene, u32) {
     (grid(&[(110, "nan 1 0"), (304, "12 inf 0"), (480, "-inf -inf nan"), (404, "1e99 0 0")]), 24)
 }
@@ -342,8 +342,8 @@ fn broken_normals_and_texture_coordinates_load_with_a_warning() {
     assert_eq!(
         told,
         [
-            "a.obj:9: texture coordinate that is not finite; taken as 0 0",
-            "a.obj:11: normal that is not finite; no direct light reaches the corners that use it",
+            "a.obj:9: texture coordinate that is not finite; treated as 0 0",
+            "a.obj:11: normal that is not finite; corners that use it receive no direct light",
         ]
     );
     let mesh = &loaded.scene.library.meshes()[0];
@@ -382,7 +382,7 @@ fn a_pixel_lists_the_texels_of_every_map() {
             let read: Vec<_> = shading.texels_of(*map).collect();
             let sum: f32 = read.iter().map(|texel| texel.tap.weight).sum();
             assert!((sum - 1.0).abs() < 1e-6, "{filter}, {map:?}: {sum}");
-            // One number of an opacity map is moved to alpha.
+            // The single value of an opacity map is stored in alpha.
             let of = |color: &Rgba8| {
                 if *map == TextureMap::Opacity { [color[3]; 3] } else { [color[0], color[1], color[2]] }
             };

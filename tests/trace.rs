@@ -1,13 +1,13 @@
-//! Replay and trace are the frame: whatever the recipe and however it was executed, what the inspector arrives at by
-//! drawing one pixel again, and what the arithmetic comes to that it writes out line by line, are the very bits that stand
-//! in the picture and in the depth buffer.
+//! Replays and traces agree with the frame bit for bit, whatever the recipe and the execution. The inspector's replay
+//! of a pixel, and the trace of its arithmetic, give the very bits in the picture and in the depth buffer.
 //!
-//! What is covered, in every pixel of three scenes (one that reaches behind the eye, one of coinciding surfaces, one of
-//! panes and cut-outs), each frame drawn triangle by triangle, and tile by tile where that is possible:
-//! - replays: each rasterizer with each row of a list of settings in which any two values of any two settings of the pipeline
-//!   stand together at least once; beside them each way to smooth, each kind of upscaler and each filter over the picture;
-//! - traces, which do all arithmetic once more in exact numbers and take a hundred times as long: the same rows and the same
-//!   ways to finish on smaller pictures, each row with one rasterizer, all of them in turn.
+//! Coverage: every pixel of three scenes (geometry behind the eye, coinciding surfaces, panes and alpha test), each
+//! frame drawn triangle by triangle, and tile by tile where possible:
+//! - replays: each rasterizer with each row of a pairwise covering array of the pipeline's settings, in which any two
+//!   values of any two settings occur together at least once; also each anti-aliasing method, each kind of upscaler and
+//!   each post filter;
+//! - traces, which repeat all arithmetic in exact numbers and take a hundred times as long: the same rows and the same
+//!   finishing steps on smaller pictures, each row with one rasterizer, all of them in turn.
 
 mod common;
 
@@ -30,16 +30,16 @@ use rasterscope::scene::{Scene, Transparency};
 use rasterscope::upscale::Upscaling;
 use rayon::prelude::*;
 
-/// Odd on purpose.
+/// Size of the pictures, odd to test incomplete blocks.
 const SIZE: Viewport = Viewport { width: 17, height: 13 };
 
-/// The same where there are many recipes.
+/// Size of the pictures for long lists of recipes.
 const SIZE_OF_MANY: Viewport = Viewport { width: 9, height: 5 };
 
-/// The same for traces.
+/// Size of the traced pictures.
 const SIZE_TRACED: Viewport = Viewport { width: 6, height: 5 };
 
-/// The places of the colour in the names of lines.
+/// Names of the colour channels in the lines of a trace.
 const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
 fn scenes() -> [(&'static str, Arc<Scene>); 3] {
@@ -50,12 +50,12 @@ fn scenes() -> [(&'static str, Arc<Scene>); 3] {
     ]
 }
 
-/// All values of a setting.
+/// Returns all values of a setting.
 fn values<C: Choice>(key: &str) -> Vec<String> {
     C::ALL.iter().map(|choice| format!("{key}={}", choice.id())).collect()
 }
 
-/// The settings of the pipeline but for the rasterizer, which goes with all of them.
+/// Returns the values of the pipeline's settings except the rasterizer, which is combined with all of them.
 fn factors() -> Vec<Vec<String>> {
     vec![
         values::<Shading>("shading"),
@@ -77,18 +77,18 @@ fn factors() -> Vec<Vec<String>> {
     ]
 }
 
-/// Two values of two factors.
+/// Two values of two different factors, each as indices of factor and value.
 type Pair = [(usize, usize); 2];
 
-/// All pairs of values of different factors.
+/// Returns all pairs of values of different factors.
 fn all_pairs(factors: &[Vec<String>]) -> BTreeSet<Pair> {
     let value = |factor: usize| (0..factors[factor].len()).map(move |value| (factor, value));
     let firsts = (0..factors.len()).flat_map(value);
     firsts.flat_map(|a| (a.0 + 1..factors.len()).flat_map(value).map(move |b| [a, b])).collect()
 }
 
-/// Rows of values in which all pairs stand: each begins with a pair that is still missing and takes, factor by factor, the
-/// value that makes most of the missing ones (after D. M. Cohen and others, "The AETG System", 1997).
+/// Returns rows of values that contain all pairs. Each row starts with a missing pair and takes, factor by factor, the
+/// value that covers most of the missing pairs (after D. M. Cohen and others, "The AETG System", 1997).
 fn rows_of_all_pairs(factors: &[Vec<String>]) -> Vec<Vec<usize>> {
     let mut missing = all_pairs(factors);
     let mut rows = Vec::new();
@@ -103,7 +103,7 @@ fn rows_of_all_pairs(factors: &[Vec<String>]) -> Vec<Vec<usize>> {
                 };
                 row.iter().enumerate().filter_map(with).count()
             };
-            // Among equals another one in each row.
+            // Ties are broken differently in each row.
             let turned = |value: usize| (value + rows.len()) % factors[factor].len();
             let best = (0..factors[factor].len()).map(turned).max_by_key(|value| made_by(*value));
             row[factor] = row[factor].or(best);
@@ -116,7 +116,7 @@ fn rows_of_all_pairs(factors: &[Vec<String>]) -> Vec<Vec<usize>> {
     rows
 }
 
-/// A recipe for each row.
+/// Returns a recipe for each row.
 fn pipelines() -> Vec<Recipe> {
     let factors = factors();
     let of_row = |row: &Vec<usize>| {
@@ -126,7 +126,7 @@ fn pipelines() -> Vec<Recipe> {
     rows_of_all_pairs(&factors).iter().map(of_row).collect()
 }
 
-/// Recipes with each rasterizer.
+/// Returns the recipes combined with each rasterizer.
 fn by_every_rasterizer(recipes: &[Recipe]) -> Vec<Recipe> {
     let with = |recipe: &Recipe, rasterizer| {
         let mut recipe = *recipe;
@@ -136,7 +136,7 @@ fn by_every_rasterizer(recipes: &[Recipe]) -> Vec<Recipe> {
     recipes.iter().flat_map(|recipe| Rasterizer::ALL.iter().map(|rasterizer| with(recipe, *rasterizer))).collect()
 }
 
-/// Recipes with one rasterizer each, all of them in turn.
+/// Assigns one rasterizer to each recipe, all of them in turn.
 fn by_rasterizers_in_turn(mut recipes: Vec<Recipe>) -> Vec<Recipe> {
     for (recipe, rasterizer) in recipes.iter_mut().zip(Rasterizer::ALL.iter().cycle()) {
         recipe.pipeline.rasterizer = *rasterizer;
@@ -144,8 +144,8 @@ fn by_rasterizers_in_turn(mut recipes: Vec<Recipe>) -> Vec<Recipe> {
     recipes
 }
 
-/// What comes after the pipeline: each way to smooth, in both kinds of numbers; each upscaler at its first scale; each
-/// filter; lines over the picture.
+/// Returns recipes for everything after the pipeline: each anti-aliasing method in both colour spaces, each upscaler at
+/// its first scale, each post filter, and the wireframe.
 fn ways_to_finish() -> Vec<Recipe> {
     let mut methods: Vec<Upscaling> = Upscaling::every().collect();
     methods.dedup_by_key(|upscaling| upscaling.method());
@@ -165,7 +165,7 @@ fn ways_to_finish() -> Vec<Recipe> {
     smooth.chain(upscaled).chain(filtered).chain([Recipe { wireframe: true, ..Recipe::default() }]).collect()
 }
 
-/// The frame triangle by triangle, and tile by tile if the recipe can be drawn so.
+/// Returns the frame drawn triangle by triangle, and tile by tile if the recipe supports that.
 fn frames(scene: &Arc<Scene>, recipe: &Recipe, size: Viewport) -> Vec<(Recipe, Frame)> {
     let ways = Execution::ALL.iter().map(|execution| Recipe { execution: *execution, ..*recipe });
     let ways = ways.filter(|recipe| execution(scene, recipe).0 == recipe.execution);
@@ -177,7 +177,7 @@ fn frames(scene: &Arc<Scene>, recipe: &Recipe, size: Viewport) -> Vec<(Recipe, F
     .collect()
 }
 
-/// What was compared.
+/// Numbers of compared frames, pixels, colours and depths.
 #[derive(Default)]
 struct Compared {
     frames: [AtomicUsize; Execution::ALL.len()],
@@ -186,14 +186,14 @@ struct Compared {
     depths: AtomicUsize,
 }
 
-/// Whether traces are compared, too.
+/// Whether traces are compared as well.
 #[derive(Clone, Copy, PartialEq)]
 enum Traces {
     Written,
     LeftOut,
 }
 
-/// Compares all pixels of all frames; says how much that was.
+/// Compares all pixels of all frames, and prints the numbers of comparisons.
 #[expect(clippy::print_stderr, reason = "how much was compared is the point of these tests")]
 fn compare_all(recipes: &[Recipe], size: Viewport, traces: Traces) {
     let compared = Compared::default();
@@ -222,24 +222,24 @@ fn compare_all(recipes: &[Recipe], size: Viewport, traces: Traces) {
     );
     assert_eq!(classic, 3 * recipes.len());
     assert!(tiled > 0);
-    // Every pixel that shows something is traced; backgrounds and translucent surfaces leave no depth.
+    // Every pixel that shows a surface is traced; backgrounds and translucent surfaces leave no depth.
     assert!(traces == Traces::LeftOut || colors > pixels / 4 && depths > pixels / 8, "{pixels} {colors} {depths}");
 }
 
-/// Colour after everything and stored depth of the replay.
+/// Checks final colour and stored depth of a replay.
 fn replay_is_the_frame(report: &PixelReport, frame: &Frame, told: &impl Fn() -> String) {
     assert_eq!(report.color, frame.image().at(report.x, report.y), "{}", told());
     assert_eq!(report.final_depth.map(|depth| depth.value.to_bits()), stored(report, frame), "{}", told());
 }
 
-/// Bits of the depth that the frame holds at the drawn pixel that a report tells about.
+/// Returns the bits of the depth that the frame holds at the drawn pixel of a report.
 fn stored(report: &PixelReport, frame: &Frame) -> Option<u32> {
     let [x, y] = report.drawn_at;
     let (column, row) = frame.drawn.grid.sample_at(x, y).expect("reports tell about drawn pixels");
     frame.drawn.depth.as_ref().map(|depth| depth.at(column, row).to_bits())
 }
 
-/// The bytes that a trace arrives at in lines of these names.
+/// Returns the bytes that a trace computes in lines of these names.
 fn codes(trace: &Trace, name: impl Fn(&str) -> String) -> Option<[u8; 3]> {
     let number = |name: String| trace.lines.iter().rfind(|line| line.what == name)?.number();
     let codes = CHANNELS.map(|channel| Some(number(name(channel))?.to_f64() as u8));
@@ -250,8 +250,8 @@ fn opaque([r, g, b, _]: Rgba8) -> [u8; 3] {
     [r, g, b]
 }
 
-/// The written-out arithmetic of the last fragment that was written is the drawn colour, of the last that left a depth that
-/// depth, and the end of every trace is the pixel.
+/// Checks that a trace of the last written fragment ends in the drawn colour, that of the last fragment that wrote
+/// depth in the stored depth, and every trace in the final pixel.
 fn traces_are_the_frame(
     scene: &Scene,
     recipe: &Recipe,
@@ -294,7 +294,7 @@ fn any_two_values_of_any_two_settings_stand_together() {
     for [a, b] in all_pairs(&factors) {
         assert!(rows.iter().any(|row| row[a.0] == a.1 && row[b.0] == b.1), "{a:?} {b:?}");
     }
-    // Every field of the pipeline's settings that is a choice has a factor, or is the rasterizer.
+    // Every choice among the pipeline's settings has a factor, or is the rasterizer.
     let choices = Recipe::keys().into_iter().filter(|(key, _)| !key.contains('.')).map(|(key, _)| key);
     let apart = ["execution", "rasterizer", "wireframe"];
     let missing: Vec<_> = choices

@@ -1,5 +1,5 @@
-//! The whole workbench as a picture, drawn without a display: what does not depend on the clock is the same every time,
-//! and the canvas shows the frame's own pixels.
+//! The whole workbench as a picture, painted without a display: everything independent of the clock is identical in
+//! every run, and the canvas shows the frame's own pixels.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ use rasterscope::ui::session::Session;
 use rasterscope::ui::worker::Worker;
 use rasterscope::ui::{ScreenshotRequest, Seen, Theme, WindowStart, screenshot};
 
-/// Window sizes in px, each with pixels per point.
+/// Window sizes in pixels, each with its pixels per point.
 const WINDOWS: [(f32, f32, f32); 6] = [
     (1280.0, 800.0, 1.0),
     (1920.0, 1080.0, 1.0),
@@ -27,7 +27,7 @@ const WINDOWS: [(f32, f32, f32); 6] = [
     (2560.0, 1600.0, 2.0),
 ];
 
-/// Passes after which all sizes have settled.
+/// Number of passes after which all sizes have settled.
 const PASSES: usize = 6;
 
 /// A workbench after its first passes.
@@ -59,7 +59,7 @@ impl Shot {
         }
     }
 
-    /// Everything with a place on the window, in points.
+    /// Returns all accessibility nodes with a position, and their rectangles in points.
     fn placed(&self) -> impl Iterator<Item = (NodeId, &Node, Rect)> {
         self.tree.nodes.iter().filter_map(|(id, node)| {
             let bounds = node.bounds()?;
@@ -69,7 +69,7 @@ impl Shot {
         })
     }
 
-    /// Where the only thing of this name is, in points.
+    /// Returns the rectangle of the only node with this name, in points.
     fn place_of(&self, role: Role, name: &str) -> Rect {
         let mut found = self.placed().filter(|(_, node, _)| node.role() == role && node.label() == Some(name));
         let (_, _, rect) = found.next().unwrap_or_else(|| panic!("there is no {name}"));
@@ -85,7 +85,7 @@ impl Shot {
         self.headless.context().content_rect()
     }
 
-    /// What the picture of the window has where the canvas shows the frame, and the frame.
+    /// Returns the part of the window's picture that shows the frame, and the frame.
     fn canvas_and_frame(&self) -> (Image<Rgba8>, Image<Rgba8>) {
         let frame = self.app.session().view.as_ref().expect("a frame was drawn").frame.image();
         let picture = self.headless.picture();
@@ -96,7 +96,7 @@ impl Shot {
     }
 }
 
-/// An accessibility tree with nothing in it.
+/// Types with an empty value; implemented for accessibility trees.
 trait DefaultEmpty {
     fn default_empty() -> Self;
 }
@@ -113,7 +113,7 @@ fn the_canvas_shows_the_frame_s_own_pixels() {
     for window in WINDOWS {
         for theme in [egui::Theme::Dark, egui::Theme::Light] {
             let mut shot = Shot::new("triangle", window, theme);
-            // The marker of the picked pixel lies over the picture.
+            // The marker of the picked pixel would cover the picture.
             shot.app.session_mut().pick = None;
             shot.passes();
             let (shown, frame) = shot.canvas_and_frame();
@@ -149,7 +149,7 @@ fn the_picked_pixel_is_marked_around_it_and_not_on_it() {
 #[test]
 fn two_runs_differ_only_in_live_numbers() {
     let (a, b) = (Shot::new("cubes", WINDOWS[0], egui::Theme::Dark), Shot::new("cubes", WINDOWS[0], egui::Theme::Dark));
-    // Times stand in the menu bar, in the rows of the pipeline, and in the tab of frame times.
+    // Times appear in the menu bar, in the rows of the pipeline, and in the tab of frame times.
     let tabs_top = a.place_of(Role::Button, "Frame time").bottom();
     let mut live = vec![a.window().with_min_y(tabs_top)];
     for (here, there) in [(&a, &b), (&b, &a)] {
@@ -165,7 +165,7 @@ fn two_runs_differ_only_in_live_numbers() {
     }
     let (first, second) = (a.headless.picture(), b.headless.picture());
     let is_live = |x: u32, y: u32| live.iter().any(|rect| rect.contains(Pos2::new(x as f32 + 0.5, y as f32 + 0.5)));
-    // Glyphs of other times put the common ones elsewhere into the texture of glyphs, which may round differently.
+    // Different times change the position of common glyphs in the glyph texture, which may round differently.
     let same = |a: Rgba8, b: Rgba8| a.iter().zip(b).all(|(a, b)| a.abs_diff(b) <= 1);
     for y in 0..first.height() {
         for x in 0..first.width() {
@@ -218,7 +218,7 @@ fn controls_do_not_overlap_and_stay_within_the_window() {
         let menu = shot.place_of(Role::Button, "File").bottom();
         let tabs = shot.place_of(Role::Button, "Frame time").top();
         let is_control = |role| matches!(role, Role::Button | Role::ComboBox | Role::Slider | Role::CheckBox);
-        // Panels scroll; the bars above and under the canvas, and the menu, do not.
+        // Panels scroll; the menu and the bars above and below the canvas do not.
         let canvas = shot.canvas();
         let fixed = |rect: &Rect| {
             rect.bottom() <= menu || (rect.left() >= canvas.left() && rect.left() < canvas.right() && rect.top() < tabs)

@@ -1,4 +1,4 @@
-//! The renderer's thread: newest request first, nothing for nothing, measurements in rounds.
+//! Renderer thread: newest request first, no work when idle, measurements in rounds.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -15,7 +15,7 @@ use rasterscope::ui::look::Look;
 use rasterscope::ui::worker::{Answer, Job, MEASURE_ROUNDS, MeasureRequest, Worker};
 use rasterscope::upscale::Upscaling;
 
-/// Longer than any answer takes, even on a busy machine.
+/// Time limit that no answer exceeds, even on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(180);
 
 fn request(scene: &str, (width, height): (u32, u32)) -> Request {
@@ -41,7 +41,7 @@ fn measure(of: Request, turn: Turn) -> Job {
     Job::Measure(Box::new(MeasureRequest { number: 1, of, reference: Reference::Native, turn }))
 }
 
-/// The answers up to the first that `last` accepts, that one included.
+/// Returns the answers up to and including the first that `last` accepts.
 fn answers_until(worker: &mut Worker, last: impl Fn(&Answer) -> bool) -> Vec<Answer> {
     let start = Instant::now();
     let mut answers = Vec::new();
@@ -59,7 +59,7 @@ fn answers_until(worker: &mut Worker, last: impl Fn(&Answer) -> bool) -> Vec<Ans
     panic!("no such answer among {} ones", answers.len());
 }
 
-/// Everything that comes within `time`.
+/// Returns all answers that arrive within `time`.
 fn answers_within(worker: &mut Worker, time: Duration) -> Vec<Answer> {
     std::thread::sleep(time);
     std::iter::from_fn(|| worker.poll()).collect()
@@ -99,7 +99,7 @@ fn only_the_newest_of_the_waiting_requests_is_answered() {
     let mut worker = Worker::spawn(|| ());
     let busy = request("chess", (640, 480));
     worker.send(show(&busy));
-    // The thread is still at the first, or has not begun it, when these arrive.
+    // When these requests arrive, the thread is busy with the first request or has not started it.
     let mut newest = request("triangle", (32, 32));
     for x in 0..50 {
         newest.pick = Some((x % 32, 7));

@@ -1,12 +1,13 @@
-//! What share of each pixel a triangle covers: the weight of area sampling with a box, exact to the last bits of a float.
+//! Area coverage: the fraction of each pixel that a triangle covers. It is the weight of area sampling with a box
+//! filter, exact to the last bits of a float.
 //!
-//! The pixel, a square, is cut by the half-plane of each edge that passes through it (Sutherland and Hodgman 1974), and
-//! the area of what is left comes from the shoelace formula. Done in floats, a sliver would come out as the small
-//! difference of two large areas. So everything from the edge functions on is kept to 106 bits, in coordinates relative
-//! to the pixel; what reaches the caller is rounded once.
+//! The pixel, a square, is clipped by the half-plane of each edge that passes through it (Sutherland and Hodgman 1974).
+//! The shoelace formula gives the area of what is left. In plain floats, a sliver would be the small difference of two
+//! large areas. So everything from the edge functions on is kept to 106 bits, in coordinates relative to the pixel, and
+//! the result is rounded once.
 //!
-//! Costs the pixels of the triangle's box within the picture: a few float operations each, and some microseconds more for
-//! those that an edge passes through.
+//! The cost is proportional to the pixels of the triangle's bounding box within the picture: a few float operations
+//! each, and some microseconds more for each pixel that an edge passes through.
 
 use std::cmp::Ordering;
 use std::ops::Range;
@@ -16,22 +17,23 @@ use glam::DVec2;
 use crate::flat2d::{side, whole_numbers_within};
 use crate::math::double_double::DoubleDouble;
 
-/// A place relative to a pixel's upper left corner, px.
+/// Position relative to a pixel's top left corner, px.
 type Place = [DoubleDouble; 2];
 
-/// The walk over the pixels of a triangle's box; see [`triangle_area`].
+/// Iterator over the pixels of a triangle's bounding box; see [`triangle_area`].
 #[derive(Clone, Debug)]
 pub struct TriangleArea {
     edges: [HalfPlane; 3],
     columns: Range<u32>,
     rows: Range<u32>,
-    /// The pixel that is looked at next.
+    /// Pixel to be examined next.
     probe: (u32, u32),
 }
 
-/// The pixels of a picture of this size that a triangle covers, and the area covered of each in px², in (0, 1]; row by row
-/// from the top. Corners in px, of either winding, as [`crate::flat2d`] says; a triangle without area has none. Of a pixel
-/// that is only touched at its border, up to 10⁻³⁰ px² may be reported.
+/// Returns an iterator over the pixels that a triangle covers, row by row from the top, with the covered area of each
+/// in px², in (0, 1]. Corners are in px, of either winding, with the limits given in [`crate::flat2d`]. A triangle
+/// without area covers no pixel. For a pixel that is only touched at its border, an area of up to 10⁻³⁰ px² may be
+/// reported.
 pub fn triangle_area(corners: [DVec2; 3], width: u32, height: u32) -> TriangleArea {
     let [a, b, c] = corners;
     let edges = [(a, b), (b, c), (c, a)].map(|(from, to)| HalfPlane::right_of(from, to, width, height));
@@ -46,17 +48,18 @@ pub fn triangle_area(corners: [DVec2; 3], width: u32, height: u32) -> TriangleAr
 }
 
 impl TriangleArea {
-    /// The pixel that is looked at next; `None` at the end.
+    /// Returns the pixel to be examined next; `None` at the end.
     pub fn probe(&self) -> Option<(u32, u32)> {
         (self.columns.contains(&self.probe.0) && self.rows.contains(&self.probe.1)).then_some(self.probe)
     }
 
-    /// Number of pixels that are yet to be looked at; an upper bound within a row.
+    /// Returns the number of pixels yet to be examined; an upper bound within a row.
     pub fn probes_left(&self) -> u64 {
         self.columns.len() as u64 * u64::from(self.rows.end.saturating_sub(self.probe.1))
     }
 
-    /// Looks at one pixel. Returns it with its covered area if that is not zero; the outer `None` is the end.
+    /// Examines one pixel. Returns it with its covered area, or an inner `None` if that is zero; the outer `None` is
+    /// the end.
     pub fn step(&mut self) -> Option<Option<(u32, u32, f64)>> {
         let (x, y) = self.probe()?;
         self.probe = if x + 1 < self.columns.end { (x + 1, y) } else { (self.columns.start, y + 1) };
@@ -64,7 +67,7 @@ impl TriangleArea {
         Some((area > 0.0).then_some((x, y, area)))
     }
 
-    /// Area covered of a pixel.
+    /// Returns the covered area of a pixel, px².
     fn area(&self, x: u32, y: u32) -> f64 {
         let sides = self.edges.each_ref().map(|edge| edge.side_of_pixel(x, y));
         if sides.contains(&Some(Ordering::Less)) {
@@ -91,17 +94,17 @@ impl Iterator for TriangleArea {
     }
 }
 
-/// The points p with slope · p + constant ≥ 0.
+/// Half-plane of the points p with slope · p + constant ≥ 0.
 #[derive(Clone, Copy, Debug)]
 struct HalfPlane {
     slope: Place,
     constant: DoubleDouble,
-    /// How far a value computed in floats may be off within the picture.
+    /// Error bound of a value computed in floats within the picture.
     error: f64,
 }
 
 impl HalfPlane {
-    /// What lies right of one who walks along the line, y down: (to − from) × (p − from) ≥ 0.
+    /// Returns the half-plane to the right of the line from `from` to `to`, y down: (to − from) × (p − from) ≥ 0.
     fn right_of(from: DVec2, to: DVec2, width: u32, height: u32) -> Self {
         let slope = [DoubleDouble::difference(from.y, to.y), DoubleDouble::difference(to.x, from.x)];
         let constant = DoubleDouble::product(from.x, to.y) - DoubleDouble::product(to.x, from.y);
@@ -110,12 +113,13 @@ impl HalfPlane {
         Self { slope, constant, error: 8.0 * f64::EPSILON * greatest }
     }
 
-    /// The other side of the line.
+    /// Returns the half-plane on the other side of the line.
     fn turned(self) -> Self {
         Self { slope: self.slope.map(|s| -s), constant: -self.constant, error: self.error }
     }
 
-    /// Where a whole pixel lies: `Greater` inside, `Less` outside, `None` if the edge passes through or very close by.
+    /// Classifies a whole pixel: `Greater` inside, `Less` outside, `None` if the edge passes through it or very close
+    /// by.
     fn side_of_pixel(&self, x: u32, y: u32) -> Option<Ordering> {
         let [slope_x, slope_y] = self.slope.map(DoubleDouble::rounded);
         let corner = slope_x * f64::from(x) + slope_y * f64::from(y) + self.constant.rounded();
@@ -128,13 +132,13 @@ impl HalfPlane {
         }
     }
 
-    /// Its value at a pixel's upper left corner.
+    /// Returns the value at a pixel's top left corner.
     fn at_pixel(&self, x: u32, y: u32) -> DoubleDouble {
         let [x, y] = [x, y].map(|place| DoubleDouble::from(f64::from(place)));
         self.slope[0] * x + self.slope[1] * y + self.constant
     }
 
-    /// Its value at a place relative to a corner where it is `at_corner`.
+    /// Returns the value at a position relative to a corner whose value is `at_corner`.
     fn at(&self, place: Place, at_corner: DoubleDouble) -> DoubleDouble {
         self.slope[0] * place[0] + self.slope[1] * place[1] + at_corner
     }
@@ -147,7 +151,7 @@ const UNIT_SQUARE: [Place; 4] = {
     [[O, O], [I, O], [I, I], [O, I]]
 };
 
-/// The part of a convex polygon inside of an edge whose value at the place (0, 0) is `at_corner`.
+/// Clips a convex polygon to the inside of an edge whose value at position (0, 0) is `at_corner`.
 fn cut(polygon: &[Place], edge: &HalfPlane, at_corner: DoubleDouble) -> Vec<Place> {
     let mut inside = Vec::with_capacity(polygon.len() + 1);
     for (from, to) in polygon.iter().zip(polygon.iter().cycle().skip(1)) {
@@ -163,15 +167,15 @@ fn cut(polygon: &[Place], edge: &HalfPlane, at_corner: DoubleDouble) -> Vec<Plac
     inside
 }
 
-/// The point between two where a value that falls off from both of these magnitudes is zero. Measured from the nearer one,
-/// so that a point close to a corner keeps all its digits.
+/// Returns the zero between two positions of a linear function that has opposite signs and these magnitudes there. The
+/// zero is measured from the nearer position, so a point close to a corner keeps all its digits.
 fn crossing(a: (Place, DoubleDouble), b: (Place, DoubleDouble)) -> Place {
     let ((near, small), (far, large)) = if a.1.rounded() <= b.1.rounded() { (a, b) } else { (b, a) };
     let share = small / (small + large);
     std::array::from_fn(|axis| near[axis] + share * (far[axis] - near[axis]))
 }
 
-/// Area of a polygon, by the shoelace formula from its first corner.
+/// Returns the area of a polygon, px², by the shoelace formula from its first corner.
 fn area(polygon: &[Place]) -> f64 {
     let Some((first, rest)) = polygon.split_first() else { return 0.0 };
     let from_first = |place: &Place| [place[0] - first[0], place[1] - first[1]];
@@ -192,8 +196,8 @@ mod tests {
         triangle_area(corners.map(DVec2::from), SIZE, SIZE).collect()
     }
 
-    /// Area of the unit pixel under the segment and above the row's lower side, as an integral over x: a segment at
-    /// height h above the lower side adds min(max(h, 0), 1) dx, going left negatively.
+    /// Returns the area of the unit pixel under the segment and above the row's lower side, as an integral over x. A
+    /// segment at height h above the lower side adds min(max(h, 0), 1) dx, negative if it runs to the left.
     fn under_segment(from: (f64, f64), to: (f64, f64), column: u32, row: u32) -> f64 {
         let (x0, bottom) = (f64::from(column), f64::from(row) + 1.0);
         let [a, b] = [from.0, to.0].map(|x| x.clamp(x0, x0 + 1.0));
@@ -201,7 +205,7 @@ mod tests {
             return 0.0;
         }
         let height = |x: f64| bottom - (from.1 + (to.1 - from.1) * (x - from.0) / (to.0 - from.0));
-        // Between the x at which the height passes 0 or 1, the integrand is straight.
+        // Between the x at which the height passes 0 or 1, the integrand is linear.
         let mut stops = vec![a, b];
         for level in [0.0, 1.0] {
             let x = from.0 + (bottom - level - from.1) * (to.0 - from.0) / (to.1 - from.1);
@@ -229,7 +233,7 @@ mod tests {
     fn every_pixel_has_the_area_found_by_integration() {
         let mut random = fastrand::Rng::with_seed(81);
         for round in 0..3_000 {
-            // Whole and half numbers make corners and edges fall on the lattice.
+            // Whole and half numbers put corners and edges on pixel borders and centres.
             let unit = [1.0, 2.0, 256.0, 1e6][round % 4];
             let mut coordinate = || ((random.f64() * 18.0 - 3.0) * unit).round() / unit;
             let corners = std::array::from_fn(|_| (coordinate(), coordinate()));
@@ -256,7 +260,7 @@ mod tests {
 
     #[test]
     fn slivers_keep_all_digits() {
-        // Between y = 8.5 and a line that rises by `height` over 12 px, pixel i has height · (i + ½) / 12.
+        // Between y = 8.5 and a line that rises by `height` over 12 px, pixel i has the area height · (i + ½) / 12.
         for exponent in [10, 24, 40] {
             let height = 2.0_f64.powi(-exponent);
             let found = areas([(0.0, 8.5), (12.0, 8.5), (12.0, 8.5 + height)]);
@@ -267,14 +271,14 @@ mod tests {
                 assert!((area / exact - 1.0).abs() <= f64::EPSILON, "{x}: {area}, not {exact}");
             }
         }
-        // Slanted ones: a diagonal of 45° and the same turned by a hair around its upper end.
+        // Slanted sliver: a diagonal at 45°, and the same diagonal turned minimally around its upper end.
         let hair = 2.0_f64.powi(-45);
         for (x, y, area) in areas([(0.0, 0.0), (8.0, 8.0), (8.0, 8.0 + hair)]) {
             if x == y {
                 let exact = hair * (f64::from(x) + 0.5) / 8.0;
                 assert!((area / exact - 1.0).abs() < 1e-13, "{x}: {area}, not {exact}");
             } else {
-                assert!(area < hair * hair, "only the tips reach into pixel ({x}, {y}): {area}");
+                assert!(area < hair * hair, "only the tips overlap pixel ({x}, {y}): {area}");
             }
         }
     }
@@ -300,7 +304,7 @@ mod tests {
         for degenerate in [[a, a, a], [a, b, a], [(0.0, 0.0), (3.0, 3.0), (7.0, 7.0)]] {
             assert_eq!(areas(degenerate), []);
         }
-        // Collinear but for the last bit of f32.
+        // Collinear except for the last bit of an f32.
         assert!(!areas([(0.0, 0.0), (3.0, 3.0), (7.0, f64::from(7.0_f32.next_up()))]).is_empty());
     }
 }

@@ -1,7 +1,7 @@
-//! Convolution masks over a finished picture: blur, sharpen, motion, or any of one's own. Alpha is kept.
+//! Convolution masks over a finished picture: blur, sharpen, motion blur, or a custom mask. Alpha is kept.
 //!
-//! Blur and Gaussian are separable: rows are convolved first, then columns, which takes 2 · 31 instead of 31² terms for the
-//! largest mask.
+//! Blur and Gaussian blur are separable: rows are convolved first, then columns. This takes 2 · 31 instead of 31² terms
+//! for the largest mask.
 
 use rayon::prelude::*;
 
@@ -10,13 +10,14 @@ use crate::image::color::Tables;
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 
-/// Rows that are filtered together. The rows around them are converted once for each band.
+/// Number of rows that are filtered together. The rows around a band are converted once per band.
 const BAND_ROWS: u32 = 64;
 
-/// Colour channels that are filtered.
+/// Number of filtered colour channels.
 const CHANNELS: usize = 3;
 
-/// Applies a mask to every pixel, in codes or in linear light. Sums are rounded half up and clamped once, at the end.
+/// Applies a mask to every pixel, on sRGB codes or in linear light. Sums are rounded half up and clamped once, at the
+/// end.
 pub fn apply(mask: &Mask, picture: &Image<Rgba8>, linear: bool) -> Image<Rgba8> {
     let width = picture.width();
     let tables = Tables::get();
@@ -46,10 +47,10 @@ pub fn apply(mask: &Mask, picture: &Image<Rgba8>, linear: bool) -> Image<Rgba8> 
     result
 }
 
-/// Values of some rows of a picture and of the pixels around them that a mask reads.
+/// Values of a band of rows, and of the pixels around them that a mask reads.
 #[derive(Default)]
 struct Band {
-    /// Rows from top to bottom, one after the other, for each channel; `stride` values each.
+    /// Rows from top to bottom, one after the other, per channel; `stride` values each.
     planes: [Vec<f32>; CHANNELS],
     stride: usize,
     /// One row of results.
@@ -93,7 +94,7 @@ impl Band {
         }
     }
 
-    /// Sums the terms of one row of the band: of its columns if rows are convolved already.
+    /// Sums the mask's terms for one row of the band; along columns only if rows are convolved already.
     #[inline(always)]
     fn sum(&mut self, mask: &Mask, row: usize) {
         let reach = i64::from(mask.reach());
@@ -147,7 +148,7 @@ mod tests {
         assert_eq!(shown.at(1, 2), [0, 0, 0, 9]);
     }
 
-    /// Sum of the terms of one pixel, in double precision.
+    /// Returns the sum of the terms of one pixel, in f64.
     fn exact(mask: &Mask, picture: &Image<Rgba8>, (x, y): (u32, u32), channel: usize, linear: bool) -> f64 {
         let value = |code: u8| f64::from(if linear { decode_byte(code) } else { f32::from(code) });
         let term = |((dx, dy), weight): ((i64, i64), f32)| {
@@ -176,7 +177,7 @@ mod tests {
                     assert_eq!(found[3], own[3]);
                     for channel in 0..3 {
                         let sum = exact(mask, &picture, at, channel, linear);
-                        // The exact code lies between those of the sum and of its rounding errors.
+                        // The code must lie within the rounding error of the sum.
                         let code = |value: f64| {
                             if linear {
                                 Tables::get().encode(value as f32)
@@ -219,7 +220,7 @@ mod tests {
         let shown = apply(&Mask::motion(4.0, 0.0), &dot(), false);
         assert_eq!(shown.row(1), [[0, 0, 0, 9]; 7]);
         let codes: Vec<_> = shown.row(2).iter().map(|pixel| pixel[0]).collect();
-        // Of four pixels of way half a pixel lies in each of the outer ones.
+        // The trace is four pixels long, with half a pixel in each of the outer two.
         assert_eq!(codes, [0, 30, 60, 60, 60, 30, 0]);
     }
 }

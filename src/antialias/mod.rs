@@ -1,5 +1,4 @@
-//! Smooth edges: where a pixel is sampled, how samples become its colour, what share of it a shape covers, and filters over
-//! finished pictures.
+//! Anti-aliasing: sample patterns, resolve of samples, area coverage, and filters over finished pictures.
 
 pub mod area;
 

@@ -1,37 +1,37 @@
-//! Where in a pixel it is sampled when one sample is not enough.
+//! Sample patterns: positions of the samples in a pixel.
 //!
-//! Offsets lie in [0, 1)², x right and y down from the pixel's corner; their mean is the pixel's colour. What a pattern
-//! is worth shows at edges: a regular one of n² samples has but n distinct steps where an edge is nearly upright, the
-//! others have up to as many as samples.
+//! Offsets lie in [0, 1)², x right and y down from the pixel's top left corner. The mean of the samples is the pixel's
+//! colour. Patterns differ at edges: a regular one of n² samples has only n distinct steps along a nearly vertical
+//! edge, the others have up to as many steps as samples.
 
-/// A pattern of samples.
+/// Pattern of samples in a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pattern {
-    /// The middles of `side` × `side` squares.
+    /// Centres of `side` × `side` squares.
     Regular {
-        /// Squares along an axis, at least 1.
+        /// Number of squares along an axis, at least 1.
         side: u32,
     },
-    /// The pixel quartered, the quarters quartered, and so on `level` times: the same places as 2^`level` squares along an
-    /// axis, but square by square, as one that splits where it must would come by them.
+    /// Pixel quartered, the quarters quartered, and so on `level` times. The positions are those of 2^`level` squares
+    /// along an axis, but in the order of a recursive subdivision.
     Recursive {
-        /// How often, at most [`Pattern::MOST_LEVELS`].
+        /// Number of subdivisions, at most [`Pattern::MOST_LEVELS`].
         level: u32,
     },
-    /// In each of `side` × `side` squares one of [`Pattern::JITTER`]² places, another one in each pixel: turns stairs into
-    /// noise.
+    /// One of [`Pattern::JITTER`]² positions in each of `side` × `side` squares, different in each pixel. Turns
+    /// stair-stepping into noise.
     Jittered {
-        /// Squares along an axis, at least 1.
+        /// Number of squares along an axis, at least 1.
         side: u32,
-        /// Other seeds, other places.
+        /// Seed of the choice of positions.
         seed: u32,
     },
-    /// Four samples, each in a row and a column of its own: a square turned by about 27°.
+    /// Four samples, each in a row and a column of its own: a square rotated by about 27°.
     RotatedGrid,
-    /// The first points of the (0, 2)-sequence of Sobol: any 2ᵏ of them from a multiple on have one in each of the 2ᵏ equal
-    /// rectangles of any shape that halving makes.
+    /// First points of Sobol's (0, 2)-sequence. Of 2ᵏ consecutive points, starting at a multiple of 2ᵏ, one lies in
+    /// each of the 2ᵏ equal rectangles, of any shape, that halving the pixel produces.
     LowDiscrepancy {
-        /// How many.
+        /// Number of samples.
         count: u32,
     },
 }
@@ -40,10 +40,10 @@ impl Pattern {
     /// Greatest level of [`Pattern::Recursive`]: 256 samples.
     pub const MOST_LEVELS: u32 = 4;
 
-    /// Places along an axis that a jittered sample has in its square.
+    /// Number of candidate positions of a jittered sample along an axis of its square.
     pub const JITTER: u32 = 4;
 
-    /// How many samples a pixel gets.
+    /// Returns the number of samples per pixel.
     pub fn count(self) -> u32 {
         match self {
             Self::Regular { side } | Self::Jittered { side, .. } => side.max(1).pow(2),
@@ -53,7 +53,7 @@ impl Pattern {
         }
     }
 
-    /// The places in pixel (x, y).
+    /// Returns the sample positions in pixel (x, y), px from its top left corner.
     pub fn offsets(self, x: u32, y: u32) -> Vec<[f64; 2]> {
         match self {
             Self::Regular { side } => grid(side.max(1), |_, _| [0.5; 2]),
@@ -64,7 +64,8 @@ impl Pattern {
             }
             Self::RotatedGrid => [[0.375, 0.125], [0.875, 0.375], [0.125, 0.625], [0.625, 0.875]].to_vec(),
             Self::LowDiscrepancy { count } => {
-                // As many steps as a power of two lie between points; in the middle of theirs their mean is that of the pixel.
+                // Half a grid step moves each point to the middle of its cell, so that the mean of 2ᵏ points is the
+                // pixel's centre.
                 let half_step = 0.5 / f64::from(count.max(1).next_power_of_two());
                 (0..count.max(1)).map(|index| sobol(index).map(|at| at + half_step)).collect()
             }
@@ -72,9 +73,11 @@ impl Pattern {
     }
 }
 
-/// Which of its places a sample of pixel (x, y) has under a seed, row by row of its square.
+/// Returns the index of a sample's candidate position in pixel (x, y) under a seed. Candidates are numbered row by row
+/// in the sample's square.
 pub fn jitter(x: u32, y: u32, sample: u32, seed: u32) -> usize {
-    // Odd constants without a simple ratio spread what the generator then mixes; neighbours share no pattern.
+    // Odd constants without simple ratios spread the inputs before the generator mixes them, so neighbours share no
+    // pattern.
     let spread = u64::from(x).wrapping_mul(0x9E37_79B9_7F4A_7C15)
         ^ u64::from(y).wrapping_mul(0xC2B2_AE3D_27D4_EB4F)
         ^ u64::from(sample).wrapping_mul(0xD6E8_FEB8_6659_FD93)
@@ -82,27 +85,27 @@ pub fn jitter(x: u32, y: u32, sample: u32, seed: u32) -> usize {
     fastrand::Rng::with_seed(spread).usize(0..(Pattern::JITTER * Pattern::JITTER) as usize)
 }
 
-/// [`jitter`] of one sample in some pixels of row `y`.
+/// Computes [`jitter`] of one sample for the given columns of row `y`.
 pub fn jitter_row((columns, y): (&[u32], u32), sample: u32, seed: u32, places: &mut [u8]) {
     for (place, x) in places.iter_mut().zip(columns) {
         *place = jitter(*x, y, sample, seed) as u8;
     }
 }
 
-/// Where in its square a place is.
+/// Returns the position of a candidate in its square, in [0, 1)².
 fn jittered_place(place: usize) -> [f64; 2] {
     let steps = Pattern::JITTER as usize;
     [place % steps, place / steps].map(|step| (step as f64 + 0.5) / steps as f64)
 }
 
-/// For each of `side` × `side` squares the places that [`jitter`] numbers.
+/// Returns the candidate positions that [`jitter`] numbers, for each of `side` × `side` squares.
 pub fn jittered_places(side: u32) -> Vec<Vec<[f64; 2]>> {
     let all = (0..(Pattern::JITTER * Pattern::JITTER) as usize).map(|place| grid(side, |_, _| jittered_place(place)));
     let all: Vec<_> = all.collect();
     (0..(side * side) as usize).map(|square| all.iter().map(|places| places[square]).collect()).collect()
 }
 
-/// A place in each of `side` × `side` squares, row by row.
+/// Returns one position in each of `side` × `side` squares, row by row.
 fn grid(side: u32, mut within: impl FnMut(u32, u32) -> [f64; 2]) -> Vec<[f64; 2]> {
     let squares = (0..side).flat_map(|row| (0..side).map(move |column| (column, row)));
     squares
@@ -113,7 +116,7 @@ fn grid(side: u32, mut within: impl FnMut(u32, u32) -> [f64; 2]) -> Vec<[f64; 2]
         .collect()
 }
 
-/// The middles of squares quartered `level` times, quarter by quarter.
+/// Returns the centres of squares quartered `level` times, quarter by quarter.
 fn quartered(level: u32) -> Vec<[f64; 2]> {
     let mut places = vec![[0.5; 2]];
     for depth in 1..=level {
@@ -126,7 +129,7 @@ fn quartered(level: u32) -> Vec<[f64; 2]> {
     places
 }
 
-/// Point `index` of the (0, 2)-sequence: the bits of the index reversed, and those of Sobol's second dimension.
+/// Returns point `index` of the (0, 2)-sequence: the reversed bits of the index, and Sobol's second dimension.
 fn sobol(index: u32) -> [f64; 2] {
     let mut second = 0_u32;
     let (mut rest, mut direction) = (index, 1_u32 << 31);

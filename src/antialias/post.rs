@@ -1,4 +1,4 @@
-//! The filter over the finished picture, as a recipe chooses it.
+//! Post filter: applies the filter of a recipe to the finished picture.
 
 use super::fxaa;
 use super::mask;
@@ -7,7 +7,7 @@ use crate::flat2d::convolve::Mask;
 use crate::image::{Image, Rgba8};
 use crate::pipeline::settings::ColorSpace;
 
-/// Returns the filtered picture, in `memory` where the filter can reuse it; none if there is nothing to do.
+/// Returns the filtered picture, in `memory` if the filter can reuse it; `None` if there is nothing to do.
 pub fn apply(filter: &PostFilter, picture: &Image<Rgba8>, memory: Option<Image<Rgba8>>) -> Option<Image<Rgba8>> {
     let linear = filter.light == ColorSpace::Linear;
     if filter.filter == Filter::Fxaa {
@@ -16,7 +16,7 @@ pub fn apply(filter: &PostFilter, picture: &Image<Rgba8>, memory: Option<Image<R
     mask_of(filter).map(|mask| mask::apply(&mask, picture, linear))
 }
 
-/// The mask that a filter amounts to, if it is one.
+/// Returns the convolution mask of a filter; `None` if the filter is not a convolution.
 pub fn mask_of(filter: &PostFilter) -> Option<Mask> {
     match filter.filter {
         Filter::None | Filter::Fxaa => None,
@@ -28,7 +28,7 @@ pub fn mask_of(filter: &PostFilter) -> Option<Mask> {
     }
 }
 
-/// How many pixels around a pixel a filter reads; none if there is nothing to do.
+/// Returns the distance, in px, up to which a filter reads around a pixel; `None` if there is nothing to do.
 pub fn reach(filter: &PostFilter) -> Option<u32> {
     match filter.filter {
         Filter::Fxaa => Some(fxaa::SEARCH_PX),

@@ -1,4 +1,4 @@
-//! From the samples of pixels to their colours: the mean, in linear light or of codes.
+//! Resolve: from the samples of pixels to their colours, by the mean in linear light or of sRGB codes.
 
 use rayon::prelude::*;
 
@@ -8,7 +8,7 @@ use crate::math::lanes::*;
 use crate::pipeline::settings::ColorSpace;
 use crate::pipeline::tiled::{Picks, Sums};
 
-/// Sums samples until their mean is asked for. The order of the samples decides the last bits, nothing else does.
+/// Accumulator for the mean of samples. The order of the samples affects the last bits only.
 #[derive(Clone, Debug)]
 pub struct Mean {
     sums: Image<[f32; 3]>,
@@ -17,12 +17,12 @@ pub struct Mean {
 }
 
 impl Mean {
-    /// Of no samples yet, for a picture of `width` × `height` px.
+    /// Returns an accumulator without samples, for a picture of `width` × `height` px.
     pub fn new(width: u32, height: u32, light: ColorSpace) -> Self {
         Self { sums: Image::filled(width, height, [0.0; 3]), samples: 0, light }
     }
 
-    /// One more sample for every pixel; of a picture of this size.
+    /// Adds one sample for every pixel, from a picture of the same size.
     pub fn add(&mut self, picture: &Image<Rgba8>) {
         let numbers = numbers(self.light);
         let sums = self.sums.pixels_mut().par_iter_mut().with_min_len(MIN_LEN);
@@ -30,12 +30,12 @@ impl Mean {
         self.samples += 1;
     }
 
-    /// How many samples each pixel has.
+    /// Returns the number of samples that each pixel has.
     pub fn samples(&self) -> u32 {
         self.samples
     }
 
-    /// The colours, opaque.
+    /// Returns the mean colours, opaque.
     pub fn picture(&self) -> Image<Rgba8> {
         let mut picture = Image::filled(self.sums.width(), self.sums.height(), [0; 4]);
         let pixels = picture.pixels_mut().par_iter_mut().with_min_len(MIN_LEN);
@@ -44,18 +44,18 @@ impl Mean {
     }
 }
 
-/// Pixels that are worth a thread.
+/// Minimum number of pixels per parallel task.
 const MIN_LEN: usize = 4096;
 
-/// The colour of one pixel with these samples: what [`Mean`] arrives at.
+/// Returns the colour of one pixel with these samples, equal to the result of [`Mean`].
 pub fn mean(samples: &[Rgba8], light: ColorSpace) -> Rgba8 {
     let (mut sum, numbers) = ([0.0; 3], numbers(light));
     samples.iter().for_each(|color| add(&mut sum, *color, numbers));
     finished(sum, samples.len() as u32, light)
 }
 
-/// The colours of pixels, sixteen by sixteen, whose samples' colours are among `colors`: `picks` says where, sample by sample
-/// of each sixteen. What [`mean`] gives, computed on lanes.
+/// Computes the colours of pixels on SIMD lanes, sixteen pixels at a time, equal to [`mean`]. `picks` holds indices
+/// into `colors`: for each sixteen pixels, one set of sixteen per sample.
 pub fn means(lanes: Lanes, colors: &[Rgba8], picks: &[Picks], light: ColorSpace, out: &mut [Rgba8]) {
     let sixteens = out.len().div_ceil(WIDE);
     if sixteens == 0 {
@@ -81,7 +81,7 @@ fn means_of_sixteen<S: Simd>(simd: S, colors: &[Rgba8], picks: &[Picks], light: 
     finished_lanes(simd, sums, picks.len() as u32, light)
 }
 
-/// Adds one sample of each of some pixels to sums of sixteen pixels each, as [`mean`] adds it.
+/// Adds one sample per pixel to sums of sixteen pixels each, on SIMD lanes, in the same way as [`mean`].
 pub fn add_samples(lanes: Lanes, colors: &[Rgba8], light: ColorSpace, sums: &mut [Sums]) {
     on_lanes!(lanes, simd => add_sixteens(simd, colors, numbers(light), sums));
 }
@@ -101,7 +101,7 @@ fn add_sixteens<S: Simd>(simd: S, colors: &[Rgba8], numbers: &[f32; 256], sums: 
     }
 }
 
-/// The colours of pixels from the sums of so many samples of theirs: what [`mean`] gives.
+/// Computes the colours of pixels from sums of `samples` samples each, on SIMD lanes, equal to [`mean`].
 pub fn means_of_sums(lanes: Lanes, sums: &[Sums], samples: u32, light: ColorSpace, out: &mut [Rgba8]) {
     for (out, sums) in out.chunks_mut(WIDE).zip(sums) {
         let means = on_lanes!(lanes, simd => {

@@ -1,4 +1,4 @@
-//! What can be chosen about smooth edges: parts of a recipe.
+//! Settings of anti-aliasing and post filters, as parts of a recipe.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,30 +7,44 @@ use crate::flat2d::convolve::{BELL_DEVIATIONS, MOST_REACH};
 use crate::pipeline::settings::{Choice, ColorSpace, choice};
 
 choice! {
-    /// How a drawn pixel is sampled.
+    /// Sampling of a drawn pixel.
     Method {
-        None = "none", "None", "One sample at the pixel's centre: stairs along edges, and moiré where a pattern is finer than pixels.";
-        Regular = "regular", "Supersampling, regular", "The middles of n × n squares of the pixel, all shaded, and their mean: simple, but edges that are nearly upright or level show only n steps.";
-        Recursive = "recursive", "Supersampling, recursive", "The pixel quartered again and again, as some ray tracers do: the places of the regular grid, square by square. It splits everywhere, so the picture is that of the regular grid.";
-        Jittered = "jittered", "Supersampling, jittered", "Somewhere in each of n × n squares, elsewhere in each pixel: what would be moiré becomes noise.";
-        RotatedGrid = "rotated-grid", "Supersampling, rotated grid", "Four samples, each in a row and a column of its own: four steps along edges where the regular grid of four has two.";
-        LowDiscrepancy = "low-discrepancy", "Supersampling, low discrepancy", "The first points of Sobol's sequence, each in a row and a column of its own: as many steps as samples along upright and level edges. With 16, 64 or 256 samples closer to the truth than the regular grid on the scene chess, whose floor repeats along rows; the regular grid is closer on edges in random directions, and with 16 samples on the scenes cubes and cel.";
-        Multisample = "multisample", "Multisampling", "Coverage and depth at every sample, but each triangle shaded once in a pixel: smooth edges at less cost than supersampling. Inside of surfaces, in textures and at cut-outs, nothing improves.";
+        None = "none", "None",
+            "One sample at the pixel centre: stair-stepping along edges, moiré where a pattern is finer than a pixel.";
+        Regular = "regular", "Supersampling, regular",
+            "Mean of samples at the centres of n × n squares of the pixel, all shaded: simple, but nearly vertical or \
+             horizontal edges show only n steps.";
+        Recursive = "recursive", "Supersampling, recursive",
+            "Recursive subdivision of the pixel into quarters, as in some ray tracers: the sample positions of the \
+             regular grid in another order. Every square is subdivided, so the picture is that of the regular grid.";
+        Jittered = "jittered", "Supersampling, jittered",
+            "A random position in each of n × n squares, different in every pixel: turns moiré into noise.";
+        RotatedGrid = "rotated-grid", "Supersampling, rotated grid",
+            "Four samples, each in its own row and column: four steps along edges where the regular grid of four has \
+             two.";
+        LowDiscrepancy = "low-discrepancy", "Supersampling, low discrepancy",
+            "First points of Sobol's sequence, each in its own row and column: as many steps as samples along vertical \
+             and horizontal edges. With 16, 64 or 256 samples it is closer to the truth than the regular grid on the \
+             scene chess, whose floor repeats along rows; the regular grid is closer on edges in random directions, \
+             and with 16 samples on the scenes cubes and cel.";
+        Multisample = "multisample", "Multisampling",
+            "Coverage and depth at every sample, but each triangle shaded once per pixel (MSAA): smooth edges at less \
+             cost than supersampling. Inside surfaces, in textures and at alpha-tested edges, nothing improves.";
     }
 }
 
 choice! {
-    /// How many samples a pixel gets.
+    /// Number of samples per pixel.
     Samples {
-        Four = "4", "4", "2 × 2, or one level of quarters.";
-        Sixteen = "16", "16", "4 × 4, or two levels of quarters.";
-        SixtyFour = "64", "64", "8 × 8, or three levels of quarters.";
-        All = "256", "256", "16 × 16, or four levels of quarters: the number that the converged reference has.";
+        Four = "4", "4", "2 × 2, or one level of subdivision.";
+        Sixteen = "16", "16", "4 × 4, or two levels of subdivision.";
+        SixtyFour = "64", "64", "8 × 8, or three levels of subdivision.";
+        All = "256", "256", "16 × 16, or four levels of subdivision: the number that the converged reference has.";
     }
 }
 
 impl Samples {
-    /// How often the pixel is halved along each axis.
+    /// Returns the number of times that the pixel is halved along each axis.
     fn level(self) -> u32 {
         match self {
             Self::Four => 1,
@@ -40,28 +54,28 @@ impl Samples {
         }
     }
 
-    /// The number.
+    /// Returns the number of samples per pixel.
     pub fn count(self) -> u32 {
         1 << (2 * self.level())
     }
 
-    /// Squares along an axis.
+    /// Returns the number of squares along an axis.
     pub fn side(self) -> u32 {
         1 << self.level()
     }
 }
 
-/// How drawn pixels are sampled, and how samples become a colour.
+/// Sampling of drawn pixels, and resolve of their samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Antialiasing {
-    /// Where samples lie, and what is done for each.
+    /// Sample positions, and the work done per sample.
     pub method: Method,
-    /// How many; the rotated grid always has four.
+    /// Number of samples; the rotated grid always has four.
     pub samples: Samples,
-    /// Other seeds, other places of jittered samples.
+    /// Seed of the positions of jittered samples.
     pub seed: u32,
-    /// The numbers whose mean is taken.
+    /// Colour space in which samples are averaged.
     pub light: ColorSpace,
 }
 
@@ -72,13 +86,13 @@ impl Default for Antialiasing {
 }
 
 impl Antialiasing {
-    /// One sample at the centre, and nothing else.
+    /// Whether each pixel has a single sample, at its centre.
     pub fn is_off(self) -> bool {
         self.method == Method::None
     }
 
-    /// Whether places differ from pixel to pixel, or shading is not done for each sample: then samples are not drawn pass by
-    /// pass.
+    /// Whether sample positions differ from pixel to pixel, or shading does not run per sample. Samples are then not
+    /// drawn in passes.
     pub fn is_per_pixel(self) -> bool {
         matches!(self.method, Method::Jittered | Method::Multisample)
     }
@@ -88,7 +102,7 @@ impl Antialiasing {
         !self.is_off() && !self.is_per_pixel()
     }
 
-    /// Where samples lie.
+    /// Returns the sample pattern.
     pub fn pattern(self) -> Pattern {
         let (side, count) = (self.samples.side(), self.samples.count());
         match self.method {
@@ -102,32 +116,41 @@ impl Antialiasing {
         }
     }
 
-    /// How many samples a pixel gets.
+    /// Returns the number of samples per pixel.
     pub fn count(self) -> u32 {
         self.pattern().count()
     }
 
-    /// Name with the number of samples, such as "Multisampling, 4 samples".
+    /// Returns the display name with the number of samples, such as "Multisampling, 4 samples".
     pub fn label(self) -> String {
         if self.is_off() { "1 sample".to_owned() } else { format!("{}, {} samples", self.method.name(), self.count()) }
     }
 }
 
 choice! {
-    /// What is done with the finished picture.
+    /// Filter over the finished picture.
     Filter {
-        None = "none", "None", "Nothing.";
-        Fxaa = "fxaa", "Edges (FXAA)", "Finds edges by their contrast in brightness, follows each to its ends, and shifts it by the share that a slanted line would cover: stairs become ramps. The cost grows with the number of pixels and of edges, not with that of triangles: 1.4 to 3.8 ms at 1920 × 1080 px with two threads (Zen 4), 23 to 84 % of the frame without it on cel, stained-glass, chess and cubes. Texture detail and letters soften too, and thin lines stay broken (after T. Lottes, FXAA, 2009).";
-        Blur = "blur", "Blur", "The mean of 3 × 3 pixels or more: everything loses sharpness, not only edges.";
-        Gaussian = "gaussian", "Gaussian blur", "A bell-shaped mean: softer than the plain one, without its boxes.";
-        Sharpen = "sharpen", "Sharpen", "What sets a pixel off from its four neighbours, added to it: crisper, and stairs and noise grow too.";
-        Motion = "motion", "Motion blur", "The mean along a straight way, as if the camera had moved while the shutter was open.";
-        Own = "own", "Own mask", "Your own 3 × 3 or 5 × 5 weights; sums are clamped.";
+        None = "none", "None", "No filter.";
+        Fxaa = "fxaa", "Edges (FXAA)",
+            "Finds edges by their contrast in luma, follows each to its ends, and blends in the share that a slanted \
+             line would cover: stairs become ramps. The cost grows with the number of pixels and of edges, not with \
+             that of triangles: 1.4 to 3.8 ms at 1920 × 1080 px with two threads (Zen 4), 23 to 84 % of the frame \
+             without it on cel, stained-glass, chess and cubes. Texture detail and text soften too, and thin lines \
+             stay broken (after T. Lottes, FXAA, 2009).";
+        Blur = "blur", "Blur", "Mean of 3 × 3 or more pixels: blurs everything, not only edges.";
+        Gaussian = "gaussian", "Gaussian blur",
+            "Gaussian-weighted mean: softer than the plain mean, without its box artefacts.";
+        Sharpen = "sharpen", "Sharpen",
+            "Adds the difference between a pixel and its four neighbours: crisper, but amplifies stairs and noise too.";
+        Motion = "motion", "Motion blur",
+            "Mean along a straight line, as if the camera had moved while the shutter was open.";
+        Own = "own", "Custom mask", "Custom 3 × 3 or 5 × 5 weights; sums are clamped.";
     }
 }
 
 impl Filter {
-    /// The greatest strength, where there is a choice: as far as masks go, and for sharpening as much as is of use.
+    /// Returns the maximum strength: the limit of the largest mask or, for sharpening, of useful values. `None` if the
+    /// filter has no strength.
     pub fn most_strength(self) -> Option<f32> {
         let reach = MOST_REACH as f32;
         match self {
@@ -140,30 +163,30 @@ impl Filter {
     }
 }
 
-/// Weights of an own mask: five rows of five.
+/// Weights of a custom mask: five rows of five.
 pub type Weights = [f32; 25];
 
-/// The mask that changes nothing.
+/// Mask that changes nothing.
 const UNIT: Weights = {
     let mut weights = [0.0; 25];
     weights[12] = 1.0;
     weights
 };
 
-/// The filter over the finished picture.
+/// Post filter: filter over the finished picture.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct PostFilter {
-    /// Which one.
+    /// Kind of filter.
     pub filter: Filter,
-    /// How far or how much: px from the middle to the edge of a blur, standard deviation in px of a Gaussian one, amount of
-    /// sharpening, px of a motion; up to [`Filter::most_strength`].
+    /// Strength of the filter: px from the centre to the edge of a blur, standard deviation in px of a Gaussian blur,
+    /// amount of sharpening, or length in px of a motion blur. At most [`Filter::most_strength`].
     pub strength: f32,
-    /// Direction of a motion, degrees from the right towards below.
+    /// Direction of a motion blur, in degrees from right towards down.
     pub angle_degrees: f32,
-    /// Weights of an own mask, row by row; a mask of 3 × 3 stands in the middle.
+    /// Weights of a custom mask, row by row; a 3 × 3 mask is centred.
     pub mask: Weights,
-    /// The numbers that are filtered. Edges are always found in codes.
+    /// Colour space in which the filter works. FXAA always finds edges in sRGB codes.
     pub light: ColorSpace,
 }
 
@@ -173,7 +196,7 @@ impl Default for PostFilter {
     }
 }
 
-/// Nine weights in the middle of five rows of five.
+/// Returns nine weights, three rows of three, centred in five rows of five.
 pub fn widened(weights: [f32; 9]) -> Weights {
     let mut wide = [0.0; 25];
     for (index, weight) in weights.into_iter().enumerate() {
@@ -183,18 +206,18 @@ pub fn widened(weights: [f32; 9]) -> Weights {
 }
 
 impl PostFilter {
-    /// Whether it changes nothing.
+    /// Whether the filter changes nothing.
     pub fn is_off(&self) -> bool {
         self.filter == Filter::None
     }
 
-    /// Another filter, as strong as this one or as it can be.
+    /// Returns the settings with another filter and the strength clamped to that filter's range.
     pub fn with_filter(self, filter: Filter) -> Self {
         let strength = filter.most_strength().map_or(self.strength, |most| self.strength.clamp(0.0, most));
         Self { filter, strength, ..self }
     }
 
-    /// Why these numbers cannot be filtered with.
+    /// Returns an error if a number is out of range or not finite.
     pub fn check(&self) -> Result<(), String> {
         let Self { filter, strength, .. } = self;
         if let Some(most) = filter.most_strength().filter(|most| !(0.0..=*most).contains(strength)) {

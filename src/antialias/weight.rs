@@ -1,29 +1,30 @@
-//! Area sampling with a weight: how much of a pixel's filter a convex shape covers.
+//! Area sampling with a weight: the fraction of a pixel's filter that a convex shape covers.
 //!
-//! The box of one pixel counts every covered part alike, so it does not matter where in a pixel a thin shape lies. A
-//! pyramid or a cone of two pixels' width counts what is nearer to the centre more, and lets a shape count a little for the
-//! pixels beside it: what moves slowly then changes smoothly.
+//! A box filter of one pixel weights all covered parts equally, so the position of a thin shape within the pixel does
+//! not matter. A pyramid or a cone two pixels wide gives parts nearer to the centre more weight, and lets a shape count
+//! a little for neighbouring pixels. Slow movements then change the picture smoothly.
 //!
-//! Along rows the integral is exact, across rows it is a sum of [`ROWS`] of them; the whole filter counts exactly 1.
+//! The integral is exact along rows, and a sum over [`ROWS`] rows across them; the whole filter has a weight of exactly
+//! 1.
 
 use glam::DVec2;
 
-/// Rows that a filter is cut into.
+/// Number of rows into which a filter is cut.
 pub const ROWS: u32 = 64;
 
-/// The weight of a point by its place relative to the pixel's centre.
+/// Filter weight of a point, by its position relative to the pixel's centre.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Weight {
-    /// The same all over the pixel.
+    /// Constant over the pixel.
     Box,
-    /// Falls from the centre to the sides of a square of 2 × 2 px.
+    /// Falls linearly from the centre to the sides of a square of 2 × 2 px.
     Pyramid,
-    /// Falls from the centre to a circle of 1 px radius.
+    /// Falls linearly from the centre to a circle of 1 px radius.
     Cone,
 }
 
 impl Weight {
-    /// How far the filter reaches from the centre, px.
+    /// Returns the distance from the centre to which the filter reaches, px.
     pub fn radius_px(self) -> f64 {
         match self {
             Self::Box => 0.5,
@@ -31,7 +32,7 @@ impl Weight {
         }
     }
 
-    /// Height of the filter at a place relative to the centre, 1 at the centre.
+    /// Returns the height of the filter at a position relative to the centre, px; 1 at the centre.
     pub fn at(self, place: DVec2) -> f64 {
         match self {
             Self::Box => f64::from(place.abs().max_element() <= 0.5),
@@ -40,7 +41,7 @@ impl Weight {
         }
     }
 
-    /// Integral of the height along a row at height `y`, from x = 0 to `x`, px relative to the centre.
+    /// Returns the integral of the height along a row at `y`, from 0 to `x`, both px relative to the centre.
     fn integral(self, x: f64, y: f64) -> f64 {
         let (length, d) = (x.abs(), y.abs());
         let positive = match self {
@@ -59,7 +60,7 @@ impl Weight {
     }
 }
 
-/// Share of a pixel's filter that a convex polygon covers, in [0, 1]; corners in px, of either winding.
+/// Returns the fraction of a pixel's filter that a convex polygon covers, in [0, 1]; corners in px, of either winding.
 pub fn weighted_coverage(polygon: &[DVec2], center: DVec2, weight: Weight) -> f64 {
     let height = 2.0 * weight.radius_px() / f64::from(ROWS);
     let (mut covered, mut whole) = (0.0, 0.0);
@@ -73,7 +74,7 @@ pub fn weighted_coverage(polygon: &[DVec2], center: DVec2, weight: Weight) -> f6
     (covered / whole).clamp(0.0, 1.0)
 }
 
-/// From where to where a horizontal line runs inside of a convex polygon.
+/// Returns the least and greatest x at which a horizontal line lies inside a convex polygon; `None` if it does not.
 fn stretch(polygon: &[DVec2], y: f64) -> Option<(f64, f64)> {
     let sides = polygon.iter().zip(polygon.iter().cycle().skip(1));
     let crossings =
@@ -107,7 +108,7 @@ mod tests {
             for (x, y, area) in triangle_area(corners, 8, 8) {
                 let center = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
                 let found = weighted_coverage(&corners, center, Weight::Box);
-                // A row that an end of the triangle passes through counts as its middle does.
+                // Each row counts by the line through its middle, even a row in which the triangle ends.
                 assert!((found - area).abs() < 1.5 / f64::from(ROWS), "({x}, {y}) of {corners:?}: {found}, not {area}");
             }
         }

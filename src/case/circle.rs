@@ -1,14 +1,14 @@
-//! `circle`: the pixels of a circle.
+//! `circle`: computes the pixels of a circle.
 
 use serde::{Deserialize, Serialize};
 
 use super::{Check, Control, Exactly, Unanswered, check_length};
 use crate::flat2d::circle::midpoint_circle;
 
-/// The case.
+/// Case of kind `circle`: a circle around a pixel.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct Circle {
-    /// The pixel in the middle.
+    /// Column and row of the centre pixel.
     pub c: Exactly<i32, 2>,
     /// Radius, px.
     pub r: u32,
@@ -18,7 +18,7 @@ impl Check for Circle {}
 
 impl Circle {
     pub(super) fn answer(&self, control: &Control<'_>) -> Result<CircleAnswer, Unanswered> {
-        // Each octant has r / √2 pixels.
+        // Each octant has about r / √2 pixels, and 5/7 approximates 1/√2.
         let count = u64::from(self.r) * 8 * 5 / 7;
         check_length::<(i64, i64)>("pixels of the circle", count)?;
         let Exactly([x, y]) = self.c;
@@ -27,9 +27,9 @@ impl Circle {
     }
 }
 
-/// The answer.
+/// Answer to a [`Circle`] case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CircleAnswer {
-    /// Columns and rows, each pixel once.
+    /// Column and row of each pixel, without duplicates.
     pub pixels: Vec<(i64, i64)>,
 }

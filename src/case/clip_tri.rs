@@ -1,4 +1,4 @@
-//! `clip_tri`: triangles in clip space (0 ≤ z ≤ w), which may reach behind the eye, all the way to covered samples.
+//! `clip_tri`: clips, projects and rasterizes triangles in clip space (0 ≤ z ≤ w) that may extend behind the eye.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,14 +11,14 @@ use crate::pipeline::settings::{FillRule, Interpolation};
 use crate::pipeline::vertex::ClipVertex;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 
-/// The case.
+/// Case of kind `clip_tri`: triangles in clip space.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct ClipTri {
     /// Width of the picture, px.
     pub width: u32,
     /// Height of the picture, px.
     pub height: u32,
-    /// Corners as [x, y, z, w], of either winding. A corner that is not finite costs the triangle.
+    /// Corners as [x, y, z, w], of either winding. A triangle with a non-finite corner is discarded.
     pub triangles: Vec<Exactly<Exactly<Float, 4>, 3>>,
 }
 
@@ -29,25 +29,25 @@ impl Check for ClipTri {
 }
 
 impl ClipTri {
-    /// Corners of one of the triangles as x, y, z, w.
+    /// Returns the corners of one triangle as [x, y, z, w]; `None` if `triangle` is out of range.
     pub fn corners(&self, triangle: usize) -> Option<[[f32; 4]; 3]> {
         let Exactly(corners) = self.triangles.get(triangle)?;
         Some(corners.map(|Exactly(position)| position.map(|number| number.0)))
     }
 
-    /// Size of the picture, px.
+    /// Returns the size of the picture, in pixels.
     pub fn viewport(&self) -> Viewport {
         Viewport { width: self.width, height: self.height }
     }
 
-    /// Clips and projects one of the triangles, as the pipeline does with what its vertex stage gives.
+    /// Clips and projects one triangle, as the pipeline does with the output of its vertex stage.
     fn pieces(&self, triangle: usize, options: Options) -> Vec<ScreenTriangle> {
         let Some(corners) = self.corners(triangle) else { return Vec::new() };
         let vertices = corners.map(|position| ClipVertex::at(position.into()));
         from_clip_space(&vertices, &[[0, 1, 2]], options.arithmetic, self.viewport(), &mut ())
     }
 
-    /// Covers one of the triangles. `take` gets the spans of each of its pieces, in bands of rows from the top.
+    /// Rasterizes one triangle and passes the spans of each clipped piece to `take`, in bands of rows from the top.
     pub(crate) fn cover(
         &self,
         triangle: usize,
@@ -60,13 +60,14 @@ impl ClipTri {
         })
     }
 
-    /// Clips, projects, covers and interpolates, as the pipeline does with what its vertex stage gives.
+    /// Clips, projects, rasterizes and interpolates the triangles, as the pipeline does with the output of its vertex
+    /// stage.
     pub(super) fn answer(&self, options: Options, control: &Control<'_>) -> Result<ClipTriAnswer, Unanswered> {
         let count = self.triangles.len();
         let mut answer = ClipTriAnswer { triangles: Vec::with_capacity(count), attr: Vec::new() };
         let mut listed = 0;
         for number in 0..count {
-            // Everything is counted before anything of the triangle is listed.
+            // The samples of the whole triangle are counted against the limit before any of them is stored.
             self.cover(number, options, |_, spans| {
                 listed += spans.iter().map(|span| u64::from(span.right - span.left)).sum::<u64>();
                 check_length::<ClipSample>("samples", listed)?;
@@ -99,14 +100,15 @@ fn pixels(span: Span) -> impl Iterator<Item = (u32, u32)> {
     (span.left..span.right).map(move |x| (x, span.row))
 }
 
-/// Number of the triangle; column and row; perspective-correct weights p0, p1, p2 of the triangle's own corners; and depth.
+/// One covered sample: triangle index, column, row, perspective-correct weights p0, p1, p2 of the original triangle's
+/// corners, and depth.
 pub type ClipSample = (usize, u32, u32, f64, f64, f64, f64);
 
-/// The answer.
+/// Answer to a [`ClipTri`] case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ClipTriAnswer {
-    /// One for each triangle.
+    /// Coverage of each triangle, in input order.
     pub triangles: Vec<Covered>,
-    /// Attributes of each covered pixel.
+    /// Attributes of each covered sample.
     pub attr: Vec<ClipSample>,
 }

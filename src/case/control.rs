@@ -1,4 +1,4 @@
-//! Progress and cancellation of a case, and the limit of its answer.
+//! Progress reporting and cancellation of a case, and the size limit of its answer.
 
 use std::cell::Cell;
 use std::fmt;
@@ -6,24 +6,25 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::{Refusal, Unanswered};
 
-/// Most memory that the lists of an answer take, bytes. With the case itself and working memory, answering stays well below
-/// 512 MB.
+/// Memory limit for the lists of an answer, in bytes. Including the case itself and working memory, evaluation stays
+/// well below 512 MB.
 pub const MAX_ANSWER_BYTES: u64 = 192 << 20;
 
-/// Most entries of type `T` in an answer.
+/// Returns the maximum number of entries of type `T` in an answer.
 const fn most<T>() -> u64 {
     MAX_ANSWER_BYTES / size_of::<T>() as u64
 }
 
-/// Refuses an answer of more entries of type `T` than [`MAX_ANSWER_BYTES`] hold. `entries` completes “more than 5 …”.
+/// Returns a refusal if an answer has more entries of type `T` than fit into [`MAX_ANSWER_BYTES`]. The message inserts
+/// `entries` into “more than 5 …”.
 pub(super) fn check_length<T>(entries: &str, count: u64) -> Result<(), Refusal> {
     if count > most::<T>() {
-        return Err(Refusal(format!("the answer has more than {} {entries}, the most that are listed", most::<T>())));
+        return Err(Refusal(format!("the answer has more than {} {entries}, the limit", most::<T>())));
     }
     Ok(())
 }
 
-/// Progress reports and cancellation of a case that is being answered.
+/// Progress reporting and cancellation of a case under evaluation.
 pub struct Control<'a> {
     progress: &'a dyn Fn(f32),
     stop: &'a AtomicBool,
@@ -31,25 +32,27 @@ pub struct Control<'a> {
     reported: Cell<u32>,
 }
 
-/// Progress reports of a whole case: more would only keep the listener busy.
+/// Maximum number of progress reports per case. A higher rate would only load the receiver.
 const REPORTS: f64 = 200.0;
 
-/// Steps of an algorithm between two looks at the progress.
+/// Number of algorithm steps between two progress checks.
 const STEPS_PER_REPORT: u64 = 1 << 10;
 
 impl<'a> Control<'a> {
-    /// `progress` gets the completed share, in [0, 1], never a smaller one than before. Once `stop` is set, the case is given
-    /// up within some milliseconds.
+    /// Creates a control from a progress callback and a cancellation flag.
+    ///
+    /// `progress` receives the completed share in [0, 1], which never decreases. After `stop` is set, evaluation ends
+    /// within a few milliseconds.
     pub fn new(progress: &'a dyn Fn(f32), stop: &'a AtomicBool) -> Self {
         Self { progress, stop, reported: Cell::new(0) }
     }
 
-    /// Fails once the case is cancelled.
+    /// Returns an error if the case has been cancelled.
     pub(crate) fn check(&self) -> Result<(), Unanswered> {
         if self.stop.load(Ordering::Relaxed) { Err(Unanswered::Cancelled) } else { Ok(()) }
     }
 
-    /// Reports the completed share, in [0, 1], and fails once the case is cancelled.
+    /// Reports the completed share, in [0, 1]. Returns an error if the case has been cancelled.
     pub(crate) fn step(&self, share: f64) -> Result<(), Unanswered> {
         let steps = (share * REPORTS) as u32;
         if steps > self.reported.get() {
@@ -59,8 +62,10 @@ impl<'a> Control<'a> {
         self.check()
     }
 
-    /// Lists the results of an algorithm, of which each step gives one or none. `done` steps of `of` came before; both are
-    /// estimates. Errors: see [`check_length`]; cancelled.
+    /// Collects the results of an algorithm whose steps each yield at most one.
+    ///
+    /// `done` of `of` steps preceded these; both are estimates and affect only the progress. Errors: see
+    /// [`check_length`]; cancelled.
     pub(super) fn collect<T>(
         &self,
         entries: &str,
@@ -82,7 +87,7 @@ impl<'a> Control<'a> {
 }
 
 impl Default for Control<'_> {
-    /// Reports nothing and is never cancelled.
+    /// Returns a control that reports nothing and is never cancelled.
     fn default() -> Self {
         static NEVER: AtomicBool = AtomicBool::new(false);
         Self::new(&|_| {}, &NEVER)

@@ -1,4 +1,4 @@
-//! `coplanar_pair`: weights and attributes of two triangles of one plane at the same pixels.
+//! `coplanar_pair`: evaluates weights and attributes of two coplanar triangles at the same pixels.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,14 +6,14 @@ use super::tri_attr::{TriangleSamples, check_pixels, check_vertices};
 use super::{Check, Control, Exactly, SampleAttributes, Unanswered, Vertex, check_length};
 use crate::pipeline::settings::Arithmetic;
 
-/// The case.
+/// Case of kind `coplanar_pair`: two coplanar triangles.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct CoplanarPair {
     /// Corners of the first triangle.
     pub first: Exactly<Vertex, 3>,
-    /// Corners of the second.
+    /// Corners of the second triangle.
     pub second: Exactly<Vertex, 3>,
-    /// Columns and rows of the pixels.
+    /// Column and row of each pixel to evaluate.
     pub eval: Vec<Exactly<i64, 2>>,
 }
 
@@ -26,7 +26,7 @@ impl Check for CoplanarPair {
 }
 
 impl CoplanarPair {
-    /// What the pipeline interpolates in each.
+    /// Interpolates the attributes of both triangles with the pipeline.
     pub(super) fn answer(
         &self,
         arithmetic: Arithmetic,
@@ -42,11 +42,11 @@ impl CoplanarPair {
     }
 }
 
-/// The answer: for each triangle one entry for each pixel asked for.
+/// Answer to a [`CoplanarPair`] case: one entry per triangle and requested pixel.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CoplanarPairAnswer {
-    /// In the first triangle.
+    /// Attributes of the first triangle.
     pub first: Vec<SampleAttributes>,
-    /// In the second.
+    /// Attributes of the second triangle.
     pub second: Vec<SampleAttributes>,
 }

@@ -1,4 +1,4 @@
-//! `depth`: what a depth buffer stores for view depths.
+//! `depth`: computes the stored depth values of given view depths.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,46 +6,46 @@ use super::{Check, Control, Real, Refusal, Unanswered};
 use crate::pipeline::depth::{DepthEncoding, DepthScale};
 use crate::scene::DepthMapping;
 
-/// The case.
+/// Case of kind `depth`: view depths to encode.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct Depth {
-    /// From view depth to stored depth.
+    /// Mapping from view depth to normalised depth.
     pub mapping: Mapping,
-    /// How depth is stored.
+    /// Storage format of the depth buffer.
     pub format: DepthFormat,
-    /// View depth of the near plane.
+    /// View depth of the near plane, > 0.
     pub near: Real,
-    /// View depth of the far plane; `None` only where the mapping has none.
+    /// View depth of the far plane. `None` is valid only for a mapping without a far plane.
     pub far: Option<Real>,
-    /// View depths, ascending.
+    /// View depths, all > 0, ascending.
     pub z: Vec<Real>,
 }
 
-/// From view depth z between the planes n and f to depth in [0, 1].
+/// Mapping from view depth z, between the planes n (near) and f (far), to depth in [0, 1].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Mapping {
-    /// f (z − n) / (z (f − n)).
+    /// f (z − n) / (z (f − n)): 0 at the near plane, 1 at the far plane.
     Standard,
-    /// n (f − z) / (z (f − n)).
+    /// n (f − z) / (z (f − n)): 1 at the near plane, 0 at the far plane.
     Reversed,
-    /// n / z.
+    /// n / z: 1 at the near plane, 0 at infinity.
     ReversedInf,
-    /// 1 − n / z.
+    /// 1 − n / z: 0 at the near plane, 1 at infinity.
     StandardInf,
-    /// (z − n) / (f − n).
+    /// (z − n) / (f − n): 0 at the near plane, 1 at the far plane.
     Linear,
 }
 
-/// How a depth in [0, 1] is stored.
+/// Storage format of a depth in [0, 1].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DepthFormat {
-    /// A 32-bit float.
+    /// 32-bit float.
     F32,
-    /// A 16-bit integer, as a share of the largest.
+    /// 16-bit normalised integer.
     Unorm16,
-    /// A 24-bit integer, as a share of the largest.
+    /// 24-bit normalised integer.
     Unorm24,
 }
 
@@ -60,14 +60,14 @@ impl Check for Depth {
             return Err("the planes must lie at 0 < `near` < `far`".to_owned());
         }
         if self.z.iter().any(|z| z.0 <= 0.0) {
-            return Err("every `z` must be positive: the rest lies behind the eye".to_owned());
+            return Err("every `z` must be positive: other values lie behind the eye".to_owned());
         }
         Ok(())
     }
 }
 
 impl Depth {
-    /// What the depth buffer stores for vertices at these distances.
+    /// Returns the depth-buffer values of vertices at these view depths.
     pub(super) fn answer(&self, control: &Control<'_>) -> Result<DepthAnswer, Unanswered> {
         let mapping = match self.mapping {
             Mapping::Standard => DepthMapping::Standard,
@@ -75,7 +75,7 @@ impl Depth {
             Mapping::ReversedInf => DepthMapping::ReversedInfinite,
             Mapping::Linear => DepthMapping::Linear,
             Mapping::StandardInf => {
-                let reason = "there is no depth format whose far plane is infinitely far and stored as 1";
+                let reason = "no depth format stores an infinitely far plane as 1";
                 return Err(Refusal(reason.to_owned()).into());
             }
         };
@@ -86,7 +86,7 @@ impl Depth {
         };
         let far = self.far.map_or(f32::INFINITY, |far| far.0 as f32);
         let scale = DepthScale::perspective(mapping, encoding, self.near.0 as f32, far);
-        // Codes as exactly as their quotient can be written; the buffer holds its nearest float.
+        // Integer formats are reported as the exact quotient in f64; the buffer itself holds the nearest f32.
         let value = |stored: f32| match encoding.code(stored).zip(encoding.largest_code()) {
             Some((code, largest)) => f64::from(code) / f64::from(largest),
             None => stored.into(),
@@ -96,9 +96,9 @@ impl Depth {
     }
 }
 
-/// The answer.
+/// Answer to a [`Depth`] case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DepthAnswer {
-    /// Stored values in [0, 1].
+    /// Stored values in [0, 1], one per view depth.
     pub depth: Vec<f64>,
 }

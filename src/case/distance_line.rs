@@ -1,20 +1,20 @@
-//! `distance_line`: the pixels at most half a pixel beside a segment.
+//! `distance_line`: computes the pixels at most half a pixel from a segment.
 
 use serde::{Deserialize, Serialize};
 
 use super::{Check, Control, Point, Unanswered, check_picture};
 use crate::flat2d::distance_line::distance_line;
 
-/// The case.
+/// Case of kind `distance_line`: a segment and a picture size.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct DistanceLine {
     /// Width of the picture, px.
     pub width: u32,
     /// Height of the picture, px.
     pub height: u32,
-    /// One end, px.
+    /// First end, px.
     pub p0: Point,
-    /// The other end, px.
+    /// Second end, px.
     pub p1: Point,
 }
 
@@ -33,9 +33,9 @@ impl DistanceLine {
     }
 }
 
-/// The answer.
+/// Answer to a [`DistanceLine`] case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DistanceLineAnswer {
-    /// Columns and rows, row by row.
+    /// Column and row of each pixel, row by row.
     pub pixels: Vec<(u32, u32)>,
 }

@@ -1,18 +1,18 @@
-//! `ellipse`: the pixels of an ellipse with axes along rows and columns.
+//! `ellipse`: computes the pixels of an axis-aligned ellipse.
 
 use serde::{Deserialize, Serialize};
 
 use super::{Check, Control, Exactly, Unanswered, check_length};
 use crate::flat2d::ellipse::midpoint_ellipse;
 
-/// The case.
+/// Case of kind `ellipse`: an axis-aligned ellipse around a pixel.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct Ellipse {
-    /// Pixel at the centre.
+    /// Column and row of the centre pixel.
     pub c: Exactly<i32, 2>,
-    /// Half axis along rows, px.
+    /// Horizontal semi-axis, px.
     pub a: u32,
-    /// Half axis along columns, px.
+    /// Vertical semi-axis, px.
     pub b: u32,
 }
 
@@ -20,7 +20,7 @@ impl Check for Ellipse {}
 
 impl Ellipse {
     pub(super) fn answer(&self, control: &Control<'_>) -> Result<EllipseAnswer, Unanswered> {
-        // A quadrant has a² / √(a² + b²) pixels where it is flatter than 45° and b² / √(a² + b²) where it is steeper.
+        // A quadrant has a² / √(a² + b²) pixels where the slope is below 45° and b² / √(a² + b²) where it is above.
         let count = (4.0 * f64::from(self.a).hypot(f64::from(self.b))) as u64;
         check_length::<(i64, i64)>("pixels of the ellipse", count)?;
         let Exactly([x, y]) = self.c;
@@ -29,10 +29,10 @@ impl Ellipse {
     }
 }
 
-/// The answer.
+/// Answer to an [`Ellipse`] case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EllipseAnswer {
-    /// Columns and rows, each pixel once.
+    /// Column and row of each pixel, without duplicates.
     pub pixels: Vec<(i64, i64)>,
 }
 
@@ -63,12 +63,12 @@ mod tests {
         for (a, b) in (1..24).flat_map(|a| (1..24).map(move |b| (a, b))) {
             let pixels = pixels(a, b);
             let [a, b] = [a, b].map(i64::from);
-            // Four times the implicit form at a place given in half pixels: negative inside.
+            // Four times the implicit form at a position in half pixels; negative inside.
             let form = |x: i64, y: i64| b * b * x * x + a * a * y * y - 4 * a * a * b * b;
             let crosses = |from: (i64, i64), to: (i64, i64)| form(from.0, from.1) <= 0 && form(to.0, to.1) >= 0;
             for (x, y) in pixels.iter().map(|(x, y)| (2 * x.abs(), 2 * y.abs())) {
                 let beside = crosses((x, y - 1), (x, y + 1)) || crosses((x - 1, y), (x + 1, y));
-                // The tips of a thin ellipse are followed along the axis.
+                // The tips of a thin ellipse continue along its axis and are exempt.
                 assert!(beside || x == 0 || y == 0, "{a} {b}: {x}/2 {y}/2");
             }
             assert!((-a..=a).all(|x| pixels.iter().any(|pixel| pixel.0 == x)), "{a} {b}: columns");
@@ -80,6 +80,6 @@ mod tests {
     fn too_long_an_ellipse_is_refused() {
         let ellipse = Ellipse { c: Exactly([0, 0]), a: u32::MAX, b: 1 };
         let refusal = ellipse.answer(&Control::default()).unwrap_err().to_string();
-        assert!(refusal.contains(" pixels of the ellipse, the most that are listed"), "{refusal}");
+        assert!(refusal.contains(" pixels of the ellipse, the limit"), "{refusal}");
     }
 }

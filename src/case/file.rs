@@ -1,4 +1,4 @@
-//! Reading cases: from a path to a [`Case`] whose values are sound, or what is wrong and where.
+//! Reads a [`Case`] from a file and validates its values; errors name the position and the cause.
 
 use std::path::{Path, PathBuf};
 
@@ -8,46 +8,46 @@ use thiserror::Error;
 use super::{Case, Check as _, Task};
 use crate::{disk, text};
 
-/// Largest file that is read, bytes: what it takes in memory, up to thirteen times as much, stays below 256 MB.
+/// Maximum size of a file, in bytes. Parsing needs up to thirteen times as much memory, which stays below 256 MB.
 const MAX_BYTES: u64 = 16 << 20;
 
-/// Longest name of a case, bytes: with a suffix it still names a file everywhere.
+/// Maximum length of a case ID, in bytes. With a suffix added, it is still a valid file name on every platform.
 const MAX_ID_BYTES: usize = 200;
 
-/// Why a case could not be read.
+/// Reason why a case could not be read.
 #[derive(Debug, Error)]
 pub enum CaseError {
-    /// The file cannot be read.
+    /// The file is not readable.
     #[error("{}: cannot read it: {source}", path.display())]
     Unreadable {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the system said.
+        /// I/O error of the operating system.
         source: std::io::Error,
     },
-    /// It is no JSON, or not what its kind needs.
+    /// The file is not valid JSON or does not match the format of its kind.
     #[error("{}:{line}:{column}: {reason}", path.display())]
     Malformed {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Counted from 1.
+        /// Line number, from 1.
         line: usize,
-        /// Counted from 1.
+        /// Column number, from 1.
         column: usize,
-        /// What is wrong there.
+        /// Description of the error at this position.
         reason: String,
     },
-    /// Its values cannot be used.
+    /// The values of the case are invalid.
     #[error("{}: {reason}", path.display())]
     Unusable {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Which, and why.
+        /// The invalid value and the reason.
         reason: String,
     },
 }
 
-/// What all cases have in common.
+/// Fields common to all cases.
 #[derive(Deserialize)]
 #[serde(expecting = "a case: an object with `id` and `kind`")]
 struct Header {
@@ -67,8 +67,8 @@ pub(super) fn parse(json: &[u8], path: &Path) -> Result<Case, CaseError> {
         CaseError::Malformed { path: path.to_owned(), line: error.line(), column: error.column(), reason }
     };
     let unusable = |reason: String| CaseError::Unusable { path: path.to_owned(), reason };
-    // Read twice, first without looking at the values: keeping them until the kind is known would take many times the
-    // memory of the file.
+    // The JSON is parsed twice, and the first pass ignores the values. Keeping them in memory until the kind is known
+    // would take many times the size of the file.
     let Header { id, kind } = serde_json::from_slice(json).map_err(malformed)?;
     check_id(&id).map_err(unusable)?;
     let task = Task::parse(&kind, json).ok_or_else(|| unusable(unknown_kind(&kind)))?.map_err(malformed)?;
@@ -81,11 +81,11 @@ fn unknown_kind(kind: &str) -> String {
     format!("unknown kind `{}`, expected one of {}", text::message(kind), known.join(", "))
 }
 
-/// Results are written into files named after their cases.
+/// Checks that an ID is a valid file name, because result files are named after their cases.
 fn check_id(id: &str) -> Result<(), String> {
     let has_separator = id.contains(|c: char| c.is_control() || "/\\:".contains(c));
     if id.is_empty() || id.len() > MAX_ID_BYTES || id.starts_with('.') || has_separator {
-        return Err(format!("the id {id:?} cannot name a file"));
+        return Err(format!("the id {id:?} cannot be used as a file name"));
     }
     Ok(())
 }
@@ -112,8 +112,8 @@ mod tests {
             (r#"{"kind": "line"}"#, ":1:16: missing field `id`"),
             (r#"{"id": "a"}"#, ":1:11: missing field `kind`"),
             (r#"{"id": "a", "kind": "sphere"}"#, ": unknown kind `sphere`, expected one of `tri_coverage`, "),
-            (r#"{"id": "../a", "kind": "line"}"#, ": the id \"../a\" cannot name a file"),
-            (r#"{"id": "", "kind": "line"}"#, ": the id \"\" cannot name a file"),
+            (r#"{"id": "../a", "kind": "line"}"#, ": the id \"../a\" cannot be used as a file name"),
+            (r#"{"id": "", "kind": "line"}"#, ": the id \"\" cannot be used as a file name"),
             (r#"{"id": "a", "kind": "line", "p0": [0, 0]}"#, ":1:41: missing field `p1`"),
             (
                 r#"{"id": "a", "kind": "line", "p0": [0], "p1": [0, 0], "last_pixel": true}"#,
@@ -123,7 +123,7 @@ mod tests {
             (r#"{"id": "a", "kind": "real_line", "p0": [0, 1e999]}"#, ":1:48: number out of range"),
             (
                 r#"{"id": "a", "kind": "real_line", "p0": [0, 1e39]}"#,
-                ":1:48: 1e39 lies outside of the range of 32-bit floats",
+                ":1:48: 1e39 lies outside the range of 32-bit floats",
             ),
             (
                 r#"{"id": "a", "kind": "distance_line", "width": 1000000000, "height": 1, "p0": [0, 0], "p1": [1, 1]}"#,
@@ -152,6 +152,6 @@ mod tests {
         let path = folder.path().join("large.json");
         std::fs::File::create(&path).unwrap().set_len(MAX_BYTES + 1).unwrap();
         let message = read(&path).unwrap_err().to_string();
-        assert!(message.ends_with("it is larger than 16 MiB, the most that is read"), "{message}");
+        assert!(message.ends_with("it is larger than 16 MiB, the maximum"), "{message}");
     }
 }

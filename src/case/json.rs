@@ -1,4 +1,4 @@
-//! Parts of cases in JSON: numbers within range, and lists of a given length.
+//! JSON building blocks of cases: numbers within range and lists of a fixed length.
 
 use std::array;
 use std::fmt;
@@ -10,7 +10,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::image::Image;
 
-/// A number within the range of 32-bit floats: 0, or of a magnitude from 2⁻¹⁴⁹ to the largest of them.
+/// Number within the range of 32-bit floats: 0, or a magnitude from 2⁻¹⁴⁹ to `f32::MAX`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(try_from = "f64")]
 pub struct Real(pub f64);
@@ -24,21 +24,21 @@ impl TryFrom<f64> for Real {
 }
 
 fn within_range(number: f64) -> Result<f64, String> {
-    /// 2⁻¹⁴⁹.
+    /// Smallest positive subnormal, 2⁻¹⁴⁹.
     const LEAST: f32 = f32::from_bits(1);
     let range = f64::from(LEAST)..=f64::from(f32::MAX);
     if number == 0.0 || range.contains(&number.abs()) {
         Ok(number)
     } else {
-        Err(format!("{number:e} lies outside of the range of 32-bit floats"))
+        Err(format!("{number:e} lies outside the range of 32-bit floats"))
     }
 }
 
-/// The words for what JSON has no number for.
+/// Words for the values that JSON numbers cannot express.
 const WORDS: [(&str, f32); 3] = [("NaN", f32::NAN), ("Infinity", f32::INFINITY), ("-Infinity", f32::NEG_INFINITY)];
 
-/// Any 32-bit float: a number as [`Real`] has it, rounded to the nearest, or one of the words `NaN`, `Infinity` and
-/// `-Infinity`.
+/// Any 32-bit float: a number in the range of [`Real`], rounded to the nearest f32, or one of the words `NaN`,
+/// `Infinity` and `-Infinity`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Float(pub f32);
 
@@ -53,7 +53,7 @@ impl Serialize for Float {
         let same = |word: f32| word == self.0 || (word.is_nan() && self.0.is_nan());
         match WORDS.iter().find(|(_, value)| same(*value)) {
             Some((word, _)) => serializer.serialize_str(word),
-            // As f64, so that all digits of the exact value are written.
+            // Written as f64 to preserve all digits of the exact value.
             None => serializer.serialize_f64(self.0.into()),
         }
     }
@@ -86,7 +86,7 @@ impl Visitor<'_> for FloatVisitor {
     }
 }
 
-/// A point, written [x, y].
+/// Point, written as [x, y].
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(from = "Exactly<Real, 2>")]
 pub struct Point(pub DVec2);
@@ -97,7 +97,7 @@ impl From<Exactly<Real, 2>> for Point {
     }
 }
 
-/// A list of `N` values, with an error that says so where there are more or fewer.
+/// List of exactly `N` values. Deserializing a list of any other length returns an error with both lengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exactly<T, const N: usize>(pub [T; N]);
 
@@ -137,17 +137,17 @@ impl<'de, T: Deserialize<'de>, const N: usize> Visitor<'de> for ExactlyVisitor<T
     }
 }
 
-/// Reads rows of equal length, at least one of at least one value.
+/// Deserializes a grid: rows of equal length, at least one row of at least one value.
 pub(super) fn rows<'de, D: Deserializer<'de>, T: Copy + Deserialize<'de>>(
     deserializer: D,
 ) -> Result<Image<T>, D::Error> {
     let rows = Vec::<Vec<T>>::deserialize(deserializer)?;
     let width = rows.first().map_or(0, Vec::len);
     if width == 0 || rows.iter().any(|row| row.len() != width) {
-        return Err(D::Error::custom("this must be rows of equal length, at least one of at least one value"));
+        return Err(D::Error::custom("rows must have equal length, with at least one row of at least one value"));
     }
     let sides = u32::try_from(width).ok().zip(u32::try_from(rows.len()).ok());
-    let (width, height) = sides.ok_or_else(|| D::Error::custom("these are too many values"))?;
+    let (width, height) = sides.ok_or_else(|| D::Error::custom("the number of values is too large"))?;
     Ok(Image::from_pixels(width, height, rows.concat()))
 }
 
@@ -204,7 +204,7 @@ mod tests {
         let rows = |json: &str| rows::<_, u8>(&mut serde_json::Deserializer::from_str(json));
         assert_eq!(rows("[[1, 2, 3], [4, 5, 6]]").unwrap(), Image::from_pixels(3, 2, vec![1, 2, 3, 4, 5, 6]));
         for json in ["[]", "[[]]", "[[1], [1, 2]]", "[[1], []]"] {
-            assert!(rows(json).unwrap_err().to_string().contains("rows of equal length"), "{json}");
+            assert!(rows(json).unwrap_err().to_string().contains("rows must have equal length"), "{json}");
         }
     }
 }

@@ -1,20 +1,20 @@
-//! `line`: the pixels of a line between two pixels.
+//! `line`: computes the pixels of a line between two pixels.
 
 use serde::{Deserialize, Serialize};
 
 use super::{Check, Control, Exactly, Unanswered, check_length};
 use crate::flat2d::line::{direction_independent_line, midpoint_line};
 
-/// The case.
+/// Case of kind `line`: a line between two pixels.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct Line {
-    /// The first pixel.
+    /// Column and row of the first pixel.
     pub p0: Exactly<i64, 2>,
-    /// The last pixel.
+    /// Column and row of the last pixel.
     pub p1: Exactly<i64, 2>,
-    /// Whether the last pixel belongs to the line; without it, lines in a row share no pixel.
+    /// Whether the last pixel belongs to the line. If `false`, the segments of a polyline share no pixel.
     pub last_pixel: bool,
-    /// Whether the line from `p1` to `p0` covers the same pixels; without it, ties depend on the direction.
+    /// Whether the line from `p1` to `p0` covers the same pixels. If `false`, ties depend on the direction.
     #[serde(default)]
     pub direction_independent: bool,
 }
@@ -33,10 +33,10 @@ impl Line {
     }
 }
 
-/// The answer.
+/// Answer to a [`Line`] case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LineAnswer {
-    /// Columns and rows, from the first pixel on.
+    /// Column and row of each pixel, starting at the first.
     pub pixels: Vec<(i64, i64)>,
 }
 
@@ -44,7 +44,7 @@ pub struct LineAnswer {
 mod tests {
     use super::*;
 
-    /// Pixels of a case file that is read as any other.
+    /// Returns the pixels of a case parsed from JSON, as from a file.
     fn pixels([p0, p1]: [[i64; 2]; 2], field: &str) -> Vec<(i64, i64)> {
         let case = format!(r#"{{"p0": {p0:?}, "p1": {p1:?}, "last_pixel": true{field}}}"#);
         serde_json::from_str::<Line>(&case).unwrap().answer(&Control::default()).unwrap().pixels

@@ -1,4 +1,4 @@
-//! A new case from a pixel that somebody wonders about: the one triangle that matters, in as small a picture as shows it.
+//! Builds a minimal case from one pixel of a frame: the triangle that covers it, in the smallest picture that shows it.
 
 use serde::Serialize;
 
@@ -6,13 +6,13 @@ use super::rule;
 use crate::pipeline::settings::{FillRule, Settings};
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 
-/// Most side of the picture of a minimal case, px.
+/// Maximum side of the picture of a minimal case, px.
 const SIDE_PX: u32 = 64;
 
-/// A `tri_coverage` case of one triangle, with words on where it comes from. Readers of cases ignore what they do not know.
+/// A `tri_coverage` case of one triangle, with a note on its origin. Readers of cases ignore unknown fields.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MinimalCase {
-    /// Its name.
+    /// Identifier of the case, built from the triangle and the pixel.
     pub id: String,
     kind: &'static str,
     class: &'static str,
@@ -21,16 +21,18 @@ pub struct MinimalCase {
     height: u32,
     #[serde(with = "rule")]
     rule: FillRule,
-    /// Corners in px as the exact values of f32.
+    /// Corners in px, as the exact f64 values of the f32 coordinates.
     triangles: [[[f64; 2]; 3]; 1],
-    /// The pixel in question.
+    /// Column and row of the pixel to examine.
     pixel: [u32; 2],
     settings: Settings,
 }
 
 impl MinimalCase {
-    /// From a triangle of a picture of this size that covers `pixel`. The picture of the case is a window around the pixel
-    /// if the triangle can be shifted there by whole pixels without rounding; else it stays as it is.
+    /// Creates a case from a triangle that covers `pixel` in a picture of size `viewport`.
+    ///
+    /// The picture of the case is a window around the pixel if shifting the triangle by whole pixels causes no
+    /// rounding. Otherwise the case keeps the full picture.
     pub fn new(
         triangle: &ScreenTriangle,
         pixel: (u32, u32),
@@ -67,9 +69,9 @@ impl MinimalCase {
         }
     }
 
-    /// The text of the file.
+    /// Returns the content of the case file, as indented JSON.
     pub fn to_json(&self) -> String {
-        // Corners of drawn triangles are finite, and so is everything in settings.
+        // Corners of drawn triangles and all numbers in the settings are finite, so serialization cannot fail.
         serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
     }
 }

@@ -1,8 +1,9 @@
-//! Numerical cases in files: small inputs to one algorithm each, answered by the same code that draws.
+//! Numerical cases in files: small inputs to one algorithm each, answered by the code that renders frames.
 //!
-//! In: a JSON file with an `id`, a `kind`, and what that kind needs, one file per kind here. Out: a result that can be
-//! compared with an answer known from elsewhere, or a [`Refusal`] in words where this program does not do what a case
-//! asks. Pixels and samples lie as in [`crate::math`]; all real numbers are values of 32-bit floats.
+//! Input: a JSON file with an `id`, a `kind`, and the fields of that kind; each kind has a file in this module. Output:
+//! a result that can be compared with an independently known answer. If the program does not support a request, the
+//! output is a [`Refusal`] with the reason. Pixels and samples follow the conventions of [`crate::math`]; all real
+//! numbers are in the range of 32-bit floats.
 
 mod circle;
 mod clip_tri;
@@ -56,45 +57,46 @@ use crate::math::fixed::SUBPIXEL_BITS;
 use crate::pipeline::settings::{Arithmetic, Rasterizer};
 use crate::pipeline::viewport::Viewport;
 
-/// A case as read from a file.
+/// Case read from a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
-    /// Its name, fit to name a file.
+    /// Identifier, valid as a file name.
     pub id: String,
-    /// What is asked.
+    /// Input of the algorithm.
     pub task: Task,
 }
 
 impl Case {
-    /// Reads a case. Errors: not a regular file of at most 16 MiB, not JSON, no known kind, or not what the kind needs.
+    /// Reads a case. Errors: not a regular file of at most 16 MiB, not JSON, an unknown kind, or fields that do not
+    /// match the kind.
     pub fn read(path: &Path) -> Result<Self, CaseError> {
         file::read(path)
     }
 
-    /// Takes a case from text; `path` is what errors name.
+    /// Parses a case from JSON text. Error messages name `path`.
     pub fn parse(json: &[u8], path: &Path) -> Result<Self, CaseError> {
         file::parse(json, path)
     }
 }
 
-/// With which of its algorithms the program answers, where it has several.
+/// Choice of algorithm for cases that the program can answer in several ways.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options {
-    /// How the samples inside a triangle are found.
+    /// Rasterizer that finds the samples inside a triangle.
     pub rasterizer: Rasterizer,
-    /// The numbers that coverage is decided in. Polygons are filled exactly either way: in fixed point with their corners
-    /// snapped, else with their corners as given.
+    /// Arithmetic that decides coverage. Polygons are always filled exactly: with snapped corners in fixed point, and
+    /// with the given corners otherwise.
     pub arithmetic: Arithmetic,
 }
 
 impl Options {
-    /// Fraction bits of the grid that corners are snapped to; `None` if they are used as given.
+    /// Returns the fraction bits of the grid to which corners are snapped; `None` if they are used as given.
     fn snap_bits(self) -> Option<u32> {
         snap_bits(self.arithmetic)
     }
 }
 
-/// Returns the fraction bits of the grid that an arithmetic snaps corners to; `None` if it uses them as given.
+/// Returns the fraction bits of the grid to which an arithmetic snaps corners; `None` if it uses them as given.
 fn snap_bits(arithmetic: Arithmetic) -> Option<u32> {
     (arithmetic == Arithmetic::Fixed).then_some(SUBPIXEL_BITS)
 }
@@ -105,15 +107,15 @@ impl Default for Options {
     }
 }
 
-/// Why a case is not answered although nothing is wrong with it, in one sentence.
+/// Reason why a valid case is not answered, in one sentence.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{0}")]
 pub struct Refusal(pub(crate) String);
 
-/// Why a case has no answer.
+/// Reason why a case has no answer.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum Unanswered {
-    /// The program does not do what the case asks.
+    /// The program does not support the request.
     #[error(transparent)]
     Refused(#[from] Refusal),
     /// The evaluation was cancelled.
@@ -121,28 +123,28 @@ pub enum Unanswered {
     Cancelled,
 }
 
-/// What is wrong with the values of a case of the right form.
+/// Validation of the values of a well-formed case.
 trait Check {
-    /// Says so in one sentence, if anything is.
+    /// Returns an error, in one sentence, if a value is invalid.
     fn check(&self) -> Result<(), String> {
         Ok(())
     }
 }
 
-/// Declares the enum of kinds, each with its struct and its word in files.
+/// Declares the enum of kinds, each with its struct and its word in case files.
 macro_rules! tasks {
     ($($kind:ident = $word:literal, $doc:literal;)+) => {
-        /// What a case asks, one kind for each algorithm.
+        /// Input of a case, with one variant per algorithm.
         #[derive(Clone, Debug, PartialEq)]
         pub enum Task {
             $(#[doc = $doc] $kind($kind),)+
         }
 
         impl Task {
-            /// The words of all kinds.
+            /// The `kind` words of all variants, as written in case files.
             pub const KINDS: &[&str] = &[$($word),+];
 
-            /// Reads what a kind needs; `None` for an unknown kind.
+            /// Parses the fields of a kind; `None` for an unknown kind.
             fn parse(kind: &str, json: &[u8]) -> Option<serde_json::Result<Self>> {
                 match kind {
                     $($word => Some(serde_json::from_slice(json).map(Self::$kind)),)+
@@ -162,24 +164,24 @@ macro_rules! tasks {
 }
 
 tasks! {
-    TriCoverage = "tri_coverage", "Which samples lie inside triangles.";
-    PolyFill = "poly_fill", "Which samples lie inside a polygon.";
+    TriCoverage = "tri_coverage", "Samples that lie inside triangles.";
+    PolyFill = "poly_fill", "Samples that lie inside a polygon.";
     TriAttr = "tri_attr", "Weights and attributes at samples of a triangle.";
-    CoplanarPair = "coplanar_pair", "The same in two triangles of one plane.";
+    CoplanarPair = "coplanar_pair", "Weights and attributes at samples of two coplanar triangles.";
     ClipTri = "clip_tri", "Triangles in clip space, clipped, projected and interpolated.";
-    TriArea = "tri_area", "What area of each pixel a triangle covers.";
+    TriArea = "tri_area", "Area of each pixel that a triangle covers.";
     Line = "line", "A line between two pixels.";
-    RealLine = "real_line", "A line between two real points.";
+    RealLine = "real_line", "A line between two points with real coordinates.";
     DistanceLine = "distance_line", "The pixels close to a segment.";
     Circle = "circle", "A circle around a pixel.";
     Ellipse = "ellipse", "An ellipse around a pixel, with axes along rows and columns.";
     RegionFill = "region_fill", "A region filled from a seed.";
-    Depth = "depth", "What a depth buffer stores.";
-    Texture = "texture", "What a texture reads as.";
-    Upscale = "upscale", "An enlarged picture.";
+    Depth = "depth", "Values that a depth buffer stores.";
+    Texture = "texture", "Values sampled from a texture.";
+    Upscale = "upscale", "An upscaled picture.";
 }
 
-/// The answer to a case, as results write it.
+/// Answer to a case, in the form written to result files.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 #[expect(missing_docs, reason = "each variant is the answer to the task of its name")]
@@ -201,7 +203,7 @@ pub enum Answer {
     Upscale(UpscaleAnswer),
 }
 
-/// Answers a case.
+/// Evaluates a case. Errors: an unsupported request, or cancellation.
 pub fn answer(case: &Case, options: Options, control: &Control<'_>) -> Result<Answer, Unanswered> {
     Ok(match &case.task {
         Task::TriCoverage(task) => Answer::TriCoverage(task.answer(options, control)?),
@@ -222,30 +224,30 @@ pub fn answer(case: &Case, options: Options, control: &Control<'_>) -> Result<An
     })
 }
 
-/// The content of a result file.
+/// Content of a result file.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CaseResult {
-    /// The name of the case.
+    /// Identifier of the case.
     pub id: String,
-    /// What came out.
+    /// Answer or refusal.
     #[serde(flatten)]
     pub outcome: Outcome,
 }
 
-/// An answer, or the reason why there is none.
+/// An answer, or the reason for its absence.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Outcome {
-    /// The answer.
+    /// The case was answered.
     Answered(Answer),
-    /// Why there is none.
+    /// The request is not supported.
     Refused {
-        /// One sentence.
+        /// Reason, in one sentence.
         error: String,
     },
 }
 
-/// Answers a case, or says in the result why not; `None` if it was cancelled.
+/// Evaluates a case and returns the content of its result file; `None` if it was cancelled.
 pub fn solve(case: &Case, options: Options, control: &Control<'_>) -> Option<CaseResult> {
     let outcome = match answer(case, options, control) {
         Ok(answer) => Outcome::Answered(answer),
@@ -255,7 +257,7 @@ pub fn solve(case: &Case, options: Options, control: &Control<'_>) -> Option<Cas
     Some(CaseResult { id: case.id.clone(), outcome })
 }
 
-/// Says what is wrong with the size of a picture, if anything is.
+/// Returns an error if a picture cannot have this size, in pixels.
 fn check_picture(width: u32, height: u32) -> Result<(), String> {
     Viewport { width, height }.check().map_err(|flaw| format!("a picture of {width} × {height} px: {flaw}"))
 }

@@ -1,26 +1,26 @@
-//! `poly_fill`: which samples lie inside a polygon of any number of contours.
+//! `poly_fill`: finds the samples inside a polygon of any number of contours.
 
 use serde::{Deserialize, Serialize};
 
 use super::{Check, Control, Options, Point, Real, Unanswered, check_length, check_picture};
 use crate::flat2d::polygon::{Corners, Filling, InsideRule, SamplePoint, fill};
 
-/// Most corners of a polygon; contours without corners count as one.
+/// Maximum number of corners of a polygon. An empty contour counts as one corner.
 const MAX_CORNERS: usize = 1 << 20;
 
-/// The case.
+/// Case of kind `poly_fill`: a polygon and a picture size.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct PolyFill {
     /// Width of the picture, px.
     pub width: u32,
     /// Height of the picture, px.
     pub height: u32,
-    /// What is inside.
+    /// Rule that decides which points are inside.
     pub rule: PolygonRule,
-    /// Where samples lie: 0.5 in the middle of pixels, 0 on whole coordinates.
+    /// Sample position on both axes, px: 0.5 at pixel centres, 0 at integer coordinates.
     #[serde(default = "middle")]
     pub center: Real,
-    /// Corners in px; contours close by themselves.
+    /// Corners of each contour, px. Contours are closed implicitly.
     pub contours: Vec<Vec<Point>>,
 }
 
@@ -28,13 +28,13 @@ fn middle() -> Real {
     Real(0.5)
 }
 
-/// What is inside of contours that may overlap.
+/// Inside rule for contours that may overlap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PolygonRule {
-    /// Where the winding number is odd.
+    /// Points with an odd winding number are inside.
     EvenOdd,
-    /// Where it differs from 0.
+    /// Points with a non-zero winding number are inside.
     Nonzero,
 }
 
@@ -45,14 +45,14 @@ impl Check for PolyFill {
         }
         let corners = self.contours.iter().map(|contour| contour.len().max(1)).sum::<usize>();
         if corners > MAX_CORNERS {
-            return Err(format!("the contours have more than {MAX_CORNERS} corners, the most that are filled"));
+            return Err(format!("the contours have more than {MAX_CORNERS} corners, the maximum"));
         }
         check_picture(self.width, self.height)
     }
 }
 
 impl PolyFill {
-    /// Corners of the contours, px.
+    /// Returns the corners of the contours, px.
     pub fn outlines(&self) -> Vec<Vec<[f64; 2]>> {
         self.contours.iter().map(|contour| contour.iter().map(|Point(p)| [p.x, p.y]).collect()).collect()
     }
@@ -65,7 +65,7 @@ impl PolyFill {
         }
     }
 
-    /// Fills the polygon. Where edges and samples meet is decided exactly either way; there is no variant that rounds.
+    /// Fills the polygon. Edge crossings are always compared with samples exactly; no variant rounds them.
     pub(super) fn answer(&self, options: Options, control: &Control<'_>) -> Result<PolyFillAnswer, Unanswered> {
         let snap_bits = options.snap_bits();
         let corners = if snap_bits.is_some() { Corners::Snapped } else { Corners::AsGiven };
@@ -78,7 +78,7 @@ impl PolyFill {
         let filling = Filling { rule, corners, sample, width: self.width, height: self.height };
         let mut walk = fill(&contours, filling);
         let mut spans = Vec::new();
-        // A row costs its crossing edges, up to a million.
+        // The cost of a row is the number of edges that cross it, up to a million.
         while let Some(span) = walk.step() {
             spans.extend(span.map(|span| [span.y, span.x0, span.x1]));
             check_length::<[u32; 3]>("spans", spans.len() as u64)?;
@@ -88,11 +88,11 @@ impl PolyFill {
     }
 }
 
-/// The answer.
+/// Answer to a [`PolyFill`] case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PolyFillAnswer {
-    /// Fraction bits of the grid that corners were snapped to; `None` if they were used as given.
+    /// Fraction bits of the grid to which corners were snapped; `None` if they were used as given.
     pub snap_bits: Option<u32>,
-    /// [row, first column, one past the last column] of each run.
+    /// Runs of inside samples, each as [row, first column, one past the last column].
     pub spans: Vec<[u32; 3]>,
 }

@@ -1,16 +1,16 @@
-//! `real_line`: the pixels nearest to a line between two real points.
+//! `real_line`: computes the pixels nearest to a line between two real points.
 
 use serde::{Deserialize, Serialize};
 
 use super::{Check, Control, Point, Refusal, Unanswered, check_length};
 use crate::flat2d::real_line::{MAX_COORDINATE_PX, real_line};
 
-/// The case.
+/// Case of kind `real_line`: a line between two real points.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct RealLine {
-    /// One end, px.
+    /// First end, px.
     pub p0: Point,
-    /// The other end, px.
+    /// Second end, px.
     pub p1: Point,
 }
 
@@ -20,18 +20,18 @@ impl RealLine {
     pub(super) fn answer(&self, control: &Control<'_>) -> Result<RealLineAnswer, Unanswered> {
         let (Point(p0), Point(p1)) = (self.p0, self.p1);
         let line = real_line(p0, p1).ok_or_else(|| {
-            Refusal(format!("an end lies farther than {MAX_COORDINATE_PX:e} px out, where half pixels run out"))
+            Refusal(format!("an end lies beyond {MAX_COORDINATE_PX:e} px, where numbers no longer resolve half pixels"))
         })?;
-        // Casts saturate.
+        // Float-to-integer casts saturate.
         let count = (p1 - p0).abs().max_element() as u64;
         check_length::<(i64, i64)>("pixels of the line", count)?;
         Ok(RealLineAnswer { pixels: control.collect("pixels of the line", (0, count), line.map(Some))? })
     }
 }
 
-/// The answer.
+/// Answer to a [`RealLine`] case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RealLineAnswer {
-    /// Columns and rows, from the first end on.
+    /// Column and row of each pixel, starting at `p0`.
     pub pixels: Vec<(i64, i64)>,
 }

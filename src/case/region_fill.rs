@@ -1,4 +1,4 @@
-//! `region_fill`: a region filled from a seed.
+//! `region_fill`: fills a region from a seed pixel.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,31 +6,31 @@ use super::{Check, Control, Exactly, Unanswered, json};
 use crate::flat2d::seed_fill::{Connectivity, Region, seed_fill};
 use crate::image::Image;
 
-/// The case.
+/// Case of kind `region_fill`: a grid of colours and a seed pixel.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct RegionFill {
-    /// The colours before.
+    /// Colours before the fill, row by row.
     #[serde(deserialize_with = "json::rows")]
     pub grid: Image<i64>,
-    /// Column and row of the pixel that the fill starts from.
+    /// Column and row of the seed pixel.
     pub seed: Exactly<u32, 2>,
-    /// How far it goes.
+    /// Criterion that ends the fill.
     pub mode: FillMode,
-    /// 4: neighbours share a side. 8: a side or a corner.
+    /// Connectivity: 4 if neighbours share a side, 8 if they share a side or a corner.
     pub connectivity: u32,
-    /// The colour filled with.
+    /// Fill colour.
     pub new: i64,
-    /// The colour that a boundary fill stops at.
+    /// Colour at which a boundary fill stops; required in that mode.
     pub boundary: Option<i64>,
 }
 
-/// How far a fill goes.
+/// Criterion that ends a fill.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FillMode {
-    /// As far as the colour of the seed.
+    /// Fills the connected region that has the colour of the seed.
     Flood,
-    /// Up to the colour of the boundary.
+    /// Fills the region enclosed by the boundary colour.
     Boundary,
 }
 
@@ -39,7 +39,7 @@ impl Check for RegionFill {
         let Exactly([x, y]) = self.seed;
         if self.grid.get(x, y).is_none() {
             let (width, height) = self.grid.size();
-            return Err(format!("the seed ({x}, {y}) lies outside of the grid of {width} × {height}"));
+            return Err(format!("the seed ({x}, {y}) lies outside the grid of {width} × {height}"));
         }
         if ![4, 8].contains(&self.connectivity) {
             return Err(format!("`connectivity` must be 4 or 8, not {}", self.connectivity));
@@ -69,9 +69,9 @@ impl RegionFill {
     }
 }
 
-/// The answer.
+/// Answer to a [`RegionFill`] case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RegionFillAnswer {
-    /// The colours after, row by row.
+    /// Colours after the fill, row by row.
     pub grid: Vec<Vec<i64>>,
 }

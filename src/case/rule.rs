@@ -1,4 +1,4 @@
-//! Fill rules in case files, which write their names with `_`.
+//! Serialization of fill rules in case files, which write their names with `_`.
 
 use serde::de::Error as _;
 use serde::{Deserialize as _, Deserializer, Serializer};
@@ -12,5 +12,5 @@ pub(crate) fn serialize<S: Serializer>(rule: &FillRule, serializer: S) -> Result
 pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<FillRule, D::Error> {
     let word = String::deserialize(deserializer)?.replace('_', "-");
     let rule = FillRule::ALL.iter().copied().find(|rule| rule.id() == word);
-    rule.ok_or_else(|| D::Error::custom(format!("`{word}` is no fill rule")))
+    rule.ok_or_else(|| D::Error::custom(format!("`{word}` is not a fill rule")))
 }

@@ -1,4 +1,4 @@
-//! `texture`: what a texture of codes reads as, by the sampler that draws.
+//! `texture`: samples a texture of 8-bit codes with the renderer's sampler.
 
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
@@ -8,37 +8,37 @@ use crate::image::{Image, Rgba8};
 use crate::pipeline::sample::Sampler;
 use crate::pipeline::settings::{Address, ColorSpace, Filter};
 
-/// The case.
+/// Case of kind `texture`: a texture and the coordinates to sample.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct Texture {
-    /// Codes, row by row from the top.
+    /// Texels as 8-bit codes, row by row from the top.
     #[serde(deserialize_with = "json::rows")]
     pub texels: Image<Real>,
-    /// How it is read between texel centres.
+    /// Filter between texel centres.
     pub filter: TextureFilter,
-    /// What lies outside of [0, 1].
+    /// Address mode for coordinates outside [0, 1].
     pub address: TextureAddress,
-    /// Texture coordinates, v down.
+    /// Texture coordinates to sample, v down.
     pub uv: Vec<Point>,
 }
 
-/// How a texture is read between texel centres.
+/// Filter between texel centres.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TextureFilter {
-    /// The nearest texel.
+    /// Nearest texel.
     Point,
-    /// The four texels around.
+    /// Weighted mean of the four surrounding texels.
     Bilinear,
 }
 
-/// What lies outside of [0, 1].
+/// Address mode for coordinates outside [0, 1].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TextureAddress {
-    /// The border texel.
+    /// Clamps to the border texels.
     Clamp,
-    /// The texture again.
+    /// Repeats the texture.
     Wrap,
 }
 
@@ -62,18 +62,21 @@ impl Texture {
     }
 }
 
-/// A grey picture of codes, which must be whole numbers from 0 to 255: pictures in this program hold no others.
+/// Converts values to a grey image. Refuses values other than whole numbers from 0 to 255, the only codes that an 8-bit
+/// image holds.
 pub(super) fn codes(values: &Image<Real>) -> Result<Image<Rgba8>, Refusal> {
     let is_code = |value: &&Real| (0.0..=255.0).contains(&value.0) && value.0.fract() == 0.0;
     match values.pixels().iter().find(|value| !is_code(value)) {
-        Some(value) => Err(Refusal(format!("{} is no 8-bit code, and pictures here hold nothing else", value.0))),
+        Some(value) => {
+            Err(Refusal(format!("{} is not an 8-bit code; values must be whole numbers from 0 to 255", value.0)))
+        }
         None => Ok(values.map(|value| [value.0 as u8; 4])),
     }
 }
 
-/// The answer.
+/// Answer to a [`Texture`] case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TextureAnswer {
-    /// What was read, in codes but not rounded, one for each texture coordinate.
+    /// Unrounded sampled values in units of codes, 0 to 255, one per texture coordinate.
     pub values: Vec<f64>,
 }

@@ -1,4 +1,4 @@
-//! `tri_area`: what area of each pixel a triangle covers.
+//! `tri_area`: computes the area of each pixel that a triangle covers.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,7 +8,7 @@ use crate::pipeline::raster::cover;
 use crate::pipeline::settings::{Arithmetic, FillRule, Rasterizer};
 use crate::pipeline::viewport::Viewport;
 
-/// The case.
+/// Case of kind `tri_area`: a triangle and a picture size.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct TriArea {
     /// Width of the picture, px.
@@ -26,14 +26,15 @@ impl Check for TriArea {
 }
 
 impl TriArea {
-    /// Corners, px.
+    /// Returns the corners, px.
     pub fn outline(&self) -> Vec<[f64; 2]> {
         self.triangle.0.iter().map(|Point(p)| [p.x, p.y]).collect()
     }
 
     pub(super) fn answer(&self, control: &Control<'_>) -> Result<TriAreaAnswer, Unanswered> {
         let corners = self.triangle.0.map(|corner| corner.0);
-        // Each pixel whose centre is covered is listed, besides others at the border.
+        // The answer lists each pixel whose centre is covered and further pixels at the border. The covered centres
+        // give a lower bound.
         let viewport = Viewport { width: self.width, height: self.height };
         let corners_px = corners.map(|corner| corner.as_vec2().into());
         let centres = cover(Rasterizer::Scanline, Arithmetic::F64, corners_px, FillRule::Exclusive, viewport);
@@ -46,9 +47,9 @@ impl TriArea {
     }
 }
 
-/// The answer.
+/// Answer to a [`TriArea`] case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TriAreaAnswer {
-    /// Column, row and covered area of each pixel that is covered at all.
+    /// Column, row and covered area of each pixel, in square pixels; pixels without coverage are omitted.
     pub area: Vec<(u32, u32, f64)>,
 }

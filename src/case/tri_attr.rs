@@ -1,4 +1,4 @@
-//! `tri_attr`: weights and attributes at the centres of some pixels, inside the triangle or not.
+//! `tri_attr`: evaluates weights and attributes of a triangle at pixel centres inside or outside it.
 
 use glam::Vec2;
 use serde::{Deserialize, Serialize, Serializer};
@@ -12,29 +12,29 @@ use crate::pipeline::vertex::Varyings;
 use crate::pipeline::viewport::{MAX_SIDE_PX, ScreenTriangle, ScreenVertex};
 use crate::scene::TriangleId;
 
-/// The case.
+/// Case of kind `tri_attr`: a triangle and the pixels to evaluate.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct TriAttr {
-    /// The triangle's corners.
+    /// Corners of the triangle.
     pub vertices: Exactly<Vertex, 3>,
-    /// Columns and rows of the pixels.
+    /// Column and row of each pixel to evaluate.
     pub eval: Vec<Exactly<i64, 2>>,
 }
 
-/// A corner of a triangle on the screen.
+/// Corner of a triangle in screen space.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 pub struct Vertex {
-    /// px.
+    /// Horizontal position, px.
     pub x: Float,
-    /// px, down.
+    /// Vertical position, px, down.
     pub y: Float,
-    /// Depth, after the division by w.
+    /// Depth after the perspective division, z/w.
     pub z: Float,
-    /// w of clip space.
+    /// Clip-space w, > 0.
     pub w: Float,
-    /// Texture coordinate.
+    /// Horizontal texture coordinate.
     pub u: Float,
-    /// Texture coordinate.
+    /// Vertical texture coordinate.
     pub v: Float,
 }
 
@@ -45,10 +45,10 @@ impl Check for TriAttr {
     }
 }
 
-/// Checks that corners have a place on the screen.
+/// Checks that the corners have screen positions: every w is positive and finite.
 pub(super) fn check_vertices(vertices: &Exactly<Vertex, 3>) -> Result<(), String> {
     if vertices.0.iter().any(|v| !(v.w.0 > 0.0 && v.w.0.is_finite())) {
-        return Err("`w` must be positive and finite: other corners have no place on the screen".to_owned());
+        return Err("`w` must be positive and finite: other corners have no position on the screen".to_owned());
     }
     Ok(())
 }
@@ -56,14 +56,15 @@ pub(super) fn check_vertices(vertices: &Exactly<Vertex, 3>) -> Result<(), String
 /// Checks that pixels lie within the largest picture.
 pub(super) fn check_pixels(eval: &[Exactly<i64, 2>]) -> Result<(), String> {
     if eval.iter().any(|Exactly(pixel)| pixel.iter().any(|c| !(0..i64::from(MAX_SIDE_PX)).contains(c))) {
-        return Err(format!("pixels to evaluate have columns and rows from 0 to {}", MAX_SIDE_PX - 1));
+        return Err(format!("pixels to evaluate must have columns and rows from 0 to {}", MAX_SIDE_PX - 1));
     }
     Ok(())
 }
 
 impl TriAttr {
-    /// Returns what the pipeline interpolates, and the linear extrapolation of depth outside of the triangle. Corners are
-    /// used as given where snapping leaves the triangle no area.
+    /// Returns the interpolated attributes of the pipeline, and the linearly extrapolated depth outside the triangle.
+    ///
+    /// The corners are used as given if snapping makes the triangle degenerate.
     pub(super) fn answer(&self, arithmetic: Arithmetic, control: &Control<'_>) -> Result<TriAttrAnswer, Unanswered> {
         check_length::<SampleAttributes>("pixels", self.eval.len() as u64)?;
         let samples = TriangleSamples::new(&self.vertices, arithmetic)?;
@@ -73,16 +74,16 @@ impl TriAttr {
     }
 }
 
-/// Attributes of a triangle, interpolated at its samples by the pipeline.
+/// Triangle whose attributes the pipeline interpolates at its samples.
 pub(super) struct TriangleSamples {
     triangle: ScreenTriangle,
     edges: AnyTriangle,
-    /// Fraction bits of the grid that the corners are snapped to; `None` if they are used as given.
+    /// Fraction bits of the grid to which the corners are snapped; `None` if they are used as given.
     snap_bits: Option<u32>,
 }
 
 impl TriangleSamples {
-    /// Refuses a triangle without area.
+    /// Sets up a triangle. Refuses a triangle of zero area.
     pub(super) fn new(vertices: &Exactly<Vertex, 3>, arithmetic: Arithmetic) -> Result<Self, Refusal> {
         let vertices = vertices.0.map(Vertex::on_screen);
         let corners_px = vertices.map(|v| v.position_px);
@@ -111,7 +112,7 @@ impl TriangleSamples {
     }
 }
 
-/// Returns the pipeline's depth inside of a triangle and the plane's depth outside, where the pipeline would clamp it.
+/// Returns the pipeline's depth inside a triangle and the plane's depth outside, where the pipeline would clamp it.
 fn depth(triangle: &ScreenTriangle, sample: &Sample) -> f64 {
     if sample.edges.iter().all(|edge| *edge >= 0.0) {
         return depth_at(triangle, sample).into();
@@ -128,27 +129,27 @@ impl Vertex {
     }
 }
 
-/// The answer.
+/// Answer to a [`TriAttr`] case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TriAttrAnswer {
-    /// Fraction bits of the grid that corners were snapped to; `None` if they were used as given.
+    /// Fraction bits of the grid to which corners were snapped; `None` if they were used as given.
     pub snap_bits: Option<u32>,
-    /// One for each pixel asked for, in any order.
+    /// Attributes of the requested pixels, in any order.
     pub pixels: Vec<SampleAttributes>,
 }
 
-/// What holds at the centre of a pixel. Written as one list of all numbers, in this order.
+/// Attributes at the centre of a pixel. Serialized as one flat list of numbers, in field order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SampleAttributes {
-    /// Column and row.
+    /// Column and row of the pixel.
     pub pixel: [i64; 2],
-    /// Weights of the corners, affine in the screen.
+    /// Barycentric weights of the corners, affine in screen space.
     pub affine_weights: [f64; 3],
-    /// Weights of the corners in perspective.
+    /// Perspective-correct barycentric weights of the corners.
     pub perspective_weights: [f64; 3],
-    /// z by the affine weights.
+    /// Depth z/w, interpolated with the affine weights.
     pub depth: f64,
-    /// u and v in perspective.
+    /// Perspective-correct texture coordinates u and v.
     pub uv: [f64; 2],
 }
 
@@ -168,7 +169,7 @@ mod tests {
     fn weights_are_those_of_the_corners_beyond_the_reach_of_fixed_point_too() {
         let vertex =
             |x, y| Vertex { x: Float(x), y: Float(y), z: Float(0.5), w: Float(1.0), u: Float(0.0), v: Float(0.0) };
-        // The pixel is in the middle, as seen from so far.
+        // The triangle is so large that the pixel lies practically at its centre.
         let vertices = Exactly([vertex(-1e30, -1e30), vertex(1e30, -1e30), vertex(0.0, 2e30)]);
         let case = TriAttr { vertices, eval: vec![Exactly([3, 4])] };
         for arithmetic in [Arithmetic::Fixed, Arithmetic::Exact] {
@@ -181,7 +182,7 @@ mod tests {
         }
     }
 
-    /// Corners x, y, z, w; u and v are 0.
+    /// Returns a case of corners [x, y, z, w] with u = v = 0.
     fn case(corners: [[f32; 4]; 3], eval: &[[i64; 2]]) -> TriAttr {
         let vertex = |[x, y, z, w]: [f32; 4]| {
             let [x, y, z, w, u, v] = [x, y, z, w, 0.0, 0.0].map(Float);
@@ -192,7 +193,7 @@ mod tests {
 
     #[test]
     fn depth_outside_of_the_triangle_follows_its_plane() {
-        // z = (x − 10) / 10 + (y − 10) / 20: a plane whose values are exact at these pixels but for rounding.
+        // z = (x − 10) / 10 + (y − 10) / 20: this plane is exact at these pixels, except for rounding.
         let corners = [[10.0, 10.0, 0.0, 1.0], [20.0, 10.0, 1.0, 2.0], [10.0, 20.0, 0.5, 4.0]];
         let pixels = [[12, 12], [2, 12], [30, 12], [18, 18], [0, 0], [40, 40]];
         for arithmetic in [Arithmetic::Fixed, Arithmetic::F32, Arithmetic::F64, Arithmetic::Exact] {
@@ -208,7 +209,7 @@ mod tests {
     #[test]
     fn snap_bits_are_those_of_the_corners_that_were_used() {
         let corners = [[1.0, 1.0, 0.0, 1.0], [9.0, 1.0, 0.0, 1.0], [1.0, 9.0, 0.0, 1.0]];
-        // Snapping leaves this one no area.
+        // Snapping makes this triangle degenerate.
         let tiny = corners.map(|[x, y, z, w]| [1.0 + x * 1e-4, 1.0 + y * 1e-4, z, w]);
         let bits =
             |corners, arithmetic| case(corners, &[[0, 0]]).answer(arithmetic, &Control::default()).unwrap().snap_bits;

@@ -1,4 +1,4 @@
-//! `tri_coverage`: which samples lie inside triangles, each asked for itself.
+//! `tri_coverage`: finds the samples inside triangles, each triangle independently of the others.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,17 +8,17 @@ use crate::pipeline::settings::FillRule;
 use crate::pipeline::triangle_list::box_around;
 use crate::pipeline::viewport::Viewport;
 
-/// The case.
+/// Case of kind `tri_coverage`: triangles and a picture size.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct TriCoverage {
     /// Width of the picture, px.
     pub width: u32,
     /// Height of the picture, px.
     pub height: u32,
-    /// Who owns samples on an edge.
+    /// Fill rule: decides ownership of samples on an edge.
     #[serde(with = "rule")]
     pub rule: FillRule,
-    /// Corners in px, of either winding. A corner that is not finite covers nothing.
+    /// Corners in px, of either winding. A triangle with a non-finite corner covers nothing.
     pub triangles: Vec<Exactly<Exactly<Float, 2>, 3>>,
 }
 
@@ -29,18 +29,19 @@ impl Check for TriCoverage {
 }
 
 impl TriCoverage {
-    /// Corners of one of the triangles, px.
+    /// Returns the corners of one triangle, px; `None` if `triangle` is out of range.
     pub fn corners_px(&self, triangle: usize) -> Option<[[f32; 2]; 3]> {
         let Exactly(corners) = self.triangles.get(triangle)?;
         Some(corners.map(|Exactly(corner)| corner.map(|number| number.0)))
     }
 
-    /// Size of the picture, px.
+    /// Returns the size of the picture, in pixels.
     pub fn viewport(&self) -> Viewport {
         Viewport { width: self.width, height: self.height }
     }
 
-    /// Covers one of the triangles. `take` gets the spans of bands of rows from the top and the first row below each band.
+    /// Rasterizes one triangle in bands of rows from the top. `take` receives the spans of each band and the first row
+    /// below it.
     pub(crate) fn cover(
         &self,
         triangle: usize,
@@ -69,33 +70,33 @@ impl TriCoverage {
         Ok(TriCoverageAnswer { snap_bits: options.snap_bits(), triangles })
     }
 
-    /// Number of rows of the picture that the box around a triangle meets.
+    /// Returns the number of picture rows that the bounding box of a triangle overlaps.
     fn rows_around(&self, corners_px: [[f32; 2]; 3]) -> u64 {
         let [.., top, bottom] = box_around(corners_px);
-        // Casts saturate; a box that is not finite counts as the whole picture or as nothing.
+        // Casts saturate, so a non-finite box counts as the whole picture or as empty.
         let row = |px: f32| (px.max(0.0) as u64).min(self.height.into());
         row(bottom.ceil()).saturating_sub(row(top.floor()))
     }
 }
 
-/// The answer.
+/// Answer to a [`TriCoverage`] case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TriCoverageAnswer {
-    /// Fraction bits of the grid that corners were snapped to; `None` if they were used as given.
+    /// Fraction bits of the grid to which corners were snapped; `None` if they were used as given.
     pub snap_bits: Option<u32>,
-    /// One for each triangle.
+    /// Coverage of each triangle, in input order.
     pub triangles: Vec<Covered>,
 }
 
-/// What one triangle covers.
+/// Coverage of one triangle.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Covered {
-    /// [row, first column, one past the last column] of each run.
+    /// Runs of covered samples, each as [row, first column, one past the last column].
     pub spans: Vec<[u32; 3]>,
 }
 
 impl Covered {
-    /// Adds spans of a rasterizer.
+    /// Appends the spans of a rasterizer.
     pub(super) fn add(&mut self, spans: &[Span]) {
         self.spans.extend(spans.iter().map(|span| [span.row, span.left, span.right]));
     }

@@ -1,4 +1,4 @@
-//! `upscale`: an enlarged picture of codes, by the upscalers that frames are enlarged with.
+//! `upscale`: enlarges a picture of 8-bit codes with the renderer's upscalers.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,21 +8,21 @@ use crate::image::{Image, Rgba8};
 use crate::text;
 use crate::upscale::{Anchor, Drawn, Scale, Upscaling};
 
-/// The case.
+/// Case of kind `upscale`: a picture and an upscaling method.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct Upscale {
-    /// Codes, row by row from the top.
+    /// Samples as 8-bit codes, row by row from the top.
     #[serde(deserialize_with = "json::rows")]
     pub image: Image<Real>,
-    /// Enlargement per axis: a whole number or one and a half.
+    /// Scale factor per axis: a whole number or 1.5.
     pub scale: Real,
-    /// How samples are weighted.
+    /// Name of the filter kernel, such as `lanczos2`.
     pub kernel: String,
-    /// `corner` if output pixel scale · k is sample k, `center` if the pictures have their middle in common.
+    /// Alignment: `corner` puts output pixel scale · k at sample k; `center` aligns the centres of both pictures.
     pub phase: String,
 }
 
-/// Kernels in cases, and the method of this program that has it.
+/// Kernel names in cases, with the upscaling method that implements each.
 const METHOD_OF_KERNEL: [(&str, &str); 8] = [
     ("nearest_floor", "nearest"),
     ("nearest", "nearest"),
@@ -34,7 +34,7 @@ const METHOD_OF_KERNEL: [(&str, &str); 8] = [
     ("lanczos3", "lanczos3"),
 ];
 
-/// Phases in cases, and what this program calls them.
+/// Phase names in cases, with the corresponding anchor.
 const ANCHOR_OF_PHASE: [(&str, Anchor); 2] = [("corner", Anchor::Corner), ("center", Anchor::Centre)];
 
 impl Check for Upscale {}
@@ -47,7 +47,7 @@ impl Upscale {
         let enlarged = |side: u32| u32::try_from(u64::from(side) * u64::from(pixels) / u64::from(samples));
         let [width, height] = [drawn.width(), drawn.height()].map(|side| enlarged(side).unwrap_or(u32::MAX));
         check_picture(width, height).map_err(Refusal)?;
-        // The value, the code, and the enlarged picture.
+        // Memory per pixel: the value, the code, and the pixel of the enlarged picture.
         check_length::<(f64, u8, Rgba8)>("pixels", u64::from(width) * u64::from(height))?;
         if self.kernel == "nearest" && self.phase == "corner" {
             return nearest_at_corner(how.scale(), &drawn, (width, height), control);
@@ -69,26 +69,26 @@ impl Upscale {
         let how = id.and_then(|id| Upscaling::new(id, scale.0));
         let how = how.ok_or_else(|| Refusal(format!("no upscaler has the kernel `{}`", text::message(kernel))))?;
         let anchor = ANCHOR_OF_PHASE.iter().find(|(known, _)| known == phase).map(|(_, anchor)| *anchor);
-        let anchor =
-            anchor.ok_or_else(|| Refusal(format!("no upscaler works in the phase `{}`", text::message(phase))))?;
+        let anchor = anchor.ok_or_else(|| Refusal(format!("no upscaler has the phase `{}`", text::message(phase))))?;
         if how.scale().value() != scale.0 {
             let scales: Vec<_> = how.upscaler().offers().scales.iter().map(Scale::to_string).collect();
             let scales = scales.join(", ");
             return Err(Refusal(format!(
-                "the upscaler `{}` does not enlarge by {}, only by {scales}",
+                "the upscaler `{}` does not scale by {}, only by {scales}",
                 how.method(),
                 scale.0
             )));
         }
         if kernel == "nearest_floor" && anchor != Anchor::Corner {
-            return Err(Refusal("the sample before a place is copied in the phase `corner` only".to_owned()));
+            return Err(Refusal("the kernel `nearest_floor` needs the phase `corner`".to_owned()));
         }
         Ok(how.with_anchor(anchor))
     }
 }
 
-/// Returns the picture whose pixel x is the sample nearest to place x / scale on each axis, the later one of two equally near.
-/// The method `nearest` copies the sample before the place in this phase, which cases call `nearest_floor`.
+/// Enlarges by the sample nearest to position x / scale on each axis; ties choose the later sample.
+///
+/// The method `nearest` takes the sample before the position in this phase, which cases call `nearest_floor`.
 fn nearest_at_corner(
     scale: Scale,
     drawn: &Image<Rgba8>,
@@ -108,7 +108,7 @@ fn nearest_at_corner(
     Ok(UpscaleAnswer { quantized: false, values, codes })
 }
 
-/// What a pixel is before it is rounded to a code, not clamped.
+/// Returns the weighted sum of codes at a pixel, neither rounded nor clamped.
 fn weighted(how: Upscaling, drawn: &Image<Rgba8>, size: (u32, u32), at: (u32, u32)) -> f64 {
     let grid = how.grid();
     let taps = how.upscaler().taps(how, &Drawn::from(drawn), size, at);
@@ -116,14 +116,14 @@ fn weighted(how: Upscaling, drawn: &Image<Rgba8>, size: (u32, u32), at: (u32, u3
     samples.map(|(weight, (column, row))| f64::from(weight) * f64::from(drawn.at(column, row)[0])).sum()
 }
 
-/// The answer.
+/// Answer to an [`Upscale`] case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct UpscaleAnswer {
     /// Whether `values` are rounded to codes.
     pub quantized: bool,
     /// Weighted sums of codes, row by row.
     pub values: Vec<Vec<f64>>,
-    /// The codes that are drawn, row by row.
+    /// Output codes of the upscaler, row by row.
     pub codes: Vec<Vec<u8>>,
 }
 
@@ -150,7 +150,7 @@ mod tests {
         assert_eq!(row("3"), [0, 0, 30, 30, 30, 60, 60, 60, 90, 90, 90, 90].map(f64::from));
         assert_eq!(row("2"), [0, 30, 30, 60, 60, 90, 90, 90].map(f64::from));
         assert_eq!(row("4"), [0, 0, 30, 30, 30, 30, 60, 60, 60, 60, 90, 90, 90, 90, 90, 90].map(f64::from));
-        // At 0, 2/3, 4/3, 2, 8/3 and 10/3.
+        // Sample positions: 0, 2/3, 4/3, 2, 8/3 and 10/3.
         assert_eq!(row("1.5"), [0, 30, 30, 60, 90, 90].map(f64::from));
         let floor = enlarged("[0,30,60,90]", "3", "nearest_floor", "corner").unwrap();
         assert_eq!(floor[0], [0, 0, 0, 30, 30, 30, 60, 60, 60, 90, 90, 90].map(f64::from));
@@ -177,7 +177,7 @@ mod tests {
     fn enlargements_that_no_upscaler_offers_are_refused() {
         for scale in ["2.5", "0.5", "-3", "5", "1.4999", "1e30"] {
             let refusal = enlarged("[0,30]", scale, "bilinear", "corner").unwrap_err();
-            assert!(refusal.starts_with("the upscaler `bilinear` does not enlarge by "), "{refusal}");
+            assert!(refusal.starts_with("the upscaler `bilinear` does not scale by "), "{refusal}");
         }
     }
 

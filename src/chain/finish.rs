@@ -1,4 +1,4 @@
-//! From what was drawn to the full picture: upscaled, filtered, with lines laid over it.
+//! Finishing: turns the drawn picture into the full picture by upscaling, post filter and wireframe.
 
 use std::time::{Duration, Instant};
 
@@ -10,18 +10,19 @@ use crate::pipeline::viewport::Viewport;
 use crate::pipeline::wireframe;
 use crate::upscale::Drawn;
 
-/// The full picture before filter and lines: never held twice.
+/// Full picture before post filter and wireframe; never held twice.
 #[derive(Clone, Debug)]
 pub(super) enum Unfiltered {
-    /// The finished one, as nothing came over it.
+    /// Equal to the finished picture, because neither filter nor wireframe changed it.
     Finished,
-    /// What was drawn.
+    /// Equal to the drawn picture.
     Drawn,
-    /// Neither of both.
+    /// Different from both, and kept separately.
     Kept(Image<Rgba8>),
 }
 
-/// A full picture, none if that is what was drawn, the same before filter and lines, and what the next frame is to remember.
+/// Result of [`finish`]: the full picture (`None` if it is the drawn one), its state before post filter and wireframe,
+/// and the upscaler's history for the next frame.
 pub(super) struct Finished {
     pub(super) picture: Option<Image<Rgba8>>,
     pub(super) unfiltered: Unfiltered,
@@ -30,14 +31,14 @@ pub(super) struct Finished {
     pub(super) post: Duration,
 }
 
-/// Memory that is no longer needed: a full picture, and what an upscaler remembered.
+/// Spare buffers for reuse: a full picture, and the history of an upscaler.
 #[derive(Debug, Default)]
 pub(super) struct Spare {
     pub(super) full: Option<Image<Rgba8>>,
     pub(super) memory: Option<Image<[f32; 4]>>,
 }
 
-/// The full picture from what was drawn, in memory that is no longer needed.
+/// Computes the full picture from the drawn one, reusing spare buffers.
 pub(super) fn finish<'a>(
     recipe: &Recipe,
     drawn: &Drawn<'_>,

@@ -1,4 +1,4 @@
-//! A finished frame.
+//! Finished frame, with its inputs and timings.
 
 use std::fmt;
 use std::ops::{Deref, DerefMut};
@@ -25,15 +25,15 @@ use crate::upscale::{Drawn, History, Sampling, Surfaces};
 /// Wall-clock time of each part of a frame.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FrameTimes {
-    /// Plan to cull, of all passes.
+    /// Geometry stages, from plan to cull, of all passes.
     pub geometry: Duration,
-    /// Rasterize to shade, of all passes; averaging where samples lie elsewhere in each pixel.
+    /// Pixel stages, from rasterize to shade, of all passes. Includes averaging if samples differ from pixel to pixel.
     pub pixels: Duration,
-    /// Averaging the passes of supersampling.
+    /// Averaging of the supersampling passes.
     pub resolve: Duration,
-    /// Finding the surface that each pixel shows, for upscalers that read it.
+    /// Finding the surface of each pixel, for upscalers that read it.
     pub surfaces: Duration,
-    /// Filling in pixels that were not drawn, and keeping the frame as history.
+    /// Filling in pixels that were not drawn, and storing the frame as history.
     pub upscale: Duration,
     /// Post filter and wireframe.
     pub post: Duration,
@@ -41,52 +41,53 @@ pub struct FrameTimes {
     pub total: Duration,
 }
 
-/// A finished frame and what it was made from.
+/// Finished frame with the data that it was made from.
 #[derive(Clone, Debug)]
 pub struct Frame {
-    /// The full picture where it is not what was drawn itself.
+    /// Full picture; `None` if it is the drawn picture itself.
     pub(super) finished: Option<Image<Rgba8>>,
-    /// The full picture before filter and lines.
+    /// Full picture before post filter and wireframe.
     pub(super) unfiltered: Unfiltered,
-    /// What the upscaler wants to be remembered, until that is part of a history.
+    /// History of the upscaler, until it moves into a [`History`].
     pub(super) memory: Option<Image<[f32; 4]>>,
-    /// What was really drawn: colours of all samples, depths of the centres of pixels.
+    /// Drawn samples: colours, averaged if a pixel has several, and depths of the pixel centres.
     pub drawn: Framebuffer,
-    /// How the pixels that were drawn were sampled.
+    /// Anti-aliasing of the drawn pixels.
     pub antialias: Antialiasing,
-    /// The view.
+    /// Camera of the view.
     pub camera: Camera,
-    /// What every pixel shows, if the upscaler reads it and depths are kept.
+    /// Surface of every pixel; `None` unless the upscaler reads it and depths are kept.
     pub surfaces: Option<Arc<Surfaces>>,
-    /// The frame before, if the upscaler reads it and there is one.
+    /// Preceding frame; `None` unless the upscaler reads it and there is one.
     pub past: Option<Arc<History>>,
-    /// The triangles that were rasterized.
+    /// Rasterized triangles.
     pub geometry: LazyGeometry,
     /// One plan per instance.
     pub plans: Vec<DrawPlan>,
-    /// Size of the full picture.
+    /// Size of the full picture, in px.
     pub viewport: Viewport,
-    /// Size of the picture that `geometry` and `drawn` are of: the full one, or a smaller one of the same view.
+    /// Size of the picture that `geometry` and `drawn` belong to, in px: the full picture, or a smaller one of the same
+    /// view.
     pub raster: Viewport,
-    /// What of the full picture was drawn.
+    /// Selection of the samples that were drawn.
     pub sampling: Sampling,
-    /// The triangles of the full picture, where lines over it need them and `geometry` is of a smaller one.
+    /// Triangles of the full picture, if the wireframe needs them and `geometry` belongs to a smaller picture.
     pub(super) outlines: Option<TriangleList>,
-    /// How it was drawn.
+    /// Execution that drew the frame.
     pub execution: Execution,
-    /// Where the time went.
+    /// Wall-clock times of its parts.
     pub times: FrameTimes,
-    /// What was counted while it was drawn tile by tile.
+    /// Counts and times of the tiled execution; `None` for the classic one.
     pub tiled: Option<TiledReport>,
 }
 
 impl Frame {
-    /// The full picture.
+    /// Returns the full picture.
     pub fn image(&self) -> &Image<Rgba8> {
         self.finished.as_ref().unwrap_or(&self.drawn.color)
     }
 
-    /// The full picture before it was filtered and lines were laid over it; the same where neither was done.
+    /// Returns the full picture before post filter and wireframe; the finished picture if neither was applied.
     pub fn unfiltered(&self) -> &Image<Rgba8> {
         match &self.unfiltered {
             Unfiltered::Finished => self.image(),
@@ -95,19 +96,19 @@ impl Frame {
         }
     }
 
-    /// Colours drawn, with all else that the upscaler may read.
+    /// Returns `color` as the drawn colours, with all other inputs of the upscaler.
     pub fn as_drawn<'a>(&'a self, color: &'a Image<Rgba8>) -> Drawn<'a> {
         Drawn { color, seen: seen(self.surfaces.as_deref(), &self.camera, self.past.as_deref()) }
     }
 
-    /// Whether the next frame of the same view may be better, as the upscaler knows more by then.
+    /// Whether the next frame of the same view may be better, because the upscaler's history has not converged yet.
     pub fn wants_another(&self, recipe: &Recipe) -> bool {
         let before = self.past.as_ref().filter(|past| past.camera == self.camera).map_or(0, |past| past.still);
         self.surfaces.is_some() && before + 1 < recipe.upscaler.upscaler().settles_after(recipe.upscaler)
     }
 
-    /// Takes a picture apart for its memory: colours and depths that were drawn, the full picture if there is another, and the
-    /// frame before if nobody else looks at it.
+    /// Takes the frame apart into buffers for reuse: the drawn samples, the full picture if it is separate, and the
+    /// preceding frame unless it is still referenced elsewhere.
     pub(super) fn into_memory(self) -> (Framebuffer, Option<Image<Rgba8>>, Option<History>) {
         let full = match self.unfiltered {
             Unfiltered::Kept(picture) => Some(picture),
@@ -116,8 +117,8 @@ impl Frame {
         (self.drawn, full, self.past.and_then(Arc::into_inner))
     }
 
-    /// What the next frame may read of this one, if the upscaler reads the past, in memory that is no longer needed. To be
-    /// asked for once.
+    /// Returns what the next frame may read of this one, in a spare buffer; `None` unless the upscaler reads the past.
+    /// Must be called once only.
     pub(super) fn history(&mut self, recipe: &Recipe, spare: Option<Image<Rgba8>>) -> Option<History> {
         let surfaces = self.surfaces.clone().filter(|_| recipe.upscaler.upscaler().reads().past)?;
         let memory = self.memory.take();
@@ -138,13 +139,13 @@ impl Frame {
         })
     }
 
-    /// Share of the picture's pixels that were drawn, in [0, 1].
+    /// Returns the fraction of the picture's pixels that were drawn, in [0, 1].
     pub fn drawn_share(&self) -> f64 {
         let Viewport { width, height } = self.viewport;
         self.drawn_pixels() as f64 / (f64::from(width) * f64::from(height))
     }
 
-    /// How many samples were drawn.
+    /// Returns the number of drawn pixels.
     pub fn drawn_pixels(&self) -> u64 {
         self.drawn.grid.drawn_pixels(self.raster.width, self.raster.height)
     }
@@ -154,8 +155,8 @@ impl Frame {
         matches!(self.sampling, Sampling::Grid(grid) if grid.sample_at(x, y).is_some())
     }
 
-    /// The packed sample that stands for a pixel of the full picture: its own if it was drawn, the nearest if samples lie
-    /// between pixels, else none.
+    /// Returns the packed sample of a pixel of the full picture: its own if it was drawn, the nearest if samples lie
+    /// between pixels, else `None`.
     pub fn sample_at(&self, x: u32, y: u32) -> Option<(u32, u32)> {
         match self.sampling {
             Sampling::Grid(grid) => grid.sample_at(x, y),
@@ -165,12 +166,13 @@ impl Frame {
         }
     }
 
-    /// The pixel of the full picture that a packed sample lies in.
+    /// Returns the pixel of the full picture in which a packed sample lies.
     pub fn pixel_of(&self, sample: (u32, u32)) -> (u32, u32) {
         self.sampling.pixel(sample, (self.viewport.width, self.viewport.height))
     }
 
-    /// The triangles that were rasterized, on the full picture; none if the frame was drawn smaller and without lines.
+    /// Returns the rasterized triangles in px of the full picture; empty if the frame was drawn smaller and without
+    /// wireframe.
     pub fn outlines(&self) -> &[ScreenTriangle] {
         match self.sampling {
             Sampling::Grid(_) => &self.geometry.triangles,
@@ -178,30 +180,31 @@ impl Frame {
         }
     }
 
-    /// Triangles, and pieces of cut ones, that were rasterized.
+    /// Returns the number of rasterized triangles, counting each piece of clipped ones.
     pub fn rasterized(&self) -> usize {
         self.tiled.as_ref().map_or_else(|| self.geometry.triangles.len(), |report| report.counts.rasterized as usize)
     }
 
-    /// The view that was drawn: the frame's own, or one moved to where the samples lie. `recipe` is the frame's.
+    /// Returns the camera that was drawn: the frame's own, or one moved to the sample positions. `recipe` must be the
+    /// frame's.
     pub fn drawn_from(&self, recipe: &Recipe) -> Camera {
         let (_, place) = sampling_after(self.past.as_deref(), recipe);
         camera_of(&self.camera, self.sampling, self.viewport, place)
     }
 
-    /// What depths of the frame mean.
+    /// Returns the mapping between distances and the depths of the frame.
     pub fn depth_scale(&self) -> &DepthScale {
         &self.drawn.depth_scale
     }
 
-    /// Draws the list of triangles once more, after it was changed, with one sample for each pixel.
+    /// Draws the frame's list of triangles again after a change, with one sample per pixel.
     pub fn redraw(&mut self, scene: &Scene, recipe: &Recipe) {
         let drawn = redraw(scene, recipe, self, Until::Shade, &mut ());
         *self = self.at_moment(recipe, drawn, Geometry::clone(&self.geometry));
     }
 
-    /// The frame as it was at an earlier moment: `drawn` is what was drawn by then, with one sample for each pixel, and
-    /// `geometry` has the triangles that were drawn.
+    /// Returns the frame as of an earlier moment. `drawn` holds the samples drawn by then, one per pixel, and
+    /// `geometry` the triangles drawn by then.
     pub fn at_moment(&self, recipe: &Recipe, drawn: Framebuffer, geometry: Geometry) -> Self {
         let Finished { picture, unfiltered, .. } = {
             let triangles = || self.outlines.as_ref().unwrap_or(&geometry.triangles);
@@ -229,7 +232,7 @@ impl Frame {
     }
 }
 
-/// The geometry of a frame, made when it is first asked for: what was drawn tile by tile needed none in this form.
+/// Geometry of a frame, computed on first access, because the tiled execution does not need it in this form.
 #[derive(Clone)]
 pub struct LazyGeometry {
     pub(super) made: OnceLock<Geometry>,
@@ -260,6 +263,6 @@ impl DerefMut for LazyGeometry {
     fn deref_mut(&mut self) -> &mut Geometry {
         let made = self.made.take().unwrap_or_else(|| (self.make)());
         self.made = made.into();
-        self.made.get_mut().expect("it was put there a line above")
+        self.made.get_mut().expect("was set in the line above")
     }
 }

@@ -1,4 +1,4 @@
-//! The one entry for window, command line, reports and tests: a scene, a view and a [`Recipe`] give a [`Frame`].
+//! Single entry point of window, command line, reports and tests: a scene, a view and a [`Recipe`] give a [`Frame`].
 
 mod finish;
 mod frame;

@@ -1,4 +1,4 @@
-//! How tiles sample pixels, and what becomes of the samples, as a recipe has it.
+//! Pixel samples of the tiled execution, and their resolve, as selected by a recipe.
 
 use super::samples::places_on_grid;
 use crate::antialias::pattern::{Pattern, jitter_row};
@@ -10,8 +10,8 @@ use crate::pipeline::tiled::{Jittering, Multisampling, PLACES, Picks, PixelSampl
 
 const _: () = assert!((Pattern::JITTER * Pattern::JITTER) as usize == PLACES);
 
-/// Calls `draw` with the samples that tiles draw in one pass: the centres of pixels, unless all their samples are drawn at
-/// once.
+/// Calls `draw` with the samples that tiles draw in one pass: all samples of a pixel for multisampling and jittered
+/// supersampling, the pixel's centre otherwise.
 pub(super) fn with_pixel_samples<T>(
     antialias: Antialiasing,
     lanes: Lanes,

@@ -1,4 +1,4 @@
-//! Everything that decides how a scene is drawn, and its settings by name.
+//! Recipe: all settings that determine how a scene is drawn, accessible by name.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -8,23 +8,23 @@ use crate::antialias::settings::{Antialiasing, Filter, PostFilter, widened};
 use crate::pipeline::settings::{Choice as _, Execution, Settings};
 use crate::upscale::{self, Offers, Scale, Upscaler, Upscaling};
 
-/// Everything that decides how a scene is drawn: plain data, edited by panels, parsed from the command line, swept by
-/// reports. Equal recipe and equal scene give an equal frame, bit for bit.
+/// All settings that determine how a scene is drawn, as plain data: edited by panels, parsed from the command line and
+/// swept by reports. Equal recipe and equal scene give an equal frame, bit for bit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Recipe {
-    /// How it is executed: the picture is the same.
+    /// Execution of the pipeline; it does not affect the picture.
     pub execution: Execution,
-    /// The pipeline's decisions.
+    /// Settings of the pipeline.
     #[serde(flatten)]
     pub pipeline: Settings,
-    /// How the pixels that are drawn are sampled.
+    /// Sampling of the drawn pixels.
     pub antialias: Antialiasing,
-    /// Which pixels are drawn, and how the others are filled in.
+    /// Selection of the drawn pixels, and the method that fills in the others.
     pub upscaler: Upscaling,
-    /// What is done with the finished picture.
+    /// Filter over the finished picture.
     pub post: PostFilter,
-    /// Whether the edges of all drawn triangles are laid over the picture.
+    /// Whether the edges of all drawn triangles are drawn over the picture.
     pub wireframe: bool,
 }
 
@@ -41,38 +41,38 @@ impl Default for Recipe {
     }
 }
 
-/// What settings of the upscaler begin with.
+/// Prefix of the upscaler's keys.
 const UPSCALER_KEYS: &str = "upscaler.";
 
-/// The one that decides what the others may be.
+/// Key of the upscaler's method, which determines the valid values of the other upscaler keys.
 const METHOD_KEY: &str = "upscaler.method";
 
-/// The one that decides how large the next may be.
+/// Key of the post filter, which determines the range of its strength.
 const FILTER_KEY: &str = "post.filter";
 
-/// How strong the post filter is.
+/// Key of the post filter's strength.
 const STRENGTH_KEY: &str = "post.strength";
 
-/// Why a `key=value` does not change a recipe.
+/// Reason why an assignment `key=value` does not change a recipe.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum SetError {
-    /// There is no `=`.
+    /// The text has no `=`.
     #[error("`{0}` is not of the form key=value")]
     NotAPair(String),
-    /// No such key.
-    #[error("`{key}` is no setting; the settings are {known}")]
+    /// The key does not exist.
+    #[error("`{key}` is not a setting; the settings are {known}")]
     UnknownKey {
-        /// What was asked for.
+        /// Unknown key.
         key: String,
-        /// What there is.
+        /// All existing keys, separated by commas.
         known: String,
     },
-    /// The key does not take this value.
+    /// The key does not accept this value.
     #[error("{key}: {reason}")]
     BadValue {
-        /// The setting.
+        /// Key of the setting.
         key: String,
-        /// What it takes.
+        /// Reason, with the accepted values.
         reason: String,
     },
 }
@@ -109,8 +109,8 @@ impl Recipe {
         Ok(())
     }
 
-    /// Changes several settings, in any order: methods and filters come before what they decide.
-    /// On error nothing changes.
+    /// Changes several settings, in any order: methods and filters are set before the settings that depend on them. On
+    /// error nothing changes.
     pub fn set_all(&mut self, assignments: &[impl AsRef<str>]) -> Result<(), SetError> {
         let mut changed = *self;
         let depends = |assignment: &&str| {
@@ -125,25 +125,25 @@ impl Recipe {
         Ok(())
     }
 
-    /// All dotted keys, each with the values that it takes, in words.
+    /// Returns all dotted keys, each with a description of the values that it accepts.
     pub fn keys() -> Vec<(String, String)> {
         let mut keys = Vec::new();
         collect_keys(&json(&Self::default()), "", &mut keys);
         keys
     }
 
-    /// Why these numbers cannot be drawn with: ranges that types do not express.
+    /// Returns an error if a number is out of range, for ranges that types do not express.
     pub fn check(&self) -> Result<(), String> {
         let light = &self.pipeline.light;
         if !light.direction.is_finite() || light.direction == glam::Vec3::ZERO {
-            return Err("the direction must be finite and not zero".to_owned());
+            return Err("the direction of the light must be finite and not zero".to_owned());
         }
         if !(0.0..=1.0).contains(&light.ambient) {
-            return Err(format!("the ambient share must lie in 0…1, not {}", light.ambient));
+            return Err(format!("the ambient share of the light must lie in 0…1, not {}", light.ambient));
         }
         let bias = &self.pipeline.depth_bias;
         if !bias.constant.is_finite() || !bias.slope.is_finite() {
-            return Err("a depth bias must be finite".to_owned());
+            return Err("the depth bias must be finite".to_owned());
         }
         let checker = &self.pipeline.checker;
         if !checker.squares.is_finite() || !checker.even.is_finite() || !checker.odd.is_finite() {
@@ -153,17 +153,17 @@ impl Recipe {
     }
 }
 
-/// The dotted key of an assignment.
+/// Returns the dotted key of an assignment.
 fn key_of(assignment: &str) -> String {
     assignment.split('=').next().unwrap_or_default().trim().replace('-', "_")
 }
 
 fn json(recipe: &Recipe) -> Value {
-    // A recipe holds nothing that JSON cannot: string keys, finite or null numbers, words.
+    // A recipe holds nothing that JSON cannot represent: string keys, finite or null numbers, words.
     serde_json::to_value(recipe).unwrap_or(Value::Null)
 }
 
-/// `text` as a JSON value of the same kind as `like`.
+/// Parses `text` as a JSON value of the same kind as `like`.
 fn parse_like(like: &Value, text: &str) -> Result<Value, String> {
     let number = |t: &str| {
         t.trim().parse::<f32>().ok().filter(|n| n.is_finite()).ok_or_else(|| format!("`{t}` is not a number"))
@@ -184,7 +184,7 @@ fn parse_like(like: &Value, text: &str) -> Result<Value, String> {
             match inner {
                 _ if numbers.len() == items.len() => Ok(numbers.into()),
                 Ok(inner) if items.len() == widened(inner).len() => Ok(widened(inner).to_vec().into()),
-                _ => Err(format!("{} numbers with commas between are needed, not `{text}`", items.len())),
+                _ => Err(format!("expected {} comma-separated numbers, not `{text}`", items.len())),
             }
         }
         _ => Ok(text.replace('_', "-").into()),
@@ -202,7 +202,8 @@ fn collect_keys(tree: &Value, prefix: &str, keys: &mut Vec<(String, String)>) {
     }
 }
 
-/// What a key takes: ranges as [`Recipe::check`] has them; words asked of the parser itself by giving it one that cannot exist.
+/// Returns a description of the values that a key accepts. Ranges are those of [`Recipe::check`]; words come from the
+/// parser's error message for an impossible value.
 fn describe_values(key: &str, value: &Value) -> String {
     match value {
         _ if key.starts_with(UPSCALER_KEYS) && key != METHOD_KEY => {
@@ -216,9 +217,9 @@ fn describe_values(key: &str, value: &Value) -> String {
         }
         Value::Number(number) if number.is_u64() => "whole number".to_owned(),
         Value::Number(_) => "number".to_owned(),
-        Value::Array(_) if key == "post.mask" => "9 or 25 numbers with commas between, row by row".to_owned(),
-        Value::Array(_) if key == "light.direction" => "3 numbers with commas between, not all of them 0".to_owned(),
-        Value::Array(items) => format!("{} numbers with commas between", items.len()),
+        Value::Array(_) if key == "post.mask" => "9 or 25 comma-separated numbers, row by row".to_owned(),
+        Value::Array(_) if key == "light.direction" => "3 comma-separated numbers, not all of them 0".to_owned(),
+        Value::Array(items) => format!("{} comma-separated numbers", items.len()),
         _ => {
             let complaint = Recipe::default().set(&format!("{key}=?")).err().map(|e| e.to_string()).unwrap_or_default();
             let words: Vec<_> = complaint.split('`').skip(1).step_by(2).filter(|w| *w != "?").collect();
@@ -227,7 +228,8 @@ fn describe_values(key: &str, value: &Value) -> String {
     }
 }
 
-/// What some methods offer for a setting of the upscaler. Those without a choice count only if none has one.
+/// Returns the values that methods offer for a setting of the upscaler. If there are several methods, those without a
+/// choice are ignored.
 fn offered(key: &str, methods: &[&dyn Upscaler]) -> String {
     let words = |offers: Offers| -> Vec<String> {
         match key.trim_start_matches(UPSCALER_KEYS) {
@@ -241,7 +243,7 @@ fn offered(key: &str, methods: &[&dyn Upscaler]) -> String {
         }
     };
     let all: Vec<_> = methods.iter().map(|method| words(method.offers())).collect();
-    // A range is a choice, too.
+    // A range is also a choice.
     let is_choice = |words: &[String]| words.len() > 1 || words.iter().any(|word| word.contains('…'));
     let choices = all.iter().filter(|words| is_choice(words) || methods.len() == 1);
     let mut known: Vec<String> = Vec::new();
@@ -285,7 +287,7 @@ mod tests {
             ("shadign=gouraud", "fill_rule"),
             ("shading=phong", "lambert"),
             ("light=1", "light.direction"),
-            ("light.direction=1,2", "3 numbers"),
+            ("light.direction=1,2", "3 comma-separated numbers"),
             ("light.direction=0,0,0", "zero"),
             ("light.ambient=2", "0…1"),
             ("wireframe=maybe", "true"),
@@ -322,7 +324,7 @@ mod tests {
             let other = format!("upscaler.method={other}");
             after_another.set_all(&[other.as_str(), "upscaler.anchor=centre", "upscaler.light=linear"]).unwrap();
             after_another.set_all(&[&scale, &method]).unwrap();
-            assert_eq!(after_another.upscaler, upscaler, "after another method with choices of its own");
+            assert_eq!(after_another.upscaler, upscaler, "after another method with its own options");
             let short = format!("{{\"method\":\"{}\",\"scale\":{}}}", upscaler.method(), upscaler.scale());
             let parsed = serde_json::from_str::<Upscaling>(&short).unwrap();
             assert_eq!(parsed, upscaler, "from a file without anchor and light");
@@ -341,7 +343,7 @@ mod tests {
                 format!("post.strength: the strength of the filter `{filter}` must lie in 0…{most}, not {beyond}")
             );
             recipe.set("post.filter=gaussian").unwrap();
-            assert_eq!(recipe.post.strength, 5.0, "another filter is as strong as it can be");
+            assert_eq!(recipe.post.strength, 5.0, "the strength is clamped to the range of the new filter");
         }
     }
 

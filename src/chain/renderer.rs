@@ -1,4 +1,4 @@
-//! Frame after frame, on all threads.
+//! Renderer: draws frame after frame, on all threads.
 
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
@@ -21,25 +21,25 @@ use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
 use crate::upscale::{Drawn, History, Surfaces};
 
-/// Draws frames as recipes say, on all threads where they allow it, and keeps memory from frame to frame.
+/// Draws frames by their recipes, on all threads if the recipe allows it, and reuses buffers from frame to frame.
 #[derive(Debug)]
 pub struct Renderer {
     memory: tiled::Memory,
     lanes: Lanes,
-    /// Colours as they were drawn, that are no longer needed.
+    /// Spare buffer of drawn colours.
     spare: Option<Image<Rgba8>>,
-    /// A full picture that is no longer needed, of frames that are not drawn in full, and what an upscaler remembered.
+    /// Spare full picture, for frames that are not drawn in full, and spare history of an upscaler.
     spare_full: Spare,
-    /// Depths that are no longer needed.
+    /// Spare buffer of depths.
     spare_depth: Option<Image<f32>>,
-    /// The picture of a history, and what it showed, that are no longer needed.
+    /// Spare picture of a history, and spare surfaces.
     spare_picture: Option<Image<Rgba8>>,
     spare_surfaces: Option<Surfaces>,
-    /// The last frame, if its upscaler reads the past.
+    /// Last frame; `None` unless its upscaler reads the past.
     past: Option<Past>,
 }
 
-/// A frame that the next one may read, and what that must have in common with it.
+/// Preceding frame as history, with the inputs that the next frame must share to read it.
 #[derive(Debug)]
 struct Past {
     scene: Arc<Scene>,
@@ -63,22 +63,22 @@ impl Default for Renderer {
     }
 }
 
-/// Whether a frame keeps its depths for others to read.
+/// Choice whether a frame keeps its depths for later readers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KeepDepth {
-    /// It does.
+    /// Depths are kept with the frame.
     Yes,
-    /// They are used and forgotten.
+    /// Depths are used and discarded.
     No,
 }
 
 impl Renderer {
-    /// One that computes on these lanes.
+    /// Returns a renderer that computes on these SIMD lanes.
     pub fn on(lanes: Lanes) -> Self {
         Self { lanes, ..Self::default() }
     }
 
-    /// Draws one frame of `viewport`'s size, on the threads of the present rayon pool.
+    /// Draws one frame of the viewport's size, on the threads of the current rayon pool.
     pub fn render(
         &mut self,
         scene: &Arc<Scene>,
@@ -107,7 +107,7 @@ impl Renderer {
         frame
     }
 
-    /// Draws a view until further frames of it would be the same: one frame, unless the upscaler reads the past.
+    /// Draws a view until further frames of it would be equal: one frame, unless the upscaler reads the past.
     pub fn render_settled(
         &mut self,
         scene: &Arc<Scene>,
@@ -142,7 +142,7 @@ impl Renderer {
             let make = Arc::new(move || prepare(&scene, &seen_by, &settings, raster, &mut ()));
             LazyGeometry { made: OnceLock::new(), make }
         };
-        // The centres of pixels are drawn for their colours, or for their depths, or not at all.
+        // Pixel centres are drawn for their colours, for their depths, or not at all.
         let one_pass = !recipe.antialias.has_passes();
         let mut centres = (one_pass || keep_depth == KeepDepth::Yes).then(|| {
             let memory = (self.spare.take(), self.spare_depth.take().filter(|_| keep_depth == KeepDepth::Yes));
@@ -212,7 +212,7 @@ impl Renderer {
         }
     }
 
-    /// Draws one sample for each pixel tile by tile, or several together, into memory that is no longer needed.
+    /// Draws one or several samples per pixel with the tiled execution, into spare buffers.
     fn draw_tiled(
         &mut self,
         scene: &Scene,
@@ -229,7 +229,7 @@ impl Renderer {
         (drawn, report)
     }
 
-    /// Takes the memory of a frame that nobody looks at any more.
+    /// Takes the buffers of a frame that is no longer needed.
     pub fn recycle(&mut self, frame: Frame) {
         let (drawn, full, past) = frame.into_memory();
         self.spare = Some(drawn.color);
@@ -241,7 +241,7 @@ impl Renderer {
         self.spare_surfaces = Arc::into_inner(surfaces).or(self.spare_surfaces.take());
     }
 
-    /// Bytes held from frame to frame.
+    /// Returns the number of bytes held from frame to frame.
     pub fn bytes(&self) -> usize {
         self.memory.bytes()
             + self.spare.as_ref().map_or(0, Image::bytes)
@@ -253,7 +253,7 @@ impl Renderer {
     }
 }
 
-/// How a recipe is executed on a scene, and why not otherwise where it asks for otherwise.
+/// Returns the execution of a recipe on a scene, and the reason if it is not the one that the recipe selects.
 pub fn execution(scene: &Scene, recipe: &Recipe) -> (Execution, Option<&'static str>) {
     match recipe.execution {
         Execution::Classic => (Execution::Classic, None),

@@ -1,4 +1,4 @@
-//! The classic way: one triangle after the other, with everyone watching who wants to.
+//! Classic execution of a frame: one triangle after the other, with any observer.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -19,8 +19,8 @@ use crate::pipeline::{Extent, Geometry, Until, draw, prepare};
 use crate::scene::{Camera, Scene};
 use crate::upscale::{Drawn, History};
 
-/// Draws one frame of `viewport`'s size the classic way, watched by `observer`; of several samples for each pixel only that
-/// of its centre is. Cannot fail: a scene is always renderable.
+/// Draws one frame of the viewport's size with the classic execution. `observer` sees one sample per pixel, at its
+/// centre, even if a pixel has several. Cannot fail, because a scene is always renderable.
 pub fn run<O: Observer>(
     scene: &Scene,
     camera: &Camera,
@@ -31,7 +31,7 @@ pub fn run<O: Observer>(
     run_after((None, Spare::default()), scene, camera, recipe, viewport, observer)
 }
 
-/// [`run`] after another frame of the same scene and recipe, in memory that is no longer needed.
+/// [`run`] after another frame of the same scene and recipe, with spare buffers to reuse.
 pub(super) fn run_after<O: Observer>(
     (past, spare): (Option<Arc<History>>, Spare),
     scene: &Scene,
@@ -112,12 +112,12 @@ pub(super) fn run_after<O: Observer>(
 pub(super) struct Passes {
     /// Mean of the passes; `None` if the recipe has none.
     pub(super) mean: Option<Image<Rgba8>>,
-    /// Time of averaging, without the passes themselves.
+    /// Time of averaging, excluding the passes themselves.
     pub(super) resolve: Duration,
 }
 
-/// Averages the supersampling passes of a recipe, each drawn by `pass` at its place in the pixel, into a picture that is no
-/// longer needed if there is one.
+/// Averages the supersampling passes of a recipe. `pass` draws the picture with samples at a position, px from the
+/// pixel's top left corner. It may reuse the buffer of the preceding pass, if it gets one.
 pub(super) fn mean_of_passes(
     recipe: &Recipe,
     (grid, raster): (SampleGrid, Viewport),
@@ -137,9 +137,9 @@ pub(super) fn mean_of_passes(
     Passes { mean, resolve: resolve + drawn_at.elapsed() }
 }
 
-/// Draws the triangles of a frame once more into a framebuffer of their own, as far as `until` says. `recipe` may differ
-/// from the frame's own in what concerns samples only: depth test and shading, not geometry. What the frame cuts out
-/// stays cut out, and what it blends comes last and leaves no depth.
+/// Draws the triangles of a frame again into a new framebuffer, up to the stage `until`. `recipe` may differ from the
+/// frame's own in settings of samples only: depth test and shading, not geometry. Transparency stays that of the frame:
+/// alpha-tested fragments stay discarded, and blended ones come last and store no depth.
 pub fn redraw<O: Observer>(
     scene: &Scene,
     recipe: &Recipe,
@@ -151,8 +151,8 @@ pub fn redraw<O: Observer>(
     draw_pixels(scene, recipe, &frame.geometry, area, until, observer)
 }
 
-/// The geometry stages of a frame once more, watched: all triangles, even if the frame's own list was cut short. `recipe`
-/// may differ from the frame's own in anything but the upscaler.
+/// Runs the geometry stages of a frame again with an observer, for all triangles, even if the frame's own list was
+/// truncated. `recipe` may differ from the frame's own in anything but the upscaler.
 pub fn prepare_again<O: Observer>(scene: &Scene, recipe: &Recipe, frame: &Frame, observer: &mut O) -> Geometry {
     prepare(scene, &frame.drawn_from(recipe), &recipe.pipeline, frame.raster, observer)
 }

@@ -1,9 +1,9 @@
-//! Pixels from several samples: what is drawn more than once, and moved a little each time.
+//! Pixels from several samples: supersampling in passes, and per-pixel sampling.
 //!
-//! Where all pixels have their samples at the same places, each sample is a pass of its own: the whole picture, seen through
-//! a window that lies a fraction of a pixel elsewhere, drawn by whatever way draws one sample. Where places differ from
-//! pixel to pixel, or shading is not done for each sample, the classic way draws triangles one after the other into rows of
-//! samples; tiles have ways of their own.
+//! If all pixels have their samples at the same positions, each sample is a pass of its own. A pass draws the whole
+//! picture through a window shifted by a fraction of a pixel, in the same way as a picture with one sample. If
+//! positions differ from pixel to pixel, or if shading does not run per sample, the classic execution draws triangles
+//! one after the other into rows of samples. The tiled execution has kernels of its own for these methods.
 
 use std::sync::Arc;
 
@@ -26,15 +26,15 @@ use crate::pipeline::{Extent, Geometry, Until, draw, prepare};
 use crate::scene::{Camera, Scene};
 use crate::upscale::{CENTRE, Sampling};
 
-/// Where the passes of a recipe sample each pixel, from its corner, px; none if it has no passes.
+/// Returns the sample position of each pass in a pixel, px from its top left corner; empty if the recipe has no passes.
 pub(super) fn passes(antialias: Antialiasing) -> Vec<[f64; 2]> {
     if antialias.has_passes() { antialias.pattern().offsets(0, 0) } else { Vec::new() }
 }
 
-/// Packed rows that are sampled together: their samples fit into the caches.
+/// Number of packed rows that are sampled together, so that their samples fit into the caches.
 const ROWS: u32 = 8;
 
-/// The picture of a method whose samples lie elsewhere in each pixel.
+/// Draws the picture of a per-pixel method (see [`Antialiasing::is_per_pixel`]) and resolves its samples.
 pub(super) fn per_pixel(
     scene: &Scene,
     geometry: &Geometry,
@@ -66,7 +66,7 @@ pub(super) fn per_pixel(
     picture
 }
 
-/// For each sample of a pixel the places that it may have, px from the pixel's centre.
+/// Returns the candidate positions of each sample of a pixel, px from the pixel's centre.
 fn candidates(antialias: Antialiasing) -> Vec<Vec<[f32; 2]>> {
     let from_centre = |[x, y]: [f64; 2]| [(x - CENTRE[0]) as f32, (y - CENTRE[1]) as f32];
     let places = match antialias.method {
@@ -76,8 +76,8 @@ fn candidates(antialias: Antialiasing) -> Vec<Vec<[f32; 2]>> {
     places.into_iter().map(|places| places.into_iter().map(from_centre).collect()).collect()
 }
 
-/// For each sample of a pixel the places that it may have, in grid steps from the pixel's centre; none if samples are drawn pass
-/// by pass.
+/// Returns the candidate positions of each sample of a pixel, in grid steps of 1/256 px from the pixel's centre; empty
+/// unless the method is per pixel.
 pub fn places_on_grid(antialias: Antialiasing) -> Vec<Vec<[i32; 2]>> {
     if !antialias.is_per_pixel() {
         return Vec::new();
@@ -86,7 +86,7 @@ pub fn places_on_grid(antialias: Antialiasing) -> Vec<Vec<[i32; 2]>> {
     candidates(antialias).into_iter().map(on_grid).collect()
 }
 
-/// All samples of the pixels of a rectangle, drawn into copies of a cleared framebuffer.
+/// Draws all samples of the pixels of a rectangle into copies of a cleared framebuffer.
 fn sampled(
     scene: &Scene,
     geometry: &Geometry,
@@ -103,8 +103,8 @@ fn sampled(
     frames
 }
 
-/// The samples of some drawn pixels of a frame, replayed, in the order in which they were drawn: of each pixel one, unless it
-/// was drawn smoothly. Nothing for pixels that were not drawn.
+/// Replays the samples of pixels of a frame, in the order in which they were drawn: one per pixel unless the frame is
+/// anti-aliased. Pixels that were not drawn have no samples.
 pub fn replay(scene: &Scene, recipe: &Recipe, frame: &Frame, pixels: &[(u32, u32)]) -> Vec<Vec<Rgba8>> {
     let Frame { antialias, sampling, viewport, camera, .. } = frame;
     if antialias.is_off() {
@@ -127,7 +127,7 @@ pub fn replay(scene: &Scene, recipe: &Recipe, frame: &Frame, pixels: &[(u32, u32
     (0..pixels.len()).map(|pixel| passes.iter().filter_map(|pass| pass[pixel]).collect()).collect()
 }
 
-/// One sample of each pixel, as one pass drew it.
+/// Replays one sample per pixel, as one pass drew it; `None` for pixels that were not drawn.
 fn of_pass(
     scene: &Scene,
     recipe: &Recipe,
@@ -146,7 +146,7 @@ fn of_pass(
     pixels.iter().map(color).collect()
 }
 
-/// All samples of one pixel whose places are its own.
+/// Replays all samples of one pixel of a per-pixel method; empty if the pixel was not drawn.
 fn of_pixel(scene: &Scene, recipe: &Recipe, frame: &Frame, (x, y): (u32, u32)) -> Vec<Rgba8> {
     let Some(sample) = frame.drawn.grid.sample_at(x, y) else { return Vec::new() };
     let cleared = Framebuffer::one_sample(frame.drawn.grid, sample, scene.background, &recipe.pipeline);
@@ -156,13 +156,13 @@ fn of_pixel(scene: &Scene, recipe: &Recipe, frame: &Frame, (x, y): (u32, u32)) -
     frames.iter().map(|frame| frame.color.at(0, 0)).collect()
 }
 
-/// Where the samples of a drawn pixel lie, from its corner, px, in the order of [`replay`].
+/// Returns the sample positions in a drawn pixel, px from its top left corner, in the order of [`replay`].
 pub fn places(antialias: Antialiasing, (x, y): (u32, u32)) -> Vec<[f64; 2]> {
     antialias.pattern().offsets(x, y)
 }
 
-/// A picture that gathers one sample for every pixel after another, so that whoever waits can see how far it is, and stop.
-/// Samples are those of the low-discrepancy pattern, one sample alone the pixel's centre; their mean is that of light.
+/// Progressive picture that adds one sample per pixel at a time, so that a caller can show progress and stop. Samples
+/// follow the low-discrepancy pattern; a single sample lies at the pixel's centre. Their mean is taken in linear light.
 #[derive(Debug)]
 pub struct Gathering {
     scene: Arc<Scene>,
@@ -175,7 +175,8 @@ pub struct Gathering {
 }
 
 impl Gathering {
-    /// Of the pipeline of a recipe alone: no upscaler, no filter, no lines, and textures read without mip-mapping.
+    /// Starts a picture of a recipe's pipeline alone: no upscaler, no filter, no wireframe, and textures read without
+    /// mip-mapping.
     pub fn new(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, viewport: Viewport, samples: u32) -> Self {
         let mut bare = Recipe { pipeline: recipe.pipeline, execution: recipe.execution, ..Recipe::default() };
         if bare.pipeline.filter == TextureFilter::Trilinear {
@@ -192,7 +193,7 @@ impl Gathering {
         }
     }
 
-    /// Draws the next sample of every pixel; false if there is none left.
+    /// Draws the next sample of every pixel; returns `false` if none is left.
     pub fn step(&mut self) -> bool {
         let Some(place) = self.places.get(self.mean.samples() as usize) else { return false };
         let seen = camera_of(&self.camera, Sampling::Grid(SampleGrid::FULL), self.viewport, *place);
@@ -202,18 +203,19 @@ impl Gathering {
         true
     }
 
-    /// Share of the samples that are drawn.
+    /// Returns the fraction of the samples that are drawn, in [0, 1].
     pub fn progress(&self) -> f32 {
         self.mean.samples() as f32 / self.places.len() as f32
     }
 
-    /// The mean of the samples drawn so far.
+    /// Returns the mean of the samples drawn so far.
     pub fn picture(&self) -> Image<Rgba8> {
         self.mean.picture()
     }
 }
 
-/// The camera of a pass: as [`camera_of`] one sample would be seen, moved so that it lies at `place` in its pixel.
+/// Returns the camera of [`camera_of`] with the window moved so that samples lie at `place` in their pixels; `None` if
+/// the window need not move.
 pub(super) fn moved_window(camera: &Camera, sampling: Sampling, viewport: Viewport, place: [f64; 2]) -> Option<Camera> {
     let moved = |step: f64| [0, 1].map(|axis| (place[axis] - CENTRE[axis]) * step);
     let (step, [x, y]) = match sampling {
@@ -241,8 +243,8 @@ mod tests {
 
     const SIZE: Viewport = Viewport { width: 61, height: 47 };
 
-    /// Root mean square of what the coverage of one triangle is off by, over the pixels that its edges cross; the truth is
-    /// the exact area.
+    /// Returns the root mean square error of one triangle's coverage, over the pixels that its edges cross. The
+    /// reference is the exact area.
     fn coverage_error(antialias: Antialiasing) -> f64 {
         let scene = builtin::by_id("triangle").unwrap().build();
         let mut recipe = Recipe { antialias, ..Recipe::default() };
@@ -271,7 +273,7 @@ mod tests {
                 if method == Method::RotatedGrid { errors.take(1).collect() } else { errors.collect() };
             assert!(errors[0] < none / 1.8, "{method:?}: {none} {errors:?}");
             assert!(errors.windows(2).all(|pair| pair[1] < pair[0] / 1.5), "{method:?}: {errors:?}");
-            // A code of 8 bits is a few thousandths of the coverage.
+            // One step of an 8-bit code is a few thousandths of the coverage.
             assert!(errors.len() == 1 || errors[3] < 0.02, "{method:?}: {errors:?}");
         }
     }

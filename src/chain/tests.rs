@@ -1,4 +1,4 @@
-//! Frames that are made of other frames, and by whichever way.
+//! Tests of frames that depend on earlier frames, with either execution.
 
 use std::sync::Arc;
 
@@ -70,7 +70,7 @@ fn in_motion_the_frame_before_helps_more_than_neighbours() {
 
 #[test]
 fn a_settled_picture_changes_no_more() {
-    // The view stands still from the start, or after it has moved.
+    // The view stands still from the start, or after a movement.
     for (id, moved) in [("chess", 0), ("stained-glass", 5)] {
         let scene = scene(id);
         let mut cameras = vec![scene.home; moved + 26];
@@ -83,7 +83,7 @@ fn a_settled_picture_changes_no_more() {
             let drawn = frames(method, scale, &cameras, &scene, Execution::Tiled);
             let settled = drawn.iter().skip(moved).position(|frame| !frame.wants_another(&recipe)).unwrap();
             assert_eq!(settled + 1, upscaler.upscaler().settles_after(upscaler) as usize, "{method} ×{scale}");
-            let [first, rest @ ..] = &drawn[moved + settled..] else { panic!("no frame is settled") };
+            let [first, rest @ ..] = &drawn[moved + settled..] else { panic!("no frame has converged") };
             assert!(rest.len() >= 10 && rest.iter().all(|frame| frame.image() == first.image()), "{method} ×{scale}");
         }
     }

@@ -1,4 +1,4 @@
-//! What is drawn for a view: how large a picture, seen by which camera, and what the upscaler reads besides.
+//! Inputs of drawing a view: size and camera of the drawn picture, and the upscaler's inputs besides colours.
 
 use std::sync::Arc;
 
@@ -14,28 +14,30 @@ use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
 use crate::upscale::{History, Sampling, Seen, Surfaces};
 
-/// What is drawn after another frame, and where in their pixels the samples lie.
+/// Returns the sampling of the frame that follows `past`, and the position of the samples in their pixels, px from the
+/// top left corner.
 pub(super) fn sampling_after(past: Option<&History>, recipe: &Recipe) -> (Sampling, [f64; 2]) {
     let frames = past.map_or(0, |past| past.frames.wrapping_add(1));
     recipe.upscaler.upscaler().sampling_of(recipe.upscaler, frames)
 }
 
-/// The recipe that finds which object every pixel shows, if the upscaler reads that and depths are kept.
+/// Returns the recipe that draws the object shown by every pixel in full resolution; `None` unless the upscaler reads
+/// surfaces and the depth test is on.
 pub(super) fn shown_in_full(recipe: &Recipe) -> Option<Recipe> {
     let reads = recipe.upscaler.upscaler().reads().surfaces && recipe.pipeline.depth_test != DepthTest::Off;
     let pipeline = Settings { shading: Shading::ObjectId, ..recipe.pipeline };
     reads.then_some(Recipe { pipeline, ..Recipe::default() })
 }
 
-/// What the pixels of a view show: what those of the frame before did, if it had the same view, else what is drawn, a picture of
-/// objects with its depths.
+/// Returns the surfaces that the pixels of a view show. Reuses those of the preceding frame if its camera is the same,
+/// else converts the result of `draw`, a picture of object colours with depths.
 pub(super) fn surfaces(
     past: Option<&History>,
     camera: &Camera,
     lanes: Lanes,
     draw: impl FnOnce() -> Framebuffer,
 ) -> Option<Arc<Surfaces>> {
-    /// Depths that a thread takes at a time.
+    /// Number of depths that a thread converts at a time.
     const TOGETHER: usize = 1 << 14;
     if let Some(past) = past.filter(|past| past.camera == *camera) {
         return Some(Arc::clone(&past.surfaces));
@@ -46,7 +48,7 @@ pub(super) fn surfaces(
     Some(Arc::new(Surfaces { object, distance }))
 }
 
-/// What the upscaler may read besides colours.
+/// Returns the upscaler's inputs besides colours; `None` without surfaces.
 pub(super) fn seen<'a>(
     surfaces: Option<&'a Surfaces>,
     camera: &'a Camera,
@@ -55,18 +57,19 @@ pub(super) fn seen<'a>(
     surfaces.map(|surfaces| Seen { surfaces, camera, past })
 }
 
-/// Size of the picture that is really drawn.
+/// Returns the size of the picture that is actually rasterized.
 pub(super) fn raster_of(sampling: Sampling, Viewport { width, height }: Viewport) -> Viewport {
     let (width, height) = sampling.raster_size(width, height);
     Viewport { width, height }
 }
 
-/// The camera that sees the picture that is really drawn, with samples at `place` in its pixels.
+/// Returns the camera of the picture that is actually rasterized, with samples at `place` in its pixels.
 pub(super) fn camera_of(camera: &Camera, sampling: Sampling, viewport: Viewport, place: [f64; 2]) -> Camera {
     samples::moved_window(camera, sampling, viewport, place).unwrap_or(*camera)
 }
 
-/// The triangles of the full picture, where lines over it need them and what is drawn is a smaller one.
+/// Returns the triangles of the full picture if the wireframe needs them because the rasterized picture is smaller,
+/// else `None`.
 pub(super) fn outlines(scene: &Scene, camera: &Camera, recipe: &Recipe, viewport: Viewport) -> Option<TriangleList> {
     let drawn_smaller = matches!(recipe.upscaler.sampling(), Sampling::Lattice(_));
     (recipe.wireframe && drawn_smaller).then(|| prepare(scene, camera, &recipe.pipeline, viewport, &mut ()).triangles)

@@ -1,4 +1,4 @@
-//! What a whole frame needs besides its draws, and what is left out of it, each with its reason.
+//! Frame-level parts of the work, besides the draws: whether each runs, and the reason if it is skipped.
 
 use serde::Serialize;
 
@@ -9,15 +9,16 @@ use crate::pipeline::settings::{DepthTest, Execution};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::Scene;
 
-/// A part of the work that a frame may not need, whatever its draws do.
+/// Part of a frame's work that may not be needed, whatever its draws do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FramePart {
     /// Rasterizing and shading every pixel of the picture.
     EveryPixel,
-    /// Drawing once more, in full, which object every pixel shows and how far away, unless the frame before had the same view.
+    /// Drawing the object and the distance of every pixel once more in full resolution, unless the preceding frame had
+    /// the same view.
     Surfaces,
-    /// Drawing several samples for each pixel.
+    /// Drawing several samples per pixel.
     AntiAliasing,
     /// Memory for depths beyond the tile that is being drawn.
     KeptDepths,
@@ -25,12 +26,12 @@ pub enum FramePart {
     Upscaling,
     /// Filtering the finished picture.
     Filter,
-    /// Laying the edges of triangles over it.
+    /// Drawing the edges of triangles over the finished picture.
     Wireframe,
 }
 
 impl FramePart {
-    /// All, in the order of the stages.
+    /// All parts, in the order of the stages.
     pub const ALL: [Self; 7] = [
         Self::EveryPixel,
         Self::Surfaces,
@@ -41,41 +42,41 @@ impl FramePart {
         Self::Wireframe,
     ];
 
-    /// What a person calls it.
+    /// Display name.
     pub fn name(self) -> &'static str {
         match self {
             Self::EveryPixel => "Every pixel",
-            Self::Surfaces => "Surfaces in full",
+            Self::Surfaces => "Full-size G-buffer",
             Self::AntiAliasing => "Anti-aliasing",
-            Self::KeptDepths => "Depths kept",
+            Self::KeptDepths => "Stored depths",
             Self::Upscaling => "Upscaling",
-            Self::Filter => "Filter",
+            Self::Filter => "Post filter",
             Self::Wireframe => "Wireframe",
         }
     }
 
-    /// Whether a frame runs it.
+    /// Returns whether a frame runs the part, with the reason if it does not.
     pub fn step(self, scene: &Scene, recipe: &Recipe, keep_depth: KeepDepth) -> Step {
         let (native, depth_test) = (recipe.upscaler.is_native(), recipe.pipeline.depth_test);
         let tiled = execution(scene, recipe).0 == Execution::Tiled;
         Step::unless(match self {
-            Self::EveryPixel => (!native).then_some("the upscaler reads fewer, and fills in the others"),
+            Self::EveryPixel => (!native).then_some("the upscaler reads fewer and fills in the rest"),
             Self::Surfaces if shown_in_full(recipe).is_some() => None,
             Self::Surfaces if recipe.upscaler.upscaler().reads().surfaces => Some("the depth test is off"),
-            Self::Surfaces => Some("the upscaler does not ask what pixels show"),
-            Self::AntiAliasing => recipe.antialias.is_off().then_some("one sample for each pixel is enough"),
+            Self::Surfaces => Some("the upscaler reads no G-buffer"),
+            Self::AntiAliasing => recipe.antialias.is_off().then_some("the setting is one sample per pixel"),
             Self::KeptDepths if depth_test == DepthTest::Off => Some("the depth test is off"),
             Self::KeptDepths => {
-                (tiled && keep_depth == KeepDepth::No).then_some("nothing reads them once a tile is drawn")
+                (tiled && keep_depth == KeepDepth::No).then_some("nothing reads them after a tile is drawn")
             }
             Self::Upscaling => native.then_some("every pixel is drawn"),
-            Self::Filter => recipe.post.is_off().then_some("none is chosen"),
-            Self::Wireframe => (!recipe.wireframe).then_some("it is switched off"),
+            Self::Filter => recipe.post.is_off().then_some("no filter is selected"),
+            Self::Wireframe => (!recipe.wireframe).then_some("wireframe is off"),
         })
     }
 }
 
-/// How many pixels are rasterized of a picture of this size, the most that any frame of a view needs.
+/// Returns the number of pixels rasterized for a picture of this size: the maximum over the frames of a view.
 pub fn rasterized_pixels(recipe: &Recipe, viewport: Viewport) -> u64 {
     let sampling = recipe.upscaler.sampling();
     let Viewport { width, height } = raster_of(sampling, viewport);
@@ -91,7 +92,7 @@ mod tests {
     use crate::scene::builtin::workload::layers;
     use crate::upscale::Upscaling;
 
-    /// Even, so that no grid ends within a pixel.
+    /// Even sides, so that no grid ends within a pixel.
     const SIZE: Viewport = Viewport { width: 96, height: 48 };
 
     #[test]

@@ -1,4 +1,4 @@
-//! `rasterscope bench`: what frames of one view cost, as a table or as JSON.
+//! `rasterscope bench`: cost of frames of one view, as a table or as JSON.
 
 use std::sync::atomic::Ordering;
 
@@ -24,59 +24,60 @@ use super::output;
 use super::parse;
 use super::scene_args::FrameArgs;
 
-/// What `bench` takes.
+/// Arguments of `bench`.
 #[derive(Args, Debug)]
 pub(crate) struct BenchArgs {
     #[command(flatten)]
     frame: FrameArgs,
 
-    /// Threads to draw with; all that the machine has if not given
+    /// Number of threads to draw with; the number of hardware threads if omitted
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
 
-    /// Frames that are timed, after some that are not
+    /// Number of timed frames, after some warm-up frames
     #[arg(long, value_name = "N", default_value_t = 31, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     frames: u32,
 
-    /// Orbit the camera by this angle per frame; the same 16 frames are timed again and again and judged; 0 measures the still
-    /// view
+    /// Angle in degrees by which the camera orbits per frame; the same 16 frames are timed repeatedly, and compared
+    /// with native; 0 measures the still view
     #[arg(long, value_name = "DEGREES", default_value_t = Turn::default().degrees, allow_hyphen_values = true, value_parser = parse::degrees,
           conflicts_with_all = ["scrub", "window", "verify"])]
     turn: f32,
 
-    /// Which instructions of the processor are used
+    /// Instruction set of the SIMD lanes
     #[arg(long, value_enum, default_value_t = LanesArg::Best)]
     lanes: LanesArg,
 
-    /// Time steps through the making of the frame instead, as many of each kind
+    /// Time stepping through the drawing of the frame instead; --frames is the number of steps of each kind
     #[arg(long, conflicts_with_all = ["threads", "lanes"])]
     scrub: bool,
 
-    /// Time the window itself instead: its panels, each in turn, as many passes of each; the size is that of the window
+    /// Time the window itself instead, each of its panels in turn; --frames is the number of passes, --size that of the
+    /// window
     #[arg(long, conflicts_with_all = ["threads", "lanes", "scrub"])]
     window: bool,
 
-    /// Compare instead of timing: the frame drawn tile by tile, on every kind of lanes and by several numbers of threads, with
-    /// the one drawn triangle after triangle, bit for bit; exit code 1 if they differ
+    /// Verify instead of timing: compare the frame drawn tile by tile, on every kind of lanes and several numbers of
+    /// threads, with the one drawn triangle after triangle, bit for bit; exit code 1 if they differ
     #[arg(long, conflicts_with_all = ["lanes", "frames", "scrub", "window"])]
     verify: bool,
 
-    /// Print JSON
+    /// Print JSON instead of text
     #[arg(long)]
     json: bool,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum LanesArg {
-    /// The best that there are
+    /// Best instruction set of the processor
     Best,
-    /// AVX2; what every processor of the architecture has where there is none
+    /// AVX2; the baseline if the processor lacks it
     Avx2,
-    /// What every processor of the architecture has
+    /// Baseline instruction set of the architecture
     Baseline,
 }
 
-/// Draws, and says what it cost.
+/// Runs `bench`: draws, and prints times and costs.
 pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     let (view, size) = (args.frame.view()?, args.frame.size());
     if args.window {
@@ -124,7 +125,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     interrupt::outcome(report.report.partial)
 }
 
-/// Times of the frames, and how wrong they are.
+/// Times of the frames, and their error.
 #[derive(Serialize)]
 struct Report {
     #[serde(flatten)]
@@ -136,15 +137,15 @@ struct Report {
 /// Error against the native frames of the same cameras.
 #[derive(Serialize)]
 struct MeasuredError {
-    /// Figures of the settled still view.
+    /// Figures of the still view once the upscaler has converged.
     still: Figures,
     /// Figures over the moving frames.
     motion: MotionError,
 }
 
 impl MeasuredError {
-    /// Measures the upscaler of a recipe over the frames of a sequence; `None` for the native method, which is the reference,
-    /// and if `go_on` says so.
+    /// Measures the upscaler of a recipe over the frames of a sequence. Returns `None` for the native method, which is
+    /// the reference, and if `go_on` returns `false`.
     fn of(shot: &Shot<'_>, recipe: &Recipe, go_on: &mut dyn FnMut(f32) -> bool) -> Option<Self> {
         if recipe.upscaler.is_native() {
             return None;
@@ -176,7 +177,7 @@ fn table(report: &Report) -> String {
     let turning = if turn.is_still() {
         String::new()
     } else {
-        format!(", turned by {}° from frame to frame, {} views in turn", turn.degrees, turn.frames)
+        format!(", camera orbits by {}° per frame, {} views in turn", turn.degrees, turn.frames)
     };
     let mut text = format!(
         "{scene}, {width} × {height} px, {execution}, {threads} {}, {} frames{turning}\n{}\n\n",
@@ -195,7 +196,7 @@ fn table(report: &Report) -> String {
     text += &line("writing as many bytes", of_series(&writing.ms));
     if let Some(noise) = noise {
         text += &format!(
-            "\nnoise floor of the whole frame: {}, {:.3} ms; closer medians are {}\n",
+            "\nnoise floor of the whole frame: {}, {:.3} ms; smaller differences of medians are {}\n",
             noise.words(),
             noise.ms(frame_ms.median),
             noise::WITHIN

@@ -1,4 +1,4 @@
-//! `rasterscope bench --scrub`: what a step through the making of a frame costs.
+//! `rasterscope bench --scrub`: cost of stepping through the drawing of a frame.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -11,20 +11,20 @@ use serde::Serialize;
 
 use super::scene_args::View;
 
-/// What steps of one frame cost.
+/// Costs of stepping through one frame.
 #[derive(Debug, Serialize)]
 pub(crate) struct ScrubReport {
     scene: String,
     size: [u32; 2],
     triangles: usize,
-    /// Milliseconds until the first moment can be asked for.
+    /// Time until the first moment can be requested, in milliseconds.
     preparing_ms: f64,
-    /// Milliseconds of one walk to the last moment, on which copies are made.
+    /// Time of one pass to the last moment, which makes the copies, in milliseconds.
     first_walk_ms: f64,
-    /// Copies of the framebuffer, and their bytes.
+    /// Number of copies of the framebuffer.
     copies: usize,
     copy_bytes: usize,
-    /// Milliseconds of each kind of step: to the finished picture.
+    /// Times of each kind of step up to the finished picture, in milliseconds.
     steps: Vec<(&'static str, Summary)>,
 }
 
@@ -46,7 +46,7 @@ pub(crate) fn measure(view: &View, viewport: Viewport, count: usize) -> ScrubRep
     let (first_walk, _, (copies, copy_bytes)) = show(Moment::after(triangles));
     let mut times: Vec<(&str, Vec<Duration>)> =
         ["one triangle on", "one triangle back", "one fragment on", "jump"].map(|kind| (kind, Vec::new())).into();
-    // Steps by a share that no number of triangles is a simple multiple of lead everywhere.
+    // Steps by the golden ratio spread evenly over the frame, whatever the number of triangles.
     const GOLDEN_SHARE: f64 = 0.618_033_988_749_895;
     for number in 0..count {
         let share = (number as f64 * GOLDEN_SHARE).fract();
@@ -77,13 +77,13 @@ pub(crate) fn measure(view: &View, viewport: Viewport, count: usize) -> ScrubRep
     }
 }
 
-/// The report as text.
+/// Formats the report as text.
 pub(crate) fn table(report: &ScrubReport) -> String {
     let ScrubReport { scene, size: [width, height], triangles, steps, .. } = report;
     let mut text = format!("{scene}, {width} × {height} px, {triangles} triangles rasterized\n\n");
     text += &format!(
         "{:24} {:10.3}\n{:24} {:10.3}\n",
-        "prepare, ms", report.preparing_ms, "first walk, ms", report.first_walk_ms
+        "preparation, ms", report.preparing_ms, "first pass, ms", report.first_walk_ms
     );
     text += &format!("{:24} {:10}, {:.1} MB\n\n", "copies", report.copies, report.copy_bytes as f64 / 1e6);
     text += &format!("{:24} {:>10} {:>10} {:>10} {:>10}\n", "milliseconds", "median", "p10", "p90", "per second");

@@ -1,4 +1,4 @@
-//! `rasterscope bench --verify`: whether a frame is the same bits however it is drawn.
+//! `rasterscope bench --verify`: checks that all ways to draw a frame give the same bits.
 
 use rasterscope::measure::equality::{Difference, Equality, Quantity, Way, verify as compare};
 use rasterscope::pipeline::viewport::Viewport;
@@ -6,7 +6,7 @@ use rasterscope::pipeline::viewport::Viewport;
 use super::failure::Failure;
 use super::scene_args::View;
 
-/// Compares on one, two and all threads, or only on as many as are given.
+/// Compares on one, two and all threads, or only on `threads` threads.
 pub(crate) fn verify(view: &View, size: Viewport, threads: Option<usize>) -> Result<Equality, Failure> {
     let machine = std::thread::available_parallelism().map_or(1, usize::from);
     let mut counts = threads.map_or_else(|| vec![1, 2, machine], |count| vec![count]);
@@ -15,12 +15,11 @@ pub(crate) fn verify(view: &View, size: Viewport, threads: Option<usize>) -> Res
     compare(&view.scene, &view.camera, &view.recipe, size, &counts).map_err(|e| Failure::Threads(e.to_string()))
 }
 
-/// One line for each way to draw it.
+/// Formats the comparison, one line for each way to draw the frame.
 pub(crate) fn table(scene: &str, Viewport { width, height }: Viewport, found: &Equality) -> String {
-    let mut text =
-        format!("{scene}, {width} × {height} px: tile by tile against triangle after triangle, bit for bit\n");
+    let mut text = format!("{scene}, {width} × {height} px: tiled execution against classic execution, bit for bit\n");
     if let Some(obstacle) = found.obstacle {
-        return text + &format!("nothing to compare, as it is never drawn tile by tile: {obstacle}\n");
+        return text + &format!("nothing to compare: this frame is always drawn by classic execution: {obstacle}\n");
     }
     for Way { lanes, threads, difference } in &found.ways {
         let unit = if *threads == 1 { "thread" } else { "threads" };
@@ -33,14 +32,14 @@ pub(crate) fn table(scene: &str, Viewport { width, height }: Viewport, found: &E
 fn in_words(difference: &Difference) -> String {
     let Difference { quantity, samples, first: (x, y), expected, found } = difference;
     let of = match quantity {
-        Quantity::Color => "samples have another colour",
-        Quantity::Depth => "samples have another depth",
-        Quantity::Picture => "pixels of the finished picture differ",
+        Quantity::Color => "samples differ in colour",
+        Quantity::Depth => "samples differ in depth",
+        Quantity::Picture => "pixels of the final picture differ",
     };
-    format!("DIFFERENT: {samples} {of}, first {x},{y}: {found} instead of {expected}")
+    format!("DIFFERENT: {samples} {of}; first at {x},{y}: found {found}, expected {expected}")
 }
 
-/// Fails where anything differs.
+/// Returns a failure if any way to draw the frame differs.
 pub(crate) fn judge(found: &Equality) -> Result<(), Failure> {
     let differing = found.ways.iter().filter(|way| way.difference.is_some()).count();
     if differing > 0 { Err(Failure::Unequal { differing, of: found.ways.len() }) } else { Ok(()) }

@@ -1,4 +1,4 @@
-//! `rasterscope bench --window`: what the window itself costs, beside the picture.
+//! `rasterscope bench --window`: cost of the window itself, without the picture.
 
 use rasterscope::measure::window_cost::WindowCost;
 use rasterscope::pipeline::viewport::Viewport;
@@ -7,18 +7,18 @@ use super::failure::Failure;
 use super::scene_args::View;
 use super::workbench;
 
-/// Times `passes` passes of each part of a window of `size` px.
+/// Times `passes` passes for each part of a window of `size` pixels.
 pub(crate) fn measure(view: View, size: Viewport, passes: usize) -> Result<Vec<WindowCost>, Failure> {
     workbench::window_costs(view, size, passes)
 }
 
-/// The costs as text, the dearest first.
+/// Formats the costs as a table, most expensive first.
 pub(crate) fn table(costs: &[WindowCost], Viewport { width, height }: Viewport) -> String {
     let passes = costs.first().map_or(0, |cost| cost.whole_ms.n);
     let mut text = format!(
-        "The window at {width} × {height} px, {passes} passes each: without the picture and without a graphics card\n\n\
+        "The window at {width} × {height} px, {passes} passes each, without the picture and without a GPU\n\n\
          {:28} {:>8} {:>8} {:>8} {:>12} {:>9} {:>10}\n",
-        "milliseconds, median", "in all", "p90", "layout", "tessellation", "vertices", "upload kB"
+        "milliseconds, median", "total", "p90", "layout", "tessellation", "vertices", "upload kB"
     );
     let mut costs: Vec<_> = costs.iter().collect();
     costs.sort_by(|a, b| b.whole_ms.median.total_cmp(&a.whole_ms.median));

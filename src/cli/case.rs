@@ -14,26 +14,26 @@ use rasterscope::pipeline::settings::{Arithmetic, Rasterizer};
 use super::failure::Failure;
 use super::{interrupt, output, parse};
 
-/// What `case` takes.
+/// Arguments of `case`.
 #[derive(Args, Debug)]
 pub(crate) struct CaseArgs {
     /// Files with one case each
     #[arg(required = true, value_name = "CASE.json")]
     cases: Vec<PathBuf>,
 
-    /// The file for the result of a single case; standard output if omitted
+    /// File for the result of a single case; standard output if omitted
     #[arg(short, long, value_name = "RESULT.json", conflicts_with = "out_dir")]
     output: Option<PathBuf>,
 
-    /// The folder for results of many cases, one file for each, named after its id; made if missing
+    /// Folder for the results of many cases, one file each, named after the case's id; created if missing
     #[arg(long, value_name = "DIR")]
     out_dir: Option<PathBuf>,
 
-    /// How the samples inside a triangle are found
+    /// Algorithm that finds the samples inside a triangle
     #[arg(long, value_name = "R", default_value = "bounding-box", value_parser = parse::choice::<Rasterizer>())]
     rasterizer: Rasterizer,
 
-    /// The numbers that coverage is decided in
+    /// Arithmetic that decides coverage
     #[arg(long, value_name = "A", default_value = "fixed", value_parser = parse::choice::<Arithmetic>())]
     arithmetic: Arithmetic,
 }
@@ -44,7 +44,7 @@ impl CaseArgs {
     }
 }
 
-/// Answers one case or many.
+/// Runs `case`: answers one or more cases.
 pub(crate) fn run(args: &CaseArgs) -> Result<(), Failure> {
     match (&args.out_dir, &args.cases[..]) {
         (Some(folder), cases) => answer_all(cases, folder, args.options()),
@@ -61,15 +61,15 @@ fn answer_one(case: &Path, into: Option<&Path>, options: Options) -> Result<(), 
     write_file(&result, path)?;
     let outcome = match &result.outcome {
         Outcome::Answered(_) => "answered",
-        Outcome::Refused { error } => &format!("refused, as {error}"),
+        Outcome::Refused { error } => &format!("refused: {error}"),
     };
     output::print(&format!("{}: {outcome}\n", output::display(path)))
 }
 
-/// Answers all that can be read. The failure of the last one that cannot is the failure of the whole; those before it
-/// are told as they come.
+/// Answers all readable cases. Returns the failure of the last unreadable case; earlier ones are reported as they
+/// occur.
 fn answer_all(cases: &[PathBuf], folder: &Path, options: Options) -> Result<(), Failure> {
-    // A result must not replace a case that is still to be read.
+    // A result must not overwrite a case that is still to be read.
     cases.iter().for_each(|path| disk::note_input(path));
     fs::create_dir_all(folder).map_err(|source| Failure::ResultFile { path: folder.to_owned(), source })?;
     let mut ids = HashSet::new();
@@ -86,7 +86,7 @@ fn answer_all(cases: &[PathBuf], folder: &Path, options: Options) -> Result<(), 
                     Ok(true) => answered += 1,
                     Ok(false) => refused += 1,
                     Err(Failure::Interrupted(_)) if answered + refused > 0 => {
-                        return Err(Failure::Interrupted("the results of the cases before are written"));
+                        return Err(Failure::Interrupted("the results of the earlier cases are written"));
                     }
                     Err(failure) => return Err(failure),
                 }
@@ -102,13 +102,13 @@ fn answer_all(cases: &[PathBuf], folder: &Path, options: Options) -> Result<(), 
     failure.map_or(Ok(()), Err)
 }
 
-/// Reads a case whose id none had before, as its result would replace the other one's.
+/// Reads a case with a new id; results of cases with the same id would overwrite each other.
 fn read_unlike(path: &Path, ids: &mut HashSet<String>) -> Result<Case, Failure> {
     let case = Case::read(path)?;
     if ids.insert(case.id.clone()) {
         Ok(case)
     } else {
-        Err(Failure::Usage(format!("{}: an earlier case has the id `{}`, too", path.display(), case.id)))
+        Err(Failure::Usage(format!("{}: an earlier case has the same id, `{}`", path.display(), case.id)))
     }
 }
 
@@ -121,12 +121,13 @@ fn write_file(result: &CaseResult, path: &Path) -> Result<(), Failure> {
     unless_interrupted(output::write_by(path, |file| write_line(result, file)))
 }
 
-/// Returns the outcome of writing a result; an interruption is the failure whatever came of it.
+/// Returns the outcome of writing a result, or the failure of an interruption if there was one.
 fn unless_interrupted(outcome: Result<(), Failure>) -> Result<(), Failure> {
     if interrupt::flag().load(Ordering::Relaxed) { Err(interrupt::nothing()) } else { outcome }
 }
 
-/// Writes a result as one line of JSON, piece by piece: its text may take several times the memory of the result.
+/// Writes a result as one line of JSON, piece by piece, because its text may take several times the memory of the
+/// result.
 fn write_line(result: &CaseResult, out: &mut dyn Write) -> io::Result<()> {
     let mut out = BufWriter::new(Interruptible { out, stop: interrupt::flag() });
     serde_json::to_writer(&mut out, result)?;
@@ -142,7 +143,7 @@ struct Interruptible<'a> {
 
 impl Write for Interruptible<'_> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        // An error of the kind `Interrupted` would be tried again.
+        // The caller would retry an error of the kind `Interrupted`.
         if self.stop.load(Ordering::Relaxed) { Err(ErrorKind::Other.into()) } else { self.out.write(bytes) }
     }
 

@@ -1,4 +1,4 @@
-//! `rasterscope check`: assertions on every fragment of a frame, as a table; the exit code says whether all hold.
+//! `rasterscope check`: assertions on every fragment of a frame, as a table. The exit code is 1 if one is violated.
 
 use std::sync::atomic::AtomicBool;
 
@@ -10,13 +10,13 @@ use super::failure::Failure;
 use super::scene_args::{Drawn, FrameArgs};
 use super::{output, parse};
 
-/// What `check` takes.
+/// Arguments of `check`.
 #[derive(Args, Debug)]
 pub(crate) struct CheckArgs {
     #[command(flatten)]
     frame: FrameArgs,
 
-    /// Check this assertion only; may be given several times. All if omitted
+    /// Assertion to check; may be given several times. All if omitted
     #[arg(long, value_name = "ID", value_parser = parse::choice::<Assertion>())]
     assert: Vec<Assertion>,
 
@@ -25,11 +25,11 @@ pub(crate) struct CheckArgs {
     json: bool,
 }
 
-/// Draws, checks, prints what was found, and fails if anything is violated.
+/// Runs `check`: draws, checks, prints the findings, and fails if an assertion is violated.
 pub(crate) fn run(args: &CheckArgs) -> Result<(), Failure> {
     let Drawn { scene, recipe, frame, .. } = args.frame.draw(None)?;
     let wanted = if args.assert.is_empty() { Assertion::ALL } else { &args.assert };
-    // Nobody cancels but with the program.
+    // The flag stays unset: only ending the process cancels.
     let Some(report) = check(&scene, &recipe, &frame, wanted, &|_| {}, &AtomicBool::new(false)) else { return Ok(()) };
     if args.json {
         output::print_json(&report)?;
@@ -40,7 +40,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<(), Failure> {
     if violated > 0 { Err(Failure::Violated { violated, of: report.findings.len() }) } else { Ok(()) }
 }
 
-/// One line for each assertion, and one more below for the first fragment that violates it.
+/// Formats one line for each assertion, followed by the first fragment that violates it.
 fn table(report: &Report) -> String {
     let mut text = format!("{:<14} {:>12} {:>12}  {}\n", "assertion", "checked", "violated", "what should hold");
     for Finding { assertion, checked, violated, first } in &report.findings {

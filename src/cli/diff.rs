@@ -1,4 +1,4 @@
-//! `rasterscope diff`: what other settings do to a view: which pixels change, how far the pictures are apart, what it costs.
+//! `rasterscope diff`: effect of other settings on a view: changed pixels, error between the pictures, and cost.
 
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
@@ -21,25 +21,26 @@ use super::progress::ProgressLine;
 use super::scene_args::{FrameArgs, View};
 use super::{interrupt, output, parse};
 
-/// What `diff` takes.
+/// Arguments of `diff`.
 #[derive(Args, Debug)]
 pub(crate) struct DiffArgs {
     #[command(flatten)]
     frame: FrameArgs,
 
-    /// A setting that A has another value of; may be given several times. B has those of --set
+    /// Setting with another value in A; may be given several times. B has the settings of --set
     #[arg(long, value_name = "KEY=VALUE", required = true)]
     against: Vec<String>,
 
-    /// The quantity whose values are compared
+    /// Quantity whose values are compared
     #[arg(long, default_value = "color", value_parser = parse::choice::<Buffer>())]
     buffer: Buffer,
 
-    /// Rounds of timing; none leaves timing out
+    /// Number of timed rounds; 0 disables timing
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(0..=100_000))]
     rounds: u32,
 
-    /// Orbit the camera by this angle per frame, for the error in motion and for times; 0 measures the still view alone
+    /// Angle in degrees by which the camera orbits per frame, for the error in motion and for times; 0 measures the
+    /// still view only
     #[arg(long, value_name = "DEGREES", default_value_t = Turn::default().degrees, allow_hyphen_values = true,
           value_parser = parse::degrees)]
     turn: f32,
@@ -48,34 +49,34 @@ pub(crate) struct DiffArgs {
     #[arg(long)]
     json: bool,
 
-    /// Write B with all that did not change in dark grey
+    /// PNG file for B, with unchanged pixels in dark grey
     #[arg(short, long, value_name = "FILE.png")]
     output: Option<PathBuf>,
 }
 
-/// What differs, as JSON.
+/// Differences between A and B, as JSON.
 #[derive(Serialize)]
 struct DiffReport {
     scene: String,
     size: [u32; 2],
-    /// What differs between A and B: key, value in A, value in B.
+    /// Settings that differ: key, value in A, value in B.
     fields: Vec<[String; 3]>,
     buffer: Buffer,
     changed_pixels: u64,
     changed_share: f64,
     picture_error: Option<ImageError>,
-    /// Motion of the camera over the frames that are judged and timed.
+    /// Camera motion over the frames that are compared and timed.
     turn: Turn,
-    /// `None` if it was interrupted.
+    /// Error over the moving frames; `None` if interrupted.
     motion_error: Option<MotionError>,
-    /// `None` without rounds of timing, and if it was interrupted.
+    /// Frame times of A and B; `None` without timed rounds, or if interrupted.
     times: Option<PairTimes>,
     machine: Machine,
-    /// Whether it was interrupted before everything was measured.
+    /// Whether the measurement was interrupted before it was complete.
     partial: bool,
 }
 
-/// Draws both, compares, times them, and says what differs.
+/// Runs `diff`: draws A and B, compares and times them, and prints the differences.
 pub(crate) fn run(args: &DiffArgs) -> Result<(), Failure> {
     let view = args.frame.view()?;
     let size = args.frame.size();
@@ -112,13 +113,13 @@ pub(crate) fn run(args: &DiffArgs) -> Result<(), Failure> {
         output::print_json(&report)?;
     } else {
         let written = args.output.as_deref().map(output::display);
-        let written = written.map(|path| format!("{path}: the changed pixels\n")).unwrap_or_default();
+        let written = written.map(|path| format!("{path}: picture of the changed pixels\n")).unwrap_or_default();
         output::print(&(text(&report) + &written))?;
     }
     interrupt::outcome(report.partial)
 }
 
-/// Which pixels of a buffer differ, and the buffer of B with only those in colour.
+/// Returns the pixels of a buffer that differ, and the buffer of B with only these in colour.
 fn compared(
     buffer: Buffer,
     view: &View,
@@ -129,9 +130,9 @@ fn compared(
         |recipe: &Recipe, frame: &Frame| capture(&view.scene, recipe, frame).completed_for(buffer, recipe, frame);
     let buffers = (buffer != Buffer::Color).then(|| [captured(a, before), captured(b, after)]);
     let [of_a, of_b] = [0, 1].map(|which| buffers.as_ref().map(|both| &both[which]));
-    // Both were drawn at one size.
+    // Both pictures have the same size.
     let changed = Changes::of_buffer(buffer, (before, of_a), (after, of_b))
-        .ok_or_else(|| Failure::Usage("A and B are of different sizes".to_owned()))?;
+        .ok_or_else(|| Failure::Usage("A and B have different sizes".to_owned()))?;
     let picture = view::picture(buffer, after, of_b, view::range(buffer, after, of_b));
     let marked = changed.marked(&picture);
     Ok((changed, marked))
@@ -193,7 +194,7 @@ fn text(report: &DiffReport) -> String {
     text
 }
 
-/// Returns the error over a sequence as one line.
+/// Formats the error over a sequence as one line.
 pub(super) fn motion_line(motion: &MotionError, turn: Turn) -> String {
     let MotionError { mean, worst, .. } = motion;
     format!(

@@ -1,4 +1,4 @@
-//! How a command ends when it cannot do what it was asked for: one sentence and an exit code.
+//! Failures of commands: a message of one sentence, and an exit code.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -12,16 +12,16 @@ use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::SceneError;
 use thiserror::Error;
 
-/// Exit code for input that cannot be used and output that cannot be written.
+/// Exit code for unusable input and unwritable output.
 const BAD_INPUT: u8 = 2;
 
-/// Exit code where a window was asked for and there can be none.
+/// Exit code if the requested window cannot be opened.
 const NO_WINDOW: u8 = 3;
 
-/// Exit code where what should hold does not.
+/// Exit code for violated assertions and unequal pictures.
 const VIOLATED: u8 = 1;
 
-/// Why a command gave up.
+/// Reason for the failure of a command.
 #[derive(Debug, Error)]
 pub(crate) enum Failure {
     /// The command line itself is wrong.
@@ -30,20 +30,20 @@ pub(crate) enum Failure {
     /// A model or a view cannot be loaded.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// Neither an id nor a file.
-    #[error("{}: there is no such file, and no such built-in scene ({known})", name.display())]
+    /// A scene that is neither a built-in id nor a file.
+    #[error("{}: no such file or built-in scene; the built-in scenes are {known}", name.display())]
     UnknownScene { name: PathBuf, known: String },
-    /// A `--set` that changes nothing.
+    /// An invalid `--set`.
     #[error("--set {0}")]
     Setting(#[from] SetError),
-    /// `--at` names no pixel.
+    /// `--at` is outside the picture.
     #[error(
         "--at {x},{y}: the scene's picture is {} × {} px, so columns are 0 to {} and rows 0 to {}",
         picture.width, picture.height, picture.width - 1, picture.height - 1
     )]
     OutsidePicture { x: u32, y: u32, picture: Viewport },
-    /// `--fragment` names none that is there.
-    #[error("--fragment {number}: {there_are} fragments touched the pixel")]
+    /// `--fragment` exceeds the number of fragments.
+    #[error("--fragment {number}: the pixel has fragments 1 to {there_are} only")]
     NoSuchFragment { number: u32, there_are: usize },
     /// A picture cannot be written.
     #[error(transparent)]
@@ -54,31 +54,31 @@ pub(crate) enum Failure {
     /// A case cannot be read.
     #[error(transparent)]
     Case(#[from] CaseError),
-    /// A result or report cannot be written into its file.
+    /// A result file or report cannot be written.
     #[error("{}: cannot write it: {source}", path.display())]
     ResultFile { path: PathBuf, source: std::io::Error },
-    /// Results cannot be written.
+    /// Standard output cannot be written.
     #[error("standard output: {0}")]
     Output(std::io::Error),
-    /// The threads asked for cannot be had.
+    /// The requested threads cannot be created.
     #[error("--threads: {0}")]
     Threads(String),
-    /// What `check` was asked to check does not hold.
+    /// Assertions of `check` are violated.
     #[error("{violated} of {of} assertions are violated")]
     Violated { violated: usize, of: usize },
-    /// What should be the same bits is not.
-    #[error("{differing} of {of} ways to draw it tile by tile differ from triangle after triangle")]
+    /// Pictures that must be bit-identical differ.
+    #[error("{differing} of {of} ways of tiled execution differ from classic execution")]
     Unequal { differing: usize, of: usize },
     /// A measurement was interrupted.
     #[error("interrupted: {0}")]
     Interrupted(&'static str),
-    /// There can be no window.
+    /// No window can be opened.
     #[error("{0}")]
     NoWindow(String),
 }
 
 impl Failure {
-    /// What the process ends with.
+    /// Returns the exit code of the process.
     pub(crate) fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
             Self::NoWindow(_) => NO_WINDOW,

@@ -1,4 +1,4 @@
-//! `rasterscope fates`: how every triangle and every fragment of a frame ended, in all and per object.
+//! `rasterscope fates`: fates of all triangles and fragments of a frame, in total and per object.
 
 use clap::Args;
 use rasterscope::inspect::Fates;
@@ -11,7 +11,7 @@ use super::failure::Failure;
 use super::output;
 use super::scene_args::{Drawn, FrameArgs};
 
-/// What `fates` takes.
+/// Arguments of `fates`.
 #[derive(Args, Debug)]
 pub(crate) struct FatesArgs {
     #[command(flatten)]
@@ -22,7 +22,7 @@ pub(crate) struct FatesArgs {
     json: bool,
 }
 
-/// The fates of a frame, as JSON.
+/// Fates of a frame, as JSON.
 #[derive(Serialize)]
 struct Told<'a> {
     scene: &'a str,
@@ -36,7 +36,7 @@ struct Told<'a> {
     account: &'a Account,
 }
 
-/// Draws, counts, and prints where everything went.
+/// Runs `fates`: draws, counts, and prints the fates.
 pub(crate) fn run(args: &FatesArgs) -> Result<(), Failure> {
     let Drawn { scene, recipe, frame, .. } = args.frame.draw(None)?;
     let fates = Fates::of(&scene, &recipe, &frame);
@@ -65,18 +65,18 @@ fn text(fates: &Fates) -> String {
     text.push('\n');
     if !fates.broken.is_empty() {
         text += &format!(
-            "{} triangles have a normal or texture coordinate that was NaN or infinite.\n",
+            "{} triangles have a normal or texture coordinate that is NaN or infinite in the model.\n",
             fates.broken.len()
         );
     }
     match fates.account.complaints() {
-        none if none.is_empty() => text += "All sums match: every triangle and every fragment ended exactly once.\n",
-        complaints => complaints.iter().for_each(|complaint| text += &format!("DOES NOT ADD UP: {complaint}.\n")),
+        none if none.is_empty() => text += "All sums match: every triangle and every fragment has exactly one fate.\n",
+        complaints => complaints.iter().for_each(|complaint| text += &format!("SUMS DO NOT MATCH: {complaint}.\n")),
     }
     text
 }
 
-/// All bins with something in them.
+/// Formats all non-empty bins.
 fn funnel<C: Choice>(what: &str, all: u64, count: impl Fn(C) -> u64) -> String {
     /// Longest bar, in characters.
     const BAR: f64 = 40.0;
@@ -89,7 +89,7 @@ fn funnel<C: Choice>(what: &str, all: u64, count: impl Fn(C) -> u64) -> String {
     text
 }
 
-/// A row for each object, with a column for each end that any triangle met.
+/// Formats a row for each object, with a column for each fate that any triangle has.
 fn objects(objects: &[ObjectFates], all: &TriangleCounts) -> String {
     let bins: Vec<_> = TriangleFate::ALL.iter().copied().filter(|fate| all.of(*fate) > 0).collect();
     let heading = |fate: &TriangleFate| format!("  {:>12}", fate.id());
@@ -101,7 +101,7 @@ fn objects(objects: &[ObjectFates], all: &TriangleCounts) -> String {
     text
 }
 
-/// As much of a name as its column holds.
+/// Truncates a name to the width of its column.
 fn shortened(name: &str) -> String {
     const COLUMN: usize = 20;
     if name.chars().count() <= COLUMN {

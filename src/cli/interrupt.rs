@@ -1,11 +1,11 @@
-//! Ctrl+C during a long measurement: what is complete is written, marked as partial.
+//! Interruption of a long measurement by Ctrl+C: complete results are written and marked as partial.
 
 use std::process::exit;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::failure::Failure;
 
-/// Exit code of a process that was interrupted.
+/// Exit code of an interrupted process.
 pub(crate) const INTERRUPTED: u8 = 130;
 
 static FLAG: AtomicBool = AtomicBool::new(false);
@@ -22,12 +22,12 @@ pub(crate) fn flag() -> &'static AtomicBool {
     &FLAG
 }
 
-/// Returns the failure of a measurement whose results are partial, if they are.
+/// Returns the failure of an interrupted measurement if its results are partial.
 pub(crate) fn outcome(is_partial: bool) -> Result<(), Failure> {
-    if is_partial { Err(Failure::Interrupted("what was complete is written, marked as partial")) } else { Ok(()) }
+    if is_partial { Err(Failure::Interrupted("complete results are written and marked as partial")) } else { Ok(()) }
 }
 
 /// Returns the failure of a measurement that was interrupted before anything was complete.
 pub(crate) fn nothing() -> Failure {
-    Failure::Interrupted("nothing was complete yet, and nothing is written")
+    Failure::Interrupted("no result was complete, so nothing is written")
 }

@@ -1,4 +1,4 @@
-//! `rasterscope lab`: a page of the 2D lab without the window.
+//! `rasterscope lab`: runs a page of the 2D lab without the window.
 
 use std::path::PathBuf;
 
@@ -12,39 +12,39 @@ use rasterscope::pipeline::settings::Choice as _;
 use super::failure::Failure;
 use super::{output, parse};
 
-/// What `lab` takes.
+/// Arguments of `lab`.
 #[derive(Args, Debug)]
 pub(crate) struct LabArgs {
-    /// The page
+    /// Page of the lab
     #[arg(value_parser = parse::choice::<Page>())]
     page: Page,
 
-    /// Steps that are done; all if omitted
+    /// Number of completed steps; all if omitted
     #[arg(long)]
     step: Option<usize>,
 
-    /// A picture to fill in or to sample, on the pages seed-fill and sampling
+    /// Picture to fill or to sample, on the pages seed-fill and sampling
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
 
-    /// Also compare all ways to do the same: error and time
+    /// Compare all methods of the page as well: error and time
     #[arg(long)]
     compare: bool,
 
-    /// The file to write; its name tells the format: svg, pdf, png, bmp, jpg, tiff, or gif for all steps as an animation.
-    /// Without one, the steps are told
+    /// Output file; its extension determines the format: svg, pdf, png, bmp, jpg, tiff, or gif for all steps as an
+    /// animation. Without a file, the steps are printed
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }
 
-/// Runs the page, and writes or tells it.
+/// Runs `lab`: writes the drawing of the page, or prints its steps.
 pub(crate) fn run(args: &LabArgs) -> Result<(), Failure> {
     let mut lesson = Lesson::new(args.page);
     if let Some(path) = &args.picture {
         let picture = file::read(path)?;
         if !lesson.set_picture(&picture) {
             return Err(Failure::Usage(format!(
-                "the page {} takes no picture; seed-fill and sampling do",
+                "--picture: the page {} takes no picture; use seed-fill or sampling",
                 args.page.id()
             )));
         }
@@ -71,7 +71,7 @@ pub(crate) fn run(args: &LabArgs) -> Result<(), Failure> {
     })
 }
 
-/// One line per step, and what is true of the run.
+/// Formats one line for each step, and the results of the run.
 fn told(recording: &Recording, steps: usize) -> String {
     let mut text = String::new();
     for (number, step) in recording.steps[..steps].iter().enumerate() {

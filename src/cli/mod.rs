@@ -1,8 +1,8 @@
-//! The command line: one file per subcommand, each a function from its options to results on standard output.
+//! The command line: one file per subcommand, with a function from its options to results on standard output.
 //!
-//! Warnings and errors go to standard error, one line each. Exit codes: 0 done; 2 input that cannot be used or output
-//! that cannot be written; 3 no window where one was asked for; 130 a
-//! measurement was interrupted, and what was complete is written; 1 what `check` or `bench --verify` checked does not hold.
+//! Warnings and errors go to standard error, one line each. Exit codes: 0 success; 1 a violation found by `check` or
+//! `bench --verify`; 2 unusable input or unwritable output; 3 the requested window cannot be opened; 130 interrupted
+//! measurement, whose complete results are written.
 
 mod bench;
 mod bench_scrub;
@@ -49,10 +49,10 @@ use seen_args::WindowArgs;
 
 /// An interactive workbench for a software rendering pipeline
 ///
-/// Without a command the window opens; without scene and options, too, it takes up scene, settings and view as they were
-/// left. Where there is no display, the whole workbench is drawn once into rasterscope.png instead.
+/// Without a command the window opens; without scene and options it resumes scene, settings and view of the previous
+/// run. Without a display, the whole workbench is painted once into rasterscope.png instead.
 #[derive(Parser, Debug)]
-#[command(version, long_version = VERSION, args_conflicts_with_subcommands = true, after_help = EXIT_CODES)]
+#[command(version, long_version = VERSION, args_conflicts_with_subcommands = true, after_help = example("chess"))]
 struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
@@ -61,65 +61,71 @@ struct Cli {
     start: WindowArgs,
 }
 
-/// Version, and the licences of the fonts and icons in the program.
+/// Version, and the licences of the embedded fonts and icons.
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "\n\n", include_str!("../../assets/NOTICES.txt"));
 
-const EXIT_CODES: &str = "Exit codes: 0 done; 2 bad input, or output that cannot be written; 3 no window possible; 130 interrupted; 1 what `check` or `bench --verify` checked does not hold";
+const EXIT_CODES: &str = "Exit codes: 0 success; 1 violation found by `check` or `bench --verify`; 2 unusable input or \
+    unwritable output; 3 window cannot be opened; 130 interrupted, complete results are written";
+
+/// Returns the end of a command's help: an example and the exit codes.
+fn example(arguments: &str) -> String {
+    format!("Example: rasterscope {arguments}\n\n{EXIT_CODES}")
+}
 
 #[derive(Subcommand, Debug)]
 enum Command {
-    /// Open the window, and fail where that is impossible
+    /// Open the window, and fail if that is impossible
     ///
-    /// Without scene and options it takes up scene, settings and view as they were left.
-    #[command(after_help = EXIT_CODES)]
+    /// Without scene and options it resumes scene, settings and view of the previous run.
+    #[command(after_help = example("window chess --set shading=gouraud"))]
     Window(WindowArgs),
-    /// Draw one frame, or one of its buffers, into a PNG
-    #[command(after_help = EXIT_CODES)]
+    /// Render one frame, or one of its buffers, to a PNG
+    #[command(after_help = example("render chess --buffer depth -o depth.png"))]
     Render(render::RenderArgs),
-    /// Tell why a pixel looks as it does: every fragment there, who won and why, down to the texels
-    #[command(after_help = EXIT_CODES)]
+    /// Explain a pixel: list every fragment, which one won, and why, down to the texels
+    #[command(after_help = example("pixel chess --at 700,300 --trace"))]
     Pixel(pixel::PixelArgs),
     /// Check assertions on every fragment of a frame; exit code 1 if one is violated
-    #[command(after_help = EXIT_CODES)]
+    #[command(after_help = example("check cubes --assert owner"))]
     Check(check::CheckArgs),
-    /// Tell how every triangle and every fragment ended, in all and per object
-    #[command(after_help = EXIT_CODES)]
+    /// Print the fate of every triangle and every fragment, in total and per object
+    #[command(after_help = example("fates near-plane"))]
     Fates(fates::FatesArgs),
-    /// Tell what each draw runs and leaves out, and why
-    #[command(after_help = EXIT_CODES)]
+    /// Print which parts of the pipeline each draw runs and skips, and why
+    #[command(after_help = example("plan cubes --set shading=texture"))]
     Plan(plan::PlanArgs),
-    /// Tell what other settings change in a view: which pixels, how far, and what it costs
-    #[command(after_help = EXIT_CODES)]
+    /// Compare a view under two sets of settings: which pixels change, by how much, and at what cost
+    #[command(after_help = example("diff chess --set filter=point --against filter=bilinear"))]
     Diff(diff::DiffArgs),
-    /// Draw the whole workbench into a PNG, without a window
-    #[command(after_help = EXIT_CODES)]
+    /// Paint the whole workbench to a PNG, without a window
+    #[command(after_help = example("screenshot chess --compare four -o compared.png"))]
     Screenshot(screenshot::ScreenshotArgs),
-    /// Time frames: in all and per stage, with counts and memory
-    #[command(after_help = EXIT_CODES)]
+    /// Time frames: in total and per stage, with counters and memory
+    #[command(after_help = example("bench chess --frames 101"))]
     Bench(bench::BenchArgs),
-    /// Tell what a frame costs against triangles, pixels, layers and threads, as a table or a page
-    #[command(after_help = EXIT_CODES)]
+    /// Measure the cost of a frame against triangles, pixels, layers and threads, as a table or a page
+    #[command(after_help = example("scaling -o scaling"))]
     Scaling(scaling::ScalingArgs),
-    /// Answer numerical cases: small inputs to one algorithm each, to be compared with exact answers
-    #[command(after_help = EXIT_CODES)]
+    /// Evaluate numerical cases: small inputs to one algorithm each, for comparison with exact answers
+    #[command(after_help = example("case line.json -o result.json"))]
     Case(case::CaseArgs),
-    /// Judge the engine: stiff and extreme cases against every rasterizer, arithmetic and depth format
-    #[command(after_help = EXIT_CODES)]
+    /// Measure numerical stability: run stiff and extreme cases on every rasterizer, arithmetic and depth format
+    #[command(after_help = example("stability --class slivers --html -o slivers.html"))]
     Stability(stability::StabilityArgs),
-    /// Move camera or vertices by a few units in the last place, and tell which pixels and triangles do not stand firm
-    #[command(after_help = EXIT_CODES)]
+    /// Move camera or vertices by a few units in the last place, and print which pixels and triangles change
+    #[command(after_help = example("probe z-fighting --ulps 2 -o heat.png"))]
     Probe(probe::ProbeArgs),
     /// Measure error against run time of every upscaler, and write a page, a table and JSON
-    #[command(after_help = EXIT_CODES)]
+    #[command(after_help = example("report chess --size 640x360 -o report"))]
     Report(report::ReportArgs),
-    /// Write a scene as drawing commands: wireframe, without hidden lines, or as polygons
-    #[command(after_help = EXIT_CODES)]
+    /// Export a scene as drawing commands: wireframe, hidden-line drawing, or polygons
+    #[command(after_help = example("vector cubes --kind hidden-line -o cubes.svg"))]
     Vector(vector::VectorArgs),
-    /// Run a page of the 2D lab, and write its drawing or tell its steps
-    #[command(after_help = EXIT_CODES)]
+    /// Run a page of the 2D lab, and write its drawing or print its steps
+    #[command(after_help = example("lab polygons -o polygons.gif"))]
     Lab(lab::LabArgs),
     /// List the built-in scenes
-    #[command(after_help = EXIT_CODES)]
+    #[command(after_help = example("scenes"))]
     Scenes,
 }
 
@@ -162,7 +168,7 @@ fn execute(cli: &Cli) -> Result<(), Failure> {
     }
 }
 
-/// Prints help that was asked for; all else is a failure, of which the first paragraph says what is wrong.
+/// Prints requested help. All other errors become failures with the first paragraph as their message.
 fn usage(error: &clap::Error) -> Result<(), Failure> {
     let text = error.render().to_string();
     if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
@@ -172,6 +178,6 @@ fn usage(error: &clap::Error) -> Result<(), Failure> {
     Err(Failure::Usage(first.trim_start_matches("error: ").to_owned()))
 }
 
-// Without the window nothing reads all of a view, and that is said where it is declared.
+// Without the window some fields of `View` are never read, which is stated at their declaration.
 #[cfg(all(test, feature = "ui"))]
 mod tests;

@@ -1,4 +1,4 @@
-//! Results to standard output, warnings and errors to standard error, one line each.
+//! Results on standard output, warnings and errors on standard error, one line each.
 
 use std::fmt::Display;
 use std::io::{self, ErrorKind, Write as _, stderr, stdout};
@@ -9,12 +9,12 @@ use serde::Serialize;
 
 use super::failure::Failure;
 
-/// Writes results. A reader that has gone away (`| head`) has what it wanted and is no failure.
+/// Writes a result to standard output. A closed pipe (`| head`) is no failure.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     print_by(|out| out.write_all(text.as_bytes()))
 }
 
-/// Writes results as [`print`] does, piece by piece.
+/// Writes a result piece by piece; otherwise like [`print`].
 pub(crate) fn print_by(produce: impl FnOnce(&mut dyn io::Write) -> io::Result<()>) -> Result<(), Failure> {
     let mut out = stdout().lock();
     match produce(&mut out).and_then(|()| out.flush()) {
@@ -23,22 +23,22 @@ pub(crate) fn print_by(produce: impl FnOnce(&mut dyn io::Write) -> io::Result<()
     }
 }
 
-/// A result as JSON, laid out for people and with a line's end after it.
+/// Serialises a result as indented JSON with a final newline.
 pub(crate) fn json(result: &impl Serialize) -> Result<String, Failure> {
     Ok(serde_json::to_string_pretty(result).map_err(|e| Failure::Output(e.into()))? + "\n")
 }
 
-/// Writes a result as JSON.
+/// Writes a result to standard output as JSON.
 pub(crate) fn print_json(result: &impl Serialize) -> Result<(), Failure> {
     print(&json(result)?)
 }
 
-/// Writes one line about something wrong. Where even that cannot be written there is nobody left to tell.
+/// Writes a warning or an error as one line to standard error. Failures to write it are ignored.
 pub(crate) fn complain(kind: &str, text: impl Display) {
     let _ = writeln!(stderr(), "{kind}: {}", text::one_line(&text.to_string()));
 }
 
-/// Returns a path within a line of text.
+/// Returns a path for display in a line of text.
 pub(crate) fn display(path: &Path) -> String {
     text::path(path)
 }
@@ -53,12 +53,12 @@ pub(crate) fn write_by(path: &Path, produce: impl FnOnce(&mut dyn io::Write) -> 
     disk::write_by(path, produce).map_err(|source| Failure::ResultFile { path: path.to_owned(), source })
 }
 
-/// Checks before a long measurement that its result can be written.
+/// Checks that a result file is writable, before a long measurement.
 pub(crate) fn check_writable(path: &Path) -> Result<(), Failure> {
     disk::check_writable(path).map_err(|source| Failure::ResultFile { path: path.to_owned(), source })
 }
 
-/// Creates the folder of a report if it is missing, and checks that the files can be written into it.
+/// Creates the folder of a report if it is missing, and checks that the files in it are writable.
 pub(crate) fn prepare_folder(folder: &Path, names: &[&str]) -> Result<(), Failure> {
     std::fs::create_dir_all(folder).map_err(|source| Failure::ResultFile { path: folder.to_owned(), source })?;
     names.iter().try_for_each(|name| check_writable(&folder.join(name)))

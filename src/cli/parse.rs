@@ -1,4 +1,4 @@
-//! From words of the command line to values.
+//! Parsers for arguments of the command line.
 
 use std::ffi::OsStr;
 
@@ -10,23 +10,23 @@ use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::UpAxis;
 use rasterscope::scene::obj::TrMeaning;
 
-/// A size written as `1280x720`.
+/// Parses a size such as `1280x720`.
 pub(crate) fn size(text: &str) -> Result<Viewport, String> {
-    let (width, height) = pair(text, &['x', 'X', '×']).ok_or("a size is written like 1280x720")?;
+    let (width, height) = pair(text, &['x', 'X', '×']).ok_or("expected a size in pixels, such as 1280x720")?;
     let size = Viewport { width, height };
     size.check()?;
     Ok(size)
 }
 
-/// An angle in degrees.
+/// Parses a finite angle in degrees.
 pub(crate) fn degrees(text: &str) -> Result<f32, String> {
     let finite = text.trim().parse().ok().filter(|angle: &f32| angle.is_finite());
-    finite.ok_or_else(|| "an angle is a number of degrees, like 0.5".to_owned())
+    finite.ok_or_else(|| "expected an angle in degrees, such as 0.5".to_owned())
 }
 
-/// A pixel written as `640,360`: column and row.
+/// Parses a pixel such as `640,360`: column and row.
 pub(crate) fn pixel(text: &str) -> Result<(u32, u32), String> {
-    pair(text, &[',']).ok_or_else(|| "a pixel is written as column,row, like 640,360, counted from 0".to_owned())
+    pair(text, &[',']).ok_or_else(|| "expected a pixel as column,row, counted from 0, such as 640,360".to_owned())
 }
 
 fn pair(text: &str, separators: &[char]) -> Option<(u32, u32)> {
@@ -34,21 +34,21 @@ fn pair(text: &str, separators: &[char]) -> Option<(u32, u32)> {
     Some((first.trim().parse().ok()?, second.trim().parse().ok()?))
 }
 
-/// Parser for a closed set of alternatives, which help lists with what they do.
+/// Returns a parser for a closed set of alternatives, which help lists with their descriptions.
 pub(crate) fn choice<C: Choice + Send + Sync>() -> impl TypedValueParser<Value = C> {
-    PossibleValuesParser::new(possible_values::<C>()).try_map(|id| named::<C>(&id).ok_or("not one of the alternatives"))
+    PossibleValuesParser::new(possible_values::<C>()).try_map(|id| named::<C>(&id).ok_or("not a possible value"))
 }
 
-/// Axis that points up in the scene's own view.
+/// Axis that points up in the scene's home view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Up {
     /// Guessed when the model is loaded.
     Auto,
-    /// Given.
+    /// Explicit axis.
     Axis(UpAxis),
 }
 
-/// Parser for the axis that points up.
+/// Returns the parser for the axis that points up.
 pub(crate) fn up() -> impl TypedValueParser<Value = Up> {
     PossibleValuesParser::new(["auto", "y", "z"]).map(|id| match id.as_str() {
         "y" => Up::Axis(UpAxis::Y),
@@ -57,7 +57,7 @@ pub(crate) fn up() -> impl TypedValueParser<Value = Up> {
     })
 }
 
-/// Parser for the meaning of `Tr`.
+/// Returns the parser for the meaning of `Tr`.
 pub(crate) fn tr() -> impl TypedValueParser<Value = TrMeaning> {
     PossibleValuesParser::new(["auto", "transparency", "opacity"]).map(|id| match id.as_str() {
         "transparency" => TrMeaning::Transparency,
@@ -66,7 +66,7 @@ pub(crate) fn tr() -> impl TypedValueParser<Value = TrMeaning> {
     })
 }
 
-/// Parser for an overlay and how strong it is; help lists all overlays.
+/// Returns a parser for an overlay and its opacity; help lists all overlays.
 pub(crate) fn layer() -> impl TypedValueParser<Value = Layer> {
     LayerParser
 }
@@ -87,22 +87,22 @@ impl TypedValueParser for LayerParser {
     }
 }
 
-/// Parser for two sets of alternatives, no word of which is in both.
+/// Returns a parser for two sets of alternatives, which must not share a word.
 pub(crate) fn either<A: Choice + Send + Sync, B: Choice + Send + Sync>() -> impl TypedValueParser<Value = Either<A, B>>
 {
     let values = possible_values::<A>().chain(possible_values::<B>());
     PossibleValuesParser::new(values).try_map(|id| {
         let first = named::<A>(&id).map(Either::First);
-        first.or_else(|| named::<B>(&id).map(Either::Second)).ok_or("not one of the alternatives")
+        first.or_else(|| named::<B>(&id).map(Either::Second)).ok_or("not a possible value")
     })
 }
 
 /// One of two sets of alternatives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Either<A, B> {
-    /// Of the first set.
+    /// Value of the first set.
     First(A),
-    /// Of the second set.
+    /// Value of the second set.
     Second(B),
 }
 

@@ -1,4 +1,4 @@
-//! `rasterscope pixel`: why a pixel looks as it does, in words or as JSON.
+//! `rasterscope pixel`: explanation of a pixel, as text or as JSON.
 
 use std::hint::black_box;
 use std::sync::Arc;
@@ -15,7 +15,7 @@ use super::scene_args::{Drawn, FrameArgs};
 use super::seen_args::moment;
 use super::{output, parse};
 
-/// What `pixel` takes.
+/// Arguments of `pixel`.
 #[derive(Args, Debug)]
 pub(crate) struct PixelArgs {
     #[command(flatten)]
@@ -25,27 +25,27 @@ pub(crate) struct PixelArgs {
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = parse::pixel)]
     at: (u32, u32),
 
-    /// Draw only the first so many of the rasterized triangles
+    /// Number of rasterized triangles to draw; all if omitted
     #[arg(long, value_name = "N")]
     triangles: Option<usize>,
 
-    /// Of the last of them draw only the first fragments
+    /// Number of fragments of the last of these triangles to draw; all if omitted
     #[arg(long, value_name = "N", requires = "triangles")]
     fragments: Option<usize>,
 
-    /// Taken so that a copied command works here too, and of no use: all about the pixel is told
+    /// Accepted so that a copied command works here, too, and ignored: the explanation covers all buffers
     #[arg(long, hide = true)]
     buffer: Option<String>,
 
-    /// As `buffer`
+    /// Accepted and ignored like --buffer
     #[arg(long, hide = true)]
     stage: Option<String>,
 
-    /// As `buffer`
+    /// Accepted and ignored like --buffer
     #[arg(long, hide = true)]
     look: Option<String>,
 
-    /// As `buffer`
+    /// Accepted and ignored like --buffer
     #[arg(long, hide = true)]
     overlay: Vec<String>,
 
@@ -53,20 +53,20 @@ pub(crate) struct PixelArgs {
     #[arg(long)]
     json: bool,
 
-    /// Print the arithmetic of the fragment that the pixel shows, line by line: formula, value, bits, exact value, rounding
+    /// Print the arithmetic of the visible fragment line by line: formula, value, bits, exact value, rounding
     #[arg(long)]
     trace: bool,
 
-    /// Trace this fragment instead, counted from 1 in drawing order
+    /// Number of the fragment to trace instead, counted from 1 in drawing order
     #[arg(long, value_name = "N", requires = "trace", value_parser = clap::value_parser!(u32).range(1..))]
     fragment: Option<u32>,
 
-    /// Also print how long a trace takes, the median of this many
+    /// Number of traces to time; prints their median time as well
     #[arg(long, value_name = "TRACES", requires = "trace", value_parser = clap::value_parser!(u32).range(1..=10000))]
     times: Option<u32>,
 }
 
-/// Draws, replays the pixel, and prints what happened there.
+/// Runs `pixel`: draws, replays the pixel, and prints its history.
 pub(crate) fn run(args: &PixelArgs) -> Result<(), Failure> {
     let (x, y) = args.at;
     let picture = args.frame.size();
@@ -95,7 +95,7 @@ pub(crate) fn run(args: &PixelArgs) -> Result<(), Failure> {
     args.times.map_or(Ok(()), |times| print_time(times, make))
 }
 
-/// How long a trace takes.
+/// Prints the median time of a trace.
 fn print_time(times: u32, make: impl Fn() -> Trace) -> Result<(), Failure> {
     let times_ms = (0..times).map(|_| {
         let start = Instant::now();
@@ -103,5 +103,5 @@ fn print_time(times: u32, make: impl Fn() -> Trace) -> Result<(), Failure> {
         start.elapsed().as_secs_f64() * 1e3
     });
     let Some(summary) = summarize(&times_ms.collect::<Vec<_>>()) else { return Ok(()) };
-    output::print(&format!("\na trace takes {:.3} ms, the median of {times}\n", summary.median))
+    output::print(&format!("\ntime of a trace: {:.3} ms, median of {times}\n", summary.median))
 }

@@ -1,4 +1,4 @@
-//! A [`PixelReport`] as text for people: the verdict first, then the fragments in drawing order, then the sources.
+//! Formats a [`PixelReport`] as text: the verdict first, then the fragments in drawing order, then the sources.
 
 use std::fmt::Debug;
 
@@ -8,12 +8,12 @@ use rasterscope::inspect::pixel::{ShadingRecord, SourceRecord, TextureMap};
 use rasterscope::inspect::{DepthRecord, FragmentRecord, Outcome, PixelReport};
 use rasterscope::pipeline::settings::{Arithmetic, Choice as _};
 
-/// The whole report, several lines.
+/// Formats the whole report in several lines.
 pub(crate) fn describe(report: &PixelReport) -> String {
     let mut lines = vec![format!("pixel {}, {}: {}", report.x, report.y, color(report.color)), report.verdict.clone()];
     lines.push(format!("Cleared to {}.", state(report.clear)));
     if let Some(depth) = report.final_depth {
-        lines.push(format!("The depth buffer holds {depth} in the end."));
+        lines.push(format!("Final depth in the buffer: {depth}."));
         lines.extend(report.visible().map(|_| one_step(depth)));
     }
     for (index, fragment) in report.fragments.iter().enumerate() {
@@ -23,7 +23,7 @@ pub(crate) fn describe(report: &PixelReport) -> String {
     }
     if !report.absent.is_empty() {
         lines.push(String::new());
-        lines.push("triangles without a fragment here".to_owned());
+        lines.push("triangles without a fragment at this pixel".to_owned());
         lines.extend(report.absent.iter().map(|absent| {
             format!("  {}: {} of “{}” {}", absent.cause.name(), absent.triangle.0, absent.instance, absent.reason)
         }));
@@ -33,7 +33,7 @@ pub(crate) fn describe(report: &PixelReport) -> String {
     }
     if !report.samples.is_empty() {
         lines.push(String::new());
-        lines.push(format!("the mean of {} samples, each at a place in the pixel", report.samples.len()));
+        lines.push(format!("mean of {} samples, with their positions in the pixel", report.samples.len()));
         lines.extend(report.samples.iter().map(|sample| {
             let [x, y] = sample.place;
             format!("  ({x:.4}, {y:.4})  {}", color(sample.color))
@@ -41,7 +41,7 @@ pub(crate) fn describe(report: &PixelReport) -> String {
     }
     if report.drawn_at != [report.x, report.y] || report.sources.len() > 1 {
         lines.push(String::new());
-        lines.push("made by the upscaler of".to_owned());
+        lines.push("computed by the upscaler from".to_owned());
         lines.extend(report.sources.iter().map(|source| format!("  {}", source_line(source))));
     }
     lines.join("\n") + "\n"
@@ -49,11 +49,11 @@ pub(crate) fn describe(report: &PixelReport) -> String {
 
 fn fragment_lines(fragment: &FragmentRecord) -> impl Iterator<Item = String> {
     let corners = fragment.corners_px.map(|[x, y]| format!("({x}, {y})")).join(" ");
-    let stored = fragment.stored_depth.map_or("no depth buffer".to_owned(), |d| format!("stored before {d}"));
+    let stored = fragment.stored_depth.map_or("no depth buffer".to_owned(), |d| format!("previously stored {d}"));
     let rows = [
         (
             "triangle",
-            format!("{} of “{}”, number {} to be drawn", fragment.triangle.0, fragment.instance, fragment.submission),
+            format!("{} of “{}”, submission number {}", fragment.triangle.0, fragment.instance, fragment.submission),
         ),
         ("outcome", format!("{}: {}", outcome(fragment.outcome), fragment.reason)),
         ("corners", format!("{corners} px")),
@@ -77,7 +77,7 @@ fn fragment_lines(fragment: &FragmentRecord) -> impl Iterator<Item = String> {
         .map(|(name, text)| format!("{name:<9} {text}"))
 }
 
-/// What a sample holds, in words.
+/// Formats the contents of a sample.
 fn state(state: SampleState) -> String {
     let depth = state.depth.map_or(String::new(), |depth| format!(" at depth {depth}"));
     color(state.color) + &depth
@@ -132,9 +132,9 @@ fn outcome(outcome: Outcome) -> &'static str {
     match outcome {
         Outcome::Visible => "visible",
         Outcome::Overwritten => "overwritten",
-        Outcome::BlendedOver => "seen through what is blended over it",
+        Outcome::BlendedOver => "visible through a blended fragment",
         Outcome::DepthRejected => "rejected by the depth test",
-        Outcome::CutOut => "not there",
+        Outcome::CutOut => "discarded by the alpha test",
     }
 }
 
@@ -142,7 +142,8 @@ fn color([r, g, b, _]: Rgba8) -> String {
     format!("#{r:02x}{g:02x}{b:02x} ({r}, {g}, {b})")
 }
 
-/// Numbers in brackets. Like single ones with every digit that tells them apart, very small ones with an exponent.
+/// Formats numbers in parentheses, each with the shortest text that parses back to it, very small ones with an
+/// exponent.
 fn numbers(list: &[impl Debug]) -> String {
     let words: Vec<_> = list.iter().map(|number| format!("{number:?}")).collect();
     format!("({})", words.join(", "))

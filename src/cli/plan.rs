@@ -1,4 +1,5 @@
-//! `rasterscope plan`: what each draw of a frame runs and leaves out, why, and what that saves; in words or as JSON.
+//! `rasterscope plan`: parts of the pipeline that each draw of a frame runs and skips, with reasons and savings, as
+//! text or as JSON.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -21,22 +22,22 @@ use super::output;
 use super::progress::ProgressLine;
 use super::scene_args::{FrameArgs, View};
 
-/// What `plan` takes.
+/// Arguments of `plan`.
 #[derive(Args, Debug)]
 pub(crate) struct PlanArgs {
     #[command(flatten)]
     frame: FrameArgs,
 
-    /// Measure what leaving out saves: draw the view as planned and with each part forced, in turn
+    /// Measure the savings of skipping: draw the view as planned and with each part forced, in turn
     #[arg(long, group = "measuring")]
     measure: bool,
 
-    /// Measure it on every built-in scene instead, in its own view, and on a sheet of many triangles in view, from near,
-    /// and behind the viewer: a table of scenes and parts
+    /// Measure the savings on every built-in scene instead, in its home view, and on a sheet of many triangles in view,
+    /// from near, and behind the viewer: a table of scenes and parts
     #[arg(long, group = "measuring", conflicts_with_all = ["scene", "camera", "mirror_z"])]
     table: bool,
 
-    /// Rounds of measuring, after some that do not count
+    /// Number of timed rounds, after some warm-up rounds
     #[arg(long, value_name = "N", default_value_t = 21, requires = "measuring",
           value_parser = clap::value_parser!(u32).range(1..=100_000))]
     rounds: u32,
@@ -46,7 +47,7 @@ pub(crate) struct PlanArgs {
     json: bool,
 }
 
-/// The plans of a frame, as JSON.
+/// Plans of a frame, as JSON.
 #[derive(Serialize)]
 struct Planned<'a> {
     scene: &'a str,
@@ -57,7 +58,7 @@ struct Planned<'a> {
     savings: Option<Savings>,
 }
 
-/// Plans the draws without drawing them.
+/// Runs `plan`: prints the plans of the draws without drawing them, and measures savings on request.
 pub(crate) fn run(args: &PlanArgs) -> Result<(), Failure> {
     let View { scene, camera, recipe, .. } = args.frame.view()?;
     let viewport = args.frame.size();
@@ -73,7 +74,7 @@ pub(crate) fn run(args: &PlanArgs) -> Result<(), Failure> {
     let frame = whole(&scene, &recipe, viewport);
     let savings = args.measure.then(|| {
         let line = ProgressLine::new();
-        // Nobody cancels but with the program.
+        // The flag stays unset: only ending the process cancels.
         savings(
             &scene,
             &camera,
@@ -97,14 +98,14 @@ pub(crate) fn run(args: &PlanArgs) -> Result<(), Failure> {
     )
 }
 
-/// Measures what leaving out saves on many scenes.
+/// Measures the savings of skipping on many scenes.
 fn table_of_scenes(args: &PlanArgs, recipe: &Recipe, viewport: Viewport) -> Result<(), Failure> {
     let views = views();
     let count = views.len() as f32;
     let line = ProgressLine::new();
     let measure = |(number, (name, scene, camera)): (usize, (&'static str, Scene, Camera))| {
         let tell = |share: f32| line.show_share("measuring", (number as f32 + share) / count);
-        // Nobody cancels but with the program.
+        // The flag stays unset: only ending the process cancels.
         let never = AtomicBool::new(false);
         let savings = savings(&Arc::new(scene), &camera, recipe, viewport, args.rounds as usize, &tell, &never)?;
         Some(Row { scene: name, savings })
@@ -126,14 +127,14 @@ fn savings_text(savings: &Savings) -> String {
         noise.words(),
         noise.ms(planned_ms.median)
     );
-    text += &format!("Making the plans takes {:.2} µs of it\n", planning_ms.median * 1e3);
+    text += &format!("Planning takes {:.2} µs of it\n", planning_ms.median * 1e3);
     if savings.is_empty() {
-        return text + "Nothing that could be forced is left out.\n";
+        return text + "No skipped part can be forced to run.\n";
     }
-    text += &format!("{:21} {:>10} {:>10} {:>10}  draws\n", "left out, saving ms", "median", "p10", "p90");
+    text += &format!("{:21} {:>10} {:>10} {:>10}  draws\n", "skipped, saved ms", "median", "p10", "p90");
     for Saving { part, draws, saved_ms, within_noise, same_picture } in savings {
-        let name = part.map_or("all of these", Part::name);
-        let picture = if *same_picture { "" } else { ", and ANOTHER PICTURE" };
+        let name = part.map_or("all of them", Part::name);
+        let picture = if *same_picture { "" } else { ", and A DIFFERENT PICTURE" };
         let noise = if *within_noise { format!(", {}", noise::WITHIN) } else { String::new() };
         text += &format!(
             "{name:21} {:+10.3} {:+10.3} {:+10.3}  {draws}{noise}{picture}\n",

@@ -1,4 +1,4 @@
-//! `rasterscope probe`: how firmly a picture stands when its camera or its vertices move by a few units in the last place.
+//! `rasterscope probe`: stability of a picture when its camera or its vertices move by a few units in the last place.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -16,32 +16,32 @@ use super::failure::Failure;
 use super::scene_args::{FrameArgs, View};
 use super::{output, parse};
 
-/// Triangles that are told one by one in text.
+/// Largest number of triangles listed in the text.
 const TOLD: usize = 10;
 
-/// What `probe` takes.
+/// Arguments of `probe`.
 #[derive(Args, Debug)]
 pub(crate) struct ProbeArgs {
     #[command(flatten)]
     frame: FrameArgs,
 
-    /// What is moved
+    /// Inputs to move
     #[arg(long, value_name = "WHAT", default_value = "camera", value_parser = parse::choice::<Jittered>())]
     what: Jittered,
 
-    /// By how many units in the last place at most
+    /// Largest movement, in units in the last place
     #[arg(long, value_name = "K", default_value_t = 1)]
     ulps: u32,
 
-    /// How many times
+    /// Number of runs
     #[arg(long, value_name = "N", default_value_t = 32, value_parser = clap::value_parser!(u16).range(1..))]
     runs: u16,
 
-    /// Equal seeds give equal jitter
+    /// Seed of the jitter; equal seeds give equal jitter
     #[arg(long, default_value_t = 1)]
     seed: u64,
 
-    /// The respect in which pixels of the heat map are compared
+    /// Property by which the heat map compares pixels
     #[arg(long, default_value = "owner", value_parser = parse::choice::<Heat>())]
     heat: Heat,
 
@@ -49,25 +49,25 @@ pub(crate) struct ProbeArgs {
     #[arg(long)]
     json: bool,
 
-    /// The PNG file for the heat map
+    /// PNG file for the heat map
     #[arg(short, long, value_name = "HEAT.png")]
     output: Option<PathBuf>,
 
-    /// The file for the most fragile triangle as a case
+    /// File for the most fragile triangle as a case
     #[arg(long, value_name = "CASE.json")]
     save_case: Option<PathBuf>,
 }
 
-/// Probes, writes what was asked for, and tells what was found.
+/// Runs `probe`: probes, writes the requested files, and prints the findings.
 pub(crate) fn run(args: &ProbeArgs) -> Result<(), Failure> {
     let View { scene, recipe, camera, .. } = args.frame.view()?;
     let subject = Subject { scene, camera, settings: recipe.pipeline, viewport: args.frame.size() };
     let what = Probe { what: args.what, ulps: args.ulps, runs: args.runs, seed: args.seed };
-    // Nobody cancels.
+    // The flag stays unset: only ending the process cancels.
     let Some(found) = probe(&subject, what, &|_| {}, &AtomicBool::new(false)) else { return Ok(()) };
     if let Some(path) = &args.output {
         let (heat, _) = picture(&found, args.heat)
-            .ok_or_else(|| Failure::Usage("--heat depth: there is no depth without a depth test".to_owned()))?;
+            .ok_or_else(|| Failure::Usage("--heat depth: without a depth test the frame has no depth".to_owned()))?;
         write_png(path, &heat)?;
     }
     if let Some(path) = &args.save_case {
@@ -80,14 +80,14 @@ pub(crate) fn run(args: &ProbeArgs) -> Result<(), Failure> {
 fn save_case(found: &ProbeResult, path: &Path) -> Result<(), Failure> {
     let worst = found.ranking.first().and_then(|worst| Some((worst, found.triangle_of(worst)?)));
     let Some((worst, triangle)) = worst else {
-        return Err(Failure::Usage("--save-case: no triangle lost or gained a pixel".to_owned()));
+        return Err(Failure::Usage("--save-case: no triangle lost or gained a pixel; raise --ulps".to_owned()));
     };
     let Subject { scene, settings, viewport, .. } = &found.subject;
     let case = MinimalCase::new(&triangle, worst.worst_pixel, *viewport, settings, &scene.name);
     output::write(path, &case.to_json())
 }
 
-/// All that is told to programs.
+/// Findings, as JSON.
 #[derive(Serialize)]
 struct Told<'a> {
     scene: &'a str,
@@ -114,7 +114,7 @@ fn text(found: &ProbeResult) -> String {
     let mut line = |name: &str, Changed { pixels, most }: Changed| {
         let percent = pixels as f64 / summary.pixels as f64 * 100.0;
         text.push_str(&format!(
-            "{name:7} {pixels:9} pixels changed ({percent:.2} %), one pixel in {most} of {runs} runs\n"
+            "{name:7} {pixels:9} pixels changed ({percent:.2} %), a pixel in up to {most} of {runs} runs\n"
         ));
     };
     line("owner", summary.owner);

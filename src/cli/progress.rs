@@ -3,16 +3,17 @@
 use std::io::{IsTerminal as _, Write as _, stderr};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// One line on standard error that shows the latest progress. It is written only to a terminal, and cleared when dropped.
+/// One line on standard error that shows the latest progress. It is written only to a terminal, and cleared when
+/// dropped.
 #[derive(Debug)]
 pub(crate) struct ProgressLine {
     is_terminal: bool,
-    /// Characters of the text that is shown.
+    /// Length of the visible text, in characters.
     shown: AtomicUsize,
 }
 
 impl ProgressLine {
-    /// Returns an empty line.
+    /// Creates an empty line.
     pub(crate) fn new() -> Self {
         Self { is_terminal: stderr().is_terminal(), shown: AtomicUsize::new(0) }
     }
@@ -26,7 +27,7 @@ impl ProgressLine {
         }
     }
 
-    /// Replaces the text of the line by a completed share, from 0 to 1, in percent.
+    /// Replaces the text of the line by a completed share, from 0 to 1, shown in percent.
     pub(crate) fn show_share(&self, work: &str, share: f32) {
         self.show(&format!("{work}: {:3.0} %", share * 100.0));
     }

@@ -1,4 +1,4 @@
-//! `rasterscope render`: one frame, one of its buffers, or the picture after a stage, as a PNG; and what it cost.
+//! `rasterscope render`: one frame, one of its buffers, or the picture after a stage, as a PNG, and its cost.
 
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
@@ -26,58 +26,60 @@ use super::scene_args::{Drawn, FrameArgs};
 use super::seen_args::moment;
 use super::{output, parse};
 
-/// What `render` takes.
+/// Arguments of `render`.
 #[derive(Args, Debug)]
 pub(crate) struct RenderArgs {
     #[command(flatten)]
     frame: FrameArgs,
 
-    /// The quantity to show
+    /// Quantity to show
     #[arg(long, default_value = "color", value_parser = parse::either::<Buffer, Intermediate>())]
     buffer: Either<Buffer, Intermediate>,
 
-    /// Show the picture after this stage instead of a buffer
+    /// Stage after which the picture is shown, instead of a buffer
     #[arg(long, conflicts_with = "buffer", value_parser = parse::choice::<Stage>())]
     stage: Option<Stage>,
 
-    /// Draw only the first so many of the rasterized triangles
+    /// Number of rasterized triangles to draw; all if omitted
     #[arg(long, value_name = "N")]
     triangles: Option<usize>,
 
-    /// Of the last of them draw only the first fragments
+    /// Number of fragments of the last of these triangles to draw; all if omitted
     #[arg(long, value_name = "N", requires = "triangles")]
     fragments: Option<usize>,
 
-    /// Taken so that a copied command works here too, and of no use: the picture has no selected pixel
+    /// Accepted so that a copied command works here, too, and ignored: the picture has no picked pixel
     #[arg(long, value_name = "X,Y", hide = true)]
     at: Option<String>,
 
-    /// By which range (all, most, 0.25..0.5), colour map and channels it is shown, as range=most,map=magma,reversed,channels=rg
+    /// Range (all, most, 0.25..0.5), colour map and channels of the shown quantity, as in
+    /// range=most,map=magma,reversed,channels=rg
     #[arg(long, value_name = "LOOK")]
     look: Option<Display>,
 
-    /// Lay this over the picture, as strong as is said, normals as long as is said in shares of the scene's size, and print its totals; may be given several times, the lowest first
+    /// Overlay on the picture, with its opacity, and the length of normals as a share of the scene's size; prints its
+    /// totals. May be given several times, bottom first
     #[arg(long, value_name = "OVERLAY[=OPACITY[,length=SHARE]]", value_parser = parse::layer())]
     overlay: Vec<Layer>,
 
-    /// Also write the totals of all overlays as a table
+    /// CSV file for the totals of all overlays
     #[arg(long, value_name = "FILE.csv", requires = "overlay")]
     totals: Option<PathBuf>,
 
-    /// Also write the exact values of the buffer as 32-bit floats
+    /// PFM file for the exact values of the buffer, as 32-bit floats
     #[arg(long, value_name = "FILE.pfm", conflicts_with = "stage")]
     data: Option<PathBuf>,
 
-    /// Also print the time of each stage of the median of this many frames, and of the whole frame, which they add up to
+    /// Number of frames to time; prints the median time of each stage, and their sum for the whole frame
     #[arg(long, value_name = "FRAMES", value_parser = clap::value_parser!(u32).range(1..=1000))]
     times: Option<u32>,
 
-    /// The PNG file to write
+    /// PNG file to write
     #[arg(short, long, value_name = "FILE.png")]
     output: PathBuf,
 }
 
-/// Draws, writes the picture, and says in one line what was made.
+/// Runs `render`: draws, writes the picture, and prints a summary line.
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let Drawn { scene, camera, recipe, frame } = args.frame.draw(moment(args.triangles, args.fragments))?;
     let (buffer, captured) = match args.buffer {
@@ -147,13 +149,13 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
 /// The quantity that is drawn.
 struct Shown<'a> {
     buffer: Buffer,
-    /// A number on the way, which takes the place of the buffer.
+    /// Intermediate value, which replaces the buffer.
     captured: Option<&'a Captured>,
-    /// The picture after a stage, which takes the place of both.
+    /// Picture after a stage, which replaces both.
     stage: Option<&'a Image<Rgba8>>,
-    /// Where the buffer comes from, unless it is the colour.
+    /// Source of the buffer; `None` for the colour.
     buffers: Option<&'a Buffers>,
-    /// Open seams of the scene, if something reads them.
+    /// Open seams of the scene; `None` if nothing reads them.
     seams: Option<&'a Seams>,
     display: Display,
     scene: &'a Scene,
@@ -172,7 +174,7 @@ impl Shown<'_> {
         }
     }
 
-    /// The range that it is shown with, if it has one.
+    /// Returns the range of the quantity; `None` if it has none.
     fn range(&self) -> Option<Range> {
         let (size, value) = (self.frame.image().size(), |x: u32, y: u32| self.value(x, y));
         match (self.stage, self.captured) {
@@ -182,7 +184,7 @@ impl Shown<'_> {
         }
     }
 
-    /// In its colours.
+    /// Returns the picture of the quantity, without overlays.
     fn colored(&self) -> Image<Rgba8> {
         let as_at_first = self.display == Display::default();
         match (self.stage, self.captured) {
@@ -192,7 +194,7 @@ impl Shown<'_> {
         }
     }
 
-    /// What is laid over it.
+    /// Returns the overlays of these layers.
     fn sheets(&self, layers: &[Layer]) -> Vec<Sheet> {
         let watched = OnceLock::new();
         let context = Context {
@@ -208,13 +210,13 @@ impl Shown<'_> {
         layers.iter().map(|layer| layer.sheet(&context)).collect()
     }
 
-    /// Its exact values.
+    /// Returns the exact values of the quantity.
     fn planes(&self) -> Floats {
         planes(self.frame.image().size(), |x, y| self.value(x, y))
     }
 }
 
-/// The totals of an overlay, one to a line.
+/// Formats the totals of an overlay, one per line.
 fn totals(sheet: &Sheet) -> String {
     let id = sheet.overlay.id();
     if let Some(why) = &sheet.absence {
@@ -227,7 +229,7 @@ fn totals(sheet: &Sheet) -> String {
         .collect()
 }
 
-/// Prints one line per stage of the median of several frames, and one for the whole of it.
+/// Prints the median time of each stage over several frames, and the sum of these medians.
 fn print_times(
     scene: &Arc<Scene>,
     camera: &Camera,

@@ -19,21 +19,21 @@ use super::progress::ProgressLine;
 use super::scene_args::MemoryArgs;
 use super::{interrupt, output, parse, scene_args};
 
-/// The page, the table and the JSON of the report.
+/// File names of the page, the table and the JSON of the report.
 const FILES: [&str; 3] = ["index.html", "report.csv", "report.json"];
 
-/// What `report` takes.
+/// Arguments of `report`.
 #[derive(Args, Debug)]
 pub(crate) struct ReportArgs {
-    /// Built-in scenes by their ids, or paths of OBJ files; the first built-in if omitted
+    /// Ids of built-in scenes, or paths of OBJ files; the first built-in scene if omitted
     #[arg(value_name = "SCENE")]
     scenes: Vec<PathBuf>,
 
-    /// The folder that the report is written into; made if it is not there
+    /// Folder for the report; created if missing
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
 
-    /// Change one setting of everything that is drawn; may be given several times. The upscaler is what varies
+    /// Setting to change in everything that is drawn; may be given several times. The report varies the upscaler
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
 
@@ -44,25 +44,25 @@ pub(crate) struct ReportArgs {
     #[command(flatten)]
     memory: MemoryArgs,
 
-    /// Rounds that count; each draws one of the frames of the sequence by every upscaler
+    /// Number of timed rounds; each draws one frame of the sequence with every upscaler
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u16).range(1..=1000))]
     rounds: u16,
 
-    /// Threads to draw with; all that the machine has if not given
+    /// Number of threads to draw with; the number of hardware threads if omitted
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
 
-    /// What errors are against
+    /// Reference for errors
     #[arg(long, value_name = "REFERENCE", default_value = "native", value_parser = parse::choice::<Reference>())]
     reference: Reference,
 
-    /// Orbit the camera by this angle per frame, for errors and for times; 0 measures the still view
+    /// Angle in degrees by which the camera orbits per frame, for errors and times; 0 measures the still view
     #[arg(long, value_name = "DEGREES", default_value_t = Turn::default().degrees, allow_hyphen_values = true,
           value_parser = parse::degrees)]
     turn: f32,
 }
 
-/// Measures and writes `index.html`, `report.csv` and `report.json`.
+/// Runs `report`: measures, and writes `index.html`, `report.csv` and `report.json`.
 pub(crate) fn run(args: &ReportArgs) -> Result<(), Failure> {
     let plan = plan(args)?;
     output::prepare_folder(&args.output, &FILES)?;

@@ -1,4 +1,4 @@
-//! `rasterscope scaling`: what a frame costs against triangles, pixels, layers and threads.
+//! `rasterscope scaling`: cost of a frame against the numbers of triangles, pixels, layers and threads.
 
 use std::path::{Path, PathBuf};
 
@@ -11,34 +11,34 @@ use super::failure::Failure;
 use super::progress::ProgressLine;
 use super::{interrupt, output};
 
-/// The page, the table and the JSON of the report.
+/// File names of the page, the table and the JSON of the report.
 const FILES: [&str; 3] = ["index.html", "scaling.csv", "scaling.json"];
 
-/// What `scaling` takes.
+/// Arguments of `scaling`.
 #[derive(Args, Debug)]
 pub(crate) struct ScalingArgs {
-    /// A folder for a page, a table and JSON; made if it is not there. Without one the table is printed
+    /// Folder for a page, a table and JSON; created if missing. Without a folder the table is printed
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
 
-    /// Change one setting of everything that is drawn; may be given several times
+    /// Setting to change in everything that is drawn; may be given several times
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
 
-    /// Up to how many triangles: 1000, 10000 … 10000000, which takes some 3 GB of memory
+    /// Largest number of triangles: 1000, 10000 … 10000000; the last takes some 3 GB of memory
     #[arg(long, value_name = "N", default_value_t = 1_000_000, value_parser = clap::value_parser!(u32).range(1000..=10_000_000))]
     most_triangles: u32,
 
-    /// Up to how many threads, from 1 in powers of two; as many as the machine runs at once if not given
+    /// Largest number of threads, in powers of two from 1; the number of hardware threads if omitted
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
 
-    /// Rounds that count
+    /// Number of timed rounds
     #[arg(long, value_name = "N", default_value_t = 9, value_parser = clap::value_parser!(u16).range(1..=1000))]
     rounds: u16,
 }
 
-/// Measures and prints or writes `index.html`, `scaling.csv` and `scaling.json`.
+/// Runs `scaling`: measures, and prints the table or writes `index.html`, `scaling.csv` and `scaling.json`.
 pub(crate) fn run(args: &ScalingArgs) -> Result<(), Failure> {
     let mut recipe = Recipe::default();
     recipe.set_all(&args.set)?;

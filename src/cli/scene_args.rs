@@ -1,4 +1,4 @@
-//! What is drawn and how: the options that all commands share.
+//! Scene, camera and settings: the options that all drawing commands share.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -18,54 +18,54 @@ use super::parse::Up;
 use super::progress::ProgressLine;
 use super::{output, parse};
 
-/// A scene, a view and a recipe.
+/// Scene, camera and recipe.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct SceneArgs {
-    /// A built-in scene by its id (see `rasterscope scenes`) or the path of an OBJ file; the first built-in if omitted
+    /// Id of a built-in scene (see `rasterscope scenes`) or path of an OBJ file; the first built-in scene if omitted
     scene: Option<PathBuf>,
 
-    /// Change one setting; may be given several times, in any order
+    /// Setting to change; may be given several times, in any order
     #[arg(long, value_name = "KEY=VALUE", long_help = set_help())]
     set: Vec<String>,
 
-    /// How covered samples are found; the same as --set rasterizer=R
+    /// Algorithm that finds covered samples; the same as --set rasterizer=R
     #[arg(long, value_name = "R", value_parser = parse::choice::<Rasterizer>())]
     rasterizer: Option<Rasterizer>,
 
-    /// The numbers that coverage is decided in; the same as --set arithmetic=A
+    /// Arithmetic that decides coverage; the same as --set arithmetic=A
     #[arg(long, value_name = "A", value_parser = parse::choice::<Arithmetic>())]
     arithmetic: Option<Arithmetic>,
 
-    /// Mirror the scene in z: for models made for a world of the other handedness
+    /// Mirror the scene in z, for models of the opposite handedness
     #[arg(long)]
     mirror_z: bool,
 
-    /// The axis that points up in the scene's own view: guessed from the model, y or z
+    /// Axis that points up in the scene's home view: guessed from the model, y or z
     #[arg(long, value_name = "AXIS", default_value = "auto", conflicts_with = "camera", value_parser = parse::up())]
     up: Up,
 
-    /// The meaning of `Tr` in material libraries: guessed from the file, transparency (0 is opaque) or opacity
+    /// Meaning of `Tr` in material libraries: guessed from the file, transparency (0 is opaque) or opacity
     #[arg(long, value_name = "MEANING", default_value = "auto", value_parser = parse::tr())]
     tr: TrMeaning,
 
     #[command(flatten)]
     memory: MemoryArgs,
 
-    /// The view, as JSON or from a file of it
+    /// View, as JSON or as a path to a JSON file
     #[arg(long, value_name = "FILE.json", long_help = CAMERA_HELP)]
     camera: Option<PathBuf>,
 }
 
-/// Memory limit of models.
+/// Memory limit for loading models.
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct MemoryArgs {
-    /// Set the memory limit for the meshes and textures of a model in MiB
+    /// Memory limit for the meshes and textures of a model, in MiB
     #[arg(long, value_name = "MIB", default_value_t = 4096, value_parser = clap::value_parser!(u32).range(1..))]
     memory: u32,
 }
 
 impl MemoryArgs {
-    /// Loads a scene; after a second, prints the progress to standard error if that is a terminal.
+    /// Loads a scene. After one second, prints progress to standard error if that is a terminal.
     pub(crate) fn load(self, source: &SceneSource) -> Result<Loaded, Failure> {
         let (begun, line) = (Instant::now(), ProgressLine::new());
         let percent = AtomicU32::new(0);
@@ -86,17 +86,18 @@ impl MemoryArgs {
     }
 }
 
-/// Time after which the progress of a load is printed.
+/// Time after which loading progress is printed.
 const SLOW_LOAD: Duration = Duration::from_secs(1);
 
-const CAMERA_HELP: &str = "The view, from a file of JSON, or that JSON itself, such as\n\
-    {\"eye\": [0, 1, 5], \"target\": [0, 0, 0], \"up\": [0, 1, 0], \"fov_y_degrees\": 45, \"near\": 0.1, \"far\": 100}\n\
-    in world space; `up` may be left out, and `height` instead of the angle gives a view without perspective. If omitted, \
-    the scene's own view is taken";
+const CAMERA_HELP: &str = "View, as JSON or as a path to a JSON file, for example\n\
+    {\"eye\": [0, 1, 5], \"target\": [0, 0, 0], \"up\": [0, 1, 0], \"fov_y_degrees\": 45, \"near\": 0.1, \"far\": \
+    100}\n\
+    in world space. `up` can be omitted, `fov_y_radians` can replace `fov_y_degrees`, and `height` (in world units) \
+    instead of the angle gives an orthographic view. Default: the scene's home view";
 
-/// The help of `--set`: every key, its values, and what it is if nothing is said.
+/// Returns the help of `--set`: every key with its values and its default.
 fn set_help() -> String {
-    let mut help = "Change one setting; may be given several times, in any order. Keys and their values:\n".to_owned();
+    let mut help = "Setting to change; may be given several times, in any order. Keys and their values:\n".to_owned();
     for (key, values) in Recipe::keys() {
         help.push_str(&format!("  {key}: {values}\n"));
     }
@@ -104,10 +105,10 @@ fn set_help() -> String {
     help
 }
 
-/// Environment variable of a program that was started over: the warnings of its model were told before.
+/// Environment variable of a restarted program whose model's warnings were already printed.
 pub(crate) const WARNED: &str = "RASTERSCOPE_WARNED";
 
-/// What the shared options ask for.
+/// Scene, camera and recipe requested by the shared options.
 #[derive(Clone, Debug)]
 #[cfg_attr(not(feature = "ui"), expect(dead_code, reason = "only the workbench needs all of it"))]
 pub(crate) struct View {
@@ -119,15 +120,15 @@ pub(crate) struct View {
     /// Whether the scene is the mirror image in z of its source.
     #[cfg_attr(not(feature = "ui"), expect(dead_code, reason = "only the window mirrors it back"))]
     pub(crate) mirrored: bool,
-    /// Whether nothing particular was asked for.
+    /// Whether no option deviates from the default.
     pub(crate) is_default: bool,
-    /// Memory limit of models that are opened later.
+    /// Memory limit for models opened later.
     #[cfg_attr(not(feature = "ui"), expect(dead_code, reason = "only the window opens others"))]
     pub(crate) memory_limit: MemoryLimit,
 }
 
 impl View {
-    /// The recipe with what `--against` changes.
+    /// Returns the recipe with the changes of `--against`.
     pub(crate) fn against(&self, settings: &[String]) -> Result<Recipe, Failure> {
         let mut recipe = self.recipe;
         recipe.set_all(settings).map_err(|error| Failure::Usage(format!("--against {error}")))?;
@@ -136,7 +137,7 @@ impl View {
 }
 
 impl SceneArgs {
-    /// Reads everything; warnings of the loader go to standard error.
+    /// Loads the scene and reads camera and recipe. Warnings of the loader go to standard error.
     pub(crate) fn view(&self) -> Result<View, Failure> {
         let recipe = self.recipe()?;
         let camera = self.camera.as_deref().map(camera).transpose()?;
@@ -177,7 +178,7 @@ impl SceneArgs {
     }
 }
 
-/// A view: from a file, or from the text itself if that is no path.
+/// Reads a camera from a file, or from the argument itself if it starts with `{`.
 fn camera(given: &Path) -> Result<Camera, Failure> {
     match given.to_str().filter(|text| text.trim_start().starts_with('{')) {
         Some(text) => camera_file::parse(text).map_err(|reason| Failure::Usage(format!("--camera: {reason}"))),
@@ -185,7 +186,7 @@ fn camera(given: &Path) -> Result<Camera, Failure> {
     }
 }
 
-/// Where a scene comes from: the first built-in one, a built-in one by its id, or a file.
+/// Returns the source of a scene: the first built-in scene, a built-in scene by id, or a file.
 pub(crate) fn source(name: Option<&Path>) -> Result<SceneSource, Failure> {
     let Some(name) = name else { return Ok(SceneSource::default()) };
     let source = SceneSource::named(name.to_owned());
@@ -197,7 +198,7 @@ pub(crate) fn source(name: Option<&Path>) -> Result<SceneSource, Failure> {
     Ok(source)
 }
 
-/// A scene, a view, a recipe and a size: what gives one frame.
+/// Scene, camera, recipe and size of one frame.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct FrameArgs {
     #[command(flatten)]
@@ -208,10 +209,10 @@ pub(crate) struct FrameArgs {
     size: Viewport,
 }
 
-/// Bytes for a single step through the making of a frame.
+/// Memory budget of checkpoints, in bytes: none are needed for a single step.
 const NO_CHECKPOINTS: usize = 0;
 
-/// A frame and what it was drawn from.
+/// A frame and its inputs.
 #[derive(Clone, Debug)]
 pub(crate) struct Drawn {
     pub(crate) scene: Arc<Scene>,
@@ -221,17 +222,17 @@ pub(crate) struct Drawn {
 }
 
 impl FrameArgs {
-    /// The size asked for.
+    /// Returns the size of the picture.
     pub(crate) fn size(&self) -> Viewport {
         self.size
     }
 
-    /// Reads everything that the frame is drawn from.
+    /// Loads the scene and reads camera and recipe.
     pub(crate) fn view(&self) -> Result<View, Failure> {
         self.scene.view()
     }
 
-    /// Draws the frame, as it is at an earlier moment if one is given.
+    /// Draws the frame, stopped at a moment if one is given.
     pub(crate) fn draw(&self, moment: Option<Moment>) -> Result<Drawn, Failure> {
         let View { scene, recipe, camera, .. } = self.view()?;
         let frame = match moment {

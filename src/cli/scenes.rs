@@ -1,11 +1,11 @@
-//! `rasterscope scenes`: what needs no file.
+//! `rasterscope scenes`: lists the built-in scenes.
 
 use rasterscope::scene::builtin;
 
 use super::failure::Failure;
 use super::output;
 
-/// Lists the built-in scenes.
+/// Prints the built-in scenes with their triangle counts.
 pub(crate) fn run() -> Result<(), Failure> {
     let width = builtin::ALL.iter().map(|b| b.id.len()).max().unwrap_or(0);
     let lines = builtin::ALL.iter().map(|b| {

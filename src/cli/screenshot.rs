@@ -1,4 +1,4 @@
-//! `rasterscope screenshot`: the whole workbench as a PNG, drawn by the CPU, with no window and no display.
+//! `rasterscope screenshot`: the whole workbench as a PNG, painted on the CPU, with no window and no display.
 
 use std::path::{Path, PathBuf};
 
@@ -17,7 +17,7 @@ use super::scene_args::SceneArgs;
 use super::seen_args::SeenArgs;
 use super::{output, parse, workbench};
 
-/// What `screenshot` takes.
+/// Arguments of `screenshot`.
 #[derive(Args, Debug)]
 pub(crate) struct ScreenshotArgs {
     #[command(flatten)]
@@ -29,55 +29,55 @@ pub(crate) struct ScreenshotArgs {
     #[command(flatten)]
     seen: SeenArgs,
 
-    /// Show what changes where one setting was this before; may be given several times
+    /// Earlier value of a setting; shows what changed since. May be given several times
     #[arg(long, value_name = "KEY=VALUE")]
     against: Vec<String>,
 
-    /// The PNG file to write
+    /// PNG file to write
     #[arg(short, long, value_name = "FILE.png")]
     output: PathBuf,
 }
 
-/// How the workbench looks.
+/// State and appearance of the workbench.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct Look {
-    /// Width and height of the picture in pixels
+    /// Width and height of the screenshot in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x800", value_parser = parse::size)]
     pub(crate) size: Viewport,
 
-    /// Pixels per point, as on a screen of high density: 0.5 to 4
+    /// Pixels per point, from 0.5 to 4; more than 1 on high-density screens
     #[arg(long, default_value = "1.0", value_parser = scale)]
     pub(crate) scale: f32,
 
-    /// Colours of the workbench
+    /// Colour theme of the workbench
     #[arg(long, default_value = "dark")]
     pub(crate) theme: Theme,
 
-    /// Column and row of the scene's pixel that is selected, so that the inspector tells about it
+    /// Column and row of the picked pixel of the scene's picture, which the inspector explains
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = parse::pixel)]
     pub(crate) at: Option<(u32, u32)>,
 
-    /// Time all upscalers first, some seconds, and show their frame times; in the lab, all ways to do the same
+    /// Time all upscalers first, which takes some seconds, and show their frame times; in the lab, compare all methods
     #[arg(long)]
     pub(crate) measure: bool,
 
-    /// Compare the picture with others by their upscalers
+    /// Compare the picture with those of other upscalers
     #[arg(long)]
     pub(crate) compare: Option<Compare>,
 
-    /// The tab that is open
+    /// Open tab
     #[arg(long)]
     pub(crate) tab: Option<Tab>,
 
-    /// Show this number on the way from triangle to colour, all over the picture
+    /// Intermediate value between triangle and colour to show on the picture
     #[arg(long, value_name = "NUMBER", value_parser = parse::choice::<Intermediate>())]
     pub(crate) number: Option<Intermediate>,
 
-    /// Draw only the first triangles, and of the last of them only the first fragments if their number is given, too
+    /// Number of triangles to draw, and number of fragments of the last of them; all fragments if omitted
     #[arg(long, value_name = "TRIANGLES[,FRAGMENTS]", value_parser = moment)]
     pub(crate) moment: Option<Moment>,
 
-    /// Show range and histogram of what is shown on the picture
+    /// Show range and histogram of the shown quantity
     #[arg(long)]
     pub(crate) range: bool,
 
@@ -85,29 +85,30 @@ pub(crate) struct Look {
     #[arg(long)]
     pub(crate) overlays: bool,
 
-    /// Select the triangles that ended so, and open the tab of fates
+    /// Fate of the triangles to select; opens the tab of fates
     #[arg(long, value_name = "FATE", value_parser = parse::choice::<TriangleFate>())]
     pub(crate) fate: Option<TriangleFate>,
-    /// Watch the selected pixel
+    /// Watch the picked pixel
     #[arg(long)]
     pub(crate) watch: bool,
 
-    /// What is open over the workbench
+    /// Dialog that is open over the workbench
     #[arg(long)]
     pub(crate) open: Option<Open>,
-    /// Probe how firmly the picture stands, with the default probe, and show it
+    /// Run the stability probe with its default settings and show the result
     #[arg(long)]
     pub(crate) probe: bool,
 
-    /// Show the scene from outside beside the picture, its triangles drawn so; by their fate if nothing is said
+    /// Style of the mesh view, which shows the scene from outside beside the picture; coloured by fate if no style is
+    /// given
     #[arg(long, value_name = "STYLE", num_args = 0..=1, default_missing_value = "fate", value_parser = parse::choice::<MeshStyle>())]
     pub(crate) mesh: Option<MeshStyle>,
 
-    /// Show this page of the 2D lab
+    /// Page of the 2D lab to show instead of the pipeline
     #[arg(long, value_name = "PAGE", value_parser = parse::choice::<Page>())]
     pub(crate) lab: Option<Page>,
 
-    /// Steps of the lab that are done; all if omitted
+    /// Number of completed steps of the lab; all if omitted
     #[arg(long, value_name = "STEPS", requires = "lab")]
     pub(crate) lab_step: Option<usize>,
 }
@@ -137,7 +138,7 @@ impl Default for Look {
     }
 }
 
-/// Colours of the workbench.
+/// Colour theme of the workbench.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum Theme {
     /// Light text on dark panels
@@ -146,31 +147,31 @@ pub(crate) enum Theme {
     Light,
 }
 
-/// How pictures are compared.
+/// Mode of the comparison of pictures.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum Compare {
     /// Two tiles side by side
     Two,
     /// Four tiles
     Four,
-    /// Every upscaler in a tile
+    /// One tile for every upscaler
     All,
-    /// One left of a line, the other right of it
+    /// One picture left of a movable line, the other right of it
     Wipe,
-    /// One in the whole canvas
+    /// One picture at a time on the whole canvas
     Flip,
-    /// Their difference by a colour map
+    /// Difference of two pictures, shown by a colour map
     Difference,
 }
 
-/// What lies over the workbench.
+/// Dialog over the workbench.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum Open {
-    /// All keys by topic
+    /// Key sheet: all keys by topic
     Keys,
-    /// Everything that can be done, to be searched
+    /// Command palette: a search over all commands
     Palette,
-    /// The list of bookmarks, of which there is one
+    /// List of bookmarks, with one bookmark
     Bookmarks,
 }
 
@@ -179,29 +180,29 @@ pub(crate) enum Open {
 pub(crate) enum Tab {
     /// Frame time of each upscaler
     FrameTime,
-    /// What each upscaler costs and how wrong it is
+    /// Cost and error of each upscaler
     ErrorTime,
     /// Every step of the arithmetic of the picked pixel
     Arithmetic,
-    /// What the picked pixel is made of
+    /// Composition of the picked pixel from its sources
     Xray,
-    /// How often each value of what is shown is there
+    /// Histogram of the values of the shown quantity
     Histogram,
-    /// Where triangles and fragments went
+    /// Fates of triangles and fragments
     Fates,
-    /// What the scene needs and what is left out
+    /// Parts of the pipeline that run and parts that are skipped
     Plan,
-    /// How cost grows
+    /// Scaling of cost
     Scaling,
-    /// How the engine does on hard cases
+    /// Stability report on hard cases
     Stability,
-    /// What holds for every fragment of the frame
+    /// Assertions on every fragment of the frame
     Assertions,
-    /// What all buffers hold at watched pixels
+    /// Values of all buffers at watched pixels
     Watch,
-    /// The vertices of the picked triangle at every stage
+    /// Vertices of the picked triangle at every stage
     Vertices,
-    /// How firmly the picture stands
+    /// Stability probe
     Probe,
     /// Messages
     Log,
@@ -215,10 +216,10 @@ fn moment(text: &str) -> Result<Moment, String> {
 
 fn scale(text: &str) -> Result<f32, String> {
     let scale = text.parse().ok().filter(|scale| (0.5..=4.0).contains(scale));
-    scale.ok_or_else(|| "the scale is a number from 0.5 to 4".to_owned())
+    scale.ok_or_else(|| "expected a number from 0.5 to 4".to_owned())
 }
 
-/// Draws the workbench into a file.
+/// Runs `screenshot`: paints the workbench into a file.
 pub(crate) fn run(args: &ScreenshotArgs) -> Result<(), Failure> {
     let view = args.scene.view()?;
     let against = view.against(&args.against)?;
@@ -226,7 +227,7 @@ pub(crate) fn run(args: &ScreenshotArgs) -> Result<(), Failure> {
     save(&workbench::draw(view, &args.look, args.seen.clone(), against)?, &args.output)
 }
 
-/// Writes a picture of the workbench and says in one line what was made.
+/// Writes a picture of the workbench and prints a summary line.
 pub(crate) fn save(image: &Image<Rgba8>, path: &Path) -> Result<(), Failure> {
     write_png(path, image)?;
     let (width, height) = image.size();

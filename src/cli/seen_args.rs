@@ -1,4 +1,4 @@
-//! What of a frame is looked at: the options that "Copy as command" adds to scene, view and settings.
+//! View of the frame: the options that "Copy as command" adds to scene, camera and settings.
 
 use clap::Args;
 use rasterscope::inspect::display::Display;
@@ -11,44 +11,46 @@ use super::failure::Failure;
 use super::parse::{self, Either};
 use super::scene_args::{SceneArgs, View};
 
-/// What the window shows of the frame.
+/// View of the frame in the window.
 #[derive(Args, Clone, Debug, Default, PartialEq)]
 pub(crate) struct SeenArgs {
-    /// The quantity to show instead of the colour
+    /// Quantity to show instead of the colour
     #[arg(long, value_parser = parse::either::<Buffer, Intermediate>())]
     pub(crate) buffer: Option<Either<Buffer, Intermediate>>,
 
-    /// Show the picture after this stage instead of a buffer
+    /// Stage after which the picture is shown, instead of a buffer
     #[arg(long, conflicts_with = "buffer", value_parser = parse::choice::<Stage>())]
     pub(crate) stage: Option<Stage>,
 
-    /// By which range (all, most, 0.25..0.5), colour map and channels it is shown, as range=most,map=magma,reversed,channels=rg
+    /// Range (all, most, 0.25..0.5), colour map and channels of the shown quantity, as in
+    /// range=most,map=magma,reversed,channels=rg
     #[arg(long, value_name = "LOOK")]
     pub(crate) look: Option<Display>,
 
-    /// Lay this over the picture, as strong as is said, normals as long as is said in shares of the scene's size; may be given several times, the lowest first
+    /// Overlay on the picture, with its opacity, and the length of normals as a share of the scene's size; may be given
+    /// several times, bottom first
     #[arg(long, value_name = "OVERLAY[=OPACITY[,length=SHARE]]", value_parser = parse::layer())]
     pub(crate) overlay: Vec<Layer>,
 
-    /// Draw only the first so many of the rasterized triangles
+    /// Number of rasterized triangles to draw; all if omitted
     #[arg(long, value_name = "N")]
     pub(crate) triangles: Option<usize>,
 
-    /// Of the last of them draw only the first fragments
+    /// Number of fragments of the last of these triangles to draw; all if omitted
     #[arg(long, value_name = "N", requires = "triangles")]
     pub(crate) fragments: Option<usize>,
 
-    /// Width and height of the scene's picture in pixels; as large as the canvas if omitted
+    /// Width and height of the scene's picture in pixels; the size of the canvas if omitted
     #[arg(long, value_name = "WxH", value_parser = parse::size)]
     pub(crate) picture: Option<Viewport>,
 }
 
-/// The moment after so many triangles, or within the one after them.
+/// Returns the moment after a number of triangles, or within the last of them; `None` without a limit.
 pub(crate) fn moment(triangles: Option<usize>, fragments: Option<usize>) -> Option<Moment> {
     triangles.map(|triangles| Moment { triangles, fragments })
 }
 
-/// What the window starts with.
+/// Initial state of the window.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct WindowArgs {
     #[command(flatten)]
@@ -57,13 +59,13 @@ pub(crate) struct WindowArgs {
     #[command(flatten)]
     pub(crate) seen: SeenArgs,
 
-    /// Column and row of the scene's pixel that is selected
+    /// Column and row of the picked pixel of the scene's picture
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = parse::pixel)]
     pub(crate) at: Option<(u32, u32)>,
 }
 
 impl WindowArgs {
-    /// Reads everything; what is looked at is particular, too.
+    /// Reads scene, camera and settings. The view is the default only if no option of this struct is given, either.
     pub(crate) fn view(&self) -> Result<View, Failure> {
         let view = self.scene.view()?;
         let is_default = view.is_default && self.seen == SeenArgs::default() && self.at.is_none();

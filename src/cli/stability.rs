@@ -1,4 +1,4 @@
-//! `rasterscope stability`: stiff and extreme cases against everything that can be switched.
+//! `rasterscope stability`: stiff and extreme cases on every rasterizer, arithmetic and depth format.
 
 use std::path::PathBuf;
 
@@ -13,26 +13,26 @@ use super::failure::Failure;
 use super::progress::ProgressLine;
 use super::{interrupt, output, parse};
 
-/// What `stability` takes.
+/// Arguments of `stability`.
 #[derive(Args, Debug)]
 pub(crate) struct StabilityArgs {
-    /// Run this class of cases only; may be given several times
+    /// Class of cases to run; may be given several times. All if omitted
     #[arg(long, value_name = "CLASS", value_parser = class())]
     class: Vec<&'static Class>,
 
-    /// Run this rasterizer only; may be given several times
+    /// Rasterizer to run; may be given several times. All if omitted
     #[arg(long, value_name = "RASTERIZER", value_parser = parse::choice::<Rasterizer>())]
     rasterizer: Vec<Rasterizer>,
 
-    /// Run this arithmetic only; may be given several times
+    /// Arithmetic to run; may be given several times. All if omitted
     #[arg(long, value_name = "ARITHMETIC", value_parser = parse::choice::<Arithmetic>())]
     arithmetic: Vec<Arithmetic>,
 
-    /// The cases depend on this number
+    /// Seed of the generated cases
     #[arg(long, default_value_t = DEFAULT_SEED)]
     seed: u64,
 
-    /// Take no times: quicker, and the same bytes wherever it runs but for the head
+    /// Skip timing: faster, and the same bytes on every machine except for the header
     #[arg(long)]
     untimed: bool,
 
@@ -44,22 +44,22 @@ pub(crate) struct StabilityArgs {
     #[arg(long, group = "format")]
     csv: bool,
 
-    /// Write a page for the browser
+    /// Write an HTML page
     #[arg(long, group = "format")]
     html: bool,
 
-    /// The file to write instead of standard output
+    /// File to write instead of standard output
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }
 
-/// Parser for classes of cases, which help lists with what they stress.
+/// Returns a parser for classes of cases, which help lists with their descriptions.
 fn class() -> impl TypedValueParser<Value = &'static Class> {
     let values = catalogue::all().map(|class| PossibleValue::new(class.id).help(class.about));
     PossibleValuesParser::new(values).try_map(|id| catalogue::by_id(&id).ok_or("no such class"))
 }
 
-/// Runs what was asked for and writes the report.
+/// Runs `stability`: runs the requested cases and writes the report.
 pub(crate) fn run(args: &StabilityArgs) -> Result<(), Failure> {
     let everything = Plan::default();
     let plan = Plan {

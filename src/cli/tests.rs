@@ -5,7 +5,7 @@ use rasterscope::scene::{Projection, SceneSource};
 
 use super::*;
 
-/// Words as a shell parts them: single quotes keep everything, a backslash the next letter.
+/// Splits a line into words like a shell: single quotes keep everything, a backslash keeps the next character.
 fn words(line: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let (mut quoted, mut letters) = (false, line.chars());
@@ -21,7 +21,7 @@ fn words(line: &str) -> Vec<String> {
     words
 }
 
-/// What a command line leads to.
+/// Parses a command line and returns the place that it opens.
 fn arrive(line: &str) -> Place {
     let cli = Cli::try_parse_from(words(line)).unwrap();
     let Some(Command::Window(args)) = cli.command else { panic!("it opens the window") };

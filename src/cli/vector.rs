@@ -1,4 +1,4 @@
-//! `rasterscope vector`: a scene as drawing commands, or as a bitmap of them.
+//! `rasterscope vector`: exports a scene as drawing commands, or as a bitmap of them.
 
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
@@ -12,22 +12,22 @@ use super::progress::ProgressLine;
 use super::scene_args::{FrameArgs, View};
 use super::{interrupt, output, parse};
 
-/// What `vector` takes.
+/// Arguments of `vector`.
 #[derive(Args, Debug)]
 pub(crate) struct VectorArgs {
     #[command(flatten)]
     frame: FrameArgs,
 
-    /// What is drawn
+    /// Kind of drawing
     #[arg(long, default_value = "hidden-line", value_parser = parse::choice::<OutlineKind>())]
     kind: OutlineKind,
 
-    /// The file to write; its name tells the format: svg, pdf, png, bmp, jpg, gif, tiff
+    /// Output file; its extension determines the format: svg, pdf, png, bmp, jpg, gif, tiff
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
 }
 
-/// Draws, writes, and says in one line what was made.
+/// Runs `vector`: writes the drawing and prints a summary line.
 pub(crate) fn run(args: &VectorArgs) -> Result<(), Failure> {
     file::format_of(&args.output)?;
     let View { scene, recipe, camera, .. } = args.frame.view()?;

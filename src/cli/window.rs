@@ -1,7 +1,7 @@
-//! The window, and what happens where there can be none.
+//! Opening the window, and the fallback without a display.
 //!
-//! Asked for by name (`rasterscope window`), a window that cannot open is an error. Started plainly, the program has
-//! something to show on any machine: the whole workbench is drawn once into a picture instead.
+//! If the window was requested by name (`rasterscope window`), a failure to open it is an error. Without a command, the
+//! program shows something on any machine: it paints the whole workbench once into a picture instead.
 
 use std::path::Path;
 
@@ -10,21 +10,21 @@ use super::screenshot::{self, Look};
 use super::seen_args::WindowArgs;
 use super::{output, workbench};
 
-/// What a plain start leaves behind where no window can open.
+/// Picture that a start without a command writes if no window can be opened.
 const FALLBACK_PICTURE: &str = "rasterscope.png";
 
-/// Opens the window and returns when it is closed.
+/// Runs `window`: opens the window and returns when it is closed.
 pub(crate) fn run(args: &WindowArgs) -> Result<(), Failure> {
     workbench::open(args.view()?, args).map_err(Failure::NoWindow)
 }
 
-/// Opens the window; draws the workbench into a picture where there can be none.
+/// Opens the window; paints the workbench into a picture if no window can be opened.
 pub(crate) fn run_or_draw(args: &WindowArgs) -> Result<(), Failure> {
     let view = args.view()?;
     let Err(reason) = workbench::open(view.clone(), args) else { return Ok(()) };
     let look = Look { at: args.at, ..Look::default() };
     let image = workbench::draw(view, &look, args.seen.clone(), None)?;
-    // Said before the picture is written: should that fail too, both reasons are told.
-    output::complain("note", format!("{reason}; the workbench is drawn into {FALLBACK_PICTURE} instead"));
+    // Printed before the picture is written: if writing fails too, both reasons are reported.
+    output::complain("note", format!("{reason}; the workbench is painted into {FALLBACK_PICTURE} instead"));
     screenshot::save(&image, Path::new(FALLBACK_PICTURE))
 }

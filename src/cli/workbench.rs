@@ -1,8 +1,8 @@
-//! The workbench: opening its window, with a reason in words where that fails, and drawing it without one.
+//! The workbench: opens its window, explains why no window can be opened, and paints it without a window.
 //!
-//! Servers and libraries are found at run time, so each can be missing: no server named, a dead one, no Wayland although
-//! X is there, no library for the keyboard (which ends in a panic), no OpenGL. The only file here that knows the window;
-//! `workbench_absent` stands in for it in builds without one.
+//! Display servers and libraries are found at run time, so each can be missing: no server named, a dead server, no
+//! Wayland despite an X server, no keyboard library (which panics), no OpenGL. This is the only file of the command
+//! line that uses the window; `workbench_absent` replaces it in builds without one.
 
 use std::panic::{self, AssertUnwindSafe};
 
@@ -27,7 +27,7 @@ use super::scene_args::{View, WARNED};
 use super::screenshot::{Compare, Look, Open, Tab, Theme};
 use super::seen_args::{SeenArgs, WindowArgs, moment};
 
-/// Opens the window and returns when it is closed, or at once with the reason why there is none.
+/// Opens the window and returns when it is closed, or at once with an error if no window can be opened.
 pub(crate) fn open(view: View, args: &WindowArgs) -> Result<(), String> {
     if needs_display() && !is_set("WAYLAND_DISPLAY") && !is_set("WAYLAND_SOCKET") && !is_set("DISPLAY") {
         return Err("no window: there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set)".to_owned());
@@ -39,7 +39,7 @@ pub(crate) fn open(view: View, args: &WindowArgs) -> Result<(), String> {
     outcome.map_err(|reason| format!("no window: {}", in_plain_words(&reason)))
 }
 
-/// The whole workbench as a picture.
+/// Paints the whole workbench as a picture.
 pub(crate) fn draw(view: View, look: &Look, shown: SeenArgs, against: Option<Recipe>) -> Result<Image<Rgba8>, Failure> {
     let request = ScreenshotRequest {
         start: start(view, seen(shown, look.at)),
@@ -73,12 +73,12 @@ pub(crate) fn draw(view: View, look: &Look, shown: SeenArgs, against: Option<Rec
     })
 }
 
-/// What the window itself costs, part after part.
+/// Measures the cost of the window itself, part by part.
 pub(crate) fn window_costs(view: View, size: Viewport, passes: usize) -> Result<Vec<WindowCost>, Failure> {
     Ok(ui::window_time::window_costs(&start(view, Seen::default()), size, passes))
 }
 
-/// What lies over the picture on the canvas.
+/// Returns the commands that open range control and overlay list.
 fn laid_over(look: &Look) -> impl Iterator<Item = Command> {
     let range = look.range.then_some(Command::Range(range::Change::Open(true)));
     let list = look.overlays.then_some(Command::Overlays(overlays::Change::Open(true)));
@@ -154,7 +154,7 @@ fn start(view: View, seen: Seen) -> WindowStart {
     }
 }
 
-/// Whether windows come from a server that is named in the environment.
+/// Whether windows require a display server that is named in the environment.
 fn needs_display() -> bool {
     cfg!(all(unix, not(target_os = "macos")))
 }
@@ -163,7 +163,7 @@ fn is_set(variable: &str) -> bool {
     std::env::var_os(variable).is_some_and(|value| !value.is_empty())
 }
 
-/// Where Wayland was tried in vain and there is an X server too, starts this program over without Wayland: a
+/// Restarts this program without Wayland if connecting to Wayland failed and an X server is available, because a
 /// process can connect only once. Returns if there is nothing to retry.
 fn retry_on_x11() {
     #[cfg(unix)]
@@ -174,12 +174,12 @@ fn retry_on_x11() {
         let mut again = std::process::Command::new(program);
         again.args(std::env::args_os().skip(1));
         again.env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET").env(WARNED, "1");
-        // Only returns if the program cannot be started; then the first reason stands.
+        // `exec` returns only if the program cannot be started; then the first error is reported.
         let _ = again.exec();
     }
 }
 
-/// Turns the panic that a missing keyboard library ends in into an error. All other panics go on.
+/// Converts the panic of a missing keyboard library into an error. Other panics are resumed.
 fn without_library_panics(f: impl FnOnce() -> Result<(), String>) -> Result<(), String> {
     let default_hook = panic::take_hook();
     panic::set_hook(Box::new(move |info| {
@@ -198,7 +198,7 @@ fn missing_library(payload: &(dyn std::any::Any + Send)) -> Option<String> {
     text.contains("could not be loaded").then(|| text.trim_end_matches('.').to_owned())
 }
 
-/// Reasons as the libraries give them carry places in their sources and dumps of what was asked for.
+/// Strips source locations and configuration dumps from the error messages of libraries.
 fn in_plain_words(reason: &str) -> &str {
     if reason.contains("glutin") {
         return "OpenGL is missing or does not work";

@@ -1,4 +1,4 @@
-//! What stands for the workbench in builds without it (feature `ui` off): a sentence that says so.
+//! Replacement for the workbench in builds without it (feature `ui` off): every function returns an error that says so.
 
 use rasterscope::chain::Recipe;
 use rasterscope::image::{Image, Rgba8};
@@ -10,20 +10,20 @@ use super::scene_args::View;
 use super::screenshot::Look;
 use super::seen_args::{SeenArgs, WindowArgs};
 
-const BUILT_WITHOUT: &str = "this program was built without its window (feature `ui`), \
-    and so without `window`, `screenshot` and `bench --window`";
+const BUILT_WITHOUT: &str = "this program was built without the window (feature `ui`): \
+    `window`, `screenshot` and `bench --window` are not available";
 
-/// There is no window to open.
+/// Returns an error: there is no window to open.
 pub(crate) fn open(_view: View, _args: &WindowArgs) -> Result<(), String> {
     Err(BUILT_WITHOUT.to_owned())
 }
 
-/// There is nothing to time.
+/// Returns an error: there is nothing to time.
 pub(crate) fn window_costs(_view: View, _size: Viewport, _passes: usize) -> Result<Vec<WindowCost>, Failure> {
     Err(Failure::NoWindow(BUILT_WITHOUT.to_owned()))
 }
 
-/// There is nothing to draw.
+/// Returns an error: there is nothing to paint.
 pub(crate) fn draw(
     _view: View,
     _look: &Look,

@@ -1,16 +1,16 @@
-//! Paths in JSON: text where a path is UTF-8, else its bytes, so that reading gives the same path.
+//! Paths in JSON: text if a path is UTF-8, else its bytes, so that reading returns an equal path.
 //!
-//! For fields: `#[serde(with = "stored_path")]`; for lists of paths: [`StoredPath`].
+//! Single paths use `#[serde(with = "stored_path")]`; lists of paths use [`StoredPath`].
 
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// A path that can always be stored.
+/// Path that can always be serialised.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StoredPath(pub PathBuf);
 
-/// The two forms of a path.
+/// JSON forms of a path.
 #[derive(Deserialize, Serialize)]
 #[serde(untagged)]
 enum Form {
@@ -18,12 +18,12 @@ enum Form {
     Bytes(Vec<u8>),
 }
 
-/// Writes a path.
+/// Serialises a path.
 pub fn serialize<S: Serializer>(path: &Path, to: S) -> Result<S::Ok, S::Error> {
     form(path).serialize(to)
 }
 
-/// Reads a path.
+/// Deserialises a path.
 pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<PathBuf, D::Error> {
     Form::deserialize(from).map(path)
 }

@@ -9,19 +9,19 @@ use crate::flat2d::Span;
 use crate::flat2d::polygon::{Corners, Filling, InsideRule, SamplePoint, fill};
 use crate::image::{Image, Rgba8};
 
-/// Samples of a pixel each way.
+/// Number of samples per pixel along each axis.
 const SAMPLES: u32 = 4;
 
-/// Samples of a pixel.
+/// Number of samples per pixel.
 const WHOLE: u32 = SAMPLES * SAMPLES;
 
-/// Corners of the polygon that stands for an ellipse.
+/// Number of corners of the polygon that approximates an ellipse.
 const CORNERS: u32 = 96;
 
-/// Sides of the polygon that stands for the half circle at the end of a line.
+/// Number of sides of the polygon that approximates the half circle at the end of a line.
 const CAP_SIDES: u32 = 8;
 
-/// A bitmap with `scale` pixels per unit, at least one pixel. Words are left out: there is no font here.
+/// Draws a bitmap with `scale` pixels per unit, and at least one pixel. Text is left out, because no font is available.
 pub fn bitmap(drawing: &Drawing, scale: f64) -> Image<Rgba8> {
     let [width, height] = [drawing.size.x, drawing.size.y].map(|side| (side * scale).round().max(1.0) as u32);
     let [r, g, b] = drawing.background;
@@ -60,7 +60,7 @@ fn closed(
     }
 }
 
-/// A line with round ends, of half circles as wide as it is.
+/// Draws a line with round caps: half circles with the width of the line as diameter.
 fn line(image: &mut Image<Rgba8>, from: DVec2, to: DVec2, Stroke { color, width }: Stroke, scale: f64) {
     let along = (to - from).try_normalize().unwrap_or(DVec2::X) * width / 2.0;
     let cap = |end: DVec2, outwards: DVec2| {
@@ -70,7 +70,7 @@ fn line(image: &mut Image<Rgba8>, from: DVec2, to: DVec2, Stroke { color, width 
     cover(image, &[cap(to, along).chain(cap(from, -along)).collect()], color, scale);
 }
 
-/// Returns the spans of samples inside contours.
+/// Returns the spans of samples inside contours, by the even-odd rule.
 fn samples_inside(contours: &[Vec<DVec2>], (width, height): (u32, u32), scale: f64) -> impl Iterator<Item = Span> {
     let scaled = |corner: &DVec2| *corner * scale * f64::from(SAMPLES);
     let contours: Vec<Vec<_>> = contours.iter().map(|contour| contour.iter().map(scaled).collect()).collect();
@@ -80,14 +80,14 @@ fn samples_inside(contours: &[Vec<DVec2>], (width, height): (u32, u32), scale: f
     fill(&contours, filling)
 }
 
-/// Returns the columns of the pixels that a span of samples crosses, each with the number of samples.
+/// Returns the pixel columns that a span of samples crosses, each with its number of samples.
 fn counts_of(span: Span) -> impl Iterator<Item = (usize, u32)> {
     let pixels = span.x0 / SAMPLES..span.x1.div_ceil(SAMPLES);
     pixels.map(move |x| (x as usize, span.x1.min((x + 1) * SAMPLES) - span.x0.max(x * SAMPLES)))
 }
 
-/// Mixes the colours of regions by the share of a pixel's samples that lie in each. Every sample lies in one region at most,
-/// so that nothing shines through between two of them, whatever their order.
+/// Blends the colours of regions by the fraction of a pixel's samples in each. Every sample lies in at most one region,
+/// so nothing shines through between two regions, whatever their order.
 fn partition(image: &mut Image<Rgba8>, regions: &[Region], scale: f64) {
     let width = image.width() as usize;
     let mut sums = vec![([0_u32; 3], 0_u32); image.pixels().len()];
@@ -109,7 +109,7 @@ fn partition(image: &mut Image<Rgba8>, regions: &[Region], scale: f64) {
     }
 }
 
-/// Mixes a colour into the pixels by the share of their samples that lie inside.
+/// Blends a colour into the pixels by the fraction of their samples inside the contours.
 fn cover(image: &mut Image<Rgba8>, contours: &[Vec<DVec2>], color: Rgb, scale: f64) {
     let samples = samples_inside(contours, image.size(), scale);
     let mut counts = vec![0_u32; image.width() as usize];
@@ -126,7 +126,7 @@ fn cover(image: &mut Image<Rgba8>, contours: &[Vec<DVec2>], color: Rgb, scale: f
     }
 }
 
-/// Mixes one row, and clears its counts.
+/// Blends a colour into one row by its sample counts, and clears the counts.
 fn mix(image: &mut Image<Rgba8>, row: u32, counts: &mut [u32], color: Rgb) {
     for (x, count) in counts.iter_mut().enumerate().filter(|(_, count)| **count > 0) {
         let below = image.at(x as u32, row);

@@ -1,4 +1,4 @@
-//! Drawings and pictures in files of many formats, which is told by the name of the file.
+//! Drawings in files of many formats, selected by the file name.
 
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -12,33 +12,33 @@ use super::{Drawing, bitmap, pdf, svg};
 use crate::image::{Image, Rgba8};
 use crate::{disk, text};
 
-/// What a file holds.
+/// Format of a drawing's file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// Drawing commands as text.
+    /// SVG: drawing commands as text.
     Svg,
-    /// Drawing commands on a page.
+    /// PDF: drawing commands on one page.
     Pdf,
-    /// Pixels.
+    /// Bitmap.
     Pixels(PixelFormat),
 }
 
-/// How pixels are kept.
+/// Format of a bitmap's file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PixelFormat {
-    /// Without loss, compressed.
+    /// PNG: lossless, compressed.
     Png,
-    /// Without loss, plain.
+    /// BMP: lossless, uncompressed.
     Bmp,
-    /// With loss: made for photographs.
+    /// JPEG: lossy, made for photographs.
     Jpeg,
-    /// At most 256 colours; may hold several pictures one after the other.
+    /// GIF: at most 256 colours; may hold an animation.
     Gif,
-    /// Without loss, as scanners and printers use it.
+    /// TIFF: lossless, common for scanners and printers.
     Tiff,
 }
 
-/// The ends of file names, and what they stand for.
+/// File name extensions, in lower case, with their formats.
 pub const EXTENSIONS: [(&str, Format); 9] = [
     ("svg", Format::Svg),
     ("pdf", Format::Pdf),
@@ -51,41 +51,41 @@ pub const EXTENSIONS: [(&str, Format); 9] = [
     ("tiff", Format::Pixels(PixelFormat::Tiff)),
 ];
 
-/// Why a drawing was not written.
+/// Reason why a drawing was not written.
 #[derive(Debug, Error)]
 pub enum DrawingFileError {
-    /// The name ends in nothing that is known.
+    /// The file name has no known extension.
     #[error("{}: the name must end in one of {}", path.display(), EXTENSIONS.map(|(end, _)| end).join(", "))]
     UnknownFormat {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
     },
-    /// The pixels cannot be kept in this format.
+    /// The bitmap cannot be encoded in this format.
     #[error("{}: {reason}", path.display())]
     Unencodable {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the encoder said.
+        /// Message of the encoder.
         reason: String,
     },
     /// The file cannot be written.
     #[error("{}: cannot write it: {source}", path.display())]
     Unwritable {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
 }
 
-/// The format that the name of a file asks for.
+/// Returns the format that a file name selects.
 pub fn format_of(path: &Path) -> Result<Format, DrawingFileError> {
     let end = path.extension().map(|end| end.to_string_lossy().to_lowercase()).unwrap_or_default();
     let known = EXTENSIONS.iter().find(|(known, _)| *known == end);
     known.map(|(_, format)| *format).ok_or_else(|| DrawingFileError::UnknownFormat { path: path.to_owned() })
 }
 
-/// Writes a drawing with `scale` pixels, or points of a page, per unit, in the format that the name asks for.
+/// Writes a drawing with `scale` pixels, or points of a page, per unit, in the format that the file name selects.
 pub fn write(path: &Path, drawing: &Drawing, scale: f64) -> Result<(), DrawingFileError> {
     save(path, &encode(path, drawing, scale)?)
 }
@@ -99,8 +99,8 @@ pub fn encode(path: &Path, drawing: &Drawing, scale: f64) -> Result<Vec<u8>, Dra
     })
 }
 
-/// Returns the bytes of a GIF that shows the drawings one after the other in a loop, each for the duration `each`. Errors
-/// name `path`.
+/// Returns the bytes of a GIF that shows the drawings one after the other in a loop, each for the duration `each`.
+/// Errors name `path`.
 pub fn encode_animation(
     path: &Path,
     drawings: impl Iterator<Item = Drawing>,
@@ -123,7 +123,7 @@ pub fn encode_animation(
     Ok(bytes)
 }
 
-/// Writes the bytes of a drawing.
+/// Writes the encoded bytes of a drawing to a file.
 pub fn save(path: &Path, bytes: &[u8]) -> Result<(), DrawingFileError> {
     disk::write(path, bytes).map_err(|source| DrawingFileError::Unwritable { path: path.to_owned(), source })
 }

@@ -1,7 +1,7 @@
-//! Pictures as drawing commands: shapes with places in real numbers, that can be enlarged without stairs.
+//! Pictures as drawing commands: shapes with real-valued coordinates, which can be enlarged without stair-stepping.
 //!
-//! A [`Drawing`] is written as SVG ([`svg`]) or PDF ([`pdf`]), or turned into a [`bitmap`] of any size; [`file`] picks the
-//! format by the name of a file.
+//! A [`Drawing`] is written as SVG ([`svg`]) or PDF ([`pdf`]), or drawn into a [`bitmap`] of any size; [`file`] selects
+//! the format by the file name.
 
 pub mod svg;
 
@@ -13,103 +13,104 @@ pub mod file;
 
 use glam::DVec2;
 
-/// A colour, sRGB.
+/// Colour, as sRGB codes.
 pub type Rgb = [u8; 3];
 
-/// A line's colour and its width in units of the drawing.
+/// Colour and width of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stroke {
-    /// Its colour.
+    /// Colour of the line.
     pub color: Rgb,
-    /// Its width.
+    /// Width, in units of the drawing.
     pub width: f64,
 }
 
-/// A shape; later ones lie over earlier ones.
+/// Shape; later ones are drawn over earlier ones.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
-    /// A closed polygon, filled by the even-odd rule, and its outline.
+    /// Closed polygon, filled by the even-odd rule, and its outline.
     Polygon {
-        /// Its corners.
+        /// Corners, in units of the drawing.
         corners: Vec<DVec2>,
-        /// Colour of the inside.
+        /// Fill colour, if it is filled.
         fill: Option<Rgb>,
-        /// The outline.
+        /// Outline, if it has one.
         stroke: Option<Stroke>,
     },
-    /// A straight line with round ends.
+    /// Straight line with round ends.
     Line {
-        /// Its first end.
+        /// Start point.
         from: DVec2,
-        /// Its second end.
+        /// End point.
         to: DVec2,
-        /// How it is drawn.
+        /// Colour and width.
         stroke: Stroke,
     },
-    /// An ellipse with upright axes.
+    /// Ellipse with axes parallel to x and y.
     Ellipse {
-        /// Its middle.
+        /// Centre.
         center: DVec2,
-        /// Its half axes.
+        /// Half axes along x and y.
         radii: DVec2,
-        /// Colour of the inside.
+        /// Fill colour, if it is filled.
         fill: Option<Rgb>,
-        /// The outline.
+        /// Outline, if it has one.
         stroke: Option<Stroke>,
     },
-    /// Words, centred; bitmaps are without them.
+    /// Centred text; left out of bitmaps.
     Text {
-        /// The middle of the letters.
+        /// Centre of the text.
         at: DVec2,
-        /// The words.
+        /// Characters of the text.
         text: String,
-        /// Their colour.
+        /// Colour of the text.
         color: Rgb,
-        /// Height of the font.
+        /// Font size, in units of the drawing.
         size: f64,
     },
     /// Polygons that share their boundaries without overlap, drawn without seams: see [`Region`].
     Partition(Vec<Region>),
 }
 
-/// An area of a [`Shape::Partition`], filled by the even-odd rule.
+/// Area of a [`Shape::Partition`], filled by the even-odd rule.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Region {
-    /// Closed boundaries, outer ones and those of holes.
+    /// Closed boundaries: outer ones and those of holes.
     pub contours: Vec<Vec<DVec2>>,
-    /// Colour of the inside.
+    /// Fill colour.
     pub fill: Rgb,
 }
 
-/// Widths of the lines around the regions of a partition, each time that a vector format draws it, in units of the drawing.
+/// Widths of the lines around the regions of a partition, one per pass of a vector format over it, in units of the
+/// drawing.
 ///
-/// Viewers smooth the edges of one polygon after the other, and what lies below shines through where two of them meet: of two
-/// that cover half of a pixel each, the second covers half of what the first left, and a quarter stays. A first drawing with
-/// lines wider than a pixel covers all that is below with colours of regions close by: in the same colour as the regions
-/// themselves if those do not differ. The wide lines serve views reduced to a tenth, the narrow ones all others. The last
-/// drawings have no lines, so that no region reaches into another; the second of them leaves a sixteenth of the lines where two
-/// regions meet.
+/// Viewers anti-alias one polygon after the other, so the background shines through where two of them meet. If two
+/// polygons cover half of a pixel each, the second covers half of what the first left, and a quarter remains. A first
+/// pass with lines wider than a pixel covers all of the background with colours of nearby regions. If those regions
+/// have equal colours, this is exactly their colour. The wide lines serve views reduced to a tenth, the narrow ones all
+/// others. The last passes have no lines, so that no region reaches into another; the second of them leaves a sixteenth
+/// of the lines where two regions meet.
 pub(crate) const SEAM_WIDTHS: [f64; 4] = [30.0, 3.0, 0.0, 0.0];
 
-/// A picture of shapes: x to the right, y down, from 0 to its size.
+/// Picture made of shapes: x to the right, y down, from 0 to its size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawing {
-    /// Width and height, both greater than 0.
+    /// Width and height in units, both greater than 0.
     pub size: DVec2,
-    /// What lies below all shapes.
+    /// Background colour, below all shapes.
     pub background: Rgb,
-    /// The shapes, from below to above.
+    /// Shapes, from bottom to top.
     pub shapes: Vec<Shape>,
 }
 
 impl Drawing {
-    /// Returns the number of shapes, with each region of a partition as one.
+    /// Returns the number of shapes, counting each region of a partition as one.
     pub fn shape_count(&self) -> usize {
         let count = |shape: &Shape| if let Shape::Partition(regions) = shape { regions.len() } else { 1 };
         self.shapes.iter().map(count).sum()
     }
 
-    /// A square of a grid, filled.
+    /// Adds a filled square with its top left corner at (x, y), in units of the drawing.
     pub fn square(&mut self, x: f64, y: f64, side: f64, fill: Rgb) {
         let corners = [(x, y), (x + side, y), (x + side, y + side), (x, y + side)].map(DVec2::from);
         self.shapes.push(Shape::Polygon { corners: corners.to_vec(), fill: Some(fill), stroke: None });

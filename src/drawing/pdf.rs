@@ -1,4 +1,4 @@
-//! Drawings as a PDF of one page.
+//! Drawings as a one-page PDF.
 
 use glam::DVec2;
 use pdf_writer::types::{LineCapStyle, LineJoinStyle};
@@ -13,17 +13,17 @@ const CONTENT: Ref = Ref::new(4);
 const FONT: Ref = Ref::new(5);
 const FONT_NAME: Name<'_> = Name(b"F1");
 
-/// Number of the first object that is none of these.
+/// Number of the first form object, after the objects above.
 const FIRST_FORM: i32 = 6;
 
-/// Places of the control points of a quarter circle, by which four cubic curves come closest to it.
+/// Offset of the control points, relative to the radius, with which four cubic curves best approximate a circle.
 const QUARTER: f64 = 0.552_284_749_8;
 
-/// The bytes of a PDF file whose page has `scale` points (1/72 inch) per unit.
+/// Returns the bytes of a PDF file whose page has `scale` points (1/72 inch) per unit.
 pub fn bytes(drawing: &Drawing, scale: f64) -> Vec<u8> {
     let [width, height] = [drawing.size.x, drawing.size.y].map(|side| (side * scale) as f32);
     let mut content = Content::new();
-    // A page has y up.
+    // The y axis of a PDF page points up.
     content.transform([scale as f32, 0.0, 0.0, -scale as f32, 0.0, height]);
     content.set_line_cap(LineCapStyle::RoundCap).set_line_join(LineJoinStyle::RoundJoin);
     fill_color(&mut content, drawing.background);
@@ -55,7 +55,7 @@ pub fn bytes(drawing: &Drawing, scale: f64) -> Vec<u8> {
     pdf.finish()
 }
 
-/// Name in the page's content of one of the forms, which are drawn several times.
+/// Returns the name of a form in the page's content; forms are drawn several times.
 fn form_name(form: usize) -> String {
     format!("X{form}")
 }
@@ -64,7 +64,7 @@ fn form_ref(form: usize) -> Ref {
     Ref::new(FIRST_FORM + form as i32)
 }
 
-/// Adds a shape to the content, and to the forms those that it needs.
+/// Adds a shape to the content, and the forms that it needs to `forms`.
 fn add(content: &mut Content, forms: &mut Vec<Content>, shape: &Shape) {
     match shape {
         Shape::Polygon { corners, fill, stroke } => {
@@ -95,7 +95,8 @@ fn add(content: &mut Content, forms: &mut Vec<Content>, shape: &Shape) {
     }
 }
 
-/// Returns all regions, with lines around them or without. Lines of width 0 would be as wide as a pixel.
+/// Returns all regions, with or without lines around them. Lines of width 0 are no substitute for none: they would be
+/// one pixel wide.
 fn areas(regions: &[Region], with_lines: bool) -> Content {
     let mut content = Content::new();
     for Region { contours, fill } in regions {
@@ -133,7 +134,7 @@ fn ellipse(content: &mut Content, center: DVec2, radii: DVec2) {
     let start = at(1.0, 0.0);
     content.move_to(start.x as f32, start.y as f32);
     for (x, y) in [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)] {
-        // The next quarter begins a right angle on.
+        // The next quarter starts at a right angle to this one.
         let (next_x, next_y) = (-y, x);
         let first = at(x + QUARTER * next_x, y + QUARTER * next_y);
         let second = at(next_x + QUARTER * x, next_y + QUARTER * y);
@@ -144,7 +145,7 @@ fn ellipse(content: &mut Content, center: DVec2, radii: DVec2) {
     content.close_path();
 }
 
-/// Sets what the next path is painted with: the format allows no such operator once the path has begun.
+/// Sets the colours and line width of the next path. The format allows no such operator once the path has begun.
 fn colors(content: &mut Content, fill: Option<Rgb>, stroke: Option<Stroke>) {
     if let Some(color) = fill {
         fill_color(content, color);
@@ -169,9 +170,10 @@ fn fill_color(content: &mut Content, color: Rgb) {
     content.set_fill_rgb(red, green, blue);
 }
 
-/// Text in a font that every viewer has. Its letters are those of Western Europe: others become a question mark.
+/// Draws text in a font that every viewer has. It covers the characters of Western Europe; others become a question
+/// mark.
 fn letters(content: &mut Content, at: DVec2, text: &str, color: Rgb, size: f64) {
-    /// Width of a figure of Helvetica, and height of its capitals, per height of the font.
+    /// Width of a digit in Helvetica, and below the height of its capitals, both relative to the font size.
     const WIDTH: f64 = 0.556;
     const CAPITALS: f64 = 0.718;
     let bytes: Vec<u8> = text.chars().map(letter).collect();

@@ -6,13 +6,13 @@ use svg::node::element::{ClipPath, Definitions, Ellipse, Group, Line, Path, Poly
 
 use super::{Drawing, Region, Rgb, SEAM_WIDTHS, Shape, Stroke};
 
-/// Pixels on screen per unit, as viewers first show it.
+/// Screen pixels per unit at a scale of 1, as viewers first show it.
 const PIXELS_PER_UNIT: f64 = 1.0;
 
-/// Name of the clip path that ends partitions, whose lines reach beyond them, at the edge of the picture.
+/// Id of the clip path that limits partitions to the page, because their lines reach beyond it.
 const PAGE: &str = "page";
 
-/// The text of an SVG file that fills `scale` pixels per unit when it is first shown.
+/// Returns the text of an SVG file that viewers first show with `scale` pixels per unit.
 pub fn text(drawing: &Drawing, scale: f64) -> String {
     let (width, height) = (drawing.size.x, drawing.size.y);
     let page = || Rectangle::new().set("width", width).set("height", height);
@@ -85,12 +85,12 @@ fn with(document: Document, (number, shape): (usize, &Shape)) -> Document {
     }
 }
 
-/// Returns the path of a region, with lines as wide as its surroundings say.
+/// Returns the path of a region, whose line width is inherited from the element that uses it.
 fn area(Region { contours, fill }: &Region) -> Path {
     let mut data = String::new();
     for contour in contours {
         for (number, DVec2 { x, y }) in contour.iter().enumerate() {
-            // The first command is followed by lines without one of their own.
+            // Coordinate pairs after the first `M` are implicit line commands.
             let before = if number == 0 { "M" } else { " " };
             data.push_str(&format!("{before}{},{}", short(*x), short(*y)));
         }
@@ -103,7 +103,7 @@ fn code([red, green, blue]: Rgb) -> String {
     format!("#{red:02x}{green:02x}{blue:02x}")
 }
 
-/// A coordinate with as many digits as any screen or printer can use.
+/// Rounds a coordinate to 1/10 000 unit, finer than any screen or printer can use.
 fn short(value: f64) -> f64 {
     const STEPS_PER_UNIT: f64 = 10_000.0;
     (value * STEPS_PER_UNIT).round() / STEPS_PER_UNIT

@@ -1,4 +1,4 @@
-//! Drawings written, read back by decoders, and compared with areas that are known.
+//! Tests that write drawings, decode them, and compare them with known areas.
 
 use super::file::{EXTENSIONS, Format, encode_animation, format_of, save, write};
 use super::*;
@@ -22,7 +22,7 @@ fn example() -> Drawing {
     Drawing { size: DVec2::new(10.0, 9.0), background: [255; 3], shapes }
 }
 
-/// How much of a bitmap one black shape on white darkens, in square units.
+/// Returns the area that one black shape on white darkens in a bitmap, in square units.
 fn area(shape: Shape) -> f64 {
     const SCALE: f64 = 20.0;
     let drawing = Drawing { size: DVec2::new(10.0, 9.0), background: [255; 3], shapes: vec![shape] };
@@ -119,10 +119,10 @@ fn names_that_end_in_nothing_known_are_refused() {
     }
 }
 
-/// White triangles around a point that fill the page of the example.
+/// Returns white triangles around a point that together fill the page of the example.
 fn fan() -> Vec<Region> {
     const COUNT: u32 = 14;
-    // Twice around the page's outline has whole numbers of units per side.
+    // The page's outline is 38 units long, a whole number of units per side.
     let border = |place: u32| match place % 38 {
         at @ 0..10 => DVec2::new(at.into(), 0.0),
         at @ 10..19 => DVec2::new(10.0, f64::from(at - 10)),
@@ -145,7 +145,7 @@ fn bitmaps_of_partitions_show_nothing_of_what_is_below() {
         let image = bitmap::bitmap(&on_black(vec![Shape::Partition(fan())]), scale);
         assert!(image.pixels().iter().all(|pixel| *pixel == [255; 4]), "at {scale}");
     }
-    // Where a pixel is half white and half of what is below, the mean is shown.
+    // A pixel that is half white and half background shows the mean.
     let half = [(0.0, 0.0), (4.5, 0.0), (4.5, 9.0), (0.0, 9.0)].map(DVec2::from).to_vec();
     let half = Region { contours: vec![half], fill: [255; 3] };
     let image = bitmap::bitmap(&on_black(vec![Shape::Partition(vec![half])]), 1.0);
@@ -154,7 +154,7 @@ fn bitmaps_of_partitions_show_nothing_of_what_is_below() {
 
 #[test]
 fn viewers_that_smooth_one_polygon_after_the_other_show_no_seams_in_partitions() {
-    // As vector formats have it: all regions for each width of the lines.
+    // As in vector formats: all regions, once per line width.
     let darkest = |widths: &[f64], scale: f64| {
         let mut drawing = Drawing { size: DVec2::new(10.0, 9.0), background: [0; 3], shapes: Vec::new() };
         for width in widths {

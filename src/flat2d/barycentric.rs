@@ -1,30 +1,37 @@
-//! Values inside a triangle from values at its corners, in single-precision floats, in two ways that are equal but for
-//! rounding: by the areas of the three triangles that a point makes with the sides, and by going along two sides first and
-//! along the row between them then.
+//! Interpolation inside a triangle from values at its corners, in f32, by two methods that are equal except for
+//! rounding.
+//!
+//! One method weights the corners by the areas of the three triangles that the point forms with the sides. The other
+//! interpolates along two sides first, and then along the row between them.
 
 use glam::Vec2;
 
-/// α, β, γ of a point: each the area of the triangle that the point makes with the side opposite of a corner, over the whole.
-/// They sum to 1 but for rounding, and are all within 0 and 1 inside. Not finite for a triangle without area.
+/// Returns the barycentric weights α, β, γ of a point.
+///
+/// Each is the area of the triangle that the point forms with the side opposite a corner, divided by the whole area.
+/// They sum to 1 except for rounding, and inside the triangle all lie in [0, 1]. They are not finite for a triangle
+/// without area.
 pub fn weights_by_area([a, b, c]: [Vec2; 3], point: Vec2) -> [f32; 3] {
     let doubled = |p: Vec2, q: Vec2, r: Vec2| (q - p).perp_dot(r - p);
     let whole = doubled(a, b, c);
     [doubled(point, b, c) / whole, doubled(point, c, a) / whole, doubled(point, a, b) / whole]
 }
 
-/// What [`along_sides_then_row`] has found on its way.
+/// Intermediate values and result of [`along_sides_then_row`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RowInterpolation {
-    /// Place and value on the long side, at the row's height.
+    /// Position x and value on the side from the top to the bottom corner, at the height of the row.
     pub long: (f32, f32),
-    /// Place and value on the short side that the row crosses.
+    /// Position x and value on the shorter side that the row crosses, at the height of the row.
     pub short: (f32, f32),
-    /// The value at the point.
+    /// Interpolated value at the point.
     pub value: f32,
 }
 
-/// The value at a point from those at the corners: linear along the two sides that its row crosses, then linear between them.
-/// `None` above and below the triangle, and where it has no height.
+/// Interpolates corner values at a point: linearly along the two sides that its row crosses, then linearly between
+/// them.
+///
+/// Returns `None` above and below the triangle, and for a triangle without height.
 pub fn along_sides_then_row(corners: [Vec2; 3], values: [f32; 3], point: Vec2) -> Option<RowInterpolation> {
     let mut order = [0, 1, 2];
     order.sort_by(|i, j| corners[*i].y.total_cmp(&corners[*j].y));

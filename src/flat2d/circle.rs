@@ -1,47 +1,49 @@
-//! Circles, pixel by pixel, in integers alone (Bresenham 1977, in the midpoint form).
+//! Circles, pixel by pixel, in integer arithmetic only (Bresenham 1977, in the midpoint form).
 //!
-//! One octant is walked, from the top (0, r) to the diagonal: x grows by one each step, and y shrinks by one where the
-//! midpoint between the two candidates lies outside of the circle. A decision variable D = F(x + 1, y − ½) with
-//! F(x, y) = x² + y² − r² tells, stepped by additions; its quarter never changes its sign and is dropped. The other seven
-//! octants are reflections.
+//! The algorithm walks one octant, from the top (0, r) to the diagonal. x grows by one each step, and y shrinks by one
+//! if the midpoint between the two candidates lies outside the circle. The sign of the decision variable D = F(x + 1, y
+//! − ½) with F(x, y) = x² + y² − r² decides that. D is updated by additions, and its fraction of ¼ is dropped because
+//! it never changes the sign. The other seven octants are reflections.
 
-/// The walk around a circle; see [`midpoint_circle`].
+/// Iterator over the pixels of a circle; see [`midpoint_circle`].
 #[derive(Clone, Debug)]
 pub struct Circle {
     center: (i32, i32),
-    /// Place in the octant, relative to the centre: x ≤ y until the end.
+    /// Position in the octant, relative to the centre; x ≤ y until the end.
     x: i64,
     y: i64,
     decision: i64,
-    /// The next of the eight reflections, a set of [`SWAPPED`], [`LEFT`] and [`BELOW`].
+    /// Next of the eight reflections, as a bit set of [`SWAPPED`], [`LEFT`] and [`BELOW`].
     reflection: u8,
 }
 
-/// Mirrored at the diagonal.
+/// Reflection bit: mirrored at the diagonal.
 const SWAPPED: u8 = 1;
 
-/// Mirrored in x.
+/// Reflection bit: mirrored in x.
 const LEFT: u8 = 2;
 
-/// Mirrored in y.
+/// Reflection bit: mirrored in y.
 const BELOW: u8 = 4;
 
 const REFLECTIONS: u8 = 8;
 
-/// The pixels of a circle around a pixel, each once: first all reflections of the topmost one, and so on to the
-/// diagonals. At radius 0 the centre itself.
+/// Returns the pixels of a circle around a pixel, without duplicates.
+///
+/// The order follows the octant: first all reflections of the topmost pixel, and last those at the diagonals. A radius
+/// of 0 gives only the centre pixel.
 pub fn midpoint_circle(center: (i32, i32), radius: u32) -> Circle {
     let radius = i64::from(radius);
     Circle { center, x: 0, y: radius, decision: 1 - radius, reflection: 0 }
 }
 
 impl Circle {
-    /// Where the walk is in its octant, relative to the centre; `None` at the end.
+    /// Returns the current position in the octant, relative to the centre; `None` at the end.
     pub fn octant(&self) -> Option<(i64, i64)> {
         (self.x <= self.y).then_some((self.x, self.y))
     }
 
-    /// Positive or zero if the midpoint ahead lies outside of the circle, so that y will shrink.
+    /// Returns the decision variable. It is ≥ 0 if the midpoint ahead lies outside the circle, so that y will shrink.
     pub fn decision(&self) -> i64 {
         self.decision
     }
@@ -57,7 +59,7 @@ impl Circle {
         self.reflection = 0;
     }
 
-    /// Whether a reflection maps the place of the octant to where another one maps it, too.
+    /// Whether the pixel of this reflection duplicates the pixel of another one.
     fn is_repeated(&self, reflection: u8) -> bool {
         let on_mirror = |which: u8, on: bool| reflection & which != 0 && on;
         on_mirror(SWAPPED, self.x == self.y) || on_mirror(LEFT, self.x == 0) || on_mirror(BELOW, self.y == 0)
@@ -101,10 +103,11 @@ mod tests {
         midpoint_circle((0, 0), radius).collect()
     }
 
-    /// In the octant x ≤ y the pixels nearest to the true circle, found by trying every row; then mirrored.
+    /// Returns the pixels nearest to the true circle: an exhaustive search over rows in the octant x ≤ y, then
+    /// mirrored.
     fn nearest_pixels(radius: i64) -> HashSet<(i64, i64)> {
         let octant = (0..=radius).filter_map(|x| {
-            // (y − ½)² < r² − x² < (y + ½)², four times over.
+            // (y − ½)² < r² − x² < (y + ½)², multiplied by four.
             let square = 4 * (radius * radius - x * x);
             let y = (0..=radius).find(|y| (2 * y + 1).pow(2) > square)?;
             (x <= y).then_some((x, y))

@@ -1,13 +1,13 @@
-//! Circles by their other two forms, in floats: what the midpoint circle does without.
+//! Circles in explicit and parametric form, in floats, for comparison with the midpoint circle.
 //!
-//! The *explicit* form y = ±√(r² − x²) gives one pixel above and one below for each column, and leaves gaps where the circle
-//! is steep. The *parametric* form (r cos φ, r sin φ) has no gaps if its steps are small enough, and then visits pixels more
-//! than once. The third, *implicit* form F(x, y) = x² + y² − r² tells by its sign on which side a point lies; see
-//! [`super::circle`].
+//! The *explicit* form y = ±√(r² − x²) gives one pixel above and one below for each column, and leaves gaps where the
+//! circle is steep. The *parametric* form (r cos φ, r sin φ) has no gaps if its steps are small enough, but then visits
+//! pixels more than once. The *implicit* form F(x, y) = x² + y² − r² is the third; its sign shows on which side a point
+//! lies. See [`super::circle`].
 
 use std::f64::consts::TAU;
 
-/// One pixel above and one below for each column, from the left.
+/// Returns one pixel above and one below the centre for each column, from the left.
 pub fn explicit_circle(center: (i32, i32), radius: u32) -> impl Iterator<Item = (i64, i64)> {
     let radius = i64::from(radius);
     (-radius..=radius).flat_map(move |x| {
@@ -16,7 +16,7 @@ pub fn explicit_circle(center: (i32, i32), radius: u32) -> impl Iterator<Item = 
     })
 }
 
-/// A pixel for each of these many equal angles, from the right and clockwise on a screen.
+/// Returns one pixel for each of `angles` equal angles, starting at the right and going clockwise on a screen.
 pub fn parametric_circle(center: (i32, i32), radius: u32, angles: u32) -> impl Iterator<Item = (i64, i64)> {
     (0..angles).map(move |i| {
         let (sin, cos) = (f64::from(i) / f64::from(angles) * TAU).sin_cos();
@@ -25,7 +25,7 @@ pub fn parametric_circle(center: (i32, i32), radius: u32, angles: u32) -> impl I
     })
 }
 
-/// Angles that the parametric form needs for steps of at most one pixel.
+/// Returns the number of angles with which the parametric form steps by at most one pixel.
 pub fn angles_without_gaps(radius: u32) -> u32 {
     (TAU * f64::from(radius)).ceil().max(1.0) as u32
 }
@@ -54,7 +54,7 @@ mod tests {
             assert!(gaps(&explicit) > 0 && explicit.len() < midpoint.len(), "radius {radius}");
             assert_eq!((gaps(&parametric), gaps(&midpoint)), (0, 0), "radius {radius}");
             assert!(angles_without_gaps(radius) as usize > parametric.len(), "some pixels come twice");
-            // Where it is flat, the explicit form has the very pixels of the midpoint form.
+            // Where the circle is flat, the explicit form gives exactly the pixels of the midpoint form.
             let flat = |(x, y): &&(i64, i64)| (x - 3).abs() < (y + 4).abs();
             assert!(explicit.iter().filter(flat).all(|pixel| midpoint.contains(pixel)), "radius {radius}");
         }

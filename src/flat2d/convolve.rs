@@ -1,44 +1,44 @@
-//! Convolution of a picture with a mask: blur, sharpen, the trace of a movement, or weights of one's own.
+//! Convolution of an image with a mask: blur, sharpening, motion blur, or custom weights.
 //!
-//! A mask is a small odd square of weights around each pixel. Weights need not sum to one: a sum of zero finds edges.
-//! Pictures end with their outermost pixels repeated. Here are masks and the plain sum over numbers, whose terms can be
-//! read; [`crate::antialias::mask`] applies the same masks to pictures of codes.
+//! A mask is a small square of weights around each pixel, with an odd side. The weights need not sum to one: a sum of
+//! zero finds edges. Outside the image, the border pixels repeat. This module has the masks and a plain sum over
+//! numbers that exposes its terms; [`crate::antialias::mask`] applies the same masks to 8-bit images.
 
 use thiserror::Error;
 
 use crate::image::Image;
 
-/// Weights around a pixel.
+/// Square of weights around a pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mask {
     side: usize,
     weights: Vec<f32>,
-    /// Factors of a separable mask: every weight is the product of those of its column and of its row.
+    /// Factors of a separable mask: each weight is the product of its column's factor and its row's factor.
     factors: Option<Vec<f32>>,
 }
 
-/// How far masks go from their middle at most, px.
+/// Maximum reach of a mask from its centre, px.
 pub const MOST_REACH: usize = 15;
 
-/// The longest side of a mask, px.
+/// Maximum side of a mask, px.
 const MOST_SIDE: usize = 2 * MOST_REACH + 1;
 
-/// Standard deviations from the middle to where a bell is cut off.
+/// Cut-off of a Gaussian mask, in standard deviations from its centre.
 pub const BELL_DEVIATIONS: f32 = 3.0;
 
-/// Why weights are no mask.
+/// Reason why weights do not form a mask.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum MaskError {
-    /// There must be a middle.
-    #[error("{0} weights are no square of an odd side up to {MOST_SIDE}, such as 9 or 25")]
+    /// The number of weights is not the square of an odd side within the limit.
+    #[error("{0} weights are not a square with an odd side up to {MOST_SIDE}, such as 9 or 25")]
     Shape(usize),
-    /// A weight is no number.
+    /// A weight is infinite or NaN.
     #[error("weight {0} is not finite")]
     NotFinite(usize),
 }
 
 impl Mask {
-    /// A square of weights, row by row from the top.
+    /// Creates a mask from a square of weights, row by row from the top.
     pub fn square(weights: &[f32]) -> Result<Self, MaskError> {
         let side = weights.len().isqrt();
         if side * side != weights.len() || side.is_multiple_of(2) || side > MOST_SIDE {
@@ -50,24 +50,25 @@ impl Mask {
         }
     }
 
-    /// A separable mask from the factors of its rows, which are also those of its columns.
+    /// Creates a separable mask whose row and column factors are the same.
     fn separable(factors: Vec<f32>) -> Self {
         let weights = factors.iter().flat_map(|down| factors.iter().map(move |right| down * right)).collect();
         Self { side: factors.len(), weights, factors: Some(factors) }
     }
 
-    /// The mean of (2 · `reach` + 1)² pixels; `reach` up to [`MOST_REACH`].
+    /// Returns a box blur over (2 · `reach` + 1)² pixels, with `reach` limited to [`MOST_REACH`].
     pub fn blur(reach: usize) -> Self {
         let side = 2 * reach.min(MOST_REACH) + 1;
         Self::separable(vec![1.0 / side as f32; side])
     }
 
-    /// The mean of 3 × 3 pixels with the middle counting most: binomial in both directions.
+    /// Returns the 3 × 3 binomial blur, which weights the centre most.
     pub fn binomial() -> Self {
         Self::separable(vec![0.25, 0.5, 0.25])
     }
 
-    /// A bell of standard deviation `sigma` px, cut off at [`BELL_DEVIATIONS`] of them, or at [`MOST_REACH`] px.
+    /// Returns a Gaussian blur of standard deviation `sigma` px, cut off at [`BELL_DEVIATIONS`] standard deviations or
+    /// [`MOST_REACH`] px.
     pub fn gaussian(sigma: f32) -> Self {
         let reach = (BELL_DEVIATIONS * sigma).ceil().clamp(1.0, MOST_REACH as f32) as i32;
         let bell = |at: i32| (-((at * at) as f32) / (2.0 * sigma * sigma).max(f32::MIN_POSITIVE)).exp();
@@ -75,16 +76,18 @@ impl Mask {
         Self::separable((-reach..=reach).map(|at| bell(at) / sum).collect())
     }
 
-    /// The pixel and `amount` times what sets it off from its four neighbours.
+    /// Returns a sharpening mask: adds `amount` times the pixel's difference from the mean of its four neighbours.
     pub fn sharpen(amount: f32) -> Self {
         let beside = -amount / 4.0;
         Self { side: 3, weights: vec![0.0, beside, 0.0, beside, 1.0 + amount, beside, 0.0, beside, 0.0], factors: None }
     }
 
-    /// The mean along a straight way of `length` px through the pixel, up to twice [`MOST_REACH`], `angle` radians from the right towards below: each
-    /// pixel counts for as much of the way as lies in it.
+    /// Returns a motion blur along a straight path through the pixel.
+    ///
+    /// The path is `length` px long, limited to twice [`MOST_REACH`], and points `angle` radians from the right,
+    /// clockwise on a screen. Each pixel is weighted by the length of the path inside it.
     pub fn motion(length: f32, angle: f32) -> Self {
-        /// Steps per px of the way.
+        /// Samples per pixel of path length.
         const STEPS_PER_PX: f32 = 64.0;
         let length = length.clamp(0.0, 2.0 * MOST_REACH as f32);
         let reach = (length / 2.0).ceil().max(1.0) as usize;
@@ -99,35 +102,36 @@ impl Mask {
         Self { side, weights, factors: None }
     }
 
-    /// The sum of all weights: what a plain picture is multiplied by.
+    /// Returns the sum of all weights, which is the gain for a uniform image.
     pub fn sum(&self) -> f32 {
         self.weights.iter().sum()
     }
 
-    /// Factors of a separable mask, for columns from the left and for rows from the top: weights are products of two of them.
+    /// Returns the factors of a separable mask, for columns from the left as well as rows from the top. Each weight is
+    /// the product of two factors.
     pub fn factors(&self) -> Option<&[f32]> {
         self.factors.as_deref()
     }
 
-    /// How many pixels it reads to each side of its middle.
+    /// Returns the reach to each side of the centre, px.
     pub fn reach(&self) -> u32 {
         (self.side / 2) as u32
     }
 
-    /// Its weights, each with the place that it reads: columns to the right and rows below the pixel.
+    /// Returns the weights row by row, each with its offset from the pixel: columns to the right and rows down.
     pub fn weights(&self) -> impl Iterator<Item = ((i64, i64), f32)> {
         let reach = i64::from(self.reach());
         let place = move |index: usize| ((index % self.side) as i64 - reach, (index / self.side) as i64 - reach);
         self.weights.iter().enumerate().map(move |(index, weight)| (place(index), *weight))
     }
 
-    /// What one pixel is the sum of: (weight, value) by rows.
+    /// Returns the (weight, value) terms of the sum for one pixel, row by row.
     pub fn terms_at(&self, image: &Image<f64>, (x, y): (u32, u32)) -> impl Iterator<Item = (f64, f64)> {
         let value = move |right, down| image.at_clamped(i64::from(x) + right, i64::from(y) + down);
         self.weights().map(move |((right, down), weight)| (weight.into(), value(right, down)))
     }
 
-    /// Every pixel of a picture of numbers; values may leave the range of those of `image` where weights are negative.
+    /// Convolves an image of numbers. Negative weights can produce values outside the range of the input.
     pub fn apply_to_numbers(&self, image: &Image<f64>) -> Image<f64> {
         Image::from_fn(image.width(), image.height(), |x, y| {
             self.terms_at(image, (x, y)).map(|(weight, value)| weight * value).sum()

@@ -1,11 +1,12 @@
-//! Lines by distance: all pixels that lie at most half a pixel off the line, beside the segment and not beyond its ends.
+//! Lines by distance: all pixels at most half a pixel from a line, beside the segment and not beyond its ends.
 //!
-//! The plainest way: every pixel of the box around the segment is looked at. With d from end to end and v from the first
-//! end to the pixel, the distance is |d × v| / |d|, so no root is needed to compare it with ½: 4 (d × v)² ≤ |d|². Both
-//! that and the two ends, d · v ≥ 0 and d · (v − d) ≤ 0, are closed: what lies exactly on the border belongs to the line.
-//! Floats decide what is farther from the border than they may err; the rest is decided exactly.
+//! The scan tests every pixel of the bounding box of the segment. With d from end to end and v from the first end to
+//! the pixel, the distance is |d × v| / |d|. Comparing it with ½ needs no root: 4 (d × v)² ≤ |d|². This condition and
+//! the limits at the ends, d · v ≥ 0 and d · (v − d) ≤ 0, are closed: a point exactly on the border belongs to the
+//! line. Floats decide pixels whose distance from the border exceeds the error bound, and exact arithmetic decides the
+//! rest.
 //!
-//! Such a line has the width of one pixel across, whatever its slope, so slanted ones may have gaps.
+//! Such a line is one pixel wide across, whatever its slope, so slanted lines may have gaps.
 
 use std::cmp::Ordering;
 use std::ops::Range;
@@ -15,18 +16,19 @@ use glam::DVec2;
 use super::whole_numbers_within;
 use crate::math::expansion::Expansion;
 
-/// The scan of the box around a segment; see [`distance_line`].
+/// Scan of the bounding box of a segment; see [`distance_line`].
 #[derive(Clone, Debug)]
 pub struct DistanceLine {
     band: Band,
     columns: Range<u32>,
     rows: Range<u32>,
-    /// The pixel that is looked at next.
+    /// Column and row of the next pixel to test.
     probe: (u32, u32),
 }
 
-/// The pixels of the line from `p0` to `p1` in a picture of this size, row by row from the top; their places are whole
-/// numbers. A segment without length has none.
+/// Returns the pixels of the line from `p0` to `p1` in a picture of this size, row by row from the top.
+///
+/// Pixels lie at integer coordinates. A segment without length has no pixels.
 pub fn distance_line(p0: DVec2, p1: DVec2, width: u32, height: u32) -> DistanceLine {
     let (least, greatest) = (p0.min(p1) - 0.5, p0.max(p1) + 0.5);
     let columns = whole_numbers_within(least.x, greatest.x, width);
@@ -36,17 +38,17 @@ pub fn distance_line(p0: DVec2, p1: DVec2, width: u32, height: u32) -> DistanceL
 }
 
 impl DistanceLine {
-    /// The pixel that is looked at next; `None` at the end.
+    /// Returns the next pixel to test; `None` at the end.
     pub fn probe(&self) -> Option<(u32, u32)> {
         (self.columns.contains(&self.probe.0) && self.rows.contains(&self.probe.1)).then_some(self.probe)
     }
 
-    /// Number of pixels that are yet to be looked at; an upper bound within a row.
+    /// Returns the number of pixels still to test. Within a row this is an upper bound.
     pub fn probes_left(&self) -> u64 {
         self.columns.len() as u64 * u64::from(self.rows.end.saturating_sub(self.probe.1))
     }
 
-    /// Looks at one pixel. Returns it if it belongs to the line; the outer `None` is the end.
+    /// Tests one pixel and returns it if it belongs to the line; the outer `None` marks the end.
     pub fn step(&mut self) -> Option<Option<(u32, u32)>> {
         let (x, y) = self.probe()?;
         self.probe = if x + 1 < self.columns.end { (x + 1, y) } else { (self.columns.start, y + 1) };
@@ -66,7 +68,7 @@ impl Iterator for DistanceLine {
     }
 }
 
-/// The points at most half a pixel beside a segment.
+/// Set of points at most half a pixel from a segment.
 #[derive(Clone, Copy, Debug)]
 struct Band {
     p0: DVec2,
@@ -81,7 +83,7 @@ impl Band {
             && self.is_near(point)
     }
 
-    /// Sign of d · (`point` − `end`).
+    /// Returns the sign of d · (`point` − `end`).
     fn along(self, point: DVec2, end: DVec2) -> Ordering {
         let products = (self.p1 - self.p0) * (point - end);
         let error = 4.0 * f64::EPSILON * products.abs().element_sum();
@@ -92,12 +94,13 @@ impl Band {
         })
     }
 
-    /// Whether the point is at most half a pixel off the line through both ends.
+    /// Whether the point is at most half a pixel from the line through both ends.
     fn is_near(self, point: DVec2) -> bool {
         let (d, v) = (self.p1 - self.p0, point - self.p0);
         let length_squared = d.length_squared();
         let cross = d.perp_dot(v);
-        // The cross product is off by less than 4 ε of this, and its square by 2 |cross| times that plus its square.
+        // The error of the cross product is below 4 ε · `magnitude`. The error of its square is below 2 |cross| times
+        // that plus the square of that.
         let magnitude = (d.x * v.y).abs() + (d.y * v.x).abs();
         let error =
             64.0 * f64::EPSILON * (cross.abs() * magnitude + f64::EPSILON * magnitude * magnitude + length_squared);
@@ -112,7 +115,7 @@ impl Band {
     }
 }
 
-/// The sign of a number known to within `error`, where that says it.
+/// Returns the sign of a value whose error is at most `error`; `None` if the error bound leaves it undecided.
 fn certain_sign(value: f64, error: f64) -> Option<Ordering> {
     (value.abs() > error).then(|| value.total_cmp(&0.0))
 }
@@ -131,7 +134,7 @@ mod tests {
         distance_line(p0, p1, SIZE, SIZE).collect()
     }
 
-    /// By the definition, in integers, for ends in `unit`-ths of a pixel.
+    /// Returns the pixels by the definition, in integers, for ends in units of 1/`unit` px.
     fn by_definition(p0: (i128, i128), p1: (i128, i128), unit: i128) -> Vec<(u32, u32)> {
         let (dx, dy) = (p1.0 - p0.0, p1.1 - p0.1);
         let square = dx * dx + dy * dy;
@@ -149,7 +152,7 @@ mod tests {
         let mut random = fastrand::Rng::with_seed(52);
         for round in 0..3_000 {
             let unit = [1, 2, 4, 1 << 10, 1 << 18][round % 5];
-            // Some ends far outside, so that the slope makes near ties.
+            // Ends far outside produce slopes with near ties.
             let reach = if round % 3 == 0 { 2_000 * unit } else { 30 * unit };
             let mut coordinate = || random.i128(-reach..reach);
             let (p0, p1) = ((coordinate(), coordinate()), (coordinate(), coordinate()));

@@ -1,8 +1,9 @@
-//! Cutting a simple polygon into triangles, ear by ear (Meisters 1975).
+//! Triangulation of a simple polygon by ear clipping (Meisters 1975).
 //!
-//! An *ear* is a corner whose neighbours can see each other: it turns the way the polygon does, and no other corner lies in
-//! its triangle. Every simple polygon has two of them, so cutting one off at a time ends with a single triangle. Time grows
-//! with the cube of the number of corners at worst: for pictures that one looks at; models use the crate `earcut`.
+//! An *ear* is a corner whose neighbours can see each other: it turns the way the polygon does, and no other corner
+//! lies in its triangle. Every simple polygon has at least two ears, so cutting them off one at a time ends with a
+//! single triangle. The worst-case time grows with the cube of the number of corners, which suits only small polygons;
+//! model loading uses the crate `earcut`.
 
 use std::cmp::Ordering;
 
@@ -10,16 +11,17 @@ use glam::DVec2;
 
 use super::side;
 
-/// The walk that cuts off ears; see [`clip_ears`].
+/// Iterator that cuts off ears; see [`clip_ears`].
 #[derive(Clone, Debug)]
 pub struct EarClip<'a> {
     points: &'a [DVec2],
-    /// Corners that are left, in order.
+    /// Indices of the remaining corners, in order.
     left: Vec<usize>,
     turn: Ordering,
 }
 
-/// The triangles of a simple polygon, as numbers of its corners. Of one that crosses itself it finds what ears there are.
+/// Returns the triangles of a simple polygon, as indices of its corners. In a self-intersecting polygon it cuts off
+/// only the ears that exist.
 pub fn clip_ears(points: &[DVec2]) -> EarClip<'_> {
     let from = |i: usize| points[i] - points[0];
     let doubled_area: f64 = (2..points.len()).map(|i| from(i - 1).perp_dot(from(i))).sum();
@@ -27,7 +29,7 @@ pub fn clip_ears(points: &[DVec2]) -> EarClip<'_> {
 }
 
 impl EarClip<'_> {
-    /// Corners that are left, in order. Fewer than three if all of the polygon was cut.
+    /// Returns the indices of the remaining corners, in order. Fewer than three remain if the whole polygon was cut.
     pub fn remaining(&self) -> &[usize] {
         &self.left
     }
@@ -57,7 +59,7 @@ impl Iterator for EarClip<'_> {
 
     fn next(&mut self) -> Option<[usize; 3]> {
         while self.left.len() >= 3 && self.turn != Ordering::Equal {
-            // Corners on a straight side, and double ones, have no triangle.
+            // Collinear and duplicate corners form no triangle.
             if let Some(flat) = (0..self.left.len()).find(|place| self.turns(self.corner(*place)) == Ordering::Equal) {
                 self.left.remove(flat);
                 continue;
@@ -84,7 +86,7 @@ mod tests {
         let mut random = fastrand::Rng::with_seed(63);
         for _ in 0..300 {
             let count = random.usize(3..24);
-            // Star-shaped around the origin, so never crossing itself, and mostly concave.
+            // The polygon is star-shaped around the origin, so it never intersects itself, and mostly concave.
             let mut points: Vec<_> = (0..count)
                 .map(|i| {
                     let angle = (i as f64 + 0.8 * random.f64()) / count as f64 * std::f64::consts::TAU;

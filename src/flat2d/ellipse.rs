@@ -1,35 +1,36 @@
-//! Ellipses with upright axes, pixel by pixel, in integers alone (the midpoint form of Van Aken 1984).
+//! Axis-aligned ellipses, pixel by pixel, in integer arithmetic only (the midpoint form of Van Aken 1984).
 //!
-//! One quadrant is walked from its top. Of the three pixels that may follow, right, right and down, and down, the midpoints
-//! between them choose: if (x + 1, y − ½) lies inside of the ellipse, the next one is to the right; otherwise (x + ½, y − 1)
-//! tells whether x grows at all. With F(x, y) = b²x² + a²y² − a²b² the sign of F tells on which side a midpoint lies. The
-//! textbook asks only one of the two, by whether the ellipse is flatter than 45°, and cuts the tips off thin ellipses. The
-//! other three quadrants are reflections.
+//! The algorithm walks one quadrant from its top. Three pixels may follow: to the right, diagonally right and down, or
+//! down. If the midpoint (x + 1, y − ½) lies inside the ellipse, the next pixel is to the right; otherwise (x + ½, y −
+//! 1) decides whether x grows at all. The sign of F(x, y) = b²x² + a²y² − a²b² shows on which side a midpoint lies. The
+//! textbook tests only one of the two midpoints, depending on whether the ellipse is flatter than 45°, and cuts off the
+//! tips of thin ellipses. The other three quadrants are reflections.
 
-/// The walk around an ellipse; see [`midpoint_ellipse`].
+/// Iterator over the pixels of an ellipse; see [`midpoint_ellipse`].
 #[derive(Clone, Debug)]
 pub struct Ellipse {
     center: (i32, i32),
-    /// Half axes along x and y.
+    /// Semi-axes along x and y, px.
     half: (i128, i128),
-    /// Place in the quadrant, relative to the centre; y below 0 is the end.
+    /// Position in the quadrant, relative to the centre; the walk ends when y < 0 or x exceeds the semi-axis.
     x: i128,
     y: i128,
-    /// The next of the four reflections: bit 0 mirrors x, bit 1 mirrors y.
+    /// Next of the four reflections: bit 0 mirrors x, bit 1 mirrors y.
     reflection: u8,
 }
 
 const REFLECTIONS: u8 = 4;
 
-/// The pixels of an ellipse around a pixel, with half axes of whole numbers, each once: all reflections of the topmost one
-/// first, and so on to the sides.
+/// Returns the pixels of an ellipse around a pixel, with integer semi-axes, without duplicates.
+///
+/// The order follows the quadrant: first all reflections of the topmost pixel, and last those at the sides.
 pub fn midpoint_ellipse(center: (i32, i32), half_width: u32, half_height: u32) -> Ellipse {
     let half = (i128::from(half_width), i128::from(half_height));
     Ellipse { center, half, x: 0, y: half.1, reflection: 0 }
 }
 
 impl Ellipse {
-    /// Where the walk is in its quadrant, relative to the centre; `None` at the end.
+    /// Returns the current position in the quadrant, relative to the centre; `None` at the end.
     pub fn quadrant(&self) -> Option<(i128, i128)> {
         (self.y >= 0 && self.x <= self.half.0).then_some((self.x, self.y))
     }
@@ -40,12 +41,12 @@ impl Ellipse {
         a * a * (2 * self.y - 1) > 2 * b * b * (self.x + 1)
     }
 
-    /// Four times F at the midpoint (x + 1, y − ½), between right and right and down: negative inside.
+    /// Returns four times F at the midpoint (x + 1, y − ½), between right and diagonal; negative inside.
     pub fn right_or_diagonal(&self) -> i128 {
         self.quadruple_at(2 * self.x + 2, 2 * self.y - 1)
     }
 
-    /// Four times F at the midpoint (x + ½, y − 1), between right and down and down: negative inside.
+    /// Returns four times F at the midpoint (x + ½, y − 1), between diagonal and down; negative inside.
     pub fn diagonal_or_down(&self) -> i128 {
         self.quadruple_at(2 * self.x + 1, 2 * self.y - 2)
     }
@@ -56,7 +57,7 @@ impl Ellipse {
     }
 
     fn step(&mut self) {
-        // A thin ellipse is on its axis before it has come to its tip.
+        // A thin ellipse reaches its axis before its tip and continues along the axis.
         let on_axis = self.y == 0 && self.x < self.half.0;
         let (right, down) =
             if on_axis || self.right_or_diagonal() < 0 { (1, 0) } else { (i128::from(self.diagonal_or_down() < 0), 1) };

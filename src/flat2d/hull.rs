@@ -1,8 +1,8 @@
-//! The convex hull of points (Andrew 1979): the tightest rubber band around them.
+//! Convex hull of points (Andrew 1979), the shape of a rubber band stretched around them.
 //!
-//! Points are walked from left to right and back. A chain of corners is kept; whenever the last corner does not turn right
-//! towards the next point (for one who walks on a screen, y down), it cannot be on the hull and is dropped. Every point
-//! inside is Σ tᵢ Pᵢ with all tᵢ ≥ 0 and Σ tᵢ = 1; [`convex_weights`] finds such numbers.
+//! The algorithm visits the points from left to right and back, and keeps a chain of corners. If the last corner does
+//! not turn right towards the next point (as seen on a screen, y down), it cannot be on the hull and is dropped. Every
+//! point inside the hull is Σ tᵢ Pᵢ with all tᵢ ≥ 0 and Σ tᵢ = 1; [`convex_weights`] computes such weights.
 
 use std::cmp::Ordering;
 
@@ -10,27 +10,27 @@ use glam::DVec2;
 
 use super::side;
 
-/// One step of the walk.
+/// Step of the algorithm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HullStep {
-    /// This point, by its number, became the end of the chain.
+    /// Appended the point with this index to the chain.
     Added(usize),
-    /// This point was the end of the chain and does not turn right.
+    /// Dropped the point with this index from the end of the chain, because it does not turn right.
     Dropped(usize),
 }
 
-/// The walk around the hull; see [`convex_hull`].
+/// Iterator over the steps of the hull algorithm; see [`convex_hull`].
 #[derive(Clone, Debug)]
 pub struct ConvexHull<'a> {
     points: &'a [DVec2],
-    /// Numbers of points, left to right and back again, without doubles.
+    /// Indices of the points, from left to right and back again, without duplicates.
     tour: Vec<usize>,
-    /// The next of the tour.
+    /// Index into `tour` of the next point.
     next: usize,
     chain: Vec<usize>,
 }
 
-/// The hull of finite points, step by step; [`ConvexHull::corners`] has it at the end.
+/// Computes the hull of finite points step by step. [`ConvexHull::corners`] returns the hull at the end.
 pub fn convex_hull(points: &[DVec2]) -> ConvexHull<'_> {
     let mut tour: Vec<_> = (0..points.len()).collect();
     tour.sort_by(|a, b| points[*a].x.total_cmp(&points[*b].x).then(points[*a].y.total_cmp(&points[*b].y)));
@@ -41,14 +41,15 @@ pub fn convex_hull(points: &[DVec2]) -> ConvexHull<'_> {
 }
 
 impl ConvexHull<'_> {
-    /// Numbers of the corners found so far, clockwise on a screen.
+    /// Returns the indices of the corners found so far, clockwise on a screen.
     pub fn corners(&self) -> &[usize] {
-        // The tour ends where it has begun.
+        // The tour ends at the point where it began.
         let closed = self.next == self.tour.len() && self.chain.len() > 1;
         &self.chain[..self.chain.len() - usize::from(closed)]
     }
 
-    /// Corners before this place of the chain belong to the way there, or are its turning point.
+    /// Returns the chain index after which corners may still be dropped. On the way back, it is that of the turning
+    /// point.
     fn base(&self) -> usize {
         let turning = self.tour.len() / 2;
         if self.next <= turning {
@@ -75,8 +76,10 @@ impl Iterator for ConvexHull<'_> {
     }
 }
 
-/// Weights t of a convex polygon's corners, none below 0 and their sum 1, with Σ tᵢ Pᵢ = `point`; `None` outside. Of the many
-/// there are those of the triangle of the fan around the first corner that holds the point.
+/// Returns weights t of a convex polygon's corners with tᵢ ≥ 0, Σ tᵢ = 1 and Σ tᵢ Pᵢ = `point`; `None` outside.
+///
+/// The weights are not unique. These are the barycentric weights in the triangle that contains the point, from the fan
+/// around the first corner.
 pub fn convex_weights(corners: &[DVec2], point: DVec2) -> Option<Vec<f64>> {
     (1..corners.len().saturating_sub(1)).find_map(|i| {
         let [a, b, c] = [corners[0], corners[i], corners[i + 1]];
@@ -103,7 +106,7 @@ mod tests {
     }
 
     fn random_points(random: &mut fastrand::Rng, count: usize) -> Vec<DVec2> {
-        // A coarse grid makes doubles and collinear points frequent.
+        // A coarse grid makes duplicates and collinear points frequent.
         (0..count).map(|_| DVec2::new(random.i32(0..12).into(), random.i32(0..12).into())).collect()
     }
 

@@ -1,36 +1,38 @@
-//! Straight lines, pixel by pixel, and how to keep them inside a picture.
+//! Straight lines, pixel by pixel, and clipping of lines to a picture.
 //!
-//! [`midpoint_line`] joins two pixels in integers alone (Bresenham 1965, in the midpoint form of Pitteway 1967): one
-//! pixel per step of the longer axis, the one nearest to the true line. A decision variable D = 2·minor − major tells on
-//! which side of the line the midpoint between the two candidates lies; exactly on it the line stays on the row or
-//! column that it is on. Other octants differ only in the signs of the steps, so a mirrored line is the mirror image.
+//! [`midpoint_line`] connects two pixels in integer arithmetic only (Bresenham 1965, in the midpoint form of Pitteway
+//! 1967). It takes one pixel per step of the longer axis, the one nearest to the true line. The sign of the decision
+//! variable, at first D = 2·minor − major, shows on which side of the line the midpoint between the two candidates
+//! lies. If the line passes exactly through the midpoint, it stays on its row or column. Other octants differ only in
+//! the signs of the steps, so a mirrored line is the mirror image.
 //!
 //! That tie rule depends on the direction: from the other end the line stays on the other row or column.
 //! [`direction_independent_line`] decides ties as seen from one fixed end, so both directions cover the same pixels.
 //!
-//! [`clip_to`] cuts a line of real end points to the picture first, so that walking it costs no more than the picture is
-//! long however far away the end points are (Liang and Barsky 1984).
+//! [`clip_to`] clips a line with real end points to the picture first (Liang and Barsky 1984). The cost of walking the
+//! line is then bounded by the size of the picture, however far away the end points are.
 
 use std::cmp::Ordering;
 
-/// The walk along a line; see [`midpoint_line`].
+/// Iterator over the pixels of a line; see [`midpoint_line`].
 #[derive(Clone, Debug)]
 pub struct MidpointLine {
-    /// The pixel that comes next; none at the end.
+    /// Next pixel; `None` at the end.
     next: Option<(i64, i64)>,
     last: (i64, i64),
-    /// The step that stays on the row or column, and the one that leaves it.
+    /// Step that stays on the row or column (`straight`), and step that leaves it (`slanted`).
     straight: (i64, i64),
     slanted: (i64, i64),
-    /// Extents along the longer and the shorter axis. Differences of any two i64 and their doubles fit i128.
+    /// Extents along the longer and the shorter axis, px. Twice the difference of any two i64 fits into i128.
     major: i128,
     minor: i128,
     decision: i128,
-    /// Whether a line exactly on the midpoint leaves its row or column.
+    /// Whether a line exactly through the midpoint leaves its row or column.
     slants_on_tie: bool,
 }
 
-/// The pixels from `p0` to `p1`, both included, in that order: max(|Δx|, |Δy|) + 1 of them. Any coordinates.
+/// Returns the pixels from `p0` to `p1`, both included, in that order: max(|Δx|, |Δy|) + 1 pixels. Accepts any
+/// coordinates.
 pub fn midpoint_line(p0: (i64, i64), p1: (i64, i64)) -> MidpointLine {
     let (width, height) = (p0.0.abs_diff(p1.0), p0.1.abs_diff(p1.1));
     let slanted = (step_towards(p0.0, p1.0), step_towards(p0.1, p1.1));
@@ -40,16 +42,20 @@ pub fn midpoint_line(p0: (i64, i64), p1: (i64, i64)) -> MidpointLine {
     MidpointLine { next: Some(p0), last: p1, straight, slanted, major, minor, decision, slants_on_tie: false }
 }
 
-/// The pixels of [`midpoint_line`] with another tie rule: where the line passes exactly between two pixels, it takes the one
-/// that `midpoint_line` takes from the lesser end, the one with the smaller x or, if these are equal, the smaller y. So the
-/// line from `p1` to `p0` covers the same pixels in the opposite order.
+/// Returns the pixels of [`midpoint_line`] with a tie rule that does not depend on the direction.
+///
+/// Where the line passes exactly between two pixels, it takes the pixel that `midpoint_line` takes from the lesser end.
+/// The lesser end has the smaller x or, if these are equal, the smaller y. The line from `p1` to `p0` therefore covers
+/// the same pixels in the opposite order.
 pub fn direction_independent_line(p0: (i64, i64), p1: (i64, i64)) -> MidpointLine {
     MidpointLine { slants_on_tie: p1 < p0, ..midpoint_line(p0, p1) }
 }
 
 impl MidpointLine {
-    /// Positive if the line passes beyond the midpoint between the two candidates for the pixel after the next one, so that
-    /// the row or column will be left.
+    /// Returns the decision variable for the step after the next pixel.
+    ///
+    /// It is positive if the line passes beyond the midpoint between the two candidates, so that the step leaves the
+    /// row or column.
     pub fn decision(&self) -> i128 {
         self.decision
     }
@@ -85,14 +91,16 @@ fn step_towards(from: i64, to: i64) -> i64 {
     }
 }
 
-/// The part of the line from `p0` to `p1` inside the closed rectangle [0, `width`] × [0, `height`], in pixels.
+/// Clips the line from `p0` to `p1` to the closed rectangle [0, `width`] × [0, `height`], in pixels.
 ///
-/// Keeps the direction; an end that is inside comes back unchanged. `None` if the line misses the rectangle or an end
-/// is not finite. Pixels are half-open, so a caller that takes the floor caps it at the last column and row.
+/// The direction is kept, and an end inside the rectangle is returned unchanged. Returns `None` if the line misses the
+/// rectangle or an end is not finite. Pixels are half-open, so a caller that takes the floor must cap it at the last
+/// column and row.
 pub fn clip_to(p0: (f64, f64), p1: (f64, f64), width: u32, height: u32) -> Option<((f64, f64), (f64, f64))> {
     let (enter, leave) = part_inside(p0, p1, width, height)?;
     let (width, height) = (f64::from(width), f64::from(height));
-    // Weighted so that no difference of huge ends overflows; clamped as t and the products are rounded.
+    // The weighted sum avoids an overflowing difference of huge ends. The clamp corrects rounding of t and of the
+    // products.
     let at = |t: f64| {
         let (x, y) = (p0.0 * (1.0 - t) + p1.0 * t, p0.1 * (1.0 - t) + p1.1 * t);
         (x.clamp(0.0, width), y.clamp(0.0, height))
@@ -100,7 +108,7 @@ pub fn clip_to(p0: (f64, f64), p1: (f64, f64), width: u32, height: u32) -> Optio
     Some((at(enter), at(leave)))
 }
 
-/// The part that [`clip_to`] keeps, as parameters from 0 at `p0` to 1 at `p1`.
+/// Returns the part kept by [`clip_to`], as parameters from 0 at `p0` to 1 at `p1`.
 pub fn part_inside(p0: (f64, f64), p1: (f64, f64), width: u32, height: u32) -> Option<(f64, f64)> {
     if ![p0.0, p0.1, p1.0, p1.1].into_iter().all(f64::is_finite) {
         return None;
@@ -111,9 +119,10 @@ pub fn part_inside(p0: (f64, f64), p1: (f64, f64), width: u32, height: u32) -> O
     (enter <= leave).then_some((enter, leave))
 }
 
-/// Parameters t in [0, 1] at which a point going from `from` (t = 0) to `to` (t = 1) enters and leaves [0, `length`].
+/// Returns the parameters t in [0, 1] at which a point moving from `from` (t = 0) to `to` (t = 1) enters and leaves [0,
+/// `length`].
 fn stretch_inside(from: f64, to: f64, length: f64) -> Option<(f64, f64)> {
-    // Halves, so that the difference does not overflow.
+    // Halving both values prevents an overflow of the difference.
     let half_way = to / 2.0 - from / 2.0;
     if half_way == 0.0 {
         return (0.0..=length).contains(&from).then_some((0.0, 1.0));
@@ -128,7 +137,7 @@ fn stretch_inside(from: f64, to: f64, length: f64) -> Option<(f64, f64)> {
 mod tests {
     use super::*;
 
-    /// Ends of lines from the origin in every direction.
+    /// Returns the ends of lines from the origin in every direction.
     fn ends() -> impl Iterator<Item = (i64, i64)> {
         (-12..=12).flat_map(|x| (-12..=12).map(move |y| (x, y)))
     }
@@ -144,7 +153,8 @@ mod tests {
             let (major, minor) = (width.max(height), width.min(height));
             let expected: Vec<_> = (0..=major)
                 .map(|i| {
-                    // Twice `major` times the distance from the true line; of two equal ones the first is nearer to p0.
+                    // The key is 2 · `major` times the distance from the true line. Of two equal keys, the first is
+                    // nearer to p0.
                     let across = (0..=minor).min_by_key(|k| (2 * (k * major - i * minor)).abs()).unwrap_or(0);
                     let (x, y) = if width >= height { (i, across) } else { (across, i) };
                     (x * x1.signum(), y * y1.signum())
@@ -190,7 +200,7 @@ mod tests {
                 assert_eq!(forth, plain, "{p0:?} to {p1:?}: as from the lesser end");
             } else if forth != plain {
                 differing += 1;
-                // Only ties are decided otherwise: by one pixel across, as near to the true line on the other side.
+                // Only ties differ: by one pixel across, at the same distance from the true line on the other side.
                 let off = |(x, y): (i64, i64)| ((p1.0 - p0.0) * (y - p0.1) - (p1.1 - p0.1) * (x - p0.0)).abs();
                 assert!(forth.iter().zip(&plain).all(|(a, b)| off(*a) == off(*b)), "{p0:?} to {p1:?}");
             }
@@ -230,7 +240,8 @@ mod tests {
         let mut random = fastrand::Rng::with_seed(5);
         let mut kept = 0;
         for round in 0..20_000 {
-            // From picture-sized to far beyond what the difference of two ends can hold.
+            // Coordinates range from the size of the picture to magnitudes at which the difference of two ends
+            // overflows.
             let reach = [20.0, 1e4, 1e9, 1e300, f64::MAX][round % 5];
             let mut coordinate = || (random.f64() * 2.0 - 1.0) * reach;
             let (p0, p1) = ((coordinate(), coordinate()), (coordinate(), coordinate()));

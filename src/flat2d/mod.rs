@@ -1,8 +1,9 @@
-//! The two-dimensional chapter: shapes as iterators of pixels or spans, with no picture and no depth behind them.
+//! Two-dimensional algorithms: shapes as iterators of pixels or spans, independent of images and depth buffers.
 //!
-//! Each is stepped by asking for the next item, and between two items its state can be read. Whether a pixel belongs to
-//! a shape is decided without rounding. For that, real coordinates must be 0 or have a magnitude from 2⁻¹⁴⁹ to 2¹²⁸, as
-//! all finite values of f32 have; more digits than those of f32 do no harm.
+//! Each iterator advances one step per item, and its state can be inspected between items. Except in the modules that
+//! demonstrate float arithmetic, the decision whether a pixel belongs to a shape is exact. For that, real coordinates
+//! must be 0 or have a magnitude from 2⁻¹⁴⁹ to 2¹²⁸, like all finite f32 values. They may have more significant digits
+//! than f32.
 
 pub mod barycentric;
 
@@ -40,28 +41,30 @@ use std::ops::Range;
 use glam::DVec2;
 use robust::{Coord, orient2d};
 
-/// A run of pixels in one row; never empty.
+/// Non-empty run of pixels in one row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Span {
-    /// Row.
+    /// Row of the run.
     pub y: u32,
-    /// First column.
+    /// First column of the run.
     pub x0: u32,
     /// One past the last column.
     pub x1: u32,
 }
 
-/// Which side of the line from `a` to `b` the point `p` lies on, with y down: greater is right of it for one who walks
-/// along, equal is on it.
+/// Returns the side of the directed line from `a` to `b` on which `p` lies, with y down.
+///
+/// `Greater` is right of the line, as seen when walking from `a` to `b`; `Equal` is on it.
 pub(crate) fn side(a: DVec2, b: DVec2, p: DVec2) -> Ordering {
     let coord = |p: DVec2| Coord { x: p.x, y: p.y };
-    // The crate looks at axes with y up, where what is right here is left. It may answer −0, which is on the line, too.
+    // The crate assumes y up, so its left is right here. It may return −0 for a point on the line; adding 0.0 turns
+    // that into +0.
     (orient2d(coord(a), coord(b), coord(p)) + 0.0).total_cmp(&0.0)
 }
 
-/// Those of `length` pixels in a row or column whose whole numbers lie in the closed range.
+/// Returns the range of whole numbers below `length` that lie in the closed interval from `least` to `greatest`.
 pub(crate) fn whole_numbers_within(least: f64, greatest: f64, length: u32) -> Range<u32> {
-    // Casts saturate.
+    // Float-to-integer casts saturate.
     let first = (least.ceil() as u32).min(length);
     let end = ((greatest.floor() + 1.0) as u32).min(length);
     first..end.max(first)

@@ -1,17 +1,17 @@
-//! Filling polygons row by row: any number of contours, holes, self-intersections.
+//! Scanline filling of polygons with any number of contours, holes and self-intersections.
 //!
-//! The *edge table* lists all edges by the first row that they cross. Going down, the *active edge list* keeps those that
-//! cross the current row: an edge is active while y₀ ≤ yc < y₁, where yc is the height of the row's samples. That
-//! half-open rule counts the corner between two edges once, a tip twice or not at all, and horizontal edges never, so
-//! none of them is a special case. Walking the row from the left, each crossing at or before a sample changes the
-//! winding number by one, and the *inside rule* makes a pixel of it: even-odd asks whether the number is odd, which is
-//! the same as an odd count of crossings, and non-zero whether it differs from 0.
+//! The *edge table* lists all edges by the first row that they cross. The *active edge list* holds the edges that cross
+//! the current row: an edge is active while y₀ ≤ yc < y₁, where yc is the height of the row's samples. That half-open
+//! rule counts a corner between two edges once, a tip twice or not at all, and horizontal edges never, so none of them
+//! is a special case. From left to right, each crossing at or before a sample changes the winding number by one, and
+//! the *inside rule* decides the pixel from that number. Even-odd tests whether the number is odd, which is equivalent
+//! to an odd count of crossings; non-zero tests whether it differs from 0.
 //!
-//! The textbook sorts the crossings of a row and fills between pairs. As only the column counts that a crossing falls
-//! into, the windings are summed up per column here, which sorts them at no cost. An edge that crosses all its rows in one
-//! and the same column, as do upright ones and nearly all that reach far outside, is put there once and taken out at its
-//! end. All in all the edges are sorted twice, and each row costs its crossings by other edges, and the columns between
-//! the outermost ones.
+//! The textbook sorts the crossings of a row and fills between pairs. Only the column of a crossing matters, so this
+//! implementation sums the windings per column, which sorts the crossings at no cost. Vertical edges and nearly all
+//! edges that reach far outside cross all their rows in a single column. Such an edge is added to its column once and
+//! removed at its end. In total, the edges are sorted twice, and each row costs its crossings by other edges plus the
+//! columns between the outermost crossings.
 
 mod edge;
 
@@ -27,35 +27,35 @@ use super::Span;
 use crate::math::fixed::snap_to_grid;
 use edge::{Edge, Row, Slant};
 
-/// What counts as inside, by the winding number around a sample.
+/// Rule that decides what is inside, from the winding number around a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InsideRule {
-    /// Odd numbers: where contours overlap, inside and outside alternate.
+    /// Odd winding numbers are inside: where contours overlap, inside and outside alternate.
     EvenOdd,
-    /// All but zero: where contours overlap, the overlap is inside unless they turn opposite ways.
+    /// Non-zero winding numbers are inside: an overlap is inside unless the contours have opposite orientations.
     NonZero,
 }
 
-/// Where the corners are when edges are built.
+/// Positions of the corners when edges are built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Corners {
-    /// Where they were given.
+    /// Corners are used as given.
     AsGiven,
-    /// On the nearest point of the pipeline's 1/256 px grid.
+    /// Corners are snapped to the nearest point of the pipeline's 1/256 px grid.
     Snapped,
 }
 
-/// The point of a pixel that must be inside.
+/// Sample position within a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SamplePoint {
-    /// Its centre, half a pixel right and down of its whole coordinates.
+    /// Pixel centre, half a pixel right of and below the integer coordinates.
     Center,
-    /// Its whole coordinates, as in the lattice of textbooks.
+    /// Integer coordinates, as in the pixel lattice of textbooks.
     Lattice,
 }
 
 impl SamplePoint {
-    /// Distance from a pixel's whole coordinates, in x as in y.
+    /// Returns the offset of the sample from the pixel's integer coordinates on both axes, px.
     fn offset(self) -> f64 {
         match self {
             Self::Center => 0.5,
@@ -64,14 +64,14 @@ impl SamplePoint {
     }
 }
 
-/// How a polygon is filled, and into what.
+/// Parameters of a polygon fill.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Filling {
-    /// What counts as inside.
+    /// Rule that decides what is inside.
     pub rule: InsideRule,
-    /// Where the corners are.
+    /// Positions of the corners: as given or snapped.
     pub corners: Corners,
-    /// What is inside of a pixel.
+    /// Sample position within each pixel.
     pub sample: SamplePoint,
     /// Width of the picture, px.
     pub width: u32,
@@ -79,57 +79,60 @@ pub struct Filling {
     pub height: u32,
 }
 
-/// An edge that crosses the current row.
+/// Edge that crosses the current row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ActiveEdge {
     /// Upper end, px.
     pub top: DVec2,
     /// Lower end, px.
     pub bottom: DVec2,
-    /// Where it crosses, px, to within the rounding of floats.
+    /// Position x of the crossing in the row, px, up to float rounding.
     pub crossing_px: f64,
-    /// The first column whose sample lies at or right of the crossing, exactly; the picture's width if none does.
+    /// First column whose sample lies at or right of the crossing, exactly; the picture's width if there is none.
     pub column: u32,
-    /// What crossing it from the left adds to the winding number: 1 if it was given from top to bottom, otherwise −1.
+    /// Change of the winding number when crossing from the left: 1 if the edge was given from top to bottom, otherwise
+    /// −1.
     pub winding: i32,
 }
 
-/// An active edge that crosses its rows in several columns: a copy of what each row needs of it.
+/// Active edge that crosses its rows in several columns, with a copy of the data that each row needs.
 #[derive(Clone, Debug)]
 struct Slanted {
     slant: Slant,
     /// One past its last row.
     end: u32,
     winding: i32,
-    /// Its place in the edge table.
+    /// Index in the edge table.
     place: u32,
 }
 
-/// The walk down a polygon; see [`fill`].
+/// Iterator over the spans of a polygon; see [`fill`].
 #[derive(Clone, Debug)]
 pub struct PolygonFill {
     filling: Filling,
-    /// The edge table, in the order of first rows, and how many of it have been active.
+    /// Edge table, sorted by first row, and the number of its edges activated so far.
     edges: Vec<Edge>,
     started: usize,
-    /// Places in the edge table: in the order of last rows, and how many of those edges have ended.
+    /// Edge-table indices, sorted by last row, and the number of those edges that have ended.
     by_end: Vec<u32>,
     ended: usize,
     slanted: Vec<Slanted>,
-    /// For each column, and at last for all beyond the picture, the sum of windings: of the active edges that have no
-    /// other column, and of the crossings of the row by the slanted ones; those are zero again behind the walk.
+    /// Sums of windings per column, with a final entry for everything right of the picture. `standing` holds the active
+    /// edges that stay in a single column. `crossing` holds the row's crossings by slanted edges, and the walk resets
+    /// it to zero as it passes.
     standing: Vec<i32>,
     crossing: Vec<i32>,
-    /// From the first to the last column that has had a crossing so far.
+    /// Range from the first to the last column with a crossing so far.
     touched: Range<u32>,
     row: u32,
-    /// The column that is looked at next, and the winding number up to there.
+    /// Next column to test, and the winding number up to there.
     column: u32,
     winding: i32,
 }
 
-/// The spans of the polygon within these closed contours, row by row from the top, left to right; two spans of a row
-/// never touch.
+/// Returns the spans of the polygon within these closed contours, row by row from the top and left to right.
+///
+/// Two spans of a row never touch.
 pub fn fill(contours: &[Vec<DVec2>], filling: Filling) -> PolygonFill {
     let corner = |point: DVec2| match filling.corners {
         Corners::AsGiven => point,
@@ -158,17 +161,17 @@ pub fn fill(contours: &[Vec<DVec2>], filling: Filling) -> PolygonFill {
 }
 
 impl PolygonFill {
-    /// The edge table: all edges by the first row that they cross, as (row, upper end, lower end).
+    /// Returns the edge table: all edges sorted by the first row that they cross, as (row, upper end, lower end).
     pub fn edge_table(&self) -> impl Iterator<Item = (u32, DVec2, DVec2)> {
         self.edges.iter().map(|edge| (edge.rows.start, edge.top, edge.bottom))
     }
 
-    /// The row of the last span.
+    /// Returns the row of the most recent span.
     pub fn row(&self) -> u32 {
         self.row
     }
 
-    /// The active edge list: all edges that cross the row, in the order of the table.
+    /// Returns the active edge list: all edges that cross the row, in the order of the table.
     pub fn active_edges(&self) -> impl Iterator<Item = ActiveEdge> {
         let row = self.row;
         let active = self.edges[..self.started].iter().filter(move |edge| edge.rows.contains(&row));
@@ -181,7 +184,8 @@ impl PolygonFill {
         })
     }
 
-    /// Returns the next span of the row, or `None` and goes on to the next row; the outer `None` is the end.
+    /// Returns the next span of the row. At the end of the row, returns `Some(None)` and advances to the next row; the
+    /// outer `None` marks the end.
     pub fn step(&mut self) -> Option<Option<Span>> {
         let span = self.next_span();
         if span.is_none() {
@@ -190,14 +194,15 @@ impl PolygonFill {
         Some(span)
     }
 
-    /// The rest of the row's spans, one by one.
+    /// Returns the next span of the current row; `None` at the end of the row.
     fn next_span(&mut self) -> Option<Span> {
         let x0 = self.next_column_where(true)?;
         let x1 = self.next_column_where(false).unwrap_or(self.filling.width);
         Some(Span { y: self.row, x0, x1 })
     }
 
-    /// Walks on to the first column that is inside, or outside; `None` if there is none up to the last crossing.
+    /// Advances to the next column that is inside, or outside if `inside` is false; `None` if there is none up to the
+    /// last crossing.
     fn next_column_where(&mut self, inside: bool) -> Option<u32> {
         while self.column < self.touched.end.min(self.filling.width) {
             let column = self.column;
@@ -217,7 +222,7 @@ impl PolygonFill {
         }
     }
 
-    /// Goes down to the next row that has crossings; `None` below the last.
+    /// Advances to the next row that can have active edges; `None` below the last.
     fn next_row(&mut self) -> Option<()> {
         let active = self.started - self.ended;
         self.row = if active > 0 { self.row + 1 } else { self.edges.get(self.started)?.rows.start };
@@ -232,14 +237,15 @@ impl PolygonFill {
         Row::new(row, self.filling.sample, self.filling.width)
     }
 
-    /// The column of an edge that has only one; from its first row to its last an edge moves one way only.
+    /// Returns the column of an edge that crosses all its rows in one column; `None` otherwise. Comparing the first and
+    /// last rows suffices, because x is monotonic along an edge.
     fn only_column(&self, edge: &Edge) -> Option<u32> {
         let first = edge.column_at(self.row_of_samples(edge.rows.start));
         let last = edge.column_at(self.row_of_samples(edge.rows.end - 1));
         (first == last).then_some(first)
     }
 
-    /// Takes out the edges that do not reach the row.
+    /// Removes the edges that end above the current row.
     fn end_edges(&mut self) {
         while let Some(edge) = self.by_end.get(self.ended).map(|place| &self.edges[*place as usize])
             && edge.rows.end <= self.row
@@ -252,7 +258,7 @@ impl PolygonFill {
         self.slanted.retain(|slanted| self.row < slanted.end);
     }
 
-    /// Puts in the edges that start at the row.
+    /// Adds the edges that start at the current row.
     fn start_edges(&mut self) {
         while let Some(edge) = self.edges.get(self.started)
             && edge.rows.start <= self.row
@@ -269,7 +275,7 @@ impl PolygonFill {
         }
     }
 
-    /// Finds the columns where slanted edges cross the row.
+    /// Adds the crossings of slanted edges to the columns of the current row.
     fn cross_slanted(&mut self) {
         let row = self.row_of_samples(self.row);
         let mut touched = self.touched.clone();
@@ -280,12 +286,12 @@ impl PolygonFill {
             touched = with(&touched, column);
         }
         self.touched = touched;
-        // Beyond the picture the walk does not come by.
+        // The walk never reaches the entry beyond the picture, so it is reset here.
         self.crossing[self.filling.width as usize] = 0;
     }
 }
 
-/// A range widened to hold one more column.
+/// Returns the range extended to include one more column.
 fn with(range: &Range<u32>, column: u32) -> Range<u32> {
     range.start.min(column)..range.end.max(column + 1)
 }

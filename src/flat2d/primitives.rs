@@ -1,8 +1,8 @@
-//! Drawing primitives: how a list of vertices is read as points, lines and triangles, and what a polygon must be.
+//! Drawing primitives: assembly of vertex lists into points, lines and triangles, and requirements on polygons.
 //!
-//! The ten kinds of OpenGL 1.0. A triangle strip turns every second triangle around so that all face the same way; a quad
-//! strip reads its vertices in zigzag. Quads and polygons are fans here, which is right only for those that are simple,
-//! convex and flat; [`judge`] says which of these an outline is not.
+//! The ten types are those of OpenGL 1.0. A triangle strip reverses every second triangle so that all face the same
+//! way; a quad strip reads its vertices in zigzag. Quads and polygons are drawn as fans here, which is correct only for
+//! simple, convex and flat outlines; [`judge`] checks these three properties.
 
 use std::cmp::Ordering;
 
@@ -10,43 +10,43 @@ use glam::{DVec2, DVec3};
 
 use super::side;
 
-/// How vertices are read.
+/// Primitive type: the way in which vertices are assembled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Primitive {
-    /// Each vertex a point.
+    /// Each vertex is a point.
     Points,
-    /// Each two a line.
+    /// Each pair of vertices is a line.
     Lines,
-    /// A line from each to the next.
+    /// Each vertex is connected to the next by a line.
     LineStrip,
-    /// The same, and back to the first.
+    /// Line strip that is closed by a line back to the first vertex.
     LineLoop,
-    /// Each three a triangle.
+    /// Each three vertices are a triangle.
     Triangles,
-    /// Each with the two before it.
+    /// Each vertex forms a triangle with the two before it.
     TriangleStrip,
-    /// Each with the one before it and the first.
+    /// Each vertex forms a triangle with the one before it and the first.
     TriangleFan,
-    /// Each four a quadrilateral.
+    /// Each four vertices are a quadrilateral.
     Quads,
-    /// Each two with the two before them.
+    /// Each pair of vertices forms a quadrilateral with the pair before it.
     QuadStrip,
-    /// All of them one polygon.
+    /// All vertices are one polygon.
     Polygon,
 }
 
-/// What is drawn: numbers of vertices.
+/// Assembled primitive, as indices of vertices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Piece {
-    /// A point.
+    /// Single point.
     Point(usize),
-    /// A line.
+    /// Line between two vertices.
     Line([usize; 2]),
-    /// A triangle, in its turning direction.
+    /// Triangle, in its winding order.
     Triangle([usize; 3]),
 }
 
-/// The pieces that `count` vertices give, in the order in which they are drawn. Vertices that complete nothing are ignored.
+/// Assembles `count` vertices into primitives, in drawing order. Incomplete primitives at the end are ignored.
 pub fn pieces(primitive: Primitive, count: usize) -> Vec<Piece> {
     let triangle = |a, b, c| Piece::Triangle([a, b, c]);
     let pairs = count.saturating_sub(1);
@@ -72,18 +72,18 @@ fn fan_of([a, b, c, d]: [usize; 4]) -> [Piece; 2] {
     [Piece::Triangle([a, b, c]), Piece::Triangle([a, c, d])]
 }
 
-/// What an outline is, and so whether a fan of it covers what it encloses.
+/// Properties of an outline that decide whether a fan covers its interior.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Verdict {
-    /// No two sides cross or touch, but neighbours at their corner.
+    /// Whether no two sides cross or touch, except neighbours at their common corner.
     pub simple: bool,
-    /// Simple, and all corners turn the same way or are straight.
+    /// Whether the outline is simple and all corners turn the same way or are straight.
     pub convex: bool,
-    /// All corners lie in one plane.
+    /// Whether all corners lie in one plane.
     pub flat: bool,
 }
 
-/// Judges the closed outline of these corners, looked at along z; exact in x and y.
+/// Checks the closed outline of these corners, viewed along z. The checks in x and y are exact.
 pub fn judge(corners: &[DVec3]) -> Verdict {
     let flat_view: Vec<_> = corners.iter().map(|corner| corner.truncate()).collect();
     let simple = is_simple(&flat_view);
@@ -101,7 +101,7 @@ fn is_simple(points: &[DVec2]) -> bool {
     })
 }
 
-/// Whether two neighbouring sides run over each other.
+/// Whether two neighbouring sides overlap.
 fn fold_back(points: &[DVec2], i: usize, j: usize) -> bool {
     let count = points.len();
     let middle = if j == i + 1 { j } else { 0 };
@@ -122,7 +122,7 @@ fn turns_one_way(points: &[DVec2]) -> bool {
     !(turns().any(|turn| turn == Ordering::Less) && turns().any(|turn| turn == Ordering::Greater))
 }
 
-/// Whether no corner is farther from the plane of the outline's normal than a millionth of its size.
+/// Whether every corner is within a millionth of the outline's size from the plane of its normal.
 fn is_flat(corners: &[DVec3]) -> bool {
     const TOLERANCE: f64 = 1e-6;
     let Some(first) = corners.first() else { return true };

@@ -1,9 +1,10 @@
-//! Lines between real points: one pixel for every whole coordinate along the longer axis, the one nearest to the line.
+//! Lines between real points: one pixel, the nearest to the line, for each integer coordinate along the longer axis.
 //!
-//! Rounding y = y₀ + m (x − x₀) goes wrong where the line passes close to the middle between two pixels, and adding m
-//! step by step drifts on top of that. Here it is only the first guess. As the line leaves its row by at most one per step,
-//! the pixel of the next step is the same or a neighbour, and on which side of the midpoint between them the line passes
-//! is decided exactly. A line through a midpoint takes the pixel of the larger coordinate, whatever its direction.
+//! Rounding y = y₀ + m (x − x₀) fails where the line passes close to the midpoint between two pixels, and adding m step
+//! by step also accumulates drift. Here it serves only as the first guess. The line changes its row by at most one per
+//! step, so the pixel of the next step is the same or a neighbour. An exact test decides on which side of the midpoint
+//! between them the line passes. A line through a midpoint takes the pixel of the larger coordinate, whatever its
+//! direction.
 
 use std::cmp::Ordering;
 
@@ -12,27 +13,28 @@ use glam::DVec2;
 use super::side;
 use crate::math::expansion::Expansion;
 
-/// Largest coordinate of an end, px: twice as far out there would be no half pixels any more.
+/// Maximum magnitude of an end's coordinate, px. Much farther out, f64 cannot represent half pixels.
 pub const MAX_COORDINATE_PX: f64 = (1_u64 << 50) as f64;
 
-/// The walk along a line; see [`real_line`].
+/// Iterator over the pixels of a line; see [`real_line`].
 #[derive(Clone, Debug)]
 pub struct RealLine {
-    /// Whether y is the longer axis. Everything below has the longer axis as x.
+    /// Whether y is the longer axis. The fields below use the longer axis as x.
     steep: bool,
-    /// The end with the smaller x, and the other one.
+    /// End with the smaller x, and the other end.
     low: DVec2,
     high: DVec2,
-    /// x of the next pixel, the one after the last, and ±1.
+    /// x of the next pixel, x one past the last pixel, and the step of ±1.
     major: i64,
     end: i64,
     step: i64,
-    /// y of the pixel before.
+    /// y of the previous pixel.
     minor: i64,
 }
 
-/// The pixels from `p0` to `p1`; none if the line lies between two whole coordinates. `None` if an end is not finite or
-/// farther out than [`MAX_COORDINATE_PX`].
+/// Returns the pixels from `p0` to `p1`. There are none if the line lies between two adjacent integer coordinates.
+///
+/// Returns `None` if an end is not finite or has a coordinate beyond [`MAX_COORDINATE_PX`].
 pub fn real_line(p0: DVec2, p1: DVec2) -> Option<RealLine> {
     if !(p0.abs().max_element() <= MAX_COORDINATE_PX && p1.abs().max_element() <= MAX_COORDINATE_PX) {
         return None;
@@ -44,38 +46,38 @@ pub fn real_line(p0: DVec2, p1: DVec2) -> Option<RealLine> {
     let (low, high) = if forward { (from, to) } else { (to, from) };
     let (first, last) = (low.x.ceil() as i64, high.x.floor() as i64);
     let (major, end, step) = if forward { (first, last + 1, 1) } else { (last, first - 1, -1) };
-    // A line between two whole coordinates would run away from its end.
+    // A line between two integer coordinates has no pixels; without this, the walk would miss its end.
     let end = if first > last { major } else { end };
-    // A point has a direction, too, so that sides are defined; on a whole coordinate the sum is exact.
+    // A point also needs a direction so that sides are defined. At an integer coordinate the sum is exact.
     let high = if low == high { high + DVec2::X } else { high };
     let slope = (high.y - low.y) / (high.x - low.x);
     let minor = (low.y + (major as f64 - low.x) * slope).round() as i64;
     Some(RealLine { steep, low, high, major, end, step, minor })
 }
 
-/// Whether |Δx| < |Δy|, exactly.
+/// Whether |Δx| < |Δy|, decided exactly.
 fn is_steep(p0: DVec2, p1: DVec2) -> bool {
     let (dx, dy) = (Expansion::difference(p1.x, p0.x), Expansion::difference(p1.y, p0.y));
     (&(&dx * &dx) - &(&dy * &dy)).sign() == Ordering::Less
 }
 
 impl RealLine {
-    /// Whether y is the longer axis, of which every whole coordinate gets a pixel.
+    /// Whether y is the longer axis, on which every integer coordinate gets a pixel.
     pub fn is_steep(&self) -> bool {
         self.steep
     }
 
-    /// Coordinate along the longer axis of the pixel that comes next; `None` at the end.
+    /// Returns the coordinate of the next pixel along the longer axis; `None` at the end.
     pub fn major(&self) -> Option<i64> {
         (self.major != self.end).then_some(self.major)
     }
 
-    /// Coordinate across, from where the nearest pixel of the next step is looked for: that of the pixel before.
+    /// Returns the coordinate of the previous pixel along the shorter axis, where the search for the next pixel starts.
     pub fn minor(&self) -> i64 {
         self.minor
     }
 
-    /// Whether the line passes the next step at `minor` − ½ or beyond.
+    /// Whether the line passes at or beyond `minor` − ½ at the next step.
     fn reaches(&self, minor: i64) -> bool {
         side(self.low, self.high, DVec2::new(self.major as f64, minor as f64 - 0.5)) != Ordering::Greater
     }
@@ -105,7 +107,7 @@ mod tests {
         real_line(p0.into(), p1.into()).unwrap().collect()
     }
 
-    /// By the definition, for ends that are whole numbers of `unit`-ths of a pixel.
+    /// Returns the pixels by the definition, for ends in units of 1/`unit` px.
     fn by_definition(p0: (i64, i64), p1: (i64, i64), unit: i64) -> Vec<(i64, i64)> {
         let steep = (p1.0 - p0.0).abs() < (p1.1 - p0.1).abs();
         let swap = |(x, y): (i64, i64)| if steep { (y, x) } else { (x, y) };
@@ -163,7 +165,7 @@ mod tests {
         let tiny = 2.0_f64.powi(-149);
         assert_eq!(pixels((0.0, 0.5 - f64::EPSILON / 4.0), (2.0, 0.5)), [(0, 0), (1, 0), (2, 1)]);
         assert_eq!(pixels((0.0, tiny), (0.0, tiny)), [(0, 0)]);
-        // Longer in x by 10⁻⁴⁵ px; as long in y.
+        // The line is longer in x than in y by only 10⁻⁴⁵ px.
         assert_eq!(pixels((-tiny, 0.0), (1.0, 1.0)), [(0, 0), (1, 1)]);
         assert!(!real_line(DVec2::new(-tiny, 0.0), DVec2::ONE).unwrap().is_steep());
         assert!(real_line(DVec2::new(tiny, 0.0), DVec2::ONE).unwrap().is_steep());

@@ -1,38 +1,38 @@
-//! Filling a region from a seed, span by span.
+//! Span-based region filling from a seed.
 //!
-//! *Flood fill* recolours everything of the seed's own colour that hangs together with it; *boundary fill* everything up
-//! to a boundary of one colour. Hanging together means over sides (4-connected) or also over corners (8-connected), with
-//! the two failures that belong to them: an 8-connected fill leaks through a boundary that is only 8-connected itself, a
-//! diagonal wall; and a 4-connected fill stops where a region goes on over a corner.
+//! *Flood fill* recolours the connected region that has the seed's own colour; *boundary fill* recolours everything up
+//! to a boundary of one colour. Pixels are connected over sides (4-connected) or also over corners (8-connected). Each
+//! has a characteristic failure: an 8-connected fill leaks through a boundary that is itself only 8-connected, such as
+//! a diagonal wall. A 4-connected fill stops where a region continues over a corner.
 //!
-//! Recursion pixel by pixel is as deep as the region is large. Here a stack of seeds is kept, one for each run of
-//! fillable pixels found beside a filled one, and whatever is popped is filled as a whole span. The fill ends because
-//! filled pixels are no longer fillable; a flood that would change nothing fills nothing.
+//! Recursion pixel by pixel is as deep as the region is large. This implementation keeps a stack of seeds, one for each
+//! run of fillable pixels found beside a filled one, and fills a whole span per popped seed. The fill terminates
+//! because filled pixels are no longer fillable; a flood fill with the region's own colour fills nothing.
 
 use std::ops::Range;
 
 use super::Span;
 use crate::image::Image;
 
-/// How far a fill goes.
+/// Criterion that ends a fill.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Region<T> {
-    /// As far as the colour of the seed.
+    /// Fills the connected region that has the colour of the seed.
     Flood,
-    /// Up to this colour; pixels of the new colour count as done.
+    /// Fills up to this colour. Pixels that already have the new colour count as filled.
     Boundary(T),
 }
 
-/// Which neighbours belong together.
+/// Neighbourhood that connects pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Connectivity {
-    /// Those that share a side.
+    /// Neighbours share a side.
     Four,
-    /// Those that share a side or a corner.
+    /// Neighbours share a side or a corner.
     Eight,
 }
 
-/// A fill on its way: the picture is filled as spans are asked for. See [`seed_fill`].
+/// Fill in progress; each item of the iterator fills one span of the image. See [`seed_fill`].
 #[derive(Debug)]
 pub struct SeedFill<'a, T> {
     image: &'a mut Image<T>,
@@ -42,15 +42,14 @@ pub struct SeedFill<'a, T> {
     seeds: Vec<(u32, u32)>,
 }
 
-/// Which colours are filled.
+/// Set of colours that are filled.
 #[derive(Clone, Copy, Debug)]
 enum Fillable<T> {
     Only(T),
     AllBut(T),
 }
 
-/// Fills `image` with `new` from `seed` on, in spans of which no two share a pixel. Nothing is filled from a seed outside
-/// the picture.
+/// Fills `image` with `new` from `seed`, in disjoint spans. A seed outside the picture fills nothing.
 pub fn seed_fill<T: Copy + PartialEq>(
     image: &mut Image<T>,
     seed: (u32, u32),
@@ -68,12 +67,12 @@ pub fn seed_fill<T: Copy + PartialEq>(
 }
 
 impl<T: Copy + PartialEq> SeedFill<'_, T> {
-    /// The picture as far as it has been filled.
+    /// Returns the image in its current state.
     pub fn image(&self) -> &Image<T> {
         self.image
     }
 
-    /// The pixels from where the fill goes on, the last one first. Some may have been filled meanwhile.
+    /// Returns the stack of seeds, the next one last. Some may already be filled.
     pub fn seeds(&self) -> &[(u32, u32)] {
         &self.seeds
     }
@@ -87,14 +86,14 @@ impl<T: Copy + PartialEq> SeedFill<'_, T> {
             }
     }
 
-    /// The run of fillable pixels around one of them.
+    /// Returns the run of fillable pixels around a fillable pixel.
     fn run_around(&self, x: u32, y: u32) -> Range<u32> {
         let x0 = (0..x).rev().take_while(|x| self.is_fillable(*x, y)).last().unwrap_or(x);
         let x1 = (x..self.image.width()).take_while(|x| self.is_fillable(*x, y)).last().unwrap_or(x);
         x0..x1 + 1
     }
 
-    /// Puts one seed on the stack for each run of fillable pixels in these columns of a row.
+    /// Pushes one seed for each run of fillable pixels in these columns of a row.
     fn push_runs(&mut self, columns: Range<u32>, y: u32) {
         let mut in_run = false;
         for x in columns {
@@ -106,7 +105,7 @@ impl<T: Copy + PartialEq> SeedFill<'_, T> {
         }
     }
 
-    /// Fills a run and looks for more in the rows above and below.
+    /// Fills a run and pushes seeds for the runs in the rows above and below.
     fn fill_run(&mut self, columns: Range<u32>, y: u32) {
         columns.clone().for_each(|x| self.image.set(x, y, self.new));
         let beside = match self.connectivity {
@@ -155,7 +154,7 @@ mod tests {
         image
     }
 
-    /// Spreads by one pixel at a time until nothing changes any more.
+    /// Fills by growing the region one pixel at a time until nothing changes.
     fn by_spreading(image: &Image<u8>, seed: (u32, u32), region: Region<u8>, connectivity: Connectivity) -> Image<u8> {
         let old = image.at(seed.0, seed.1);
         let may = |x: u32, y: u32| match region {
@@ -225,7 +224,7 @@ mod tests {
 
     #[test]
     fn spans_never_share_a_pixel_and_the_stack_stays_small() {
-        // A comb of corridors, the worst for recursion.
+        // A comb of corridors is the worst case for recursion.
         let mut image = Image::from_fn(400, 400, |x, y| if x % 2 == 1 && y > 0 { WALL } else { b'.' });
         let open = image.pixels().iter().filter(|p| **p == b'.').count();
         let mut fill = seed_fill(&mut image, (0, 399), Region::Flood, Connectivity::Four, NEW);

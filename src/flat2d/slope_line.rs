@@ -1,31 +1,31 @@
-//! Lines by their slope, in single-precision floats: one pixel per step of the longer axis, rounded.
+//! Lines by their slope, in f32: one rounded pixel per step of the longer axis.
 //!
-//! The plainest way computes y = m (x − x₀) + y₀ anew at every step and rounds it. The *digital differential analyser*
-//! spares the multiplication and adds m to the y before; each addition rounds, the errors sum up, and a long line drifts.
-//! [`super::line`] needs no floats at all, [`super::real_line`] decides exactly.
+//! The simplest method computes y = m (x − x₀) + y₀ at every step and rounds it. The *digital differential analyser*
+//! (DDA) saves the multiplication and adds m to the previous y. Each addition rounds, the errors accumulate, and a long
+//! line drifts. [`super::line`] needs no floats, and [`super::real_line`] decides exactly.
 
 use glam::DVec2;
 
-/// How the coordinate across is found at each step.
+/// Method that computes the coordinate along the shorter axis at each step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stepping {
-    /// y = m (x − x₀) + y₀, anew at every step.
+    /// Evaluates y = m (x − x₀) + y₀ at every step.
     Intersection,
-    /// y ← y + m.
+    /// Adds the slope to the previous value, y ← y + m.
     Addition,
 }
 
-/// The walk along a line; see [`slope_line`].
+/// Iterator over the pixels of a line; see [`slope_line`].
 #[derive(Clone, Debug)]
 pub struct SlopeLine {
     stepping: Stepping,
-    /// Whether y is the longer axis. Everything below has the longer axis as x.
+    /// Whether y is the longer axis. The fields below use the longer axis as x.
     steep: bool,
     from: DVec2,
     to: DVec2,
     /// Change of y per step of +1 in x.
     slope: f32,
-    /// x of the next pixel, of the one after the last, and ±1.
+    /// x of the next pixel, x one past the last pixel, and the step of ±1.
     major: i64,
     end: i64,
     step: i64,
@@ -33,8 +33,9 @@ pub struct SlopeLine {
     minor: f32,
 }
 
-/// The pixels from `p0` to `p1`, the one nearest to each end included, at most one per step of the longer axis. Ends are
-/// read as f32; none if one of them is farther out than 2²⁴, where floats have no fraction any more.
+/// Returns the pixels from `p0` to `p1`, one per step of the longer axis, including the pixel nearest to each end.
+///
+/// The ends are rounded to f32. Returns `None` if a coordinate of an end exceeds 2²⁴, beyond which f32 has no fraction.
 pub fn slope_line(p0: DVec2, p1: DVec2, stepping: Stepping) -> Option<SlopeLine> {
     const MAX_COORDINATE_PX: f64 = (1 << 24) as f64;
     if !(p0.abs().max_element() <= MAX_COORDINATE_PX && p1.abs().max_element() <= MAX_COORDINATE_PX) {
@@ -57,17 +58,17 @@ fn round(value: f32) -> i64 {
 }
 
 impl SlopeLine {
-    /// Whether y is the longer axis, along which steps are taken.
+    /// Whether y is the longer axis, along which the line steps.
     pub fn is_steep(&self) -> bool {
         self.steep
     }
 
-    /// The coordinate across at the pixel that comes next, before it is rounded; `None` at the end.
+    /// Returns the coordinate of the next pixel along the shorter axis, before rounding; `None` at the end.
     pub fn value(&self) -> Option<f32> {
         (self.major != self.end).then_some(self.minor)
     }
 
-    /// What [`value`](Self::value) would be without any rounding, to the digits of f64.
+    /// Returns [`value`](Self::value) computed in f64 from the unrounded ends.
     pub fn exact_value(&self) -> f64 {
         if self.from.x == self.to.x {
             return self.from.y;
@@ -113,7 +114,7 @@ mod tests {
                 let found = pixels(from, to, stepping);
                 assert_eq!(found.len(), exact.len());
                 for (a, b) in found.iter().zip(&exact) {
-                    // Ties may fall either way once floats have rounded.
+                    // Rounding in floats may decide ties either way.
                     assert!((a.0 - b.0).abs() + (a.1 - b.1).abs() <= 1, "{x} {y} {stepping:?}: {a:?}, not {b:?}");
                 }
             }

@@ -1,17 +1,17 @@
-//! Filling a region pixel by pixel, in the order of the textbook's recursion, with the stack laid open.
+//! Pixel-by-pixel region filling, in the order of the textbook's recursion, with an explicit stack.
 //!
-//! The recursive form calls itself for each neighbour of a pixel. Here the calls that wait are pixels on a stack; it grows
-//! to the order of the region's area, which is what overflows the stack of a program that recurses. [`super::seed_fill`]
+//! The recursive form calls itself for each neighbour of a pixel. Here, the pending calls are pixels on a stack. It
+//! grows to the order of the region's area, which overflows the call stack of a recursive program. [`super::seed_fill`]
 //! fills the same pixels by spans, with a stack that stays small.
 
 use super::seed_fill::{Connectivity, Region};
 use crate::image::Image;
 
-/// Neighbours by their side and over their corners, as (right, down).
+/// Offsets (right, down) of the neighbours that share a side, and of those that share only a corner.
 const SIDES: [(i32, i32); 4] = [(1, 0), (0, 1), (-1, 0), (0, -1)];
 const CORNERS: [(i32, i32); 4] = [(1, 1), (-1, 1), (-1, -1), (1, -1)];
 
-/// A fill on its way; see [`stack_fill`].
+/// Fill in progress; see [`stack_fill`].
 #[derive(Debug)]
 pub struct StackFill<'a, T> {
     image: &'a mut Image<T>,
@@ -22,7 +22,7 @@ pub struct StackFill<'a, T> {
     stack: Vec<(u32, u32)>,
 }
 
-/// Fills `image` with `new` from `seed` on, one pixel per item. Nothing is filled from a seed outside the picture.
+/// Fills `image` with `new` from `seed`, one pixel per item. A seed outside the picture fills nothing.
 pub fn stack_fill<T: Copy + PartialEq>(
     image: &mut Image<T>,
     seed: (u32, u32),
@@ -35,7 +35,7 @@ pub fn stack_fill<T: Copy + PartialEq>(
 }
 
 impl<T: Copy + PartialEq> StackFill<'_, T> {
-    /// The pixels that wait, the next one last. Some may have been filled meanwhile.
+    /// Returns the stack of pending pixels, the next one last. Some may already be filled.
     pub fn stack(&self) -> &[(u32, u32)] {
         &self.stack
     }
@@ -62,7 +62,7 @@ impl<T: Copy + PartialEq> Iterator for StackFill<'_, T> {
             }
             self.image.set(pixel.0, pixel.1, self.new);
             let corners: &[_] = if self.connectivity == Connectivity::Eight { &CORNERS } else { &[] };
-            // The last one pushed is the first one filled: the neighbour to the right, as in the recursion.
+            // The last pixel pushed is the first one filled: the neighbour to the right, as in the recursion.
             for (right, down) in corners.iter().chain(SIDES.iter().rev()) {
                 let neighbour = pixel.0.checked_add_signed(*right).zip(pixel.1.checked_add_signed(*down));
                 if let Some(neighbour) = neighbour.filter(|neighbour| self.is_fillable(*neighbour)) {

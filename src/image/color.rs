@@ -6,31 +6,34 @@ use glam::Vec3;
 
 use crate::math::lanes::*;
 
-/// The tables behind fast conversion. Loops hold on to one reference: asking for it each time costs as much as a lookup.
+/// Tables for fast conversion. Loops should keep one reference, because each call of [`Tables::get`] costs as much as a
+/// lookup.
 #[derive(Debug)]
 pub struct Tables {
-    /// Linear light of each code.
+    /// Linear light of each sRGB code.
     pub linear_of_code: [f32; 256],
     /// Each code as a float.
     pub code: [f32; 256],
-    /// Of each bucket of linear values the code of the least one, times 2¹⁶, and what is short of 2¹⁶ at the first place in the
-    /// bucket that has the next code: place and entry add up to a code with its broken part, so that one read finds it.
+    /// Entry of each bucket of linear values: code · 2¹⁶ + (2¹⁶ − next). code is that of the bucket's least value, and
+    /// next is the first place in the bucket with the next code. Place plus entry is a code in fixed point with 16
+    /// fractional bits, so one read finds it.
     buckets: Box<[u32; BUCKETS]>,
 }
 
-/// Linear values below 2⁻¹³ have code 0: half a code is 0.5 / 255 / 12.92 = 1.5 · 10⁻⁴ > 2⁻¹³.
+/// Bits of 2⁻¹³. Lower linear values have code 0: half a code is 0.5 / 255 / 12.92 = 1.5 · 10⁻⁴ > 2⁻¹³.
 const LEAST_BITS: u32 = 0x3900_0000;
 
-/// Buckets per octave are 2⁸: 0.4 % wide, narrower than any code, so a bucket holds one threshold at most.
+/// Shift from the bits of a float to its bucket. The 2⁸ buckets per octave are 0.4 % wide, narrower than any code, so a
+/// bucket holds at most one threshold.
 const BUCKET_SHIFT: u32 = 15;
 
-/// Places in a bucket.
+/// Number of places in a bucket: one per float.
 const PLACES: u32 = 1 << BUCKET_SHIFT;
 
-/// Bits of an entry below its code.
+/// Number of fractional bits of an entry, below its code.
 const CODE_SHIFT: u32 = BUCKET_SHIFT + 1;
 
-/// Buckets up to that of 1, and more up to a power of two, so that a masked number is known to be one of them.
+/// Number of buckets: up to that of 1, rounded up to a power of two so that a masked index is always valid.
 const BUCKETS: usize = (((0x3F80_0000 - LEAST_BITS) >> BUCKET_SHIFT) as usize + 1).next_power_of_two();
 
 static TABLES: LazyLock<Tables> = LazyLock::new(|| {
@@ -46,7 +49,7 @@ static TABLES: LazyLock<Tables> = LazyLock::new(|| {
         buckets: Box::new(std::array::from_fn(|bucket| {
             let bits = LEAST_BITS + bucket as u32 * PLACES;
             let code = thresholds.partition_point(|t| *t <= f32::from_bits(bits)).clamp(1, 256) - 1;
-            // None of its places has the next code if that begins further up.
+            // If the next code begins beyond the bucket, none of its places has that code.
             let next = (thresholds[code + 1].to_bits() - bits).min(PLACES);
             ((code as u32 + 1) << CODE_SHIFT) - next
         })),
@@ -54,12 +57,12 @@ static TABLES: LazyLock<Tables> = LazyLock::new(|| {
 });
 
 impl Tables {
-    /// The one instance.
+    /// Returns the single instance.
     pub fn get() -> &'static Self {
         &TABLES
     }
 
-    /// The 8-bit sRGB code nearest to linear light; clamps, and gives 0 for NaN.
+    /// Returns the 8-bit sRGB code nearest to linear light; clamps, and returns 0 for NaN.
     ///
     /// Exact: the code is found by comparing with the thresholds between codes, not by an approximated power.
     #[inline]
@@ -75,7 +78,7 @@ impl Tables {
         self.encode_lanes_by(simd, gathers_are_quick(), linear)
     }
 
-    /// [`Self::encode_lanes`], by instructions that gather or without.
+    /// [`Self::encode_lanes`], with or without gather instructions.
     #[inline(always)]
     fn encode_lanes_by<S: Simd>(&self, simd: S, by_gathers: bool, linear: f32x16<S>) -> u32x16<S> {
         let zero = f32x16::splat(simd, 0.0);
@@ -86,13 +89,13 @@ impl Tables {
 }
 
 impl Tables {
-    /// Of sixteen codes, which are less than 256, what a table has.
+    /// Returns the table's values for sixteen codes, each less than 256.
     #[inline(always)]
     pub fn lookup<S: Simd>(simd: S, table: &[f32; 256], codes: u32x16<S>) -> f32x16<S> {
         Self::lookup_by(simd, gathers_are_quick(), table, codes)
     }
 
-    /// [`Tables::lookup`], by instructions that gather or without.
+    /// [`Tables::lookup`], with or without gather instructions.
     #[inline(always)]
     fn lookup_by<S: Simd>(simd: S, by_gathers: bool, table: &[f32; 256], codes: u32x16<S>) -> f32x16<S> {
         #[cfg(target_arch = "x86_64")]
@@ -107,7 +110,7 @@ impl Tables {
         f32x16::load_array(simd, found)
     }
 
-    /// The entries of sixteen buckets.
+    /// Returns the entries of sixteen buckets.
     #[inline(always)]
     fn entries<S: Simd>(&self, simd: S, by_gathers: bool, bucket: u32x16<S>) -> u32x16<S> {
         #[cfg(target_arch = "x86_64")]
@@ -134,10 +137,10 @@ mod x86 {
 
     kernel! {
         #[inline]
-        #[expect(unsafe_code, reason = "an instruction for sixteen reads: gathering over frames takes a tenth less")]
+        #[expect(unsafe_code, reason = "one instruction for 16 reads: gathering over frames takes a tenth less time")]
         pub(super) fn lookup(avx512: Avx512, table: &[f32; 256], codes: __m512i) -> [f32; 16] {
             let codes = _mm512_and_si512(codes, _mm512_set1_epi32(255));
-            // SAFETY: a number masked by 255 is at most that, and so many numbers and one the table has.
+            // SAFETY: a code masked with 255 is at most 255, and the table has 256 entries.
             let found: f32x16<_> = unsafe { _mm512_i32gather_ps::<4>(codes, table.as_ptr()) }.simd_into(avx512);
             found.to_array()
         }
@@ -145,43 +148,43 @@ mod x86 {
 
     kernel! {
         #[inline]
-        #[expect(unsafe_code, reason = "an instruction for sixteen reads: gathering over frames takes a fifth less")]
+        #[expect(unsafe_code, reason = "one instruction for 16 reads: gathering over frames takes a fifth less time")]
         pub(super) fn entries(avx512: Avx512, buckets: &[u32; BUCKETS], bucket: __m512i) -> [u32; 16] {
             let bucket = _mm512_and_si512(bucket, _mm512_set1_epi32(BUCKETS as i32 - 1));
-            // SAFETY: a number masked by one less than a power of two is less than that, and so many buckets there are.
+            // SAFETY: an index masked with `BUCKETS` − 1 is less than `BUCKETS`, because that is a power of two.
             let found: u32x16<_> = unsafe { _mm512_i32gather_epi32::<4>(bucket, buckets.as_ptr().cast()) }.simd_into(avx512);
             found.to_array()
         }
     }
 }
 
-/// Linear light of an sRGB value in [0, 1].
+/// Returns the linear light of an sRGB value in [0, 1].
 pub fn decode(srgb: f32) -> f32 {
     if srgb <= 0.04045 { srgb / 12.92 } else { ((srgb + 0.055) / 1.055).powf(2.4) }
 }
 
-/// sRGB value of linear light in [0, 1].
+/// Returns the sRGB value of linear light in [0, 1].
 pub fn encode(linear: f32) -> f32 {
     if linear <= 0.003_130_8 { linear * 12.92 } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// Linear light of an 8-bit sRGB code.
+/// Returns the linear light of an 8-bit sRGB code.
 pub fn decode_byte(code: u8) -> f32 {
     TABLES.linear_of_code[code as usize]
 }
 
-/// The 8-bit code of a value in [0, 1], rounded half up; clamps, and gives 0 for NaN.
+/// Returns the 8-bit code of a value in [0, 1], rounded half up; clamps, and returns 0 for NaN.
 #[inline]
 pub fn quantize(value: f32) -> u8 {
     (value * 255.0 + 0.5) as u8
 }
 
-/// Linear light of a colour given in sRGB values.
+/// Returns the linear light of a colour given in sRGB values.
 pub fn decode_rgb(srgb: Vec3) -> Vec3 {
     Vec3::new(decode(srgb.x), decode(srgb.y), decode(srgb.z))
 }
 
-/// Luma of sRGB codes by the Rec. 709 weights, in [0, 255].
+/// Returns the luma of sRGB codes by the Rec. 709 weights, in [0, 255].
 pub fn luma([r, g, b, _]: [u8; 4]) -> f32 {
     0.2126 * f32::from(r) + 0.7152 * f32::from(g) + 0.0722 * f32::from(b)
 }
@@ -194,7 +197,7 @@ mod tests {
         TABLES.encode(linear)
     }
 
-    /// The least linear value nearest to a code: it is half a code below it.
+    /// Returns the least linear value that is nearest to a code, half a code below it.
     fn least_of_code(code: u8) -> f32 {
         decode((f32::from(code) - 0.5) / 255.0)
     }

@@ -1,10 +1,10 @@
 //! Picture files: reading untrusted ones within limits, writing PNG.
 //!
-//! In: a path. Out: straight 8-bit RGBA of sRGB codes, or an error that names the file and the cause. What a file is
-//! follows from its content, not from its name, because wrong suffixes are common; only TGA has no signature and
-//! needs its suffix. Sizes are checked after the header and before anything is allocated, so a small file cannot ask
-//! for much memory. 16-bit channels are rounded to 8, grey becomes RGB, of an animation the first picture is taken;
-//! colour profiles and orientation tags are ignored, as a texture wants its texels as they are.
+//! Reading turns a path into straight 8-bit RGBA of sRGB codes, or into an error that names the file and the cause. The
+//! format is recognised by content, not by name, because wrong suffixes are common; only TGA has no signature and needs
+//! its suffix. Sizes are checked after the header and before any allocation, so a small file cannot claim much memory.
+//! 16-bit channels are rounded to 8 bits, grey becomes RGB, and an animation yields its first picture. Colour profiles
+//! and orientation tags are ignored, because a texture needs its texels unchanged.
 
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -16,86 +16,88 @@ use thiserror::Error;
 use super::{Image, Rgba8};
 use crate::{disk, text};
 
-/// Largest picture file that is read, bytes.
+/// Maximum size of a picture file that is read, in bytes.
 const MAX_FILE_BYTES: u64 = 256 << 20;
 
-/// Longest side of a picture that is read, pixels.
+/// Maximum side of a picture that is read, in pixels.
 const MAX_SIDE: u32 = 16_384;
 
-/// Most pixels of a picture that is read, 8192 × 8192: decoded and converted it stays well below a gigabyte.
+/// Maximum number of pixels of a picture that is read, 8192 × 8192: decoded and converted it stays well below a
+/// gigabyte.
 const MAX_PIXELS: u64 = 1 << 26;
 
-/// Most bytes that a decoder may ask for.
+/// Maximum number of bytes that a decoder may allocate.
 const MAX_DECODER_BYTES: u64 = 256 << 20;
 
-/// Why a picture could not be read or written.
+/// Reason why a picture could not be read or written.
 #[derive(Debug, Error)]
 pub enum ImageFileError {
     /// The file cannot be read.
     #[error("{}: cannot read it: {source}", path.display())]
     Unreadable {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// The content is no picture of a supported kind.
-    #[error("{}: not a picture that this program reads (PNG, JPEG, BMP, TGA, GIF, TIFF); {hint}", path.display())]
+    /// The content is not a picture of a supported format.
+    #[error("{}: not a supported picture (PNG, JPEG, BMP, TGA, GIF or TIFF); {hint}", path.display())]
     Unsupported {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What it is instead.
+        /// Description of what the content looks like.
         hint: String,
     },
-    /// More pixels than are read.
-    #[error("{}: {width} × {height} pixels are too many (at most {MAX_SIDE} a side and {MAX_PIXELS} in all)", path.display())]
+    /// The picture has too many pixels.
+    #[error("{}: {width} × {height} pixels are too many (at most {MAX_SIDE} per side and {MAX_PIXELS} in total)", path.display())]
     TooManyPixels {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Pixels.
+        /// Width in pixels.
         width: u32,
-        /// Pixels.
+        /// Height in pixels.
         height: u32,
     },
-    /// The content is damaged, or asks for more memory than is allowed.
+    /// The content is damaged, or needs more memory than is allowed.
     #[error("{}: cannot decode this {kind} file: {reason}", path.display())]
     Undecodable {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What it is, such as `PNG`.
+        /// Format, such as `PNG`.
         kind: &'static str,
-        /// What the decoder said.
+        /// Message of the decoder.
         reason: String,
     },
     /// The file cannot be written.
     #[error("{}: cannot write it: {source}", path.display())]
     Unwritable {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
 }
 
-/// Reads a picture. Never empty, at most 16 384 pixels a side and 8192 × 8192 in all.
+/// Reads a picture. It is never empty, and has at most 16 384 pixels per side and 8192 × 8192 in total.
 pub fn read(path: &Path) -> Result<Image<Rgba8>, ImageFileError> {
     PictureFile::read_header(path)?.decode()
 }
 
-/// A picture file whose header was read.
+/// Picture file whose header has been read.
 #[derive(Debug)]
 pub struct PictureFile {
     path: PathBuf,
     bytes: Vec<u8>,
     format: ImageFormat,
-    /// Format as in messages, such as `PNG`.
+    /// Format as shown in messages, such as `PNG`.
     kind: &'static str,
     width: u32,
     height: u32,
 }
 
 impl PictureFile {
-    /// Reads a file and the size of its picture, which is never empty: at most 16 384 pixels a side and 8192 × 8192 in all.
+    /// Reads a file and the size of its picture. The picture is never empty, and has at most 16 384 pixels per side and
+    /// 8192 × 8192 in total.
     pub fn read_header(path: &Path) -> Result<Self, ImageFileError> {
         let bytes = disk::read(path, MAX_FILE_BYTES)
             .map_err(|source| ImageFileError::Unreadable { path: path.to_owned(), source })?;
@@ -111,7 +113,7 @@ impl PictureFile {
         Ok(Self { path: path.to_owned(), bytes, format, kind, width, height })
     }
 
-    /// Width and height in pixels.
+    /// Returns width and height in pixels.
     pub fn size(&self) -> (u32, u32) {
         (self.width, self.height)
     }
@@ -127,12 +129,12 @@ fn undecodable(path: &Path, kind: &'static str, reason: &str) -> ImageFileError 
     ImageFileError::Undecodable { path: path.to_owned(), kind, reason: text::message(reason) }
 }
 
-/// Whether a path is named as pictures are.
+/// Whether a path has the suffix of a picture file.
 pub fn is_named_picture(path: &Path) -> bool {
     path.extension().and_then(ImageFormat::from_extension).is_some()
 }
 
-/// A decoder with limits.
+/// Returns a decoder with an allocation limit.
 fn reader(bytes: &[u8], format: ImageFormat) -> ImageReader<Cursor<&[u8]>> {
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut limits = Limits::default();
@@ -143,7 +145,7 @@ fn reader(bytes: &[u8], format: ImageFormat) -> ImageReader<Cursor<&[u8]>> {
     reader
 }
 
-/// What the content is and what people call that, if it is supported.
+/// Returns the format of the content and its display name, if it is supported.
 fn recognize(path: &Path, bytes: &[u8]) -> Result<(ImageFormat, &'static str), ImageFileError> {
     let named_tga = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("tga"));
     let hint = match image::guess_format(bytes) {
@@ -158,7 +160,7 @@ fn recognize(path: &Path, bytes: &[u8]) -> Result<(ImageFormat, &'static str), I
         Err(_) if bytes.iter().all(|b| b.is_ascii_graphic() || b.is_ascii_whitespace()) => {
             "it looks like text".to_owned()
         }
-        Err(_) => "its content is not known".to_owned(),
+        Err(_) => "its format is unknown".to_owned(),
     };
     Err(ImageFileError::Unsupported { path: path.to_owned(), hint })
 }
@@ -170,14 +172,14 @@ fn to_rgba(decoded: DynamicImage) -> Image<Rgba8> {
     Image::from_pixels(width, height, pixels)
 }
 
-/// Writes a PNG: RGB if every pixel is opaque, else RGBA. Replaces a file that is there; makes no folders.
+/// Writes a PNG: RGB if every pixel is opaque, else RGBA. Replaces an existing file; creates no folders.
 pub fn write_png(path: &Path, image: &Image<Rgba8>) -> Result<(), ImageFileError> {
     encode_png(image)
         .and_then(|bytes| disk::write(path, &bytes))
         .map_err(|source| ImageFileError::Unwritable { path: path.to_owned(), source })
 }
 
-/// The bytes of a PNG file: RGB if every pixel is opaque, else RGBA. Fails for a picture without pixels.
+/// Returns the bytes of a PNG file: RGB if every pixel is opaque, else RGBA. Fails for a picture without pixels.
 pub fn encode_png(image: &Image<Rgba8>) -> std::io::Result<Vec<u8>> {
     let (width, height) = image.size();
     let mut file = Vec::new();

@@ -1,4 +1,4 @@
-//! Pictures in memory: a rectangle of values, colour spaces, and picture files.
+//! Pictures in memory, colour spaces, and picture files.
 
 pub mod color;
 
@@ -9,7 +9,7 @@ pub mod pfm;
 /// Four 8-bit channels: red, green, blue (sRGB codes) and alpha (straight, not premultiplied).
 pub type Rgba8 = [u8; 4];
 
-/// A rectangle of `T`, row by row from the top, x to the right.
+/// Rectangle of values of type `T`, row by row from the top, x to the right.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image<T> {
     width: u32,
@@ -18,25 +18,26 @@ pub struct Image<T> {
 }
 
 impl<T: Copy> Image<T> {
-    /// A picture of `width` × `height` px, all `value`.
+    /// Returns a picture of `width` × `height` px filled with `value`.
     pub fn filled(width: u32, height: u32, value: T) -> Self {
         Self { width, height, pixels: vec![value; width as usize * height as usize] }
     }
 
-    /// A picture in the memory of another one that is no longer needed. What it holds is arbitrary; `value` where memory is new.
+    /// Returns a picture that reuses the buffer of another one. Its content is arbitrary; newly allocated pixels have
+    /// `value`.
     pub fn reusing(memory: Option<Self>, width: u32, height: u32, value: T) -> Self {
         let mut pixels = memory.map_or_else(Vec::new, |image| image.pixels);
         pixels.resize(width as usize * height as usize, value);
         Self { width, height, pixels }
     }
 
-    /// Takes row-major `pixels`. Panics unless there are exactly `width` × `height` of them.
+    /// Returns a picture of row-major `pixels`. Panics unless there are exactly `width` × `height` of them.
     pub fn from_pixels(width: u32, height: u32, pixels: Vec<T>) -> Self {
         assert_eq!(pixels.len(), width as usize * height as usize, "pixel count does not match {width}×{height}");
         Self { width, height, pixels }
     }
 
-    /// Builds a picture by asking `value` for every pixel, rows from the top.
+    /// Returns a picture computed by calling `value` with (x, y) of every pixel, row by row from the top.
     pub fn from_fn(width: u32, height: u32, mut value: impl FnMut(u32, u32) -> T) -> Self {
         let mut pixels = Vec::with_capacity(width as usize * height as usize);
         for y in 0..height {
@@ -45,33 +46,33 @@ impl<T: Copy> Image<T> {
         Self { width, height, pixels }
     }
 
-    /// Width in pixels.
+    /// Returns the width in pixels.
     pub fn width(&self) -> u32 {
         self.width
     }
 
-    /// Height in pixels.
+    /// Returns the height in pixels.
     pub fn height(&self) -> u32 {
         self.height
     }
 
-    /// (width, height) in pixels.
+    /// Returns (width, height) in pixels.
     pub fn size(&self) -> (u32, u32) {
         (self.width, self.height)
     }
 
-    /// The value at (x, y). Panics outside.
+    /// Returns the value at (x, y). Panics outside.
     #[inline]
     pub fn at(&self, x: u32, y: u32) -> T {
         self.pixels[self.index(x, y)]
     }
 
-    /// The value at (x, y), or `None` outside.
+    /// Returns the value at (x, y), or `None` outside.
     pub fn get(&self, x: u32, y: u32) -> Option<T> {
         (x < self.width && y < self.height).then(|| self.at(x, y))
     }
 
-    /// The value nearest to (x, y): coordinates are clamped to the edge. Panics on an empty picture.
+    /// Returns the value nearest to (x, y): coordinates are clamped to the border. Panics on an empty picture.
     #[inline]
     pub fn at_clamped(&self, x: i64, y: i64) -> T {
         let x = x.clamp(0, i64::from(self.width) - 1) as u32;
@@ -86,28 +87,28 @@ impl<T: Copy> Image<T> {
         self.pixels[index] = value;
     }
 
-    /// One row, left to right.
+    /// Returns row `y`, left to right. Panics outside.
     pub fn row(&self, y: u32) -> &[T] {
         let start = y as usize * self.width as usize;
         &self.pixels[start..start + self.width as usize]
     }
 
-    /// All values, row by row.
+    /// Returns all values, row by row.
     pub fn pixels(&self) -> &[T] {
         &self.pixels
     }
 
-    /// All values, row by row, to be written.
+    /// Returns all values, row by row, for writing.
     pub fn pixels_mut(&mut self) -> &mut [T] {
         &mut self.pixels
     }
 
-    /// A picture of the same size with every value mapped.
+    /// Returns a picture of the same size with `f` applied to every value.
     pub fn map<U>(&self, f: impl FnMut(T) -> U) -> Image<U> {
         Image { width: self.width, height: self.height, pixels: self.pixels.iter().copied().map(f).collect() }
     }
 
-    /// Resizes in place, reusing the memory, and fills with `value`.
+    /// Resizes in place, reusing the buffer, and fills with `value`.
     pub fn reset(&mut self, width: u32, height: u32, value: T) {
         self.width = width;
         self.height = height;
@@ -115,7 +116,7 @@ impl<T: Copy> Image<T> {
         self.pixels.resize(width as usize * height as usize, value);
     }
 
-    /// Bytes held by the pixels.
+    /// Returns the number of bytes allocated for the pixels.
     pub fn bytes(&self) -> usize {
         self.pixels.capacity() * size_of::<T>()
     }
@@ -128,7 +129,7 @@ impl<T: Copy> Image<T> {
 }
 
 impl Image<Rgba8> {
-    /// The pixels as bytes, four per pixel.
+    /// Returns the pixels as bytes, four per pixel.
     pub fn as_bytes(&self) -> &[u8] {
         self.pixels.as_flattened()
     }

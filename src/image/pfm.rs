@@ -1,7 +1,7 @@
 //! Pictures of 32-bit floats as PFM files: exact to the last bit, with NaN and infinity.
 //!
-//! The format: a line `Pf` (one number to a pixel) or `PF` (three), a line with width and height, a line `-1.0` that says
-//! "least byte first", then the rows from the lowest to the uppermost, each from left to right.
+//! Format: a line `Pf` (one number per pixel) or `PF` (three), a line with width and height, and a line `-1.0` for
+//! little-endian byte order. Then follow the rows from bottom to top, each from left to right.
 
 use std::path::Path;
 
@@ -9,17 +9,17 @@ use super::Image;
 use super::file::ImageFileError;
 use crate::disk;
 
-/// A picture of floats.
+/// Picture of 32-bit floats.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Floats {
-    /// One number to a pixel.
+    /// One number per pixel.
     One(Image<f32>),
-    /// Three numbers to a pixel.
+    /// Three numbers per pixel.
     Three(Image<[f32; 3]>),
 }
 
 impl Floats {
-    /// The bytes of a PFM file.
+    /// Returns the picture as the bytes of a PFM file.
     pub fn encode(&self) -> Vec<u8> {
         match self {
             Self::One(image) => encode("Pf", image, |value| [value].to_vec()),
@@ -38,7 +38,7 @@ fn encode<T: Copy>(magic: &str, image: &Image<T>, numbers: impl Fn(T) -> Vec<f32
     bytes
 }
 
-/// Writes a PFM file. Replaces a file that is there; makes no folders.
+/// Writes a PFM file. Replaces an existing file; creates no folders.
 pub fn write_pfm(path: &Path, floats: &Floats) -> Result<(), ImageFileError> {
     disk::write(path, &floats.encode()).map_err(|source| ImageFileError::Unwritable { path: path.to_owned(), source })
 }

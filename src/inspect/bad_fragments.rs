@@ -1,4 +1,4 @@
-//! Counting, while a frame is drawn, what happens and which fragments carry numbers that are none.
+//! An observer that counts pipeline events and fragments with NaN or infinite values.
 
 use crate::pipeline::interpolate::attribute_weights;
 use crate::pipeline::observe::{Counters, DepthOutcome, Fate, Observer};
@@ -7,18 +7,19 @@ use crate::pipeline::settings::{DepthTest, Settings};
 use crate::pipeline::viewport::ScreenTriangle;
 use crate::scene::TriangleId;
 
-/// Counters, and how many fragments that passed the depth test have a depth or a weight that is NaN or infinite.
+/// Pipeline counters, and the number of fragments with a NaN or infinite depth or weight among those that passed the
+/// depth test.
 #[derive(Clone, Copy, Debug)]
 pub struct BadFragments {
-    /// What happened.
+    /// Counters of all pipeline events.
     pub counters: Counters,
-    /// Fragments with numbers that are none.
+    /// Number of fragments with a NaN or infinite depth or weight.
     pub bad: u64,
     settings: Settings,
 }
 
 impl BadFragments {
-    /// Nothing counted yet, for a frame that `settings` make.
+    /// Creates zeroed counters for a frame drawn with `settings`.
     pub fn new(settings: Settings) -> Self {
         Self { counters: Counters::default(), bad: 0, settings }
     }
@@ -80,7 +81,7 @@ mod tests {
             let frame = run(&scene, &scene.home, &recipe, Viewport { width: 32, height: 24 }, &mut ());
             let mut counting = BadFragments::new(recipe.pipeline);
             redraw(&scene, &recipe, &frame, Until::Depth, &mut counting);
-            // Triangles do not overlap here, so that every fragment is a pixel of the buffer.
+            // The triangles do not overlap, so every fragment is one pixel of the buffer.
             let weights = capture(&scene, &recipe, &frame).perspective_lambda;
             let bad =
                 weights.pixels().iter().filter(|weights| weights.iter().any(|weight| !weight.is_finite())).count();

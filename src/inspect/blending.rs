@@ -1,4 +1,4 @@
-//! The order in which blended fragments were drawn: right from far to near, wrong where one lies over a nearer one.
+//! Drawing order of blended fragments: correct from far to near, wrong if a fragment is blended over a nearer one.
 
 use crate::chain::{Frame, Recipe, redraw};
 use crate::image::{Image, Rgba8};
@@ -12,28 +12,28 @@ use crate::pipeline::settings::{BlendingOrder, Settings};
 use crate::pipeline::viewport::ScreenTriangle;
 use crate::scene::{Scene, Transparency};
 
-/// The recipe with its blended fragments sorted.
+/// Returns the recipe with blended fragments in exact depth order.
 pub(super) fn sorted(recipe: &Recipe) -> Recipe {
     let mut sorted = *recipe;
     sorted.pipeline.blending.order = BlendingOrder::Exact;
     sorted
 }
 
-/// Whether a stored depth lies nearer to the viewer than another.
+/// Whether a stored depth is nearer to the viewer than another.
 pub(super) fn is_nearer(depth: f32, other: f32, settings: &Settings) -> bool {
     if settings.reversed() { depth > other } else { depth < other }
 }
 
-/// Follows blended fragments in drawing order.
+/// Tracks the depths of blended fragments in drawing order.
 pub(super) struct BlendedDepths<'a> {
     settings: &'a Settings,
     plans: &'a [DrawPlan],
-    /// Depth of the nearest fragment blended at each sample, NaN without any; none if no material is blended.
+    /// Depth of the nearest fragment blended at each sample, NaN without any; `None` if no material is blended.
     nearest: Option<Image<f32>>,
 }
 
 impl<'a> BlendedDepths<'a> {
-    /// Before the first fragment of a frame is drawn.
+    /// Creates the tracker before the first fragment of a frame is drawn.
     pub(super) fn new(settings: &'a Settings, frame: &'a Frame) -> Self {
         let (width, height) = frame.drawn.color.size();
         let plans = &frame.plans;
@@ -41,8 +41,8 @@ impl<'a> BlendedDepths<'a> {
         Self { settings, plans, nearest: blends.then(|| Image::filled(width, height, f32::NAN)) }
     }
 
-    /// Adds a fragment that is written. If it is blended over another blended one, returns its depth and that of the nearest
-    /// of those.
+    /// Adds a written fragment. If it is blended over earlier blended fragments, returns its depth and the depth of the
+    /// nearest earlier one.
     pub(super) fn add(&mut self, triangle: &ScreenTriangle, sample: &Sample) -> Option<[f32; 2]> {
         let nearest = self.nearest.as_mut()?;
         let plan = self.plans.get(triangle.instance as usize)?;
@@ -62,16 +62,16 @@ impl<'a> BlendedDepths<'a> {
     }
 }
 
-/// A sample at which a fragment was blended over a nearer one.
+/// Kind of a sample at which a fragment was blended over a nearer one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Misordered {
-    /// The exact order gives another colour.
+    /// The exact order gives a different colour.
     Visible,
     /// The exact order gives the same colour.
     Harmless,
 }
 
-/// The samples of a frame that are blended in the wrong order, at the centres of its drawn pixels.
+/// Finds the samples of a frame that are blended in the wrong order, at the centres of its drawn pixels.
 pub(super) fn misordered(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Image<Option<Misordered>> {
     let (width, height) = frame.drawn.color.size();
     let mut watch =
@@ -119,7 +119,7 @@ mod tests {
 
     const SIZE: Viewport = Viewport { width: 60, height: 40 };
 
-    /// A large blue floor of glass and a small red pane that stands before it, near one of its corners.
+    /// Builds a large blue floor of glass and a small red pane in front of it, near one of its corners.
     fn glass() -> Scene {
         let mut library = Library::default();
         let quad = |corners: [[f32; 3]; 4]| {

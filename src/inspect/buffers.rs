@@ -1,6 +1,6 @@
-//! Any quantity of a frame as a picture: who won each sample, with which weights, how often it was drawn.
+//! Quantities of a frame as images: the winning triangle of each sample, its weights, overdraw and shading counts.
 //!
-//! The frame is drawn once more with an observer that keeps these quantities; the frame itself pays nothing for them.
+//! An observer collects these quantities while the frame is drawn again; the frame itself has no overhead.
 
 use super::hits::Hits;
 use crate::chain::{Frame, Recipe, redraw};
@@ -15,39 +15,40 @@ use crate::scene::seams::Seams;
 use crate::scene::{Scene, TriangleId};
 
 choice! {
-    /// A quantity that can be shown instead of the colour.
+    /// A quantity that can be displayed instead of the colour.
     Buffer {
         Color = "color", "Colour", "The finished picture.";
-        Depth = "depth", "Depth", "What the depth buffer holds in the end.";
-        TriangleId = "triangle-id", "Triangle id", "The triangle that won each sample, one colour each.";
-        Lambda = "lambda", "λ on screen", "Screen-space weights of the winner: λ0 red, λ1 green, λ2 blue.";
-        PerspectiveLambda = "perspective-lambda", "λ in space", "Weights of the winner that attributes are interpolated with (perspective-correct unless affine).";
-        Overdraw = "overdraw", "Overdraw", "How many triangles cover each sample, drawn or not.";
-        Shaded = "shaded", "Times shaded", "How often each sample was shaded: what the depth test could not save.";
-        Hits = "hits", "Hit count", "How many triangles cover each sample, without depth test. Cracks and double hits along shared edges are blue and orange.";
+        Depth = "depth", "Depth", "The depth buffer at the end of the frame.";
+        TriangleId = "triangle-id", "Triangle id", "The triangle that won each sample, one colour per triangle.";
+        Lambda = "lambda", "λ on screen", "Screen-space weights of the winning triangle: λ0 red, λ1 green, λ2 blue.";
+        PerspectiveLambda = "perspective-lambda", "λ in space", "Attribute weights of the winning triangle (perspective-correct unless affine).";
+        Overdraw = "overdraw", "Overdraw", "Number of triangles that cover each sample, drawn or not.";
+        Shaded = "shaded", "Times shaded", "Number of times each sample was shaded: work that the depth test did not save.";
+        Hits = "hits", "Hit count", "Number of triangles that cover each sample, without depth test. Cracks along shared edges are blue, double hits orange.";
     }
 }
 
-/// All quantities of one frame, packed as its framebuffer is.
+/// All quantities of one frame, in the packed layout of its framebuffer.
 #[derive(Clone, Debug)]
 pub struct Buffers {
-    /// Winner of each sample, the nearest one where some are blended, or [`TriangleId::NONE`].
+    /// Triangle shaded last at each sample, or [`TriangleId::NONE`]. Where triangles are blended, this is normally the
+    /// nearest.
     pub triangle: Image<TriangleId>,
-    /// Screen-space weights of the winner.
+    /// Screen-space weights of the winner, for corners 0, 1 and 2.
     pub lambda: Image<[f32; 3]>,
-    /// Attribute weights of the winner.
+    /// Weights of the winner that attributes are interpolated with.
     pub perspective_lambda: Image<[f32; 3]>,
-    /// Where anything left its depth; blended triangles leave none.
+    /// Whether a depth was stored at each sample; blended triangles store none.
     pub depth_stored: Image<bool>,
-    /// Triangles that cover each sample.
+    /// Number of triangles that cover each sample.
     pub overdraw: Image<u32>,
-    /// How often each sample was shaded.
+    /// Number of times that each sample was shaded.
     pub shaded: Image<u32>,
-    /// Cracks and double hits, if they were looked for.
+    /// Cracks and double hits; `None` if they were not searched for.
     pub hits: Option<Hits>,
 }
 
-/// Draws the frame again and keeps everything.
+/// Draws the frame again and records all quantities except the hits.
 pub fn capture(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Buffers {
     let (width, height) = frame.drawn.color.size();
     let mut buffers = Buffers {
@@ -64,7 +65,7 @@ pub fn capture(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Buffers {
 }
 
 impl Buffers {
-    /// With all that a buffer needs: only the hit count needs more than [`capture`] keeps.
+    /// Adds the data that a buffer needs beyond [`capture`]: only [`Buffer::Hits`] needs any.
     pub fn completed_for(self, buffer: Buffer, recipe: &Recipe, frame: &Frame) -> Self {
         if buffer != Buffer::Hits || self.hits.is_some() {
             return self;
@@ -74,12 +75,12 @@ impl Buffers {
 }
 
 impl Buffers {
-    /// Whether hits were counted, and the faults along open seams are not yet among them.
+    /// Whether hits were counted but lack the faults along open seams.
     pub fn misses_seams(&self) -> bool {
         self.hits.as_ref().is_some_and(|hits| hits.mesh.is_none())
     }
 
-    /// With the faults along the open seams of the scene, if hits were counted.
+    /// Adds the faults along the open seams of the scene, if hits were counted.
     pub fn with_seams(self, scene: &Scene, recipe: &Recipe, frame: &Frame, seams: &Seams) -> Self {
         Self { hits: self.hits.map(|hits| hits.with_seams(scene, recipe, frame, seams)), ..self }
     }

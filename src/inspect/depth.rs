@@ -1,4 +1,4 @@
-//! A stored depth and what it means in the world.
+//! A stored depth and its resolution in world units.
 
 use std::fmt;
 
@@ -6,26 +6,26 @@ use serde::Serialize;
 
 use crate::pipeline::depth::DepthScale;
 
-/// A depth as the buffer stores it.
+/// A depth as stored in the depth buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DepthRecord {
     /// The depth, in [0, 1].
     pub value: f32,
-    /// The whole number that the buffer holds for it, where it does not hold floats.
+    /// Integer code in the depth buffer; `None` for a floating-point buffer.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub code: Option<u32>,
-    /// Distance along the line of sight between this depth and the next that can be stored, world units. Infinite, in JSON
-    /// null, where the next one is infinitely far.
+    /// Distance along the line of sight between this depth and the next representable one, in world units. Infinite
+    /// (null in JSON) if the next one is infinitely far.
     pub resolution: f64,
 }
 
 impl DepthRecord {
-    /// For a value that a buffer of this scale stores.
+    /// Creates a record of a stored value of a buffer with this scale.
     pub fn new(value: f32, scale: &DepthScale) -> Self {
         Self { value, code: scale.encoding().code(value), resolution: scale.resolution(value) }
     }
 
-    /// How many of the buffer's steps lie between two depths of one scale.
+    /// Number of depth-buffer steps between two depths of the same scale.
     pub fn steps_from(&self, other: &Self) -> u32 {
         match self.code.zip(other.code) {
             Some((a, b)) => a.abs_diff(b),
@@ -34,7 +34,7 @@ impl DepthRecord {
     }
 }
 
-/// The value with every digit that tells it apart, and the code if there is one.
+/// Writes the shortest decimal that identifies the value, and the code if there is one.
 impl fmt::Display for DepthRecord {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.code {

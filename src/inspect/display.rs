@@ -1,4 +1,4 @@
-//! How a quantity becomes colours on the screen: range, colour map, channels. The quantity itself is never changed.
+//! Mapping of a quantity to display colours: range, colour map, channels. The quantity itself never changes.
 
 mod text;
 
@@ -15,22 +15,22 @@ use crate::pipeline::settings::{Choice, choice};
 use crate::pipeline::shade::id_color;
 
 choice! {
-    /// Colours for a number between two ends.
+    /// A gradient of colours for a number within a range.
     ColorMap {
-        Viridis = "viridis", "Viridis", "From dark blue over green to yellow in even steps, safe for the colour-blind.";
-        Cividis = "cividis", "Cividis", "From dark blue to yellow: looks nearly the same to every kind of eye.";
-        Magma = "magma", "Magma", "From black over purple to a light yellow in even steps.";
-        Turbo = "turbo", "Turbo", "A rainbow with smooth brightness: shows fine steps, not even ones.";
+        Viridis = "viridis", "Viridis", "From dark blue over green to yellow, perceptually uniform, safe for colour-blind users.";
+        Cividis = "cividis", "Cividis", "From dark blue to yellow: looks nearly the same with and without colour blindness.";
+        Magma = "magma", "Magma", "From black over purple to light yellow, perceptually uniform.";
+        Turbo = "turbo", "Turbo", "A rainbow with smooth brightness: shows fine differences, but is not perceptually uniform.";
         Grey = "grey", "Grey", "From black to white.";
-        Diverging = "diverging", "± (orange, white, purple)", "Zero is white, below zero orange, above zero purple; the ends are equally far from zero.";
+        Diverging = "diverging", "± (orange, white, purple)", "Zero is white, negative values orange, positive ones purple; the range is symmetric around zero.";
     }
 }
 
-/// Colour of what is not a number, in every map.
+/// Colour for NaN in every colour map.
 pub const NOT_A_NUMBER: Rgba8 = [255, 0, 190, 255];
 
 impl ColorMap {
-    /// The colour at a position in [0, 1].
+    /// Returns the colour at a position, clamped to [0, 1]; [`NOT_A_NUMBER`] for NaN.
     pub fn color(self, position: f32) -> Rgba8 {
         if position.is_nan() {
             return NOT_A_NUMBER;
@@ -47,24 +47,24 @@ impl ColorMap {
                 return [grey, grey, grey, 255];
             }
         };
-        // This gradient begins with purple.
+        // `PURPLE_ORANGE` begins with purple.
         let at = if self == Self::Diverging { 1.0 - at } else { at };
         let [r, g, b] = gradient.eval_continuous(at).as_array();
         [r, g, b, 255]
     }
 }
 
-/// How a quantity is shown.
+/// Display settings of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
 pub struct Display {
-    /// How the ends of the range are found.
+    /// Rule that determines the ends of the range.
     pub rule: Rule,
-    /// The colour map; the quantity's own if none.
+    /// Colour map; `None` for the default map of the quantity.
     pub map: Option<ColorMap>,
-    /// Whether the map runs the other way.
+    /// Whether the map is reversed.
     pub reversed: bool,
-    /// Which of red, green, blue (or of the three weights) are shown; a single one is shown as grey.
+    /// Whether red, green and blue (or the three weights) are shown; a single channel is shown as grey.
     pub channels: [bool; 3],
 }
 
@@ -74,21 +74,21 @@ impl Default for Display {
     }
 }
 
-/// What the values of a picture are, for words and controls.
+/// Kind of the values of a picture, which determines labels and controls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Kind {
-    /// Red, green, blue as codes of 8 bits.
+    /// Red, green and blue as 8-bit codes.
     Colors,
-    /// Three weights.
+    /// Three weights of the corners of a triangle.
     Weights,
-    /// One number or count, by a colour map.
+    /// One number or count, displayed with a colour map.
     Numbers,
-    /// Names of things: there is no range.
+    /// Identifiers, which have no range.
     Names,
 }
 
 impl Kind {
-    /// Of a buffer.
+    /// Returns the kind of a buffer's values.
     pub fn of(buffer: Buffer) -> Self {
         match buffer {
             Buffer::Color => Self::Colors,
@@ -98,7 +98,7 @@ impl Kind {
         }
     }
 
-    /// Names of the channels.
+    /// Returns the names of the channels.
     pub fn channels(self) -> &'static [&'static str] {
         match self {
             Self::Colors => &["R", "G", "B"],
@@ -108,7 +108,7 @@ impl Kind {
         }
     }
 
-    /// The range that suits it, unless it depends on the values.
+    /// Returns the default range; `None` if it depends on the values.
     fn natural(self) -> Option<Range> {
         match self {
             Self::Colors => Some(Range { low: 0.0, high: 255.0 }),
@@ -119,15 +119,15 @@ impl Kind {
 }
 
 impl Display {
-    /// The range that a buffer of a frame is shown with; `None` if it has none.
+    /// Returns the range that a buffer of a frame is displayed with; `None` if the buffer has no range.
     pub fn range(&self, buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>) -> Option<Range> {
         let value = |x: u32, y: u32| view::value(buffer, frame, buffers, x, y);
         let natural = || view::range(buffer, frame, buffers);
         self.range_of(Kind::of(buffer), frame.image().size(), natural, value)
     }
 
-    /// The range that a picture of values is shown with, whose kind is known. `natural` gives what suits numbers; if it
-    /// gives nothing, all values decide.
+    /// Returns the range that a picture of values of a known kind is displayed with. `natural` returns the default
+    /// range of numbers. If it returns `None`, the range is fitted to all values.
     pub fn range_of(
         &self,
         kind: Kind,
@@ -143,7 +143,7 @@ impl Display {
         }
     }
 
-    /// Where a number lies on the colour map, in [0, 1]; NaN stays NaN.
+    /// Returns the position of a number on the colour map, in [0, 1]; NaN for NaN.
     pub fn position(&self, range: Range, number: f32) -> f32 {
         if number.is_nan() {
             return number;
@@ -157,7 +157,7 @@ impl Display {
         if self.reversed { 1.0 - position } else { position }
     }
 
-    /// The colour of a number; `buffer` is the one that it is of, if it is of one.
+    /// Returns the colour of a number. `buffer` is the buffer that contains the number, if any.
     pub fn number_color(&self, buffer: Option<Buffer>, range: Range, number: f32) -> Rgba8 {
         let position = self.position(range, number);
         match (self.map, buffer) {
@@ -168,13 +168,14 @@ impl Display {
         }
     }
 
-    /// The colour of a position in [0, 1] between the ends of the range.
+    /// Returns the colour at a position in [0, 1] between the ends of the range.
     pub fn legend_color(&self, buffer: Option<Buffer>, range: Range, share: f32) -> Rgba8 {
-        // Ends may be so far apart that their difference is infinite.
+        // Interpolates without a difference: `high - low` may overflow to infinity.
         self.number_color(buffer, range, range.low * (1.0 - share) + range.high * share)
     }
 
-    /// Three numbers as a colour: each between black and full, only chosen ones, a single one as grey.
+    /// Maps three numbers to a colour. Each spans black to full brightness; only shown channels count, and a single one
+    /// is grey.
     fn tone(&self, range: Range, numbers: [f32; 3]) -> Rgba8 {
         if numbers.iter().zip(self.channels).any(|(number, shown)| shown && number.is_nan()) {
             return NOT_A_NUMBER;
@@ -188,7 +189,7 @@ impl Display {
         }
     }
 
-    /// The colour of a value.
+    /// Returns the display colour of a value.
     fn color(&self, buffer: Option<Buffer>, range: Range, value: Value) -> Rgba8 {
         match value {
             Value::NotDrawn | Value::Nothing => NOT_DRAWN,
@@ -200,7 +201,7 @@ impl Display {
         }
     }
 
-    /// A buffer as a full picture. With default settings it is [`view::picture`].
+    /// Renders a buffer as a full picture. With default settings this is [`view::picture`].
     pub fn picture(
         &self,
         buffer: Buffer,
@@ -220,7 +221,7 @@ impl Display {
         image
     }
 
-    /// A picture of values; `buffer` is the one that they are of, if they are of one.
+    /// Renders a picture of values. `buffer` is the buffer that contains the values, if any.
     pub fn picture_of(
         &self,
         buffer: Option<Buffer>,
@@ -233,13 +234,13 @@ impl Display {
     }
 }
 
-/// Whether any channel of a value lies below the range, and whether any lies above. Codes of colours at the ends of all that
-/// there are count, too: what was brighter or darker was cut off there.
+/// Returns whether a value lies below the range, and whether any of its channels lies above it. A colour is below only
+/// if all of its channels are. Colour codes 0 and 255 count as outside, because they may be clipped.
 pub fn beyond(value: Value, range: Range) -> (bool, bool) {
     let is_code = matches!(value, Value::Color(_));
     let below = |v: f32| v < range.low || is_code && v <= 0.0;
     let above = |v: f32| v > range.high || is_code && v >= 255.0;
-    // One channel at zero is a saturated colour; all of them are black.
+    // One channel at zero is a saturated colour; all channels at zero are black.
     let black =
         if is_code { channels(value).all(below) && channels(value).count() > 0 } else { channels(value).any(below) };
     (black, channels(value).any(above))
@@ -264,7 +265,7 @@ mod tests {
     #[test]
     fn default_settings_show_what_the_plain_picture_shows() {
         let (frame, buffers) = frame();
-        // An explicit map is drawn by the other way through the code.
+        // An explicit map takes the other code path.
         let explicit = Display { map: Some(ColorMap::Viridis), ..Display::default() };
         for buffer in Buffer::ALL.iter().copied().filter(|buffer| *buffer != Buffer::Hits) {
             let range = Display::default().range(buffer, &frame, Some(&buffers));

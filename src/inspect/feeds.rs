@@ -1,42 +1,43 @@
-//! A pixel of the full picture and the samples that it is made of, and the other way round.
+//! Mapping between pixels of the full picture and the drawn samples that contribute to them, in both directions.
 
 use crate::chain::Frame;
 use crate::image::Rgba8;
 use crate::image::color::{Tables, encode};
 use crate::upscale::{Light, Tap, Upscaling};
 
-/// How far around a sample pixels are looked for that it feeds, in samples: the widest kernel reaches three.
+/// Maximum distance from a sample to a pixel that it contributes to, in samples: the widest kernel reaches three.
 const REACH_SAMPLES: f64 = 3.0;
 
-/// Pixels around a sample that are looked at in any case: a checkerboard reaches two, with no enlargement.
+/// Minimum search radius around a sample, in pixels. A checkerboard reaches two pixels without any upscaling.
 const REACH_PX: u32 = 4;
 
-/// One sample that a pixel is made of.
+/// One sample that contributes to a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Source {
-    /// Where it lies and what it weighs.
+    /// Position and weight of the sample.
     pub tap: Tap,
-    /// Its colour.
+    /// Colour of the sample, as sRGB codes.
     pub color: Rgba8,
 }
 
-/// What a pixel of the full picture is made of.
+/// The samples that a pixel of the full picture is computed from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mixture {
-    /// The samples, each once.
+    /// The contributing samples, each once.
     pub sources: Vec<Source>,
-    /// Sum of all weights: 1 but for rounding.
+    /// Sum of all weights: 1 up to rounding.
     pub weight: f64,
-    /// Weighted sum in codes, not yet clamped nor rounded: red, green, blue.
+    /// Weighted sums of red, green and blue as codes, neither clamped nor rounded.
     pub sum: [f64; 3],
-    /// The pixel as the method made it.
+    /// The pixel as the upscaler computed it.
     pub pixel: Rgba8,
-    /// Whether a part of it comes from the frame before, which is no sample.
+    /// Whether the history (the previous frame) contributes to the pixel. It is not among the samples.
     pub remembers: bool,
 }
 
 impl Mixture {
-    /// Of a pixel of the frame; `None` outside of it. `how` is what the frame was filled in by.
+    /// Returns the samples of a pixel of the frame; `None` outside the picture. `how` contains the upscaling settings
+    /// of the frame.
     pub fn of(frame: &Frame, how: Upscaling, at: (u32, u32)) -> Option<Self> {
         let pixel = frame.image().get(at.0, at.1)?;
         let taps = taps(frame, how, at);
@@ -49,7 +50,7 @@ impl Mixture {
         Some(Self { sources, weight, sum, pixel, remembers: before.is_some() })
     }
 
-    /// The weighted sum within the codes that there are.
+    /// Returns the weighted sums clamped to the range of codes, [0, 255].
     pub fn clamped(&self) -> [f64; 3] {
         self.sum.map(|code| code.clamp(0.0, 255.0))
     }
@@ -60,13 +61,13 @@ fn taps(frame: &Frame, how: Upscaling, at: (u32, u32)) -> Vec<Tap> {
     how.upscaler().taps(how, &frame.as_drawn(&frame.drawn.color), size, at)
 }
 
-/// The colour of a drawn sample.
+/// Returns the colour of a drawn sample; `None` if the tap was not drawn.
 fn color_of(frame: &Frame, tap: Tap) -> Option<Rgba8> {
     let (column, row) = frame.drawn.grid.sample_at(tap.x, tap.y)?;
     frame.drawn.color.get(column, row)
 }
 
-/// Weighted sum of one channel, in codes.
+/// Returns the weighted sum of one channel, in codes, computed in linear light or directly on codes.
 fn sum_of(sources: &[Source], light: Light, channel: usize) -> f64 {
     let weighed = |value: fn(u8) -> f64| -> f64 {
         sources.iter().map(|source| f64::from(source.tap.weight) * value(source.color[channel])).sum()
@@ -80,8 +81,8 @@ fn sum_of(sources: &[Source], light: Light, channel: usize) -> f64 {
     }
 }
 
-/// The pixels of the full picture that a drawn sample is part of, with its weight in each. `sample` is where it lies as a
-/// [`Tap`] has it.
+/// Returns the pixels of the full picture that a drawn sample contributes to, with its weight in each. `sample` is
+/// given in the coordinates of a [`Tap`].
 pub fn fed_by(frame: &Frame, how: Upscaling, sample: (u32, u32)) -> Vec<((u32, u32), f32)> {
     let (middle, reach) = around(frame, how, sample);
     let range = |at: u32, size: u32| at.saturating_sub(reach)..at.saturating_add(reach + 1).min(size);
@@ -95,7 +96,8 @@ pub fn fed_by(frame: &Frame, how: Upscaling, sample: (u32, u32)) -> Vec<((u32, u
     fed
 }
 
-/// The pixel of the full picture that a sample lies on or next to, and how far around it the pixels may lie that it feeds.
+/// Returns the pixel of the full picture nearest to a sample, and the search radius in pixels for pixels that the
+/// sample contributes to.
 fn around(frame: &Frame, how: Upscaling, (x, y): (u32, u32)) -> ((u32, u32), u32) {
     let scale = how.scale().value();
     let is_full = (frame.raster.width, frame.raster.height) == (frame.viewport.width, frame.viewport.height);

@@ -1,42 +1,42 @@
-//! Recipes as words: every setting with its value as `--set` takes it, and what differs between two recipes.
+//! Recipes as text: every setting with its value in the syntax of `--set`, and the differences between two recipes.
 //!
-//! The keys are those of [`Recipe::keys`], so a setting that is new to the recipe is known here at once.
+//! The keys come from [`Recipe::keys`], so new settings of a recipe are included automatically.
 
 use serde_json::Value;
 
 use crate::chain::Recipe;
 
-/// What settings of the upscaler begin with: its method decides what the others may be.
+/// Prefix of the upscaler settings; their valid values depend on the upscaling method.
 const UPSCALER_KEYS: &str = "upscaler.";
 
-/// A setting that two recipes have different values for, each as [`Recipe::set`] takes it.
+/// A setting with different values in two recipes, each in the syntax of [`Recipe::set`].
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FieldChange {
-    /// The dotted key.
+    /// Dotted key of the setting.
     pub key: String,
-    /// The value in the first recipe.
+    /// Value in the first recipe.
     pub before: String,
-    /// The value in the second.
+    /// Value in the second recipe.
     pub after: String,
 }
 
 impl FieldChange {
-    /// "fill_rule: top-left → inclusive".
+    /// Returns the change as text, such as “fill_rule: top-left → inclusive”.
     pub fn words(&self) -> String {
         format!("{}: {} → {}", self.key, self.before, self.after)
     }
 }
 
-/// Every key of a recipe with its value as [`Recipe::set`] takes it, in the order of [`Recipe::keys`].
+/// Returns every key of a recipe with its value in the syntax of [`Recipe::set`], in the order of [`Recipe::keys`].
 pub fn fields(recipe: &Recipe) -> Vec<(String, String)> {
     let mut fields = Vec::new();
-    // A recipe holds nothing that JSON cannot.
+    // Every value of a recipe is representable in JSON.
     collect(&serde_json::to_value(recipe).unwrap_or(Value::Null), "", &mut fields);
     fields
 }
 
-/// Keys and values without asking what else each key takes, which costs more: this is called with every frame of the
-/// window.
+/// Collects keys and values without determining the valid values of each key, which costs more. This runs for every
+/// frame of the window.
 fn collect(tree: &Value, prefix: &str, fields: &mut Vec<(String, String)>) {
     let Value::Object(inner) = tree else {
         fields.push((prefix.to_owned(), text(tree)));
@@ -48,7 +48,7 @@ fn collect(tree: &Value, prefix: &str, fields: &mut Vec<(String, String)>) {
     }
 }
 
-/// What differs, in the order of [`Recipe::keys`].
+/// Returns the settings that differ, in the order of [`Recipe::keys`].
 pub fn changes(before: &Recipe, after: &Recipe) -> Vec<FieldChange> {
     let pairs = fields(before).into_iter().zip(fields(after));
     pairs
@@ -57,10 +57,11 @@ pub fn changes(before: &Recipe, after: &Recipe) -> Vec<FieldChange> {
         .collect()
 }
 
-/// The `key=value` that make a recipe of the default one by [`Recipe::set_all`]; none for the default one.
+/// Returns the `key=value` assignments that turn the default recipe into `recipe` with [`Recipe::set_all`]; empty for
+/// the default one.
 pub fn assignments(recipe: &Recipe) -> Vec<String> {
     let changed = changes(&Recipe::default(), recipe);
-    // Another method brings values of its own for what belongs to it.
+    // Changing the upscaling method resets its other settings, so all of them are included.
     let other_upscaler = changed.iter().any(|change| change.key.starts_with(UPSCALER_KEYS));
     let belongs =
         |key: &str| changed.iter().any(|change| change.key == key) || other_upscaler && key.starts_with(UPSCALER_KEYS);
@@ -68,13 +69,14 @@ pub fn assignments(recipe: &Recipe) -> Vec<String> {
     told.map(|(key, value)| format!("{key}={value}")).collect()
 }
 
-/// The values that a key takes from a closed set, given the rest of the recipe; none where any number is taken.
+/// Returns the values that a key accepts from a closed set, given the rest of the recipe; empty if it accepts any
+/// number.
 pub fn choices(recipe: &Recipe, values: &str, key: &str) -> Vec<String> {
     let is_taken = |word: &&str| {
         let mut changed = *recipe;
         changed.set(&format!("{key}={word}")).is_ok()
     };
-    // Words about numbers ("number, 0…1") are no value of theirs.
+    // Words of a numeric description (“number, 0…1”) are no accepted values.
     values.split([',', ' ']).filter(|word| !word.is_empty()).filter(is_taken).map(str::to_owned).collect()
 }
 
@@ -82,7 +84,7 @@ fn text(value: &Value) -> String {
     match value {
         Value::String(word) => word.clone(),
         Value::Number(number) if !number.is_u64() => {
-            // Settings are 32-bit floats: their own digits, not those of the double that stands for them.
+            // Settings are 32-bit floats: prints their shortest digits, not the digits of the widened double.
             number.as_f64().map_or_else(|| number.to_string(), |number| (number as f32).to_string())
         }
         Value::Array(items) => items.iter().map(text).collect::<Vec<_>>().join(","),
@@ -95,7 +97,7 @@ mod tests {
     use super::*;
     use crate::upscale::Upscaling;
 
-    /// That a recipe comes back from its assignments.
+    /// Asserts that a recipe is restored from its assignments.
     fn comes_back(recipe: &Recipe) {
         let told = assignments(recipe);
         let mut again = Recipe::default();

@@ -1,4 +1,4 @@
-//! Finding things in a frame: the pixel where a triangle or an object is seen, or why there is none.
+//! Search for an object, triangle or vertex in a frame: a pixel where it is visible, or the reason why there is none.
 
 mod vertex;
 
@@ -11,40 +11,41 @@ use crate::pipeline::raster::Sample;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::scene::{Scene, TriangleId};
 
-/// What is looked for.
+/// Target of a search.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Wanted {
-    /// A pixel, column and row.
+    /// A pixel, by column and row.
     Pixel(u32, u32),
-    /// A pixel in the middle of the canvas, enlarged so many percent.
+    /// A pixel to centre in the canvas: column, row, and magnification in percent.
     View(u32, u32, u32),
     /// A triangle of the scene.
     Triangle(TriangleId),
-    /// The vertex of this number, of the object of that: first the object, then the vertex.
+    /// A vertex: number of the object, then number of the vertex within it.
     Vertex(u32, u32),
-    /// All instances of these numbers, under the name that they were found by.
+    /// The name as entered, and the numbers of all matching instances.
     Object(String, Vec<u32>),
 }
 
-/// Least and greatest enlargement that can be asked for, in percent.
+/// Range of valid magnifications, in percent.
 const PERCENT: std::ops::RangeInclusive<u32> = 4..=25_600;
 
-/// What was found.
+/// Result of a search.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Found {
-    /// It is seen: at this pixel and at so many in all.
+    /// The target is visible: a central pixel of it, and the number of visible samples.
     Seen((u32, u32), usize),
-    /// It covers this pixel and so many in all, and is seen at none.
+    /// The target is covered everywhere: a central pixel of it, and the number of covered samples.
     Hidden((u32, u32), usize),
-    /// A point lies in this pixel; where and how far away, in words.
+    /// The pixel that contains a vertex, and a description of its position and distance from the eye.
     At((u32, u32), String),
-    /// It covers no pixel; why, in words.
+    /// The target covers no pixel, with the reason.
     Nowhere(String),
 }
 
 impl Wanted {
-    /// Reads "12,34", "800% 12,34", "tri 56", "vertex 7 of knot" or the name of an object, or a part of it. A vertex without an
-    /// object is one of the object with the number `near`. The error says what could not be found.
+    /// Parses "12,34", "800% 12,34", "tri 56", "vertex 7 of knot", or the name of an object or a part of it. A vertex
+    /// without an object name belongs to the object with the number `near`. The error names the text that was not
+    /// found.
     pub fn parse(
         text: &str,
         scene: &Scene,
@@ -55,7 +56,7 @@ impl Wanted {
             return if x < width && y < height {
                 Ok(Self::Pixel(x, y))
             } else {
-                Err(format!("The picture ends at {},{}", width - 1, height - 1))
+                Err(format!("The last pixel of the picture is {},{}", width - 1, height - 1))
             };
         }
         if let Some((percent, place)) = parse_enlargement(text)
@@ -64,7 +65,7 @@ impl Wanted {
             return if PERCENT.contains(&percent) {
                 Ok(Self::View(x.min(width.saturating_sub(1)), y.min(height.saturating_sub(1)), percent))
             } else {
-                Err(format!("Pictures are shown from {} to {} %", PERCENT.start(), PERCENT.end()))
+                Err(format!("The zoom must lie between {} and {} %", PERCENT.start(), PERCENT.end()))
             };
         }
         if let Some(number) = parse_triangle(text) {
@@ -81,17 +82,17 @@ impl Wanted {
         if name.is_empty() {
             return Err(String::new());
         }
-        // A name that is meant to the letter is not one among those that contain it.
+        // An exact match takes precedence over names that merely contain the text.
         let exact = named(scene, |instance| instance.to_lowercase() == name);
         let found =
             if exact.is_empty() { named(scene, |instance| instance.to_lowercase().contains(&name)) } else { exact };
         if found.is_empty() {
-            return Err(format!("No object is called “{}”", text.trim()));
+            return Err(format!("No object is named “{}”", text.trim()));
         }
         Ok(Self::Object(text.trim().to_owned(), found))
     }
 
-    /// As a person calls it.
+    /// Returns the display name.
     pub fn words(&self) -> String {
         match self {
             Self::Pixel(x, y) | Self::View(x, y, _) => format!("Pixel {x}, {y}"),
@@ -108,27 +109,27 @@ fn named(scene: &Scene, is_meant: impl Fn(&str) -> bool) -> Vec<u32> {
     instances.filter(|(instance, _)| is_meant(&instance.name)).map(|(_, number)| number).collect()
 }
 
-/// Column and row with any usual separator.
+/// Parses a column and a row separated by a comma, semicolon or space.
 fn parse_pixel(text: &str) -> Option<(u32, u32)> {
     let mut numbers = text.split([',', ';', ' ']).filter(|part| !part.is_empty()).map(str::parse);
     let (x, y) = (numbers.next()?.ok()?, numbers.next()?.ok()?);
     numbers.next().is_none().then_some((x, y))
 }
 
-/// "800% 12,34": percent, and the rest.
+/// Parses "800% 12,34" into the percentage and the remaining text.
 fn parse_enlargement(text: &str) -> Option<(u32, String)> {
     let (percent, place) = text.split_once('%')?;
     Some((percent.trim().parse().ok()?, place.to_owned()))
 }
 
-/// "tri 12", "triangle 12", "t12" or "#12".
+/// Parses "tri 12", "triangle 12", "t12" or "#12".
 fn parse_triangle(text: &str) -> Option<u64> {
     let text = text.trim().to_lowercase();
     let number = ["triangle", "tri", "t", "#"].iter().find_map(|word| text.strip_prefix(word))?;
     number.trim().parse().ok()
 }
 
-/// Looks for something in a frame, by drawing its triangles once more.
+/// Searches for a target in a frame by drawing its triangles again.
 pub fn find(scene: &Scene, recipe: &Recipe, frame: &Frame, wanted: &Wanted) -> Found {
     let is_wanted: &dyn Fn(&ScreenTriangle) -> bool = match wanted {
         Wanted::Pixel(x, y) | Wanted::View(x, y, _) => return Found::Seen((*x, *y), 1),
@@ -138,7 +139,7 @@ pub fn find(scene: &Scene, recipe: &Recipe, frame: &Frame, wanted: &Wanted) -> F
     };
     if !frame.geometry.triangles.iter().any(is_wanted) {
         let words = wanted.words();
-        return Found::Nowhere(format!("{words} is not rasterized here: culled, clipped away, or outside of the view"));
+        return Found::Nowhere(format!("{words} is not rasterized: it is culled, clipped away, or outside the view"));
     }
     let (width, height) = frame.drawn.color.size();
     let mut search =
@@ -149,11 +150,11 @@ pub fn find(scene: &Scene, recipe: &Recipe, frame: &Frame, wanted: &Wanted) -> F
     match (in_the_middle(&seen), in_the_middle(&covered)) {
         (Some((pixel, count)), _) => Found::Seen(pixel, count),
         (None, Some((pixel, count))) => Found::Hidden(pixel, count),
-        (None, None) => Found::Nowhere(format!("{} covers no pixel's centre here", wanted.words())),
+        (None, None) => Found::Nowhere(format!("{} covers no pixel centre in this view", wanted.words())),
     }
 }
 
-/// Where the wanted triangles are, and where they are what was shaded last.
+/// Samples covered by the wanted triangles, and samples where they were shaded last.
 struct Search<'a> {
     is_wanted: &'a dyn Fn(&ScreenTriangle) -> bool,
     covered: Image<bool>,
@@ -172,7 +173,7 @@ impl Observer for Search<'_> {
     }
 }
 
-/// The marked sample nearest to the middle of all that are marked, and how many there are.
+/// Returns the marked sample nearest to the mean position of all marked samples, and their number; `None` without any.
 fn most_central(mask: &Image<bool>) -> Option<((u32, u32), usize)> {
     let (width, height) = mask.size();
     let marked =

@@ -1,22 +1,23 @@
-//! How often numbers fall into each of equal parts of a range.
+//! Histogram of numbers over equal parts of a range.
 
 use super::view::Range;
 
-/// Counts of numbers by where they lie in a range.
+/// Number of values in each bin of a range.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Histogram {
-    /// What the bins share out evenly, both ends included.
+    /// Range that the bins divide evenly, both ends included.
     pub range: Range,
-    /// Numbers in each bin, from the low end.
+    /// Number of values in each bin, from the low end.
     pub bins: Vec<u64>,
-    /// Numbers below the range.
+    /// Number of values below the range.
     pub below: u64,
-    /// Numbers above the range.
+    /// Number of values above the range.
     pub above: u64,
 }
 
 impl Histogram {
-    /// Of the finite ones among `values`, in `bins` parts, one at least. All lie in the first one if the range has no width.
+    /// Counts the finite `values` in `bins` equal bins (at least one). If the range has no width, all go into the first
+    /// bin.
     pub fn of(values: impl IntoIterator<Item = f32>, range: Range, bins: usize) -> Self {
         let mut histogram = Self { range, bins: vec![0; bins.max(1)], below: 0, above: 0 };
         for value in values {
@@ -25,7 +26,7 @@ impl Histogram {
         histogram
     }
 
-    /// Takes in one more number; what is not finite is left out.
+    /// Counts one more value; ignores NaN and infinities.
     pub fn add(&mut self, value: f32) {
         if !value.is_finite() {
             return;
@@ -40,23 +41,23 @@ impl Histogram {
         }
     }
 
-    /// The bin of a number within the range.
+    /// Returns the index of the bin of a value within the range.
     pub fn bin_of(&self, value: f32) -> usize {
-        // In double precision the width is finite whatever the ends are.
+        // In double precision the width cannot overflow.
         let (low, high) = (f64::from(self.range.low), f64::from(self.range.high));
         let width = high - low;
         let share = if width > 0.0 { (f64::from(value) - low) / width } else { 0.0 };
         ((share * self.bins.len() as f64) as usize).min(self.bins.len() - 1)
     }
 
-    /// From where to where a bin reaches.
+    /// Returns the lower and upper bound of a bin.
     pub fn span_of(&self, bin: usize) -> (f64, f64) {
         let (low, high) = (f64::from(self.range.low), f64::from(self.range.high));
         let at = |bin: usize| low + (high - low) * bin as f64 / self.bins.len() as f64;
         (at(bin), at(bin + 1))
     }
 
-    /// Numbers of the fullest bin.
+    /// Returns the count of the fullest bin.
     pub fn most(&self) -> u64 {
         self.bins.iter().copied().max().unwrap_or(0)
     }

@@ -1,16 +1,16 @@
-//! Cracks and double hits: samples along shared edges that a frame's rasterizer gives to no triangle, or to two.
+//! Cracks and double hits: samples along shared edges that a frame's rasterizer assigns to no triangle, or to two.
 //!
-//! Each sample's hits are counted twice, both times without a depth test: as the recipe draws, and as it should. The second
-//! count is right by construction: exact arithmetic and the plainest rasterizer, on the corners that the recipe's arithmetic
-//! works on (in fixed point the snapped ones), by the recipe's fill rule or, if that one is wrong on purpose, by top-left.
+//! Each sample's hits are counted twice without a depth test: as the recipe draws, and as a reference. The reference is
+//! correct by construction: the bounding-box rasterizer in exact arithmetic. It uses the corners of the recipe's
+//! arithmetic (snapped in fixed point) and the recipe's fill rule, or top-left if that rule is deliberately wrong.
 //!
-//! Where the counts differ the triangles are looked up. A difference is a fault of a *shared edge* if two triangles of one
-//! instance that have an edge in common, one on each side of it, are at odds there. Other differences, such as those of an
-//! outline under the inclusive rule, are counted apart. Triangles that culling dropped take part in neither count, and faults
-//! of surfaces behind each other that cancel at a sample are not seen.
+//! The triangles are looked up where the counts differ. A difference is a fault of a *shared edge* if two triangles of
+//! one instance share an edge there and lie on opposite sides of it. Other differences, such as at an outline under the
+//! inclusive rule, are counted separately. Neither count includes culled triangles. Faults of surfaces behind each
+//! other that cancel at a sample are not detected.
 //!
-//! Surfaces whose borders run along one another without sharing vertices come apart even if everything is drawn as it should
-//! be. Their faults are added by [`Hits::with_seams`], once the [`Seams`] of the scene are known.
+//! Surfaces with adjacent borders but without shared vertices separate even if every triangle is drawn correctly.
+//! [`Hits::with_seams`] adds their faults once the [`Seams`] of the scene are known.
 
 mod edges;
 
@@ -30,57 +30,57 @@ use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::scene::seams::{Junction, JunctionKind, SeamCounts, Seams};
 use crate::scene::{Scene, TriangleId};
 
-/// What is wrong at a sample along a shared edge.
+/// Kind of a fault at a sample along a shared edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FaultKind {
-    /// Fewer triangles hit it than should.
+    /// Fewer triangles hit the sample than in the reference.
     Crack,
-    /// More triangles hit it than should.
+    /// More triangles hit the sample than in the reference.
     DoubleHit,
 }
 
-/// A sample along a shared edge that is hit too seldom or too often.
+/// A sample along a shared edge with too few or too many hits.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Fault {
     /// Column in the full picture.
     pub x: u32,
     /// Row in the full picture.
     pub y: u32,
-    /// What is wrong.
+    /// Whether the sample has too few or too many hits.
     pub kind: FaultKind,
-    /// Triangles that hit it, in drawing order; one that was cut appears once for each piece.
+    /// Triangles that hit the sample, in drawing order. A clipped triangle appears once for each piece that does.
     pub hit_by: Vec<TriangleId>,
-    /// Triangles that should hit it.
+    /// Triangles that hit the sample in the reference.
     pub due: Vec<TriangleId>,
-    /// Two triangles that share an edge here: of a crack, the one that is missing first; of a double hit, one that should not
-    /// be there first.
+    /// Two triangles that share an edge here. The first is the missing one of a crack, or the superfluous one of a
+    /// double hit.
     pub sharing: [TriangleId; 2],
-    /// The T-junction or unwelded vertex that opens the edge; `None` if the two triangles share its ends.
+    /// T-junction or unwelded vertex that opens the edge; `None` if the two triangles share the ends of the edge.
     pub junction: Option<Junction>,
 }
 
-/// The hits of a frame.
+/// Hit counts and faults of a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hits {
-    /// Triangles that cover each sample, packed as the frame's framebuffer is.
+    /// Number of triangles that cover each sample, in the packed layout of the frame's framebuffer.
     pub counts: Image<u32>,
     /// Faults along shared edges, in reading order.
     pub faults: Vec<Fault>,
-    /// Samples that are hit too seldom or too often, but not along a shared edge.
+    /// Number of samples with a wrong count that do not lie along a shared edge.
     pub elsewhere: usize,
     /// Numbers of T-junctions and unwelded vertices of the scene; `None` until their faults are added.
     pub mesh: Option<SeamCounts>,
 }
 
 impl Hits {
-    /// Of a frame that `settings` made.
+    /// Counts the hits of a frame drawn with `settings`.
     pub fn of(frame: &Frame, settings: &Settings) -> Self {
         let Viewport { width, height } = frame.raster;
         Search::of(frame, settings, Scissor::full(width, height)).run()
     }
 
-    /// Of triangles on the screen that are drawn onto a grid of samples.
+    /// Counts the hits of screen triangles on a grid of samples.
     pub fn of_triangles(
         triangles: &[ScreenTriangle],
         settings: &Settings,
@@ -90,7 +90,7 @@ impl Hits {
         Search::new(triangles, settings, grid, Scissor::full(width, height)).run()
     }
 
-    /// Adds the faults along the open seams of the scene that the frame shows.
+    /// Adds the faults along the open seams of the scene that are visible in the frame.
     pub fn with_seams(mut self, scene: &Scene, recipe: &Recipe, frame: &Frame, seams: &Seams) -> Self {
         let Viewport { width, height } = frame.raster;
         let place = |fault: &Fault| (fault.y, fault.x);
@@ -102,18 +102,18 @@ impl Hits {
         self
     }
 
-    /// Counts the faults at T-junctions, or those at unwelded vertices.
+    /// Returns the number of faults at T-junctions, or at unwelded vertices.
     pub fn count_at(&self, kind: JunctionKind) -> usize {
         self.faults.iter().filter(|fault| fault.junction.is_some_and(|junction| junction.kind == kind)).count()
     }
 
-    /// How many faults of a kind there are.
+    /// Returns the number of faults of one kind.
     pub fn count(&self, kind: FaultKind) -> usize {
         self.faults.iter().filter(|fault| fault.kind == kind).count()
     }
 
-    /// Both numbers of faults in words, how many of them are at T-junctions and unwelded vertices, and how many samples are
-    /// wrong elsewhere, if any are.
+    /// Describes the numbers of cracks and double hits, of faults at T-junctions and unwelded vertices, and of wrong
+    /// samples elsewhere. Omits zeros except for the first two.
     pub fn summary(&self) -> String {
         let number = |count: usize, one: &str, many: &str| format!("{count} {}", if count == 1 { one } else { many });
         let cracks = number(self.count(FaultKind::Crack), "crack", "cracks");
@@ -132,7 +132,7 @@ impl Hits {
         format!("{cracks} · {doubles}{junctions}{unwelded}{elsewhere}")
     }
 
-    /// The first fault after the pixel `from`, or the last one before it; begins anew at the end.
+    /// Returns the first fault after the pixel `from`, or the last one before it; wraps around at the end.
     pub fn beside(&self, from: Option<(u32, u32)>, forwards: bool) -> Option<&Fault> {
         let place = |fault: &Fault| (fault.y, fault.x);
         let Some((x, y)) = from else {
@@ -148,7 +148,7 @@ impl Hits {
     }
 }
 
-/// The fault at a pixel of the picture that was drawn, if there is one.
+/// Returns the fault at a pixel of the drawn picture, if any.
 pub fn fault_at(frame: &Frame, settings: &Settings, x: u32, y: u32) -> Option<Fault> {
     let Viewport { width, height } = frame.raster;
     let around_px = if settings.rasterizer.is_published() { REACH_SAMPLES * WIDEST_STEP_PX } else { 0 };
@@ -159,7 +159,7 @@ pub fn fault_at(frame: &Frame, settings: &Settings, x: u32, y: u32) -> Option<Fa
     hits.faults.into_iter().find(|fault| (fault.x, fault.y) == (x, y))
 }
 
-/// Finds the fault along an open seam of the scene at a pixel of the picture that was drawn.
+/// Returns the fault along an open seam of the scene at a pixel of the drawn picture, if any.
 pub(super) fn seam_fault_at(
     scene: &Scene,
     recipe: &Recipe,
@@ -170,34 +170,34 @@ pub(super) fn seam_fault_at(
     seams::faults(scene, recipe, frame, seams, Scissor::pixel(x, y)).into_iter().next()
 }
 
-/// Published rasterizers move an outline no farther than past so many samples.
+/// Maximum distance in samples by which a published rasterizer moves an outline.
 const REACH_SAMPLES: u32 = 2;
 
-/// Most pixels from one sample to the next of any grid.
+/// Maximum distance in pixels between neighbouring samples of any grid.
 const WIDEST_STEP_PX: u32 = 4;
 
-/// Where faults are looked for.
+/// A search for faults within a scissor rectangle.
 struct Search<'a> {
     triangles: &'a [ScreenTriangle],
-    /// The same with their boxes, if they are known.
+    /// The same triangles with their bounding boxes, if known.
     list: Option<&'a TriangleList>,
     settings: &'a Settings,
     grid: SampleGrid,
     scissor: Scissor,
     /// Packed column and row of the first sample within the scissor.
     origin: (u32, u32),
-    /// Packed columns and rows within the scissor.
+    /// Number of packed columns and rows within the scissor.
     size: (u32, u32),
 }
 
-/// The two ways of counting.
+/// The two ways of counting: as the recipe draws, and the reference.
 #[derive(Clone, Copy)]
 enum Way {
     Drawn,
     Due,
 }
 
-/// A sample with a wrong count, and the triangles there by their places in the list, ascending.
+/// A sample with a wrong count, and the indices of its triangles in the list, ascending.
 struct Difference {
     pixel: (u32, u32),
     drawn: Vec<usize>,
@@ -205,12 +205,12 @@ struct Difference {
 }
 
 impl Difference {
-    /// Triangles that hit the sample and should not.
+    /// Returns the triangles that hit the sample only as drawn.
     fn extra(&self) -> impl Iterator<Item = usize> {
         self.drawn.iter().copied().filter(|index| self.due.binary_search(index).is_err())
     }
 
-    /// Triangles that should hit the sample and do not.
+    /// Returns the triangles that hit the sample only in the reference.
     fn missing(&self) -> impl Iterator<Item = usize> {
         self.due.iter().copied().filter(|index| self.drawn.binary_search(index).is_err())
     }
@@ -265,7 +265,7 @@ impl<'a> Search<'a> {
         counts
     }
 
-    /// Calls `sink` with the place in the list and the sample, counted from the origin, of every hit.
+    /// Calls `sink` for every hit, with the index in the list and the sample relative to the origin.
     fn each_hit(&self, way: Way, mut sink: impl FnMut(usize, (u32, u32))) {
         let Settings { rasterizer, arithmetic, fill_rule, .. } = *self.settings;
         let sound_rule = if fill_rule.is_sound() { fill_rule } else { FillRule::TopLeft };
@@ -291,7 +291,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The corners that the recipe's arithmetic works on.
+    /// Returns the corners that the recipe's arithmetic uses, in px.
     fn corners_px(&self, index: usize) -> [[f32; 2]; 3] {
         match self.settings.arithmetic {
             Arithmetic::Fixed => self.triangles[index].snapped_px(),
@@ -299,7 +299,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The samples whose counts differ, in reading order. Only if there are any is anything drawn again.
+    /// Returns the samples whose counts differ, in reading order. Draws the triangles again only if there are any.
     fn differences(&self, drawn: &Image<u32>, due: &Image<u32>) -> Vec<Difference> {
         const NONE: u32 = u32::MAX;
         let (width, height) = self.size;
@@ -327,7 +327,7 @@ impl<'a> Search<'a> {
         differences
     }
 
-    /// Who meets at the edges that missing triangles may have lost their samples at.
+    /// Returns the triangles on both sides of the edges at which missing triangles may have lost their samples.
     fn meetings_of_missing(&self, differences: &[Difference]) -> Meetings {
         let mut meetings = Meetings::default();
         for difference in differences.iter().filter(|d| d.kind() == FaultKind::Crack) {
@@ -347,7 +347,7 @@ impl<'a> Search<'a> {
         meetings
     }
 
-    /// A missing triangle, and the one on the other side of the edge that it lost the sample at.
+    /// Returns a missing triangle, and the triangle on the other side of the edge at which it lost the sample.
     fn crack(&self, difference: &Difference, meetings: &Meetings, due: &Image<u32>) -> Option<[usize; 2]> {
         if self.settings.rasterizer.is_published() && self.is_near_outline(difference, due) {
             return None;
@@ -358,8 +358,8 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Whether fewer triangles are due close by, so that a rasterizer that moves samples may have moved this one off the
-    /// surface instead of into a crack.
+    /// Whether fewer triangles are due nearby. A rasterizer that moves samples may then have moved this one off the
+    /// surface rather than opened a crack.
     fn is_near_outline(&self, difference: &Difference, due: &Image<u32>) -> bool {
         let Some((column, row)) = self.grid.sample_at(difference.pixel.0, difference.pixel.1) else { return false };
         let (column, row) = (column - self.origin.0, row - self.origin.1);
@@ -369,7 +369,7 @@ impl<'a> Search<'a> {
         near.any(|(column, row)| (due.at(column, row) as usize) < difference.due.len())
     }
 
-    /// A triangle that should not be there, and one that is there, too, on the other side of an edge of both.
+    /// Returns a superfluous triangle, and another hit triangle on the other side of a shared edge.
     fn double_hit(&self, difference: &Difference) -> Option<[usize; 2]> {
         let edges = |index: usize| edges_of(self.triangles[index].instance, self.corners_px(index));
         let mut meetings = Meetings::default();

@@ -1,7 +1,7 @@
-//! Any number on the way from a triangle to a colour as a buffer over the whole picture.
+//! Intermediate values of the pipeline, from triangle to colour, as buffers over the whole picture.
 //!
-//! The frame is drawn once more, watched; of each sample the fragment that was written last tells. Numbers come from the same
-//! functions that drew.
+//! The frame is drawn again with an observer. The last written fragment of each sample provides the value, computed by
+//! the same functions that draw.
 
 use super::view::{Range, Value};
 use crate::chain::{Frame, Recipe, redraw};
@@ -18,64 +18,65 @@ use crate::pipeline::viewport::ScreenTriangle;
 use crate::scene::Scene;
 
 choice! {
-    /// A number that the pipeline computes on its way.
+    /// An intermediate value of the pipeline.
     Intermediate {
-        Edge0 = "edge-0", "Edge value 0", "Which side of the edge opposite to corner 0 a sample lies on, and how far in: 0 on the line, in the unit of the arithmetic.";
-        Edge1 = "edge-1", "Edge value 1", "Which side of the edge opposite to corner 1 a sample lies on, and how far in: 0 on the line, in the unit of the arithmetic.";
-        Edge2 = "edge-2", "Edge value 2", "Which side of the edge opposite to corner 2 a sample lies on, and how far in: 0 on the line, in the unit of the arithmetic.";
-        Lambda0 = "lambda-0", "λ0 on screen", "The share of corner 0 on the screen: its edge value over the area.";
-        Lambda1 = "lambda-1", "λ1 on screen", "The share of corner 1 on the screen: its edge value over the area.";
-        Lambda2 = "lambda-2", "λ2 on screen", "The share of corner 2 on the screen: its edge value over the area.";
-        Weight0 = "weight-0", "Weight 0", "The share of corner 0 that attributes are mixed with.";
-        Weight1 = "weight-1", "Weight 1", "The share of corner 1 that attributes are mixed with.";
-        Weight2 = "weight-2", "Weight 2", "The share of corner 2 that attributes are mixed with.";
-        InvW = "inv-w", "1/w", "1 over the distance along the line of sight: what is affine on the screen.";
-        Distance = "distance", "View distance", "The distance along the line of sight, in world units; 1 without perspective.";
-        Depth = "fragment-depth", "Fragment depth", "The depth of the fragment as it is stored, blended or not.";
-        DepthSlope = "depth-slope", "Depth per pixel", "Steps of the depth buffer from a pixel to its right neighbour on the same triangle: where it is 0, depth stands still.";
-        DepthStep = "depth-step", "Depth resolution", "The distance to the next depth that can be stored, in world units: surfaces closer than that may tie.";
+        Edge0 = "edge-0", "Edge value 0", "Edge function of the edge opposite to corner 0: positive inside, 0 on the edge, in the unit of the arithmetic.";
+        Edge1 = "edge-1", "Edge value 1", "Edge function of the edge opposite to corner 1: positive inside, 0 on the edge, in the unit of the arithmetic.";
+        Edge2 = "edge-2", "Edge value 2", "Edge function of the edge opposite to corner 2: positive inside, 0 on the edge, in the unit of the arithmetic.";
+        Lambda0 = "lambda-0", "λ0 on screen", "Screen-space weight of corner 0: its edge value divided by the doubled area.";
+        Lambda1 = "lambda-1", "λ1 on screen", "Screen-space weight of corner 1: its edge value divided by the doubled area.";
+        Lambda2 = "lambda-2", "λ2 on screen", "Screen-space weight of corner 2: its edge value divided by the doubled area.";
+        Weight0 = "weight-0", "Weight 0", "Weight of corner 0 in the interpolation of attributes.";
+        Weight1 = "weight-1", "Weight 1", "Weight of corner 1 in the interpolation of attributes.";
+        Weight2 = "weight-2", "Weight 2", "Weight of corner 2 in the interpolation of attributes.";
+        InvW = "inv-w", "1/w", "Reciprocal of the view distance, which is affine on the screen.";
+        Distance = "distance", "View distance", "Distance along the view axis, in world units; 1 without perspective.";
+        Depth = "fragment-depth", "Fragment depth", "Depth of the fragment in the format of the depth buffer, also for blended fragments.";
+        DepthSlope = "depth-slope", "Depth per pixel", "Steps of the depth buffer from a pixel to its right neighbour on the same triangle; at 0 both have the same depth.";
+        DepthStep = "depth-step", "Depth resolution", "Distance to the next depth that can be stored, in world units: surfaces closer together may tie.";
         U = "u", "u", "The first texture coordinate, before addressing.";
         V = "v", "v", "The second texture coordinate, downwards, before addressing.";
-        DuDx = "du-dx", "du/dx", "What u changes by in a pixel to the right.";
-        DvDx = "dv-dx", "dv/dx", "What v changes by in a pixel to the right.";
-        DuDy = "du-dy", "du/dy", "What u changes by in a pixel downwards.";
-        DvDy = "dv-dy", "dv/dy", "What v changes by in a pixel downwards.";
-        Footprint = "footprint", "Texels per pixel", "The longer side of a pixel on the texture, in texels: above 1 texels are skipped.";
+        DuDx = "du-dx", "du/dx", "Change of u from a pixel to its right neighbour.";
+        DvDx = "dv-dx", "dv/dx", "Change of v from a pixel to its right neighbour.";
+        DuDy = "du-dy", "du/dy", "Change of u from a pixel to the one below.";
+        DvDy = "dv-dy", "dv/dy", "Change of v from a pixel to the one below.";
+        Footprint = "footprint", "Texels per pixel", "Longer side of a pixel's footprint on the texture, in texels; above 1 texels are skipped.";
         Cosine = "cosine", "N·L", "The cosine of the angle between normal and light.";
-        Light = "light", "Light", "The factor that light multiplies the surface with.";
-        Alpha = "alpha", "Alpha", "The share with which the fragment covers what lies behind.";
+        Light = "light", "Light", "Factor by which light multiplies the surface colour.";
+        Alpha = "alpha", "Alpha", "Opacity with which the fragment covers the surfaces behind it.";
     }
 }
 
-/// 1/w at a sample.
+/// Returns 1/w of a triangle at a sample.
 pub(crate) fn inv_w_at(triangle: &ScreenTriangle, sample: &Sample) -> f32 {
     let lambda = affine_weights(triangle, sample);
     lambda.iter().zip(&triangle.vertices).map(|(lambda, vertex)| lambda * vertex.inv_w).sum()
 }
 
-/// One number of every sample of a frame.
+/// One intermediate value at every sample of a frame.
 #[derive(Clone, Debug)]
 pub struct Captured {
-    /// Which one.
+    /// The intermediate value that was captured.
     pub which: Intermediate,
-    /// Packed as the frame's framebuffer is; `None` where nothing was drawn, or nothing computed it.
+    /// Values in the packed layout of the frame's framebuffer; `None` where nothing was drawn or the value was not
+    /// computed.
     pub values: Image<Option<f32>>,
 }
 
 impl Captured {
-    /// The number at a pixel of the full picture.
+    /// Returns the value at a pixel of the full picture.
     pub fn value(&self, frame: &Frame, x: u32, y: u32) -> Value {
         let Some((column, row)) = frame.sample_at(x, y) else { return Value::NotDrawn };
         self.values.at(column, row).map_or(Value::Nothing, Value::Number)
     }
 
-    /// The ends of the colour map: least and greatest finite number.
+    /// Returns the range of the finite values, for the ends of the colour map; `None` without any.
     pub fn range(&self) -> Option<Range> {
         Range::fit(self.values.pixels().iter().filter_map(|value| *value))
     }
 }
 
-/// Draws the frame once more and keeps one number of every sample.
+/// Draws the frame again and records one intermediate value at every sample.
 pub fn capture(scene: &Scene, recipe: &Recipe, frame: &Frame, which: Intermediate) -> Captured {
     let (width, height) = frame.drawn.color.size();
     let shaders = scene.instances.iter().zip(&frame.plans);
@@ -92,14 +93,14 @@ pub fn capture(scene: &Scene, recipe: &Recipe, frame: &Frame, which: Intermediat
     Captured { which, values: capture.values }
 }
 
-/// Writes down one number of what is drawn.
+/// An observer that records one intermediate value of each shaded fragment.
 struct Capture<'a> {
     which: Intermediate,
     settings: &'a Settings,
     scale: &'a DepthScale,
     shaders: Vec<Shader<'a>>,
     plans: &'a [DrawPlan],
-    /// The edges of the triangle that was asked for last.
+    /// Triangle of the previous lookup, and its edges.
     edges: Option<(ScreenTriangle, AnyTriangle)>,
     values: Image<Option<f32>>,
 }
@@ -146,7 +147,7 @@ impl Capture<'_> {
         }
     }
 
-    /// Signed steps of the depth buffer to the pixel at the right.
+    /// Returns the signed number of depth-buffer steps to the pixel on the right; `None` if the triangle has no edges.
     fn depth_slope(&mut self, triangle: &ScreenTriangle, sample: &Sample) -> Option<f32> {
         let Settings { arithmetic, fill_rule, .. } = *self.settings;
         if self.edges.as_ref().is_none_or(|(known, _)| known != triangle) {

@@ -1,15 +1,15 @@
-//! “Why is this pixel black?”: prepared scenes, each with the settings that bring its black spot out.
+//! “Why is this pixel black?”: built-in scenes, each with settings that produce a dark spot.
 //!
-//! What they teach is to ask the pixel: its verdict names the cause.
+//! The lesson is to inspect the pixel: its verdict names the cause.
 
 use crate::chain::{Frame, Recipe};
 use crate::image::Rgba8;
 use crate::pipeline::viewport::Viewport;
 
-/// Codes up to this are called black: on a screen in a lit room they cannot be told from 0.
+/// Greatest sRGB code that counts as black: on a screen in a lit room, lower codes are indistinguishable from 0.
 pub const BLACK_CODE: u8 = 12;
 
-/// Whether a colour is black, or as good as black.
+/// Whether all channels of a colour are at most [`BLACK_CODE`].
 pub fn is_black([r, g, b, _]: Rgba8) -> bool {
     r.max(g).max(b) <= BLACK_CODE
 }
@@ -19,45 +19,45 @@ pub fn is_black([r, g, b, _]: Rgba8) -> bool {
 pub struct Lesson {
     /// Id of the built-in scene.
     pub scene: &'static str,
-    /// What one sees.
+    /// Question about the visible artefact.
     pub question: &'static str,
     /// Settings that differ from the default recipe, as `key=value`.
     pub settings: &'static [&'static str],
-    /// Where the spot is, as shares of width and height.
+    /// Position of the spot, as fractions of width and height.
     pub place: [f32; 2],
-    /// Words of the verdict that name the cause.
+    /// Part of the verdict that names the cause.
     pub cause: &'static str,
 }
 
-/// All lessons, in the order of the stages that their causes lie in.
+/// All lessons, in pipeline order of their causes.
 pub const ALL: &[Lesson] = &[
     Lesson {
         scene: "near-clipped",
         question: "Why does the floor end too early?",
         settings: &[],
         place: [0.5, 0.9],
-        cause: "which is before the near plane",
+        cause: "in front of the near plane",
     },
     Lesson {
         scene: "back-facing",
         question: "Where is the middle panel?",
         settings: &[],
         place: [0.5, 0.5],
-        cause: "turns its back",
+        cause: "is back-facing",
     },
     Lesson {
         scene: "z-fought",
         question: "What are the stripes on the poster?",
         settings: &[],
         place: [0.5, 0.5],
-        cause: "have the very same depth",
+        cause: "have exactly the same depth",
     },
     Lesson {
         scene: "nan-normal",
         question: "What is the dark patch on the ball?",
         settings: &["light.ambient=0"],
         place: [0.31, 0.36],
-        cause: "was not a finite number (NaN)",
+        cause: "is not finite (NaN)",
     },
     Lesson {
         scene: "missing-texture",
@@ -69,15 +69,15 @@ pub const ALL: &[Lesson] = &[
 ];
 
 impl Lesson {
-    /// The default recipe with the lesson's settings.
+    /// Returns the default recipe with the lesson's settings.
     pub fn recipe(&self) -> Recipe {
         let mut recipe = Recipe::default();
-        // A test sets each of them; if one were refused the default would stay.
+        // A test covers each setting; an invalid one would leave the default unchanged.
         let _ = recipe.set_all(self.settings);
         recipe
     }
 
-    /// The black pixel nearest to the lesson's spot.
+    /// Returns the black pixel nearest to the lesson's spot; `None` if no pixel is black.
     pub fn black_pixel(&self, frame: &Frame) -> Option<(u32, u32)> {
         let Viewport { width, height } = frame.viewport;
         let [x, y] = [self.place[0] * width as f32, self.place[1] * height as f32].map(|at| at as u32);

@@ -1,4 +1,4 @@
-//! The figures of a shown quantity: histogram and statistics of each channel, over the picture and over a rectangle.
+//! Histogram and statistics of each channel of a displayed quantity, over the picture and over a rectangle.
 
 use super::histogram::Histogram;
 use super::range::{channels, pixels};
@@ -6,24 +6,24 @@ use super::statistics::Statistics;
 use super::view::{Range, Value};
 use crate::measure::region::Region;
 
-/// Bars of a histogram: about three points each in the widest strip.
+/// Number of bins of a histogram: about three points per bin in the widest strip.
 pub const BINS: usize = 256;
 
-/// Figures of a picture of values.
+/// Statistics and histograms of a picture of values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measured {
-    /// Of each channel over the whole picture.
+    /// Statistics of each channel over the whole picture.
     pub whole: Vec<Statistics>,
-    /// Of each channel within the rectangle, if one was drawn.
+    /// Rectangle and statistics of each channel within it, if one was selected.
     pub part: Option<(Region, Vec<Statistics>)>,
-    /// Of each channel over the whole picture, all over one range; none if there is no finite value.
+    /// Histogram of each channel over the whole picture, all with the same range; empty without finite values.
     pub histograms: Vec<Histogram>,
-    /// From the least to the greatest value of all channels, if there is any.
+    /// Range of the values of all channels; `None` without finite values.
     pub extent: Option<Range>,
 }
 
-/// Measures a picture of `size` with `count` channels whose values are asked for. Histograms are over `axis`, or over all
-/// values if there is none. Pixels that hold nothing do not count.
+/// Measures a picture of `size` pixels with `count` channels. Histograms span `axis`, or the range of all values if it
+/// is `None`. Pixels without a value are ignored.
 pub fn measure(
     size: (u32, u32),
     count: usize,

@@ -1,8 +1,8 @@
-//! Why a pixel looks as it does.
+//! Inspection of a frame: explanations of why a pixel has its colour.
 //!
-//! Nothing is recorded while a frame is drawn. The inspector *replays*: it runs the same stages over the same geometry
-//! with a scissor of one pixel and an observer that writes everything down. What it shows is therefore the arithmetic
-//! that drew the pixel, bit for bit, and a test holds that for every pixel.
+//! Nothing is recorded while a frame is drawn. The inspector *replays* a pixel: it runs the same stages over the same
+//! geometry, with a scissor of one pixel and a recording observer. The displayed values are therefore bit-identical to
+//! the arithmetic that drew the pixel; a test verifies this for every pixel.
 
 pub mod assertions;
 

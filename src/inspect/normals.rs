@@ -1,7 +1,7 @@
-//! Normals of vertices and of triangles as lines on the screen.
+//! Vertex and face normals as lines on the screen.
 //!
-//! A line starts at its vertex, or at the centroid of its triangle, and points along the normal in world space. It is cut at
-//! the near and the far plane as triangles are. Surfaces do not hide it.
+//! A line starts at its vertex, or at the centroid of its triangle, and points along the normal in world space. It is
+//! clipped at the near and far planes, but not occluded by surfaces.
 
 use std::collections::BTreeMap;
 
@@ -12,32 +12,32 @@ use crate::pipeline::vertex::DrawMatrices;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, DepthMapping, Instance, Scene, TriangleId};
 
-/// Default length, as a share of the diagonal of the scene's box: short enough to stay apart on objects that stand on a floor
+/// Default length, as a fraction of the diagonal of the scene's bounding box. It is short enough for objects on a floor
 /// many times their size.
 pub const DEFAULT_LENGTH: f32 = 0.005;
 
-/// Least w of a point that is projected.
+/// Minimum w of a projected point.
 const LEAST_W: f64 = f32::MIN_POSITIVE as f64;
 
-/// Kind of a normal: of a vertex or of a face, at whose centre its line starts.
+/// Kind of a normal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NormalKind {
-    /// At vertices: those that shading interpolates.
+    /// Vertex normals, which shading interpolates.
     Vertex,
-    /// At centroids of triangles: those of their planes, on the side that is seen counter-clockwise.
+    /// Face normals at the centroids of triangles, on the side whose winding is counter-clockwise.
     Face,
 }
 
-/// Normals on the screen.
+/// Projected normals.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct NormalLines {
-    /// Start and end of each in px, as far as it lies between the near and the far plane.
+    /// Start and end of each line in px, clipped at the near and far planes.
     pub lines: Vec<[[f64; 2]; 2]>,
-    /// Vertices or triangles in view whose normal has no length.
+    /// Number of vertices or triangles in view whose normal has zero length.
     pub without: usize,
 }
 
-/// The view that normals are projected by.
+/// Projection of normals to the screen.
 #[derive(Clone, Copy, Debug)]
 pub struct Projector {
     clip_from_world: DMat4,
@@ -45,12 +45,12 @@ pub struct Projector {
 }
 
 impl Projector {
-    /// The view of a camera in a picture of this size.
+    /// Creates the projection of a camera for a picture of this size, in pixels.
     pub fn new(camera: &Camera, viewport: Viewport) -> Self {
         Self { clip_from_world: camera.clip_from_world_f64(viewport.aspect(), DepthMapping::Standard), viewport }
     }
 
-    /// Ends of a line in px; `None` if nothing of it lies between the near and the far plane.
+    /// Projects a line to px; `None` if no part of it lies between the near and far planes.
     fn line(&self, from: DVec3, to: DVec3) -> Option<[[f64; 2]; 2]> {
         let [a, b] = [from, to].map(|at| self.clip_from_world * at.extend(1.0));
         let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
@@ -75,7 +75,7 @@ impl Projector {
     }
 }
 
-/// The normals of some triangles, `length` world units long; those of a vertex come once for each object.
+/// Projects the normals of some triangles, `length` world units long. Shared vertices are included once per object.
 pub fn normal_lines(
     scene: &Scene,
     kind: NormalKind,
@@ -121,7 +121,7 @@ struct Object<'a> {
     mesh: &'a crate::scene::Mesh,
     world_from_model: DMat4,
     matrices: DrawMatrices,
-    /// Vertices whose normals were taken.
+    /// Whether the normal of each vertex was already added.
     seen: Vec<bool>,
 }
 
@@ -131,7 +131,7 @@ impl<'a> Object<'a> {
         Self {
             mesh,
             world_from_model: instance.world_from_model.as_dmat4(),
-            // Of the matrices only the one for normals is used, which no view changes.
+            // Only the normal matrix is used, which does not depend on the view.
             matrices: DrawMatrices::new(instance, DMat4::IDENTITY),
             seen: vec![false; mesh.positions.len()],
         }
@@ -141,14 +141,14 @@ impl<'a> Object<'a> {
         self.world_from_model.transform_point3(self.mesh.positions[vertex].as_dvec3())
     }
 
-    /// The unit normal of a vertex in world space; zero if it has none.
+    /// Returns the unit normal of a vertex in world space; zero if it has none.
     fn normal(&self, vertex: usize) -> DVec3 {
         let normal = self.matrices.world_from_model_normal * self.mesh.normals[vertex];
         unit_or(normal.as_dvec3(), glam::Vec3::ZERO).as_dvec3()
     }
 }
 
-/// Length in world units of a share of the diagonal of a scene's box.
+/// Converts a fraction of the diagonal of the scene's bounding box to world units.
 pub fn world_length(scene: &Scene, share: f32) -> f64 {
     let bounds = scene.bounds();
     if bounds.is_empty() { 0.0 } else { f64::from(share) * bounds.min.as_dvec3().distance(bounds.max.as_dvec3()) }
@@ -179,7 +179,7 @@ mod tests {
     fn lines_start_at_projected_vertices_and_centroids_and_end_along_the_normal() {
         let mut scene = cubes();
         scene.instances.truncate(1);
-        // Normals of a squeezed object are not squeezed along.
+        // Non-uniform scale: normals transform by the inverse transpose.
         scene.instances[0].world_from_model *= Mat4::from_scale(Vec3::new(1.0, 0.3, 2.0));
         let clip_from_world = scene.home.clip_from_world(VIEW.aspect(), DepthMapping::Standard);
         let px = |at: Vec3| VIEW.pixels_from_ndc(clip_from_world.project_point3(at));

@@ -1,9 +1,9 @@
-//! A frame as drawing commands: its triangles as lines or polygons that can be enlarged without stairs.
+//! Vector drawing of a frame: its triangles as lines or polygons that scale without aliasing.
 //!
-//! Lines hidden by surfaces are found by asking the depth buffer along each edge, so a line is cut where it goes behind
-//! something, to the pixel. Polygons are the visible parts of triangles. The rasterizer finds them on a grid finer than
-//! pixels ([`visible`]), and their boundaries follow the edges and intersections of triangles between its samples
-//! ([`crossing`], [`partition`]): no order of painting is needed, and triangles may pass through each other.
+//! Hidden lines are removed by comparing each edge with the depth buffer, so a line ends at the pixel where it is
+//! occluded. Polygons are the visible parts of triangles. The rasterizer finds them on a grid finer than pixels
+//! ([`visible`]). Between its samples, boundaries follow the edges and intersections of triangles ([`crossing`],
+//! [`partition`]). No painting order is needed, and triangles may intersect.
 
 mod control;
 
@@ -34,11 +34,11 @@ use crate::scene::{Camera, Scene};
 use crate::upscale::Upscaling;
 
 choice! {
-    /// What is drawn of a scene.
+    /// Kind of shapes in a drawing.
     OutlineKind {
         Wireframe = "wireframe", "Wireframe", "The edges of all drawn triangles.";
-        HiddenLine = "hidden-line", "Hidden lines removed", "Those parts of edges that nothing hides.";
-        Polygons = "polygons", "Polygons", "The visible part of every triangle, in the mean colour that it has in the picture.";
+        HiddenLine = "hidden-line", "Hidden lines removed", "The parts of edges that no surface hides.";
+        Polygons = "polygons", "Polygons", "The visible part of every triangle, in its mean colour in the picture.";
     }
 }
 
@@ -46,8 +46,8 @@ const PAPER: Rgb = [255; 3];
 
 const LINE: Stroke = Stroke { color: [20; 3], width: 0.7 };
 
-/// Greatest number of samples along each side of a pixel by which visible polygons are found: details smaller than their
-/// distance are lost. Large pictures get fewer.
+/// Maximum number of samples along each side of a pixel for finding visible polygons. Details smaller than the sample
+/// spacing are lost. Large pictures use fewer samples.
 const MOST_SAMPLES_PER_PX: u32 = 5;
 
 /// View of a scene to draw as shapes.
@@ -57,15 +57,15 @@ pub struct OutlineRequest<'a> {
     pub scene: &'a Arc<Scene>,
     /// Camera that the scene is seen by.
     pub camera: &'a Camera,
-    /// Settings. Lines ignore the upscaler and the depth settings.
+    /// Settings of the frame. Lines ignore the upscaler and the depth settings.
     pub recipe: &'a Recipe,
-    /// Size of the drawing, one unit per pixel.
+    /// Size of the drawing; one unit per pixel.
     pub viewport: Viewport,
     /// Kind of shapes.
     pub kind: OutlineKind,
 }
 
-/// Returns the drawing of a view; `None` if it was cancelled.
+/// Draws a view as shapes; `None` if cancelled.
 pub fn outline(request: &OutlineRequest<'_>, control: OutlineControl<'_>) -> Option<Drawing> {
     let OutlineRequest { scene, camera, recipe, viewport, kind } = *request;
     let size = DVec2::new(viewport.width.into(), viewport.height.into());
@@ -85,7 +85,7 @@ pub fn outline(request: &OutlineRequest<'_>, control: OutlineControl<'_>) -> Opt
     control.check().map(|()| Drawing { size, background, shapes })
 }
 
-/// The recipe with what lines need: every pixel drawn, no lines over it, and depths that can be compared.
+/// Returns the recipe adapted for lines: every pixel drawn, no wireframe, and comparable depths.
 fn plain(recipe: &Recipe) -> Recipe {
     let mut recipe = Recipe { upscaler: Upscaling::NATIVE, wireframe: false, ..*recipe };
     recipe.pipeline.depth_test = DepthTest::Less;
@@ -94,14 +94,14 @@ fn plain(recipe: &Recipe) -> Recipe {
     recipe
 }
 
-/// An edge on the screen: two ends, each with its depth.
+/// A screen edge: the position in px and the depth of both ends.
 type Edge = [(DVec2, f64); 2];
 
 fn end(vertex: &ScreenVertex) -> (DVec2, f64) {
     (DVec2::new(vertex.position_px[0].into(), vertex.position_px[1].into()), vertex.depth)
 }
 
-/// The edges of all triangles, each once though two triangles share it.
+/// Returns the edges of all triangles; an edge shared by two triangles occurs once.
 fn edges(frame: &Frame) -> impl Iterator<Item = Edge> {
     let mut seen = HashSet::new();
     let sides =
@@ -117,10 +117,10 @@ fn whole([from, to]: Edge) -> Shape {
     Shape::Line { from: from.0, to: to.0, stroke: LINE }
 }
 
-/// The stretches of an edge that no stored depth is nearer than. It is asked once per pixel.
+/// Returns the visible parts of an edge, tested against the depth buffer about once per pixel.
 fn visible_parts([from, to]: Edge, depth: Option<&Image<f32>>) -> Vec<Shape> {
     let Some(depth) = depth else { return vec![whole([from, to])] };
-    // What reaches outside is not walked; the picture's diagonal bounds the rest.
+    // The part outside the picture is skipped, so the diagonal of the picture bounds the number of steps.
     let inside = part_inside(from.0.into(), to.0.into(), depth.width(), depth.height());
     let Some((enter, leave)) = inside else { return Vec::new() };
     let length = (to.0 - from.0).length() * (leave - enter);
@@ -146,8 +146,8 @@ fn visible_parts([from, to]: Edge, depth: Option<&Image<f32>>) -> Vec<Shape> {
     parts
 }
 
-/// Whether one of the pixels around a place holds no nearer surface: the surfaces beside an edge are stored at the centres of
-/// pixels beside it.
+/// Whether any of the 3×3 pixels around a position stores no nearer depth. The surfaces beside an edge are stored at
+/// neighbouring pixel centres.
 fn is_visible(depth: &Image<f32>, place: DVec2, z: f64) -> bool {
     let (x, y) = (place.x.floor() as i64, place.y.floor() as i64);
     let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (x + dx, y + dy)));
@@ -155,7 +155,8 @@ fn is_visible(depth: &Image<f32>, place: DVec2, z: f64) -> bool {
     stored.map(f64::from).any(|stored| z <= stored)
 }
 
-/// Returns the visible parts of all triangles and of the background, which together fill the picture; `None` if cancelled.
+/// Returns the visible parts of all triangles and of the background, which together fill the picture; `None` if
+/// cancelled.
 fn polygons(request: &OutlineRequest<'_>, control: OutlineControl<'_>) -> Option<Vec<Region>> {
     let OutlineRequest { scene, camera, recipe, viewport, .. } = *request;
     let settings = &recipe.pipeline;

@@ -1,4 +1,4 @@
-//! The story of one pixel: every fragment that touched it, who won and why, and how the colour came about.
+//! Report on one pixel: every fragment with its outcome and reason, and the computation of the final colour.
 
 mod recorder;
 
@@ -23,45 +23,45 @@ use crate::pipeline::{Extent, Until, draw, wireframe};
 use crate::scene::{Scene, Transparency, TriangleId};
 use crate::upscale::Tap;
 
-/// What became of a fragment.
+/// Outcome of a fragment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Outcome {
-    /// It is what the pixel shows.
+    /// The pixel shows the fragment.
     Visible,
-    /// It was written, and a later fragment covered it.
+    /// The fragment was written, and a later fragment covered it.
     Overwritten,
-    /// It was written, and is seen through what was blended over it.
+    /// The fragment was written, and remains visible through fragments blended over it.
     BlendedOver,
-    /// It lost the depth test.
+    /// The fragment lost the depth test.
     DepthRejected,
-    /// The alpha of its texture says that it is not there.
+    /// The alpha test discarded the fragment.
     CutOut,
 }
 
 impl Outcome {
-    /// Whether the fragment was written, seen in the end or not.
+    /// Whether the fragment was written, visible in the end or not.
     pub fn is_written(self) -> bool {
         matches!(self, Self::Visible | Self::Overwritten | Self::BlendedOver)
     }
 }
 
-/// One fragment: a triangle that covers the sample.
+/// One fragment of a triangle that covers the sample.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FragmentRecord {
     /// Triangle of the scene.
     pub triangle: TriangleId,
-    /// Name of the instance that it belongs to.
+    /// Name of the instance of the triangle.
     pub instance: String,
     /// Position in the list of rasterized triangles.
     pub submission: usize,
-    /// How its surface meets what was drawn before.
+    /// Transparency of its surface: opaque, alpha-tested or blended.
     pub transparency: Transparency,
-    /// What became of it.
+    /// Outcome of the fragment.
     pub outcome: Outcome,
-    /// Why, in one sentence with the numbers that decided.
+    /// Reason for the outcome, as one sentence with the deciding numbers.
     pub reason: String,
-    /// The numbers that coverage was decided in.
+    /// Arithmetic that coverage was decided in.
     pub arithmetic: Arithmetic,
     /// Corners in px, snapped in fixed point.
     pub corners_px: [[f32; 2]; 3],
@@ -82,48 +82,48 @@ pub struct FragmentRecord {
     pub depth_bias: Option<f32>,
     /// Depth of the fragment, as it is stored if the fragment wins.
     pub depth: DepthRecord,
-    /// What the depth buffer held before; `None` without a depth test.
+    /// Stored depth before the fragment; `None` without a depth test.
     pub stored_depth: Option<DepthRecord>,
-    /// The alpha that decided, of opacity and texture: whether a cut-out surface is there, or how much of what lies behind
-    /// a blended one covers. `None` for opaque surfaces, and where it did not come to that.
+    /// Alpha of opacity and texture, as used for the alpha test or for blending. `None` for opaque surfaces and
+    /// rejected fragments.
     pub alpha: Option<f32>,
-    /// Shading, if it came to that.
+    /// Shading; `None` if the fragment was not shaded.
     pub shading: Option<ShadingRecord>,
-    /// What the sample held before.
+    /// State of the sample before the fragment.
     pub before: SampleState,
-    /// What it held after; the same if the fragment was rejected.
+    /// State of the sample after the fragment; unchanged if the fragment was rejected.
     pub after: SampleState,
 }
 
 impl FragmentRecord {
-    /// Whether nothing that was drawn before is seen through it, if it is written.
+    /// Whether the fragment, if written, completely covers earlier ones.
     pub fn covers_all(&self) -> bool {
         self.transparency != Transparency::Blended || self.alpha.is_some_and(|alpha| alpha >= 1.0)
     }
 }
 
-/// How a fragment got its colour. What its draw leaves out is `None`.
+/// Computation of a fragment's colour. Values that the draw plan omits are `None`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ShadingRecord {
     /// Texture coordinates, v down.
     pub uv: Option<[f32; 2]>,
-    /// Unit normal, world space.
+    /// Unit normal, in world space.
     pub normal: Option<[f32; 3]>,
-    /// Interpolated vertex colour, in the numbers that light is computed in.
+    /// Interpolated vertex colour, in the colour space of lighting.
     pub vertex_color: Option<[f32; 3]>,
-    /// N·L.
+    /// N·L, the cosine of the angle between normal and light.
     pub cosine: Option<f32>,
-    /// The factor that light contributes.
+    /// Factor by which light multiplies the surface colour.
     pub light: Option<f32>,
     /// Factor of the specular colour: max(0, N·H)^Ns.
     pub highlight: Option<f32>,
-    /// Emitted light, in the numbers that light is computed in.
+    /// Emitted light, in the colour space of lighting.
     pub emission: Option<[f32; 3]>,
-    /// Texels read from all maps of the material, with their weights: those of each map add up to 1.
+    /// Texels read from all maps of the material, with weights that sum to 1 for each map.
     pub texels: Vec<TexelRecord>,
-    /// The colour that it was blended with.
+    /// Colour below that it was blended with, as sRGB codes; `None` if it was not blended.
     pub below: Option<Rgba8>,
-    /// The colour that was written.
+    /// Colour that was written, as sRGB codes.
     pub color: Rgba8,
 }
 
@@ -144,97 +144,96 @@ choice! {
     }
 }
 
-/// One texel that was read.
+/// One texel read for a fragment.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct TexelRecord {
-    /// Map that it belongs to.
+    /// Map that contains the texel.
     pub map: TextureMap,
-    /// Which copy of the texture it belongs to: 0 is the texture itself, each next one half as long.
+    /// Mip level: 0 is the full texture, and each further level has half the side lengths.
     pub level: usize,
-    /// Where in that copy, and its share.
+    /// Position in the mip level, and weight.
     #[serde(flatten)]
     pub tap: TexelTap,
-    /// Its codes.
+    /// Colour of the texel, as 8-bit codes.
     pub color: Rgba8,
 }
 
 /// A drawn pixel that an upscaler read.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SourceRecord {
-    /// Where in the picture that was drawn, and its share.
+    /// Position in the drawn picture, and weight.
     #[serde(flatten)]
     pub tap: Tap,
-    /// Its replayed colour.
+    /// Replayed colour, as sRGB codes.
     pub color: Rgba8,
 }
 
-/// One of the samples that a drawn pixel is the mean of.
+/// One of the samples that a drawn pixel is averaged from.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SampleRecord {
-    /// Where it lies, px from the pixel's top-left corner.
+    /// Position of the sample relative to the pixel's top-left corner, in px.
     pub place: [f64; 2],
-    /// Its replayed colour.
+    /// Replayed colour, as sRGB codes.
     pub color: Rgba8,
 }
 
-/// Everything about one pixel.
+/// Report on one pixel of the full picture.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PixelReport {
-    /// Column.
+    /// Column in the full picture.
     pub x: u32,
-    /// Row.
+    /// Row in the full picture.
     pub y: u32,
-    /// What happened, in one sentence.
+    /// Explanation of the pixel's colour, as a short text.
     pub verdict: String,
-    /// The colour that the replay arrives at.
+    /// Replayed colour of the pixel, as sRGB codes.
     pub color: Rgba8,
-    /// The pixel whose fragments are listed, in the picture that was drawn: this one if it was drawn itself, else the one
-    /// with the largest share.
+    /// Pixel of the drawn picture whose fragments are listed: this pixel if it was drawn, or else the source with the
+    /// largest weight.
     pub drawn_at: [u32; 2],
-    /// Its samples, whose mean is its colour; none if it has but one, at its centre.
+    /// Samples whose mean is the colour of the drawn pixel; empty if the only one is at its centre.
     pub samples: Vec<SampleRecord>,
-    /// What its centre held before the first of them.
+    /// State of the sample at the pixel's centre before the first fragment.
     pub clear: SampleState,
-    /// Every fragment at its centre, in drawing order.
+    /// All fragments at the pixel's centre, in drawing order.
     pub fragments: Vec<FragmentRecord>,
-    /// Triangles that have no fragment here, each with its reason, as far as they were asked for
-    /// ([`super::history::explain`]).
+    /// Triangles without a fragment here, each with its reason; filled in only by [`super::history::explain`].
     pub absent: Vec<Absent>,
-    /// What the depth buffer holds in the end.
+    /// Final depth in the depth buffer; `None` without one.
     pub final_depth: Option<DepthRecord>,
-    /// The drawn pixels that this one was made of; one with weight 1 if it was drawn itself.
+    /// Drawn pixels that this pixel is computed from; a single one with weight 1 if it was drawn itself.
     pub sources: Vec<SourceRecord>,
-    /// Where in the frame before, px from the picture's corner, the upscaler found a part of the pixel, or all of it where
-    /// it was not drawn; what it takes from there has no weight among the sources.
+    /// Position in the previous frame, in px from the picture's corner, that the upscaler reprojected history from. The
+    /// history has no weight among the sources.
     pub remembered_at: Option<[f64; 2]>,
-    /// The colour before the filter over the picture, where there is one.
+    /// Colour before the post filter; `None` without a filter.
     pub unfiltered: Option<Rgba8>,
-    /// The triangle whose edge the wireframe draws over this pixel.
+    /// Triangle whose edge the wireframe draws over this pixel.
     pub wireframe: Option<TriangleId>,
-    /// A crack or a double hit along a shared edge, if the pixel was drawn.
+    /// Crack or double hit along a shared edge; `None` for pixels that were not drawn.
     pub fault: Option<Fault>,
 }
 
 impl PixelReport {
-    /// What its centre held after the last of its fragments.
+    /// Returns the state of the sample at the pixel's centre after its last fragment.
     pub fn last(&self) -> SampleState {
         self.fragments.last().map_or(self.clear, |fragment| fragment.after)
     }
 
-    /// The fragment that the pixel shows; if it is blended, the nearest of those that it shows.
+    /// Returns the fragment that the pixel shows: among blended ones, the last written.
     pub fn visible(&self) -> Option<&FragmentRecord> {
         self.fragments.iter().find(|f| f.outcome == Outcome::Visible)
     }
 }
 
-/// Replays pixel (x, y) of a frame. `None` outside of the picture.
+/// Replays pixel (x, y) of a frame. Returns `None` outside the picture.
 pub fn inspect(scene: &Scene, recipe: &Recipe, frame: &Frame, x: u32, y: u32) -> Option<PixelReport> {
     let mut report = replayed(scene, recipe, frame, x, y)?;
     report.verdict = verdict(&report, scene, recipe, frame);
     Some(report)
 }
 
-/// The report of a replay, still without a verdict.
+/// Returns the report of a replay, still without a verdict.
 pub(super) fn replayed(scene: &Scene, recipe: &Recipe, frame: &Frame, x: u32, y: u32) -> Option<PixelReport> {
     let Viewport { width, height } = frame.viewport;
     if x >= width || y >= height {
@@ -246,7 +245,7 @@ pub(super) fn replayed(scene: &Scene, recipe: &Recipe, frame: &Frame, x: u32, y:
     let replayed = samples::replay(scene, recipe, frame, &pixels);
     let sources: Vec<_> = taps.into_iter().zip(&replayed).map(|(tap, samples)| source(frame, tap, samples)).collect();
     let main = (0..sources.len()).max_by(|a, b| sources[*a].tap.weight.total_cmp(&sources[*b].tap.weight));
-    // A frame of at most 2 × 2 pixels may draw none of them: all come from the frame before.
+    // A frame of at most 2 × 2 pixels may draw none of them: all then come from the history.
     let drawn_at = main.filter(|_| !frame.is_drawn(x, y)).map_or((x, y), |main| pixels[main]);
     let samples = pixels.iter().position(|pixel| *pixel == drawn_at).map_or_else(Vec::new, |place| {
         let places = samples::places(frame.antialias, drawn_at);
@@ -289,7 +288,8 @@ fn source(frame: &Frame, tap: Tap, samples: &[Rgba8]) -> SourceRecord {
     SourceRecord { tap, color }
 }
 
-/// The pixel after the filter over the picture, if there is one: from its replayed colour and its neighbours in the frame.
+/// Returns the pixel after the post filter, computed from its replayed colour and its neighbours in the frame; `None`
+/// without a filter.
 fn filtered(recipe: &Recipe, frame: &Frame, (x, y): (u32, u32), own: Rgba8) -> Option<Rgba8> {
     let reach = i64::from(post::reach(&recipe.post)?);
     let around = |at: u32| (i64::from(at) - reach, 2 * reach as u32 + 1);
@@ -306,7 +306,8 @@ fn filtered(recipe: &Recipe, frame: &Frame, (x, y): (u32, u32), own: Rgba8) -> O
     post::apply(&recipe.post, &neighbours, None).map(|patch| patch.at(reach as u32, reach as u32))
 }
 
-/// What was drawn, as far as the replayed sources tell: all that the upscaler may look at.
+/// Returns the packed drawn picture with only the replayed sources filled in: the only pixels that the upscaler may
+/// read.
 fn picture_of(sources: &[SourceRecord], frame: &Frame) -> Image<Rgba8> {
     let (width, height) = frame.drawn.color.size();
     let mut picture = Image::filled(width, height, [0; 4]);
@@ -318,12 +319,12 @@ fn picture_of(sources: &[SourceRecord], frame: &Frame) -> Image<Rgba8> {
     picture
 }
 
-/// Draws the sample at the centre of one drawn pixel alone.
+/// Draws only the sample at the centre of one drawn pixel, and returns its colour.
 pub(super) fn centre_color(scene: &Scene, recipe: &Recipe, frame: &Frame, pixel: (u32, u32)) -> Option<Rgba8> {
     Some(draw_centre(scene, recipe, frame, pixel, &mut ())?.color.at(0, 0))
 }
 
-/// Draws the sample at the centre of one drawn pixel alone, watched: its stored depth, if any.
+/// Draws only the sample at the centre of one drawn pixel with an observer, and returns its stored depth, if any.
 fn replay<O: Observer>(
     scene: &Scene,
     recipe: &Recipe,
@@ -350,7 +351,7 @@ fn draw_centre<O: Observer>(
     Some(one)
 }
 
-/// Where the sample of a full-picture pixel lies, in px.
+/// Returns the position of a pixel's sample in the full picture, in px.
 pub fn sample_position_px(x: u32, y: u32) -> [f32; 2] {
     [x, y].map(|c| to_pixels(i64::from(c) * SUBPIXELS + HALF_PIXEL))
 }
@@ -365,7 +366,7 @@ mod tests {
     #[test]
     fn a_record_tells_only_what_its_shading_reads() {
         let scene = builtin::by_id("chess").unwrap().build();
-        // Which of texture coordinates, normal, N·L and light there are.
+        // Whether texture coordinates, normal, N·L and light are recorded, in that order.
         for (shading, expected) in [
             (Shading::TriangleId, [false, false, false, false]),
             (Shading::Uv, [true, false, false, false]),
@@ -382,7 +383,7 @@ mod tests {
                 .map(|s| [s.uv.is_some(), s.normal.is_some(), s.cosine.is_some(), s.light.is_some()])
                 .collect();
             assert!(told.contains(&expected), "{shading:?}");
-            // Meshes without texture coordinates tell less, none tells more.
+            // Meshes without texture coordinates record fewer values, and none records more.
             assert!(told.iter().flat_map(|t| t.iter().zip(expected)).all(|(t, e)| e || !t), "{shading:?}");
         }
     }

@@ -1,7 +1,7 @@
-//! Where a person is: scene, view, recipe, what is shown of the frame, and the questioned pixel, as one value.
+//! A place of inspection as one value: scene, view, recipe, displayed quantity, and inspected pixel.
 //!
-//! Bookmarks and the history of inspection keep it. As text it is a command line of this very program, so that whoever
-//! reads it can see what it says, change it, and draw the same picture by it.
+//! Bookmarks and the inspection history store it. Its text form is a command line of this program, so a reader can
+//! understand it, edit it, and draw the same picture with it.
 
 use std::path::PathBuf;
 
@@ -19,54 +19,54 @@ use crate::pipeline::settings::Choice as _;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, camera_file};
 
-/// Where a person is.
+/// A place of inspection, which can be restored later.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Place {
-    /// The scene: the id of a built-in one, or a path.
+    /// Scene: the id of a built-in one, or a path.
     #[serde(with = "stored_path")]
     pub scene: PathBuf,
-    /// Whether it is shown mirrored in z. `camera` is a view of what is shown.
+    /// Whether the scene is mirrored in z. `camera` views the mirrored scene.
     pub mirrored: bool,
-    /// From where.
+    /// Camera of the view.
     pub camera: Camera,
-    /// How it is drawn.
+    /// Recipe that the frame is drawn with.
     pub recipe: Recipe,
-    /// Size of the picture in px; as large as the canvas if none.
+    /// Size of the picture in px; `None` for the size of the canvas.
     pub picture: Option<(u32, u32)>,
-    /// The buffer that is shown if neither a stage nor a number on the way is.
+    /// Displayed buffer, if neither a stage nor an intermediate value is displayed.
     pub buffer: Buffer,
-    /// The stage that is shown.
+    /// Displayed pipeline stage.
     pub stage: Option<Stage>,
-    /// The number on the way from triangle to colour that is shown, if no stage is.
+    /// Displayed intermediate value, if no stage is displayed.
     #[serde(default)]
     pub number: Option<Intermediate>,
-    /// By which range, colour map and channels.
+    /// Range, colour map and channels of the display.
     #[serde(default)]
     pub display: Display,
-    /// What is laid over it, the lowest first.
+    /// Overlays, bottom to top.
     #[serde(default)]
     pub overlays: Vec<Layer>,
-    /// Only the first so many rasterized triangles.
+    /// Number of rasterized triangles to draw; `None` for all.
     pub triangles: Option<usize>,
-    /// Of the last of them only the first so many fragments.
+    /// Number of fragments to draw of the last triangle; `None` for all.
     #[serde(default)]
     pub fragments: Option<usize>,
-    /// The questioned pixel.
+    /// Inspected pixel: column and row in the full picture.
     pub pixel: Option<(u32, u32)>,
 }
 
 impl Place {
-    /// Why this cannot be gone to: what is stored may be of another version, or damaged.
+    /// Returns an error if the place cannot be restored: stored data may come from another version, or be damaged.
     pub fn check(&self) -> Result<(), String> {
         self.recipe.check()?;
         self.camera.check()?;
         self.picture.map_or(Ok(()), |(width, height)| Viewport { width, height }.check())
     }
 
-    /// The command line that leads here, with every word quoted that a shell would read otherwise.
+    /// Returns the command line that restores this place, with words quoted where a shell requires it.
     pub fn command_line(&self) -> String {
         let scene = self.scene.to_string_lossy();
-        // A path that begins like an option is none with its folder before it.
+        // The prefix `./` prevents a path from being parsed as an option.
         let scene = if scene.starts_with('-') { format!("./{scene}") } else { scene.into_owned() };
         let mut words = vec!["rasterscope".to_owned(), "window".to_owned(), scene];
         words.extend(self.mirrored.then(|| "--mirror-z".to_owned()));
@@ -102,7 +102,7 @@ impl Place {
         words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ")
     }
 
-    /// What is looked at, in words: "pixel 12, 34, Depth".
+    /// Describes the place briefly, such as "pixel 12, 34, Depth".
     pub fn words(&self) -> String {
         let shown = match (self.stage, self.number) {
             (Some(stage), _) => Some(stage.name()),
@@ -115,7 +115,7 @@ impl Place {
     }
 }
 
-/// A word as a shell takes it.
+/// Quotes a word for a POSIX shell if necessary.
 fn quoted(word: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "_-./,:=+@%".contains(c);
     if !word.is_empty() && word.chars().all(is_plain) {

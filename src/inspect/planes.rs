@@ -1,11 +1,11 @@
-//! The shown quantity as exact floats, to be saved.
+//! Export of the displayed quantity as exact floats.
 
 use super::view::Value;
 use crate::image::Image;
 use crate::image::pfm::Floats;
 
-/// The exact values of a picture of `size`: three numbers to a pixel for colours (codes, 0 to 255) and weights, else one; NaN
-/// where there is nothing. Names of triangles are their numbers, exact up to 2²⁴.
+/// Returns the exact values of a picture of `size` pixels: three numbers per pixel for colours (codes, 0 to 255) and
+/// weights, or else one; NaN where there is none. Triangle ids become numbers, exact up to 2²⁴.
 pub fn planes(size: (u32, u32), value: impl Fn(u32, u32) -> Value) -> Floats {
     let three = |x, y| match value(x, y) {
         Value::Color([r, g, b, _]) => Some([r, g, b].map(f32::from)),

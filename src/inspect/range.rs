@@ -1,38 +1,38 @@
-//! Which values the ends of a colour map stand for: fitted to the values that there are, or set by hand.
+//! Range of values that a colour map spans: fitted to the values, or set by hand.
 
 use serde::{Deserialize, Serialize};
 
 use super::view::{Range, Value};
 use crate::measure::region::Region;
 
-/// Share of the values that [`Fit::Most`] leaves out at each end.
+/// Fraction of the values that [`Fit::Most`] excludes at each end.
 const LEFT_OUT: f64 = 0.01;
 
-/// Which values a range is fitted to. Pixels that hold nothing, such as a cleared depth, never count.
+/// Set of values that a range is fitted to. Pixels without a value, such as a cleared depth, are ignored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Fit {
-    /// All of the picture, from the least to the greatest.
+    /// All values of the picture, from minimum to maximum.
     All,
-    /// All of the picture but for the hundredth at either end.
+    /// All values of the picture between the 1st and the 99th percentile.
     Most,
-    /// Those within a rectangle, from the least to the greatest.
+    /// Values within a rectangle, from minimum to maximum.
     Within(Region),
 }
 
-/// How the ends of a range are found.
+/// Rule that determines the ends of a range.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Rule {
-    /// As suits the quantity: counts from 0, colours from 0 to 255, others from the least to the greatest.
+    /// Default of the quantity: counts from 0, colours from 0 to 255, others from minimum to maximum.
     #[default]
     Natural,
-    /// Anew for every picture.
+    /// Fitted anew to every picture.
     Sticky(Fit),
-    /// Set once.
+    /// Fixed by hand.
     Fixed(Range),
 }
 
-/// The numbers of a pixel, one for each channel that there is: three of colours and weights, one of numbers and counts, none
-/// where there is nothing to measure.
+/// Returns the numbers of a pixel, one per channel: three for colours and weights, one for numbers and counts, none for
+/// other values.
 pub fn channels(value: Value) -> impl Iterator<Item = f32> {
     let (numbers, count) = match value {
         Value::NotDrawn | Value::Nothing | Value::Triangle(_) => ([0.0; 3], 0),
@@ -45,8 +45,8 @@ pub fn channels(value: Value) -> impl Iterator<Item = f32> {
 }
 
 impl Fit {
-    /// The range of the values that this is about, of a picture of this size whose values are asked for; only of the channels that are
-    /// chosen where there are several. `None` if nothing finite is among them.
+    /// Returns the range of the selected values of a picture of `size` pixels. For values with several channels, only
+    /// the `chosen` ones count. `None` without a finite value.
     pub fn range(self, size: (u32, u32), chosen: [bool; 3], value: impl Fn(u32, u32) -> Value) -> Option<Range> {
         let all = Region { left: 0, top: 0, right: size.0, bottom: size.1 };
         let region = if let Self::Within(region) = self { region } else { all };
@@ -62,13 +62,13 @@ impl Fit {
     }
 }
 
-/// The pixels of a rectangle that lie within a picture, in reading order.
+/// Returns the pixels of a rectangle that lie within a picture, in reading order.
 pub fn pixels(region: Region, (width, height): (u32, u32)) -> impl Iterator<Item = (u32, u32)> {
     let columns = region.left..region.right.min(width);
     (region.top..region.bottom.min(height)).flat_map(move |y| columns.clone().map(move |x| (x, y)))
 }
 
-/// The values below and above which [`LEFT_OUT`] of them lie, by nearest rank.
+/// Returns the range that excludes the fraction [`LEFT_OUT`] of the values at each end, by nearest rank.
 fn between_quantiles(mut values: Vec<f32>) -> Option<Range> {
     let last = values.len().checked_sub(1)?;
     let rank = (last as f64 * LEFT_OUT) as usize;
@@ -84,7 +84,7 @@ mod tests {
 
     #[test]
     fn the_hundredth_at_either_end_is_left_out() {
-        // 0 … 200 in a scrambled order: two values lie beyond each end.
+        // 0 … 200 in scrambled order: two values are excluded at each end.
         let value = |x: u32, y: u32| Value::Number(((x + 3 * y) * 76 % 201) as f32);
         let fit = |fit: Fit| fit.range((201, 1), [true; 3], value);
         assert_eq!(fit(Fit::All), Some(Range { low: 0.0, high: 200.0 }));

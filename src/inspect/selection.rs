@@ -1,18 +1,18 @@
-//! Triangles that a person singled out, whatever by: a bin of the fates, a row of a table, a click on a mesh.
+//! Sets of selected triangles, from a bin of the fates, a row of a table, or a click on a mesh.
 
 use crate::scene::TriangleId;
 
-/// A set of triangles of one scene, with the words for what they have in common. The default is the empty set.
+/// A set of triangles of one scene, with a label. The default is the empty set.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TriangleSelection {
     label: String,
-    /// One bit for each triangle, the lowest for the first; ends with the last member.
+    /// One bit per triangle, least significant first; truncated after the word of the last member.
     bits: Vec<u64>,
     len: usize,
 }
 
 impl TriangleSelection {
-    /// The set of some triangles, in any order; the same one may come twice.
+    /// Creates a set from triangles in any order; duplicates are ignored.
     pub fn new(label: impl Into<String>, members: impl IntoIterator<Item = TriangleId>) -> Self {
         let mut set = Self { label: label.into(), ..Self::default() };
         for TriangleId(id) in members {
@@ -26,27 +26,27 @@ impl TriangleSelection {
         set
     }
 
-    /// What the members have in common, in words.
+    /// Returns the label that describes the members.
     pub fn label(&self) -> &str {
         &self.label
     }
 
-    /// How many triangles there are.
+    /// Returns the number of members.
     pub fn len(&self) -> usize {
         self.len
     }
 
-    /// Whether there are none.
+    /// Whether the set is empty.
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }
 
-    /// Whether a triangle is one of them.
+    /// Whether a triangle is a member.
     pub fn contains(&self, TriangleId(id): TriangleId) -> bool {
         self.bits.get(id as usize / 64).is_some_and(|word| word >> (id % 64) & 1 == 1)
     }
 
-    /// The members, in the order of the scene.
+    /// Returns the members, in scene order.
     pub fn iter(&self) -> impl Iterator<Item = TriangleId> + '_ {
         let words = self.bits.iter().zip((0..).step_by(64));
         words.flat_map(|(word, first)| {

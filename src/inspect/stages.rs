@@ -1,9 +1,8 @@
-//! The picture after each stage: the same view, drawn as far as the pipeline has come.
+//! The picture after each pipeline stage, for the same view.
 //!
-//! Up to culling they are lines and dots of the whole scene: what clipping left, projected, before anything
-//! was culled for its facing; only triangles without area are missing, which have no facing.
-//! From rasterizing on they show the pixels that the frame really drew, of the triangles that it drew; those left to the
-//! upscaler are dark.
+//! Stages up to culling show lines and dots of the whole scene: projected triangles after clipping, without face
+//! culling. Only zero-area triangles are missing, because they have no facing. Stages from rasterization on show the
+//! actually drawn pixels of the drawn triangles; pixels left to the upscaler are dark.
 
 use super::fates::Rejections;
 use crate::chain::{Frame, Recipe, redraw};
@@ -19,17 +18,17 @@ use crate::pipeline::{Until, prepare, wireframe};
 use crate::scene::{Camera, Scene};
 
 choice! {
-    /// A stage whose result can be looked at.
+    /// A stage whose result can be displayed.
     Stage {
-        Assemble = "assemble", "Assemble", "Meshes and instances make triangles: the corners of all that reach into the view, as dots; cut ones by their pieces.";
-        Transform = "transform", "Transform", "Vertices through model, world and view into clip space: the edges of all triangles that reach into the view, front and back.";
-        Clip = "clip", "Clip", "What lies wholly outside is gone; the pieces of triangles cut at the near plane, the far plane or the guard band in orange.";
+        Assemble = "assemble", "Assemble", "Triangles of all meshes and instances: the corners of those that reach into the view, as dots; clipped ones by their pieces.";
+        Transform = "transform", "Transform", "Vertices from model through world and view to clip space: the edges of all triangles that reach into the view, front- and back-facing.";
+        Clip = "clip", "Clip", "Triangles outside the view are gone; pieces of triangles clipped at the near plane, the far plane or the guard band are orange.";
         Project = "project", "Project", "Divided by w, scaled to pixels, snapped to 1/256 px: edges and snapped corners.";
-        Cull = "cull", "Cull", "What is left to rasterize in white; what was dropped for its facing in red. Triangles without area are not shown.";
-        Rasterize = "rasterize", "Rasterize", "Every covered pixel in the colour of the last triangle drawn there; no depth yet, nothing cut out. Pixels left to the upscaler are dark.";
-        Depth = "depth", "Depth", "The depth test decides who stays: the colour of the winning triangle. What is cut out is gone.";
-        Interpolate = "interpolate", "Interpolate", "The weights of the winner's three corners as red, green and blue.";
-        Shade = "shade", "Shade", "The pixels that are really drawn, shaded; those left to the upscaler are dark.";
+        Cull = "cull", "Cull", "Triangles left to rasterize are white, culled ones red. Zero-area triangles are not shown.";
+        Rasterize = "rasterize", "Rasterize", "Every covered pixel in the colour of the last triangle drawn there, before depth test and alpha test. Pixels left to the upscaler are dark.";
+        Depth = "depth", "Depth", "The triangle that wins each pixel, after depth test and alpha test.";
+        Interpolate = "interpolate", "Interpolate", "The weights of the winning triangle's corners as red, green and blue.";
+        Shade = "shade", "Shade", "The shaded pixels that are actually drawn; those left to the upscaler are dark.";
         Upscale = "upscale", "Upscale", "The finished picture.";
     }
 }
@@ -39,10 +38,10 @@ const KEPT: Rgba8 = [222, 222, 222, 255];
 const CUT: Rgba8 = [240, 150, 40, 255];
 const DROPPED: Rgba8 = [214, 72, 72, 255];
 
-/// Shown where no pixel was drawn.
+/// Colour of pixels that were not drawn.
 pub const NOT_DRAWN: Rgba8 = [12, 12, 12, 255];
 
-/// The picture after `stage` of the frame that `recipe` gives.
+/// Returns the picture after `stage` of the frame that `recipe` draws.
 pub fn picture(scene: &Scene, camera: &Camera, recipe: &Recipe, frame: &Frame, stage: Stage) -> Image<Rgba8> {
     let redrawn = |shading| {
         let recipe = Recipe { pipeline: Settings { shading, ..recipe.pipeline }, ..*recipe };
@@ -83,7 +82,7 @@ pub fn picture(scene: &Scene, camera: &Camera, recipe: &Recipe, frame: &Frame, s
     }
 }
 
-/// Each sample in the colour of the last triangle that covers it.
+/// Colours each sample by the last triangle that covers it.
 struct LastCovered(Image<Rgba8>);
 
 impl Observer for LastCovered {
@@ -92,7 +91,7 @@ impl Observer for LastCovered {
     }
 }
 
-/// The drawn pixels at their places in the full picture.
+/// Places the drawn pixels at their positions in the full picture; all others are [`NOT_DRAWN`].
 fn spread(packed: &Image<Rgba8>, frame: &Frame) -> Image<Rgba8> {
     let Viewport { width, height } = frame.viewport;
     Image::from_fn(width, height, |x, y| {
@@ -105,7 +104,7 @@ fn is_kept(triangle: &ScreenTriangle, settings: &Settings) -> bool {
     cull(area, settings.culling).is_none()
 }
 
-/// All triangles before culling, as lines.
+/// All triangles before culling, to be drawn as lines.
 struct Wires {
     triangles: Vec<ScreenTriangle>,
     rejections: Rejections,
@@ -143,7 +142,7 @@ impl Wires {
         let (width, height) = image.size();
         for corner in self.triangles.iter().flat_map(|t| &t.vertices) {
             let [x, y] = [corner.x, corner.y].map(|c| to_pixels(c.into()).floor());
-            // Two by two: one pixel is hard to see.
+            // Dots of 2×2 pixels, because a single pixel is hard to see.
             for (dx, dy) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
                 let (x, y) = (x + dx, y + dy);
                 if x >= 0.0 && y >= 0.0 && x < width as f32 && y < height as f32 {
@@ -169,7 +168,7 @@ mod tests {
 
     const VIEW: Viewport = Viewport { width: 80, height: 60 };
 
-    /// Pixels of a picture that are neither background nor left out.
+    /// Counts the pixels of a picture that are neither background nor undrawn.
     fn covered(scene: &Scene, image: &Image<Rgba8>) -> usize {
         let [r, g, b] = scene.background;
         image.pixels().iter().filter(|p| ![[r, g, b, 255], NOT_DRAWN].contains(p)).count()

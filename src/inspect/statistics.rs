@@ -1,36 +1,36 @@
-//! Figures of many numbers at once: how many, which of them are none, least, greatest, mean and deviation.
+//! Statistics of a set of numbers: counts by kind, minimum, maximum, mean and standard deviation.
 
 use serde::Serialize;
 
-/// Figures of the numbers that were [taken in](Statistics::add).
+/// Statistics of the numbers [added](Statistics::add) so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Statistics {
-    /// Numbers that are finite: all other figures are of these.
+    /// Number of finite values; all other statistics include only these.
     pub finite: u64,
-    /// How many are not a number.
+    /// Number of NaN values.
     pub nan: u64,
-    /// How many are infinite, of either sign.
+    /// Number of infinite values, of either sign.
     pub infinite: u64,
-    /// The least; 0 if there is none.
+    /// Minimum; 0 without finite values.
     pub min: f32,
-    /// The greatest; 0 if there is none.
+    /// Maximum; 0 without finite values.
     pub max: f32,
-    /// The mean; 0 if there is none.
+    /// Mean; 0 without finite values.
     pub mean: f64,
-    /// Sum of squared distances from the mean.
+    /// Sum of squared differences from the mean.
     squares: f64,
 }
 
 impl Statistics {
-    /// Of all `values`.
+    /// Returns the statistics of all `values`.
     pub fn of(values: impl IntoIterator<Item = f32>) -> Self {
         let mut statistics = Self::default();
         values.into_iter().for_each(|value| statistics.add(value));
         statistics
     }
 
-    /// Takes in one more number. Mean and deviation are updated so that nothing cancels (Welford, "Note on a Method for
-    /// Calculating Corrected Sums of Squares and Products", 1962).
+    /// Adds one value. Mean and deviation are updated without cancellation (Welford, "Note on a Method for Calculating
+    /// Corrected Sums of Squares and Products", 1962).
     pub fn add(&mut self, value: f32) {
         if value.is_nan() {
             self.nan += 1;
@@ -49,12 +49,12 @@ impl Statistics {
         self.squares += from_mean * (value - self.mean);
     }
 
-    /// Standard deviation σ of the finite numbers, as of a whole population.
+    /// Returns the standard deviation σ of the finite values, as of a whole population; 0 without any.
     pub fn deviation(&self) -> f64 {
         if self.finite == 0 { 0.0 } else { (self.squares / self.finite as f64).sqrt() }
     }
 
-    /// Numbers of any kind.
+    /// Returns the number of all values, finite or not.
     pub fn count(&self) -> u64 {
         self.finite + self.nan + self.infinite
     }
@@ -66,7 +66,7 @@ mod tests {
 
     #[test]
     fn figures_are_those_of_two_passes() {
-        // Far from zero, where the sum of squares would cancel.
+        // Values far from zero, where a plain sum of squares would cancel.
         let values: Vec<f32> = (0..1000_u32).map(|i| 50_000.0 + (i * 7919 % 1009) as f32 / 64.0).collect();
         let statistics = Statistics::of(values.iter().copied());
         let mean = values.iter().map(|v| f64::from(*v)).sum::<f64>() / 1000.0;

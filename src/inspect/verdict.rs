@@ -1,4 +1,4 @@
-//! The story of a pixel in one sentence: who won, against how many, and whether that was more than luck.
+//! Verdict on a pixel in a few sentences: the winning triangle, its rivals, and whether rounding decided.
 
 mod background;
 
@@ -18,12 +18,12 @@ use crate::pipeline::depth::Comparison;
 use crate::pipeline::settings::{Choice as _, Settings};
 use crate::scene::{Instance, Scene, TriangleId};
 
-/// How the story of a pixel begins that one triangle won without a doubt.
+/// Beginning of the story of a pixel that one triangle won unambiguously.
 const PLAIN_WIN: &str = "Won by ";
 
-/// What happened at a pixel, in one sentence; more follow if it is black or the scene was flawed there, and one stands before
-/// if a shared edge went wrong. Where nothing but a plain win is to be told, why it is black comes first: that is what
-/// somebody asks who picks it.
+/// Explains the colour of a pixel. A fault of a shared edge or a wrong blending order comes first, then the story in
+/// one sentence. More sentences follow for a black pixel or a flawed scene. After an unambiguous win, the reason for a
+/// black pixel precedes the story, because it is the most likely question.
 pub(super) fn verdict(report: &PixelReport, scene: &Scene, recipe: &Recipe, frame: &Frame) -> String {
     let fault = report.fault.as_ref().map(|fault| fault_verdict(fault, &recipe.pipeline));
     let story = story(report, frame.is_drawn(report.x, report.y), Comparison::of(&recipe.pipeline));
@@ -35,7 +35,7 @@ pub(super) fn verdict(report: &PixelReport, scene: &Scene, recipe: &Recipe, fram
     sentences.join(" ")
 }
 
-/// The instance that a triangle belongs to, and its number.
+/// Returns the instance of a triangle, and its index.
 fn instance_of(scene: &Scene, id: TriangleId) -> Option<(usize, &Instance)> {
     let index = scene.first_triangles().partition_point(|first| *first <= id).checked_sub(1)?;
     Some((index, scene.instances.get(index)?))
@@ -52,31 +52,36 @@ fn story(report: &PixelReport, drawn: bool, comparison: Comparison) -> String {
     if let Some([x, y]) = report.remembered_at {
         if report.sources.is_empty() {
             return format!(
-                "Taken over from the frame before, at {x:.2}, {y:.2}. This frame draws none of the pixels around it."
+                "From the history: the previous frame at {x:.2}, {y:.2}. This frame draws none of the pixels around it."
             );
         }
         return format!(
-            "Remembered from the frame before, at {x:.2}, {y:.2}, within what is drawn around. The weightiest sample now: {story}"
+            "From the history: the previous frame at {x:.2}, {y:.2}, clamped to the drawn pixels around. Sample with \
+             the largest weight now: {story}"
         );
     }
     let [x, y] = report.drawn_at;
     let count = report.sources.len();
-    let made_of =
-        if count == 1 { "copied from one drawn pixel".to_owned() } else { format!("mixed from {count} drawn pixels") };
-    format!("Not drawn: {made_of}. The weightiest, ({x}, {y}): {story}")
+    let made_of = if count == 1 {
+        "copied from one drawn pixel".to_owned()
+    } else {
+        format!("interpolated from {count} drawn pixels")
+    };
+    format!("Not drawn: {made_of}. Pixel with the largest weight, ({x}, {y}): {story}")
 }
 
-/// What stands before the story of the centre of a pixel that has several samples.
+/// Returns the introduction for a pixel with several samples; empty for others.
 fn smooth_verdict(report: &PixelReport) -> String {
     let colors: BTreeSet<_> = report.samples.iter().map(|sample| sample.color).collect();
     match (report.samples.len(), colors.len()) {
         (0, _) => String::new(),
-        (count, 1) => format!("The mean of {count} samples, all alike. At its centre: "),
+        (count, 1) => format!("The mean of {count} equal samples. At its centre: "),
         (count, colors) => format!("The mean of {count} samples of {colors} colours. At its centre: "),
     }
 }
 
-/// Pieces of one triangle count as one; they are no rivals of each other. Nor is what is cut out.
+/// Explains the winner among the fragments. Pieces of one triangle count as one, not as rivals; alpha-tested fragments
+/// that were discarded do not count.
 fn fragment_verdict(fragments: &[FragmentRecord], absent: &[Absent], comparison: Comparison) -> String {
     let Some(winner) = fragments.iter().find(|f| f.outcome == Outcome::Visible) else {
         return background::verdict(fragments, absent);
@@ -90,7 +95,7 @@ fn fragment_verdict(fragments: &[FragmentRecord], absent: &[Absent], comparison:
     let rivals = there().filter(|f| f.triangle != winner.triangle);
     let closest = rivals.map(|f| (f.depth.steps_from(&winner.depth), f)).min_by_key(|(steps, _)| *steps);
     let Some((closest, rival)) = closest else {
-        let others = if there().count() < fragments.len() { " that is not cut out" } else { "" };
+        let others = if there().count() < fragments.len() { " that passes the alpha test" } else { "" };
         return format!("Won by {name}, the only one here{others}.");
     };
     match (winner.stored_depth, comparison, closest) {
@@ -98,14 +103,17 @@ fn fragment_verdict(fragments: &[FragmentRecord], absent: &[Absent], comparison:
         (_, Comparison::Always, _) => format!("Won by {name}, drawn last of {triangles} (every fragment passes)."),
         (_, _, 0) => {
             let rival = self::name(rival);
-            format!("Depth tie: {name} and {rival} have the very same depth; drawing order decides.")
+            format!(
+                "Depth tie: {name} and {rival} have exactly the same depth, so drawing order decides. To separate \
+                 them, move the surfaces apart or raise the depth precision (near plane, depth format)."
+            )
         }
         (_, _, Z_FIGHT_CODES) if winner.depth.code.is_some() => {
-            format!("Z-fight: {name} won by {Z_FIGHT_CODES} step of depth, the smallest that the buffer can hold.")
+            format!("Z-fight: {name} won by {Z_FIGHT_CODES} step of depth, the smallest that the buffer can store.")
         }
         (_, _, ulps @ 1..=Z_FIGHT_ULPS) if winner.depth.code.is_none() => {
             let steps = if ulps == 1 { "step" } else { "steps" };
-            format!("Z-fight: {name} won by {ulps} ulp of depth, the smallest {steps} a float can make.")
+            format!("Z-fight: {name} won by {ulps} ulp of depth, the smallest {steps} of a float.")
         }
         _ if triangles == 2 => format!("Won by {name} against one other."),
         _ => format!("Won by {name} against {} others.", triangles - 1),
@@ -120,7 +128,7 @@ fn count_triangles<'a>(fragments: impl Iterator<Item = &'a FragmentRecord>) -> u
     fragments.map(|f| f.triangle).collect::<BTreeSet<_>>().len()
 }
 
-/// What a pixel whose nearest fragment is blended shows.
+/// Explains a pixel whose nearest fragment is blended.
 fn blended_verdict(fragments: &[FragmentRecord], nearest: &FragmentRecord) -> String {
     let seen_through = || fragments.iter().rev().filter(|f| f.outcome == Outcome::BlendedOver);
     let behind = seen_through().find(|f| f.covers_all()).map_or("the background".to_owned(), name);
@@ -132,7 +140,7 @@ fn blended_verdict(fragments: &[FragmentRecord], nearest: &FragmentRecord) -> St
     format!("Blended: {} with alpha {alpha} over {between}{behind}.", name(nearest))
 }
 
-/// What is wrong at a sample along a shared edge, and why, in one sentence.
+/// Explains a fault at a sample along a shared edge, in one or two sentences.
 fn fault_verdict(fault: &Fault, settings: &Settings) -> String {
     let [one, other] = fault.sharing.map(|id| id.0);
     let (hits, due) = (fault.hit_by.len(), fault.due.len());
@@ -179,21 +187,21 @@ fn beside(one: u32, other: u32, cause: &str) -> String {
     format!("it shares an edge here with {neighbour} and {cause}")
 }
 
-/// The setting that lets shared edges go wrong.
+/// Names the setting that causes faults of shared edges.
 fn cause(settings: &Settings) -> String {
     if settings.rasterizer.is_published() {
-        format!("the rasterizer is “{}”", settings.rasterizer.name())
+        format!("the rasterizer is “{}”. To fix it, choose another rasterizer", settings.rasterizer.name())
     } else if settings.fill_rule.is_sound() {
-        format!("the arithmetic is {}", settings.arithmetic.name())
+        format!("the arithmetic is {}. To fix it, set arithmetic to fixed", settings.arithmetic.name())
     } else {
-        format!("the fill rule is {}", settings.fill_rule.id())
+        format!("the fill rule is {}. To fix it, set fill_rule to top-left", settings.fill_rule.id())
     }
 }
 
-/// Floats this close may differ by no more than rounding: w, of which depth is made, is a sum of four products.
+/// Maximum difference in ulp that rounding alone may cause: depth is computed from w, a sum of four products.
 const Z_FIGHT_ULPS: u32 = 8;
 
-/// Codes this close may differ by no more than rounding: each stands for all depths within half a step.
+/// Maximum difference in codes that rounding alone may cause: each code represents all depths within half a step.
 const Z_FIGHT_CODES: u32 = 1;
 
 #[cfg(test)]
@@ -207,7 +215,7 @@ mod tests {
 
     const HELD: SampleState = SampleState { color: [9, 9, 9, 255], depth: None };
 
-    /// The last of `fragments` (triangle, depth) is visible.
+    /// Returns the story of `fragments` (triangle, depth), the last of which is visible.
     fn story(fragments: &[(u32, f32)], stored: Option<f32>, comparison: Comparison) -> String {
         story_in(DepthEncoding::F32, fragments, stored, comparison)
     }
@@ -268,25 +276,27 @@ mod tests {
         let double = fault(FaultKind::DoubleHit, &[3, 4], &[3], [4, 3]);
         assert_eq!(
             fault_verdict(&double, &by_rule(FillRule::Inclusive)),
-            "Hit twice: triangles 3 and 4 share an edge here and the fill rule is inclusive."
+            "Hit twice: triangles 3 and 4 share an edge here and the fill rule is inclusive. To fix it, set fill_rule \
+             to top-left."
         );
         let crack = fault(FaultKind::Crack, &[], &[4], [4, 3]);
         assert_eq!(
             fault_verdict(&crack, &by_rule(FillRule::Exclusive)),
             "A crack: no triangle covers this pixel, though triangle 4 should; it shares an edge here with triangle 3 and \
-             the fill rule is exclusive."
+             the fill rule is exclusive. To fix it, set fill_rule to top-left."
         );
         let deep = fault(FaultKind::DoubleHit, &[1, 3, 3], &[1, 3], [3, 3]);
         assert_eq!(
             fault_verdict(&deep, &Settings { arithmetic: Arithmetic::F32, ..Settings::default() }),
-            "Hit 3 times instead of 2: two pieces of triangle 3 share an edge here and the arithmetic is f32."
+            "Hit 3 times instead of 2: two pieces of triangle 3 share an edge here and the arithmetic is f32. To fix \
+             it, set arithmetic to fixed."
         );
         let behind = fault(FaultKind::Crack, &[9], &[5, 9], [5, 6]);
         let published = Settings { rasterizer: Rasterizer::ScanlinePublished, ..Settings::default() };
         assert_eq!(
             fault_verdict(&behind, &published),
             "A crack: 1 instead of 2 triangles cover this pixel, triangle 5 is missing; it shares an edge here with \
-             triangle 6 and the rasterizer is “Scanline (as published)”."
+             triangle 6 and the rasterizer is “Scanline (as published)”. To fix it, choose another rasterizer."
         );
     }
 
@@ -310,13 +320,13 @@ mod tests {
         assert_eq!(
             fault_verdict(&fault(FaultKind::Crack, JunctionKind::TJunction), &Settings::default()),
             "A crack: no triangle covers the gap between triangles 0 and 7 here. T-junction: v1 of triangle 7 lies within \
-             the edge of triangle 0 opposite to v2, 4.00e-7 off it, and is no vertex of that triangle, so the two sides are \
-             rounded apart."
+             the edge of triangle 0 opposite to v2, 4.00e-7 off it, but is not a vertex of that triangle, so the two \
+             sides round differently."
         );
         assert_eq!(
             fault_verdict(&fault(FaultKind::DoubleHit, JunctionKind::Unwelded), &Settings::default()),
             "Hit twice: triangles 0 and 7 overlap here. Unwelded vertex: v1 of triangle 7 lies 4.00e-7 from an end of the \
-             edge of triangle 0 opposite to v2, and is not the same vertex, so the two sides do not meet."
+             edge of triangle 0 opposite to v2, but is not the same vertex, so the two sides do not meet."
         );
     }
 
@@ -346,14 +356,12 @@ mod tests {
         let mut records = records(DepthEncoding::F32, &[(3, 0.5), (4, 0.5)], Some(0.9));
         let story = |records: &[FragmentRecord]| fragment_verdict(records, &[], Comparison::Less);
         (records[0].transparency, records[0].outcome) = (Transparency::CutOut, Outcome::CutOut);
-        assert_eq!(story(&records), "Won by triangle 4 of “cube”, the only one here that is not cut out.");
-        assert_eq!(story(&records[..1]), "Background: the one triangle here is cut out.");
+        assert_eq!(story(&records), "Won by triangle 4 of “cube”, the only one here that passes the alpha test.");
+        assert_eq!(story(&records[..1]), "Background: the only triangle here failed the alpha test.");
         records[1].outcome = Outcome::DepthRejected;
-        assert!(
-            story(&records).ends_with("of the triangles here 1 lost the depth test, and 1 by alpha are not there.")
-        );
+        assert!(story(&records).ends_with("of the triangles here, 1 failed the depth test and 1 the alpha test."));
         records[1].outcome = Outcome::CutOut;
-        assert_eq!(story(&records), "Background: all 2 triangles here are cut out.");
+        assert_eq!(story(&records), "Background: all 2 triangles here failed the alpha test.");
     }
 
     #[test]

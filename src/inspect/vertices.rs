@@ -1,8 +1,8 @@
-//! A vertex at every stage: from the mesh to the pixel grid.
+//! A vertex at every stage, from the mesh to the pixel grid.
 //!
-//! Clip-space position, position on the screen and snapped position come from the functions that draw. World and view
-//! space are stations that the pipeline does not stop at: it multiplies the matrices first, in f64, and rounds the product
-//! once. They are told in f64, unrounded.
+//! Clip-space position, screen position and snapped position come from the functions that draw. The pipeline never
+//! computes world and view positions: it multiplies the matrices first, in f64, and rounds the product once. They are
+//! therefore reported in f64, unrounded.
 
 use glam::{DMat4, DVec3, Vec2, Vec3, Vec4};
 use serde::Serialize;
@@ -14,31 +14,31 @@ use crate::pipeline::vertex::{ClipVertex, DrawMatrices};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Mesh, Scene, TriangleId};
 
-/// Which planes of the view a vertex lies beyond, one bit for each of [`Plane::ALL`].
+/// Set of frustum planes that a vertex lies beyond, one bit for each of [`Plane::ALL`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(transparent)]
 pub struct Outcode(u8);
 
 impl Outcode {
-    /// Of a position in the clip space of a view that has z = 0 at its far plane or not. One that is not finite lies beyond the
-    /// planes that can be told.
+    /// Computes the outcode of a clip-space position. `has_zero_at_far` states whether z = 0 is the far plane. A NaN
+    /// distance counts as inside its plane.
     pub fn of(position: Vec4, has_zero_at_far: bool) -> Self {
         let beyond = |plane: &Plane| plane.of_view(has_zero_at_far).distance(position, 1.0) < 0.0;
         Self(Plane::ALL.iter().enumerate().filter(|(_, plane)| beyond(plane)).fold(0, |bits, (bit, _)| bits | 1 << bit))
     }
 
-    /// The planes, in the order of clipping.
+    /// Returns the planes, in the order of clipping.
     pub fn planes(self) -> impl Iterator<Item = Plane> {
         Plane::ALL.into_iter().enumerate().filter(move |(bit, _)| self.0 >> bit & 1 == 1).map(|(_, plane)| plane)
     }
 
-    /// Whether the vertex lies beyond none.
+    /// Whether the vertex lies beyond no plane.
     pub fn is_inside(self) -> bool {
         self.0 == 0
     }
 }
 
-/// A plane in one word.
+/// Returns the display name of a plane.
 pub fn plane_name(plane: Plane) -> &'static str {
     match plane {
         Plane::Near => "near",
@@ -51,48 +51,48 @@ pub fn plane_name(plane: Plane) -> &'static str {
     }
 }
 
-/// Where a vertex lies on the screen.
+/// Position of a vertex on the screen.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct OnScreen {
-    /// x/w, y/w, z/w.
+    /// Normalised device coordinates: x/w, y/w, z/w.
     pub ndc: Vec3,
-    /// Before snapping, px.
+    /// Position before snapping, in px.
     pub px: [f32; 2],
-    /// Snapped, in 1/256 px.
+    /// Snapped position, in 1/256 px.
     pub snapped: [i32; 2],
-    /// Depth, before it is quantised.
+    /// Depth before quantisation, in [0, 1].
     pub depth: f64,
-    /// 1/w.
+    /// 1/w of the clip-space position.
     pub inv_w: f32,
 }
 
 /// One vertex at every stage.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct VertexStages {
-    /// Its number in the mesh.
+    /// Index of the vertex in the mesh.
     pub index: u32,
-    /// Position in the mesh.
+    /// Position in model space.
     pub model: Vec3,
-    /// Normal in the mesh.
+    /// Normal in model space.
     pub normal: Vec3,
-    /// Texture coordinates, v down, if the mesh has any.
+    /// Texture coordinates, v down; `None` if the mesh has none.
     pub uv: Option<Vec2>,
-    /// Colour, if the mesh has any; sRGB values in [0, 1].
+    /// Colour as sRGB-encoded values in [0, 1]; `None` if the mesh has none.
     pub color: Option<Vec3>,
-    /// World space.
+    /// Position in world space.
     pub world: DVec3,
-    /// View space.
+    /// Position in view space.
     pub view: DVec3,
-    /// Clip space.
+    /// Position in clip space.
     pub clip: Vec4,
-    /// The planes that it lies beyond.
+    /// Frustum planes that the vertex lies beyond.
     pub outcode: Outcode,
-    /// On the screen; `None` where w is not positive or something is not finite: there is no division then, and the
-    /// triangles of the vertex are cut before.
+    /// Screen position; `None` if w is below the minimum or the clip position is not finite. Triangles with such a
+    /// vertex are clipped before the division.
     pub screen: Option<OnScreen>,
 }
 
-/// The vertices of one object, seen from somewhere.
+/// Vertices of one object as seen by a camera.
 #[derive(Clone, Copy, Debug)]
 pub struct ObjectVertices<'a> {
     mesh: &'a Mesh,
@@ -105,7 +105,7 @@ pub struct ObjectVertices<'a> {
 }
 
 impl<'a> ObjectVertices<'a> {
-    /// Of an object of the scene, by its number; `None` if there is none such.
+    /// Prepares the vertices of an object by its number; `None` if the scene has no such object.
     pub fn new(
         scene: &'a Scene,
         camera: &Camera,
@@ -126,12 +126,12 @@ impl<'a> ObjectVertices<'a> {
         })
     }
 
-    /// How many there are.
+    /// Returns the number of vertices.
     pub fn count(&self) -> usize {
         self.mesh.positions.len()
     }
 
-    /// One vertex at every stage; `None` beyond the last.
+    /// Returns one vertex at every stage; `None` past the last one.
     pub fn stages(&self, index: u32) -> Option<VertexStages> {
         let place = index as usize;
         let model = *self.mesh.positions.get(place)?;
@@ -163,11 +163,11 @@ impl<'a> ObjectVertices<'a> {
     }
 }
 
-/// The object that a triangle belongs to and the vertices of its mesh that are its corners; `None` for no triangle of the
-/// scene.
+/// Returns the object of a triangle, and the indices of its corners in the mesh. `None` if the scene has no such
+/// triangle.
 pub fn corners_of(scene: &Scene, triangle: TriangleId) -> Option<(usize, [u32; 3])> {
     let firsts = scene.first_triangles();
-    // The last object that begins at or before the triangle; those without triangles begin where the next one does.
+    // Last object that begins at or before the triangle; an object without triangles begins where the next one does.
     let instance = firsts.partition_point(|first| *first <= triangle).checked_sub(1)?;
     let mesh = scene.library.mesh(scene.instances.get(instance)?.mesh);
     let corners = mesh.triangles.get((triangle.0 - firsts[instance].0) as usize)?;
@@ -197,7 +197,7 @@ mod tests {
                 assert_eq!(instance, triangle.instance as usize);
                 let object = ObjectVertices::new(&scene, &scene.home, &settings, SIZE, instance).unwrap();
                 for drawn in &triangle.vertices {
-                    // Corners where something was cut are no vertices.
+                    // Corners created by clipping are not vertices.
                     let weights = drawn.varyings.source_weights.to_array();
                     let Some(corner) = weights.iter().position(|weight| *weight == 1.0) else { continue };
                     let index = corners[corner];
@@ -230,7 +230,7 @@ mod tests {
             let settings = Settings { depth_format: *format, ..Settings::default() };
             let camera = Camera { near: 1.0, far: 2.0, ..scene.home.with_orthographic(orthographic) };
             for (distance, expected) in [(0.5, "near"), (1.5, ""), (4.0, "far")] {
-                // All of it at one place, in the middle of the picture.
+                // Scales the object to a single point in the middle of the picture.
                 let place = camera.eye + camera.forward() * distance;
                 scene.instances[0].world_from_model =
                     Mat4::from_scale_rotation_translation(Vec3::ZERO, Quat::IDENTITY, place);
@@ -253,7 +253,7 @@ mod tests {
             for index in 0..object.count() as u32 {
                 let told = object.stages(index).unwrap();
                 assert_eq!(told.screen.is_none(), told.clip.w < LEAST_W);
-                // In perspective w is the distance along the line of sight.
+                // In perspective, w is the distance along the line of sight.
                 assert!((f64::from(told.clip.w) + told.view.z).abs() <= 1e-5 * told.view.z.abs().max(1.0));
                 behind += usize::from(told.screen.is_none());
             }

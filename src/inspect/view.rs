@@ -1,4 +1,4 @@
-//! Buffers as pictures: which colour stands for which value, and the range between the ends of the map.
+//! Rendering of buffers as pictures: the colour of each value, and the range of the colour map.
 
 use serde::Serialize;
 
@@ -11,45 +11,47 @@ use crate::image::{Image, Rgba8};
 use crate::pipeline::shade::id_color;
 use crate::scene::TriangleId;
 
-/// The values that the two ends of a colour map stand for.
+/// Range of values that a colour map spans.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Range {
-    /// Start of the map.
+    /// Value at the start of the map.
     pub low: f32,
-    /// End of the map.
+    /// Value at the end of the map.
     pub high: f32,
 }
 
 impl Range {
-    /// From the least to the greatest of finite `values`; `None` if there is none.
+    /// Returns the range from minimum to maximum of the finite `values`; `None` if there are none.
     pub fn fit(values: impl Iterator<Item = f32>) -> Option<Self> {
         values.filter(|v| v.is_finite()).fold(None, |range: Option<Self>, v| {
             Some(range.map_or(Self { low: v, high: v }, |r| Self { low: r.low.min(v), high: r.high.max(v) }))
         })
     }
 
-    /// Where a value lies between the ends, in [0, 1].
+    /// Returns the position of a value within the range, clamped to [0, 1].
     pub fn position(self, value: f32) -> f32 {
         let width = self.high - self.low;
         if width > 0.0 { ((value - self.low) / width).clamp(0.0, 1.0) } else { 0.0 }
     }
 }
 
-/// Colour of a position in [0, 1] on the map for magnitudes (viridis: even steps, safe for the colour-blind).
+/// Returns the colour at a position in [0, 1] on the map for magnitudes (viridis: even steps, safe for the
+/// colour-blind).
 pub fn magnitude_color(position: f32) -> Rgba8 {
     let [r, g, b] = colorous::VIRIDIS.eval_continuous(f64::from(position.clamp(0.0, 1.0))).as_array();
     [r, g, b, 255]
 }
 
-/// Colour of a sample along a shared edge that too few triangles hit; every kind of eye tells it from [`DOUBLE_HIT`].
+/// Colour of a sample along a shared edge with too few hits; distinguishable from [`DOUBLE_HIT`] for the colour-blind.
 pub const CRACK: Rgba8 = [48, 132, 255, 255];
 
-/// Colour of a sample that both triangles of a shared edge hit.
+/// Colour of a sample along a shared edge with too many hits.
 pub const DOUBLE_HIT: Rgba8 = [255, 150, 0, 255];
 
-/// Colour of a position in [0, 1] on the map of a buffer: grey where colours have a meaning of their own.
+/// Returns the colour at a position in [0, 1] on the map of a buffer: grey for [`Buffer::Hits`], whose faults are
+/// coloured.
 pub fn map_color(buffer: Buffer, position: f32) -> Rgba8 {
-    /// Neither end is so dark or so light that what lies on it would be lost.
+    /// Greys at both ends, neither so dark nor so light that marks on them would be lost.
     const GREYS: (f32, f32) = (0.11, 0.84);
     if buffer != Buffer::Hits {
         return magnitude_color(position);
@@ -58,26 +60,26 @@ pub fn map_color(buffer: Buffer, position: f32) -> Rgba8 {
     [grey, grey, grey, 255]
 }
 
-/// The value of a buffer at a pixel of the full picture.
+/// Value of a buffer at a pixel of the full picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Value {
-    /// The pixel is left to the upscaler.
+    /// The pixel was not drawn and is left to the upscaler.
     NotDrawn,
-    /// Drawn, but no triangle is there.
+    /// The pixel was drawn, but has no value.
     Nothing,
-    /// Red, green, blue.
+    /// Red, green, blue and alpha, as sRGB codes.
     Color(Rgba8),
     /// One number.
     Number(f32),
-    /// A whole number.
+    /// An integer count.
     Count(u32),
     /// Three weights.
     Weights([f32; 3]),
-    /// A triangle.
+    /// Id of a triangle.
     Triangle(TriangleId),
 }
 
-/// Reads a buffer at a pixel inside the picture. `buffers` may be missing for colour and depth.
+/// Returns the value of a buffer at a pixel inside the picture. Colour and depth do not need `buffers`.
 pub fn value(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, x: u32, y: u32) -> Value {
     if buffer == Buffer::Color {
         return frame.image().get(x, y).map_or(Value::NotDrawn, Value::Color);
@@ -103,13 +105,13 @@ pub fn value(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, x: u32, y
     }
 }
 
-/// Why a buffer has nothing to show for this frame, if it has nothing.
+/// Returns the reason why a buffer has no values in this frame; `None` if it has some.
 pub fn absence(buffer: Buffer, frame: &Frame) -> Option<&'static str> {
     (buffer == Buffer::Depth && frame.drawn.depth.is_none()).then_some("no depth buffer: the depth test is off")
 }
 
-/// Stored depth of a sample, if anything left its depth there. Without `buffers` that is told by the depth itself, and a
-/// fragment at exactly the depth that the buffer starts from counts as nothing.
+/// Returns the stored depth of a sample; `None` if nothing stored one. Without `buffers` it is compared with the clear
+/// depth, so a fragment at exactly that depth counts as none.
 fn depth_of(frame: &Frame, buffers: Option<&Buffers>, column: u32, row: u32) -> Option<f32> {
     let stored = frame.drawn.depth.as_ref()?.at(column, row);
     let drawn = match buffers {
@@ -119,7 +121,8 @@ fn depth_of(frame: &Frame, buffers: Option<&Buffers>, column: u32, row: u32) -> 
     drawn.then_some(stored)
 }
 
-/// The range of a buffer that is shown by a colour map: least to greatest, for depth where anything was drawn.
+/// Returns the range of a buffer that uses a colour map: minimum to maximum of stored depths, or 0 to the maximum of
+/// counts.
 pub fn range(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>) -> Option<Range> {
     match buffer {
         Buffer::Depth => {
@@ -130,7 +133,7 @@ pub fn range(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>) -> Option
         Buffer::Hits => {
             let hits = buffers?.hits.as_ref()?;
             let mut counts = hits.counts.map(|count| count as f32);
-            // Faults have colours of their own; where they pile up they would leave no greys for the rest.
+            // Faults have their own colours; many hits there would leave few greys for other samples.
             for (column, row) in hits.faults.iter().filter_map(|fault| frame.drawn.grid.sample_at(fault.x, fault.y)) {
                 counts.set(column, row, f32::NAN);
             }
@@ -145,7 +148,7 @@ pub fn range(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>) -> Option
     }
 }
 
-/// A buffer as a full picture.
+/// Renders a buffer as a full picture. `range` defaults to [0, 1].
 pub fn picture(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, range: Option<Range>) -> Image<Rgba8> {
     let range = range.unwrap_or(Range { low: 0.0, high: 1.0 });
     let (width, height) = frame.image().size();
@@ -165,7 +168,7 @@ pub fn picture(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, range: 
     image
 }
 
-/// Colour of the faults of a kind.
+/// Returns the colour of faults of one kind.
 pub fn fault_color(kind: FaultKind) -> Rgba8 {
     match kind {
         FaultKind::Crack => CRACK,
@@ -182,7 +185,7 @@ mod tests {
     use crate::pipeline::viewport::Viewport;
     use crate::scene::builtin;
 
-    /// A frame of one triangle, whose buffer holds `depth` wherever it was drawn.
+    /// Builds a frame of one triangle, with `depth` stored wherever it was drawn.
     fn frame_at_depth(test: DepthTest, format: DepthFormat, depth: f32) -> (Frame, Buffers) {
         let scene = builtin::by_id("triangle").unwrap().build();
         let mut recipe = Recipe::default();
@@ -200,7 +203,7 @@ mod tests {
     #[test]
     fn a_depth_of_0_or_1_is_shown_where_something_was_drawn() {
         for (format, nearest) in [(DepthFormat::F32, 0.0), (DepthFormat::ReversedF32, 1.0)] {
-            // Only the buffers can tell what was drawn at the depth that the buffer starts from.
+            // Without buffers, a fragment at the clear depth cannot be detected.
             for (depth, with_buffers) in [(nearest, true), (nearest, false), (1.0 - nearest, true)] {
                 let (frame, buffers) = frame_at_depth(DepthTest::LessEqual, format, depth);
                 let known = with_buffers.then_some(&buffers);

@@ -1,48 +1,48 @@
-//! Watched pixels: for each, what all buffers hold there, as one row that can be followed from frame to frame.
+//! Watched pixels: the values of all buffers at each, as a row that can be compared between frames.
 //!
-//! A row comes from the replay of its pixel, as the inspector's story does: it costs nothing while the frame is drawn.
+//! Each row comes from a replay of its pixel, like the pixel report, so the frame itself has no overhead.
 
 use super::pixel::{FragmentRecord, Outcome, PixelReport, inspect};
 use crate::chain::{Frame, Recipe};
 use crate::image::Rgba8;
 use crate::scene::{Scene, TriangleId};
 
-/// What all buffers hold at a pixel.
+/// Values of all buffers at a watched pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Watched {
-    /// Column.
+    /// Column in the full picture.
     pub x: u32,
-    /// Row.
+    /// Row in the full picture.
     pub y: u32,
-    /// What is there; `None` outside of the picture.
+    /// Values at the pixel; `None` outside the picture.
     pub values: Option<Values>,
 }
 
-/// What is there at a watched pixel. Where the pixel was not drawn itself, all but the colour is of the drawn pixel with
-/// the largest share in it.
+/// Values at a watched pixel. If the pixel was not drawn itself, all except the colour belong to the drawn pixel with
+/// the largest weight.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Values {
-    /// The finished picture.
+    /// Colour in the finished picture, as sRGB codes.
     pub color: Rgba8,
     /// Whether the pixel was drawn itself.
     pub is_drawn: bool,
-    /// The triangle that is seen; the nearest of several that shine through.
+    /// Visible triangle; the last one drawn of several blended ones.
     pub triangle: Option<TriangleId>,
-    /// The object that it is of.
+    /// Name of the object of the triangle.
     pub object: Option<String>,
-    /// What the depth buffer holds in the end; `None` without one.
+    /// Final depth in the depth buffer; `None` without one.
     pub depth: Option<f32>,
-    /// Its weights on the screen.
+    /// Screen-space weights of the visible triangle.
     pub lambda: Option<[f32; 3]>,
-    /// The weights that attributes are interpolated with.
+    /// Weights of the visible triangle that attributes are interpolated with.
     pub perspective_lambda: Option<[f32; 3]>,
-    /// Triangles that cover the pixel's centre.
+    /// Number of fragments at the pixel's centre.
     pub overdraw: usize,
-    /// How many of them were shaded.
+    /// Number of those fragments that were shaded.
     pub shaded: usize,
 }
 
-/// Replays pixels of a frame.
+/// Replays pixels of a frame and returns their values, in the given order.
 pub fn watch(scene: &Scene, recipe: &Recipe, frame: &Frame, pixels: &[(u32, u32)]) -> Vec<Watched> {
     let row = |(x, y): &(u32, u32)| {
         let values = inspect(scene, recipe, frame, *x, *y).map(|report| values(&report, frame.is_drawn(*x, *y)));
@@ -66,7 +66,7 @@ fn values(report: &PixelReport, is_drawn: bool) -> Values {
     }
 }
 
-/// Whether a fragment got as far as writing its colour.
+/// Whether a fragment was shaded and written.
 fn was_shaded(fragment: &FragmentRecord) -> bool {
     match fragment.outcome {
         Outcome::Visible | Outcome::Overwritten | Outcome::BlendedOver => true,

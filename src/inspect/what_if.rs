@@ -1,7 +1,7 @@
-//! What a change of the recipe does to a frame: which pixels of the picture, or of a buffer, are others.
+//! Effect of a recipe change on a frame: the pixels of the picture, or of a buffer, that differ.
 //!
-//! Pixels are compared by the values that they hold, never by the colours that stand for those: two frames whose depths
-//! span different ranges have different colour maps, and are still the same where their depths are.
+//! Pixels are compared by value, never by display colour. Two frames with different depth ranges have different colour
+//! maps, but are equal wherever their depths are.
 
 use crate::chain::Frame;
 use crate::image::color::luma;
@@ -10,17 +10,17 @@ use crate::image::{Image, Rgba8};
 use super::buffers::{Buffer, Buffers};
 use super::view::{Value, value};
 
-/// Which pixels differ between two frames of the same size.
+/// Pixels that differ between two frames of the same size.
 #[derive(Clone, Debug)]
 pub struct Changes {
-    /// Whether each pixel does.
+    /// Whether each pixel differs.
     pub mask: Image<bool>,
-    /// How many do.
+    /// Number of pixels that differ.
     pub count: u64,
 }
 
 impl Changes {
-    /// By the values of a buffer. `None` if the frames are of different sizes.
+    /// Compares the values of a buffer. Returns `None` if the frames have different sizes.
     pub fn of_buffer(
         buffer: Buffer,
         (a, a_buffers): (&Frame, Option<&Buffers>),
@@ -30,7 +30,7 @@ impl Changes {
         Self::of_values((a.image().size(), a_value), (b.image().size(), |x, y| value(buffer, b, b_buffers, x, y)))
     }
 
-    /// By the values at the pixels of two pictures, whose sizes are given. `None` if these are different.
+    /// Compares the values of two pictures of the given sizes. Returns `None` if the sizes differ.
     pub fn of_values(
         (a_size, a): ((u32, u32), impl Fn(u32, u32) -> Value),
         (b_size, b): ((u32, u32), impl Fn(u32, u32) -> Value),
@@ -38,7 +38,7 @@ impl Changes {
         (a_size == b_size).then(|| Self::of_mask(Image::from_fn(a_size.0, a_size.1, |x, y| !same(a(x, y), b(x, y)))))
     }
 
-    /// By colours, without alpha. `None` if the pictures are of different sizes.
+    /// Compares colours, ignoring alpha. Returns `None` if the pictures have different sizes.
     pub fn of_pictures(a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<Self> {
         let (width, height) = a.size();
         (a.size() == b.size())
@@ -50,12 +50,13 @@ impl Changes {
         Self { mask, count }
     }
 
-    /// Changed pixels over all, in [0, 1].
+    /// Returns the fraction of pixels that differ, in [0, 1].
     pub fn share(&self) -> f64 {
         self.count as f64 / self.mask.pixels().len().max(1) as f64
     }
 
-    /// The changed pixel after or before `from` in reading order, round the end; the first or the last one if `from` is none.
+    /// Returns the next or previous changed pixel relative to `from` in reading order, wrapping around at the end.
+    /// Without `from`, returns the first or the last one.
     pub fn beside(&self, from: Option<(u32, u32)>, forwards: bool) -> Option<(u32, u32)> {
         let (width, height) = self.mask.size();
         let all = width as usize * height as usize;
@@ -71,9 +72,9 @@ impl Changes {
         Some(((place % width as usize) as u32, (place / width as usize) as u32))
     }
 
-    /// `picture` with all that did not change pushed back into dark greys.
+    /// Returns `picture` with unchanged pixels mapped to dark greys.
     pub fn marked(&self, picture: &Image<Rgba8>) -> Image<Rgba8> {
-        /// The greys that black and white become: far enough below changed colours, and still telling where one is.
+        /// Greys of black and white: far below changed colours, but bright enough to recognise the scene.
         const GREYS: (f64, f64) = (16.0, 72.0);
         let (width, height) = picture.size();
         Image::from_fn(width, height, |x, y| {
@@ -87,7 +88,7 @@ impl Changes {
     }
 }
 
-/// Whether two values are the same, floats by their bits.
+/// Whether two values are equal; floats are compared by their bits.
 fn same(a: Value, b: Value) -> bool {
     match (a, b) {
         (Value::Number(a), Value::Number(b)) => a.to_bits() == b.to_bits(),
@@ -148,7 +149,7 @@ mod tests {
         assert_eq!(changes.count, by_hand);
         let same = Changes::of_buffer(Buffer::Color, (&a.0, None), (&b.0, None)).unwrap();
         assert_eq!(same.mask, changes.mask);
-        // Pixels on the edges are covered twice by the inclusive rule: overdraw says so, and only there.
+        // Pixels on the edges are covered twice under the inclusive rule, so overdraw differs exactly there.
         let overdraw = Changes::of_buffer(Buffer::Overdraw, (&a.0, Some(&a.1)), (&b.0, Some(&b.1))).unwrap();
         let doubled = b.1.overdraw.pixels().iter().zip(a.1.overdraw.pixels()).filter(|(b, a)| b != a).count() as u64;
         assert_eq!(overdraw.count, doubled);

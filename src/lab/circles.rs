@@ -11,31 +11,35 @@ use crate::flat2d::ellipse::midpoint_ellipse;
 use crate::pipeline::settings::{Choice, choice};
 
 choice! {
-    /// How a circle is drawn.
+    /// Algorithm that draws a circle or an ellipse.
     CircleMethod {
-        Midpoint = "midpoint", "Midpoint circle", "Whole numbers only: one octant is walked, the other seven are mirrored.";
-        Explicit = "explicit", "Explicit, y = ±√(r² − x²)", "One root per column, one pixel above and one below: gaps where the circle is steep.";
-        Parametric = "parametric", "Parametric, (r cos φ, r sin φ)", "Equal angles small enough for no gaps: two functions per pixel, and some pixels twice.";
-        Ellipse = "ellipse", "Midpoint ellipse", "The same idea with two half axes: one quadrant is walked, first the flat part, then the steep one.";
+        Midpoint = "midpoint", "Midpoint circle",
+            "Integers only: computes one octant and mirrors it into the other seven.";
+        Explicit = "explicit", "Explicit, y = ±√(r² − x²)",
+            "One square root per column, one pixel above and one below: gaps where the circle is steep.";
+        Parametric = "parametric", "Parametric, (r cos φ, r sin φ)",
+            "Equal angles, small enough to leave no gaps: sine and cosine per pixel, and some pixels twice.";
+        Ellipse = "ellipse", "Midpoint ellipse",
+            "The midpoint method with two half axes: computes one quadrant, first its flat part, then its steep part.";
     }
 }
 
-/// Columns and rows of the grid.
+/// Size of the grid, in columns and rows.
 const SIZE: (u32, u32) = (41, 31);
 
-/// Largest half axis, px.
+/// Largest half axis, in pixels.
 const LARGEST: i32 = 60;
 
-/// A circle to be drawn.
+/// Input and settings of the page on circles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CircleLesson {
-    /// Its centre.
+    /// Pixel at the centre, as column and row.
     pub center: (i32, i32),
-    /// Half axes, px; the first is the radius of a circle.
+    /// Half axes, in pixels; the first is the radius of a circle.
     pub half: (u32, u32),
-    /// How.
+    /// Selected algorithm.
     pub method: CircleMethod,
-    /// Whether the grid shows on which side of the circle each pixel lies.
+    /// Whether the grid shows which pixels lie inside the circle.
     pub sides: bool,
 }
 
@@ -46,7 +50,7 @@ impl Default for CircleLesson {
 }
 
 impl CircleLesson {
-    /// Half axes of what is drawn.
+    /// Returns the half axes of the drawn shape, in pixels.
     fn axes(&self) -> (u32, u32) {
         if self.method == CircleMethod::Ellipse { self.half } else { (self.half.0, self.half.0) }
     }
@@ -81,24 +85,24 @@ impl CircleLesson {
             let octant = octant_of(pixel.0 - i64::from(self.center.0), pixel.1 - i64::from(self.center.1));
             let decision = walk.decision();
             let (word, sign) =
-                if decision >= 0 { ("outside", "≥ 0: y will shrink") } else { ("inside", "< 0: y stays") };
+                if decision >= 0 { ("outside", "≥ 0: y decreases") } else { ("inside", "< 0: y stays") };
             let ahead = DVec2::new(x as f64 + 1.0, y as f64 - 0.5);
             Some(Step {
                 cells: vec![cell(pixel, Ink::Group(octant))],
                 marks: vec![Mark::Dot(middle + ahead, Tone::Focus)],
                 says: format!(
-                    "Place ({x}, {y}), mirrored into octant {}: the midpoint ahead lies {word}, D = {} {sign}.",
+                    "Point ({x}, {y}), mirrored into octant {}: the next midpoint lies {word}, D = {} {sign}.",
                     octant + 1,
                     number(decision as f64, 0)
                 ),
                 state: vec![
-                    pair("place in the octant", format!("({x}, {y})")),
+                    pair("point in the octant", format!("({x}, {y})")),
                     pair("D", number(decision as f64, 0)),
                     pair(
-                        "next place",
+                        "next point",
                         if decision >= 0 { format!("({}, {})", x + 1, y - 1) } else { format!("({}, {y})", x + 1) },
                     ),
-                    pair("F here", number((x * x + y * y) as f64 - f64::from(self.half.0).powi(2), 0)),
+                    pair("F(x, y)", number((x * x + y * y) as f64 - f64::from(self.half.0).powi(2), 0)),
                 ],
             })
         })
@@ -115,16 +119,16 @@ impl CircleLesson {
             let ahead =
                 [DVec2::new(1.0, -0.5), DVec2::new(0.5, -1.0)].map(|ahead| Mark::Dot(middle + ahead, Tone::Focus));
             let next = match (straight < 0, diagonal < 0) {
-                (true, _) => "the upper midpoint lies inside: right",
-                (false, true) => "the upper midpoint lies outside, the left one inside: right and down",
-                (false, false) => "both midpoints lie outside: down",
+                (true, _) => "the upper midpoint lies inside: step right",
+                (false, true) => "the upper midpoint lies outside, the left one inside: step right and down",
+                (false, false) => "both midpoints lie outside: step down",
             };
             Some(Step {
                 cells: vec![cell(pixel, Ink::Group(usize::from(!flat)))],
                 marks: ahead.to_vec(),
-                says: format!("Place ({x}, {y}) of the quadrant; {next}."),
+                says: format!("Point ({x}, {y}) of the quadrant; {next}."),
                 state: vec![
-                    pair("place in the quadrant", format!("({x}, {y})")),
+                    pair("point in the quadrant", format!("({x}, {y})")),
                     pair("part", if flat { "flat" } else { "steep" }),
                     pair("4 F at (x + 1, y − ½)", number(straight as f64, 0)),
                     pair("4 F at (x + ½, y − 1)", number(diagonal as f64, 0)),
@@ -153,7 +157,10 @@ impl CircleLesson {
             Step {
                 cells: vec![cell(pixel, Ink::Full)],
                 marks: Vec::new(),
-                says: format!("{how} gives pixel ({x}, {y}) from the centre{}.", if again { ", again" } else { "" }),
+                says: format!(
+                    "{how} gives pixel ({x}, {y}) relative to the centre{}.",
+                    if again { ", again" } else { "" }
+                ),
                 state: vec![pair("pixels so far", seen.len().to_string()), pair("visits", (place + 1).to_string())],
             }
         })
@@ -176,10 +183,10 @@ impl CircleLesson {
         let cells: Vec<_> = recording.steps.iter().flat_map(|step| step.cells.clone()).collect();
         let distinct: HashSet<_> = cells.iter().map(|cell| (cell.x, cell.y)).collect();
         recording.fact("pixels", distinct.len().to_string());
-        recording.fact("visited more than once", (cells.len() - distinct.len()).to_string());
+        recording.fact("drawn more than once", (cells.len() - distinct.len()).to_string());
         if width > 0 && height > 0 {
             let off = greatest_distance(&cells, self.center, radii);
-            recording.fact("farthest from the curve", format!("{} px", number(off, 4)));
+            recording.fact("greatest distance", format!("{} px", number(off, 4)));
         }
         recording
     }
@@ -191,22 +198,28 @@ impl CircleLesson {
     pub(super) fn explanation(&self) -> &'static str {
         match self.method {
             CircleMethod::Midpoint => {
-                "The implicit form F(x, y) = x² + y² − r² is negative inside and positive outside. From the place (0, r) on, x grows by one per step; \
-                 F at the midpoint between the two candidates decides whether y shrinks. D holds it in whole numbers and changes by 2x + 3 or \
-                 2(x − y) + 5. At the diagonal the octant ends; the other seven, in their own colours, are mirror images."
+                "The implicit form F(x, y) = x² + y² − r² is negative inside and positive outside. Starting at (0, r), \
+                 x grows by one per step; the sign of F at the midpoint between the two candidate pixels decides \
+                 whether y decreases. The decision variable D holds this value as an integer and changes by 2x + 3 or \
+                 2(x − y) + 5. The octant ends at the diagonal; the other seven, each in its own colour, are mirror \
+                 images."
             }
             CircleMethod::Explicit => {
-                "The explicit form has one y for each x. It is right where the circle is flat, but where it is steep a step in x makes several \
-                 steps in y, and gaps are left. A root per column is also far dearer than the additions of the midpoint circle."
+                "The explicit form gives one y for each x. It is accurate where the circle is flat; where it is steep, \
+                 one step in x spans several rows and leaves gaps. A square root per column also costs far more than \
+                 the additions of the midpoint circle."
             }
             CircleMethod::Parametric => {
-                "The parametric form goes around by an angle φ. Steps of 1/r are small enough for no gaps, and then some pixels are hit twice. \
-                 Parametric curves are easy to walk along; implicit ones tell on which side a point lies; explicit ones are easiest to draw badly."
+                "The parametric form advances an angle φ around the circle. Steps of 1/r are small enough to leave no \
+                 gaps, but some pixels are then drawn twice. A parametric form is easy to follow along the curve; an \
+                 implicit form decides on which side of the curve a point lies; an explicit form is simple, but leaves \
+                 gaps where the curve is steep."
             }
             CircleMethod::Ellipse => {
-                "An ellipse has four mirror images instead of eight. The sign of F(x, y) = b²x² + a²y² − a²b² at the two midpoints ahead \
-                 chooses among right, right and down, and down. Where the ellipse is flatter than 45° x grows at every step, where it is steeper y \
-                 shrinks at every step; the colours show the two parts."
+                "An ellipse has fourfold symmetry instead of eightfold. The sign of F(x, y) = b²x² + a²y² − a²b² at \
+                 the next two midpoints selects the step: right, right and down, or down. Where the ellipse is flatter \
+                 than 45°, x grows at every step; where it is steeper, y decreases at every step. The colours show the \
+                 two parts."
             }
         }
     }
@@ -230,7 +243,7 @@ impl CircleLesson {
         }
     }
 
-    /// All forms of the circle at a hundred times the radius.
+    /// Compares all algorithms for circles at 100 times the radius.
     pub(super) fn compare(&self) -> Comparison {
         let radius = self.half.0.max(1) * 100;
         let rivals = CircleMethod::ALL.iter().map(|method| {
@@ -245,7 +258,8 @@ impl CircleLesson {
     }
 }
 
-/// The number of an octant, from right and clockwise on the screen; on a border the one before.
+/// Returns the index of an octant, starting at the right and clockwise on the screen. Pixels on a diagonal belong to
+/// the octant along the x axis; x = 0 counts as right and y = 0 as below.
 fn octant_of(x: i64, y: i64) -> usize {
     let steep = y.abs() > x.abs();
     match (x >= 0, y >= 0) {
@@ -256,7 +270,8 @@ fn octant_of(x: i64, y: i64) -> usize {
     }
 }
 
-/// How far the farthest pixel is from an ellipse: exact for circles, to the first order for others.
+/// Returns the greatest distance of a pixel from an ellipse, in pixels: exact for circles, to first order for other
+/// ellipses.
 fn greatest_distance(cells: &[Cell], center: (i32, i32), radii: DVec2) -> f64 {
     let off = |cell: &Cell| {
         let place = DVec2::new((cell.x - i64::from(center.0)) as f64, (cell.y - i64::from(center.1)) as f64);

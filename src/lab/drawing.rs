@@ -1,4 +1,4 @@
-//! A recording as a drawing for paper: white ground, dark pixels, the true shape in blue over them.
+//! Conversion of a recording into a drawing: white background, dark pixels, and the true shape in blue on top.
 
 use std::path::Path;
 use std::time::Duration;
@@ -15,7 +15,7 @@ const FULL: Rgb = [60, 60, 60];
 const WALL: Rgb = [130, 100, 70];
 const SIDES: [Rgb; 2] = [[250, 226, 205], [210, 228, 250]];
 
-/// Colours of things that are told apart, of equal weight on white.
+/// Colours of groups, of equal visual weight on white.
 const GROUPS: [Rgb; 8] = [
     [230, 159, 0],
     [86, 150, 233],
@@ -27,20 +27,20 @@ const GROUPS: [Rgb; 8] = [
     [140, 140, 140],
 ];
 
-/// Width of lines, diameter of dots and height of letters, px of the grid.
+/// Widths of lines, diameters of dots and height of letters, in pixels of the grid.
 const LINE: f64 = 0.12;
 const GRID_LINE: f64 = 0.04;
 const DOT: f64 = 0.36;
 const SMALL_DOT: f64 = 0.12;
 const LETTERS: f64 = 0.9;
 
-/// Pixels or points of a page per pixel of the grid.
+/// Scale of bitmaps and pages, in pixels or points per pixel of the grid.
 const SCALE: f64 = 16.0;
 
-/// Most pictures of an animation; of longer runs every so manieth step is taken.
+/// Maximum number of frames of an animation. Longer runs are sampled at equal distances.
 const MAX_FRAMES: usize = 150;
 
-/// How long each picture of an animation stays.
+/// Duration of each frame of an animation.
 const FRAME_TIME: Duration = Duration::from_millis(80);
 
 /// Writes the file that [`encode_recording`] returns.
@@ -48,8 +48,8 @@ pub fn write_recording(path: &Path, recording: &Recording, steps: usize) -> Resu
     save(path, &encode_recording(path, recording, steps)?)
 }
 
-/// Returns the bytes of a file with a recording after its first `steps` steps, in the format that the name asks for; a GIF
-/// shows all of its steps.
+/// Returns the bytes of a file with the recording after its first `steps` steps. The format follows from the extension;
+/// a GIF animates all steps.
 pub fn encode_recording(path: &Path, recording: &Recording, steps: usize) -> Result<Vec<u8>, DrawingFileError> {
     if format_of(path)? != Format::Pixels(PixelFormat::Gif) {
         return encode(path, &drawing(recording, steps), SCALE);
@@ -60,7 +60,7 @@ pub fn encode_recording(path: &Path, recording: &Recording, steps: usize) -> Res
     encode_animation(path, (0..=frames).map(|frame| drawing(recording, step(frame))), SCALE / 2.0, FRAME_TIME)
 }
 
-/// The drawing of a recording after its first `steps` steps; one unit per pixel of the grid.
+/// Returns the drawing of a recording after its first `steps` steps; one unit is one pixel of the grid.
 pub fn drawing(recording: &Recording, steps: usize) -> Drawing {
     let (width, height) = recording.size;
     let mut drawing = Drawing { size: DVec2::new(width.into(), height.into()), background: PAPER, shapes: Vec::new() };

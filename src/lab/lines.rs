@@ -13,21 +13,29 @@ use crate::flat2d::slope_line::{Stepping, slope_line};
 use crate::pipeline::settings::{Choice, choice};
 
 choice! {
-    /// How a line is drawn.
+    /// Algorithm that draws a line.
     LineMethod {
-        Distance = "distance", "By distance", "Every pixel of the box around the line is looked at; those at most half a pixel off belong to it.";
-        Intersection = "intersection", "By slope, rounded", "y = m (x − x₀) + y₀ is computed for every step along the longer axis, and rounded.";
-        Addition = "dda", "DDA", "The slope is added at every step: no multiplication, but each addition rounds and the errors sum up.";
-        Midpoint = "midpoint", "Midpoint (Bresenham)", "Whole numbers only: a decision variable tells on which side of the next midpoint the line passes.";
-        Exact = "exact", "Nearest pixel, exactly", "Real ends; which pixel is nearest at every step is decided without any rounding.";
-        AreaBox = "area-box", "Smooth, box", "The line is a strip one pixel wide; each pixel is as dark as the part of it that is covered.";
-        AreaPyramid = "area-pyramid", "Smooth, pyramid", "What is covered near the pixel's centre counts more, and neighbours count a little: a pyramid of weights.";
-        AreaCone = "area-cone", "Smooth, cone", "The same with a cone of weights: no direction is special.";
+        Distance = "distance", "By distance",
+            "Tests every pixel of the bounding box; draws those at most half a pixel away from the line.";
+        Intersection = "intersection", "By slope, rounded",
+            "Computes y = m (x − x₀) + y₀ for every step along the longer axis, and rounds it.";
+        Addition = "dda", "DDA",
+            "Adds the slope at every step: no multiplication, but each addition rounds, and the errors add up.";
+        Midpoint = "midpoint", "Midpoint (Bresenham)",
+            "Integers only: a decision variable holds on which side of the next midpoint the line passes.";
+        Exact = "exact", "Nearest pixel, exact",
+            "Real end points; the nearest pixel of every step is decided without rounding.";
+        AreaBox = "area-box", "Area, box",
+            "The line is a strip one pixel wide; each pixel gets the share of its area that the strip covers.";
+        AreaPyramid = "area-pyramid", "Area, pyramid",
+            "Weights the coverage by a pyramid filter: most at the pixel's centre, and a little into its neighbours.";
+        AreaCone = "area-cone", "Area, cone",
+            "Weights the coverage by a cone filter, which is equal in all directions.";
     }
 }
 
 impl LineMethod {
-    /// How the slope is used, by those that use it.
+    /// Returns the evaluation of the slope; `None` for methods that do not step by slope.
     fn stepping(self) -> Option<Stepping> {
         match self {
             Self::Intersection => Some(Stepping::Intersection),
@@ -36,7 +44,7 @@ impl LineMethod {
         }
     }
 
-    /// The weight of area sampling, for those that sample areas.
+    /// Returns the filter weight of area sampling; `None` for other methods.
     pub fn weight(self) -> Option<Weight> {
         match self {
             Self::AreaBox => Some(Weight::Box),
@@ -47,24 +55,24 @@ impl LineMethod {
     }
 }
 
-/// Columns and rows of the grid.
+/// Size of the grid, in columns and rows.
 const SIZE: (u32, u32) = (36, 22);
 
-/// The part of the grid that a clipped line stays in: columns and rows left out on each side.
+/// Margin between the grid and the clip rectangle of a clipped line, in columns and rows on each side.
 const FRAME: u32 = 4;
 
-/// A line to be drawn.
+/// Input and settings of the page on lines.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LineLesson {
-    /// Ends, where whole numbers are pixels' places.
+    /// End points, where integers are pixel centres.
     pub ends: [DVec2; 2],
-    /// How.
+    /// Selected algorithm.
     pub method: LineMethod,
-    /// Whether the pixel of the second end is drawn; without it, lines in a row share no pixel.
+    /// Whether the pixel of the second end is drawn. If not, the lines of a polyline share no pixel.
     pub last_pixel: bool,
-    /// Whether the midpoint method decides ties so that both directions cover the same pixels.
+    /// Whether the midpoint method breaks ties so that both directions cover the same pixels.
     pub direction_independent: bool,
-    /// Whether the line is cut to a frame first.
+    /// Whether the line is clipped to a rectangle first.
     pub clip: bool,
 }
 
@@ -75,31 +83,32 @@ impl Default for LineLesson {
     }
 }
 
-/// The centre of a pixel, px.
+/// Returns the centre of a pixel, in pixels from the corner of the grid.
 fn center((x, y): (i64, i64)) -> DVec2 {
     DVec2::new(x as f64 + 0.5, y as f64 + 0.5)
 }
 
-/// The pixel that a place, where whole numbers are pixels' places, is nearest to.
+/// Returns the pixel nearest to a position, where integers are pixel centres.
 fn nearest(place: DVec2) -> (i64, i64) {
     let rounded = (place + 0.5).floor();
     (rounded.x as i64, rounded.y as i64)
 }
 
-/// Corners of the strip of one pixel's width around a segment; none without length.
+/// Returns the corners of the strip of one pixel's width around a segment; `None` if the segment has no length.
 fn strip([from, to]: [DVec2; 2]) -> Option<[DVec2; 4]> {
     let across = (to - from).try_normalize()?.perp() / 2.0;
     Some([from - across, to - across, to + across, from + across])
 }
 
-/// Distance of a pixel from the line through both ends, px; from the point that they are if they are one.
+/// Returns the distance of a pixel from the line through both ends, in pixels, or from their common point if they
+/// coincide.
 fn distance([from, to]: [DVec2; 2], (x, y): (i64, i64)) -> f64 {
     let (along, place) = (to - from, DVec2::new(x as f64, y as f64) - from);
     if along == DVec2::ZERO { place.length() } else { (along.perp_dot(place) / along.length()).abs() }
 }
 
 impl LineLesson {
-    /// The ends that are drawn: cut to the frame if that is asked for; none if nothing is left.
+    /// Returns the ends of the drawn line, clipped if clipping is on; `None` if the line misses the clip rectangle.
     fn drawn_ends(&self) -> Option<[DVec2; 2]> {
         if !self.clip {
             return Some(self.ends);
@@ -155,16 +164,14 @@ impl LineLesson {
         self.mark_other_direction(ends, &mut recording);
         if let Some(stepping) = self.method.stepping() {
             let drift = drift_of_longer(ends, stepping);
-            recording.fact(
-                "drift if 1000 times as long",
-                drift.map_or("–".to_owned(), |px| format!("{} px", number(px, 4))),
-            );
+            recording
+                .fact("drift at 1000 × the length", drift.map_or("–".to_owned(), |px| format!("{} px", number(px, 4))));
         }
         recording
     }
 
-    /// Outlines the pixels that belong to the line only when it is drawn from its second end to its first, and counts those
-    /// that differ. Areas have no direction.
+    /// Outlines the pixels that only the reversed line covers, and counts the pixels that differ. Area methods do not
+    /// depend on the direction.
     fn mark_other_direction(&self, ends @ [from, to]: [DVec2; 2], recording: &mut Recording) {
         if self.method.weight().is_some() {
             return;
@@ -177,10 +184,10 @@ impl LineLesson {
             recording.figure.push(Mark::Outline(outline.to_vec(), Tone::A));
         }
         let differing = forth.difference(&back).count();
-        recording.fact("other pixels from the second end", differing.to_string());
+        recording.fact("pixels that differ when reversed", differing.to_string());
     }
 
-    /// The pixels of a line, without any record of how they were found.
+    /// Returns the pixels of a line without recording steps.
     fn pixels(&self, ends: [DVec2; 2], size: (u32, u32)) -> Vec<Cell> {
         let [from, to] = ends;
         let full = |pixel| cell(pixel, Ink::Full);
@@ -199,7 +206,7 @@ impl LineLesson {
         }
     }
 
-    /// The walk of the midpoint method.
+    /// Returns the iterator of the midpoint method.
     fn midpoint_line(&self, [from, to]: [DVec2; 2]) -> MidpointLine {
         let line = if self.direction_independent { direction_independent_line } else { midpoint_line };
         line(nearest(from), nearest(to))
@@ -212,34 +219,40 @@ impl LineLesson {
     pub(super) fn explanation(&self) -> &'static str {
         match self.method {
             LineMethod::Distance => {
-                "A pixel belongs to the line if its place is at most half a pixel away. With d from end to end and v from the first end to the \
-                 pixel, the distance is |d × v| / |d|. Simple and right, but every pixel of the box is looked at, and slanted lines come out \
-                 with steps of two pixels in some columns and gaps in none or many: the width is measured across, not along a column."
+                "A pixel belongs to the line if its centre is at most half a pixel away. With d from end to end and v \
+                 from the first end to the pixel, the distance is |d × v| / |d|. This is simple and correct, but it \
+                 tests every pixel of the bounding box, and slanted lines get two pixels in some columns, because the \
+                 width is measured across the line instead of along a column."
             }
             LineMethod::Intersection => {
-                "A line of slope m between −1 and 1 meets each column once, at y = m (x − x₀) + y₀; the nearest pixel is found by rounding. \
-                 Steeper lines swap the roles of x and y, otherwise columns would leave gaps. One multiplication and one rounding per pixel."
+                "A line of slope m between −1 and 1 meets each column once, at y = m (x − x₀) + y₀; rounding gives the \
+                 nearest pixel. Steeper lines swap x and y, since one pixel per column would leave gaps. Each pixel \
+                 costs one multiplication and one rounding."
             }
             LineMethod::Addition => {
-                "The digital differential analyser: since x grows by 1, y grows by m, so an addition replaces the multiplication. Floats \
-                 round each sum, and the errors add up: the state shows how far y has drifted from the true line, and the facts what becomes of it \
-                 on a line a thousand times as long."
+                "The digital differential analyser (DDA): when x grows by 1, y grows by m, so an addition replaces the \
+                 multiplication. Floating point rounds each sum, and the errors add up: the state shows how far y has \
+                 drifted from the true line, and the facts show the drift of a line a thousand times as long."
             }
             LineMethod::Midpoint => {
-                "From a pixel of the line only two can follow: straight on, or slanted. The line passes above or below the midpoint between \
-                 them; the decision variable D = 2·minor − major holds which, and is updated by one addition. All numbers are whole, so nothing \
-                 drifts. The other octants differ only in the signs of the steps. Drag the ends around to see all eight. Where the line passes exactly \
-                 between two pixels, D is 0 and the line goes straight on, so from its other end it takes the other pixel, outlined here. A tie \
-                 rule that always decides as from the lesser end covers the same pixels both ways."
+                "After each pixel there are two candidates: a straight step or a diagonal step. The line passes above \
+                 or below the midpoint between them. The sign of the decision variable D, which starts at 2·minor − \
+                 major, selects the step, and one addition updates it. All numbers are integers, so nothing drifts. \
+                 The other octants differ only in the signs of the steps: drag the end points to see all eight. Where \
+                 the line passes exactly between two pixels, D is 0 and the step is straight, so the reversed line \
+                 takes the other pixel, outlined here. A tie rule that always decides as from the lesser end covers \
+                 the same pixels in both directions."
             }
             LineMethod::Exact => {
-                "Ends need not be pixels. At every step along the longer axis the pixel nearest to the true line is taken; where floats are not \
-                 sure, exact arithmetic decides. This is the truth that the others are measured against; a tie goes to the larger coordinate."
+                "End points need not lie on pixel centres. Every step along the longer axis takes the pixel nearest to \
+                 the true line; where floating point is not certain, exact arithmetic decides. The other methods are \
+                 measured against this reference; a tie goes to the larger coordinate."
             }
             LineMethod::AreaBox | LineMethod::AreaPyramid | LineMethod::AreaCone => {
-                "Stairs come from an all-or-nothing decision per pixel. Taken as a strip one pixel wide, the line covers each pixel in part, and \
-                 that part becomes its darkness. A box counts all of the pixel alike; a pyramid or a cone weighs what is near the centre more and \
-                 reaches into the neighbours, which makes lines smoother and a little wider."
+                "Jagged edges come from an all-or-nothing decision per pixel. As a strip one pixel wide, the line \
+                 covers each pixel in part, and this coverage becomes the pixel's value. A box filter weights the \
+                 whole pixel equally; a pyramid or cone filter gives more weight to the centre and reaches into the \
+                 neighbours, which makes lines smoother and a little wider."
             }
         }
     }
@@ -251,17 +264,17 @@ impl LineLesson {
     pub(super) fn move_handle(&mut self, handle: usize, to: DVec2) {
         let place = to - 0.5;
         let whole = self.method == LineMethod::Midpoint && !self.clip;
-        // Quarters of a pixel are easy to hit and show what real ends do.
+        // Steps of a quarter pixel are easy to hit and show the effect of fractional ends.
         let place = if whole { place.round() } else { (place * 4.0).round() / 4.0 };
         if let Some(end) = self.ends.get_mut(handle) {
             *end = place;
         }
     }
 
-    /// All methods that choose pixels, on a longer line of the same direction.
+    /// Compares all methods that choose whole pixels, on a longer line of the same slope.
     pub(super) fn compare(&self) -> Comparison {
         const LONGER: f64 = 40.0;
-        // Ends can be dragged far out of the grid, and one method looks at every pixel of the box.
+        // Ends can be dragged far outside the grid, and the distance method tests every pixel of the bounding box.
         const LONGEST_PX: f64 = 2000.0;
         let [from, to] = self.ends.map(DVec2::round);
         let span = (to - from).abs();
@@ -280,7 +293,7 @@ impl LineLesson {
     }
 }
 
-/// The pixels that the strip of a line covers, with their share, row by row.
+/// Returns the pixels covered by the strip of a line with their coverage, row by row.
 fn covered(ends: [DVec2; 2], weight: Weight) -> impl Iterator<Item = Cell> {
     let strip = strip(ends);
     let reach = 0.5 + weight.radius_px();
@@ -309,16 +322,16 @@ fn distance_steps([from, to]: [DVec2; 2]) -> Box<dyn Iterator<Item = Step>> {
             cells: vec![cell(pixel, Ink::Full)],
             marks: vec![Mark::Line(center(pixel), foot + 0.5, Tone::Focus)],
             says: format!(
-                "Pixel ({}, {}) is {} px off the line: at most ½, so it belongs to it.",
+                "Pixel ({}, {}) is {} px away from the line, at most ½: it is drawn.",
                 pixel.0,
                 pixel.1,
                 number(off, 3)
             ),
             state: vec![
                 pair("distance", format!("{} px", number(off, 4))),
-                pair("searched from", before.map_or(String::new(), |(x, y)| format!("({x}, {y})"))),
-                pair("next looked at", probe),
-                pair("found", found.to_string()),
+                pair("search start", before.map_or(String::new(), |(x, y)| format!("({x}, {y})"))),
+                pair("next tested", probe),
+                pair("pixels so far", found.to_string()),
             ],
         })
     }))
@@ -343,7 +356,7 @@ fn slope_steps([from, to]: [DVec2; 2], stepping: Stepping) -> Box<dyn Iterator<I
             ),
             state: vec![
                 pair(across, number(value.into(), 7)),
-                pair("true value", number(exact, 7)),
+                pair("exact value", number(exact, 7)),
                 pair("drift", format!("{} px", number(f64::from(value) - exact, 9))),
                 pair("steps along", axis),
             ],
@@ -351,7 +364,7 @@ fn slope_steps([from, to]: [DVec2; 2], stepping: Stepping) -> Box<dyn Iterator<I
     }))
 }
 
-/// How far the coordinate across is off before the last pixel of a line a thousand times as long, px.
+/// Returns the drift of the minor coordinate at the last pixel of a line 1000 times as long, in pixels.
 fn drift_of_longer([from, to]: [DVec2; 2], stepping: Stepping) -> Option<f64> {
     const LONGER: f64 = 1_000.0;
     let mut line = slope_line(from, from + (to - from) * LONGER, stepping)?;
@@ -375,10 +388,10 @@ fn midpoint_steps(mut line: MidpointLine, [from, to]: [DVec2; 2]) -> Box<dyn Ite
         let marks = if at_end { Vec::new() } else { vec![Mark::Dot(center(pixel) + ahead, Tone::Focus)] };
         let why = match (at_end, slanted) {
             (true, _) => "the end.".to_owned(),
-            (false, true) if decision == 0 => "D = 0, a tie: slanted on, as from the lesser end.".to_owned(),
-            (false, true) => format!("D = {decision} > 0, the line passes beyond the midpoint: slanted on."),
+            (false, true) if decision == 0 => "D = 0, a tie: diagonal step, as from the lesser end.".to_owned(),
+            (false, true) => format!("D = {decision} > 0, the line passes beyond the midpoint: diagonal step."),
             (false, false) => {
-                format!("D = {} ≤ 0, the line does not pass the midpoint: straight on.", number(decision as f64, 0))
+                format!("D = {} ≤ 0, the line does not pass the midpoint: straight step.", number(decision as f64, 0))
             }
         };
         Some(Step {
@@ -387,15 +400,18 @@ fn midpoint_steps(mut line: MidpointLine, [from, to]: [DVec2; 2]) -> Box<dyn Ite
             says: format!("Pixel ({}, {}); {why}", pixel.0, pixel.1),
             state: vec![
                 pair("D", number(decision as f64, 0)),
-                pair("added if straight", number(2.0 * width.min(height) as f64, 0)),
-                pair("added if slanted", number(2.0 * width.min(height) as f64 - 2.0 * width.max(height) as f64, 0)),
+                pair("added by a straight step", number(2.0 * width.min(height) as f64, 0)),
+                pair(
+                    "added by a diagonal step",
+                    number(2.0 * width.min(height) as f64 - 2.0 * width.max(height) as f64, 0),
+                ),
                 pair("octant", octant(last.0 - first.0, last.1 - first.1)),
             ],
         })
     }))
 }
 
-/// The direction of a line as a compass would say it, y down.
+/// Describes the octant of a line by its directions, y down.
 fn octant(dx: i64, dy: i64) -> String {
     let steep = dy.abs() > dx.abs();
     let across = if dx >= 0 { "right" } else { "left" };
@@ -420,7 +436,7 @@ fn exact_steps([from, to]: [DVec2; 2]) -> Box<dyn Iterator<Item = Step>> {
                 pixel.0, pixel.1
             ),
             state: vec![
-                pair("looked for from", format!("{across} = {guess}")),
+                pair("search start", format!("{across} = {guess}")),
                 pair("distance", format!("{} px", number(distance([from, to], pixel), 4))),
                 pair("steps along", axis),
             ],
@@ -444,7 +460,12 @@ fn area_steps(ends: [DVec2; 2], weight: Weight) -> Box<dyn Iterator<Item = Step>
         Step {
             cells: vec![found],
             marks: vec![mark],
-            says: format!("The strip covers {} of the filter of pixel ({}, {}).", number(share, 3), found.x, found.y),
+            says: format!(
+                "The strip covers {} of the filter around pixel ({}, {}).",
+                number(share, 3),
+                found.x,
+                found.y
+            ),
             state: vec![pair("covered share", number(share, 6)), pair("sum so far", number(sum, 4))],
         }
     }))
@@ -463,7 +484,7 @@ fn summarize(recording: &mut Recording, ends: [DVec2; 2]) {
         return;
     }
     let greatest = cells.iter().map(|cell| distance(ends, (cell.x, cell.y))).fold(0.0, f64::max);
-    recording.fact("greatest distance from it", format!("{} px", number(greatest, 4)));
+    recording.fact("greatest distance", format!("{} px", number(greatest, 4)));
     let exact: Vec<_> = real_line(ends[0], ends[1]).into_iter().flatten().collect();
     let wrong = cells.iter().filter(|cell| !exact.contains(&(cell.x, cell.y))).count();
     recording.fact("not the nearest pixel", wrong.to_string());

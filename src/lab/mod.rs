@@ -1,9 +1,9 @@
-//! The 2D lab: each algorithm of the two-dimensional chapter run on a small input that one can change, and recorded step by
-//! step, to be scrubbed in the window, exported, and compared with its rivals.
+//! The 2D lab: runs each algorithm of the 2D chapter on a small editable input and records it step by step. Recordings
+//! can be scrubbed in the window, exported, and compared with alternative methods.
 //!
-//! The algorithms themselves are plain iterators of [`crate::flat2d`], [`crate::antialias`] and the pipeline; a *lesson*, one
-//! per file, only asks them one item at a time and writes down what they know. [`recording`] is what it writes;
-//! [`drawing`] turns that into vector graphics and bitmaps.
+//! The algorithms themselves are plain iterators of [`crate::flat2d`], [`crate::antialias`] and the pipeline. A
+//! *lesson*, one per file, advances them by one item at a time and records their state in a [`recording`]. [`drawing`]
+//! converts recordings to vector graphics and bitmaps.
 
 pub mod recording;
 
@@ -41,17 +41,21 @@ use triangles::TriangleLesson;
 choice! {
     /// A page of the lab.
     Page {
-        Lines = "lines", "Lines", "Straight lines: by distance, by slope, by adding, by the midpoint, exactly, and smoothed by area.";
-        Circles = "circles", "Circles", "Circles and ellipses: by the midpoint, and by their explicit and parametric forms.";
-        Polygons = "polygons", "Polygons", "Filling row by row with active edges, cutting into triangles, and the convex hull.";
-        SeedFill = "seed-fill", "Seed fill", "Boundary fill and flood fill, over sides or corners, by pixels or by spans.";
+        Lines = "lines", "Lines",
+            "Straight lines: by distance, by slope, DDA, midpoint, exact, and anti-aliased by area.";
+        Circles = "circles", "Circles", "Circles and ellipses: midpoint method, explicit form and parametric form.";
+        Polygons = "polygons", "Polygons", "Scanline fill with active edges, ear clipping, and the convex hull.";
+        SeedFill = "seed-fill", "Seed fill",
+            "Boundary fill and flood fill, 4-connected or 8-connected, by pixels or by spans.";
         Primitives = "primitives", "Primitives", "Points, lines, strips, fans, quads and polygons read from one list of vertices.";
-        Triangles = "triangles", "Triangles", "Rasterizers in their own order, edge functions, shared edges, weights by area.";
-        Sampling = "sampling", "Sampling", "Stairs, moiré, turning wheels; supersampling, area sampling, masks and blur.";
+        Triangles = "triangles", "Triangles",
+            "Order of the rasterizers, edge functions, shared edges, barycentric weights.";
+        Sampling = "sampling", "Sampling",
+            "Aliasing: jagged edges, moiré, wagon wheel; supersampling, area sampling, filter masks.";
     }
 }
 
-/// An input and the settings of one page.
+/// Input and settings of one page.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Lesson {
     /// Straight lines.
@@ -70,7 +74,7 @@ pub enum Lesson {
     Sampling(SamplingLesson),
 }
 
-/// Calls `$body` with `$lesson` standing for the lesson of whatever page.
+/// Evaluates `$body` with `$lesson` bound to the lesson of any page.
 macro_rules! each {
     ($any:expr, $lesson:ident => $body:expr) => {
         match $any {
@@ -86,7 +90,7 @@ macro_rules! each {
 }
 
 impl Lesson {
-    /// A page as it is first seen.
+    /// Creates the lesson of a page with its default input.
     pub fn new(page: Page) -> Self {
         match page {
             Page::Lines => Self::Lines(LineLesson::default()),
@@ -99,7 +103,7 @@ impl Lesson {
         }
     }
 
-    /// The page that it belongs to.
+    /// Returns the page of the lesson.
     pub fn page(&self) -> Page {
         match self {
             Self::Lines(_) => Page::Lines,
@@ -112,32 +116,32 @@ impl Lesson {
         }
     }
 
-    /// Runs it.
+    /// Runs the algorithm and records its steps.
     pub fn record(&self) -> Recording {
         each!(self, lesson => lesson.record())
     }
 
-    /// Runs the bare algorithm, to be timed. Returns how many items it gave.
+    /// Runs the algorithm without recording, for timing. Returns the number of its items.
     pub fn walk(&self) -> usize {
         each!(self, lesson => lesson.walk())
     }
 
-    /// What a student should know of it.
+    /// Returns an explanation of the algorithm for students.
     pub fn explanation(&self) -> &'static str {
         each!(self, lesson => lesson.explanation())
     }
 
-    /// Points that can be dragged, px.
+    /// Returns the draggable points of the input, in pixels.
     pub fn handles(&self) -> Vec<DVec2> {
         each!(self, lesson => lesson.handles())
     }
 
-    /// Drags one of them.
+    /// Moves the point with this index to `to`, in pixels.
     pub fn move_handle(&mut self, handle: usize, to: DVec2) {
         each!(self, lesson => lesson.move_handle(handle, to));
     }
 
-    /// Whether there is a truth that ways to do the same could differ from.
+    /// Whether a reference exists that methods can be compared with.
     pub fn compare_is_possible(&self) -> bool {
         match self {
             Self::Primitives(lesson) => lesson.has_outlines(),
@@ -145,7 +149,7 @@ impl Lesson {
         }
     }
 
-    /// Makes a picture the canvas of the page, if it has one. Whether it has.
+    /// Makes a picture the input of the page. Returns `false` if the page has no picture.
     pub fn set_picture(&mut self, picture: &Image<Rgba8>) -> bool {
         match self {
             Self::SeedFill(lesson) => lesson.set_picture(picture),
@@ -155,7 +159,7 @@ impl Lesson {
         true
     }
 
-    /// Runs all ways to do the same against the truth, where there is one.
+    /// Compares all methods of the page with the reference; `None` if there is none.
     pub fn compare(&self) -> Option<Comparison> {
         match self {
             Self::Lines(lesson) => Some(lesson.compare()),

@@ -1,17 +1,17 @@
-//! Pictures from files as the canvas of a page: reduced to its grid, or to be sampled.
+//! Picture files as input of a page: reduced to its grid, or sampled.
 
 use super::seed_fills::Paint;
 use crate::image::color::luma;
 use crate::image::{Image, Rgba8};
 
-/// Cells darker than this, of 255, are walls.
+/// Brightest channel value of 255 below which cells are walls.
 const WALL_BELOW: f32 = 96.0;
 
-/// Codes of the strongest and the weakest channel that differ by more than this make a colour.
+/// Difference between the brightest and the darkest channel, of 255, above which a cell counts as coloured.
 const COLOR_FROM: f32 = 64.0;
 
-/// A picture of the size of a grid: what is dark is wall, what has a colour is spot, the rest paper. Its shape is kept; what
-/// it leaves of the grid is paper.
+/// Reduces a picture to a grid: dark cells are walls, coloured ones spots, others paper. The aspect ratio is kept;
+/// cells outside the picture are paper.
 pub fn painted(picture: &Image<Rgba8>, (width, height): (u32, u32)) -> Image<Paint> {
     let [wide, high] = [picture.width(), picture.height()].map(f64::from);
     let cell_px = (wide / f64::from(width)).max(high / f64::from(height));
@@ -22,7 +22,7 @@ pub fn painted(picture: &Image<Rgba8>, (width, height): (u32, u32)) -> Image<Pai
             let from = ((f64::from(at) - before) * cell_px).max(0.0);
             let to = ((f64::from(at) + 1.0 - before) * cell_px).min(end);
             let (from, to) = (from.round() as u32, to.round() as u32);
-            // A cell narrower than a pixel may have no pixel's middle in it: it lies in a pixel then.
+            // A cell narrower than a pixel may contain no pixel centre; it takes the pixel that it lies in.
             let middle = (f64::from(at) + 0.5 - before) * cell_px;
             if from == to && (0.0..end).contains(&middle) { middle as u32..middle as u32 + 1 } else { from..to }
         };
@@ -48,12 +48,13 @@ fn paint(color: [f32; 3]) -> Paint {
     }
 }
 
-/// Brightness of each pixel, of codes as they are, in [0, 1].
+/// Returns the luma of each pixel in [0, 1], computed on the sRGB-encoded values.
 pub fn brightness(picture: &Image<Rgba8>) -> Image<f64> {
     picture.map(|pixel| f64::from(luma(pixel)) / 255.0)
 }
 
-/// A star of wedges that meet in the middle, where they are finer than any pixel: what lenses and printers are tested with.
+/// Returns a Siemens star, a test pattern for lenses and printers: its wedges meet in the centre, where they are finer
+/// than any pixel.
 pub fn siemens_star() -> Image<f64> {
     const SIDES: (u32, u32) = (480, 360);
     const WEDGES: f64 = 36.0;
@@ -76,7 +77,7 @@ mod tests {
             (false, _) => [240, 240, 240, 255],
         });
         let grid = painted(&picture, (8, 4));
-        // Square, so it stands in the middle of the wide grid.
+        // The picture is square, so it is centred in the wide grid.
         let row = |y| (0..8).map(|x| grid.at(x, y)).collect::<Vec<_>>();
         let (paper, wall, spot) = (Paint::Paper, Paint::Wall, Paint::Spot);
         assert_eq!(row(0), [paper, paper, wall, wall, paper, paper, paper, paper]);

@@ -1,4 +1,4 @@
-//! Polygons of several contours: filled row by row, cut into triangles, and their convex hull.
+//! Polygons of one or more contours: scanline fill with active edges, triangulation, and the convex hull.
 
 use glam::DVec2;
 
@@ -10,29 +10,31 @@ use crate::flat2d::polygon::{ActiveEdge, Corners, Filling, InsideRule, PolygonFi
 use crate::pipeline::settings::{Choice, choice};
 
 choice! {
-    /// What is done with a polygon.
+    /// Operation on a polygon.
     PolygonMethod {
         EvenOdd = "even-odd", "Fill, even-odd", "A pixel is inside if a ray from it crosses an odd number of edges.";
         NonZero = "non-zero", "Fill, non-zero", "Edges count +1 down and −1 up; a pixel is inside if the sum up to it is not zero.";
-        Triangulate = "triangulate", "Cut into triangles", "Ear by ear: corners whose neighbours see each other are cut off. The first contour only.";
-        Hull = "hull", "Convex hull", "The rubber band around all corners, and the weights t₁ … tₙ of the point within.";
+        Triangulate = "triangulate", "Ear clipping",
+            "Triangulates the first contour: cuts off one ear, a corner whose triangle is empty, after another.";
+        Hull = "hull", "Convex hull", "The convex hull of all corners, and the weights t₁ … tₙ of a point inside it.";
     }
 }
 
 choice! {
-    /// A polygon to start from.
+    /// Preset polygon.
     PolygonPreset {
-        Star = "star", "Star", "Five corners, crossing itself: the middle is wound around twice.";
-        Hole = "hole", "Square with a hole", "Two contours that turn opposite ways.";
-        Overlap = "overlap", "Overlapping squares", "Two contours that turn the same way.";
-        Horizontal = "horizontal", "Horizontal edges and tips", "Sides along a row, local highest and lowest corners: the cases that pairing of crossings gets wrong.";
-        Concave = "concave", "Concave", "One simple contour with dents.";
-        BowTie = "bow-tie", "Bow tie", "Four corners, two sides of which cross.";
+        Star = "star", "Star", "Five corners, self-intersecting: the winding number of the middle is 2.";
+        Hole = "hole", "Square with a hole", "Two contours with opposite orientation.";
+        Overlap = "overlap", "Overlapping squares", "Two contours with the same orientation.";
+        Horizontal = "horizontal", "Horizontal edges and tips",
+            "Horizontal edges, local highest and lowest corners: the cases where pairing crossings can fail.";
+        Concave = "concave", "Concave", "One simple contour with reflex corners.";
+        BowTie = "bow-tie", "Bow tie", "Four corners; two of the edges cross.";
     }
 }
 
 impl PolygonPreset {
-    /// Its contours, px.
+    /// Returns the contours of the preset, in pixels.
     pub fn contours(self) -> Vec<Vec<DVec2>> {
         let contour = |corners: &[(f64, f64)]| corners.iter().copied().map(DVec2::from).collect::<Vec<_>>();
         let square = |low: f64, high: f64| {
@@ -71,17 +73,17 @@ impl PolygonPreset {
     }
 }
 
-/// Columns and rows of the grid.
+/// Size of the grid, in columns and rows.
 const SIZE: (u32, u32) = (32, 24);
 
-/// A polygon to be worked on.
+/// Input and settings of the page on polygons.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PolygonLesson {
-    /// Closed contours, px.
+    /// Closed contours, in pixels.
     pub contours: Vec<Vec<DVec2>>,
-    /// What is done with it.
+    /// Selected operation.
     pub method: PolygonMethod,
-    /// The point whose weights are shown beside the hull, px.
+    /// Point whose convex weights are shown beside the hull, in pixels.
     pub probe: DVec2,
 }
 
@@ -101,7 +103,7 @@ impl PolygonLesson {
         Filling { rule, corners: Corners::AsGiven, sample: SamplePoint::Center, width, height }
     }
 
-    /// Puts a corner between the two of the nearest side, px; starts a contour where there is none.
+    /// Inserts a corner at `at` (in pixels) into the nearest side. Starts a contour if there are none.
     pub fn add_corner(&mut self, at: DVec2) {
         let distance = |a: DVec2, b: DVec2| {
             let along = b - a;
@@ -118,7 +120,7 @@ impl PolygonLesson {
         }
     }
 
-    /// Takes a corner out by the number of its handle; contours without corners vanish.
+    /// Removes a corner by the index of its handle. Contours without corners are removed, too.
     pub fn remove_corner(&mut self, handle: usize) {
         let mut number = handle;
         for contour in &mut self.contours {
@@ -131,7 +133,7 @@ impl PolygonLesson {
         self.contours.retain(|contour| !contour.is_empty());
     }
 
-    /// Adds a small triangle as a contour of its own.
+    /// Adds a small triangle in the middle of the grid as a contour of its own.
     pub fn add_contour(&mut self) {
         let middle = DVec2::new(SIZE.0.into(), SIZE.1.into()) / 2.0;
         let corners = [(0.0, -3.0), (3.0, 2.5), (-3.0, 2.5)].map(|corner| middle + DVec2::from(corner));
@@ -160,7 +162,7 @@ impl PolygonLesson {
                 number(bottom.x, 1),
                 number(bottom.y, 1)
             );
-            recording.facts.push((format!("from row {row}"), places));
+            recording.facts.push((format!("starts in row {row}"), places));
         }
         recording.facts.insert(0, pair("edge table", "edges by their first row"));
         let mut pixels = 0;
@@ -171,10 +173,11 @@ impl PolygonLesson {
         });
         recording.collect(steps);
         recording.facts.insert(0, pair("pixels", pixels.to_string()));
-        recording.facts.insert(1, pair("signed area by corners", format!("{} px²", number(self.signed_area(), 2))));
+        recording.facts.insert(1, pair("signed area (shoelace)", format!("{} px²", number(self.signed_area(), 2))));
     }
 
-    /// Sum of the contours' areas, each positive if it turns clockwise on the screen, px².
+    /// Returns the sum of the contours' signed areas in square pixels, positive for contours that are clockwise on the
+    /// screen.
     fn signed_area(&self) -> f64 {
         let side_sum = |contour: &Vec<DVec2>| -> f64 {
             contour.iter().zip(contour.iter().cycle().skip(1)).map(|(a, b)| a.perp_dot(*b)).sum()
@@ -195,10 +198,10 @@ impl PolygonLesson {
                 cells: pixels.map(|pixel| cell(pixel, Ink::Group(count))).collect(),
                 marks: vec![Mark::Outline(triangle.to_vec(), Tone::Focus)],
                 says: format!(
-                    "Corner {} is an ear: nothing lies in the triangle {corners:?}. It is cut off.",
+                    "Corner {} is an ear: no corner lies in the triangle {corners:?}. It is cut off.",
                     corners[1]
                 ),
-                state: vec![pair("corners left", format!("{:?}", walk.remaining()))],
+                state: vec![pair("remaining corners", format!("{:?}", walk.remaining()))],
             };
             count += 1;
             Some(step)
@@ -206,7 +209,7 @@ impl PolygonLesson {
         recording.collect(steps);
         recording.fact("triangles", count.to_string());
         if walk.remaining().len() > 2 {
-            recording.fact("left over", "the contour crosses itself: no ear is left");
+            recording.fact("incomplete", "no ear is left: the contour crosses itself");
         }
         label_corners(recording, contour);
     }
@@ -220,11 +223,11 @@ impl PolygonLesson {
             let says = match step {
                 HullStep::Added(point) => {
                     chain.push(point);
-                    format!("Point {point} becomes the end of the chain.")
+                    format!("Point {point} is appended to the chain.")
                 }
                 HullStep::Dropped(point) => {
                     chain.pop();
-                    format!("Seen from the next point, the chain does not turn right at point {point}: it is dropped.")
+                    format!("At point {point} the chain does not turn right: the point is removed.")
                 }
             };
             let lines = chain.windows(2).map(|two| Mark::Line(points[two[0]], points[two[1]], Tone::Focus));
@@ -246,7 +249,7 @@ impl PolygonLesson {
                     recording.facts.push((format!("t of point {corner}"), number(t, 4)));
                 }
             }
-            None => recording.fact("the orange point", "lies outside: a weight would be negative"),
+            None => recording.fact("orange point", "outside the hull: a weight would be negative"),
         }
         label_corners(recording, &points);
     }
@@ -262,24 +265,29 @@ impl PolygonLesson {
     pub(super) fn explanation(&self) -> &'static str {
         match self.method {
             PolygonMethod::EvenOdd => {
-                "The edge table lists all edges by the first row that they cross. Row by row, the active edges are those that cross the row; \
-                 between an odd and an even crossing lies the inside. An edge is active from its upper end down to just before its lower end: so a \
-                 corner between two edges counts once, a tip twice or not at all, and horizontal edges never. The numbers on the row count crossings."
+                "The edge table lists all edges by the first row that they cross. The active edges of a row are those \
+                 that cross it; pixels between an odd and an even crossing are inside. An edge is active from its \
+                 upper end to just before its lower end, so a corner between two edges counts once, a tip twice or not \
+                 at all, and a horizontal edge never. The numbers on the row count crossings."
             }
             PolygonMethod::NonZero => {
-                "Each crossing adds +1 if the edge runs down and −1 if it runs up. The sum is the winding number: how often the contour goes \
-                 around the pixel. All but zero is inside, so overlaps that turn the same way stay filled, and a hole needs a contour that turns the \
-                 other way. The numbers on the row are the winding numbers; compare the star with even-odd."
+                "Each crossing adds +1 if the edge runs down and −1 if it runs up. The sum is the winding number: how \
+                 often the contour goes around the pixel. Pixels with a winding number other than zero are inside, so \
+                 overlaps of equal orientation stay filled, and a hole needs the opposite orientation. The row shows \
+                 crossings and winding numbers; compare the star with even-odd."
             }
             PolygonMethod::Triangulate => {
-                "The other way to fill a concave polygon: cut it into triangles, which any rasterizer fills. An ear is a corner whose triangle \
-                 holds no other corner; every simple polygon has at least two, so cutting them off one by one ends with n − 2 triangles. A \
-                 contour that crosses itself may run out of ears."
+                "Another way to fill a concave polygon is to cut it into triangles, which any rasterizer can fill. An \
+                 ear is a convex corner whose triangle contains no other corner. Every simple polygon with more than \
+                 three corners has at least two ears, so cutting them off one by one gives n − 2 triangles. A contour \
+                 that crosses itself may run out of ears."
             }
             PolygonMethod::Hull => {
-                "A convex combination t₁P₁ + … + tₙPₙ with all t ≥ 0 and their sum 1 never leaves the convex hull: that is why a point with \
-                 barycentric weights between 0 and 1 lies in its triangle. Corners are walked from left to right and back; where the chain does not \
-                 turn right, its last point is inside and is dropped. Drag the orange point out of the hull to see when no weights exist."
+                "A convex combination t₁P₁ + … + tₙPₙ, with all t ≥ 0 and sum 1, lies in the convex hull; therefore a \
+                 point whose barycentric weights are between 0 and 1 lies in its triangle. The algorithm visits the \
+                 corners from left to right and back; where the chain does not turn right, its last point is not a \
+                 corner of the hull and is removed. Drag the orange point out of the hull to see that no such weights \
+                 exist there."
             }
         }
     }
@@ -296,7 +304,7 @@ impl PolygonLesson {
         *corner.unwrap_or(&mut self.probe) = place;
     }
 
-    /// Ways to fill it, a hundred times as large, against the crossing test of every pixel.
+    /// Compares the fill algorithms on the polygon enlarged 16 times against a crossing test for every pixel.
     pub(super) fn compare(&self) -> Comparison {
         const LARGER: f64 = 16.0;
         let contours: Vec<Vec<DVec2>> =
@@ -323,7 +331,7 @@ impl PolygonLesson {
         };
         let rivals = vec![
             rival("Active edges", &|| spans(&contours)),
-            rival("Ears of the first contour", &triangles),
+            rival("Ear clipping, first contour", &triangles),
             rival("Crossing test per pixel", &|| by_crossings(&contours, size, self.filling(size).rule)),
         ];
         Comparison {
@@ -335,8 +343,8 @@ impl PolygonLesson {
     }
 }
 
-/// Whether the centre of each pixel is inside, by counting the crossings of a ray to the left: one look at every edge for
-/// every pixel.
+/// Returns for each pixel whether its centre is inside, by counting the crossings of a ray to the left. Tests every
+/// edge for every pixel.
 pub(super) fn by_crossings(contours: &[Vec<DVec2>], (width, height): (u32, u32), rule: InsideRule) -> Vec<bool> {
     let pixels = (0..height).flat_map(|y| (0..width).map(move |x| DVec2::new(x.into(), y.into()) + 0.5));
     pixels
@@ -354,7 +362,8 @@ pub(super) fn by_crossings(contours: &[Vec<DVec2>], (width, height): (u32, u32),
         .collect()
 }
 
-/// One span of a fill, with the row's crossings and what is counted between them.
+/// Returns the step of one span of a fill, with the active edges of the row and the crossing count and winding number
+/// between them.
 fn span_step(walk: &PolygonFill, span: Span) -> Step {
     let y = f64::from(span.y) + 0.5;
     let mut active: Vec<ActiveEdge> = walk.active_edges().collect();
@@ -380,7 +389,7 @@ fn span_step(walk: &PolygonFill, span: Span) -> Step {
         cells: (span.x0..span.x1).map(|x| cell((x.into(), span.y.into()), Ink::Full)).collect(),
         marks,
         says: format!(
-            "Row {}: {} active edges; pixels {} to {} are inside. Over the row: crossings | winding number.",
+            "Row {}: {} active edges; pixels {} to {} are inside. Labels above the row: crossings | winding number.",
             span.y,
             active.len(),
             span.x0,

@@ -1,4 +1,4 @@
-//! Drawing primitives from one list of vertices.
+//! Primitive topologies applied to one list of vertices.
 
 use glam::{DVec2, DVec3};
 
@@ -11,18 +11,22 @@ use crate::flat2d::real_line::real_line;
 use crate::pipeline::settings::{Choice, choice};
 
 choice! {
-    /// How vertices are read.
+    /// Primitive topology.
     PrimitiveKind {
-        Points = "points", "Points", "Each vertex a point.";
-        Lines = "lines", "Lines", "Each two vertices a line.";
+        Points = "points", "Points", "Each vertex is a point.";
+        Lines = "lines", "Lines", "Each pair of vertices is a line.";
         LineStrip = "line-strip", "Line strip", "A line from each vertex to the next.";
-        LineLoop = "line-loop", "Line loop", "The same, and back to the first.";
-        Triangles = "triangles", "Triangles", "Each three vertices a triangle.";
-        TriangleStrip = "triangle-strip", "Triangle strip", "Each vertex makes a triangle with the two before; every second one is turned around.";
-        TriangleFan = "triangle-fan", "Triangle fan", "Each vertex makes a triangle with the one before and the first.";
-        Quads = "quads", "Quads", "Each four vertices a quadrilateral, of two triangles.";
-        QuadStrip = "quad-strip", "Quad strip", "Each two vertices make a quadrilateral with the two before.";
-        Polygon = "polygon", "Polygon", "All vertices one polygon, drawn as a fan: right only if it is simple, convex and flat.";
+        LineLoop = "line-loop", "Line loop", "A line strip with a line from the last vertex to the first.";
+        Triangles = "triangles", "Triangles", "Each three vertices are a triangle.";
+        TriangleStrip = "triangle-strip", "Triangle strip",
+            "Each vertex forms a triangle with the previous two; every second triangle is reversed to keep its \
+            orientation.";
+        TriangleFan = "triangle-fan", "Triangle fan",
+            "Each vertex forms a triangle with the previous and the first vertex.";
+        Quads = "quads", "Quads", "Each four vertices are a quad of two triangles.";
+        QuadStrip = "quad-strip", "Quad strip", "Each pair of vertices forms a quad with the previous pair.";
+        Polygon = "polygon", "Polygon",
+            "All vertices are one polygon, drawn as a fan: correct if the polygon is simple, convex and planar.";
     }
 }
 
@@ -44,18 +48,19 @@ impl PrimitiveKind {
 }
 
 choice! {
-    /// Vertices to start from.
+    /// Preset list of vertices.
     VertexPreset {
-        Zigzag = "zigzag", "Zigzag", "As strips want them.";
-        Ring = "ring", "Ring", "As fans, loops and polygons want them.";
-        Concave = "concave", "Concave", "A ring with a dent: a fan spills out of it.";
-        Crossing = "crossing", "Self-crossing", "Two sides cross: inside and outside have no meaning for a fan.";
-        Bent = "bent", "Not flat", "One vertex is lifted off the plane of the others (z = 6): which triangles stand for it is arbitrary.";
+        Zigzag = "zigzag", "Zigzag", "Vertex order of strips.";
+        Ring = "ring", "Ring", "Vertex order of fans, loops and polygons.";
+        Concave = "concave", "Concave", "A ring with a reflex corner: a fan covers pixels outside it.";
+        Crossing = "crossing", "Self-crossing", "Two edges cross: the triangles of a fan overlap.";
+        Bent = "bent", "Not planar",
+            "One vertex lies off the plane of the others (z = 6): the surface depends on the choice of triangles.";
     }
 }
 
 impl VertexPreset {
-    /// Its vertices: x and y in px, z of no unit.
+    /// Returns the vertices of the preset: x and y in pixels, z without a unit.
     pub fn vertices(self) -> Vec<DVec3> {
         let ring = |radii: [f64; 8]| {
             let at = |i: usize| {
@@ -83,15 +88,15 @@ impl VertexPreset {
     }
 }
 
-/// Columns and rows of the grid.
+/// Size of the grid, in columns and rows.
 const SIZE: (u32, u32) = (32, 24);
 
-/// Vertices to be drawn.
+/// Input and settings of the page on primitives.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PrimitiveLesson {
-    /// x and y in px, z of no unit.
+    /// Vertices: x and y in pixels, z without a unit.
     pub vertices: Vec<DVec3>,
-    /// How they are read.
+    /// Selected topology.
     pub kind: PrimitiveKind,
 }
 
@@ -106,7 +111,7 @@ impl PrimitiveLesson {
         self.vertices[vertex].truncate()
     }
 
-    /// Outlines that were meant, of which fans are drawn.
+    /// Returns the intended outlines of quads and polygons, as vertex indices. They are drawn as fans.
     fn outlines(&self) -> Vec<Vec<usize>> {
         let count = self.vertices.len();
         match self.kind {
@@ -198,7 +203,7 @@ impl PrimitiveLesson {
             ),
             state: vec![
                 pair("vertices", format!("{}, {}, {}", corners[0], corners[1], corners[2])),
-                pair("turns", turn),
+                pair("orientation", turn),
                 pair("signed area", format!("{} px²", number(area, 2))),
             ],
         }
@@ -208,19 +213,19 @@ impl PrimitiveLesson {
         pieces(self.kind.primitive(), self.vertices.len()).len()
     }
 
-    /// Whether outlines were meant, which what is drawn could miss.
+    /// Whether the topology has outlines, which the drawn fans may miss.
     pub(super) fn has_outlines(&self) -> bool {
         !self.outlines().is_empty()
     }
 
-    /// Fans and ears on the outlines made larger, against the crossing test of every pixel.
+    /// Compares fans and ear clipping on the outlines, enlarged 16 times, against a crossing test for every pixel.
     pub(super) fn compare(&self) -> Comparison {
         const LARGER: f64 = 16.0;
         let size = (SIZE.0 * LARGER as u32, SIZE.1 * LARGER as u32);
         let place = |vertex: &usize| self.place(*vertex) * LARGER;
         let outlines: Vec<Vec<DVec2>> =
             self.outlines().iter().map(|outline| outline.iter().map(place).collect()).collect();
-        // Outlines are drawn one over the other, so a pixel within two of them is inside.
+        // Outlines are drawn on top of each other, so a pixel inside two of them counts as inside.
         let union = |covers: Vec<Vec<bool>>| {
             covers.into_iter().reduce(|a, b| a.iter().zip(&b).map(|(a, b)| *a || *b).collect()).unwrap_or_default()
         };
@@ -242,9 +247,9 @@ impl PrimitiveLesson {
             outlines.iter().flat_map(ears).collect()
         };
         Comparison {
-            task: format!("cutting the outlines into triangles, on {} × {} px", size.0, size.1),
+            task: format!("triangulating the outlines, on {} × {} px", size.0, size.1),
             error: "wrong pixels",
-            rivals: vec![rival("Fan from the first corner", &fans), rival("Ears", &ears)],
+            rivals: vec![rival("Fan from the first vertex", &fans), rival("Ear clipping", &ears)],
             note: None,
         }
     }
@@ -252,18 +257,20 @@ impl PrimitiveLesson {
     pub(super) fn explanation(&self) -> &'static str {
         match self.kind {
             PrimitiveKind::Points | PrimitiveKind::Lines | PrimitiveKind::LineStrip | PrimitiveKind::LineLoop => {
-                "All primitives are read from one list of vertices. Strips and loops share vertices between neighbours, so n vertices give n − 1 \
-                 or n lines instead of n / 2, and each vertex is transformed once."
+                "All primitives are assembled from one list of vertices. Strips and loops share vertices between \
+                 neighbours, so n vertices give n − 1 or n lines instead of n / 2, and each vertex is transformed once."
             }
             PrimitiveKind::Triangles | PrimitiveKind::TriangleStrip | PrimitiveKind::TriangleFan => {
-                "Triangles are always flat and convex, which is why everything becomes triangles in the end. A strip of n triangles needs n + 2 \
-                 vertices instead of 3n; as each new vertex lies on the other side, every second triangle is turned around so that all face the same \
-                 way. The number in each is its place in the order; the state says which way it turns."
+                "Triangles are always planar and convex, so renderers reduce all surfaces to triangles. A strip of n \
+                 triangles needs n + 2 vertices instead of 3n. The vertex order of every second triangle is reversed, \
+                 so that all triangles of the strip have the same orientation. The number in each triangle is its \
+                 position in the order; the state shows its orientation."
             }
             PrimitiveKind::Quads | PrimitiveKind::QuadStrip | PrimitiveKind::Polygon => {
-                "More than three corners are drawn as a fan of triangles. That covers the outline only if it is simple (no two sides cross), convex \
-                 (no dent) and flat (all corners in one plane). Try the presets: in a dent the fan spills out, where sides cross it folds over itself, \
-                 and off the plane another choice of triangles gives another surface."
+                "Outlines of more than three corners are drawn as a fan of triangles. The fan covers the outline \
+                 exactly if it is simple (no two edges cross), convex (no reflex corner) and planar (all corners in \
+                 one plane). Try the presets: at a reflex corner the fan covers pixels outside, where edges cross it \
+                 overlaps itself, and off the plane another choice of triangles gives another surface."
             }
         }
     }
@@ -280,19 +287,19 @@ impl PrimitiveLesson {
     }
 }
 
-/// The pixels whose centres are nearest to a line between two places in px.
+/// Returns the pixels whose centres are nearest to a line between two positions in pixels.
 fn line_cells(from: DVec2, to: DVec2, ink: Ink) -> Vec<Cell> {
     real_line(from - 0.5, to - 0.5).into_iter().flatten().map(|pixel| cell(pixel, ink)).collect()
 }
 
-/// What an outline is, in words.
+/// Describes the properties of an outline.
 fn in_words(Verdict { simple, convex, flat }: Verdict) -> String {
     let mut words = Vec::new();
-    words.push(if simple { "simple" } else { "crosses itself" });
+    words.push(if simple { "simple" } else { "self-crossing" });
     if simple {
         words.push(if convex { "convex" } else { "concave" });
     }
-    words.push(if flat { "flat" } else { "not flat" });
+    words.push(if flat { "planar" } else { "not planar" });
     let right = simple && convex && flat;
-    format!("{}: {}", words.join(", "), if right { "a fan covers it" } else { "a fan does not stand for it" })
+    format!("{}: {}", words.join(", "), if right { "a fan covers it" } else { "a fan does not match it" })
 }

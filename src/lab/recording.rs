@@ -1,154 +1,154 @@
-//! What an algorithm did, step by step: pixels that it set, what it knew at that moment, and the true shape beside.
+//! Record of a run of an algorithm, step by step: the pixels that it set, its state at that moment, and the true shape.
 
 use std::time::{Duration, Instant};
 
 use glam::DVec2;
 
-/// Steps that are kept of one run; what comes after is counted as cut off.
+/// Maximum number of recorded steps of one run; further steps are cut off.
 pub const MAX_STEPS: usize = 20_000;
 
-/// What a pixel is filled with.
+/// Ink of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Ink {
-    /// Set.
+    /// Fully set.
     Full,
-    /// Partly covered: from 0, the paper, to 1, set.
+    /// Partly covered: 0 is paper, 1 is fully set.
     Share(f64),
-    /// A wall of the given picture.
+    /// A wall of the input picture.
     Wall,
-    /// One of several things, by its number.
+    /// One of several groups, by index.
     Group(usize),
-    /// On the positive or the negative side of something.
+    /// Positive (`true`) or negative side of an edge or curve.
     Side(bool),
-    /// A colour of its own, sRGB.
+    /// An explicit colour, sRGB-encoded.
     Color([u8; 3]),
 }
 
 /// A pixel and its ink.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cell {
-    /// Column; may lie outside of the grid.
+    /// Column; may lie outside the grid.
     pub x: i64,
-    /// Row.
+    /// Row; may lie outside the grid.
     pub y: i64,
-    /// What it is filled with.
+    /// Ink of the pixel.
     pub ink: Ink,
 }
 
-/// A cell that is set.
+/// Constructs a cell from its position and its ink.
 pub fn cell((x, y): (i64, i64), ink: Ink) -> Cell {
     Cell { x, y, ink }
 }
 
-/// What a mark says by its colour.
+/// Meaning of a mark, expressed by its colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tone {
-    /// The true shape.
+    /// True shape.
     Ideal,
-    /// What helps to see.
+    /// Auxiliary geometry.
     Weak,
-    /// What this step looks at.
+    /// Focus of the current step.
     Focus,
-    /// The first of two compared things.
+    /// First of two compared items.
     A,
-    /// The second of two.
+    /// Second of two compared items.
     B,
-    /// One of several things, by its number.
+    /// One of several groups, by index.
     Group(usize),
 }
 
-/// Geometry over the pixels, in px: pixel (i, j) fills the square from (i, j) to (i + 1, j + 1).
+/// Geometry drawn over the pixels, in pixels: pixel (i, j) fills the square from (i, j) to (i + 1, j + 1).
 #[derive(Clone, Debug, PartialEq)]
 pub enum Mark {
-    /// A straight line.
+    /// Straight line between two points.
     Line(DVec2, DVec2, Tone),
-    /// A closed outline.
+    /// Closed polygon outline.
     Outline(Vec<DVec2>, Tone),
-    /// An ellipse by its centre and its half axes.
+    /// Ellipse with centre and half axes.
     Ellipse(DVec2, DVec2, Tone),
-    /// A small disc.
+    /// Small disc.
     Dot(DVec2, Tone),
-    /// Words, centred.
+    /// Text, centred at a point.
     Text(DVec2, String, Tone),
 }
 
 /// One step of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Step {
-    /// Pixels that it set.
+    /// Pixels set by the step.
     pub cells: Vec<Cell>,
-    /// What it looked at.
+    /// Geometry that the step examined.
     pub marks: Vec<Mark>,
-    /// One sentence: what it did.
+    /// Description of the step, in one sentence.
     pub says: String,
-    /// What the algorithm knew, as names and values.
+    /// State of the algorithm, as names and values.
     pub state: Vec<(String, String)>,
 }
 
-/// A run on a small input.
+/// A recorded run on a small input.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Recording {
     /// Columns and rows of the grid.
     pub size: (u32, u32),
-    /// Pixels of the given picture.
+    /// Pixels of the input picture.
     pub ground: Vec<Cell>,
     /// The true shape.
     pub figure: Vec<Mark>,
-    /// What was done, in order.
+    /// Steps in order.
     pub steps: Vec<Step>,
-    /// What is true of the whole run, as names and values.
+    /// Results of the whole run, as names and values.
     pub facts: Vec<(String, String)>,
-    /// Whether there were more than [`MAX_STEPS`].
+    /// Whether the run had more than [`MAX_STEPS`] steps.
     pub cut_off: bool,
 }
 
 impl Recording {
-    /// An empty grid.
+    /// Creates a recording of an empty grid.
     pub fn new(size: (u32, u32)) -> Self {
         Self { size, ..Self::default() }
     }
 
-    /// Takes the steps of a run, at most [`MAX_STEPS`].
+    /// Appends the steps of a run until the recording has [`MAX_STEPS`].
     pub fn collect(&mut self, steps: impl Iterator<Item = Step>) {
         let mut steps = steps;
         self.steps.extend(steps.by_ref().take(MAX_STEPS - self.steps.len()));
         self.cut_off |= self.steps.len() == MAX_STEPS && steps.next().is_some();
     }
 
-    /// Adds what is true of the whole run.
+    /// Appends a result of the whole run.
     pub fn fact(&mut self, name: &str, value: impl Into<String>) {
         self.facts.push((name.to_owned(), value.into()));
     }
 
-    /// The pixels after the first `steps` steps, in the order in which they were set; later ones lie over earlier ones.
+    /// Returns the pixels after the first `steps` steps in drawing order; later cells cover earlier ones.
     pub fn cells(&self, steps: usize) -> impl Iterator<Item = &Cell> {
         let done = &self.steps[..steps.min(self.steps.len())];
         self.ground.iter().chain(done.iter().flat_map(|step| &step.cells))
     }
 
-    /// The geometry after the first `steps` steps: the true shape, and what the last of them looked at.
+    /// Returns the geometry after the first `steps` steps: the true shape and the marks of the last of these steps.
     pub fn marks(&self, steps: usize) -> impl Iterator<Item = &Mark> {
         let last = steps.min(self.steps.len()).checked_sub(1).map(|last| &self.steps[last]);
         self.figure.iter().chain(last.into_iter().flat_map(|step| &step.marks))
     }
 }
 
-/// A name and a value, both as text.
+/// Returns a name and a value, both as text.
 pub fn pair(name: &str, value: impl Into<String>) -> (String, String) {
     (name.to_owned(), value.into())
 }
 
-/// A number with a fixed number of decimals and a true minus sign.
+/// Formats a number with a fixed number of decimals and a true minus sign.
 pub fn number(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
-    // What rounds to nothing has no sign.
+    // Values that round to zero have no sign.
     if text.trim_start_matches('-').chars().all(|c| c == '0' || c == '.') {
         return text.trim_start_matches('-').to_owned();
     }
     text.replace('-', "−")
 }
 
-/// Length of a run: the shortest of a few rounds, each as many runs as take [`ROUND`].
+/// Measures the time of one run: the minimum over 3 rounds, each averaging as many runs as take 0.4 ms.
 pub fn time_of(mut run: impl FnMut() -> usize) -> Duration {
     const ROUND: Duration = Duration::from_micros(400);
     const ROUNDS: usize = 3;
@@ -163,27 +163,27 @@ pub fn time_of(mut run: impl FnMut() -> usize) -> Duration {
     std::iter::repeat_with(round).take(ROUNDS).min().unwrap_or_default()
 }
 
-/// A way to do the same, with its error against the truth and its time.
+/// A method with its error and its time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rival {
-    /// Its name.
+    /// Display name.
     pub name: &'static str,
-    /// How wrong it is, in the unit that the comparison names.
+    /// Error against the reference, in the unit that the comparison states.
     pub error: f64,
     /// Time of one run.
     pub time: Duration,
 }
 
-/// Several ways to do the same.
+/// Comparison of several methods for the same task.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
-    /// What was run.
+    /// Description of the task.
     pub task: String,
-    /// What `error` of the rivals means, with its unit.
+    /// Meaning of the methods' `error`, with its unit.
     pub error: &'static str,
-    /// The ways.
+    /// Compared methods.
     pub rivals: Vec<Rival>,
-    /// What they say together, in one sentence.
+    /// Summary of the comparison in one sentence, if it has one.
     pub note: Option<String>,
 }
 

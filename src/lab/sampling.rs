@@ -1,4 +1,4 @@
-//! From a shape or pattern without pixels to pixels: where aliasing comes from and what helps.
+//! Sampling of a shape or pattern to pixels: sources of aliasing, and remedies.
 
 use std::f32::consts::{FRAC_PI_4, SQRT_2};
 use std::f64::consts::{PI, TAU};
@@ -16,28 +16,36 @@ use crate::image::{Image, Rgba8};
 use crate::pipeline::settings::{Choice, choice};
 
 choice! {
-    /// What is sampled.
+    /// Sampled scene.
     SamplingScene {
-        Edge = "edge", "An edge", "A straight edge at any angle, whose true area in each pixel is known.";
-        ZonePlate = "zone-plate", "Zone plate", "Rings that get finer outwards: beyond half the radius they are finer than two pixels.";
-        ChessBoard = "chess-board", "Receding chess board", "Squares that shrink towards the horizon.";
-        Wheel = "wheel", "Turning wheel", "Eight spokes; each step is one frame of a film.";
-        Picture = "picture", "A picture", "The picture that was opened or dropped here last, in grey; until then, a star of wedges.";
+        Edge = "edge", "An edge", "A straight edge at any angle, whose exact area in each pixel is known.";
+        ZonePlate = "zone-plate", "Zone plate",
+            "Rings that get finer outwards: their period falls below two pixels at a third of the width from the \
+            centre.";
+        ChessBoard = "chess-board", "Receding chessboard", "Squares that shrink toward the horizon.";
+        Wheel = "wheel", "Turning wheel", "Eight spokes; each step is one frame of an animation.";
+        Picture = "picture", "A picture",
+            "The picture that was last opened or dropped here, in grey; a Siemens star by default.";
     }
 }
 
 choice! {
-    /// How a pixel gets its value.
+    /// Method that computes the value of a pixel.
     SamplingMethod {
         Point = "point", "One point", "The value at the pixel's centre.";
         Grid = "grid", "n × n points", "The mean of a regular grid of points in the pixel.";
-        Jittered = "jittered", "n × n, jittered", "The same, each point moved at random in its cell: patterns become noise.";
-        AreaBox = "area-box", "Area, box", "The share of the pixel that is covered.";
-        AreaPyramid = "area-pyramid", "Area, pyramid", "What is near the centre counts more; reaches into the neighbours.";
-        AreaCone = "area-cone", "Area, cone", "The same without a preferred direction.";
+        Jittered = "jittered", "n × n, jittered",
+            "The mean of n × n points, each at a random position in its cell: aliasing becomes noise.";
+        AreaBox = "area-box", "Area, box", "The mean over the area of the pixel.";
+        AreaPyramid = "area-pyramid", "Area, pyramid",
+            "A weighted mean, largest at the centre; reaches into the neighbours.";
+        AreaCone = "area-cone", "Area, cone",
+            "A weighted mean that is equal in all directions; reaches into the neighbours.";
         Blur = "blur", "One point, then blur", "The point-sampled picture convolved with a 3 × 3 mask: details are lost.";
-        Sharpen = "sharpen", "One point, then sharpen", "A mask with negative weights around the middle.";
-        Motion = "motion", "One point, then motion blur", "A mask along a diagonal, as a movement during the exposure.";
+        Sharpen = "sharpen", "One point, then sharpen",
+            "The point-sampled picture convolved with a mask whose outer weights are negative.";
+        Motion = "motion", "One point, then motion blur",
+            "The point-sampled picture convolved with a mask along a diagonal, like motion during the exposure.";
     }
 }
 
@@ -61,45 +69,45 @@ impl SamplingMethod {
     }
 }
 
-/// How much of what sets a pixel off from its four neighbours sharpening adds.
+/// Sharpening strength: the mask adds this multiple of a pixel's difference from the mean of its four neighbours.
 const SHARPENING: f32 = 4.0;
 
-/// Length of the movement that motion blur shows, px: it reaches into the two neighbours of a pixel along a diagonal.
+/// Length of the path of motion blur, in pixels: it reaches the two diagonal neighbours of a pixel.
 const MOTION_PX: f32 = 2.0 * SQRT_2;
 
-/// Columns and rows of the grid.
+/// Size of the grid, in columns and rows.
 const SIZE: (u32, u32) = (48, 36);
 
-/// Points each way that stand for an area where it is not computed.
+/// Half the number of points per axis that approximate a weighted area without a closed form.
 const DENSE: u32 = 12;
 
-/// Points each way that stand for the truth where it has no formula: others than those of any method.
+/// Points per axis that approximate the reference without a closed form; unlike the numbers of any method.
 const TRUTH: u32 = 43;
 
-/// Frames of the film of the wheel.
+/// Number of recorded frames of the wheel.
 const FRAMES: u32 = 48;
 
-/// Spokes of the wheel.
+/// Number of spokes of the wheel.
 const SPOKES: f64 = 8.0;
 
-/// A scene and how it is sampled.
+/// Input and settings of the page on sampling.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SamplingLesson {
-    /// What is sampled.
+    /// Selected scene.
     pub scene: SamplingScene,
-    /// How.
+    /// Selected method.
     pub method: SamplingMethod,
-    /// Points each way.
+    /// Sample points per axis within a pixel.
     pub points: u32,
-    /// Direction of the edge, degrees.
+    /// Direction of the edge, in degrees.
     pub angle_degrees: f32,
-    /// A point of the edge, or the middle of the pattern, px.
+    /// A point on the edge, or the centre of the pattern, in pixels.
     pub middle: DVec2,
     /// Turns of the wheel per frame.
     pub turns_per_frame: f32,
-    /// The pixel whose numbers are shown.
+    /// Pixel whose values are shown.
     pub chosen: (u32, u32),
-    /// The picture of [`SamplingScene::Picture`]: values in [0, 1], laid over the whole grid.
+    /// Picture of [`SamplingScene::Picture`]: values in [0, 1], stretched over the whole grid.
     pub source: Arc<Image<f64>>,
 }
 
@@ -119,13 +127,14 @@ impl Default for SamplingLesson {
 }
 
 impl SamplingLesson {
-    /// The value of the scene at a place, in [0, 1]; `turn` of the wheel in full turns.
+    /// Returns the value of the scene at a position, in [0, 1]; `turn` is the rotation of the wheel in full turns.
     fn value(&self, place: DVec2, turn: f64) -> f64 {
         let from_middle = place - self.middle;
         match self.scene {
             SamplingScene::Edge => f64::from(from_middle.dot(self.normal()) >= 0.0),
             SamplingScene::ZonePlate => {
-                // Local frequency is twice this times the radius: half a cycle per pixel at a third of the width.
+                // The local frequency is twice this value times the radius: half a cycle per pixel at a third of the
+                // width.
                 let chirp = 0.25 / (f64::from(SIZE.0) / 3.0);
                 0.5 + 0.5 * (TAU * chirp * from_middle.length_squared()).cos()
             }
@@ -153,19 +162,19 @@ impl SamplingLesson {
         }
     }
 
-    /// Across the edge, towards what is set.
+    /// Returns the unit normal of the edge, towards the set side.
     fn normal(&self) -> DVec2 {
         DVec2::from_angle(f64::from(self.angle_degrees).to_radians()).perp()
     }
 
-    /// The half-plane of the edge as a square far larger than the grid.
+    /// Returns the half-plane of the edge as a square far larger than the grid.
     fn half_plane(&self) -> [DVec2; 4] {
         const FAR: f64 = 1_000.0;
         let (normal, along) = (self.normal() * FAR, self.normal().perp() * FAR);
         [self.middle - along, self.middle + along, self.middle + along + normal, self.middle - along + normal]
     }
 
-    /// The mean of `count` × `count` points, in a jittered grid if asked for.
+    /// Returns the mean of `count` × `count` points in a regular or jittered grid.
     fn mean(&self, (x, y): (u32, u32), count: u32, jittered: bool, turn: f64) -> f64 {
         let mut random = fastrand::Rng::with_seed(u64::from(y * SIZE.0 + x));
         let mut offset = |cell: u32| {
@@ -179,7 +188,7 @@ impl SamplingLesson {
         sum / f64::from(count * count)
     }
 
-    /// The weighted mean over the filter around a pixel.
+    /// Returns the weighted mean over the filter around a pixel: exact for the edge, by many points for other scenes.
     fn weighted(&self, (x, y): (u32, u32), weight: Weight, turn: f64) -> f64 {
         let center = DVec2::new(x.into(), y.into()) + 0.5;
         if self.scene == SamplingScene::Edge {
@@ -199,7 +208,7 @@ impl SamplingLesson {
         sum / whole
     }
 
-    /// The picture that a method makes at one moment.
+    /// Returns the picture that a method computes for one rotation of the wheel.
     fn picture(&self, method: SamplingMethod, turn: f64) -> Image<f64> {
         if let Some(mask) = method.mask() {
             return mask.apply_to_numbers(&self.picture(SamplingMethod::Point, turn));
@@ -212,7 +221,7 @@ impl SamplingLesson {
         })
     }
 
-    /// The mean of the source over a pixel's square: its texels by their shares of the square.
+    /// Returns the mean of the source over a pixel's square, weighting texels by their area inside the square.
     fn texel_mean(&self, (x, y): (u32, u32)) -> f64 {
         let along = |pixel: u32, middle: f64, side: u32, texels: u32| {
             let per_px = f64::from(texels) / f64::from(side);
@@ -228,7 +237,8 @@ impl SamplingLesson {
             .sum()
     }
 
-    /// Mean value of each pixel's square: by exact areas for the edge and pictures, by many points for the others.
+    /// Returns the reference, the mean value of each pixel's square: by exact areas for the edge and pictures, by many
+    /// points for other scenes.
     fn truth(&self) -> Image<f64> {
         match self.scene {
             SamplingScene::Edge => {}
@@ -250,11 +260,11 @@ impl SamplingLesson {
         if self.scene == SamplingScene::Wheel {
             recording.collect((0..FRAMES).map(|frame| self.frame_step(frame)));
             let true_turns = f64::from(self.turns_per_frame);
-            // Spokes look alike, so a movement is seen as the nearest one to none.
+            // Spokes look alike, so a rotation is perceived as the smallest equivalent one.
             let per_spoke = (true_turns * SPOKES + 0.5).rem_euclid(1.0) - 0.5;
             recording.fact("turns per frame", number(true_turns, 3));
-            recording.fact("seen as turning", number(per_spoke / SPOKES, 3));
-            recording.fact("fastest seen right", format!("{} per frame", number(0.5 / SPOKES, 4)));
+            recording.fact("apparent turns", number(per_spoke / SPOKES, 3));
+            recording.fact("fastest unaliased", format!("{} turns per frame", number(0.5 / SPOKES, 4)));
             return recording;
         }
         let (picture, truth) = (self.picture(self.method, 0.0), self.truth());
@@ -276,11 +286,11 @@ impl SamplingLesson {
         recording
     }
 
-    /// The numbers of the chosen pixel.
+    /// Adds the values of the chosen pixel to the results of the run.
     fn tell_chosen(&self, recording: &mut Recording, picture: &Image<f64>, truth: &Image<f64>) {
         let (x, y) = self.chosen;
         recording.facts.push((format!("pixel ({x}, {y})"), number(picture.at(x, y), 5)));
-        recording.fact("its true area", number(truth.at(x, y), 5));
+        recording.fact("its reference", number(truth.at(x, y), 5));
         if let Some(mask) = self.method.mask() {
             let points = self.picture(SamplingMethod::Point, 0.0);
             let terms: Vec<_> = mask.terms_at(&points, self.chosen).collect();
@@ -302,12 +312,12 @@ impl SamplingLesson {
                 .map(|x| cell((x.into(), y.into()), Ink::Share(picture.at(x, y).clamp(0.0, 1.0))))
                 .collect(),
             marks: self.sample_marks(y),
-            says: format!("Row {y}: the worst pixel is off by {} of full.", number(off, 3)),
+            says: format!("Row {y}: the largest error of a pixel is {} of the full range.", number(off, 3)),
             state: vec![pair("row", y.to_string()), pair("greatest error", number(off, 5))],
         }
     }
 
-    /// The points that are asked in the row's chosen column.
+    /// Returns the sample points in the chosen column of a row.
     fn sample_marks(&self, y: u32) -> Vec<Mark> {
         let x = self.chosen.0;
         let corner = DVec2::new(x.into(), y.into());
@@ -347,28 +357,34 @@ impl SamplingLesson {
     pub(super) fn explanation(&self) -> &'static str {
         match self.scene {
             SamplingScene::Edge => {
-                "One point per pixel makes stairs: the pixel is all or nothing. The right value is the area covered. More points come closer to it, \
-                 with n² + 1 levels of grey for n × n points in general and fewer for an edge along the grid; jittered points have no bad angles but \
-                 noise. Area sampling needs no points at all. Turn the edge to nearly level and compare, then look at blur: smooth, but wider than it should be."
+                "One point per pixel gives jagged edges: each pixel is all or nothing. The correct value is the \
+                 covered area. More points approximate it better: n × n points give n² + 1 levels of grey in general, \
+                 and fewer for an edge along the grid. Jittered points have no unfavourable angles, but noise. Area \
+                 sampling computes the area without points. Turn the edge until it is nearly horizontal and compare; \
+                 the blurred edge is smooth, but wider than the correct one."
             }
             SamplingScene::ZonePlate => {
-                "Towards the rim the rings are finer than two pixels. A pattern needs more than two samples per wave; with fewer, a coarser wave \
-                 fits the samples just as well, and that is what one sees: rings that are not there. Supersampling moves the limit outwards by n; \
-                 blurring afterwards cannot tell false rings from true ones."
+                "Toward the border the period of the rings is below two pixels. A wave needs more than two samples per \
+                 period; with fewer, the samples also fit a coarser wave, and the picture shows rings that do not \
+                 exist: aliasing. Supersampling by n × n points moves this limit outwards by the factor n; blurring \
+                 afterwards cannot separate false rings from true ones."
             }
             SamplingScene::ChessBoard => {
-                "Towards the horizon the squares shrink below a pixel and moiré appears: large patterns that do not exist. With area sampling the far \
-                 squares fade to grey, which is the right mean. This is why textures seen from afar are filtered."
+                "Toward the horizon the squares shrink below a pixel and moiré appears: large patterns that do not \
+                 exist. With area sampling the far squares fade to grey, which is the correct mean. Texture filtering \
+                 does the same for distant surfaces."
             }
             SamplingScene::Wheel => {
-                "Frames sample time as pixels sample space. With eight equal spokes a wheel that turns more than a sixteenth per frame seems to turn \
-                 slower, stand still, or run backwards. Follow the marked spoke with single steps, then play. More points per pixel do not help: more \
-                 frames, or a longer exposure, would."
+                "Frames sample time as pixels sample space. With eight equal spokes, a wheel that turns by more than a \
+                 sixteenth per frame appears to turn slower, stand still, or run backwards. Follow the marked spoke \
+                 with single steps, then play. More points per pixel do not help; more frames per second, or a longer \
+                 exposure (motion blur), would."
             }
             SamplingScene::Picture => {
-                "Making a picture smaller is sampling, too: of all the pixels of the large one, one point per pixel keeps a few and forgets the rest, \
-                 which breaks thin lines and turns fine patterns into coarse ones. The mean over each pixel's area keeps what is there. Open or drop \
-                 any picture here; the star shows by how far its wedges are drawn apart, and from where on only false patterns are left."
+                "Scaling a picture down is sampling, too. With one point per pixel, a few pixels of the large picture \
+                 are kept and the others are lost, which breaks thin lines and turns fine patterns into coarse ones. \
+                 The mean over each pixel's area uses all of them. Open or drop any picture here. On the Siemens star, \
+                 the wedges are separate at the rim; toward the middle, only false patterns remain."
             }
         }
     }
@@ -381,19 +397,19 @@ impl SamplingLesson {
         self.middle = (to * 4.0).round() / 4.0;
     }
 
-    /// Samples this picture from now on.
+    /// Selects the picture scene with this picture as its source.
     pub fn set_picture(&mut self, picture: &Image<Rgba8>) {
         (self.scene, self.source) = (SamplingScene::Picture, Arc::new(brightness(picture)));
     }
 
-    /// Chooses the pixel whose numbers are shown; places outside of the grid are ignored.
+    /// Selects the pixel whose values are shown; positions outside the grid are ignored.
     pub fn choose(&mut self, (x, y): (u32, u32)) {
         if x < SIZE.0 && y < SIZE.1 {
             self.chosen = (x, y);
         }
     }
 
-    /// All methods on the present scene.
+    /// Compares all methods on the current scene.
     pub(super) fn compare(&self) -> Comparison {
         let truth = self.truth();
         let rival = |method: SamplingMethod| {
@@ -402,7 +418,7 @@ impl SamplingLesson {
         };
         let rivals: Vec<_> = SamplingMethod::ALL.iter().map(|method| rival(*method)).collect();
         let task = format!(
-            "{} on {} × {} px, {} points each way",
+            "{} on {} × {} px, {} points per axis",
             self.scene.name().to_lowercase(),
             SIZE.0,
             SIZE.1,
@@ -413,9 +429,9 @@ impl SamplingLesson {
         Comparison { task, error: "root mean square error", rivals, note }
     }
 
-    /// What supersampling reaches in the time that blurring takes.
+    /// Describes the error that supersampling achieves in the time of the blur.
     fn in_the_time_of(&self, blur: &Rival, truth: &Image<f64>) -> String {
-        /// More points each way than any blur pays for.
+        /// Largest number of points per axis to try, which takes longer than any blur.
         const MOST_POINTS: u32 = 8;
         let timed = |points| {
             let lesson = Self { points, ..self.clone() };
@@ -424,9 +440,10 @@ impl SamplingLesson {
         let affordable = (2..=MOST_POINTS).map(timed).take_while(|(_, time, _)| *time <= blur.time).last();
         let micros = |time: Duration| format!("{} µs", number(time.as_secs_f64() * 1e6, 1));
         match affordable {
-            None => format!("At equal time: blur takes {}, less than 2 × 2 points take.", micros(blur.time)),
+            None => format!("At equal time: blur takes {}, which is less than 2 × 2 points take.", micros(blur.time)),
             Some((points, time, lesson)) => format!(
-                "At equal time: {points} × {points} points in {} are off by {}; one point and blur in {} by {}.",
+                "At equal time: {points} × {points} points take {} with error {}; one point and blur take {} with \
+                    error {}.",
                 micros(time),
                 number(root_mean_square(&lesson.picture(SamplingMethod::Grid, 0.0), truth), 4),
                 micros(blur.time),

@@ -10,68 +10,72 @@ use crate::image::{Image, Rgba8};
 use crate::pipeline::settings::{Choice, choice};
 
 choice! {
-    /// What is filled.
+    /// Definition of the filled region.
     RegionKind {
-        Flood = "flood", "Flood", "Everything of the seed's own colour that hangs together with it.";
-        Boundary = "boundary", "Boundary", "Everything up to a wall, whatever colour it has.";
+        Flood = "flood", "Flood", "All pixels of the seed's colour that are connected with it.";
+        Boundary = "boundary", "Boundary", "All connected pixels up to a wall, of any colour.";
     }
 }
 
 choice! {
-    /// Which neighbours belong together.
+    /// Connectivity of the region.
     Neighbours {
-        Four = "four", "4, over sides", "Right, below, left, above.";
-        Eight = "eight", "8, over corners too", "The four corners as well.";
+        Four = "four", "4-connected", "Neighbours share an edge: right, below, left, above.";
+        Eight = "eight", "8-connected", "Neighbours share an edge or a corner.";
     }
 }
 
 choice! {
-    /// How the fill proceeds.
+    /// Order of the fill.
     FillOrder {
-        Spans = "spans", "By spans", "Whole runs are filled, and one seed is kept for each run above and below: the stack stays small.";
-        Pixels = "pixels", "By pixels", "Pixel by pixel in the order of the recursion, with the stack of waiting calls laid open.";
+        Spans = "spans", "By spans",
+            "Fills whole runs and pushes one seed for each run above and below: the stack stays small.";
+        Pixels = "pixels", "By pixels",
+            "Fills pixel by pixel in the order of the recursion, and shows the stack of pending calls.";
     }
 }
 
 choice! {
-    /// A grid to start from.
+    /// Preset grid.
     SeedFillPreset {
-        Room = "room", "Two rooms", "Walls that are closed over sides, and a door.";
-        DiagonalWall = "diagonal-wall", "Diagonal wall", "A wall that hangs together over corners only: an 8-connected fill leaks through.";
-        DiagonalRegion = "diagonal-region", "Diagonal region", "A region that hangs together over corners only: a 4-connected fill misses most of it.";
+        Room = "room", "Two rooms", "4-connected walls with a door.";
+        DiagonalWall = "diagonal-wall", "Diagonal wall",
+            "A wall whose pixels touch at corners only: an 8-connected fill leaks through.";
+        DiagonalRegion = "diagonal-region", "Diagonal region",
+            "Two rooms that are connected through corners only: a 4-connected fill misses most of the region.";
         Comb = "comb", "Comb", "Narrow corridors: the deepest recursion.";
-        Empty = "empty", "Empty", "Nothing but paper, to paint on.";
+        Empty = "empty", "Empty", "An empty grid to paint on.";
     }
 }
 
-/// What a pixel of the grid is.
+/// Content of a pixel of the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Paint {
-    /// Nothing yet.
+    /// Empty.
     Paper,
     /// A wall.
     Wall,
-    /// Another colour than the paper: a flood stops there, a boundary fill does not.
+    /// A colour other than the paper: a flood fill stops there, a boundary fill does not.
     Spot,
-    /// What is filled in.
+    /// Filled by the algorithm.
     Filled,
 }
 
-/// Columns and rows of the grid.
+/// Size of the grid, in columns and rows.
 const SIZE: (u32, u32) = (30, 20);
 
-/// A grid and a seed.
+/// Input and settings of the page on seed fills.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeedFillLesson {
-    /// The picture.
+    /// Grid to fill.
     pub grid: Image<Paint>,
-    /// Where the fill begins.
+    /// First pixel of the fill.
     pub seed: (u32, u32),
-    /// What is filled.
+    /// Definition of the region.
     pub region: RegionKind,
-    /// Over which neighbours.
+    /// Connectivity of the region.
     pub neighbours: Neighbours,
-    /// In which order.
+    /// Order of the fill.
     pub order: FillOrder,
 }
 
@@ -84,7 +88,7 @@ impl Default for SeedFillLesson {
 }
 
 impl SeedFillPreset {
-    /// Its picture and its seed.
+    /// Returns the grid of the preset and its seed.
     pub fn grid(self) -> (Image<Paint>, (u32, u32)) {
         let (width, height) = SIZE;
         let paint = |is_wall: &dyn Fn(u32, u32) -> bool| {
@@ -116,7 +120,7 @@ impl SeedFillPreset {
 }
 
 impl SeedFillLesson {
-    /// Makes a picture the grid, reduced to its size: what is dark is wall, what has a colour is spot.
+    /// Replaces the grid by a picture reduced to its size: dark cells are walls, coloured ones spots.
     pub fn set_picture(&mut self, picture: &Image<Rgba8>) {
         self.grid = painted(picture, SIZE);
     }
@@ -135,7 +139,7 @@ impl SeedFillLesson {
         }
     }
 
-    /// Paints a pixel of the grid, if it is one.
+    /// Paints a pixel; positions outside the grid are ignored.
     pub fn paint(&mut self, (x, y): (u32, u32), paint: Paint) {
         if self.grid.get(x, y).is_some() {
             self.grid.set(x, y, paint);
@@ -163,19 +167,18 @@ impl SeedFillLesson {
         let filled: usize = recording.steps.iter().map(|step| step.cells.len()).sum();
         recording.fact("pixels filled", filled.to_string());
         recording.fact("steps", recording.steps.len().to_string());
-        recording.fact("most that ever waited", deepest.to_string());
+        recording.fact("largest stack size", deepest.to_string());
         recording
     }
 
-    /// Returns the greatest length of the stack.
+    /// Records a fill by pixels. Returns the greatest length of the stack.
     fn record_pixels(&self, grid: &mut Image<Paint>, recording: &mut Recording) -> usize {
         let mut walk = stack_fill(grid, self.seed, self.region(), self.connectivity(), Paint::Filled);
         let mut deepest = 0;
         recording.collect(std::iter::from_fn(|| {
             let (x, y) = walk.next()?;
             deepest = deepest.max(walk.stack().len());
-            let says =
-                format!("Pixel ({x}, {y}) is taken from the stack and filled; its open neighbours are put there.");
+            let says = format!("Pixel ({x}, {y}) is popped and filled; its open neighbours are pushed.");
             Some(stack_step(&[(x, y)], walk.stack(), says))
         }));
         deepest
@@ -188,7 +191,7 @@ impl SeedFillLesson {
             let span = walk.next()?;
             deepest = deepest.max(walk.seeds().len());
             let says = format!(
-                "Row {}: columns {} to {} are filled; one seed per open run beside is kept.",
+                "Row {}: columns {} to {} are filled; one seed per open run above and below is pushed.",
                 span.y,
                 span.x0,
                 span.x1 - 1
@@ -214,19 +217,20 @@ impl SeedFillLesson {
     pub(super) fn explanation(&self) -> &'static str {
         match (self.neighbours, self.order) {
             (Neighbours::Four, FillOrder::Spans) => {
-                "A seed fill spreads from a pixel to its neighbours. Over sides only, it cannot slip between two walls that touch at a corner, \
-                 but it also stops where the region itself goes on over a corner. Instead of calling itself for each pixel, this one fills a whole run \
-                 and remembers one seed (dots) per open run above and below. Paint walls with the mouse and watch the stack."
+                "A seed fill spreads from a pixel to its neighbours. A 4-connected fill cannot pass between two wall \
+                 pixels that touch at a corner, but it also stops where the region continues through a corner only. \
+                 Instead of recursing for each pixel, this variant fills a whole run and pushes one seed (dots) per \
+                 open run above and below. Paint walls with the mouse and watch the stack."
             }
             (Neighbours::Eight, FillOrder::Spans) => {
-                "Over corners as well, the fill reaches regions that hang together diagonally, and leaks through walls that do. So a fill over \
-                 corners needs walls closed over sides, and a fill over sides is enough for them. Try the presets Diagonal wall and Diagonal region \
-                 with both kinds of neighbours."
+                "An 8-connected fill reaches regions that are connected diagonally, and leaks through walls that are \
+                 only diagonal. So an 8-connected fill needs 4-connected walls, while 8-connected walls stop a \
+                 4-connected fill. Try the presets Diagonal wall and Diagonal region with both kinds of neighbours."
             }
             (_, FillOrder::Pixels) => {
-                "The textbook's procedure calls itself for every neighbour. Each call that has not ended yet takes room on the stack of the program: \
-                 here these are the dots. Their number grows with the area, and a large region overflows the stack. Compare the greatest number with \
-                 the one of filling by spans."
+                "The textbook procedure calls itself for every neighbour. Each pending call (dots) occupies a frame of \
+                 the program's stack. Their number grows with the area, so a large region overflows the stack. Compare \
+                 the largest stack size with the one of the fill by spans."
             }
         }
     }
@@ -241,16 +245,16 @@ impl SeedFillLesson {
     }
 }
 
-/// Name of each way, its neighbours and its order.
+/// Compared methods: name, connectivity and order.
 const WAYS: [(&str, Neighbours, FillOrder); 4] = [
-    ("4 neighbours, by pixels", Neighbours::Four, FillOrder::Pixels),
-    ("4 neighbours, by spans", Neighbours::Four, FillOrder::Spans),
-    ("8 neighbours, by pixels", Neighbours::Eight, FillOrder::Pixels),
-    ("8 neighbours, by spans", Neighbours::Eight, FillOrder::Spans),
+    ("4-connected, by pixels", Neighbours::Four, FillOrder::Pixels),
+    ("4-connected, by spans", Neighbours::Four, FillOrder::Spans),
+    ("8-connected, by pixels", Neighbours::Eight, FillOrder::Pixels),
+    ("8-connected, by spans", Neighbours::Eight, FillOrder::Spans),
 ];
 
 impl SeedFillLesson {
-    /// All ways on the grid made larger, against what hangs together over the chosen neighbours.
+    /// Compares all methods on the grid enlarged 8 times with the region that is connected by the chosen neighbours.
     pub(super) fn compare(&self) -> Comparison {
         const LARGER: u32 = 8;
         let (width, height) = (self.grid.width() * LARGER, self.grid.height() * LARGER);
@@ -274,7 +278,7 @@ impl SeedFillLesson {
         }
     }
 
-    /// Which pixels the fill reaches.
+    /// Returns for each pixel whether the fill reaches it.
     fn filled(&self) -> Image<bool> {
         let (mut grid, mut filled) = (self.grid.clone(), self.grid.map(|_| false));
         let (region, connectivity) = (self.region(), self.connectivity());
@@ -287,8 +291,8 @@ impl SeedFillLesson {
         filled
     }
 
-    /// Which pixels hang together with the seed, by definition: the whole grid is gone over again and again, and each open
-    /// pixel beside one that belongs to it joins, until none does. No stack and no order of filling is involved.
+    /// Returns for each pixel whether it is connected with the seed, by definition: sweeps over the whole grid add each
+    /// open pixel beside a connected one, until nothing changes. Neither a stack nor an order of filling is involved.
     fn hanging_together(&self) -> Image<bool> {
         let (width, height) = self.grid.size();
         let seed = self.grid.at(self.seed.0, self.seed.1);
@@ -312,20 +316,20 @@ impl SeedFillLesson {
             if !joined {
                 return belongs;
             }
-            // Every second time from the end: ways back are found as fast as ways on.
+            // Every other sweep runs backwards, so that paths in either direction are found equally fast.
             forwards.reverse();
         }
     }
 }
 
-/// A step with the stack as it is afterwards.
+/// Returns a step with the stack as it is after the step.
 fn stack_step(filled: &[(u32, u32)], stack: &[(u32, u32)], says: String) -> Step {
-    /// Waiting pixels that are written out.
+    /// Number of pending pixels listed in the state.
     const LISTED: usize = 14;
     let center = |(x, y): &(u32, u32)| DVec2::new((*x).into(), (*y).into()) + 0.5;
-    let mut state = vec![pair("waiting", stack.len().to_string())];
+    let mut state = vec![pair("stack size", stack.len().to_string())];
     state.extend(stack.iter().rev().take(LISTED).enumerate().map(|(place, (x, y))| {
-        let name = if place == 0 { "top of the stack".to_owned() } else { format!("{place} below") };
+        let name = if place == 0 { "top of the stack".to_owned() } else { format!("{place} below top") };
         (name, format!("({x}, {y})"))
     }));
     Step {

@@ -1,4 +1,4 @@
-//! What holds for every page, and what single pages must show.
+//! Properties of all pages, and expected results of single pages.
 
 use std::collections::HashSet;
 
@@ -83,7 +83,7 @@ fn all_line_methods_show_the_line_between_whole_ends() {
 
 #[test]
 fn pixels_that_the_other_direction_covers_are_outlined_unless_ties_do_not_depend_on_it() {
-    // Two columns to a row: a tie in every other column.
+    // The line moves two columns per row, so every other column is a tie.
     let ends = [DVec2::new(4.0, 6.0), DVec2::new(24.0, 16.0)];
     let plain = LineLesson { ends, ..LineLesson::default() };
     let outlines = |lesson: &LineLesson| {
@@ -140,7 +140,8 @@ fn a_picture_becomes_the_canvas_of_the_pages_that_have_one() {
     }
     let mut sampling = SamplingLesson { method: SamplingMethod::Point, ..SamplingLesson::default() };
     sampling.set_picture(&picture);
-    // Half is dark: a sum of half the pixels, and no pixel is mixed until the middle is moved by a part of one.
+    // One half is dark, so the sum is half the number of pixels. No pixel is mixed until the centre moves by a fraction
+    // of a pixel.
     assert_eq!(fact(&sampling.record(), "sum of the picture"), "864.00");
     assert_eq!(fact(&sampling.record(), "root mean square error"), "0.00000");
     sampling.middle.x += 0.25;
@@ -236,7 +237,7 @@ fn both_failures_of_seed_fill_are_presets() {
 
 #[test]
 fn a_shared_side_is_drawn_once_by_sound_rules_and_not_by_others() {
-    // The shared side runs from (25.5, 7.5) to (9.5, 23.5), through a centre in every row.
+    // The shared side runs from (25.5, 7.5) to (9.5, 23.5) and passes through a pixel centre in every row.
     let mut lesson = TriangleLesson::default();
     lesson.corners[2] = DVec2::new(9.5, 23.5);
     let told = |rule| {

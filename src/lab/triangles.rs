@@ -1,4 +1,5 @@
-//! A triangle and its neighbour on a coarse grid: every rasterizer in its own order, edge functions, weights.
+//! A triangle and its neighbour on a coarse grid: rasterizers in their own order, edge functions, and barycentric
+//! weights.
 
 use glam::{DVec2, Vec2};
 
@@ -9,35 +10,38 @@ use crate::pipeline::settings::{Arithmetic, Choice, FillRule, Rasterizer, choice
 use crate::pipeline::viewport::Viewport;
 
 choice! {
-    /// What is shown of a triangle.
+    /// View of the triangle.
     TriangleView {
-        Pixels = "pixels", "Pixels of both", "Who owns which pixel, in the order of the rasterizer; the two triangles share a side.";
-        EdgeA = "edge-a", "Edge opposite of A", "The half-plane where the first edge function is positive.";
-        EdgeB = "edge-b", "Edge opposite of B", "The half-plane where the second edge function is positive.";
-        EdgeC = "edge-c", "Edge opposite of C", "The half-plane where the third edge function is positive.";
-        Weights = "weights", "Weights α β γ", "Each weight as one of three colours: the ratios of areas.";
-        Rows = "rows", "Along sides, then row", "A value interpolated along two sides and then along the row, beside the one by areas.";
+        Pixels = "pixels", "Pixels of both",
+            "Owner of each pixel, in the order of the rasterizer; the two triangles share an edge.";
+        EdgeA = "edge-a", "Edge opposite A", "The half-plane where the first edge function is positive.";
+        EdgeB = "edge-b", "Edge opposite B", "The half-plane where the second edge function is positive.";
+        EdgeC = "edge-c", "Edge opposite C", "The half-plane where the third edge function is positive.";
+        Weights = "weights", "Weights α β γ",
+            "Barycentric weights as ratios of areas, each shown as one of three colours.";
+        Rows = "rows", "Along edges, then row",
+            "A value interpolated along two edges and then along the row, compared with interpolation by areas.";
     }
 }
 
-/// Columns and rows of the grid.
+/// Size of the grid, in columns and rows.
 const SIZE: (u32, u32) = (32, 24);
 
-/// Values at the corners that are interpolated, on a scale from 0 to 1.
+/// Interpolated values at the corners, in [0, 1].
 const VALUES: [f32; 3] = [0.0, 0.5, 1.0];
 
-/// Two triangles ABC and CBD to be drawn.
+/// Input and settings of the page on triangles: ABC and its neighbour CBD.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TriangleLesson {
-    /// A, B, C, D in px.
+    /// Corners A, B, C and D, in pixels.
     pub corners: [DVec2; 4],
-    /// How covered samples are found.
+    /// Algorithm that finds covered samples.
     pub rasterizer: Rasterizer,
-    /// In which numbers.
+    /// Arithmetic of the edge functions.
     pub arithmetic: Arithmetic,
-    /// Who owns a centre on an edge.
+    /// Fill rule for pixel centres on an edge.
     pub rule: FillRule,
-    /// What is shown.
+    /// Selected view.
     pub view: TriangleView,
 }
 
@@ -53,7 +57,7 @@ impl Default for TriangleLesson {
     }
 }
 
-/// The arithmetic that tells coverage from truth.
+/// Reference rasterizer and arithmetic for correct coverage.
 const TRUTH: (Rasterizer, Arithmetic) = (Rasterizer::BoundingBox, Arithmetic::Exact);
 
 impl TriangleLesson {
@@ -112,11 +116,11 @@ impl TriangleLesson {
                 order += 1;
                 let edges = triangle.sample((x, y)).edges;
                 let on_edge = edges.contains(&0.0);
-                let owner = if on_edge { ", exactly on an edge: the fill rule gives it away" } else { "" };
+                let owner = if on_edge { ", exactly on an edge: the fill rule decides" } else { "" };
                 Step {
                     cells: vec![cell((x.into(), y.into()), Ink::Group(group))],
                     marks: vec![Mark::Dot(DVec2::new(x.into(), y.into()) + 0.5, Tone::Focus)],
-                    says: format!("{name}: pixel ({x}, {y}) is number {order} to be drawn{owner}."),
+                    says: format!("{name}: pixel ({x}, {y}) is drawn as number {order}{owner}."),
                     state: edge_state(edges, triangle.doubled_area()),
                 }
             });
@@ -128,22 +132,22 @@ impl TriangleLesson {
         recording.fact("pixels of CBD", second.len().to_string());
         recording.fact("drawn twice", first.iter().filter(|pixel| second.contains(pixel)).count().to_string());
         let missed = self.missed(&first, &second);
-        recording.fact("missed along the shared side", missed.to_string());
+        recording.fact("missed on the shared edge", missed.to_string());
         recording.fact("spans of ABC", self.spans(self.first()).len().to_string());
     }
 
-    /// Pixels whose centre lies on the side that both share, drawn by neither.
+    /// Counts the pixels whose centre lies on the shared side and that neither triangle covers.
     fn missed(&self, first: &[(u32, u32)], second: &[(u32, u32)]) -> usize {
         let inclusive =
             Self { rule: FillRule::Inclusive, rasterizer: TRUTH.0, arithmetic: self.arithmetic, ..self.clone() };
         let other: Vec<_> = inclusive.pixels(self.second()).collect();
-        // At its ends, others may own the centre.
+        // At the ends of the shared side the centre may belong to another triangle.
         let is_end = |(x, y): (u32, u32)| self.corners[1..3].contains(&(DVec2::new(x.into(), y.into()) + 0.5));
         let shared = inclusive.pixels(self.first()).filter(|pixel| other.contains(pixel) && !is_end(*pixel));
         shared.filter(|pixel| !first.contains(pixel) && !second.contains(pixel)).count()
     }
 
-    /// All pixels by the sign of one edge function, and then those of the triangle.
+    /// Colours all pixels by the sign of one edge function, and records the pixels of the triangle.
     fn record_edge(&self, edge: usize, recording: &mut Recording) {
         let corners = self.first();
         let Some(triangle) = AnyTriangle::new(self.arithmetic, corners.map(Vec2::into), self.rule) else { return };
@@ -157,7 +161,7 @@ impl TriangleLesson {
             Step {
                 cells: vec![cell((pixel.0.into(), pixel.1.into()), Ink::Full)],
                 says: format!(
-                    "Pixel ({}, {}): the function of this edge is {}, and so are the others: inside.",
+                    "Pixel ({}, {}): the function of this edge is {}, and no edge function excludes the pixel: inside.",
                     pixel.0,
                     pixel.1,
                     if edges[edge] == 0.0 { "zero" } else { "positive" }
@@ -177,11 +181,11 @@ impl TriangleLesson {
         Step {
             cells: vec![cell((x.into(), y.into()), Ink::Color(color))],
             marks: self.first().map(to_corner).to_vec(),
-            says: format!("Pixel ({x}, {y}): the three small triangles over the whole are α, β, γ."),
+            says: format!("Pixel ({x}, {y}): the areas of the three small triangles over the whole area are α, β, γ."),
             state: vec![
-                pair("α (area opposite of A)", number(weights[0].into(), 6)),
-                pair("β (area opposite of B)", number(weights[1].into(), 6)),
-                pair("γ (area opposite of C)", number(weights[2].into(), 6)),
+                pair("α (area opposite A)", number(weights[0].into(), 6)),
+                pair("β (area opposite B)", number(weights[1].into(), 6)),
+                pair("γ (area opposite C)", number(weights[2].into(), 6)),
                 pair("sum", number(weights.iter().copied().map(f64::from).sum(), 8)),
             ],
         }
@@ -208,13 +212,13 @@ impl TriangleLesson {
                     Mark::Dot(ends[1], Tone::B),
                 ],
                 says: format!(
-                    "Pixel ({x}, {y}): {} on one side, {} on the other, {} between.",
+                    "Pixel ({x}, {y}): {} on one edge, {} on the other, {} between them.",
                     number(row.long.1.into(), 4),
                     number(row.short.1.into(), 4),
                     number(row.value.into(), 4)
                 ),
                 state: vec![
-                    pair("along sides, then row", number(row.value.into(), 9)),
+                    pair("along edges, then row", number(row.value.into(), 9)),
                     pair("by areas", number(by_area.into(), 9)),
                     pair("difference", number(difference, 10)),
                 ],
@@ -222,7 +226,7 @@ impl TriangleLesson {
         });
         recording.collect(steps);
         recording.fact("greatest difference", format!("{greatest:.3e}").replace('-', "−"));
-        recording.fact("equal to the last bit", format!("{equal} of {count} pixels"));
+        recording.fact("bit-identical", format!("{equal} of {count} pixels"));
         recording.fact("values at A, B, C", "0, 0.5, 1");
     }
 
@@ -233,24 +237,28 @@ impl TriangleLesson {
     pub(super) fn explanation(&self) -> &'static str {
         match self.view {
             TriangleView::Pixels => {
-                "All rasterizers but the published ones find the same pixels; they differ in their order and in what they look at on the way. Step \
-                 through to see it: rows, a walk along the longest edge, or squares of 8 × 8. Centres exactly on the shared side belong to one of the two: \
-                 choose Inclusive or Exclusive as the fill rule to see them drawn twice, or missed."
+                "All rasterizers except the published ones find the same pixels; they differ in their order and in the \
+                 pixels that they test. Step through to see it: rows, a walk along the longest edge, or blocks of 8 × \
+                 8. Centres exactly on the shared edge belong to one of the two triangles: set the fill rule to \
+                 Inclusive or Exclusive to see them drawn twice or missed."
             }
             TriangleView::EdgeA | TriangleView::EdgeB | TriangleView::EdgeC => {
-                "The implicit form of a line, E(x, y) = a x + b y + c, is positive on one side and negative on the other. A triangle is where \
-                 all three are positive: the intersection of three half-planes. Stepping one pixel to the right adds a, one down adds b, so the test costs \
-                 an addition per edge and pixel. Divided by the doubled area, E is the weight of the opposite corner."
+                "The implicit form of a line, E(x, y) = a x + b y + c, is positive on one side and negative on the \
+                 other. A triangle is the intersection of three half-planes: all three functions are positive inside. \
+                 One pixel to the right adds a, one pixel down adds b, so the test costs one addition per edge and \
+                 pixel. E divided by the doubled area is the weight of the opposite corner."
             }
             TriangleView::Weights => {
-                "A point P makes three small triangles with the sides. Their areas over the whole are α, β, γ: they sum to 1, and P = αA + βB + γC. \
-                 Any value given at the corners follows in the same way. A weight is 0 on the opposite side and negative behind it, so all three \
-                 between 0 and 1 means inside: a convex combination never leaves the triangle."
+                "A point P forms three small triangles with the edges. Their areas divided by the whole area are α, β, \
+                 γ: they sum to 1, and P = αA + βB + γC. Any value given at the corners is interpolated in the same \
+                 way. A weight is 0 on the opposite edge and negative beyond it. If all three are between 0 and 1, P \
+                 is a convex combination of the corners and lies in the triangle."
             }
             TriangleView::Rows => {
-                "The scan-line way interpolates along the two sides that a row crosses, and then between them. On a triangle that is the same plane as \
-                 by areas, so both agree but for the rounding of floats: the facts say by how much. (For four corners they would not agree: \
-                 there the result depends on how the polygon is turned.)"
+                "Scanline interpolation interpolates along the two edges that a row crosses, and then between them. On \
+                 a triangle this gives the same plane as interpolation by areas, so the two differ only by rounding: \
+                 the facts show by how much. (For four corners they would differ: there the result depends on the \
+                 rotation of the polygon.)"
             }
         }
     }
@@ -265,7 +273,7 @@ impl TriangleLesson {
         }
     }
 
-    /// All rasterizers on the first triangle, twenty times as large, against exact arithmetic.
+    /// Compares all rasterizers on the first triangle, enlarged 20 times, against exact arithmetic.
     pub(super) fn compare(&self) -> Comparison {
         const LARGER: f32 = 20.0;
         let corners = self.first().map(|corner| (corner * LARGER).to_array());
@@ -290,13 +298,13 @@ impl TriangleLesson {
     }
 }
 
-/// The three edge values, and what they are as weights.
+/// Returns the three edge functions as text, each with the barycentric weight that it corresponds to, and their sum.
 fn edge_state(edges: [f64; 3], doubled_area: f64) -> Vec<(String, String)> {
-    let names = ["opposite of the 1st corner", "opposite of the 2nd", "opposite of the 3rd"];
+    let names = ["opposite the 1st corner", "opposite the 2nd", "opposite the 3rd"];
     let decimals = if edges.iter().all(|edge| edge.fract() == 0.0) { 0 } else { 4 };
     let named = names.iter().zip(edges);
     let named = named
         .map(|(name, edge)| pair(name, format!("{}  ({})", number(edge, decimals), number(edge / doubled_area, 3))));
-    let sum = pair("sum: the doubled area", number(edges.iter().sum::<f64>(), decimals));
+    let sum = pair("sum = doubled area", number(edges.iter().sum::<f64>(), decimals));
     named.chain([sum]).collect()
 }

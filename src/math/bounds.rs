@@ -1,4 +1,4 @@
-//! Axis-aligned boxes.
+//! Axis-aligned bounding boxes.
 
 use glam::{Mat4, Vec3};
 
@@ -12,13 +12,13 @@ pub struct Aabb {
 }
 
 impl Aabb {
-    /// Box around all finite points.
+    /// Box that contains every finite point.
     pub const EVERYTHING: Self = Self { min: Vec3::MIN, max: Vec3::MAX };
 
-    /// The box that contains no point.
+    /// Box that contains no point.
     pub const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
 
-    /// The smallest box around `points`.
+    /// Returns the smallest box that contains all `points`; [`Aabb::EMPTY`] if there are none.
     pub fn around(points: impl IntoIterator<Item = Vec3>) -> Self {
         points.into_iter().fold(Self::EMPTY, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
     }
@@ -28,23 +28,24 @@ impl Aabb {
         self.min.cmpgt(self.max).any()
     }
 
-    /// The smallest box around both.
+    /// Returns the smallest box that contains both.
     pub fn union(self, other: Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    /// The middle. Computed by halves, so that it stays finite for the largest coordinates.
+    /// Returns the centre. Halves are added, so that the result stays finite for the largest coordinates.
     pub fn center(&self) -> Vec3 {
         self.min * 0.5 + self.max * 0.5
     }
 
-    /// Radius of the sphere around [`Aabb::center`] through the corners, computed in f64 so that it cannot overflow.
+    /// Returns the radius of the sphere around [`Aabb::center`] through the corners. Computed in f64, so that it cannot
+    /// overflow.
     pub fn radius(&self) -> f32 {
         let half = self.max.as_dvec3() * 0.5 - self.min.as_dvec3() * 0.5;
         half.length() as f32
     }
 
-    /// The eight corners.
+    /// Returns the eight corners. Bits 0, 1 and 2 of the index select the maximum of x, y and z.
     pub fn corners(&self) -> [Vec3; 8] {
         std::array::from_fn(|i| {
             let pick = |axis: usize| if i >> axis & 1 == 0 { self.min[axis] } else { self.max[axis] };
@@ -52,7 +53,7 @@ impl Aabb {
         })
     }
 
-    /// The smallest box around the transformed corners (`target_from_source` affine).
+    /// Returns the smallest box around the eight transformed corners. `target_from_source` must be affine.
     pub fn transformed(&self, target_from_source: Mat4) -> Self {
         if self.is_empty() {
             return Self::EMPTY;

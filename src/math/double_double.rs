@@ -1,14 +1,14 @@
-//! Numbers of some 106 bits, as the sum of two floats: for results that must be right to the last bit of a float although
-//! large terms cancel on the way.
+//! Double-double arithmetic: numbers of about 106 significand bits, held as the sum of two floats. For results that
+//! must be correct to the last bit of a float although large intermediate terms cancel.
 //!
 //! Algorithms and error bounds from Joldes, Muller and Popescu, "Tight and rigorous error bounds for basic building
-//! blocks of double-word arithmetic" (2017); with u = 2⁻⁵³, each operation is off by less than 10 u² of its result.
+//! blocks of double-word arithmetic" (2017). With u = 2⁻⁵³, the relative error of each operation is below 10 u².
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::expansion::{two_product, two_sum};
 
-/// `hi` + `lo`, where `hi` is the float nearest to the sum.
+/// The number `hi` + `lo`, where `hi` is the float nearest to the sum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DoubleDouble {
     hi: f64,
@@ -16,35 +16,35 @@ pub struct DoubleDouble {
 }
 
 impl DoubleDouble {
-    /// 0.
+    /// The number 0.
     pub const ZERO: Self = Self { hi: 0.0, lo: 0.0 };
 
-    /// 1.
+    /// The number 1.
     pub const ONE: Self = Self { hi: 1.0, lo: 0.0 };
 
-    /// `a` − `b`, exactly.
+    /// Returns `a` − `b`, exactly.
     pub fn difference(a: f64, b: f64) -> Self {
         let (hi, lo) = two_sum(a, -b);
         Self { hi, lo }
     }
 
-    /// `a` · `b`, exactly.
+    /// Returns `a` · `b`, exactly.
     pub fn product(a: f64, b: f64) -> Self {
         let (hi, lo) = two_product(a, b);
         Self { hi, lo }
     }
 
-    /// The nearest float.
+    /// Returns the nearest float.
     pub fn rounded(self) -> f64 {
         self.hi
     }
 
-    /// Its magnitude.
+    /// Returns the magnitude.
     pub fn abs(self) -> Self {
         if self.hi < 0.0 { -self } else { self }
     }
 
-    /// `hi` + `lo` where `lo` is smaller than the last bit of `hi`, or nearly so (Dekker).
+    /// Renormalises `hi` + `lo` (Dekker). `lo` must be smaller than about the last bit of `hi`.
     fn normalized(hi: f64, lo: f64) -> Self {
         let sum = hi + lo;
         Self { hi: sum, lo: lo - (sum - hi) }

@@ -1,14 +1,14 @@
-//! Sums and products of floats without any rounding (Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast
-//! Robust Geometric Predicates", 1997).
+//! Exact sums and products of floats (Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
+//! Predicates", 1997).
 //!
-//! For decisions that hang on the last bit: floats decide where their error bound allows, and the rest is settled here.
-//! Exact as long as no product leaves the range of f64, in particular for polynomials of degree four in numbers that are
-//! zero or of a magnitude from 2⁻¹⁴⁹ to 2¹²⁸.
+//! For decisions that depend on the last bit: floats decide where their error bound allows, and expansions decide the
+//! rest. Results are exact as long as no product leaves the range of f64. This holds in particular for polynomials of
+//! degree four in numbers that are zero or of a magnitude from 2⁻¹⁴⁹ to 2¹²⁸.
 
 use std::cmp::Ordering;
 use std::ops::{Add, Mul, Sub};
 
-/// a + b rounded, and what the rounding lost (Knuth).
+/// Returns a + b rounded, and the rounding error (Knuth). Their sum is exact.
 #[inline]
 pub fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
@@ -16,22 +16,22 @@ pub fn two_sum(a: f64, b: f64) -> (f64, f64) {
     (sum, (a - (sum - from_b)) + (b - from_b))
 }
 
-/// a · b rounded, and what the rounding lost.
+/// Returns a · b rounded, and the rounding error. Their sum is exact.
 #[inline]
 pub fn two_product(a: f64, b: f64) -> (f64, f64) {
     let product = a * b;
     (product, a.mul_add(b, -product))
 }
 
-/// A number as the exact sum of floats of which none overlaps another: each is smaller than the last bit of the next.
+/// A number as the exact sum of non-overlapping floats: each is smaller than the last bit of the next.
 #[derive(Clone, Debug, Default)]
 pub struct Expansion {
-    /// From the smallest to the largest magnitude, none of them zero.
+    /// Terms in ascending order of magnitude, none of them zero.
     parts: Vec<f64>,
 }
 
 impl Expansion {
-    /// `a` − `b`.
+    /// Returns `a` − `b`, exactly.
     pub fn difference(a: f64, b: f64) -> Self {
         let mut exact = Self::default();
         exact.grow(a);
@@ -39,12 +39,13 @@ impl Expansion {
         exact
     }
 
-    /// Its sign, as an order relative to zero: that of its largest part, which outweighs all others together.
+    /// Returns the sign as an order relative to zero: the sign of the largest part, which outweighs all others
+    /// together.
     pub fn sign(&self) -> Ordering {
         self.parts.last().map_or(Ordering::Equal, |largest| largest.total_cmp(&0.0))
     }
 
-    /// Adds one float.
+    /// Adds one float, exactly.
     fn grow(&mut self, float: f64) {
         let mut carry = float;
         let mut kept = 0;
@@ -101,7 +102,7 @@ impl Mul for &Expansion {
 mod tests {
     use super::*;
 
-    /// The value of an expansion of whole numbers.
+    /// Returns the value of an expansion of integers.
     fn integer(expansion: &Expansion) -> i128 {
         expansion.parts.iter().map(|part| *part as i128).sum()
     }
@@ -110,7 +111,7 @@ mod tests {
     fn polynomials_of_integers_are_exact() {
         let mut random = fastrand::Rng::with_seed(41);
         for round in 0..2_000 {
-            // 31 bits: a degree-four polynomial has 124, far more than any float.
+            // Integers of 31 bits: a degree-four polynomial of them has 124 bits, far more than any float.
             let numbers: [i64; 4] = std::array::from_fn(|_| random.i64(-(1 << 30)..1 << 30) >> (round % 30));
             let [a, b, c, d] = numbers.map(|n| n as f64);
             let (ab, cd) = (Expansion::difference(a, b), Expansion::difference(c, d));

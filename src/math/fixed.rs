@@ -1,8 +1,8 @@
-//! 24.8 fixed point: the grid that vertices are snapped to.
+//! 24.8 fixed point: the subpixel grid that vertices are snapped to.
 //!
-//! Once vertices lie on the grid, edge functions are integers and therefore exact: two triangles that share an edge
-//! see the same number with opposite signs, and nothing can crack. D3D11 prescribes the same eight bits
-//! (functional specification, 3.2.4.1 and 15.16).
+//! Once vertices lie on the grid, edge functions are integers and therefore exact. Two triangles that share an edge
+//! compute the same values with opposite signs, so no cracks appear. D3D11 prescribes the same eight bits (functional
+//! specification, 3.2.4.1 and 15.16).
 
 /// Fraction bits of a snapped screen coordinate.
 pub const SUBPIXEL_BITS: u32 = 8;
@@ -10,25 +10,26 @@ pub const SUBPIXEL_BITS: u32 = 8;
 /// Grid steps per pixel.
 pub const SUBPIXELS: i64 = 1 << SUBPIXEL_BITS;
 
-/// Half a pixel in grid steps: where a pixel's centre lies.
+/// Half a pixel in grid steps: the distance of a pixel's centre from its top-left corner along each axis.
 pub const HALF_PIXEL: i64 = SUBPIXELS / 2;
 
 /// Rounds a screen coordinate in pixels to the nearest grid step, ties to even.
 ///
-/// The multiplication by 256 is exact (a power of two), so there is one rounding. Saturates for values beyond the
-/// grid and gives 0 for NaN; the guard band keeps both from happening.
+/// The multiplication by 256 is exact (a power of two), so there is one rounding. Saturates for values beyond the range
+/// of `i64` and returns 0 for NaN; the guard band prevents both.
 pub fn snap(pixels: f32) -> i64 {
     (pixels * SUBPIXELS as f32).round_ties_even() as i64
 }
 
-/// The coordinate on the grid nearest to one in pixels, ties to even. Without any error: the grid step is a power of two,
-/// and what is too large to have a fraction is on the grid already. Magnitudes up to 2¹⁰⁰⁰.
+/// Rounds a coordinate in pixels to the nearest grid position, ties to even, and returns it in pixels. There is no
+/// other error: the grid step is a power of two, and values too large to have a fraction are on the grid already. Valid
+/// for magnitudes up to 2¹⁰⁰⁰.
 pub fn snap_to_grid(pixels: f64) -> f64 {
     const STEPS_PER_PIXEL: f64 = SUBPIXELS as f64;
     (pixels * STEPS_PER_PIXEL).round_ties_even() / STEPS_PER_PIXEL
 }
 
-/// The pixel coordinate of a grid position. Exact for everything inside the guard band.
+/// Converts a grid position to pixels. Exact for everything inside the guard band.
 pub fn to_pixels(subpixels: i64) -> f32 {
     subpixels as f32 / SUBPIXELS as f32
 }

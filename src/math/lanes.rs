@@ -1,8 +1,8 @@
-//! Eight or sixteen numbers at a time, with instructions that the processor is asked for at run time.
+//! Eight or sixteen numbers at a time in SIMD lanes, with an instruction set that is selected at run time.
 //!
-//! Kernels are written once, generic over [`Simd`], and compiled for AVX-512, for AVX2, and for what every processor of the
-//! architecture has. Additions, products, quotients, square roots and conversions are correctly rounded in all, and none joins
-//! a product and a sum into one rounding, so all give the same bits.
+//! Kernels are written once, generic over [`Simd`], and compiled for AVX-512, for AVX2 and for the baseline of the
+//! architecture. Sums, products, quotients, square roots and conversions are correctly rounded in all three, and none
+//! uses fused multiply-add. All therefore give the same bits.
 
 #[cfg(target_arch = "x86_64")]
 use std::sync::LazyLock;
@@ -13,57 +13,57 @@ pub use fearless_simd::{
     mask64x8, u8x32, u8x64, u16x32, u32x4, u32x8, u32x16, u64x2, u64x8,
 };
 
-/// What every processor of the architecture has.
+/// Instruction set that every processor of the architecture has: SSE2.
 #[cfg(target_arch = "x86_64")]
 type Baseline = fearless_simd::x86::Sse2;
 
-/// What every processor of the architecture has.
+/// Instruction set that every processor of the architecture has: plain scalar code.
 #[cfg(not(target_arch = "x86_64"))]
 type Baseline = fearless_simd::Fallback;
 
-/// How many numbers a kernel takes at a time.
+/// Lanes that a kernel processes at a time.
 pub const LANES: usize = 8;
 
-/// How many floats a kernel takes at a time that keeps to floats: where registers hold sixteen, half as many instructions do.
+/// Lanes that an f32-only kernel processes at a time. Registers of sixteen floats then need half as many instructions.
 pub const WIDE: usize = 2 * LANES;
 
-/// Eight floats.
+/// Eight f32 lanes.
 pub type F32<S> = f32x8<S>;
 
-/// Eight doubles.
+/// Eight f64 lanes.
 pub type F64<S> = f64x8<S>;
 
-/// Which instructions kernels are run with.
+/// Instruction set that kernels are run with.
 #[derive(Clone, Copy, Debug)]
 pub enum Lanes {
-    /// AVX-512 as processors from Ice Lake and Zen 4 on have it: eight doubles in one register.
+    /// AVX-512 with the extensions of Ice Lake, Zen 4 and later processors: eight doubles per register.
     #[cfg(target_arch = "x86_64")]
     Avx512(fearless_simd::x86::Avx512),
-    /// AVX2.
+    /// AVX2: eight floats per register.
     #[cfg(target_arch = "x86_64")]
     Avx2(fearless_simd::x86::Avx2),
-    /// What every processor of the architecture has: SSE2, or plain code.
+    /// Baseline of the architecture: SSE2, or plain scalar code.
     Baseline(Baseline),
 }
 
 impl Lanes {
-    /// The best that this processor has.
+    /// Returns the best instruction set of this processor.
     pub fn best() -> Self {
         Self::avx512().or_else(Self::avx2).unwrap_or_else(Self::baseline)
     }
 
-    /// All that this processor has, the best first.
+    /// Returns all instruction sets of this processor, the best first.
     pub fn all() -> impl Iterator<Item = Self> {
         [Self::avx512(), Self::avx2(), Some(Self::baseline())].into_iter().flatten()
     }
 
-    /// Each of [`Lanes::all`] for code without gathers and for code with them.
+    /// Returns each of [`Lanes::all`] twice: without hardware gathers (`false`) and with them (`true`).
     #[cfg(test)]
     pub(crate) fn all_with_and_without_gathers() -> impl Iterator<Item = (Self, bool)> {
         Self::all().flat_map(|lanes| [(lanes, false), (lanes, true)])
     }
 
-    /// AVX-512, if this processor has it.
+    /// Returns AVX-512 if this processor has it.
     pub fn avx512() -> Option<Self> {
         #[cfg(target_arch = "x86_64")]
         return Level::new().as_avx512().map(Self::Avx512);
@@ -71,7 +71,7 @@ impl Lanes {
         return None;
     }
 
-    /// AVX2, if this processor has it.
+    /// Returns AVX2 if this processor has it.
     pub fn avx2() -> Option<Self> {
         #[cfg(target_arch = "x86_64")]
         return Level::new().as_avx2().map(Self::Avx2);
@@ -79,19 +79,19 @@ impl Lanes {
         return None;
     }
 
-    /// What every processor of the architecture has.
+    /// Returns the baseline of the architecture: SSE2.
     #[cfg(target_arch = "x86_64")]
     pub fn baseline() -> Self {
         Self::Baseline(Level::new().as_sse2().expect("every x86-64 processor has SSE2"))
     }
 
-    /// What every processor of the architecture has.
+    /// Returns the baseline of the architecture: plain scalar code.
     #[cfg(not(target_arch = "x86_64"))]
     pub fn baseline() -> Self {
         Self::Baseline(Baseline::new())
     }
 
-    /// What a person calls it.
+    /// Returns the display name.
     pub fn name(self) -> &'static str {
         match self {
             #[cfg(target_arch = "x86_64")]
@@ -103,9 +103,9 @@ impl Lanes {
     }
 }
 
-/// Whether an instruction that reads from many places at once is quicker than as many single reads. It is on Intel's processors
-/// with AVX-512; AMD's take one place after the other and longer for each than for a read: on Zen 4 pictures drawn with gathers
-/// take 1.1 to 1.4 times as long.
+/// Whether a hardware gather is faster than scalar loads. It is on Intel processors with AVX-512. AMD processors load
+/// one element after the other, each more slowly than a scalar load: on Zen 4, pictures drawn with gathers take 1.1 to
+/// 1.4 times as long.
 #[inline(always)]
 pub fn gathers_are_quick() -> bool {
     #[cfg(target_arch = "x86_64")]
@@ -120,8 +120,8 @@ pub fn gathers_are_quick() -> bool {
     false
 }
 
-/// Runs `$body` with `$simd` standing for the instructions that `$lanes` chose. Everything called in it that computes on
-/// lanes must be `#[inline(always)]`.
+/// Runs `$body` with `$simd` bound to the instruction set of `$lanes`. Every function called in `$body` that computes
+/// on lanes must be `#[inline(always)]`.
 macro_rules! on_lanes {
     ($lanes:expr, $simd:ident => $body:expr) => {
         match $lanes {
@@ -144,8 +144,8 @@ macro_rules! on_lanes {
 
 pub(crate) use on_lanes;
 
-/// An array of what `$body` is for each of some items. In the place of `map`, whose closure the compiler may fail to compile
-/// for the chosen instructions.
+/// Evaluates `$body` for each of the listed items and returns an array of the results. Replaces `map`, because the
+/// compiler may fail to compile its closure for the selected instruction set.
 macro_rules! each {
     ($item:pat in [$($value:expr),+ $(,)?] => $body:expr) => {
         [$({ let $item = $value; $body }),+]
@@ -154,21 +154,21 @@ macro_rules! each {
 
 pub(crate) use each;
 
-/// Floats as doubles, without rounding.
+/// Widens eight floats to doubles, without rounding.
 #[inline(always)]
 pub fn widen<S: Simd>(simd: S, x: F32<S>) -> F64<S> {
     let (low, high) = simd.widen_f32x8(x);
     simd.combine_f64x4(low, high)
 }
 
-/// Doubles rounded to the nearest floats.
+/// Rounds eight doubles to the nearest floats.
 #[inline(always)]
 pub fn narrow<S: Simd>(simd: S, x: F64<S>) -> F32<S> {
     let (low, high) = simd.split_f64x8(x);
     simd.narrow_f64x4(low, high)
 }
 
-/// Integers as doubles, without rounding.
+/// Converts eight integers to doubles, without rounding.
 #[inline(always)]
 pub fn doubles_of<S: Simd>(simd: S, numbers: i32x8<S>) -> F64<S> {
     #[cfg(target_arch = "x86_64")]
@@ -182,19 +182,19 @@ pub fn doubles_of<S: Simd>(simd: S, numbers: i32x8<S>) -> F64<S> {
     F64::load_array(simd, each!(i in [0, 1, 2, 3, 4, 5, 6, 7] => f64::from(numbers[i])))
 }
 
-/// Whole numbers below 2³¹ as floats: by way of signed ones, as few processors have an instruction for others.
+/// Converts integers below 2³¹ to floats. Treats them as signed, because few processors convert unsigned integers.
 #[inline(always)]
 pub fn float_of<S: Simd>(numbers: u32x16<S>) -> f32x16<S> {
     numbers.bitcast::<i32x16<S>>().to_float()
 }
 
-/// Floats from 0 to below 2³¹ without their broken parts: by way of signed numbers, as [`float_of`].
+/// Truncates floats in [0, 2³¹) toward zero. Converts to signed integers, for the same reason as [`float_of`].
 #[inline(always)]
 pub fn whole_part<S: Simd>(numbers: f32x16<S>) -> u32x16<S> {
     numbers.to_int::<i32x16<S>>().bitcast()
 }
 
-/// The lower and the upper halves of eight numbers.
+/// Returns the lower and the upper 32 bits of eight numbers.
 #[inline(always)]
 pub fn halves<S: Simd>(simd: S, numbers: [u64; LANES]) -> (u32x8<S>, u32x8<S>) {
     let [first, second, third, fourth] = each!((i, j) in [(0, 1), (2, 3), (4, 5), (6, 7)] => {
@@ -204,13 +204,13 @@ pub fn halves<S: Simd>(simd: S, numbers: [u64; LANES]) -> (u32x8<S>, u32x8<S>) {
     (a.combine(c), b.combine(d))
 }
 
-/// Eight rows of four floats as four columns.
+/// Transposes eight rows of four floats into four columns.
 #[inline(always)]
 pub fn transpose_quads<S: Simd>([a, b, c, d, e, f, g, h]: [f32x4<S>; LANES]) -> [F32<S>; 4] {
     transpose_halves([a.combine(e), b.combine(f), c.combine(g), d.combine(h)])
 }
 
-/// Four columns of eight floats as eight rows.
+/// Transposes four columns of eight floats into eight rows.
 #[inline(always)]
 pub fn rows_of_quads<S: Simd>(columns: [F32<S>; 4]) -> [f32x4<S>; LANES] {
     let [(a, e), (b, f), (c, g), (d, h)] = {
@@ -220,7 +220,7 @@ pub fn rows_of_quads<S: Simd>(columns: [F32<S>; 4]) -> [f32x4<S>; LANES] {
     [a, b, c, d, e, f, g, h]
 }
 
-/// Sixteen rows of four floats as four columns.
+/// Transposes sixteen rows of four floats into four columns.
 #[inline(always)]
 pub fn transpose_wide<S: Simd>(r: [f32x4<S>; WIDE]) -> [f32x16<S>; 4] {
     #[cfg(target_arch = "x86_64")]
@@ -241,7 +241,7 @@ pub fn transpose_wide<S: Simd>(r: [f32x4<S>; WIDE]) -> [f32x16<S>; 4] {
     each!(column in [0, 1, 2, 3] => low[column].combine(high[column]))
 }
 
-/// Each number of the lower and of the upper half, four times.
+/// Returns four vectors: vector `i` holds lane `i` four times, then lane `i + 4` four times.
 #[inline(always)]
 pub fn repeat_each<S: Simd>(simd: S, numbers: F32<S>) -> [F32<S>; 4] {
     let numbers = numbers.to_array();
@@ -251,7 +251,7 @@ pub fn repeat_each<S: Simd>(simd: S, numbers: F32<S>) -> [F32<S>; 4] {
     })
 }
 
-/// The lower halves of four rows turned into columns, and the upper halves.
+/// Transposes the lower halves of four rows as a 4 × 4 matrix, and likewise the upper halves.
 #[inline(always)]
 pub fn transpose_halves<S: Simd>(rows: [F32<S>; 4]) -> [F32<S>; 4] {
     let simd = rows[0].simd;
@@ -284,7 +284,7 @@ mod x86 {
     use fearless_simd::kernel;
 
     kernel! {
-        /// [`super::transpose`] for both halves at once.
+        /// [`super::transpose`] for both 128-bit halves at once.
         #[inline]
         pub(super) fn transpose_halves(avx2: Avx2, rows: [__m256; 4]) -> [__m256; 4] {
             let [a, b, c, d] = rows;
@@ -300,7 +300,7 @@ mod x86 {
     }
 
     kernel! {
-        /// [`super::transpose`] for all four quarters at once.
+        /// [`super::transpose`] for all four 128-bit quarters at once.
         #[inline]
         pub(super) fn transpose_quarters(avx512: Avx512, rows: [__m512; 4]) -> [__m512; 4] {
             let [a, b, c, d] = rows;
@@ -316,7 +316,7 @@ mod x86 {
     }
 
     kernel! {
-        /// [`super::doubles_of`], half by half.
+        /// [`super::doubles_of`], one half after the other.
         #[inline]
         pub(super) fn doubles_of(avx2: Avx2, numbers: __m256i) -> [__m256d; 2] {
             [
@@ -327,7 +327,7 @@ mod x86 {
     }
 }
 
-/// Doubles held between two bounds, as `f64::clamp` holds a number; NaN does not occur.
+/// Clamps doubles to the range from `least` to `greatest`, as `f64::clamp` does. NaN must not occur.
 #[inline(always)]
 pub fn clamp_f64<S: Simd>(x: F64<S>, least: f64, greatest: f64) -> F64<S> {
     x.max(least).min(greatest)

@@ -1,22 +1,23 @@
-//! The logarithm to the base 2 by a few sums and products, so that lanes compute the same bits as numbers one by one.
+//! The base-2 logarithm by a few sums and products, so that lanes and scalar code compute the same bits.
 
 use super::lanes::*;
 
-/// With x = 2ᵉ·(1 + f) the logarithm is e + log₂(1 + f), and log₂(1 + f) = f + f·(1 − f)·g(f). This is a polynomial near g, from
-/// the constant on, fitted so that the largest error of the whole is least: 2.3·10⁻⁶.
+/// Coefficients of a polynomial near g, constant first. With x = 2ᵉ·(1 + f) the logarithm is e + log₂(1 + f), and
+/// log₂(1 + f) = f + f·(1 − f)·g(f). The fit minimises the largest error of the whole logarithm: 2.3·10⁻⁶.
 const POLYNOMIAL: [f32; 5] = [0.442_544_94, -0.275_600_3, 0.181_948_87, -0.095_956_445, 0.025_841_443];
 
-/// How many bits of a float are its fraction.
+/// Number of fraction bits of an f32.
 const FRACTION_BITS: u32 = f32::MANTISSA_DIGITS - 1;
 
-/// The fraction among the bits.
+/// Mask of the fraction bits of an f32.
 const FRACTION: u32 = (1 << FRACTION_BITS) - 1;
 
-/// What is added to exponents before they are stored.
+/// Bias of the exponent stored in an f32.
 const BIAS: i32 = f32::MAX_EXP - 1;
 
-/// The logarithm of a positive normal number or infinity (which has 128), off by 2.3·10⁻⁶ and a rounding at most. Whole at powers
-/// of two, and never less for a larger number. Of other numbers it is one that means nothing, but the same on lanes.
+/// Returns the base-2 logarithm of a positive normal number, and 128 for infinity. The error is at most 2.3·10⁻⁶ and
+/// one rounding. The result is an integer at powers of two, and monotonic. For other numbers it is meaningless, but the
+/// same on lanes.
 #[inline(always)]
 pub fn log2(x: f32) -> f32 {
     let bits = x.to_bits();
@@ -27,7 +28,7 @@ pub fn log2(x: f32) -> f32 {
     exponent as f32 + (f + f * (1.0 - f) * g)
 }
 
-/// [`log2`] of sixteen numbers.
+/// [`log2`] for sixteen lanes.
 #[inline(always)]
 pub fn log2_lanes<S: Simd>(x: f32x16<S>) -> f32x16<S> {
     let bits = x.bitcast::<u32x16<S>>();
@@ -71,7 +72,7 @@ mod tests {
     fn lanes_compute_the_same_bits() {
         let mut random = fastrand::Rng::with_seed(23);
         let odd = [0.0, -0.0, f32::NAN, -f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MIN_POSITIVE, 1e-40, -3.0];
-        // Every sign and exponent, with fractions at the ends and between.
+        // Every sign and exponent, each with the smallest, a middle and the largest fractions.
         let of_exponent =
             |top: u32| [0, 1, FRACTION, FRACTION / 2].map(|fraction| f32::from_bits(top << 23 | fraction));
         let mut all: Vec<f32> = (0..512).flat_map(of_exponent).chain(odd).collect();

@@ -1,4 +1,4 @@
-//! Conventions that hold everywhere in this crate, and the numbers they rest on.
+//! Conventions that hold everywhere in this crate, and the arithmetic that they rest on.
 //!
 //! | thing | rule |
 //! | --- | --- |
@@ -32,13 +32,14 @@ pub use bounds::Aabb;
 
 use glam::{DVec3, Vec3};
 
-/// `v` at unit length, or `fallback` where it has none. Scaled by its largest component first, so no square overflows.
+/// Returns `v` normalised, or `fallback` if its largest component is zero or not finite. Divides by that component
+/// first, so no square overflows.
 pub fn unit_or(v: DVec3, fallback: Vec3) -> Vec3 {
     let largest = v.abs().max_element();
     if largest > 0.0 && largest.is_finite() { (v / largest).normalize().as_vec3() } else { fallback }
 }
 
-/// [`unit_or`] for eight vectors, by component.
+/// [`unit_or`] for eight vectors, given as x, y and z lanes.
 #[inline(always)]
 pub fn unit_or_lanes<S: lanes::Simd>(simd: S, v: [lanes::F64<S>; 3], fallback: Vec3) -> [lanes::F32<S>; 3] {
     if let Some(unit) = unit_lanes_nearly(simd, v) {
@@ -55,16 +56,17 @@ pub fn unit_or_lanes<S: lanes::Simd>(simd: S, v: [lanes::F64<S>; 3], fallback: V
     })
 }
 
-/// What [`unit_or`] gives for eight vectors, at a third of the cost, or nothing where that is not certain.
+/// Returns the result of [`unit_or`] for eight vectors at a third of its cost, or `None` if that result is not certain.
 ///
-/// One Newton step from the reciprocal root in f32, which is wrong by less than 2.5 · 2⁻²⁴, gives one that is wrong by less
-/// than 2⁻⁴⁴; [`unit_or`], all in f64, is wrong by less than 2⁻⁴⁹. So its result lies between what this gives made smaller
-/// and larger by 2⁻⁴². If these are the same number when rounded to f32, as they are but once in some 100 000 times, its is, too.
+/// The reciprocal square root in f32 has an error below 2.5 · 2⁻²⁴; one Newton step reduces it below 2⁻⁴⁴. The error of
+/// [`unit_or`], all in f64, is below 2⁻⁴⁹. Its result therefore lies between the value computed here scaled by 1 − 2⁻⁴²
+/// and by 1 + 2⁻⁴². If both bounds round to the same f32, [`unit_or`] rounds to it as well. They differ only about once
+/// in 100 000 times.
 #[inline(always)]
 fn unit_lanes_nearly<S: lanes::Simd>(simd: S, v: [lanes::F64<S>; 3]) -> Option<[lanes::F32<S>; 3]> {
     use lanes::{F32, SimdBase as _, SimdFloat as _, SimdMask as _, narrow, widen};
     const SLACK: f64 = 1.0 / (1_u64 << 42) as f64;
-    /// Where f32 has its full precision, for roots and reciprocals too.
+    /// Squared lengths for which f32 has its full precision, for square roots and reciprocals as well.
     const SQUARES: [f64; 2] = [1e-30, 1e30];
     let squares = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
     let root = widen(simd, F32::splat(simd, 1.0) / narrow(simd, squares).sqrt());
@@ -76,11 +78,11 @@ fn unit_lanes_nearly<S: lanes::Simd>(simd: S, v: [lanes::F64<S>; 3]) -> Option<[
     ((x & y & z).all_true() && in_range.all_true()).then_some(unit)
 }
 
-/// The largest integer not above `x`, exactly as [`f32::floor`], which without SSE 4.1 is a function call of some thirty
-/// instructions: a third of the time of a textured pixel.
+/// Returns the largest integer not above `x`, exactly as [`f32::floor`]. Without SSE 4.1 the latter is a function call
+/// of about thirty instructions: a third of the time of a textured pixel.
 #[inline]
 pub fn floor(x: f32) -> f32 {
-    /// From here on every float is an integer.
+    /// Magnitude from which every float is an integer: 2²³.
     const ALL_INTEGERS: f32 = 8_388_608.0;
     if x.abs() < ALL_INTEGERS {
         let truncated = x as i32 as f32;
@@ -94,7 +96,7 @@ pub fn floor(x: f32) -> f32 {
 mod tests {
     use super::*;
 
-    /// What eight vectors are by [`unit_or_lanes`], with all instructions.
+    /// Returns eight vectors normalised by [`unit_or_lanes`], once per instruction set of this processor.
     fn units(vectors: [Vec3; lanes::LANES], fallback: Vec3) -> Vec<[Vec3; lanes::LANES]> {
         use lanes::{F32, Lanes, SimdBase as _, each, on_lanes, widen};
         let columns: [[f32; lanes::LANES]; 3] = std::array::from_fn(|axis| vectors.map(|v| v[axis]));
@@ -115,9 +117,9 @@ mod tests {
         let fallback = Vec3::new(0.25, -3.0, 0.0);
         for round in 0..100_000 {
             let mut number = || match (round % 4, random.u32(..8)) {
-                // Any at all.
+                // Any bit pattern.
                 (0, _) => f32::from_bits(random.u32(..)),
-                // Few bits, whose units lie near the boundaries of rounding more often than others do.
+                // Few bits: such vectors have units near rounding boundaries more often than others do.
                 (1, _) => random.i32(-20..20) as f32,
                 (_, 0) => 0.0,
                 _ => random.f32() * 2.0 - 1.0,

@@ -1,6 +1,6 @@
-//! Asking for memory before it is read.
+//! Software prefetch.
 
-/// Asks for an item that will be read soon, so that it may be there by then. A place outside of the items does no harm.
+/// Prefetches an item that will be read soon into the cache. A `place` outside of `items` is harmless.
 #[inline(always)]
 #[cfg_attr(
     target_arch = "x86_64",
@@ -13,7 +13,7 @@ pub fn prefetch<T>(items: &[T], place: usize) {
     #[cfg(target_arch = "x86_64")]
     {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        // SAFETY: nothing is read, whatever the address.
+        // SAFETY: a prefetch reads nothing, whatever the address.
         unsafe { _mm_prefetch::<_MM_HINT_T0>(items.as_ptr().wrapping_add(place).cast()) }
     }
     #[cfg(not(target_arch = "x86_64"))]

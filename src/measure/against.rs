@@ -1,4 +1,4 @@
-//! A picture against a reference: every measure at once, of the whole picture or of a rectangle.
+//! Comparison of an image with a reference by all error metrics at once, over the whole image or a rectangle.
 
 use serde::Serialize;
 
@@ -7,17 +7,17 @@ use super::flip;
 use super::region::Region;
 use crate::image::{Image, Rgba8};
 
-/// How far a picture is from another, by every measure.
+/// Error of an image against a reference, by every metric.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Figures {
-    /// Differences of codes.
+    /// Error metrics on 8-bit sRGB-encoded values.
     #[serde(flatten)]
     pub codes: ImageError,
-    /// Mean of FLIP, in [0, 1].
+    /// Mean FLIP error, in [0, 1].
     pub flip: f64,
 }
 
-/// A picture that others are compared with. Keeps what FLIP computes of it alone, about 24 bytes per pixel.
+/// Reference image with its FLIP preprocessing cached, about 24 bytes per pixel.
 #[derive(Clone, Debug)]
 pub struct Standard {
     picture: Image<Rgba8>,
@@ -25,13 +25,13 @@ pub struct Standard {
 }
 
 impl Standard {
-    /// Prepares a picture for comparisons.
+    /// Preprocesses a reference image.
     pub fn new(picture: Image<Rgba8>) -> Self {
         Self { perceived: flip::Perceived::new(&picture), picture }
     }
 
-    /// Compares a picture with this one, and returns every pixel's FLIP too. `None` if their sizes differ or they have no
-    /// pixels.
+    /// Compares an image with this reference and also returns the FLIP error of every pixel. Returns `None` if the
+    /// sizes differ or there are no pixels.
     pub fn figures(&self, picture: &Image<Rgba8>) -> Option<(Figures, Image<f32>)> {
         let codes = compare(picture, &self.picture)?;
         let map = flip::Perceived::new(picture).difference(&self.perceived)?;
@@ -39,15 +39,17 @@ impl Standard {
     }
 }
 
-/// Compares a picture with another, and returns every pixel's FLIP too. `None` if their sizes differ or they have no pixels.
+/// Compares an image with a reference and also returns the FLIP error of every pixel. Returns `None` if the sizes
+/// differ or there are no pixels.
 pub fn figures(picture: &Image<Rgba8>, reference: &Image<Rgba8>) -> Option<(Figures, Image<f32>)> {
     let codes = compare(picture, reference)?;
     let map = flip::map(picture, reference)?;
     Some((Figures { codes, flip: flip::mean(&map) }, map))
 }
 
-/// The same within a rectangle. FLIP there knows what lies around, SSIM does not. `None` if nothing of the pictures lies
-/// within.
+/// Compares an image with a reference within a rectangle. `flip` holds the FLIP errors of the whole image, whose
+/// filters also read pixels outside the rectangle; SSIM reads only pixels inside. Returns `None` if the rectangle
+/// contains no pixel of the images.
 pub fn figures_within(
     region: Region,
     picture: &Image<Rgba8>,

@@ -1,4 +1,4 @@
-//! What frames of a view cost: time in all and per stage, counts, memory.
+//! Benchmark of a view: total and per-stage frame times, counters and memory.
 
 use std::hint::black_box;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -19,85 +19,85 @@ use crate::pipeline::tiled::TiledReport;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::Scene;
 
-/// Frames before those that count: memory is found, caches and clocks settle.
+/// Number of warm-up frames before the measured ones: buffers get allocated, caches and clock frequencies settle.
 const WARM_UP_FRAMES: i64 = 3;
 
-/// How long the bytes of a frame take to write when nothing is drawn: what no frame can fall below.
+/// Time to write the bytes of a frame without drawing anything: a lower bound for every frame time.
 #[derive(Clone, Debug, Serialize)]
 pub struct Writing {
-    /// Milliseconds to set as many bytes as the frame holds, by the same threads.
+    /// Milliseconds to fill as many bytes as the frame holds, with the same threads.
     pub ms: Summary,
-    /// Median time of a whole frame over the median of these.
+    /// Median frame time divided by the median of `ms`.
     pub frame_over_writing: f64,
 }
 
-/// What the frames of one view cost.
+/// Benchmark result of one view.
 #[derive(Clone, Debug, Serialize)]
 pub struct BenchReport {
-    /// Scene.
+    /// Name of the scene.
     pub scene: String,
-    /// Picture size in px.
+    /// Image width and height, in pixels.
     pub size: [u32; 2],
-    /// Threads that could be used.
+    /// Number of threads in the rayon pool.
     pub threads: usize,
-    /// Machine and build, with the load at the start and at the end.
+    /// Machine and build, with the system load at the start and at the end.
     pub machine: Machine,
-    /// Motion of the camera over the frames, which are timed again and again.
+    /// Camera motion over the measured frames; the sequence repeats until enough frames are timed.
     pub turn: Turn,
-    /// How frames were executed.
+    /// Execution mode, classic or tiled, of the last frame.
     pub execution: &'static str,
-    /// Whether it was cancelled before all frames were drawn.
+    /// Whether the benchmark was cancelled before all frames were drawn.
     pub partial: bool,
-    /// Noise floor: every other frame against the frames between; `None` for a single frame.
+    /// Noise floor: odd frames against even frames. `None` for a single frame.
     pub noise: Option<Noise>,
     /// Milliseconds of a whole frame.
     pub frame_ms: Summary,
-    /// Milliseconds of its stages, in their order; they add up to the median frame.
+    /// Milliseconds of each stage, in pipeline order; the medians add up to the median frame time.
     pub stages: Vec<StageSummary>,
-    /// What merely writing it takes.
+    /// Baseline: time to write the bytes of the frame.
     pub writing: Writing,
-    /// What was done in a frame, in the order of the stages.
+    /// Counters of the last frame, in pipeline order.
     pub counts: Vec<(&'static str, u64)>,
-    /// Bytes held by frame, renderer and scene.
+    /// Bytes held by the frame, the renderer and the scene.
     pub bytes: Bytes,
-    /// Median nanoseconds per triangle of the scene.
+    /// Median frame time per triangle of the scene, in nanoseconds.
     pub ns_per_triangle: f64,
-    /// Median nanoseconds per pixel of the picture.
+    /// Median frame time per pixel of the image, in nanoseconds.
     pub ns_per_pixel: f64,
 }
 
 /// Memory in bytes.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Bytes {
-    /// Pictures of one frame.
+    /// Bytes of the images of one frame, including its depth buffer if it is kept.
     pub frame: usize,
-    /// What the renderer keeps from frame to frame.
+    /// Bytes that the renderer keeps from frame to frame.
     pub renderer: usize,
-    /// Meshes and textures.
+    /// Bytes of meshes and textures.
     pub scene: usize,
 }
 
-/// The frames of a measurement.
+/// Frame count and cancellation flag of a measurement.
 #[derive(Clone, Copy, Debug)]
 pub struct Frames<'a> {
-    /// Number of frames that count, at least 1.
+    /// Number of measured frames, at least 1.
     pub count: usize,
-    /// Ends the measurement with the frames drawn so far.
+    /// Cancellation flag; when set, the measurement ends with the frames drawn so far.
     pub cancel: &'a AtomicBool,
 }
 
-/// Durations of one timed frame and its stages.
+/// Durations and counters of one timed frame.
 struct Sample {
     total: Duration,
     stages: Vec<(&'static str, Duration)>,
-    /// Bytes of the frame's pictures.
+    /// Bytes of the frame's images.
     bytes: usize,
     execution: &'static str,
     counts: Vec<(&'static str, u64)>,
 }
 
-/// Draws the frames of a sequence again and again, with the history that they have in it, on the threads of the present rayon
-/// pool. `None` if it was cancelled before a frame that counts was complete.
+/// Times the frames of a sequence repeatedly, each with its history in the sequence, on the current rayon pool. Returns
+/// `None` if cancelled before the first measured frame was complete.
 pub fn bench(
     shot: &Shot<'_>,
     recipe: &Recipe,
@@ -152,12 +152,13 @@ pub fn bench(
     })
 }
 
-/// Returns a time in milliseconds.
+/// Converts a duration to milliseconds.
 fn ms(time: Duration) -> f64 {
     time.as_secs_f64() * 1e3
 }
 
-/// Sets all of some bytes to one value, again and again, each of the pool's threads its share.
+/// Times filling a buffer of `bytes` bytes `times` times. Each thread of the pool fills an equal share; warm-up runs
+/// are not returned.
 fn times_of_writing(bytes: usize, times: usize) -> Vec<Duration> {
     let mut memory = vec![0_u8; bytes.max(1)];
     let share = memory.len().div_ceil(rayon::current_num_threads());

@@ -1,4 +1,4 @@
-//! The difference of two pictures as a picture, by a colour map with a range that is told.
+//! Difference image of two images: per-pixel values, mapped to colours over an adjustable range.
 
 use super::flip;
 use crate::image::color::luma;
@@ -6,23 +6,24 @@ use crate::image::{Image, Rgba8};
 use crate::pipeline::settings::{Choice, choice};
 
 choice! {
-    /// What is shown of a difference.
+    /// Quantity that a difference image shows.
     Difference {
-        Absolute = "absolute", "Absolute", "The largest difference of a code among red, green and blue.";
-        Signed = "signed", "Signed", "Which of the two is lighter: the difference of luma, A − B, in codes.";
-        Squared = "squared", "Squared", "The mean of the squared differences of red, green and blue: what MSE and PSNR count.";
-        Flip = "flip", "FLIP", "How strongly one sees the change when flipping between both, 0 to 1.";
+        Absolute = "absolute", "Absolute", "The largest difference of the codes of red, green and blue.";
+        Signed = "signed", "Signed", "The difference of luma, A − B, in codes: positive if A is lighter.";
+        Squared = "squared", "Squared",
+            "The mean of the squared differences of red, green and blue, as in MSE and PSNR.";
+        Flip = "flip", "FLIP", "The difference that is perceived when flipping between both pictures, 0 to 1.";
     }
 }
 
-/// Gains that can be chosen: so many times smaller is the range that the colours stand for.
+/// Gains to choose from; a gain divides the range of values that the colour map spans.
 pub const GAINS: [u32; 9] = [1, 2, 4, 8, 16, 32, 64, 128, 256];
 
-/// Largest code.
+/// Largest 8-bit channel value.
 const CODES: f64 = 255.0;
 
 impl Difference {
-    /// The values that the two ends of the colour map stand for.
+    /// Returns the values at the two ends of the colour map.
     pub fn range(self, gain: u32) -> (f64, f64) {
         let gain = f64::from(gain.max(1));
         match self {
@@ -33,11 +34,12 @@ impl Difference {
         }
     }
 
-    /// Colour at a share of the way from one end of the map to the other. Signed differences have the middle for none.
+    /// Returns the colour at position `share` in the colour map, clamped to [0, 1]. For signed differences, 0.5 is
+    /// zero.
     pub fn color(self, share: f64) -> Rgba8 {
         let share = share.clamp(0.0, 1.0);
         let [r, g, b] = match self {
-            // From orange, B lighter, to violet, A lighter: the colours that A and B have everywhere.
+            // From orange (B is lighter) to violet (A is lighter): the interface uses the same colours for A and B.
             Self::Signed => colorous::PURPLE_ORANGE.eval_continuous(1.0 - share).as_array(),
             Self::Absolute | Self::Squared => colorous::VIRIDIS.eval_continuous(share).as_array(),
             Self::Flip => colorous::MAGMA.eval_continuous(share).as_array(),
@@ -46,7 +48,8 @@ impl Difference {
     }
 }
 
-/// The value of every pixel, in codes, squared codes or FLIP. `None` if the sizes differ or there are no pixels.
+/// Computes the difference of every pixel, in 8-bit steps, squared 8-bit steps or FLIP. Returns `None` if the sizes
+/// differ or there are no pixels.
 pub fn values(kind: Difference, a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<Image<f32>> {
     if kind == Difference::Flip {
         return flip::map(a, b);
@@ -67,7 +70,7 @@ fn value(kind: Difference, a: Rgba8, b: Rgba8) -> f32 {
     }
 }
 
-/// Values by the colour map.
+/// Maps difference values to colours.
 pub fn picture(kind: Difference, gain: u32, values: &Image<f32>) -> Image<Rgba8> {
     let (low, high) = kind.range(gain);
     values.map(|value| kind.color((f64::from(value) - low) / (high - low)))

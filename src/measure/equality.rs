@@ -1,5 +1,5 @@
-//! Whether a view is the same bits however it is drawn: triangle after triangle, or tile by tile with any instructions and
-//! any number of threads.
+//! Check that a view is bit-identical in classic and tiled execution, with every SIMD instruction set and any number of
+//! threads.
 
 use std::sync::Arc;
 
@@ -13,66 +13,70 @@ use crate::pipeline::settings::Execution;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
 
-/// What is compared, in the order in which it comes to be.
+/// Compared quantity, in pipeline order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Quantity {
-    /// Colours of the samples that are drawn.
+    /// Colours of the rasterized samples.
     Color,
-    /// Their stored depths.
+    /// Stored depths of the rasterized samples.
     Depth,
-    /// The finished picture.
+    /// The finished image.
     Picture,
 }
 
-/// How one frame differs from another.
+/// Difference between two frames.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Difference {
-    /// The first quantity that differs.
+    /// First quantity in pipeline order that differs.
     pub quantity: Quantity,
-    /// How many of its samples do.
+    /// Number of samples or pixels that differ in this quantity.
     pub samples: usize,
-    /// Column and row of the first one, top left first.
+    /// Column and row of the first differing sample in row-major order.
     pub first: (u32, u32),
-    /// What the reference holds there.
+    /// Value in the reference, or its image size if the sizes differ.
     pub expected: String,
-    /// What the other one holds there.
+    /// Value in the other frame, or its image size if the sizes differ.
     pub found: String,
 }
 
 impl Difference {
-    /// One that cannot be told sample by sample.
+    /// Creates a difference that cannot be located at a sample, such as different image sizes.
     fn as_a_whole(quantity: Quantity, [expected, found]: [String; 2]) -> Self {
         Self { quantity, samples: 1, first: (0, 0), expected, found }
     }
 }
 
-/// One way to draw tile by tile, and what came of it.
+/// One configuration of tiled execution and its result.
 #[derive(Clone, Debug, Serialize)]
 pub struct Way {
-    /// The instructions that were used.
+    /// Name of the SIMD lanes.
     pub lanes: &'static str,
-    /// The number of threads.
+    /// Number of threads.
     pub threads: usize,
-    /// How the frame differs from the classic one, if it does.
+    /// First difference from the classic frame; `None` if the frames are identical.
     pub difference: Option<Difference>,
 }
 
-/// All that was compared.
+/// Result of comparing classic with tiled execution.
 #[derive(Clone, Debug, Serialize)]
 pub struct Equality {
-    /// Every way that was tried.
+    /// All configurations compared.
     pub ways: Vec<Way>,
-    /// Why it is not drawn tile by tile at all, if it is not.
+    /// Reason why the recipe cannot run tiled; `None` if it can.
     pub obstacle: Option<&'static str>,
 }
 
-/// Stack of a thread that draws: more than threads get by themselves, as kernels for several kinds of lanes are large where the
-/// program is not optimised.
+/// Stack size of a render thread, in bytes. The default is too small for unoptimised builds, whose kernels for several
+/// lane types need large stack frames.
 const STACK_BYTES: usize = 8 << 20;
 
-/// Draws a view triangle after triangle, then tile by tile on all kinds of lanes that the processor has with each of these
-/// numbers of threads, and compares.
+/// Renders a view in classic execution, then in tiled execution with every lane type of the processor and every given
+/// number of threads, and compares the frames.
+///
+/// # Errors
+///
+/// Fails if a thread pool cannot be started.
 pub fn verify(
     scene: &Arc<Scene>,
     camera: &Camera,
@@ -98,10 +102,10 @@ pub fn verify(
     Ok(Equality { ways, obstacle: None })
 }
 
-/// How a frame differs from the one that it should be.
+/// Returns the first difference of a frame from the expected one.
 fn difference(expected: &Frame, found: &Frame) -> Option<Difference> {
     let grid = expected.drawn.grid;
-    // Packed samples that stand for no pixel hold anything.
+    // Packed samples outside the image have undefined values.
     let is_drawn = |x, y| {
         let (x, y) = grid.pixel(x, y);
         x < expected.raster.width && y < expected.raster.height

@@ -1,46 +1,46 @@
-//! How far a picture is from another of the same size.
+//! Error metrics between two images of the same size.
 //!
-//! All numbers are of sRGB codes, as they stand in the file; alpha does not count. SSIM is the index of Wang, Bovik,
-//! Sheikh and Simoncelli (2004) with their constants: Gaussian window of 11 × 11 px with σ = 1.5 px, K₁ = 0.01,
-//! K₂ = 0.03, L = 255, on luma, averaged over the windows that lie wholly in the picture. Other programs use other
-//! windows (8 × 8 boxes are common) and get other numbers.
+//! All metrics use 8-bit sRGB-encoded values and ignore alpha. SSIM is the index of Wang, Bovik, Sheikh and Simoncelli
+//! (2004) with their constants: Gaussian window of 11 × 11 px with σ = 1.5 px, K₁ = 0.01, K₂ = 0.03, L = 255, on luma.
+//! It is averaged over the windows that lie entirely inside the image. Programs with other windows (8 × 8 boxes are
+//! common) give other values.
 
 use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::image::{Image, Rgba8};
 
-/// Edge of the window of SSIM in pixels.
+/// Side of the SSIM window, in pixels.
 const WINDOW: usize = 11;
 
-/// Standard deviation of the window of SSIM in pixels.
+/// Standard deviation of the SSIM window, in pixels.
 const SIGMA: f64 = 1.5;
 
-/// (K₁ L)², keeps the comparison of means defined in the dark.
+/// (K₁ L)²: keeps the luminance term defined for black regions.
 const C1: f64 = (0.01 * 255.0) * (0.01 * 255.0);
 
-/// (K₂ L)², keeps the comparison of variances defined in flat regions.
+/// (K₂ L)²: keeps the structure term defined for flat regions.
 const C2: f64 = (0.03 * 255.0) * (0.03 * 255.0);
 
-/// Error measures of one picture against another; the same both ways round.
+/// Error metrics of an image against another; all are symmetric.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ImageError {
-    /// Mean of squared differences of codes, over pixels and the channels red, green, blue.
+    /// Mean squared error of 8-bit values, over all pixels and the red, green and blue channels.
     pub mse: f64,
-    /// Peak signal to noise ratio, 10 log₁₀(255² / mse), in dB; infinite for identical pictures.
+    /// Peak signal-to-noise ratio, 10 log₁₀(255² / mse), in dB; infinite for identical images.
     pub psnr_db: f64,
-    /// Structural similarity: 1 for identical pictures, less otherwise, down to −1.
+    /// Structural similarity in [−1, 1]; 1 for identical images.
     ///
-    /// Along an axis of fewer than 11 px the window is cut to the largest odd size that fits, and its weights sum to
-    /// one again.
+    /// Along an axis shorter than 11 px, the window shrinks to the largest odd size that fits, and its weights are
+    /// renormalised to sum to 1.
     pub ssim: f64,
-    /// Largest difference of a code.
+    /// Largest absolute difference of a channel, in 8-bit steps.
     pub max_abs: u8,
     /// Number of pixels that differ in red, green or blue.
     pub differing_pixels: u64,
 }
 
-/// Compares two pictures. `None` if their sizes differ or they have no pixels.
+/// Compares two images. Returns `None` if their sizes differ or they have no pixels.
 pub fn compare(a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<ImageError> {
     if a.size() != b.size() || a.pixels().is_empty() {
         return None;
@@ -60,23 +60,23 @@ pub fn compare(a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<ImageError> {
     Some(ImageError { mse, psnr_db, ssim: ssim(&a.map(luma), &b.map(luma)), max_abs, differing_pixels })
 }
 
-/// Luma of ITU-R BT.601 from sRGB codes, 0 to 255; the grey that SSIM was published with.
+/// Computes ITU-R BT.601 luma from 8-bit sRGB-encoded values, in [0, 255], as in the SSIM paper.
 fn luma([red, green, blue, _]: Rgba8) -> f64 {
     0.299 * f64::from(red) + 0.587 * f64::from(green) + 0.114 * f64::from(blue)
 }
 
-/// Mean structural similarity of two grey pictures of the same size, at least 1 × 1 px.
+/// Computes the mean structural similarity of two greyscale images of equal size, at least 1 × 1 px.
 fn ssim(a: &Image<f64>, b: &Image<f64>) -> f64 {
     let across = window(a.width());
     let down = window(a.height());
     let windows_down = a.height() - down.len() as u32 + 1;
-    // Row sums are kept and added in order, so that the result does not depend on the number of threads.
+    // Row sums are stored and added in order, so the result does not depend on the number of threads.
     let rows: Vec<f64> = (0..windows_down).into_par_iter().map(|y| ssim_of_row(a, b, y, &across, &down)).collect();
     let windows = f64::from(windows_down) * (a.width() as usize - across.len() + 1) as f64;
     rows.iter().sum::<f64>() / windows
 }
 
-/// Gaussian weights along an axis of `length` px, summing to one; an odd number of them.
+/// Returns the Gaussian weights along an axis of `length` px: an odd number of weights that sum to 1.
 fn window(length: u32) -> Vec<f64> {
     let length = length as usize;
     let reach = (length.min(WINDOW) - 1) / 2;
@@ -85,7 +85,8 @@ fn window(length: u32) -> Vec<f64> {
     (0..=2 * reach).map(|i| gaussian(i) / sum).collect()
 }
 
-/// Sum of the similarities of all windows whose top row is `top`. The window is separable: first down, then across.
+/// Returns the summed similarity of all windows whose top row is `top`. The window is separable: columns first, then
+/// rows.
 fn ssim_of_row(a: &Image<f64>, b: &Image<f64>, top: u32, across: &[f64], down: &[f64]) -> f64 {
     let width = a.width() as usize;
     let mut columns = [const { Vec::new() }; 5];
@@ -104,7 +105,7 @@ fn ssim_of_row(a: &Image<f64>, b: &Image<f64>, top: u32, across: &[f64], down: &
     (0..moments[0].len()).map(|x| similarity(std::array::from_fn(|i| moments[i][x]))).sum()
 }
 
-/// Weighted sums of `weights.len()` neighbours, for each place where all of them exist.
+/// Returns the weighted sum of `weights.len()` neighbours at each position where all of them exist.
 fn blur(values: &[f64], weights: &[f64]) -> Vec<f64> {
     let mut sums = vec![0.0; values.len() - weights.len() + 1];
     for (offset, weight) in weights.iter().enumerate() {
@@ -115,7 +116,7 @@ fn blur(values: &[f64], weights: &[f64]) -> Vec<f64> {
     sums
 }
 
-/// Similarity of two windows from the weighted means of a, b, a², b² and ab.
+/// Computes the similarity of two windows from the weighted means of a, b, a², b² and ab.
 fn similarity([mean_a, mean_b, square_a, square_b, product]: [f64; 5]) -> f64 {
     let (variance_a, variance_b) = (square_a - mean_a * mean_a, square_b - mean_b * mean_b);
     let covariance = product - mean_a * mean_b;
@@ -167,7 +168,7 @@ mod tests {
     fn black_against_white_is_as_wrong_as_can_be() {
         let error = error(&Image::filled(20, 20, [0, 0, 0, 255]), &Image::filled(20, 20, [255; 4]));
         assert_eq!((error.mse, error.psnr_db, error.max_abs, error.differing_pixels), (65025.0, 0.0, 255, 400));
-        // No structure in either: C1 / (255² + C1).
+        // Both images are flat, so only the luminance term remains: C1 / (255² + C1).
         assert!((error.ssim - 6.5025 / (65025.0 + 6.5025)).abs() < 1e-12, "{}", error.ssim);
     }
 
@@ -181,7 +182,7 @@ mod tests {
     fn the_window_is_the_published_one() {
         let weights = window(100);
         assert_eq!(weights.len(), 11);
-        // Centre and ends of exp(−i²/4.5) over its sum, 3.7589748.
+        // Centre and end weights: exp(−i²/4.5) divided by the sum of the window, 3.7589748.
         assert!((weights[5] - 0.266_011_7).abs() < 1e-6 && (weights[0] - 0.001_028_4).abs() < 1e-6, "{weights:?}");
         assert_eq!([1, 2, 3, 10, 11].map(|length| window(length).len()), [1, 1, 3, 9, 11]);
     }
@@ -190,7 +191,7 @@ mod tests {
     fn similarity_agrees_with_its_definition() {
         for (width, height) in [(1, 1), (2, 3), (11, 11), (10, 12), (4, 25), (23, 19)] {
             let a = noise(7, width, height);
-            // Alike but not the same, so that covariances matter.
+            // Correlated but not equal, so that covariances matter.
             let b = noise(8, width, height);
             let b = Image::from_fn(width, height, |x, y| {
                 std::array::from_fn(|c| ((3 * u16::from(a.at(x, y)[c]) + u16::from(b.at(x, y)[c])) / 4) as u8)
@@ -201,7 +202,7 @@ mod tests {
         }
     }
 
-    /// Window by window, with a two-dimensional Gaussian and central moments.
+    /// Computes SSIM directly, window by window, with a two-dimensional Gaussian and central moments.
     fn direct_ssim(a: &Image<Rgba8>, b: &Image<Rgba8>) -> f64 {
         let odd = |length: u32| (length.min(11) - 1) / 2 * 2 + 1;
         let (width, height) = (odd(a.width()), odd(a.height()));

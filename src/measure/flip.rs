@@ -1,18 +1,20 @@
-//! How different two pictures look when one flips between them: FLIP, for pictures of 8-bit sRGB codes.
+//! FLIP: perceived difference of two 8-bit sRGB-encoded images when a viewer alternates between them.
 //!
 //! Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström and Fairchild, "FLIP: A Difference Evaluator for Alternating
-//! Images" (2020). Two pipelines, and their product:
+//! Images" (2020). The metric combines two pipelines:
 //!
-//! * colour: to opponent colours, blurred as far as an eye at that distance blurs each, to L\*a\*b\* with saturation scaled by
-//!   lightness (Hunt), the distance of both, raised to 0.7 and mapped to [0, 1];
-//! * features: how much stronger edges and points are in one of the pictures, by Gaussian derivatives.
+//! * Colour: opponent colours, blurred by the contrast sensitivity of the eye at the viewing distance, then converted
+//!   to L\*a\*b\*. Chroma is scaled by lightness (Hunt effect). The colour distance is raised to 0.7 and mapped to
+//!   [0, 1].
+//! * Features: the difference in edge and point strength, detected with Gaussian derivatives.
 //!
-//! The error of a pixel is colour^(1 − feature): 0 for none, 1 for black against white. Pictures end with their outermost
-//! pixels repeated. Planes are f32, as in the authors' program. Viewed as is usual for the measure: a screen of 0.7 m and
-//! 3840 px seen from 0.7 m.
+//! The error of a pixel is colour^(1 − feature): 0 for identical pixels, 1 for black against white. Images are extended
+//! by repeating their border pixels. Planes are f32, as in the authors' program. The viewing conditions are the usual
+//! ones of the metric: a screen of 0.7 m and 3840 px seen from 0.7 m.
 //!
-//! Most of the work concerns one picture alone and is kept in [`Perceived`], so that a reference is worked on once for all
-//! pictures that are compared with it. Filters are separable: a pass along rows, then one along columns that finishes the pixel.
+//! Most of the work depends on one image only and is cached in [`Perceived`], so a reference is processed once for all
+//! images compared with it. Filters are separable: a pass along rows, then a pass along columns that also finishes the
+//! pixel.
 
 use std::array::from_fn;
 
@@ -21,60 +23,61 @@ use rayon::prelude::*;
 use crate::image::color::Tables;
 use crate::image::{Image, Rgba8};
 
-/// Pixels per degree of sight: distance · (pixels / width of the screen) · π / 180, for the usual view.
+/// Pixels per degree of visual angle: distance · (pixels / screen width) · π / 180, for the usual viewing conditions.
 pub const PIXELS_PER_DEGREE: f64 = 0.7 * (3840.0 / 0.7) * std::f64::consts::PI / 180.0;
 
-/// Exponent of colour distances.
+/// Exponent applied to colour distances.
 const COLOR_EXPONENT: f32 = 0.7;
 
-/// Share of the greatest colour distance below which differences get most of the range …
+/// Knee of the error mapping, as a fraction of the largest colour distance: distances below it use most of the error
+/// range.
 const KNEE: f32 = 0.4;
 
-/// … and how much of the range.
+/// Error at the knee: distances below the knee map linearly to smaller errors, distances above it to larger ones.
 const KNEE_ERROR: f32 = 0.95;
 
-/// Exponent of feature differences.
+/// Exponent applied to feature differences.
 const FEATURE_EXPONENT: f32 = 0.5;
 
-/// Width of a feature, degrees.
+/// Width of a feature, in degrees of visual angle.
 const FEATURE_WIDTH: f64 = 0.082;
 
-/// Gaussians reach to so many standard deviations.
+/// Truncation radius of the Gaussians, in standard deviations.
 const REACH: f64 = 3.0;
 
-/// Three numbers per pixel.
+/// Three components of a colour.
 type Color = [f64; 3];
 
-/// CIE XYZ of sRGB primaries with white at D65, and its inverse.
+/// Matrix from linear sRGB to CIE XYZ, with white at D65. The inverse is [`RGB_FROM_XYZ`].
 const XYZ_FROM_RGB: [Color; 3] = [
     [10_135_552.0 / 24_577_794.0, 8_788_810.0 / 24_577_794.0, 4_435_075.0 / 24_577_794.0],
     [2_613_072.0 / 12_288_897.0, 8_788_810.0 / 12_288_897.0, 887_015.0 / 12_288_897.0],
     [1_425_312.0 / 73_733_382.0, 8_788_810.0 / 73_733_382.0, 70_074_185.0 / 73_733_382.0],
 ];
 
-/// See [`XYZ_FROM_RGB`].
+/// Inverse of [`XYZ_FROM_RGB`].
 const RGB_FROM_XYZ: [Color; 3] = [
     [3.241_003_275, -1.537_398_934, -0.498_615_861],
     [-0.969_224_334, 1.875_930_071, 0.041_554_224],
     [0.055_639_423, -0.204_011_202, 1.057_148_933],
 ];
 
-/// A picture as an eye at the usual distance perceives it.
+/// Preprocessed image, as perceived at the usual viewing distance.
 #[derive(Clone, Debug)]
 pub struct Perceived {
-    /// L\*a\*b\* of the blurred picture, a\* and b\* scaled by lightness.
+    /// L\*a\*b\* of the blurred image, with a\* and b\* scaled by lightness.
     lab: Image<[f32; 3]>,
-    /// Strengths of edges and points.
+    /// Edge and point strengths.
     features: Image<[f32; 2]>,
 }
 
 impl Perceived {
-    /// Filters a picture. Alpha is ignored.
+    /// Filters an image. Alpha is ignored.
     pub fn new(picture: &Image<Rgba8>) -> Self {
         let (width, height) = picture.size();
         let opponents = Opponents::new();
         let filters = Filters::new();
-        // Each row in turn: its colours filtered along the row by every filter, one after the other.
+        // The output of each image row is contiguous: the row filtered by every filter, one after the other.
         let row_length = FILTERED * width as usize;
         let mut rows = vec![0.0; row_length * height as usize];
         if !rows.is_empty() {
@@ -95,8 +98,8 @@ impl Perceived {
         Self { lab, features }
     }
 
-    /// Returns the error of every pixel in [0, 1]; `None` if the sizes differ or there are no pixels. The order of the two
-    /// pictures does not matter.
+    /// Returns the error of every pixel in [0, 1], or `None` if the sizes differ or there are no pixels. The result is
+    /// symmetric.
     pub fn difference(&self, other: &Self) -> Option<Image<f32>> {
         if self.lab.size() != other.lab.size() || self.lab.pixels().is_empty() {
             return None;
@@ -118,8 +121,8 @@ impl Perceived {
     }
 }
 
-/// Returns the error of every pixel in [0, 1]; `None` if the sizes differ or there are no pixels. The order of the two pictures
-/// does not matter. Alpha is ignored.
+/// Returns the error of every pixel in [0, 1], or `None` if the sizes differ or there are no pixels. The result is
+/// symmetric. Alpha is ignored.
 pub fn map(a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<Image<f32>> {
     if a.size() != b.size() {
         return None;
@@ -127,7 +130,7 @@ pub fn map(a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<Image<f32>> {
     Perceived::new(a).difference(&Perceived::new(b))
 }
 
-/// The mean of the errors of [`map`], or of those of a part of it.
+/// Returns the mean of the errors of [`map`], or of a part of its image.
 pub(super) fn mean(errors: &Image<f32>) -> f64 {
     errors.pixels().iter().map(|error| f64::from(*error)).sum::<f64>() / errors.pixels().len() as f64
 }
@@ -136,15 +139,15 @@ fn transform(matrix: &[Color; 3], color: Color) -> Color {
     matrix.map(|row| row[0] * color[0] + row[1] * color[1] + row[2] * color[2])
 }
 
-/// XYZ of white.
+/// Returns the CIE XYZ of white.
 fn white() -> Color {
     transform(&XYZ_FROM_RGB, [1.0; 3])
 }
 
-/// Opponent colours of codes: a sum over the three channels.
+/// Lookup table from 8-bit sRGB-encoded values to opponent colours; a colour is the sum of its three channels' entries.
 struct Opponents {
-    /// Lightness (Y), red against green (Cx) and blue against yellow (Cz), per channel and code, all linear in light. Red
-    /// carries the constant.
+    /// Lightness (Y), red–green (Cx) and blue–yellow (Cz) per channel and 8-bit value, all computed from linear light.
+    /// The red entries include the constant term.
     of_code: [[[f32; 3]; 256]; 3],
 }
 
@@ -163,7 +166,7 @@ impl Opponents {
         Self { of_code }
     }
 
-    /// Returns the opponent colours of a row, plane by plane.
+    /// Returns the opponent colours of a row as three planes.
     fn planes(&self, row: &[Rgba8]) -> [Vec<f32>; 3] {
         let [red, green, blue] = &self.of_code;
         let mut planes = [const { Vec::new() }; 3];
@@ -178,8 +181,8 @@ impl Opponents {
     }
 }
 
-/// Back from opponent colours to light of sRGB primaries in [0, 1], and from there to L\*a\*b\* whose a\* and b\* are scaled by
-/// lightness: in the dark colours look less colourful (Hunt).
+/// Conversion from opponent colours to L\*a\*b\*, through linear sRGB clamped to [0, 1]. a\* and b\* are scaled by
+/// lightness, because dark colours look less colourful (Hunt effect).
 struct LabFromOpponent {
     rgb_from_relative_xyz: [[f32; 3]; 3],
     relative_xyz_from_rgb: [[f32; 3]; 3],
@@ -213,15 +216,15 @@ fn product(matrix: &[[f32; 3]; 3], v: [f32; 3]) -> [f32; 3] {
     matrix.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
 }
 
-/// Distance of two colours: in lightness as on a street grid, in the others straight (HyAB).
+/// Computes the HyAB distance of two colours: absolute difference in lightness plus Euclidean distance in chroma.
 fn distance(a: [f32; 3], b: [f32; 3]) -> f32 {
     let (da, db) = (a[1] - b[1], a[2] - b[2]);
     (a[0] - b[0]).abs() + (da * da + db * db).sqrt()
 }
 
-/// Maps distances of colours to errors in [0, 1].
+/// Mapping from colour distances to errors in [0, 1].
 struct ErrorScale {
-    /// The greatest distance of two colours, raised to [`COLOR_EXPONENT`].
+    /// Largest colour distance, raised to [`COLOR_EXPONENT`].
     greatest: f32,
     knee: f32,
 }
@@ -244,19 +247,20 @@ impl ErrorScale {
     }
 }
 
-/// Gaussians whose sum blurs a channel: heights and squared widths in degrees as the paper has them, without those of height 0.
+/// Sum of Gaussians that blurs a channel: amplitudes and squared widths in degrees, as in the paper. Terms of amplitude
+/// 0 are omitted.
 type Sight = &'static [(f64, f64)];
 
-/// Of lightness, red against green, and blue against yellow.
+/// Blur of the lightness, red–green and blue–yellow channels, in this order.
 const SIGHTS: [Sight; 3] = [&[(1.0, 0.0047)], &[(1.0, 0.0053)], &[(34.1, 0.04), (13.5, 0.025)]];
 
-/// Planes that the pass along rows makes: lightness, red against green and blue against yellow (twice) blurred, and lightness
-/// smoothed, its slope and its bend.
+/// Number of planes that the row pass writes: blurred lightness, blurred red–green, blurred blue–yellow (twice), and
+/// lightness smoothed and filtered by its first and second derivatives.
 const FILTERED: usize = 7;
 
-/// Weights of all filters at whole distances from the pixel, in px.
+/// Filter weights at integer pixel offsets.
 struct Filters {
-    /// Lightness, red against green, and the two Gaussians of blue against yellow; the same along both axes.
+    /// Blur weights of lightness, red–green and the two Gaussians of blue–yellow; the same along both axes.
     blurs: [Vec<f32>; 4],
     smooth: Vec<f32>,
     slope: Vec<f32>,
@@ -285,7 +289,7 @@ impl Filters {
         }
     }
 
-    /// Filters the opponent colours of a row along it; `filtered` is [`FILTERED`] rows.
+    /// Filters the opponent colours of a row along the row. `filtered` has room for [`FILTERED`] rows.
     fn along_row(&self, [lightness, cx, cz]: &[Vec<f32>; 3], filtered: &mut [f32]) {
         let relative: Vec<f32> = lightness.iter().map(|value| (value + 16.0) / 116.0).collect();
         let [blur_lightness, blur_cx, blur_cz, blur_cz_again] = &self.blurs;
@@ -304,7 +308,7 @@ impl Filters {
         }
     }
 
-    /// Filters row `y` along columns and finishes its pixels. `rows` holds [`FILTERED`] rows for each row of the picture.
+    /// Filters row `y` along columns and finishes its pixels. `rows` holds [`FILTERED`] rows for each image row.
     fn along_columns(
         &self,
         rows: &[f32],
@@ -341,10 +345,10 @@ impl Filters {
     }
 }
 
-/// Weights along one axis of each Gaussian of a sum; over both axes all of them together sum to 1.
+/// Returns the 1D weights of each Gaussian in a sum; as 2D kernels, all Gaussians together sum to 1.
 fn blur_weights(sight: Sight) -> Vec<Vec<f32>> {
     use std::f64::consts::PI;
-    /// Weights below this share of the greatest are less than the rounding of a sum in f32.
+    /// Threshold relative to the largest weight; smaller weights are lost in the rounding of an f32 sum.
     const NEGLIGIBLE: f64 = 1e-9;
     let widest = SIGHTS.iter().copied().flatten().map(|(_, b)| *b).fold(0.0, f64::max);
     let sigma = (widest / (2.0 * PI.powi(2))).sqrt();
@@ -363,19 +367,19 @@ fn blur_weights(sight: Sight) -> Vec<Vec<f32>> {
     axes.into_iter().map(trimmed).collect()
 }
 
-/// A function at whole places from −`reach` to `reach`.
+/// Samples a function at the integers from −`reach` to `reach`.
 fn taps(reach: i32, weight: impl Fn(f64) -> f64) -> Vec<f64> {
     (-reach..=reach).map(|x| weight(f64::from(x))).collect()
 }
 
-/// Weights whose positive ones sum to 1 and whose negative ones sum to −1.
+/// Normalises weights so that the positive ones sum to 1 and the negative ones to −1.
 fn balanced(weights: &[f64]) -> Vec<f64> {
     let positive: f64 = weights.iter().filter(|weight| **weight > 0.0).sum();
     let negative: f64 = -weights.iter().filter(|weight| **weight < 0.0).sum::<f64>();
     weights.iter().map(|weight| weight / if *weight > 0.0 { positive } else { negative }).collect()
 }
 
-/// Returns a row with its outermost values repeated `reach` times.
+/// Returns a row extended by `reach` copies of its first and last values.
 fn padded(row: &[f32], reach: usize) -> Vec<f32> {
     let [first, last] = [row.first(), row.last()].map(|value| value.copied().unwrap_or_default());
     let mut padded = vec![first; reach + row.len()];
@@ -384,9 +388,9 @@ fn padded(row: &[f32], reach: usize) -> Vec<f32> {
     padded
 }
 
-/// Computes at each place the sum over all taps of weight times value, the values of a tap being `values(tap)`.
+/// Computes the weighted sum over all taps at each position; `values(tap)` is the row that a tap reads.
 fn weighted_sums<'a>(weights: &[f32], values: impl Fn(usize) -> &'a [f32], sums: &mut [f32]) {
-    /// Places whose sums stay in registers while the taps go by: avoids a load and a store for each tap.
+    /// Number of sums kept in registers across all taps: avoids a load and a store for each tap.
     const PLACES: usize = 16;
     let in_chunks = sums.len() / PLACES * PLACES;
     let mut chunks = sums.chunks_exact_mut(PLACES);
@@ -443,14 +447,14 @@ mod tests {
         [x / 16 % 2, x / 32 % 2, x / 64 % 2].map(|on| 255 * on)
     }
 
-    /// A quarter of the way to grey.
+    /// Returns a colour mixed with a quarter of its grey.
     fn dull(color: [u32; 3]) -> [u32; 3] {
         let grey = color.iter().sum::<u32>() / 3;
         color.map(|code| (3 * code + grey) / 4)
     }
 
-    /// Means and maxima by the authors' own program: the package `flip-evaluator` 1.7 of PyPI, `evaluate(a, b, "LDR",
-    /// applyMagma=False)` of PNG files of these pictures, all other settings left as they are.
+    /// Checks means and maxima against the authors' own program: the package `flip-evaluator` 1.7 of PyPI, `evaluate(a,
+    /// b, "LDR", applyMagma=False)` of PNG files of these images, with all other settings at their defaults.
     #[test]
     fn errors_are_those_of_the_authors_program() {
         let mixed = |x, y| {
@@ -464,7 +468,7 @@ mod tests {
             ("disc", picture(disc), picture(|x, y| disc(x / 4 * 4, y / 4 * 4)), 0.091_233, 0.959_630),
             ("bars", picture(|x, _| bars(x)), picture(|x, _| dull(bars(x))), 0.477_385, 0.818_903),
         ];
-        // Sums of codes, which tell that the pictures are the ones that the figures are of.
+        // Sums of channel values verify that these are the images the expected figures were computed from.
         let sum = |p: &Image<Rgba8>| p.pixels().iter().flat_map(|p| &p[..3]).map(|code| u32::from(*code)).sum::<u32>();
         let sums = pairs.each_ref().map(|(_, a, b, ..)| (sum(a), sum(b)));
         assert_eq!(

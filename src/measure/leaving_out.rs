@@ -1,4 +1,4 @@
-//! What leaving out saves: frames of one view as planned, and with a part of the work forced, in turn.
+//! Savings from skipped work: frames of one view as planned and with skipped parts forced to run, interleaved.
 
 use std::hint::black_box;
 use std::sync::Arc;
@@ -17,40 +17,41 @@ use crate::pipeline::vertex::{DrawMatrices, containment};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
 
-/// What a part costs that some draws of a view leave out.
+/// Cost of a part that some draws of a view skip.
 #[derive(Clone, Debug, Serialize)]
 pub struct Saving {
-    /// Which; nothing stands for all together.
+    /// Skipped part; `None` stands for all parts together.
     pub part: Option<Part>,
-    /// Draws that run it only if it is forced.
+    /// Number of draws that run the part only when it is forced.
     pub draws: usize,
-    /// Milliseconds of a frame with it, less those of the planned frame of the same round.
+    /// Milliseconds of a frame with the part forced minus those of the planned frame of the same round.
     pub saved_ms: Summary,
     /// Whether the median saving is within the noise floor.
     pub within_noise: bool,
-    /// Whether both pictures are the same.
+    /// Whether the image is identical with and without the part.
     pub same_picture: bool,
 }
 
-/// What all that a view leaves out saves.
+/// Savings from everything that a view skips.
 #[derive(Clone, Debug, Serialize)]
 pub struct Savings {
     /// Milliseconds of a frame as planned.
     pub planned_ms: Summary,
-    /// Noise floor, from planned frames that are drawn twice per round.
+    /// Noise floor, from drawing the planned frame twice per round.
     pub noise: Noise,
-    /// Milliseconds to make the plans of a frame: all that a view pays which leaves nothing out.
+    /// Milliseconds to compute the plans of a frame: the only overhead for a view that skips nothing.
     pub planning_ms: Summary,
-    /// Parts that every draw runs as planned, but for those that are outside the view.
+    /// Parts that the plan runs for every draw, not counting draws outside the view.
     pub needed: Vec<Part>,
-    /// For each part that can be forced and would otherwise not run for some draw, and for all of them together.
+    /// Savings for each part that can be forced and is skipped by some draw, then for all of them together if there are
+    /// several.
     pub savings: Vec<Saving>,
 }
 
-/// Rounds before those that count.
+/// Number of warm-up rounds before the measured ones.
 const WARM_UP_ROUNDS: usize = 2;
 
-/// One way to draw the view.
+/// One variant of the view: as planned, or with skipped work forced to run.
 struct Way {
     part: Option<Part>,
     force: Force,
@@ -60,8 +61,8 @@ struct Way {
     picture: Image<Rgba8>,
 }
 
-/// Draws a view as planned (twice, to see the noise) and with each part forced that it leaves out, in `rounds` ≥ 1 rounds, on
-/// the threads of the present rayon pool. `progress` hears the share that is done. `None` when cancelled.
+/// Times a view as planned (twice, for the noise floor) and with each skipped part forced. Measures `rounds` ≥ 1 rounds
+/// on the current rayon pool. `progress` receives the completed fraction in [0, 1]. Returns `None` if cancelled.
 pub fn savings(
     scene: &Arc<Scene>,
     camera: &Camera,
@@ -98,7 +99,7 @@ pub fn savings(
     let mut planning_ms = Vec::with_capacity(rounds);
     let all_rounds = WARM_UP_ROUNDS + rounds;
     for round in 0..all_rounds {
-        // Back and forth, so that no way always comes first.
+        // The order alternates, so that no variant always comes first.
         let count = ways.len();
         for turn in 0..count {
             let way = &mut ways[if round % 2 == 0 { turn } else { count - 1 - turn }];
@@ -153,7 +154,7 @@ pub fn savings(
     })
 }
 
-/// Makes the plans of a frame, and tells how many milliseconds that takes. Matrices are none of it: draws need them anyway.
+/// Returns the milliseconds needed to compute the plans of a frame. Matrices are not timed: draws need them anyway.
 fn time_of_planning(scene: &Scene, camera: &Camera, settings: &Settings, viewport: Viewport) -> f64 {
     let clip_from_world = camera.clip_from_world_f64(viewport.aspect(), settings.depth_format.mapping());
     let matrices = |instance| DrawMatrices::new(instance, clip_from_world).clip_from_model;
@@ -166,7 +167,7 @@ fn time_of_planning(scene: &Scene, camera: &Camera, settings: &Settings, viewpor
     start.elapsed().as_secs_f64() * 1e3
 }
 
-/// Draws whose plans differ.
+/// Returns the number of draws whose plans differ.
 fn differing(some: &[DrawPlan], others: &[DrawPlan]) -> usize {
     some.iter().zip(others).filter(|(one, other)| one != other).count()
 }

@@ -1,8 +1,8 @@
-//! The machine and the build that times were measured on, with its load: times mean nothing without them.
+//! The machine and build that times were measured on, with the system load: times are meaningless without them.
 
 use serde::Serialize;
 
-/// A machine, its load during a measurement, and a build.
+/// Machine, build, and system load during a measurement.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Machine {
     /// Operating system and processor architecture.
@@ -14,16 +14,16 @@ pub struct Machine {
     /// Load average over one minute when the measurement began, in runnable processes; `None` where the system does not
     /// report it.
     pub load_at_start: Option<f64>,
-    /// The same when the measurement ended; `None` before that.
+    /// Load average over one minute when the measurement ended; `None` before that.
     pub load_at_end: Option<f64>,
-    /// Whether the build is optimized: times of debug builds say little.
+    /// Whether the build is optimised; times of debug builds are not representative.
     pub optimized: bool,
     /// Version of this program.
     pub version: &'static str,
 }
 
 impl Machine {
-    /// Returns the machine of this process at the start of a measurement.
+    /// Describes the current machine and build at the start of a measurement.
     pub fn at_start() -> Self {
         let named = |line: &str| Some(line.strip_prefix("model name")?.split_once(':')?.1.trim().to_owned());
         Self {
@@ -37,12 +37,12 @@ impl Machine {
         }
     }
 
-    /// Returns the same with the present load as the load at the end of the measurement.
+    /// Records the current load average as the load at the end of the measurement.
     pub fn at_end(self) -> Self {
         Self { load_at_end: load_average(), ..self }
     }
 
-    /// Returns processor, hardware threads, platform and load in one line without a full stop.
+    /// Returns processor, hardware threads, platform, build and load as one line without a full stop.
     pub fn summary(&self) -> String {
         let processor = self.processor.as_deref().unwrap_or("unknown processor");
         let build = if self.optimized { "" } else { ", not optimized" };

@@ -1,4 +1,4 @@
-//! How wrong a picture is, and how long it took.
+//! Image error metrics and frame timing.
 
 pub mod against;
 

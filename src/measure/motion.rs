@@ -1,9 +1,9 @@
 //! Errors of a moving view: each frame of a sequence against the reference of the same frame.
 //!
-//! A temporal method can equal its reference once the view rests and still be far from it while the view moves. Methods
-//! are therefore compared over a sequence: the camera orbits its target by a constant angle per frame and ends at the
-//! given view. Methods that read earlier frames see [`Turn::WARM_UP`] more frames before those that count. [`Playback`] draws
-//! such frames, whether to time them or to judge them: equal numbers are equal pictures, bit for bit.
+//! A temporal method can match its reference once the view is still, and yet be far from it while the view moves.
+//! Methods are therefore compared over a sequence: the camera orbits its target by a constant angle per frame and ends
+//! at the given view. Methods that read earlier frames get [`Turn::WARM_UP`] more frames before the measured ones.
+//! [`Playback`] draws such frames for timing and for error measurement: frames of equal numbers are bit-identical.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -19,34 +19,34 @@ use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
 use crate::upscale::Upscaling;
 
-/// A camera that orbits its target.
+/// Camera orbit around its target, at a constant angle per frame.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Turn {
     /// Angle between two frames in degrees; 0 is the still view.
     pub degrees: f32,
-    /// Number of frames that are measured, at least 1.
+    /// Number of measured frames, at least 1.
     pub frames: u32,
 }
 
 impl Turn {
-    /// A camera that stands still.
+    /// A still camera.
     pub const STILL: Self = Self { degrees: 0.0, frames: 1 };
 
-    /// Frames that precede the measured ones for methods that read earlier frames; longer than the memory of every method.
+    /// Number of warm-up frames for methods that read earlier frames; longer than the history of every method.
     pub const WARM_UP: u32 = 20;
 
-    /// Returns a turn by `degrees` per frame over the default number of frames, or the still view for 0°.
+    /// Returns an orbit of `degrees` per frame over the default number of frames, or a still view for 0°.
     pub fn by(degrees: f32) -> Self {
         if degrees == 0.0 { Self::STILL } else { Self { degrees, ..Self::default() } }
     }
 
-    /// Whether the camera stands still.
+    /// Whether the camera is still.
     pub fn is_still(&self) -> bool {
         self.degrees == 0.0
     }
 
-    /// Returns the camera of frame `number`, counted from 0. The last frame sees the view `last`; negative numbers are frames
-    /// before the measured ones.
+    /// Returns the camera of frame `number`, counted from 0. The last frame uses the camera `last`; negative numbers
+    /// are warm-up frames.
     pub fn camera(&self, last: &Camera, number: i64) -> Camera {
         let mut camera = *last;
         let frames_before = i64::from(self.frames) - 1 - number;
@@ -56,8 +56,8 @@ impl Turn {
         camera
     }
 
-    /// Returns the number of the frame that round `round` of a timing run draws: the measured frames, again and again. Rounds of
-    /// the warm-up have negative numbers, as have the frames before the measured ones.
+    /// Returns the number of the frame that a timing run draws in round `round`: the measured frames, repeated in
+    /// order. Warm-up rounds have negative numbers, as have warm-up frames.
     pub fn frame_of_round(&self, round: i64) -> i64 {
         if round < 0 { round } else { round % i64::from(self.frames) }
     }
@@ -69,16 +69,16 @@ impl Default for Turn {
     }
 }
 
-/// The view at the end of a sequence.
+/// A frame sequence: scene, final view and camera motion.
 #[derive(Clone, Copy, Debug)]
 pub struct Shot<'a> {
-    /// Scene that the camera sees.
+    /// Scene to draw.
     pub scene: &'a Arc<Scene>,
-    /// The last camera of the sequence.
+    /// Camera of the last frame.
     pub camera: &'a Camera,
-    /// Size of the pictures.
+    /// Image size, in pixels.
     pub viewport: Viewport,
-    /// Motion of the camera up to this view.
+    /// Motion of the camera up to the final view.
     pub turn: Turn,
 }
 
@@ -87,15 +87,15 @@ pub struct Shot<'a> {
 pub struct MotionError {
     /// Number of frames, at least 1.
     pub frames: usize,
-    /// Mean over the frames: MSE, SSIM, FLIP and differing pixels are averaged, PSNR is that of the mean MSE, and the largest
-    /// difference is the largest of all frames.
+    /// Mean over the frames: MSE, SSIM, FLIP and the number of differing pixels are averaged. PSNR is computed from the
+    /// mean MSE, and the largest difference is the maximum over all frames.
     pub mean: Figures,
-    /// Figures of the frame with the largest FLIP.
+    /// Metrics of the frame with the largest FLIP error.
     pub worst: Figures,
 }
 
 impl MotionError {
-    /// Summarizes the figures of each frame; `None` if there are none.
+    /// Summarises the metrics of each frame. Returns `None` for an empty slice.
     pub fn of(frames: &[Figures]) -> Option<Self> {
         let worst = *frames.iter().max_by(|a, b| a.flip.total_cmp(&b.flip))?;
         let count = frames.len() as f64;
@@ -111,56 +111,56 @@ impl MotionError {
     }
 }
 
-/// Draws frames of a sequence by one recipe, each with the history that it has in the sequence.
+/// Playback of a sequence with one recipe; every frame gets the history it has in the sequence.
 #[derive(Debug)]
 pub struct Playback {
     recipe: Recipe,
     lanes: Lanes,
-    /// `None` for recipes that read no earlier frame.
+    /// Renderer with history; `None` for recipes that read no earlier frame.
     history: Option<Run>,
 }
 
-/// Consecutive frames that one renderer drew.
+/// Consecutive frames drawn by one renderer.
 #[derive(Debug)]
 struct Run {
     renderer: Renderer,
-    /// Numbers of the frames. A still view is one frame drawn again and again, counted from 0.
+    /// Numbers of the frames drawn. A still view repeats one frame, counted from 0.
     frames: Range<i64>,
 }
 
 impl Playback {
-    /// Prepares to draw by `recipe`; nothing is drawn yet.
+    /// Creates a playback for `recipe` with the best lanes of the processor; draws nothing yet.
     pub fn new(recipe: Recipe) -> Self {
         Self::on(recipe, Lanes::best())
     }
 
-    /// Prepares to draw by `recipe` on the given lanes.
+    /// Creates a playback for `recipe` with the given lanes; draws nothing yet.
     pub fn on(recipe: Recipe, lanes: Lanes) -> Self {
         let reads_past = recipe.upscaler.upscaler().reads().past;
         let history = reads_past.then(|| Run { renderer: Renderer::on(lanes), frames: 0..0 });
         Self { recipe, lanes, history }
     }
 
-    /// Returns the recipe.
+    /// Returns the recipe of this playback.
     pub fn recipe(&self) -> &Recipe {
         &self.recipe
     }
 
-    /// Draws at most one of the frames before frame `number` > −[`Turn::WARM_UP`] that the recipe's history depends on; returns
-    /// whether there was one.
+    /// Draws at most one warm-up frame that frame `number` > −[`Turn::WARM_UP`] depends on. Returns whether there was
+    /// one to draw.
     pub fn warm_up(&mut self, shot: &Shot<'_>, number: i64) -> bool {
         let Some(run) = &mut self.history else { return false };
         let Some(missing) = run.missing(shot.turn, number) else { return false };
         if missing != run.frames.end || run.frames.is_empty() {
-            // The history of another place of the sequence must not show.
+            // History from another position in the sequence would leak into the image.
             *run = Run { renderer: Renderer::on(self.lanes), frames: missing..missing };
         }
         run.draw(shot, &self.recipe, missing, |_| ());
         true
     }
 
-    /// Draws frame `number`, after those that its history depends on, and returns what `look` makes of it. Recipes without
-    /// history share a renderer.
+    /// Draws frame `number` after the frames that its history depends on, and returns the result of `look`. Recipes
+    /// without history use the renderer `shared`.
     pub fn draw<T>(
         &mut self,
         shot: &Shot<'_>,
@@ -175,21 +175,22 @@ impl Playback {
         }
     }
 
-    /// Returns the bytes that the renderer of a recipe with history holds; 0 without history.
+    /// Returns the bytes held by the renderer of a recipe with history; 0 without history.
     pub fn bytes(&self) -> usize {
         self.history.as_ref().map_or(0, |run| run.renderer.bytes())
     }
 }
 
 impl Run {
-    /// Returns the number of the frame that has to be drawn next so that frame `number` has its history; `None` if it has it.
+    /// Returns the number of the frame to draw next to build the history of frame `number`, or `None` if that history
+    /// is complete.
     fn missing(&self, turn: Turn, number: i64) -> Option<i64> {
         let warm_up = i64::from(Turn::WARM_UP);
         let Range { start, end } = self.frames;
         if turn.is_still() {
             return (end - start < warm_up).then_some(end);
         }
-        // All playbacks begin at the same frame: what a method accumulates depends on the number of frames before.
+        // Every playback starts at the same frame: accumulated history depends on the number of frames before.
         if start != -warm_up || number < end { Some(-warm_up) } else { (number > end).then_some(end) }
     }
 
@@ -199,7 +200,7 @@ impl Run {
     }
 }
 
-/// Draws frame `number` and returns what `look` makes of it.
+/// Draws frame `number` and returns the result of `look`.
 fn drawn<T>(
     shot: &Shot<'_>,
     number: i64,
@@ -213,24 +214,24 @@ fn drawn<T>(
     seen
 }
 
-/// Judges recipes over a sequence piece by piece: each frame by every recipe, before the next frame.
+/// Incremental error measurement of several recipes over a sequence: each frame with every recipe, before the next
+/// frame.
 #[derive(Debug)]
 pub struct Judge {
     reference: Reference,
     playbacks: Vec<Playback>,
     renderer: Renderer,
-    /// References of the present frame, each with the recipe that it is of. Recipes that differ in nothing but the upscaler
-    /// share one.
+    /// References of the current frame with their recipes. Recipes that differ only in the upscaler share a reference.
     standards: Vec<(Recipe, Standard)>,
     gathering: Option<Box<Gathering>>,
-    /// Figures of each recipe, frame by frame.
+    /// Metrics of each recipe, per frame.
     figures: Vec<Vec<Figures>>,
-    /// Number of frames judged, over all recipes.
+    /// Number of frames measured, over all recipes.
     judged: usize,
 }
 
 impl Judge {
-    /// Prepares to judge recipes against a reference; nothing is drawn yet.
+    /// Prepares to measure recipes against a reference; draws nothing yet.
     pub fn new(reference: Reference, recipes: impl IntoIterator<Item = Recipe>) -> Self {
         let playbacks: Vec<_> = recipes.into_iter().map(Playback::new).collect();
         Self {
@@ -244,8 +245,8 @@ impl Judge {
         }
     }
 
-    /// Draws at most one frame, of a reference or by a recipe. If that completes a frame of a recipe, `look` sees it with every
-    /// pixel's FLIP, and the number of the recipe is returned.
+    /// Draws at most one frame, either of a reference or with a recipe. When that completes a frame of a recipe, calls
+    /// `look` with the frame and the FLIP error of every pixel, and returns the index of the recipe.
     pub fn step(&mut self, shot: &Shot<'_>, look: impl FnOnce(usize, &Frame, Image<f32>)) -> Option<usize> {
         if self.is_complete(shot.turn) {
             return None;
@@ -281,29 +282,30 @@ impl Judge {
         Some(place)
     }
 
-    /// Whether all frames are judged.
+    /// Whether all frames are measured.
     pub fn is_complete(&self, turn: Turn) -> bool {
         self.judged >= self.total(turn)
     }
 
-    /// Number of frames to judge, over all recipes.
+    /// Returns the number of frames to measure, over all recipes.
     pub fn total(&self, turn: Turn) -> usize {
         self.playbacks.len() * turn.frames as usize
     }
 
-    /// Number of frames judged, over all recipes.
+    /// Returns the number of frames measured so far, over all recipes.
     pub fn judged(&self) -> usize {
         self.judged
     }
 
-    /// Returns the error of a recipe over the frames judged so far; `None` before the first.
+    /// Returns the error of a recipe over the frames measured so far, or `None` before the first.
     pub fn error(&self, recipe: usize) -> Option<MotionError> {
         MotionError::of(self.figures.get(recipe)?)
     }
 }
 
-/// Returns how far the sequence of recipe `b` is from that of recipe `a`, each frame from the same camera. `go_on` is called
-/// before each frame with the share that is done, and returns whether to go on; if not, there is no error.
+/// Returns the error of the sequence of recipe `b` against that of recipe `a`, frame by frame with equal cameras.
+/// `go_on` receives the completed fraction in [0, 1] before each frame and returns whether to continue; the result is
+/// `None` if it returns `false`.
 pub fn between(shot: &Shot<'_>, [a, b]: [&Recipe; 2], go_on: &mut dyn FnMut(f32) -> bool) -> Option<MotionError> {
     let mut playbacks = [a, b].map(|recipe| Playback::new(*recipe));
     let mut renderer = Renderer::default();

@@ -1,10 +1,10 @@
-//! Noise floor of a timing run: how far two measurements of the same thing are apart.
+//! Noise floor of a timing run: the difference between two measurements of the same recipe.
 //!
-//! A run draws some recipes twice per round, interleaved with all others, as if each were two recipes: A/A. The rounds are
-//! split into blocks of consecutive rounds. Each block gives one pair, the medians of both series over the block, so that
-//! the pairs are spread over the run. The noise floor is the 90th percentile of the relative differences of all pairs.
+//! A run draws some recipes twice per round (A/A), interleaved with all others. The rounds are split into blocks of
+//! consecutive rounds. Each block yields one pair: the medians of both series over the block. The pairs are therefore
+//! spread over the run. The noise floor is the 90th percentile of the relative differences of all pairs.
 //!
-//! A median over the whole run rests on more frames than a median over a block: the floor is an upper estimate.
+//! A median over the whole run uses more frames than a median over a block, so the floor is an upper estimate.
 
 use serde::Serialize;
 
@@ -16,10 +16,10 @@ pub const WITHIN: &str = "within noise";
 /// Label of a difference that is larger than the noise floor.
 pub const ABOVE: &str = "larger than the noise";
 
-/// Rounds per block: the fewest whose median ignores an outlier.
+/// Minimum number of rounds per block: the fewest whose median ignores an outlier.
 const ROUNDS_PER_BLOCK: usize = 3;
 
-/// Most blocks of a run; longer runs have longer blocks, and therefore a lower floor.
+/// Maximum number of blocks of a run; longer runs have longer blocks and therefore a lower floor.
 const MOST_BLOCKS: usize = 10;
 
 /// Noise floor of a run.
@@ -27,7 +27,7 @@ const MOST_BLOCKS: usize = 10;
 pub struct Noise {
     /// Number of A/A pairs, at least 1.
     pub pairs: usize,
-    /// 90th percentile of the relative differences of the pairs: 0.02 is 2 % of the shorter time.
+    /// 90th percentile of the relative differences of the pairs: 0.02 means 2 % of the shorter time.
     pub p90: f64,
 }
 
@@ -37,24 +37,24 @@ impl Noise {
         self.p90 * ms
     }
 
-    /// Whether two times are too close to be told apart.
+    /// Whether the difference of two times is within the noise floor.
     pub fn covers(&self, a_ms: f64, b_ms: f64) -> bool {
         relative_difference(a_ms, b_ms) <= self.p90
     }
 
-    /// Whether a change of a time of `of_ms` is within the noise floor, both in milliseconds.
+    /// Whether a change of `change_ms` to a time of `of_ms` is within the noise floor, both in milliseconds.
     pub fn covers_change(&self, change_ms: f64, of_ms: f64) -> bool {
         change_ms.abs() <= self.ms(of_ms)
     }
 
-    /// Returns the noise floor with the number of its pairs in words, for example “±1.8 % (90th percentile of 25 A/A pairs)”.
+    /// Returns the noise floor and the number of pairs as text, for example “±1.8 % (90th percentile of 25 A/A pairs)”.
     pub fn words(&self) -> String {
         let pairs = if self.pairs == 1 { "1 A/A pair".to_owned() } else { format!("{} A/A pairs", self.pairs) };
         format!("±{:.1} % (90th percentile of {pairs})", self.p90 * 100.0)
     }
 }
 
-/// Returns the label of a difference that is within noise or is not.
+/// Returns the label of a difference: [`WITHIN`] or [`ABOVE`].
 pub fn label(within_noise: bool) -> &'static str {
     if within_noise { WITHIN } else { ABOVE }
 }
@@ -67,8 +67,8 @@ pub struct Pairs {
 }
 
 impl Pairs {
-    /// Adds the pairs of a recipe that was timed twice per round. Both series have one time per round, in the order of the
-    /// rounds; a round that only one of them has is ignored.
+    /// Adds the pairs of a recipe that was timed twice per round. Both series hold one time per round, in order; rounds
+    /// missing from either series are ignored.
     pub fn add(&mut self, first: &[f64], again: &[f64]) {
         let rounds = first.len().min(again.len());
         let blocks = (rounds / ROUNDS_PER_BLOCK).clamp(1, MOST_BLOCKS);
@@ -81,7 +81,7 @@ impl Pairs {
         }
     }
 
-    /// Adds the pairs of one recipe that was timed frame after frame: every other frame belongs to the second series.
+    /// Adds the pairs of one recipe timed frame after frame; odd frames form the second series.
     pub fn add_alternating(&mut self, times: &[f64]) {
         let series = [0, 1].map(|first| times.iter().skip(first).step_by(2).copied().collect::<Vec<_>>());
         self.add(&series[0], &series[1]);
@@ -92,14 +92,14 @@ impl Pairs {
         self.differences.extend(other.differences);
     }
 
-    /// Returns the noise floor; `None` without a pair.
+    /// Returns the noise floor, or `None` if there are no pairs.
     pub fn noise(&self) -> Option<Noise> {
         let summary = summarize(&self.differences)?;
         Some(Noise { pairs: summary.n, p90: summary.p90 })
     }
 }
 
-/// Returns the difference of two times as a share of the shorter one, so that their order does not matter. 0 for equal times.
+/// Returns the difference of two times relative to the shorter one, which makes it symmetric; 0 for equal times.
 fn relative_difference(a: f64, b: f64) -> f64 {
     if a == b { 0.0 } else { (a - b).abs() / a.min(b).max(f64::MIN_POSITIVE) }
 }
@@ -108,13 +108,13 @@ fn relative_difference(a: f64, b: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Times around `ms` that vary by up to `share` each way, the same in every run of the tests.
+    /// Returns reproducible times around `ms` that vary by up to `share` in either direction.
     fn times(ms: f64, share: f64, count: usize, seed: u64) -> Vec<f64> {
         let mut random = fastrand::Rng::with_seed(seed);
         (0..count).map(|_| ms * (1.0 + share * (2.0 * random.f64() - 1.0))).collect()
     }
 
-    /// The value that a sort finds in the middle of a few.
+    /// Computes the median by sorting, independently of the code under test.
     fn middle(values: &[f64]) -> f64 {
         let mut sorted = values.to_vec();
         sorted.sort_by(f64::total_cmp);
@@ -126,7 +126,7 @@ mod tests {
         let (first, again) = (times(5.0, 0.04, 33, 1), times(5.0, 0.04, 33, 2));
         let mut pairs = Pairs::default();
         pairs.add(&first, &again);
-        // 33 rounds are ten blocks, of three rounds or four: block k begins at round ⌊3.3 k⌋.
+        // 33 rounds make ten blocks of three or four rounds: block k begins at round ⌊3.3 k⌋.
         let ends = [0, 3, 6, 9, 13, 16, 19, 23, 26, 29, 33];
         let mut differences: Vec<f64> = ends
             .windows(2)
@@ -136,7 +136,7 @@ mod tests {
             })
             .collect();
         differences.sort_by(f64::total_cmp);
-        // Of ten sorted values, the 90th percentile lies a tenth of the way from the ninth to the tenth.
+        // The 90th percentile of ten sorted values lies a tenth of the way from the ninth to the tenth.
         let expected = differences[8] + 0.1 * (differences[9] - differences[8]);
         let noise = pairs.noise().unwrap();
         assert_eq!(noise.pairs, 10);

@@ -1,4 +1,4 @@
-//! What a change of the recipe does to the time of a frame: frames by both recipes, interleaved, with the noise floor.
+//! Effect of a recipe change on frame time: frames of both recipes, interleaved, with the noise floor.
 
 use serde::Serialize;
 
@@ -8,23 +8,23 @@ use super::rounds::RoundTimer;
 use super::timing::{Summary, summarize};
 use crate::chain::Recipe;
 
-/// Times of two recipes, milliseconds per frame.
+/// Frame times of two recipes, in milliseconds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PairTimes {
-    /// Times of the first recipe.
+    /// Times of recipe A.
     pub a_ms: Summary,
-    /// Times of the second recipe.
+    /// Times of recipe B.
     pub b_ms: Summary,
-    /// The second less the first, of the same round.
+    /// Time of B minus time of A in the same round.
     pub change_ms: Summary,
-    /// Noise floor, from both recipes timed against themselves in the same rounds.
+    /// Noise floor, from timing both recipes against themselves in the same rounds.
     pub noise: Noise,
     /// Whether the median change is within the noise floor.
     pub within_noise: bool,
 }
 
 impl PairTimes {
-    /// Summarizes the times of two recipes, round by round; `None` without a round.
+    /// Summarises the times of two recipes, one per round. Returns `None` without a round.
     pub fn of(a_ms: &[f64], b_ms: &[f64], noise: Noise) -> Option<Self> {
         let changes: Vec<_> = a_ms.iter().zip(b_ms).map(|(a, b)| b - a).collect();
         let (a_ms, b_ms, change_ms) = (summarize(a_ms)?, summarize(b_ms)?, summarize(&changes)?);
@@ -32,25 +32,25 @@ impl PairTimes {
         Some(Self { a_ms, b_ms, change_ms, noise, within_noise })
     }
 
-    /// Returns the noise floor in milliseconds at the shorter of both times.
+    /// Returns the noise floor in milliseconds, at the shorter of the two medians.
     pub fn noise_ms(&self) -> f64 {
         self.noise.ms(self.a_ms.median.min(self.b_ms.median))
     }
 }
 
-/// Times two recipes round by round.
+/// Incremental timer that draws two recipes in alternation.
 #[derive(Debug)]
 pub struct PairTimer {
     timer: RoundTimer,
 }
 
 impl PairTimer {
-    /// Prepares to time `a` and `b` in `rounds` rounds that count, at least one.
+    /// Prepares to time `a` and `b` over `rounds` measured rounds, at least one.
     pub fn new(a: Recipe, b: Recipe, rounds: usize) -> Self {
         Self { timer: RoundTimer::new(&[a, b], rounds) }
     }
 
-    /// Returns the share of the frames that are drawn, in [0, 1].
+    /// Returns the fraction of the frames drawn so far, in [0, 1].
     pub fn progress(&self) -> f32 {
         let (done, of) = self.timer.progress();
         done as f32 / of.max(1) as f32
@@ -81,7 +81,7 @@ mod tests {
         let mut timer = PairTimer::new(Recipe::default(), Recipe { wireframe: true, ..Recipe::default() }, 3);
         let viewport = Viewport { width: 32, height: 24 };
         let shot = Shot { scene: &scene, camera: &scene.home, viewport, turn: Turn::STILL };
-        // Four frames in each of five rounds, two of which warm up.
+        // Four frames in each of five rounds; the first two rounds are warm-up.
         for _ in 0..4 * 5 - 1 {
             assert_eq!(timer.step(&shot), None);
         }

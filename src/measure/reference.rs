@@ -1,8 +1,8 @@
-//! The two pictures that others are measured against. A figure of error means nothing without the name of its reference:
+//! Reference images for error metrics. An error is meaningless without the name of its reference:
 //!
-//! * *native* is what the same recipe draws with one sample in every pixel: it tells what an approximation changed;
-//! * *converged* is the mean of 256 samples of each pixel in linear light: it tells how far from the truth a picture is, and
-//!   native itself has an error against it.
+//! * *native* is the same recipe with one sample in every pixel: its error is what an approximation changed;
+//! * *converged* is the mean of 256 samples per pixel in linear light: its error is the distance from the ideal image,
+//!   and native itself has an error against it.
 
 use std::sync::Arc;
 
@@ -14,15 +14,18 @@ use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
 
 choice! {
-    /// A picture to measure against.
+    /// Reference image to measure against.
     Reference {
-        Native = "native", "Native, 1 sample", "Every pixel drawn once, at its centre: what an upscaler would have to guess.";
-        Converged = "converged", "Converged, 256 samples", "The mean of 256 low-discrepancy samples of every pixel in linear light: what the eye should see. Native itself has an error against it.";
+        Native = "native", "Native, 1 sample",
+            "One sample at the centre of each pixel: the picture that an upscaler approximates.";
+        Converged = "converged", "Converged, 256 samples",
+            "The mean of 256 low-discrepancy samples of every pixel in linear light, free of visible aliasing. Native \
+            has an error against it, too.";
     }
 }
 
 impl Reference {
-    /// How many samples a pixel gets.
+    /// Returns the number of samples per pixel.
     pub fn samples(self) -> u32 {
         match self {
             Self::Native => 1,
@@ -30,13 +33,13 @@ impl Reference {
         }
     }
 
-    /// Begins the reference of a recipe: its pipeline, without upscaler, filter and lines.
+    /// Begins to render the reference of a recipe: its pipeline without upscaler, post filter and wireframe.
     pub fn begin(self, scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, viewport: Viewport) -> Gathering {
         Gathering::new(scene, camera, recipe, viewport, self.samples())
     }
 
-    /// The whole reference. `go_on` is told the share that is done after each sample, and says whether to go on; if not,
-    /// there is no picture.
+    /// Renders the complete reference. `go_on` receives the completed fraction in [0, 1] after each sample and returns
+    /// whether to continue; the result is `None` if it returns `false`.
     pub fn picture(
         self,
         scene: &Arc<Scene>,

@@ -1,4 +1,4 @@
-//! Measures within a rectangle of two pictures.
+//! Error metrics within a rectangle of two images.
 
 use serde::{Deserialize, Serialize};
 
@@ -20,7 +20,7 @@ pub struct Region {
 }
 
 impl Region {
-    /// The part of a picture that lies within; `None` if there is none.
+    /// Returns the part of an image inside the rectangle, or `None` if they do not overlap.
     pub fn of<T: Copy>(self, picture: &Image<T>) -> Option<Image<T>> {
         let (right, bottom) = (self.right.min(picture.width()), self.bottom.min(picture.height()));
         if self.left >= right || self.top >= bottom {
@@ -29,7 +29,7 @@ impl Region {
         Some(Image::from_fn(right - self.left, bottom - self.top, |x, y| picture.at(self.left + x, self.top + y)))
     }
 
-    /// [`compare`] of the parts of two pictures that lie within. SSIM looks at nothing outside.
+    /// Applies [`compare`] to the parts of two images inside the rectangle. SSIM reads no pixels outside.
     pub fn compare(self, a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<ImageError> {
         if a.size() != b.size() {
             return None;
@@ -37,7 +37,8 @@ impl Region {
         compare(&self.of(a)?, &self.of(b)?)
     }
 
-    /// Mean within, of errors of pixels such as [`flip::map`] gives: these know what lies around.
+    /// Returns the mean inside the rectangle of per-pixel errors such as those of [`flip::map`]. These errors also
+    /// depend on pixels outside it.
     pub fn mean(self, errors: &Image<f32>) -> Option<f64> {
         Some(flip::mean(&self.of(errors)?))
     }

@@ -1,37 +1,38 @@
-//! What a method of filling in makes of signals that are known: a single bright sample, a step, and a zone plate.
+//! Response of an upscaler to test signals: a single bright sample, a step, and a zone plate.
 //!
-//! The signals lie between codes 96 and 160, so that lobes of either sign are seen and nothing is clamped.
+//! The signals use 8-bit values between 96 and 160, so that negative and positive lobes are visible and nothing clips.
 
 use crate::image::{Image, Rgba8};
 use crate::upscale::{Drawn, Upscaling};
 
-/// Code of what is dark in a signal.
+/// 8-bit value of the dark parts of a signal.
 const DARK: f64 = 96.0;
 
-/// How many codes more what is bright has.
+/// Difference between bright and dark, in 8-bit steps.
 const HEIGHT: f64 = 64.0;
 
-/// Samples along each axis of the signals for impulse and step.
+/// Number of samples along each axis of the impulse and step signals.
 const SAMPLES: u32 = 16;
 
-/// Side of the zone plate, px.
+/// Side of the zone plate, in pixels.
 pub const PLATE: u32 = 96;
 
-/// The answers of a method. Positions are px from the sample or from the edge; heights are 0 for dark, 1 for bright.
+/// Responses of an upscaler. Positions are in pixels from the bright sample or the edge; heights are 0 for dark and 1
+/// for bright.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Responses {
-    /// Along a row through one bright sample among dark ones.
+    /// Impulse response: positions and heights along a row through one bright sample among dark ones.
     pub impulse: Vec<[f64; 2]>,
-    /// Across a vertical edge, dark at the left.
+    /// Step response: positions and heights across a vertical edge with the dark side on the left.
     pub step: Vec<[f64; 2]>,
-    /// Of rings that become finer from the middle, down to 2 px at the border.
+    /// Upscaled zone plate: rings whose period falls from the centre to 2 px at the border.
     pub zone_plate: Image<Rgba8>,
-    /// The same with every pixel drawn.
+    /// Zone plate at native resolution, for comparison.
     pub zone_plate_native: Image<Rgba8>,
 }
 
 impl Responses {
-    /// Of a method.
+    /// Computes the responses of an upscaler.
     pub fn of(how: Upscaling) -> Self {
         let side = (f64::from(SAMPLES) * how.scale().value()) as u32;
         let middle = f64::from(side) / 2.0;
@@ -51,29 +52,29 @@ impl Responses {
         }
     }
 
-    /// The least and the greatest height across the edge: beyond 0 and 1 the method overshoots.
+    /// Returns the smallest and largest heights of the step response; values outside [0, 1] are overshoot.
     pub fn overshoot(&self) -> (f64, f64) {
         let heights = || self.step.iter().map(|[_, height]| *height);
         (heights().fold(0.0, f64::min), heights().fold(1.0, f64::max))
     }
 }
 
-/// Circles around the middle of the plate whose distance falls to 2 px at its border: the finest that pixels can hold.
+/// Evaluates a zone plate, whose ring period falls to 2 px at the border: the finest that pixels can represent.
 fn zone_plate(x: f64, y: f64) -> f64 {
     let middle = f64::from(PLATE) / 2.0;
     let squared = (x - middle).powi(2) + (y - middle).powi(2);
-    // The phase grows by π per px at the border.
+    // The phase grows by π per pixel at the border.
     0.5 + 0.5 * (std::f64::consts::PI * squared / f64::from(PLATE)).cos()
 }
 
-/// Columns and rows of samples for a square picture.
+/// Returns the columns and rows of samples for a square image.
 fn samples(how: Upscaling, side: u32) -> (u32, u32) {
     let sampling = how.sampling();
     let (width, height) = sampling.raster_size(side, side);
     sampling.grid().packed_size(width, height)
 }
 
-/// The position of the sample nearest to the middle.
+/// Returns the position of the sample nearest to the centre of the image, in pixels.
 fn nearest_sample(how: Upscaling, side: u32, middle: f64) -> (f64, f64) {
     let (columns, rows) = samples(how, side);
     let positions = (0..rows).flat_map(|row| (0..columns).map(move |column| how.sampling().position_px((column, row))));
@@ -81,7 +82,7 @@ fn nearest_sample(how: Upscaling, side: u32, middle: f64) -> (f64, f64) {
     positions.min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or((0.5, 0.5))
 }
 
-/// The full picture that a method makes of samples of a signal, whose heights lie within 0 and 1.
+/// Upscales samples of a signal, whose heights lie in [0, 1], to a square image of `side` px.
 fn respond(how: Upscaling, side: u32, signal: impl Fn(f64, f64) -> f64) -> Image<Rgba8> {
     let (columns, rows) = samples(how, side);
     let drawn = Image::from_fn(columns, rows, |column, row| {
@@ -116,7 +117,7 @@ mod tests {
 
     #[test]
     fn kernels_with_negative_lobes_overshoot_as_theory_says() {
-        // Known undershoots of a unit step; pixels of ×4 come near to the least place.
+        // Known undershoots of a unit step; at ×4, some pixel lies close to the minimum.
         for (method, expected) in [("catmull-rom", 0.074), ("lanczos3", 0.118), ("bilinear", 0.0)] {
             let (low, high) = responses(method, 4).overshoot();
             let code = 1.0 / HEIGHT;

@@ -1,25 +1,26 @@
 //! Frame times of several recipes, measured in rounds.
 //!
-//! A round draws one frame of a sequence by every recipe, in an order that is shuffled anew each time, so that a change of
-//! the machine's speed affects all alike. Some recipes are drawn twice per round as if they were two, which gives the noise
-//! floor. The frames are those of [`super::motion::Judge`], with the same history; frames that only build up history are drawn
-//! before the round and are not timed.
+//! A round draws one frame of a sequence with every recipe, in a newly shuffled order, so that changes in machine speed
+//! affect all recipes alike. Some recipes are drawn twice per round, which yields the noise floor. The frames are those
+//! of [`super::motion::Judge`], with the same history. Frames that only build up history are drawn before the round and
+//! not timed.
 
 use crate::chain::{FrameTimes, Recipe, Renderer};
 
 use super::motion::{Playback, Shot};
 use super::noise::{Noise, Pairs};
 
-/// Rounds before those that count: caches and clock frequencies settle.
+/// Number of warm-up rounds before the measured ones: caches and clock frequencies settle.
 pub const WARM_UP_ROUNDS: usize = 2;
 
-/// Most recipes that are drawn twice per round; spread evenly over all recipes, as cheap and expensive ones differ in noise.
+/// Maximum number of recipes drawn twice per round. They are spread evenly over all recipes, as cheap and expensive
+/// ones differ in noise.
 const MOST_TWINS: usize = 5;
 
-/// Seed of the order within rounds.
+/// Seed of the shuffled order within rounds.
 const SEED: u64 = 7;
 
-/// A recipe, or its second appearance.
+/// A recipe, or its repetition for the noise floor.
 #[derive(Debug)]
 struct Entry {
     recipe: usize,
@@ -27,33 +28,33 @@ struct Entry {
     times: Vec<FrameTimes>,
 }
 
-/// A timed frame that counts.
+/// Times of a measured frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Timed {
-    /// Number of the recipe.
+    /// Index of the recipe.
     pub recipe: usize,
     /// Times of the frame.
     pub times: FrameTimes,
 }
 
-/// Times recipes round by round.
+/// Incremental timer that draws several recipes round by round.
 #[derive(Debug)]
 pub struct RoundTimer {
-    /// The recipes in their order, then those that are drawn twice.
+    /// All recipes in their order, followed by the repetitions.
     entries: Vec<Entry>,
     recipes: usize,
     renderer: Renderer,
     random: fastrand::Rng,
     order: Vec<usize>,
-    /// Entries of the present round that are drawn.
+    /// Number of entries drawn in the current round.
     place: usize,
-    /// Number of the present round, warm-up included.
+    /// Number of the current round, warm-up included.
     round: usize,
     rounds: usize,
 }
 
 impl RoundTimer {
-    /// Prepares to time recipes in `rounds` rounds that count, at least one.
+    /// Prepares to time recipes over `rounds` measured rounds, at least one.
     pub fn new(recipes: &[Recipe], rounds: usize) -> Self {
         let twins = twins(recipes.len());
         let entry = |recipe: usize| Entry { recipe, playback: Playback::new(recipes[recipe]), times: Vec::new() };
@@ -70,7 +71,7 @@ impl RoundTimer {
         }
     }
 
-    /// Draws at most one frame. Returns its times if it counts and is not the second appearance of its recipe.
+    /// Draws at most one frame. Returns its times if the frame is measured and is not a repetition.
     pub fn step(&mut self, shot: &Shot<'_>) -> Option<Timed> {
         if self.is_complete() {
             return None;
@@ -102,28 +103,29 @@ impl RoundTimer {
         self.round >= WARM_UP_ROUNDS + self.rounds || self.entries.is_empty()
     }
 
-    /// Number of complete rounds that count.
+    /// Returns the number of complete measured rounds.
     pub fn rounds(&self) -> usize {
         self.round.saturating_sub(WARM_UP_ROUNDS)
     }
 
-    /// Number of frames drawn that are or precede timed ones, and of all such frames.
+    /// Returns the number of frames drawn and the total, both with warm-up rounds but without frames that only build up
+    /// history.
     pub fn progress(&self) -> (usize, usize) {
         let count = self.entries.len();
         (self.round * count + self.place, (WARM_UP_ROUNDS + self.rounds) * count)
     }
 
-    /// Returns the times of a recipe, round by round.
+    /// Returns the times of a recipe, one per round.
     pub fn times(&self, recipe: usize) -> &[FrameTimes] {
         &self.entries[recipe].times
     }
 
-    /// Returns the times of whole frames of a recipe in milliseconds, round by round.
+    /// Returns the frame times of a recipe in milliseconds, one per round.
     pub fn ms(&self, recipe: usize) -> Vec<f64> {
         ms(self.times(recipe))
     }
 
-    /// Returns the noise floor of the rounds so far; `None` before the first that counts.
+    /// Returns the noise floor of the rounds so far, or `None` before the first measured round.
     pub fn noise(&self) -> Option<Noise> {
         let mut pairs = Pairs::default();
         for twin in &self.entries[self.recipes..] {
@@ -137,7 +139,7 @@ fn ms(times: &[FrameTimes]) -> Vec<f64> {
     times.iter().map(|times| times.total.as_secs_f64() * 1e3).collect()
 }
 
-/// Returns the numbers of the recipes that are drawn twice, of `count`.
+/// Returns the indices of the recipes that are drawn twice, out of `count` recipes.
 fn twins(count: usize) -> Vec<usize> {
     let chosen = count.min(MOST_TWINS);
     (0..chosen).map(|twin| twin * count.saturating_sub(1) / (chosen - 1).max(1)).collect()

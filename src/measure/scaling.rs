@@ -1,4 +1,4 @@
-//! What a frame costs against what it is of: triangles, pixels, layers over each other, threads.
+//! Scaling of frame cost with the number of triangles, pixels, layers of overdraw and threads.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -13,25 +13,25 @@ use crate::pipeline::viewport::Viewport;
 use crate::scene::Scene;
 use crate::scene::builtin::workload::{layers, sheet};
 
-/// What varies from point to point.
+/// Quantity that varies between the points of a series.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Quantity {
-    /// Triangles of a sheet that fills most of the picture.
+    /// Triangles of a mesh that fills most of the image.
     Triangles,
-    /// Pixels of a picture that one textured square fills.
+    /// Pixels of an image filled by one textured square.
     Pixels,
-    /// Squares behind each other, the farthest drawn first.
+    /// Overlapping squares, drawn back to front.
     Layers,
-    /// Threads that draw the sheet.
+    /// Threads that draw the mesh.
     Threads,
 }
 
 impl Quantity {
-    /// All, in the order of the report.
+    /// All quantities, in the order of the report.
     pub const ALL: [Self; 4] = [Self::Triangles, Self::Pixels, Self::Layers, Self::Threads];
 
-    /// What a person calls it.
+    /// Returns the display name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Triangles => "triangles",
@@ -42,30 +42,30 @@ impl Quantity {
     }
 }
 
-/// What is measured.
+/// Parameters of a scaling measurement.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// What everything is drawn with.
+    /// Recipe of all frames.
     pub recipe: Recipe,
-    /// Size of the pictures where that does not vary.
+    /// Image size for all series but the one over pixels.
     pub viewport: Viewport,
-    /// Numbers of triangles.
+    /// Triangle counts to measure.
     pub triangles: Vec<usize>,
-    /// Sizes of pictures.
+    /// Image sizes to measure.
     pub sizes: Vec<Viewport>,
-    /// Numbers of layers.
+    /// Layer counts to measure.
     pub layers: Vec<usize>,
-    /// Numbers of threads, with the last of which everything else is drawn.
+    /// Thread counts to measure; the last one also applies to all other series.
     pub threads: Vec<usize>,
-    /// Triangles of the sheet that threads share.
+    /// Number of triangles in the mesh of the series over threads.
     pub shared_triangles: usize,
-    /// Rounds that count.
+    /// Number of measured rounds.
     pub rounds: usize,
 }
 
 impl Plan {
-    /// From 10³ triangles to `most_triangles` in powers of ten, 320 × 180 to 3840 × 2160 pixels, 1 to 64 layers, and 1, 2, 4 …
-    /// threads up to `threads` ≥ 1.
+    /// Creates the default plan: 10³ to `most_triangles` triangles in powers of ten, 320 × 180 to 3840 × 2160 pixels, 1
+    /// to 64 layers, and 1, 2, 4 … threads up to `threads` ≥ 1.
     pub fn new(recipe: Recipe, most_triangles: usize, threads: usize, rounds: usize) -> Self {
         let powers = (3..=9).map(|power| 10_usize.pow(power)).take_while(|n| *n <= most_triangles);
         let size = |(width, height)| Viewport { width, height };
@@ -83,44 +83,45 @@ impl Plan {
     }
 }
 
-/// What a frame cost at one value.
+/// Cost of a frame at one value of the quantity.
 #[derive(Clone, Debug, Serialize)]
 pub struct Point {
-    /// How many.
+    /// Value of the quantity that varies.
     pub value: f64,
     /// Milliseconds of a frame.
     pub ms: Summary,
-    /// Bytes of the frame, of what the renderer keeps, and of meshes and textures.
+    /// Bytes of the frame, the renderer's buffers, meshes and textures.
     pub bytes: usize,
 }
 
-/// What a frame costs against one quantity.
+/// Cost of a frame as a function of one quantity.
 #[derive(Clone, Debug, Serialize)]
 pub struct Series {
-    /// What varies.
+    /// Quantity that varies.
     pub quantity: Quantity,
-    /// By rising value.
+    /// Points in ascending order of value.
     pub points: Vec<Point>,
 }
 
-/// A frame's cost as a fixed part and one that grows with the quantity.
+/// Linear model of frame cost: a fixed part plus a part proportional to the quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Line {
-    /// Milliseconds at none of it; below 0 if cost grows faster than the quantity.
+    /// Intercept, in milliseconds; negative if cost grows faster than the quantity.
     pub fixed_ms: f64,
-    /// Nanoseconds for each one.
+    /// Slope, in nanoseconds per unit of the quantity.
     pub ns_each: f64,
 }
 
 impl Line {
-    /// Where both parts are equal: below, cost hardly depends on the quantity; above, it is proportional to it.
+    /// Returns the value at which the fixed and proportional parts are equal. Below it, cost hardly depends on the
+    /// quantity; above it, cost is proportional to the quantity.
     pub fn bend(&self) -> f64 {
         self.fixed_ms * 1e6 / self.ns_each
     }
 }
 
 impl Series {
-    /// The line through the first point and the last, if cost rises at all.
+    /// Returns the line through the first and last points, or `None` if cost does not rise.
     pub fn line(&self) -> Option<Line> {
         let (first, last) = (self.points.first()?, self.points.last()?);
         let ms_each = (last.ms.median - first.ms.median) / (last.value - first.value);
@@ -129,33 +130,33 @@ impl Series {
     }
 }
 
-/// Everything.
+/// Result of a scaling measurement.
 #[derive(Clone, Debug, Serialize)]
 pub struct Scaling {
-    /// Size of the pictures where that does not vary.
+    /// Image width and height in pixels, for all series but the one over pixels.
     pub size: [u32; 2],
-    /// Threads where their number does not vary.
+    /// Number of threads, for all series but the one over threads.
     pub threads: usize,
-    /// Rounds that counted.
+    /// Number of measured rounds.
     pub rounds: usize,
     /// One series for each quantity.
     pub series: Vec<Series>,
-    /// Whether it was cancelled before all series were complete.
+    /// Whether the measurement was cancelled before all series were complete.
     pub partial: bool,
 }
 
-/// Why nothing was measured.
+/// Reasons why a measurement has no result.
 #[derive(Debug, Error)]
 pub enum ScalingError {
     /// The measurement was cancelled.
-    #[error("measuring was cancelled")]
+    #[error("the measurement was cancelled")]
     Cancelled,
-    /// The system gives no threads.
-    #[error("threads cannot be started: {0}")]
+    /// The system could not start threads.
+    #[error("cannot start the threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
 }
 
-/// One point that is being measured.
+/// State of one point while it is measured.
 struct Run<'a> {
     value: f64,
     scene: Arc<Scene>,
@@ -166,8 +167,13 @@ struct Run<'a> {
     bytes: usize,
 }
 
-/// Measures everything; the points of a series in turn, in rounds, after one that does not count. `progress` hears what is
-/// measured, and the share of it that is done. If cancelled, returns the complete series, or an error if there are none.
+/// Measures all series. Each round draws every point of a series once; the first round is warm-up. `progress` receives
+/// the current quantity and its completed fraction in [0, 1].
+///
+/// # Errors
+///
+/// Fails if threads cannot be started, or if cancelled before the first series is complete. If cancelled later, returns
+/// the complete series.
 pub fn measure(plan: &Plan, progress: &dyn Fn(Quantity, f32), cancel: &AtomicBool) -> Result<Scaling, ScalingError> {
     let pool = |threads: &usize| rayon::ThreadPoolBuilder::new().num_threads(*threads).build();
     let mut series = Vec::new();
@@ -240,7 +246,7 @@ fn runs<'a>(plan: &Plan, quantity: Quantity, pools: &'a [ThreadPool]) -> Vec<Run
 }
 
 impl Run<'_> {
-    /// Draws a frame, and says how many milliseconds it took.
+    /// Draws a frame and returns its time in milliseconds.
     fn draw(&mut self, recipe: &Recipe) -> f64 {
         let Self { scene, viewport, pool, renderer, bytes, .. } = self;
         let frame = pool.install(|| renderer.render(scene, &scene.home, recipe, *viewport, KeepDepth::No));

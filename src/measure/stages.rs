@@ -1,13 +1,14 @@
-//! Time of a frame by stages.
+//! Frame time by pipeline stage.
 //!
-//! In tiled execution, stages run one after the other and each records its own time. In classic execution, rasterization,
-//! depth test and shading are interleaved sample by sample, and a clock in that loop would cost more than what it measures.
-//! Their common time is split in proportion to the differences between partial frames, each drawn one stage further than the
-//! one before. These are estimates: a difference within the noise of its two frames is zero, which means "too short to tell".
-//! The compiler may also move work from one stage into the next where only the next one reads the result.
+//! In tiled execution, stages run one after the other and each records its own time. In classic execution,
+//! rasterization, depth test and shading are interleaved per sample, and a clock in that loop would cost more than the
+//! work it times. Their common time is therefore split in proportion to the differences between partial frames, each
+//! drawn one stage further than the one before. These are estimates: a difference within the noise of its two frames is
+//! zero, which means "too short to measure". The compiler may also move work from one stage into the next if only the
+//! next one reads the result.
 //!
-//! The medians of the stages do not add up to the median of the frame. Therefore [`StageTimes`] are those of one frame, and
-//! [`summarize_stages`] scales the stages to the median of the frame.
+//! The medians of the stages do not add up to the median of the frame. Therefore [`StageTimes`] belong to one frame,
+//! and [`summarize_stages`] scales the stages to the median frame time.
 
 use std::hint::black_box;
 use std::sync::Arc;
@@ -22,41 +23,41 @@ use crate::pipeline::Until;
 use crate::pipeline::settings::{DepthTest, Execution};
 use crate::scene::{Camera, Scene};
 
-/// Time of each stage of a frame; `None` for a stage that did not run, or whose time is that of another one.
+/// Time of each stage of a frame; `None` for a stage that did not run or is timed as part of another stage.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct StageTimes {
-    /// Plan and vertices. Tile by tile with projection.
+    /// Planning and vertex transform. In tiled execution, includes projection.
     pub transform: Duration,
-    /// Clipping.
+    /// Homogeneous clipping.
     pub clip: Option<Duration>,
-    /// Division and snapping.
+    /// Perspective division, viewport transform and snapping.
     pub project: Option<Duration>,
-    /// Facing and edge setup. Tile by tile with clipping and sorting into tiles.
+    /// Facing test and edge setup. In tiled execution, includes clipping and binning.
     pub cull: Duration,
-    /// Clearing the framebuffer and finding covered samples. Tile by tile with the depth test.
+    /// Clearing the framebuffer and finding covered samples. In tiled execution, includes the depth test.
     pub rasterize: Duration,
-    /// Depth test and store.
+    /// Depth test and depth write.
     pub depth: Option<Duration>,
-    /// Interpolating attributes.
+    /// Attribute interpolation.
     pub interpolate: Option<Duration>,
-    /// Shading and writing. Tile by tile with interpolation.
+    /// Shading and colour writes. In tiled execution, includes interpolation.
     pub shade: Duration,
-    /// Averaging the passes of supersampling.
+    /// Averaging the supersampling passes.
     pub resolve: Option<Duration>,
-    /// Finding the surface that each pixel shows, for upscalers that read it.
+    /// Finding the visible surface of each pixel, for upscalers that read it.
     pub surfaces: Option<Duration>,
-    /// Filling in pixels that were not drawn, and keeping the frame as history.
+    /// Upscaling: filling in pixels that were not drawn, and storing the frame as history.
     pub upscale: Duration,
     /// Post filter and wireframe.
     pub post: Option<Duration>,
     /// Work between the stages: buffers, thread pool, copies.
     pub other: Duration,
-    /// The whole frame: the sum of all stages.
+    /// Whole frame: the sum of all stages.
     pub frame: Duration,
 }
 
 impl StageTimes {
-    /// Returns the stages that have a time of their own, with their names, in their order; they add up to the frame.
+    /// Returns the names and times of the separately timed stages, in pipeline order; they add up to the frame.
     pub fn named(&self) -> Vec<(&'static str, Duration)> {
         let stages = [
             ("transform", Some(self.transform)),
@@ -76,8 +77,8 @@ impl StageTimes {
         stages.into_iter().filter_map(|(name, time)| Some((name, time?))).collect()
     }
 
-    /// Returns the times that a frame recorded while it was drawn. Classic execution: rasterization stands for all stages of
-    /// pixels.
+    /// Returns the times that a frame recorded while it was drawn. In classic execution, `rasterize` holds the time of
+    /// all per-pixel stages.
     fn recorded(recipe: &Recipe, frame: &Frame) -> Self {
         let stages = match &frame.tiled {
             Some(report) => {
@@ -91,7 +92,7 @@ impl StageTimes {
                 }
             }
             None => {
-                // Those of the first pass, which all passes resemble.
+                // Geometry times of the first pass; the other passes are similar.
                 let times = frame.geometry.times;
                 let ends = running_sum([times.transform, times.clip, times.project, times.cull]);
                 let [transform, clip, project, cull] = split(frame.times.geometry, ends, [1; 4]);
@@ -102,7 +103,7 @@ impl StageTimes {
         stages.with_rest_of(recipe, &frame.times)
     }
 
-    /// Takes over the stages after shading, and adds up the frame.
+    /// Adds the stages after shading and computes the sum of the frame.
     fn with_rest_of(self, recipe: &Recipe, times: &FrameTimes) -> Self {
         let mut all = Self {
             resolve: recipe.antialias.has_passes().then_some(times.resolve),
@@ -119,8 +120,8 @@ impl StageTimes {
     }
 }
 
-/// Splits a time into four parts, in proportion to the differences of ascending times and their weights. A time below the one
-/// before it counts as equal; without any difference the first part is everything.
+/// Splits a time into four parts, in proportion to the weighted differences of ascending times. A time below its
+/// predecessor counts as equal; if all differences are zero, the first part gets everything.
 fn split(total: Duration, ends: [Duration; 4], weights: [u32; 4]) -> [Duration; 4] {
     let mut before = Duration::ZERO;
     let parts = [0, 1, 2, 3].map(|part| {
@@ -136,7 +137,7 @@ fn split(total: Duration, ends: [Duration; 4], weights: [u32; 4]) -> [Duration; 
     parts.map(|part| part.mul_f64(share))
 }
 
-/// Sum of the times up to each one.
+/// Returns the running sums of the times.
 fn running_sum(times: [Duration; 4]) -> [Duration; 4] {
     let mut sum = Duration::ZERO;
     times.map(|time| {
@@ -145,35 +146,35 @@ fn running_sum(times: [Duration; 4]) -> [Duration; 4] {
     })
 }
 
-/// Frames up to this long are drawn several times.
+/// Longest frame time for which several rounds are drawn.
 const SHORT_FRAME: Duration = Duration::from_millis(250);
 
-/// Rounds for short frames.
+/// Number of rounds for short frames.
 const ROUNDS: usize = 3;
 
-/// Stages that partial frames of classic execution are drawn to.
+/// Last stage of each partial frame in classic execution.
 const LEVELS: [Until; 4] = [Until::Coverage, Until::Depth, Until::Interpolate, Until::Shade];
 
-/// Times the stages of one frame piece by piece, so that a request that comes in between never waits long.
+/// Incremental timer for the stages of one frame; each step is short, so that a new request never waits long.
 ///
-/// Classic execution: rounds draw a whole frame and the partial frame of each level in turn, so that a disturbance hits one of
-/// them; the least time of each level is the one that was disturbed least. Tiled execution: every piece is a whole frame. Of
-/// the whole frames the one with the median time counts.
+/// In classic execution, each round draws a whole frame and one partial frame per level, so that a disturbance affects
+/// only one of them. The minimum time of each level is the least disturbed one. In tiled execution, every step draws a
+/// whole frame. Of the whole frames, the one with the median time is used.
 #[derive(Debug)]
 pub struct StageTimer {
     least: [Duration; LEVELS.len()],
     runs: usize,
     wanted_runs: usize,
-    /// Draws whole frames, with memory and history of their own.
+    /// Renderer of the whole frames, with its own buffers and history.
     renderer: Renderer,
     frames: Vec<StageTimes>,
 }
 
-/// Pieces of a round: the whole frame, and one for each level.
+/// Steps per round: the whole frame, and one partial frame per level.
 const PIECES: usize = LEVELS.len() + 1;
 
 impl StageTimer {
-    /// Creates a timer of a frame, whose own time determines the number of rounds.
+    /// Creates a timer for a frame; its recorded time determines the number of rounds.
     pub fn new(frame: &Frame) -> Self {
         let rounds = if frame.times.total < SHORT_FRAME { ROUNDS } else { 1 };
         Self {
@@ -185,13 +186,13 @@ impl StageTimer {
         }
     }
 
-    /// Whether a piece was timed already.
+    /// Whether a step was already timed.
     pub fn has_begun(&self) -> bool {
         self.runs > 0
     }
 
-    /// Times the next piece, at most one frame, of the frame that was drawn of `scene` by `recipe`. Returns the times once all
-    /// pieces are timed.
+    /// Runs the next step, which draws at most one frame. `frame` was drawn of `scene` with `recipe`. Returns the stage
+    /// times after the last step.
     pub fn step(&mut self, scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, frame: &Frame) -> Option<StageTimes> {
         let level = (self.runs % PIECES).checked_sub(1).filter(|_| frame.execution == Execution::Classic);
         if let Some(level) = level {
@@ -199,7 +200,7 @@ impl StageTimer {
             black_box(redraw(scene, recipe, frame, LEVELS[level], &mut ()));
             self.least[level] = self.least[level].min(start.elapsed());
         } else if self.wanted_runs == PIECES && frame.execution == Execution::Classic {
-            // A single frame of a new renderer would be a cold one.
+            // A single frame of a new renderer would be measured with cold buffers.
             self.frames.push(StageTimes::recorded(recipe, frame));
         } else {
             let again = self.renderer.render(scene, camera, recipe, frame.viewport, KeepDepth::Yes);
@@ -214,16 +215,16 @@ impl StageTimer {
         })
     }
 
-    /// Splits the time of all stages of pixels of a classic frame in proportion to the levels.
+    /// Splits the time of the per-pixel stages of a classic frame in proportion to the levels.
     fn split_pixels(&self, times: StageTimes, recipe: &Recipe) -> StageTimes {
         let [coverage, depth, ..] = self.least;
         let tests_depth = recipe.pipeline.depth_test != DepthTest::Off;
         let mut ends = self.least;
         if !tests_depth {
-            // Both levels draw the same; the better time stands for both.
+            // Without a depth test, both levels do the same work; use the minimum for both.
             ends[..2].fill(coverage.min(depth));
         }
-        // After the pass for the centres of pixels, multisampling covers every sample and shades each pixel once.
+        // After a pass over pixel centres, multisampling covers every sample but shades each pixel once.
         let samples = recipe.antialias.count();
         let multisampled = recipe.antialias.method == Method::Multisample;
         let weights = if multisampled { [1 + samples, 1 + samples, 2, 2] } else { [1; 4] };
@@ -233,8 +234,8 @@ impl StageTimer {
     }
 }
 
-/// Times every stage of a frame that was drawn of `scene` by `recipe`, which draws up to 15 more frames if it is a short one,
-/// else up to 5.
+/// Times every stage of `frame`, which was drawn of `scene` with `recipe`. Draws up to 15 more frames for a short
+/// frame, otherwise up to 5.
 pub fn stage_times(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, frame: &Frame) -> StageTimes {
     let mut timer = StageTimer::new(frame);
     loop {
@@ -244,15 +245,15 @@ pub fn stage_times(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, frame: 
     }
 }
 
-/// Time of a stage over a series of frames, ms.
+/// Time of a stage over a series of frames, in milliseconds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct StageMs {
-    /// Time in the median frame: the stage's share of the middle half of the frames, times the median of the frames. The stages
-    /// add up to that median.
+    /// Share of the stage in the middle half of the frames, times the median frame time. These values add up to the
+    /// median frame time over all stages.
     pub median: f64,
-    /// 10th percentile over all frames.
+    /// 10th percentile of the stage over all frames.
     pub p10: f64,
-    /// 90th percentile over all frames.
+    /// 90th percentile of the stage over all frames.
     pub p90: f64,
 }
 
@@ -265,7 +266,8 @@ pub struct StageSummary {
     pub ms: StageMs,
 }
 
-/// Summarizes the stages of a series of frames, each the complete list of its stages in the same order; `None` without frames.
+/// Summarises the stages of a series of frames; each frame lists all stages in the same order. Returns `None` without
+/// frames.
 pub fn summarize_stages(frames: &[Vec<(&'static str, Duration)>]) -> Option<Vec<StageSummary>> {
     let ms = |time: &Duration| time.as_secs_f64() * 1e3;
     let total = |frame: &&Vec<(&str, Duration)>| frame.iter().map(|(_, time)| ms(time)).sum::<f64>();
@@ -302,7 +304,7 @@ mod tests {
 
     #[test]
     fn every_stage_takes_time_of_its_own() {
-        // A single difference may drown in noise; twenty do not, unless the compiler left the stage out.
+        // A single difference may be lost in noise; twenty are not, unless the compiler removed the stage.
         let runs: Vec<_> = (0..20).map(|_| times(DepthTest::Less).named()).collect();
         let names: Vec<_> = runs[0].iter().map(|(name, _)| *name).collect();
         assert_eq!(names.len(), 10);
@@ -330,7 +332,7 @@ mod tests {
                 recipe.set_all(settings).unwrap();
                 let frame = Renderer::default().render(&scene, &scene.home, &recipe, size, KeepDepth::Yes);
                 let recorded = StageTimes::recorded(&recipe, &frame).frame;
-                // Shares are rounded to nanoseconds.
+                // Stage shares are rounded to nanoseconds.
                 assert!(recorded.abs_diff(frame.times.total) < Duration::from_nanos(10), "{execution:?} {settings:?}");
                 let times = stage_times(&scene, &scene.home, &recipe, &frame);
                 let sum: Duration = times.named().iter().map(|(_, time)| *time).sum();
@@ -359,13 +361,13 @@ mod tests {
     #[test]
     fn stages_of_a_series_add_up_to_its_median() {
         let frame = |a, b| vec![("a", Duration::from_millis(a)), ("b", Duration::from_millis(b))];
-        // Medians of each stage are 10 and 10, and the median frame is one of 30.
+        // The median of each stage is 10, but the median frame takes 30.
         let frames = [frame(10, 10), frame(10, 20), frame(20, 10), frame(10, 90), frame(2, 8)];
         let stages = summarize_stages(&frames).unwrap();
         assert_eq!(stages.iter().map(|stage| stage.stage).collect::<Vec<_>>(), ["a", "b"]);
         let sum: f64 = stages.iter().map(|stage| stage.ms.median).sum();
         assert!((sum - 30.0).abs() < 1e-9, "{sum}");
-        // The middle half is 20, 30 and 30: 40 of 80 are of each stage.
+        // The middle half of the frames takes 20, 30 and 30; each stage has 40 of these 80.
         assert!((stages[0].ms.median - 15.0).abs() < 1e-9, "{stages:?}");
         assert!(summarize_stages(&[]).is_none());
     }

@@ -1,35 +1,35 @@
-//! Frame times in a few numbers.
+//! Summary statistics of frame times.
 //!
-//! The median says what a frame costs; p10 and p90 say how far that can be trusted; the maximum is the hitch that one
-//! sees. The mean is left out of comparisons: one hitch moves it.
+//! The median is the typical cost of a frame; p10 and p90 show its spread; the maximum is the hitch that a user
+//! notices. Comparisons do not use the mean, because a single hitch shifts it.
 
 use serde::Serialize;
 
 /// Order statistics of a series of times, all in milliseconds.
 ///
-/// A percentile lies on the straight line between the two samples around it: of n sorted samples, number p · (n − 1)
+/// A percentile is interpolated linearly between the two nearest samples: of n sorted samples, number p · (n − 1)
 /// counted from zero (definition 7 of Hyndman and Fan 1996, the usual one of spreadsheets and numpy).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Summary {
-    /// Number of samples, ≥ 1.
+    /// Number of samples, at least 1.
     pub n: usize,
-    /// Shortest.
+    /// Minimum.
     pub min: f64,
-    /// One in ten is shorter.
+    /// 10th percentile.
     pub p10: f64,
-    /// Half are shorter.
+    /// 50th percentile.
     pub median: f64,
-    /// One in ten is longer.
+    /// 90th percentile.
     pub p90: f64,
-    /// One in a hundred is longer.
+    /// 99th percentile.
     pub p99: f64,
-    /// Longest.
+    /// Maximum.
     pub max: f64,
-    /// Arithmetic mean: total time over number of samples.
+    /// Arithmetic mean.
     pub mean: f64,
 }
 
-/// Summarises times in milliseconds, in any order. `None` if there are none or one is not finite.
+/// Summarises times in milliseconds, in any order. Returns `None` if there are none or one is not finite.
 pub fn summarize(samples_ms: &[f64]) -> Option<Summary> {
     if samples_ms.is_empty() || !samples_ms.iter().all(|sample| sample.is_finite()) {
         return None;
@@ -48,9 +48,9 @@ pub fn summarize(samples_ms: &[f64]) -> Option<Summary> {
     })
 }
 
-/// The value below which `percent` of a hundred of the samples lie. `sorted` holds at least one.
+/// Returns the percentile `percent`, in [0, 100], of at least one sorted sample.
 fn percentile(sorted: &[f64], percent: usize) -> f64 {
-    // In hundredths of a sample, so that the sample numbers are exact.
+    // Positions in hundredths of a sample, so that the arithmetic on indices is exact.
     let place = percent * (sorted.len() - 1);
     let (below, share) = (place / 100, (place % 100) as f64 / 100.0);
     let above = sorted.len().min(below + 2) - 1;

@@ -1,23 +1,22 @@
-//! What passes of the window cost, as plain data.
+//! CPU cost of drawing the window's interface, as plain data.
 
 use serde::Serialize;
 
 use super::timing::Summary;
 
-/// What passes of the window cost while it shows one thing. No graphics card has a part in it, nor has the drawing of the
-/// picture.
+/// CPU cost of interface passes while the window shows one view. Excludes the graphics card and rendering of the image.
 #[derive(Clone, Debug, Serialize)]
 pub struct WindowCost {
-    /// What is open.
+    /// Description of what the window shows.
     pub what: String,
-    /// Panels, text and input, ms.
+    /// Layout of panels, text and input, in milliseconds.
     pub layout_ms: Summary,
-    /// Shapes into triangles, ms.
+    /// Tessellation of shapes into triangles, in milliseconds.
     pub tessellation_ms: Summary,
-    /// Both, ms.
+    /// Layout plus tessellation, in milliseconds.
     pub whole_ms: Summary,
-    /// Corners of all triangles of the last pass.
+    /// Number of vertices of all triangles in the last pass.
     pub vertices: usize,
-    /// Bytes of textures that a pass hands to the graphics card, the most of all passes.
+    /// Largest number of texture bytes that a pass uploads to the graphics card.
     pub texture_bytes: usize,
 }

@@ -1,26 +1,27 @@
-//! Colour of the pixels that no triangle covers.
+//! Background: the colour of the pixels that no triangle covers.
 
 use std::fmt;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-/// Colour of the pixels that no triangle covers, and under blended fragments that nothing opaque lies behind.
+/// Colour of the pixels that no triangle covers, and of the backdrop of blended fragments with nothing opaque behind
+/// them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum Background {
-    /// The colour that the scene gives.
+    /// Background colour of the scene.
     #[default]
     Scene,
-    /// A colour of its own, as sRGB codes.
+    /// Custom colour, as sRGB codes.
     Color([u8; 3]),
 }
 
-/// The word for [`Background::Scene`].
+/// Text form of [`Background::Scene`].
 const SCENE: &str = "scene";
 
 impl Background {
-    /// Returns the colour as sRGB codes, given the one of the scene.
+    /// Returns the colour as sRGB codes; `of_scene` is the scene's background colour.
     pub fn resolve(self, of_scene: [u8; 3]) -> [u8; 3] {
         match self {
             Self::Scene => of_scene,

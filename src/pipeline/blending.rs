@@ -1,10 +1,10 @@
-//! Blending in exact order: an A-buffer (Carpenter, "The A-buffer, an Antialiased Hidden Surface Method", 1984) that holds
-//! the blended fragments of a few rows at a time.
+//! Blending in exact order: an A-buffer (Carpenter, "The A-buffer, an Antialiased Hidden Surface Method", 1984) that
+//! holds the blended fragments of a few rows at a time.
 //!
-//! Blended triangles come after the opaque ones and store no depth, so whether a fragment passes the depth test does not
-//! depend on the order of the others. Fragments that pass are collected, sorted by sample and depth, and blended from far to
-//! near. Fragments of equal depth stay in submission order. The observer sees each fragment when it is blended, so a story
-//! lists them in blending order.
+//! Blended triangles come after the opaque ones and store no depth, so the depth test of a fragment does not depend on
+//! the order of the others. Fragments that pass are collected, sorted by sample and depth, and blended from far to
+//! near. Fragments of equal depth stay in submission order. The observer sees each fragment when it is blended, so a
+//! pixel's story lists fragments in blending order.
 
 use std::ops::Range;
 
@@ -20,10 +20,10 @@ use super::viewport::ScreenTriangle;
 use super::{Extent, Geometry, Until, partial};
 use crate::image::Image;
 
-/// Rows of pixels whose fragments are collected at a time: bounds the memory of the list.
+/// Number of pixel rows whose fragments are collected at a time; bounds the memory of the list.
 const ROWS: u32 = 16;
 
-/// Splits a range of triangles into those that are drawn one after the other and those whose fragments are sorted.
+/// Splits a range of triangles into those drawn in order and those whose fragments are sorted.
 pub(super) fn split(
     geometry: &Geometry,
     settings: &Settings,
@@ -35,31 +35,31 @@ pub(super) fn split(
     (triangles.start..first, first..triangles.end)
 }
 
-/// Depth of a sample as a key that grows toward the viewer. It is not quantised to the depth format, whose steps may be
-/// coarser than the distances of panes.
+/// Returns the depth of a sample as a sort key that grows towards the viewer. It is not quantised to the depth format,
+/// whose steps may be coarser than the distances between panes.
 #[inline]
 pub(super) fn nearness(settings: &Settings, triangle: &ScreenTriangle, sample: &Sample) -> f32 {
     let depth = unquantised_depth_at(triangle, sample) as f32;
     if settings.reversed() { depth } else { -depth }
 }
 
-/// A fragment that passed the depth test and is not yet blended.
+/// Fragment that passed the depth test and is not yet blended.
 #[derive(Clone, Copy, Debug)]
 struct Collected {
-    /// Index of its sample in the framebuffers, which follow each other.
+    /// Index of the sample in the framebuffers, laid end to end.
     sample: usize,
     nearness: f32,
-    /// Index of its triangle in the list of all.
+    /// Index of the triangle in [`Geometry::triangles`].
     triangle: usize,
-    /// Index of its attributes in [`FragmentList::fragments`].
+    /// Index of the attributes in [`FragmentList::fragments`].
     fragment: usize,
 }
 
-/// The blended fragments of some samples.
+/// Blended fragments of a set of samples.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FragmentList {
     collected: Vec<Collected>,
-    /// Attributes, shared by the samples of a pixel that is shaded once.
+    /// Attributes; one entry is shared by the samples of a pixel that is shaded once.
     fragments: Vec<Fragment>,
 }
 
@@ -70,18 +70,18 @@ impl FragmentList {
         self.fragments.clear();
     }
 
-    /// Adds the attributes of a fragment, for the samples that are added next.
+    /// Adds the attributes of a fragment; samples added next refer to it.
     pub(super) fn shade(&mut self, fragment: Fragment) {
         self.fragments.push(fragment);
     }
 
-    /// Adds a sample, by its index in the framebuffers, that shows the last fragment.
+    /// Adds a sample of the last fragment, by its index in the framebuffers.
     pub(super) fn add(&mut self, sample: usize, nearness: f32, triangle: usize) {
         let fragment = self.fragments.len() - 1;
         self.collected.push(Collected { sample, nearness, triangle, fragment });
     }
 
-    /// All fragments with the indices of their samples and triangles, sample by sample from far to near.
+    /// Returns all fragments with the indices of their samples and triangles, sample by sample from far to near.
     pub(super) fn sorted(&mut self) -> impl Iterator<Item = (usize, usize, &Fragment)> {
         let Self { collected, fragments } = self;
         collected.sort_by(|a, b| a.sample.cmp(&b.sample).then(a.nearness.total_cmp(&b.nearness)));
@@ -89,16 +89,16 @@ impl FragmentList {
     }
 }
 
-/// Draws blended triangles with their fragments sorted.
+/// Context for drawing blended triangles with sorted fragments.
 pub(super) struct Sorting<'a> {
     pub(super) geometry: &'a Geometry,
     pub(super) settings: &'a Settings,
-    /// One for each instance.
+    /// One shader per instance.
     pub(super) shaders: &'a [Shader<'a>],
 }
 
 impl Sorting<'_> {
-    /// Draws the triangles of `extent`, all of them blended.
+    /// Draws the triangles of `extent`, all of which are blended.
     pub(super) fn draw<N: Numbers, O: Observer>(&self, extent: &Extent, frame: &mut Framebuffer, observer: &mut O) {
         let Scissor { top, bottom, .. } = extent.scissor;
         let mut list = FragmentList::default();
@@ -127,8 +127,8 @@ impl Sorting<'_> {
         }
     }
 
-    /// Adds the samples of a blended triangle that pass the depth test; the triangle is given with its edges and its index in
-    /// the list of all. The observer sees the others.
+    /// Adds the samples of a blended triangle that pass the depth test, and reports the others to the observer. The
+    /// triangle is given with its edges and its index in [`Geometry::triangles`].
     pub(super) fn collect<N: Numbers, O: Observer>(
         &self,
         (triangle, edges, place): (&ScreenTriangle, &Triangle<N>, usize),
@@ -156,7 +156,7 @@ impl Sorting<'_> {
         }
     }
 
-    /// Blends all collected fragments over framebuffers of one size, from far to near.
+    /// Blends all collected fragments over framebuffers of equal size, from far to near.
     pub(super) fn blend<O: Observer>(&self, list: &mut FragmentList, frames: &mut [Framebuffer], observer: &mut O) {
         let samples_each = frames.first().map_or(1, |frame| frame.color.pixels().len().max(1));
         for (index, place, fragment) in list.sorted() {

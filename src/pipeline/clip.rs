@@ -1,12 +1,12 @@
-//! Clipping in homogeneous space, before the division by w: a triangle that reaches behind the eye would otherwise be
-//! mirrored, and no test on pixels could mend that.
+//! Clipping in homogeneous space, before the division by w. Without it, a triangle that reaches behind the eye would be
+//! mirrored, and no test on pixels could repair that.
 //!
-//! Sutherland and Hodgman's polygon clipping (CACM 17(1), 1974), plane by plane, and only against planes that a
-//! triangle really crosses. Left, right, top and bottom are widened to a guard band: what is merely off screen is the
-//! rasterizer's business (it clamps to the picture), and only coordinates too large for exact edge functions are cut.
+//! Uses the polygon clipping of Sutherland and Hodgman (CACM 17(1), 1974), plane by plane, and only against planes that
+//! a triangle crosses. Left, right, top and bottom are widened to a guard band. Parts that are merely off screen are
+//! left to the rasterizer, which clamps to the picture; only coordinates too large for exact edge functions are cut.
 //!
 //! A cut is always computed from the inside vertex towards the outside one, so two triangles that share an edge get
-//! bit-identical new vertices and stay watertight. Distances and cuts are computed in f64 and the new vertex is put
+//! bit-identical new vertices and stay watertight. Distances and cuts are computed in f64, and the new vertex is put
 //! exactly onto the plane: an edge may be 10³⁸ times longer than what is left of it.
 
 use glam::{DVec4, Vec3, Vec4};
@@ -15,19 +15,19 @@ use super::observe::{Fate, Observer};
 use super::vertex::ClipVertex;
 use crate::scene::TriangleId;
 
-/// Half the width of the guard band in pixels: screen coordinates stay within ±2¹⁵ px of the picture's centre. f32 still
-/// resolves 1/256 px there, and edge functions of such coordinates need 49 bits of an i64.
+/// Half the width of the guard band in pixels: screen coordinates stay within ±2¹⁵ px of the picture's centre. f32
+/// still resolves 1/256 px there, and edge functions of such coordinates need 49 bits of an i64.
 pub const GUARD_BAND_PX: f32 = 32_768.0;
 
-/// Least w that is projected: the smallest number whose precision is full, so that 1/w is finite.
+/// Least w that is projected: the smallest normal f32, so that 1/w is finite.
 pub const LEAST_W: f32 = f32::MIN_POSITIVE;
 
-/// A side of the view frustum.
+/// Clipping plane of the view frustum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Plane {
-    /// z ≥ 0, which is the far plane where z falls from near to far: see [`Self::of_view`].
+    /// z ≥ 0. This is the far plane if z falls from near to far: see [`Self::of_view`].
     Near,
-    /// w > 0, or rather w ≥ [`LEAST_W`]. The near plane implies it but for rounding.
+    /// w ≥ [`LEAST_W`], which stands in for w > 0. The near plane implies it, except for rounding.
     Eye,
     /// z ≤ w.
     Far,
@@ -45,7 +45,8 @@ impl Plane {
     /// All planes, in the order of clipping: depth first, so that w > 0 when the sides are cut.
     pub const ALL: [Self; 7] = [Self::Near, Self::Eye, Self::Far, Self::Left, Self::Right, Self::Bottom, Self::Top];
 
-    /// Signed distance in units of clip space, ≥ 0 inside. The four sides are moved out by the factor `widening`.
+    /// Returns the signed distance in units of clip space, ≥ 0 inside. The four sides are moved outwards by the factor
+    /// `widening`.
     #[inline]
     pub fn distance(self, p: Vec4, widening: f32) -> f64 {
         let DVec4 { x, y, z, w } = p.as_dvec4();
@@ -61,7 +62,8 @@ impl Plane {
         }
     }
 
-    /// The plane of the view that it is, for a view that has z = 0 at its far plane or not; and the other way round.
+    /// Maps a clip-space plane to the plane of the view, and back. Near and far are swapped if the view has z = 0 at
+    /// its far plane.
     pub fn of_view(self, has_zero_at_far: bool) -> Self {
         match self {
             Self::Near if has_zero_at_far => Self::Far,
@@ -70,7 +72,7 @@ impl Plane {
         }
     }
 
-    /// The largest magnitude that distances are sums of, from those of the components of clip space.
+    /// Returns the largest magnitude among the terms of a distance, given the magnitudes of the clip-space components.
     pub(super) fn magnitude(self, DVec4 { x, y, z, w }: DVec4) -> f64 {
         match self {
             Self::Near => z,
@@ -81,12 +83,12 @@ impl Plane {
         }
     }
 
-    /// Whether all of the plane is at one depth.
+    /// Whether all points of the plane have the same depth.
     fn is_of_depth(self) -> bool {
         matches!(self, Self::Near | Self::Far)
     }
 
-    /// `p` moved onto the plane along its own axis.
+    /// Returns `p` moved onto the plane along the plane's own axis.
     fn pin(self, p: Vec4, widening: f32) -> Vec4 {
         let side = p.w * widening;
         match self {
@@ -101,23 +103,23 @@ impl Plane {
     }
 }
 
-/// A triangle inside the guard band: whole, or a piece of one that was cut.
+/// Triangle inside the guard band: a whole one, or a piece of one that was cut.
 #[derive(Clone, Copy, Debug)]
 pub struct ClippedTriangle {
-    /// The triangle of the scene that it comes from.
+    /// Identifier of the scene triangle that it comes from.
     pub id: TriangleId,
-    /// Its corners.
+    /// Corners in clip space.
     pub vertices: [ClipVertex; 3],
 }
 
-/// How far the sides are moved out, as a factor of w, for a picture of `width` × `height` px.
+/// Returns the factor of w by which the four sides are moved outwards, for a picture of `width` × `height` px.
 pub fn guard_band_widening(width: u32, height: u32) -> f32 {
     (2.0 * GUARD_BAND_PX / width.max(height) as f32).max(1.0)
 }
 
 /// Clips all triangles of a draw; `first` is the identifier of the first one.
 ///
-/// With `needed` false (the whole object is inside) nothing is tested. Output order is input order.
+/// If `needed` is false (the whole object is inside), nothing is tested. Output order is input order.
 pub fn clip<O: Observer>(
     vertices: &[ClipVertex],
     triangles: &[[u32; 3]],
@@ -150,33 +152,33 @@ pub fn clip<O: Observer>(
     out
 }
 
-/// What clipping made of a triangle that is still there.
+/// Result of clipping a triangle that was not rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cut {
-    /// It crosses no plane.
+    /// The triangle crosses no plane.
     Whole,
-    /// It was cut; the polygon holds what is left.
+    /// The triangle was cut; the polygon holds what is left.
     Pieces,
 }
 
-/// An edge that was cut at a plane.
+/// Cut of an edge at a plane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct EdgeCut {
-    /// The plane.
+    /// Plane that cuts the edge.
     pub(crate) plane: Plane,
-    /// The end inside of it.
+    /// End of the edge inside the plane.
     pub(crate) inside: ClipVertex,
-    /// The end outside.
+    /// End of the edge outside the plane.
     pub(crate) outside: ClipVertex,
-    /// Distances of both ends from the plane, the first ≥ 0, the second < 0.
+    /// Signed distances of both ends from the plane: the inside end's, ≥ 0, and the outside end's, < 0.
     pub(crate) distances: [f64; 2],
-    /// How far along the edge the plane is met, from the end inside.
+    /// Parameter of the cut along the edge, in [0, 1], from the inside end.
     pub(crate) t: f64,
-    /// The new vertex.
+    /// New vertex on the plane.
     pub(crate) vertex: ClipVertex,
 }
 
-/// The polygon that is being clipped, with memory kept from triangle to triangle.
+/// Polygon being clipped, with buffers reused from triangle to triangle.
 #[derive(Clone, Debug, Default)]
 pub struct Polygon {
     vertices: Vec<ClipVertex>,
@@ -189,7 +191,7 @@ impl Polygon {
         self.clip_watched(triangle, widening, &mut |_| {})
     }
 
-    /// [`Polygon::clip`], telling every cut that is made of an edge.
+    /// [`Polygon::clip`], with a call of `watch` for every cut of an edge.
     #[inline]
     pub(crate) fn clip_watched(
         &mut self,
@@ -216,12 +218,12 @@ impl Polygon {
         if self.vertices.len() >= 3 { Ok(Cut::Pieces) } else { Err(Fate::ClippedAway) }
     }
 
-    /// The polygon's vertices, in the triangle's winding.
+    /// Returns the polygon's vertices, in the winding of the triangle.
     pub fn vertices(&self) -> &[ClipVertex] {
         &self.vertices
     }
 
-    /// The convex polygon as triangles around its first vertex.
+    /// Returns the convex polygon as a fan of triangles around its first vertex.
     pub(crate) fn fan(&self) -> impl Iterator<Item = [ClipVertex; 3]> {
         let first = self.vertices[0];
         self.vertices[1..].windows(2).map(move |pair| [first, pair[0], pair[1]])
@@ -252,20 +254,21 @@ impl Polygon {
     }
 }
 
-/// How far along an edge from the inside to the outside its plane is met, in [0, 1].
+/// Returns the parameter, in [0, 1] from the inside end, at which an edge meets its plane.
 fn share_beyond((da, db): (f64, f64)) -> f64 {
     da / (da - db)
 }
 
-/// The vertex at which the edge from `a`, at distance `da` ≥ 0 inside a plane, to `b`, at `db` < 0, meets the plane. As a
-/// weighted mean it never leaves the range of its ends; neither weight is the other's rest, so that an end at the eye itself,
-/// next to which the other one is 10³⁸ times farther, still lets the other one tell the direction.
+/// Returns the vertex at which an edge meets a plane. The edge runs from `a`, at distance `da` ≥ 0 inside the plane, to
+/// `b`, at `db` < 0. As a weighted mean the vertex never leaves the range of its ends. Neither weight is computed as 1
+/// minus the other: if one end lies at the eye and the other is 10³⁸ times farther, the far end still determines the
+/// direction.
 fn between(a: &ClipVertex, b: &ClipVertex, (da, db): (f64, f64)) -> ClipVertex {
     let t = share_beyond((da, db));
     let position = a.position.as_dvec4() * (db / (db - da)) + b.position.as_dvec4() * t;
     ClipVertex {
         position: position.as_vec4(),
-        // An edge within a plane is cut within that plane.
+        // Only an edge that lies within a plane is cut within that plane.
         cut_at: a.cut_at.filter(|plane| b.cut_at == Some(*plane)),
         varyings: a.varyings.lerp(&b.varyings, t as f32),
     }
@@ -353,7 +356,7 @@ mod tests {
 
     #[test]
     fn a_corner_at_the_eye_is_seen_in_the_direction_of_the_others() {
-        // The plane of such a triangle goes through the eye: what is left of it projects onto a line.
+        // The plane of such a triangle contains the eye, so what is left of the triangle projects onto a line.
         let (cut, left) =
             clip_one([vertex(0.0, 0.0, 0.0, 0.0), vertex(1.0, 0.0, 0.5, 1.0), vertex(0.0, 1.0, 0.5, 1.0)]);
         assert_eq!(cut, Ok(Cut::Pieces));
@@ -363,7 +366,7 @@ mod tests {
 
     #[test]
     fn a_corner_whose_w_rounding_made_negative_is_cut_off_and_the_rest_stays() {
-        // Before the near plane by its z, behind the eye by its w: no exact projection gives that, rounding does.
+        // In front of the near plane by its z, behind the eye by its w: only rounding yields such a vertex.
         let (cut, left) =
             clip_one([vertex(0.0, 0.0, 0.0, -1e-6), vertex(0.5, 0.0, 0.5, 1.0), vertex(0.0, 0.5, 0.5, 1.0)]);
         assert_eq!(cut, Ok(Cut::Pieces));

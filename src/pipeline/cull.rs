@@ -1,9 +1,9 @@
-//! Culling: which projected triangles are worth rasterizing.
+//! Culling: rejects projected triangles that need no rasterization.
 
 use super::observe::Fate;
 use super::settings::Culling;
 
-/// Which side of a triangle is seen.
+/// Side of a triangle that faces the viewer.
 ///
 /// ```text
 ///      a                 On the screen y runs down. Seen counter-clockwise
@@ -12,16 +12,16 @@ use super::settings::Culling;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Facing {
-    /// Counter-clockwise for the viewer.
+    /// Front-facing: counter-clockwise for the viewer.
     Front,
-    /// Clockwise for the viewer.
+    /// Back-facing: clockwise for the viewer.
     Back,
-    /// No area: seen from neither side.
+    /// Zero area: neither side faces the viewer.
     Edge,
 }
 
-/// The side seen, from the doubled signed area as the arithmetic sees it (in fixed point, of the *snapped* corners): the
-/// only place that decides it.
+/// Returns the visible side from the signed doubled area in the settings' arithmetic (in fixed point, that of the
+/// *snapped* corners). No other code decides facing.
 pub fn facing(doubled_area: f64) -> Facing {
     if doubled_area < 0.0 {
         Facing::Front
@@ -32,7 +32,7 @@ pub fn facing(doubled_area: f64) -> Facing {
     }
 }
 
-/// The fate of a triangle of this doubled area, or `None` if it is to be drawn.
+/// Returns the fate of a triangle of this doubled area, or `None` if it is drawn.
 pub fn cull(doubled_area: f64, culling: Culling) -> Option<Fate> {
     match (facing(doubled_area), culling) {
         (Facing::Edge, _) => Some(Fate::ZeroArea),
@@ -50,7 +50,7 @@ mod tests {
 
     #[test]
     fn counter_clockwise_on_screen_is_the_front() {
-        // a on top, b bottom left, c bottom right; y down.
+        // a is at the top, b at the bottom left, c at the bottom right; y points down.
         let (area, _) = doubled_area(Arithmetic::Fixed, [[1.0, 0.0], [0.0, 2.0], [2.0, 2.0]]);
         assert_eq!(facing(area), Facing::Front);
         assert_eq!(cull(area, Culling::Back), None);

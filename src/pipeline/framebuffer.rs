@@ -1,4 +1,4 @@
-//! What is drawn into: packed colour and, if needed, packed depth.
+//! Framebuffer: packed colour and, if needed, packed depth.
 
 use std::ops::Range;
 
@@ -8,36 +8,36 @@ use super::settings::{DepthTest, Settings};
 use super::viewport::Viewport;
 use crate::image::{Image, Rgba8};
 
-/// The packed picture of a [`SampleGrid`], or a rectangle of it.
+/// Packed picture of a [`SampleGrid`], or a rectangle of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Framebuffer {
-    /// Which pixels are drawn.
+    /// Grid of the drawn pixels.
     pub grid: SampleGrid,
     /// Packed column and row of the first sample held; (0, 0) unless only a part is drawn.
     pub origin: (u32, u32),
-    /// Colours (sRGB codes).
+    /// Colours, as sRGB codes.
     pub color: Image<Rgba8>,
-    /// Stored depth; `None` when the depth test is off, which needs none.
+    /// Stored depths; `None` if the depth test is off.
     pub depth: Option<Image<f32>>,
-    /// What stored depth starts from.
+    /// Clear value of the depth buffer.
     pub clear_depth: f32,
-    /// What stored depth means.
+    /// Mapping between distances and stored depths.
     pub depth_scale: DepthScale,
 }
 
 impl Framebuffer {
-    /// A cleared framebuffer for a full picture of `width` × `height` px. `background` is the colour of the scene, which the
-    /// settings may replace.
+    /// Returns a cleared framebuffer for a full picture of `width` × `height` px. `background` is the scene's
+    /// background colour, as sRGB codes; the settings may replace it.
     pub fn new(grid: SampleGrid, width: u32, height: u32, background: [u8; 3], settings: &Settings) -> Self {
         Self::cleared(grid, (0, 0), grid.packed_size(width, height), background, settings)
     }
 
-    /// A cleared framebuffer that holds nothing but one sample.
+    /// Returns a cleared framebuffer that holds a single sample.
     pub fn one_sample(grid: SampleGrid, sample: (u32, u32), background: [u8; 3], settings: &Settings) -> Self {
         Self::cleared(grid, sample, (1, 1), background, settings)
     }
 
-    /// A cleared framebuffer that holds some packed rows of the packed picture of `width` × `height` px.
+    /// Returns a cleared framebuffer for a range of packed rows of a `width` × `height` px picture.
     pub fn of_rows(
         grid: SampleGrid,
         (width, height): (u32, u32),
@@ -63,7 +63,8 @@ impl Framebuffer {
         Self { grid, origin, color, depth, clear_depth, depth_scale: DepthScale::default() }
     }
 
-    /// A framebuffer in memory that is no longer needed, with whatever it holds, for those who overwrite all of it.
+    /// Returns an uncleared framebuffer that reuses existing buffers. Their old content remains, so callers must
+    /// overwrite all of it.
     pub fn reusing(
         grid: SampleGrid,
         viewport: Viewport,

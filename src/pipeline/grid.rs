@@ -1,43 +1,44 @@
-//! Which pixels of the full picture are drawn at all.
+//! Sample grids: the subset of the full picture's pixels that is drawn.
 //!
 //! An upscaler that shades a quarter of the pixels must also *visit* only a quarter of them: skipping inside the pixel
-//! loop saves shading but still walks every pixel, which is why skipping there buys little. So the rasterizer walks a
-//! [`SampleGrid`]: the samples that are drawn, packed into a smaller picture. Every sample keeps its place in the full
-//! picture (vertices are snapped at full resolution), so what is drawn is bit for bit what the full picture has there.
+//! loop saves shading but still walks every pixel. So the rasterizer walks a [`SampleGrid`]: the drawn samples, packed
+//! into a smaller picture. Every sample keeps its position in the full picture, and vertices are snapped at full
+//! resolution. So each drawn sample equals that of the full picture bit for bit.
 
 use crate::math::fixed::{HALF_PIXEL, SUBPIXELS};
 
-/// The set of pixels that are drawn, and how they are packed.
+/// Set of drawn pixels, and their packing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SampleGrid {
-    /// One sample for each block of `step` × `step` pixels; packed picture `ceil(size / step)`.
+    /// One sample per block of `step` × `step` pixels; the packed size is `ceil(size / step)`.
     ///
-    /// `step` 1 is every pixel. The sample lies at the centre of the block's top-left pixel.
+    /// `step` 1 draws every pixel. The sample lies at the centre of the block's top-left pixel.
     Block {
-        /// Edge of the block in pixels, ≥ 1.
+        /// Edge of the block, in pixels, ≥ 1.
         step: u32,
     },
-    /// The 2×2-pixel squares of one colour of a checkerboard, the colour of the top-left square. Packed columns: of
-    /// each four pixels of a row the two that are drawn.
+    /// The 2×2-pixel squares of one colour of a checkerboard, the colour of the top-left square. A packed row holds the
+    /// two drawn pixels of each four in a row.
     Checkerboard,
-    /// The squares of the other colour.
+    /// The 2×2-pixel squares of the other colour.
     OddCheckerboard,
 }
 
 impl SampleGrid {
-    /// Every pixel.
+    /// Grid of every pixel.
     pub const FULL: Self = Self::Block { step: 1 };
 
-    /// Size of the packed picture for a full picture of `width` × `height` px.
+    /// Returns the size of the packed picture for a full picture of `width` × `height` px.
     pub fn packed_size(self, width: u32, height: u32) -> (u32, u32) {
         match self {
             Self::Block { step } => (width.div_ceil(step), height.div_ceil(step)),
-            // The row that starts with a drawn square has the most: 2 of each 4, and up to 2 of a rest.
+            // Rows that start with a drawn square have the most samples: 2 of each 4 pixels, and up to 2 of the
+            // remainder.
             Self::Checkerboard | Self::OddCheckerboard => (width / 4 * 2 + (width % 4).min(2), height),
         }
     }
 
-    /// Full-picture pixel of a packed sample.
+    /// Returns the full-picture pixel of a packed sample.
     #[inline]
     pub fn pixel(self, column: u32, row: u32) -> (u32, u32) {
         match self {
@@ -46,7 +47,7 @@ impl SampleGrid {
         }
     }
 
-    /// Packed sample at a full-picture pixel, if that pixel is drawn.
+    /// Returns the packed sample of a full-picture pixel; `None` if that pixel is not drawn.
     #[inline]
     pub fn sample_at(self, x: u32, y: u32) -> Option<(u32, u32)> {
         match self {
@@ -58,14 +59,14 @@ impl SampleGrid {
         }
     }
 
-    /// Position of a packed sample in 24.8 fixed point.
+    /// Returns the position of a packed sample in the full picture, in 24.8 fixed point.
     #[inline]
     pub fn position(self, column: u32, row: u32) -> (i64, i64) {
         let (x, y) = self.pixel(column, row);
         (i64::from(x) * SUBPIXELS + HALF_PIXEL, i64::from(y) * SUBPIXELS + HALF_PIXEL)
     }
 
-    /// Half-open range of packed rows whose samples may lie within the pixel rows `from..to`.
+    /// Returns the half-open range of packed rows whose samples may lie within the pixel rows `from..to`.
     pub fn rows(self, from: u32, to: u32) -> std::ops::Range<u32> {
         match self {
             Self::Block { step } => from.div_ceil(step)..to.div_ceil(step),
@@ -73,7 +74,8 @@ impl SampleGrid {
         }
     }
 
-    /// Half-open range of packed columns of packed row `row` whose samples lie within the pixel columns `from..to`.
+    /// Returns the half-open range of columns of packed row `row` whose samples lie within the pixel columns
+    /// `from..to`.
     pub fn columns(self, row: u32, from: u32, to: u32) -> std::ops::Range<u32> {
         match self {
             Self::Block { step } => from.div_ceil(step)..to.div_ceil(step),
@@ -87,12 +89,12 @@ impl SampleGrid {
         }
     }
 
-    /// How many pixels of a `width` × `height` picture are drawn.
+    /// Returns the number of drawn pixels in a picture of `width` × `height` px.
     pub fn drawn_pixels(self, width: u32, height: u32) -> u64 {
         self.rows(0, height).map(|row| self.columns(row, 0, width).len() as u64).sum()
     }
 
-    /// Column of the first drawn pixel of a checkerboard row: 0 and 2 in turns of two rows, or 2 and 0.
+    /// Returns the column of the first drawn pixel of a checkerboard row: 0 or 2, alternating every two rows.
     #[inline]
     pub(super) fn first_drawn(self, y: u32) -> u32 {
         if self == Self::OddCheckerboard { !y & 2 } else { y & 2 }

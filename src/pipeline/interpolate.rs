@@ -1,12 +1,13 @@
-//! Weights of the three vertices at a sample, and attributes from them.
+//! Weights of the three vertices at a sample, and interpolation of attributes with them.
 //!
-//! Screen-space (affine) weights are the edge values over the doubled area. Perspective-correct weights are
-//! (λᵢ/wᵢ) / Σ(λⱼ/wⱼ) (Low, "Perspective-Correct Interpolation", 2002); here eᵢ·rᵢ / Σ eⱼ·rⱼ, where rᵢ is 1/wᵢ relative
-//! to the largest. With equal w every rᵢ is exactly 1, so leaving the division out changes no bit.
+//! Screen-space (affine) weights are the edge values over the doubled area. Perspective-correct weights are (λᵢ/wᵢ) /
+//! Σ(λⱼ/wⱼ) (Low, "Perspective-Correct Interpolation", 2002); here eᵢ·rᵢ / Σ eⱼ·rⱼ, where rᵢ is 1/wᵢ relative to the
+//! largest. With equal w every rᵢ is exactly 1, so skipping the division changes no bit.
 //!
-//! All three weights are computed from their own edge and divided by their *sum*: none absorbs the error of the others.
-//! Attributes take the form a₀ + p₁·(a₁ − a₀) + p₂·(a₂ − a₀), which returns a constant exactly. So an attribute that the
-//! vertex stage left out, the same at all corners, need not be interpolated: the result is the first corner's value.
+//! Each of the three weights is computed from its own edge and divided by their *sum*, so none absorbs the error of the
+//! others. Attributes take the form a₀ + p₁·(a₁ − a₀) + p₂·(a₂ − a₀), which returns a constant exactly. So an attribute
+//! that the vertex stage skipped, equal at all corners, need not be interpolated: the result is the first corner's
+//! value.
 
 use glam::{Vec2, Vec3};
 
@@ -16,20 +17,22 @@ use super::settings::{Arithmetic, Filter, Interpolation, Settings, Shading};
 use super::viewport::ScreenTriangle;
 use crate::scene::TriangleId;
 
-/// Screen-space weights λ at a sample: areas over the whole area. Each is correctly rounded but for the division.
+/// Returns the screen-space weights λ at a sample: sub-areas over the whole area. Each is correctly rounded except for
+/// the division.
 #[inline]
 pub fn affine_weights(triangle: &ScreenTriangle, sample: &Sample) -> [f32; 3] {
     let inverse_area = inverse_area(triangle);
     sample.edges.map(|e| e as f32 * inverse_area)
 }
 
-/// What edge values are multiplied with to become screen-space weights.
+/// Returns the factor that turns edge values into screen-space weights.
 #[inline]
 pub(crate) fn inverse_area(triangle: &ScreenTriangle) -> f32 {
     1.0 / triangle.doubled_area as f32
 }
 
-/// Weights for attributes at a sample. But for the published ones they are divided by their sum.
+/// Returns the weights for attributes at a sample. Except for [`Interpolation::Published`], they are divided by their
+/// sum.
 #[inline]
 pub fn attribute_weights(triangle: &ScreenTriangle, sample: &Sample, interpolation: Interpolation) -> [f32; 3] {
     if interpolation == Interpolation::Published {
@@ -39,18 +42,18 @@ pub fn attribute_weights(triangle: &ScreenTriangle, sample: &Sample, interpolati
     q.map(|q| q * inverse_sum)
 }
 
-/// What weights for attributes are the products of.
+/// Terms whose products are the weights for attributes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WeightTerms {
     /// Edge values, each times the relative 1/w of its corner.
     pub(crate) q: [f32; 3],
-    /// Their sum.
+    /// Sum of `q`.
     pub(crate) sum: f32,
-    /// 1 over that.
+    /// Reciprocal of `sum`.
     pub(crate) inverse_sum: f32,
 }
 
-/// The terms of all weights but the published ones.
+/// Returns the terms of the weights, for any interpolation except [`Interpolation::Published`].
 #[inline(always)]
 pub(crate) fn weight_terms(triangle: &ScreenTriangle, sample: &Sample) -> WeightTerms {
     let [r0, r1, r2] = triangle.relative_inv_w;
@@ -59,8 +62,9 @@ pub(crate) fn weight_terms(triangle: &ScreenTriangle, sample: &Sample) -> Weight
     WeightTerms { q, sum, inverse_sum: 1.0 / sum }
 }
 
-/// Weights as they are commonly published: from P = a·v02 + b·v01 in the coordinates of the first corner, b by the determinant,
-/// and then a by the x coordinates alone, which divides by v02.x. NaN or infinite where corners 0 and 2 stand above each other.
+/// Returns the weights by a commonly published formula. It solves P = a·v02 + b·v01, relative to the first corner, for
+/// b by the determinant. It then solves for a by the x coordinates alone, which divides by v02.x. The result is NaN or
+/// infinite if corners 0 and 2 have equal x.
 fn published_weights(triangle: &ScreenTriangle, sample: &Sample) -> [f32; 3] {
     let [v0, v1, v2] = triangle.corners_px();
     let [v01, v02] = [[v1[0] - v0[0], v1[1] - v0[1]], [v2[0] - v0[0], v2[1] - v0[1]]];
@@ -70,27 +74,27 @@ fn published_weights(triangle: &ScreenTriangle, sample: &Sample) -> [f32; 3] {
     [1.0 - a - b, b, a]
 }
 
-/// Which attributes a draw interpolates, and how.
+/// Selection of the attributes that a draw interpolates, and the kind of interpolation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Attributes {
-    /// How weights are computed.
+    /// Computation of the weights.
     pub interpolation: Interpolation,
-    /// [`Fragment::normal`].
+    /// Whether [`Fragment::normal`] is interpolated.
     pub normal: bool,
-    /// [`Fragment::uv`].
+    /// Whether [`Fragment::uv`] is interpolated.
     pub uv: bool,
-    /// [`Fragment::color`].
+    /// Whether [`Fragment::color`] is interpolated.
     pub color: bool,
-    /// [`Fragment::light`].
+    /// Whether [`Fragment::light`] is interpolated.
     pub light: bool,
-    /// [`Fragment::source_weights`].
+    /// Whether [`Fragment::source_weights`] is interpolated.
     pub source_weights: bool,
-    /// [`Fragment::uv_gradient`], if any, with edges in this arithmetic.
+    /// Arithmetic of the edges from which [`Fragment::uv_gradient`] is computed; `None` if it is not computed.
     pub uv_gradient: Option<Arithmetic>,
 }
 
 impl Attributes {
-    /// All of them but for gradients.
+    /// Returns a selection of all attributes except the gradient.
     pub const fn all(interpolation: Interpolation) -> Self {
         Self {
             interpolation,
@@ -103,7 +107,7 @@ impl Attributes {
         }
     }
 
-    /// What a draw reads.
+    /// Returns the attributes that a draw reads.
     pub fn read_by(plan: &DrawPlan, settings: &Settings) -> Self {
         Self {
             interpolation: settings.interpolation,
@@ -118,12 +122,12 @@ impl Attributes {
     }
 }
 
-/// Everything that shading reads at a sample. Attributes that the draw does not interpolate have the first corner's value.
+/// Inputs of shading at a sample. Attributes that the draw does not interpolate have the first corner's value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fragment {
-    /// The sample.
+    /// Covered sample.
     pub sample: Sample,
-    /// The triangle of the scene that it belongs to.
+    /// Identifier of its triangle in the scene.
     pub triangle: TriangleId,
     /// Weights of the three corners for attributes.
     pub weights: [f32; 3],
@@ -131,13 +135,13 @@ pub struct Fragment {
     pub normal: Vec3,
     /// Texture coordinates, v down.
     pub uv: Vec2,
-    /// Vertex colour, in the numbers that light is computed in.
+    /// Vertex colour, in the working colour space.
     pub color: Vec3,
     /// Light interpolated from the vertices (Gouraud only).
     pub light: f32,
     /// Weights of the corners of the triangle before clipping.
     pub source_weights: Vec3,
-    /// What texture coordinates change by in a pixel to the right, and in one downwards; zero unless the draw reads it.
+    /// Change of texture coordinates per px to the right, and per px downwards; zero unless the draw reads it.
     pub uv_gradient: [Vec2; 2],
 }
 
@@ -180,18 +184,18 @@ pub fn interpolate(triangle: &ScreenTriangle, sample: Sample, attributes: Attrib
     fragment
 }
 
-/// What edge values change by in a pixel to the right, and in one downwards.
+/// Returns the change of edge values per px to the right, and per px downwards.
 pub(crate) fn edge_slopes(triangle: &ScreenTriangle, arithmetic: Arithmetic) -> [[f32; 3]; 2] {
     let [[x0, y0], [x1, y1], [x2, y2]] = triangle.corners_in(arithmetic);
     let side = |x: f32, y: f32| [f64::from(x) - f64::from(x0), f64::from(y) - f64::from(y0)];
     let (to_1, to_2) = (side(x1, y1), side(x2, y2));
-    // Edge values per px². Their sign is such that they are positive inside; in fixed point this is 2¹⁶ or −2¹⁶ without error.
+    // Edge values per px², signed so that they are positive inside; exactly 2¹⁶ or −2¹⁶ in fixed point.
     let unit = (triangle.doubled_area / (to_1[0] * to_2[1] - to_2[0] * to_1[1])) as f32;
     [[(y1 - y2) * unit, (y2 - y0) * unit, (y0 - y1) * unit], [(x2 - x1) * unit, (x0 - x2) * unit, (x1 - x0) * unit]]
 }
 
-/// What the weights of the second and the third corner for attributes, divided by w, change by in a pixel to the right, and in
-/// one downwards. They are pᵢ = qᵢ / Σ qⱼ with qᵢ = eᵢ·rᵢ, which are affine on the screen: pᵢ' = (qᵢ' − pᵢ·Σ qⱼ') / Σ qⱼ.
+/// Returns the change of the second and the third corner's perspective-correct weights per px to the right, and per px
+/// downwards. The weights are pᵢ = qᵢ / Σ qⱼ with qᵢ = eᵢ·rᵢ affine on the screen, so pᵢ' = (qᵢ' − pᵢ·Σ qⱼ') / Σ qⱼ.
 pub(crate) fn weight_gradient(triangle: &ScreenTriangle, sample: &Sample, arithmetic: Arithmetic) -> [[f32; 2]; 2] {
     let [r0, r1, r2] = triangle.relative_inv_w;
     let WeightTerms { q: [_, q1, q2], inverse_sum, .. } = weight_terms(triangle, sample);
@@ -203,7 +207,8 @@ pub(crate) fn weight_gradient(triangle: &ScreenTriangle, sample: &Sample, arithm
     })
 }
 
-/// Derivatives of the texture coordinates at a sample by the screen, as perspective has them.
+/// Returns the perspective-correct derivatives of the texture coordinates at a sample, per px to the right and per px
+/// downwards.
 pub(crate) fn uv_gradient(triangle: &ScreenTriangle, sample: &Sample, arithmetic: Arithmetic) -> [Vec2; 2] {
     let [a, b, c] = triangle.vertices.each_ref().map(|v| v.varyings.uv);
     weight_gradient(triangle, sample, arithmetic).map(|[p1, p2]| (b - a) * p1 + (c - a) * p2)
@@ -220,7 +225,7 @@ mod tests {
     use crate::pipeline::vertex::Varyings;
     use crate::pipeline::viewport::ScreenVertex;
 
-    /// The texture coordinates of a triangle at a place in px, from its corners in px, in double precision.
+    /// Returns the texture coordinates of a triangle at a position in px, computed in f64 from its snapped corners.
     fn true_uv(corners: &[ScreenVertex; 3], [x, y]: [f64; 2]) -> DVec2 {
         let at = corners.map(|corner| [corner.x, corner.y].map(|step| f64::from(step) / 256.0));
         let (mut total, mut sum) = (0.0, DVec2::ZERO);

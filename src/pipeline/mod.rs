@@ -1,17 +1,17 @@
-//! The spine: from a scene to drawn pixels, one stage after the other, each a function over plain buffers in a file of
-//! its own.
+//! The pipeline: from a scene to drawn pixels, one stage after the other. Each stage is a function over plain buffers
+//! in a file of its own.
 //!
 //! ```text
 //! plan → transform → clip → project → cull │ rasterize → depth → interpolate → shade
 //!            per draw, all triangles       │       per triangle, sample by sample
 //! ```
 //!
-//! [`prepare`] is the left half and gives [`Geometry`]; [`draw`] is the right half and fills a [`Framebuffer`]. This is the
-//! *classic* way to execute: triangle after triangle, plain scalar code, every stage visible. It is the reference for
-//! every faster way. Equal input gives an equal picture, bit for bit.
+//! [`prepare`] runs the left half and returns [`Geometry`]; [`draw`] runs the right half and fills a [`Framebuffer`].
+//! This is the *classic* execution: triangle after triangle, plain scalar code, every stage visible. It is the
+//! reference for every faster execution. Equal input gives an equal picture, bit for bit.
 //!
-//! Triangles that hide what lies behind them come first, in submission order; then those that are blended, in the order of
-//! [`settings::BlendingOrder`], each tested against the depths of the first but leaving none itself.
+//! Opaque and alpha-tested triangles come first, in submission order. Blended triangles follow, in the order of
+//! [`settings::BlendingOrder`]. They are tested against the stored depths but store none themselves.
 
 pub mod background;
 
@@ -77,53 +77,54 @@ use viewport::{ScreenTriangle, ScreenVertex, Viewport};
 
 use crate::scene::{Camera, Instance, Scene, Transparency, TriangleId};
 
-/// What the geometry stages hand to the rasterizer.
+/// Output of the geometry stages, and input of the rasterizer.
 #[derive(Clone, Debug, Default)]
 pub struct Geometry {
-    /// Triangles to rasterize, in the order in which they are drawn: as they were submitted, except for blended ones, which
-    /// come last, sorted by distance if [`Geometry::blending`] says so.
+    /// Triangles to rasterize, in drawing order. This is submission order, except that blended triangles come last,
+    /// sorted by distance if [`Geometry::blending`] selects it.
     pub triangles: TriangleList,
     /// Order of the blended triangles.
     pub blending: Blending,
-    /// Of the last triangle only these samples are drawn; all of them if none.
+    /// Samples drawn of the last triangle; `None` draws all of them.
     pub partial: Option<Vec<Span>>,
-    /// What depths of the triangles mean.
+    /// Mapping between distances and the depths of the triangles.
     pub depth_scale: DepthScale,
     /// One plan per instance.
     pub plans: Vec<DrawPlan>,
-    /// Time of each geometry stage, over all draws.
+    /// Time of each geometry stage, summed over all draws.
     pub times: GeometryTimes,
-    /// Vertices transformed.
+    /// Number of transformed vertices.
     pub vertices: usize,
-    /// Triangles of the scene that came in.
+    /// Number of triangles of all instances, before culling and clipping.
     pub triangles_in: usize,
-    /// Triangles after clipping.
+    /// Number of triangles after clipping.
     pub triangles_clipped: usize,
 }
 
 impl Geometry {
-    /// Where in the list of triangles the blended ones begin.
+    /// Returns the index of the first blended triangle; the number of triangles if there is none.
     pub fn blended_from(&self) -> usize {
         self.triangles.partition_point(|triangle| !self.is_blended(triangle))
     }
 
-    /// Index of the first triangle whose fragments are sorted among those of others, so that it cannot be drawn on its own;
-    /// the number of triangles if there is none.
+    /// Returns the index of the first triangle whose fragments are sorted among those of others, so that it cannot be
+    /// drawn alone. Returns the number of triangles if there is none.
     pub fn sorted_from(&self, settings: &Settings) -> usize {
         let sorts = settings.blending.order == BlendingOrder::Exact;
         if sorts { self.blended_from() } else { self.triangles.len() }
     }
 
-    /// Whether a triangle is drawn over what lies behind.
+    /// Whether a triangle is blended over what lies behind it.
     pub fn is_blended(&self, triangle: &ScreenTriangle) -> bool {
         let plan = self.plans.get(triangle.instance as usize);
         plan.is_some_and(|plan| plan.transparency() == Transparency::Blended)
     }
 
-    /// Where in the list one of its triangles stands.
+    /// Returns the index of one of the list's triangles.
     pub fn place_of(&self, triangle: &ScreenTriangle) -> usize {
         let (others, blended) = self.triangles.split_at(self.blended_from());
-        // The first that may be it; the pieces of one triangle, and the blended ones at one distance, follow each other.
+        // Index of the first candidate. The pieces of one triangle are adjacent, and so are blended triangles at equal
+        // distance.
         let first = match (self.is_blended(triangle), self.blending.order) {
             (true, BlendingOrder::Triangles) => {
                 let distance = self.mean_distance(triangle);
@@ -137,8 +138,8 @@ impl Geometry {
         self.triangles[first..].iter().position(|t| t == triangle).map_or(first, |offset| first + offset)
     }
 
-    /// Puts the blended triangles, if there are any, behind the others. With [`BlendingOrder::Triangles`] sorts them by the
-    /// mean distance of their corners, the farthest first; those at the same distance stay as they were submitted.
+    /// Moves blended triangles, if there are any, behind the others. [`BlendingOrder::Triangles`] sorts them by the
+    /// mean distance of their corners, farthest first; triangles at equal distance stay in submission order.
     fn draw_blended_last(&mut self) {
         if self.plans.iter().all(|plan| plan.transparency() != Transparency::Blended) {
             return;
@@ -158,7 +159,7 @@ impl Geometry {
     }
 }
 
-/// Mean distance of the corners of a triangle: what blended ones are sorted by.
+/// Returns the mean distance of a triangle's corners, the sort key of blended triangles.
 fn mean_distance(depth_scale: &DepthScale, triangle: &ScreenTriangle) -> f64 {
     let [a, b, c] = triangle.vertices.each_ref().map(|corner| depth_scale.distance(corner));
     (a + b + c) / 3.0
@@ -177,21 +178,21 @@ pub struct GeometryTimes {
     pub cull: Duration,
 }
 
-/// How far [`draw`] goes with each covered sample. Stopping early is for timing the stages apart; what it computed last
-/// then goes to a black box, lest the compiler leave it out.
+/// Last stage that [`draw`] runs for each covered sample. Stopping early serves to time stages separately; `black_box`
+/// then keeps the last result from being eliminated as dead code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Until {
-    /// Only find covered samples.
+    /// Coverage only.
     Coverage,
-    /// Also test and store depth.
+    /// Coverage, depth test and depth store.
     Depth,
-    /// Also interpolate attributes.
+    /// All stages up to interpolation of attributes.
     Interpolate,
-    /// Everything.
+    /// All stages.
     Shade,
 }
 
-/// Runs the geometry stages over all instances for a picture of this size.
+/// Runs the geometry stages over all instances, for a picture of the viewport's size.
 pub fn prepare<O: Observer>(
     scene: &Scene,
     camera: &Camera,
@@ -249,24 +250,24 @@ fn prepare_draw<O: Observer>(
     finish_draw(&draw, settings, viewport, out, observer);
 }
 
-/// The triangles of one draw after the transform.
+/// Triangles of one draw after the transform.
 #[derive(Clone, Copy, Debug)]
 struct ClipSpaceDraw<'a> {
-    /// Its number in the scene.
+    /// Index of the instance in the scene.
     instance: u32,
     /// Vertices in clip space.
     vertices: &'a [ClipVertex],
-    /// Triangles by their vertices.
+    /// Vertex indices of each triangle.
     triangles: &'a [[u32; 3]],
     /// Identifier of the first triangle.
     first: TriangleId,
-    /// Whether a triangle may cross a plane of the frustum; else nothing is tested.
+    /// Whether a triangle may cross a plane of the frustum; if `false`, no triangle is tested.
     may_cross: bool,
-    /// Whether attributes follow perspective.
+    /// Whether attributes are interpolated perspective-correctly.
     divides_by_w: bool,
 }
 
-/// The geometry stages from clipping to culling.
+/// Runs the geometry stages from clipping to culling.
 fn finish_draw<O: Observer>(
     draw: &ClipSpaceDraw<'_>,
     settings: &Settings,
@@ -285,7 +286,7 @@ fn finish_draw<O: Observer>(
         clipped.iter().map(|t| (t.id, viewport.project(t, &depth_scale))).collect();
     let projected_at = Instant::now();
 
-    // Pieces of one triangle stand together.
+    // Pieces of one triangle are adjacent.
     let mut triangles = std::mem::take(&mut out.triangles).into_vec();
     for pieces in projected.chunk_by(|a, b| a.0 == b.0) {
         set_up(pieces, draw, settings, &depth_scale, &mut triangles, observer);
@@ -296,7 +297,7 @@ fn finish_draw<O: Observer>(
     out.times.cull += projected_at.elapsed();
 }
 
-/// Triangles of vertices that no camera made, on the screen: clipped, projected and set up, whichever side they show.
+/// Clips, projects and sets up triangles of clip-space vertices that no camera made, whichever side faces the viewer.
 pub fn from_clip_space<O: Observer>(
     vertices: &[ClipVertex],
     triangles: &[[u32; 3]],
@@ -312,7 +313,8 @@ pub fn from_clip_space<O: Observer>(
     geometry.triangles.into_vec()
 }
 
-/// Culls the pieces of one triangle and sets up the edges of those that stay; if none does, the triangle has one fate.
+/// Culls the pieces of one triangle and sets up the edges of those kept. If none is kept, reports one fate for the
+/// whole triangle.
 fn set_up<O: Observer>(
     pieces: &[(TriangleId, [ScreenVertex; 3])],
     draw: &ClipSpaceDraw<'_>,
@@ -327,7 +329,7 @@ fn set_up<O: Observer>(
         let positions_px = corners.each_ref().map(|v| v.position_px);
         let (area, scale) = doubled_area(settings.arithmetic, positions_px);
         match cull::cull(area, settings.culling) {
-            // A piece without area says nothing about which side the triangle shows.
+            // A piece of zero area does not show which side of the triangle is visible.
             Some(Fate::ZeroArea) => rejected = rejected.or(Some((*id, Fate::ZeroArea))),
             Some(facing) => rejected = Some((*id, facing)),
             None => {
@@ -342,23 +344,23 @@ fn set_up<O: Observer>(
     }
 }
 
-/// What [`draw`] draws: which of the triangles, and within which rectangle.
+/// Range of triangles and rectangle of pixels that [`draw`] processes.
 #[derive(Clone, Debug)]
 pub struct Extent {
-    /// Range of [`Geometry::triangles`].
+    /// Range of indices into [`Geometry::triangles`].
     pub triangles: Range<usize>,
-    /// Pixels outside are not visited.
+    /// Rectangle of pixels that are visited.
     pub scissor: Scissor,
 }
 
 impl Extent {
-    /// All triangles over the whole picture.
+    /// Returns the extent of all triangles over the whole picture.
     pub fn all(geometry: &Geometry, viewport: Viewport) -> Self {
         Self { triangles: 0..geometry.triangles.len(), scissor: Scissor::full(viewport.width, viewport.height) }
     }
 }
 
-/// Rasterizes, tests, interpolates and shades.
+/// Rasterizes, depth-tests, interpolates and shades the triangles of `extent`, up to the stage `until`.
 pub fn draw<O: Observer>(
     scene: &Scene,
     geometry: &Geometry,
@@ -413,7 +415,7 @@ fn draw_in<N: Numbers, O: Observer>(
     }
 }
 
-/// Draws some samples of the triangle at a place of the list, as [`draw`] draws all of them.
+/// Draws the given samples of the triangle at index `place`, in the same way as [`draw`].
 pub fn draw_samples(
     scene: &Scene,
     geometry: &Geometry,

@@ -1,11 +1,12 @@
-//! Several samples for each pixel, each where its pixel wants it: what jittered supersampling and multisampling need.
+//! Several samples per pixel at per-pixel positions, for jittered supersampling and multisampling.
 //!
-//! A sample off the centre of its pixel is found by moving the triangle the other way, after projection: edges, depth and
-//! attributes then come about as for a centre, in any arithmetic and by any rasterizer. In fixed point samples stand on the
-//! grid that corners are snapped to (as in D3D11): from wherever it is seen, a triangle keeps its shape.
+//! A sample off the centre of its pixel is found by moving the triangle the opposite way, after projection. Edges,
+//! depth and attributes are then computed as for a centre, in any arithmetic and by any rasterizer. In fixed point,
+//! sample positions lie on the grid that corners are snapped to (as in D3D11), so a triangle has the same shape at
+//! every sample position.
 //!
-//! Supersampling shades every sample. Multisampling shades once for each pixel that a triangle shows up in, at its centre if
-//! the triangle covers that and at the first covered sample if not, and gives all covered samples that colour (Akeley,
+//! Supersampling shades every sample. Multisampling shades a triangle once per pixel, at the pixel's centre if the
+//! triangle covers it and at the first covered sample otherwise. All covered samples get that colour (Akeley,
 //! "RealityEngine Graphics", 1993).
 
 use std::ops::Range;
@@ -23,25 +24,27 @@ use super::{Extent, Geometry, Until, samples};
 use crate::math::fixed::snap;
 use crate::scene::{Scene, Transparency};
 
-/// Where the samples of pixels lie.
+/// Sample positions within pixels.
 #[derive(Clone, Copy)]
 pub struct Places<'a> {
-    /// For each sample of a pixel the places that it may have, px right of and below the pixel's centre.
+    /// Candidate positions of each sample of a pixel, px right of and below the pixel's centre.
     pub candidates: &'a [Vec<[f32; 2]>],
-    /// Which of its places a sample has in the pixel at a column and a row of the full picture.
+    /// Returns the index of a sample's candidate position in a pixel, by the pixel's column and row in the full
+    /// picture.
     pub chosen: &'a (dyn Fn((u32, u32), usize) -> usize + Sync),
 }
 
-/// How often a triangle is shaded in a pixel.
+/// Shading frequency of a triangle within a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ShadingRate {
-    /// Once for each sample.
+    /// Once per covered sample.
     Sample,
-    /// Once, however many samples it covers.
+    /// Once per pixel, whatever the number of covered samples.
     Pixel,
 }
 
-/// Draws the triangles of `extent` into one framebuffer for each sample of a pixel, all of them of the same rectangle.
+/// Draws the triangles of `extent` into one framebuffer per sample of a pixel; all framebuffers hold the same
+/// rectangle.
 pub fn draw(
     scene: &Scene,
     geometry: &Geometry,
@@ -57,7 +60,7 @@ pub fn draw(
     });
 }
 
-/// What is the same for all triangles.
+/// Inputs shared by all triangles of a draw.
 struct Job<'a> {
     geometry: &'a Geometry,
     settings: &'a Settings,
@@ -67,10 +70,10 @@ struct Job<'a> {
     shaders: Vec<Shader<'a>>,
 }
 
-/// A covered sample: packed row, packed column, number within its pixel, and which of its places it has.
+/// Covered sample: packed row, packed column, sample index within the pixel, and index of its candidate position.
 type Covered = (u32, u32, usize, usize);
 
-/// A triangle as a place off the centre sees it, and its edges.
+/// Triangle displaced for one candidate position, with its edges; `None` if it has no area.
 type Moved<N> = Option<(ScreenTriangle, Triangle<N>)>;
 
 impl<'a> Job<'a> {
@@ -86,12 +89,12 @@ impl<'a> Job<'a> {
         Self { geometry, settings, extent, places, comparison: Comparison::of(settings), shaders }
     }
 
-    /// The triangles that are drawn one after the other, and those whose fragments are sorted.
+    /// Returns the triangles drawn in order, and those whose fragments are sorted.
     fn split(&self) -> [Range<usize>; 2] {
         blending::split(self.geometry, self.settings, &self.extent.triangles, Until::Shade).into()
     }
 
-    /// The triangles of a range that may have samples here, in drawing order, with their indices.
+    /// Returns the triangles of a range that may have samples within the scissor, in drawing order, with their indices.
     fn triangles(&self, range: Range<usize>) -> impl Iterator<Item = (usize, &ScreenTriangle, &Shader<'a>)> {
         let all = &self.geometry.triangles;
         let near = range.filter(|place| self.extent.scissor.may_meet_box(all.box_of(*place)));
@@ -103,7 +106,7 @@ impl<'a> Job<'a> {
         Sorting { geometry: self.geometry, settings: self.settings, shaders: &self.shaders }
     }
 
-    /// The triangle as each place of one sample sees it.
+    /// Returns the triangle displaced for each candidate position of one sample.
     fn displaced_to<N: Numbers>(&self, triangle: &ScreenTriangle, places: &[[f32; 2]]) -> Vec<Moved<N>> {
         let moved = |offset_px: &[f32; 2]| {
             let moved = displaced(triangle, *offset_px, self.settings, &self.geometry.depth_scale)?;
@@ -113,13 +116,14 @@ impl<'a> Job<'a> {
         places.iter().map(moved).collect()
     }
 
-    /// The triangle as each place of each sample sees it.
+    /// Displaces the triangle for each candidate position of each sample.
     fn displaced<N: Numbers>(&self, triangle: &ScreenTriangle, out: &mut Vec<Vec<Moved<N>>>) {
         out.clear();
         out.extend(self.places.candidates.iter().map(|places| self.displaced_to(triangle, places)));
     }
 
-    /// The samples of number `sample` within their pixels that a moved triangle covers, where they have that place.
+    /// Finds the samples of index `sample` that a displaced triangle covers, in the pixels that choose candidate
+    /// `place`.
     fn cover<N: Numbers>(
         &self,
         (triangle, edges): (&ScreenTriangle, &Triangle<N>),
@@ -161,7 +165,7 @@ impl<'a> Job<'a> {
         }
     }
 
-    /// Draws blended triangles of which every sample is shaded, with their fragments sorted, sample after sample.
+    /// Draws blended triangles with sorted fragments, shading every sample; proceeds one sample index at a time.
     fn sort_per_sample<N: Numbers>(&self, triangles: &Range<usize>, frames: &mut [Framebuffer]) {
         let (mut list, mut spans) = (FragmentList::default(), Vec::new());
         for ((sample, frame), candidates) in frames.iter_mut().enumerate().zip(self.places.candidates) {
@@ -209,7 +213,8 @@ impl<'a> Job<'a> {
         self.sorting().blend(&mut list, frames, &mut ());
     }
 
-    /// The one fragment of a triangle in a pixel, and the triangle as the place sees it where it is shaded.
+    /// Returns the single fragment of a triangle in a pixel, and the triangle displaced for the position where it is
+    /// shaded.
     fn fragment<'t, N: Numbers>(
         &self,
         (triangle, centre): (&'t ScreenTriangle, Option<&Triangle<N>>),
@@ -226,7 +231,7 @@ impl<'a> Job<'a> {
         Some((seen, interpolate(seen, shaded_at, attributes)))
     }
 
-    /// Tests the covered samples of one pixel and collects those that pass.
+    /// Depth-tests the covered samples of one pixel and collects those that pass.
     fn collect_pixel<N: Numbers>(
         &self,
         (index, fragment): (usize, &Fragment),
@@ -253,7 +258,7 @@ impl<'a> Job<'a> {
         }
     }
 
-    /// Tests the covered samples of one pixel, shades once, and gives those that passed that colour.
+    /// Depth-tests the covered samples of one pixel, shades once, and writes that colour to the samples that pass.
     fn shade_pixel<N: Numbers>(
         &self,
         (seen, fragment): (&ScreenTriangle, &Fragment),
@@ -288,7 +293,7 @@ impl<'a> Job<'a> {
     }
 }
 
-/// A covered sample, and the triangle as its place sees it.
+/// Returns a covered sample, and the triangle displaced for its position.
 fn sample_of<N: Numbers>(
     moved: &[Vec<Moved<N>>],
     (row, column, sample, place): Covered,
@@ -298,7 +303,7 @@ fn sample_of<N: Numbers>(
     Some((seen, edges.sample((column, row), pixel)))
 }
 
-/// A triangle moved against an offset; none if the arithmetic leaves nothing of it there.
+/// Returns the triangle moved by the negated `offset`, in px; `None` if it has no area in the settings' arithmetic.
 fn displaced(
     triangle: &ScreenTriangle,
     offset @ [right, down]: [f32; 2],

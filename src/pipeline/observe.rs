@@ -1,9 +1,10 @@
-//! Watching the pipeline without slowing it down.
+//! Observation of the pipeline without slowing it down.
 //!
-//! Stages are generic over an [`Observer`] whose hooks do nothing by default; `()` is the one that watches nothing, and
-//! its hooks vanish when the stage is compiled for it: with the hooks and with their calls deleted, the loops over samples of
-//! all four arithmetics came out as the same 4,290 instructions in the same order (x86-64, rustc 1.95). Nothing in a loop asks whether anybody is watching.
-//! What can be had by calling a stage again (matrices, clipped polygons) has no hook: the inspector calls the stage.
+//! Stages are generic over an [`Observer`] whose hooks do nothing by default. `()` observes nothing, and its hooks
+//! vanish at compile time: with the hooks and their calls deleted, the loops over samples of all four arithmetics
+//! compiled to the same 4,290 instructions in the same order (x86-64, rustc 1.95). No loop tests at run time whether an
+//! observer is attached. Values that a repeated call of a stage yields (matrices, clipped polygons) have no hook: the
+//! inspector calls the stage.
 
 use serde::Serialize;
 
@@ -13,30 +14,30 @@ use super::viewport::ScreenTriangle;
 use crate::image::Rgba8;
 use crate::scene::TriangleId;
 
-/// Why a triangle never reached the rasterizer.
+/// Reason why a triangle never reached the rasterizer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Fate {
     /// All three vertices lie beyond the same plane of the view frustum.
     Outside,
-    /// A vertex became NaN or infinite.
+    /// A vertex is NaN or infinite after the transform.
     NotFinite,
     /// Clipping left nothing.
     ClippedAway,
     /// Its snapped corners lie on one line.
     ZeroArea,
-    /// It turns its back, and back faces are culled.
+    /// The triangle is back-facing, and back faces are culled.
     BackFacing,
-    /// It faces the viewer, and front faces are culled.
+    /// The triangle is front-facing, and front faces are culled.
     FrontFacing,
 }
 
 impl Fate {
-    /// All fates, in the order in which the stages deal them out.
+    /// All fates, in the order of the stages that assign them.
     pub const ALL: [Self; 6] =
         [Self::Outside, Self::NotFinite, Self::ClippedAway, Self::ZeroArea, Self::BackFacing, Self::FrontFacing];
 
-    /// What a person calls it.
+    /// Display name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Outside => "outside the view",
@@ -49,26 +50,26 @@ impl Fate {
     }
 }
 
-/// One comparison with the depth buffer.
+/// Outcome of one comparison with the depth buffer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepthOutcome {
     /// Depth of the fragment.
     pub new: f32,
-    /// What the buffer held.
+    /// Depth that the buffer held.
     pub stored: f32,
-    /// Whether the fragment goes on.
+    /// Whether the fragment passed the test.
     pub passed: bool,
 }
 
 /// Hooks along the pipeline, all empty by default.
 pub trait Observer {
-    /// A triangle of the scene ended before the rasterizer.
+    /// A triangle of the scene was rejected before the rasterizer.
     fn rejected(&mut self, _id: TriangleId, _fate: Fate) {}
 
     /// A triangle crossed a plane and was cut into `pieces` triangles.
     fn clipped(&mut self, _id: TriangleId, _pieces: usize) {}
 
-    /// The rasterizer looked at `samples` samples for one triangle.
+    /// The rasterizer visited `samples` samples for one triangle.
     fn visited(&mut self, _samples: u64) {}
 
     /// A sample lies inside a triangle.
@@ -80,35 +81,35 @@ pub trait Observer {
     /// The depth of a sample was stored.
     fn depth_stored(&mut self, _triangle: &ScreenTriangle, _sample: &Sample) {}
 
-    /// A fragment of a cut-out surface is not there, though its depth passed.
+    /// A fragment failed the alpha test, although its depth passed.
     fn cut_out(&mut self, _triangle: &ScreenTriangle, _fragment: &Fragment) {}
 
     /// A fragment was shaded and written, blended or not.
     fn shaded(&mut self, _triangle: &ScreenTriangle, _fragment: &Fragment, _color: Rgba8) {}
 }
 
-/// Watches nothing, at no cost.
+/// Observes nothing, at no cost.
 impl Observer for () {}
 
-/// Counts what happens.
+/// Observer that counts pipeline events.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Counters {
-    /// Triangles by fate, in the order of [`Fate::ALL`].
+    /// Number of rejected triangles by fate, in the order of [`Fate::ALL`].
     pub rejected: [u64; Fate::ALL.len()],
-    /// Triangles that crossed a plane.
+    /// Number of triangles that crossed a plane and were cut.
     pub clipped: u64,
-    /// Samples that the rasterizer looked at.
+    /// Number of samples that the rasterizer visited.
     pub visited: u64,
-    /// Samples inside a triangle, over all triangles.
+    /// Number of samples inside a triangle, over all triangles.
     pub covered: u64,
-    /// Covered samples that passed the depth test.
+    /// Number of covered samples that passed the depth test.
     pub passed: u64,
-    /// Fragments shaded and written.
+    /// Number of fragments shaded and written.
     pub shaded: u64,
 }
 
 impl Counters {
-    /// Triangles that met `fate`.
+    /// Returns the number of triangles that met `fate`.
     pub fn fate(&self, fate: Fate) -> u64 {
         Fate::ALL.iter().zip(self.rejected).find(|(f, _)| **f == fate).map_or(0, |(_, n)| n)
     }

@@ -1,11 +1,12 @@
-//! The last triangle of a list drawn in part: its first fragments alone, in the order in which its rasterizer finds them.
+//! Partial drawing of a list's last triangle: only its first fragments, in the order in which the rasterizer finds
+//! them.
 
 use super::grid::SampleGrid;
 use super::raster::{Scissor, Span, cover_within};
 use super::settings::Settings;
 use super::viewport::{ScreenTriangle, Viewport};
 
-/// The samples that a triangle covers, in the order in which they are drawn.
+/// Returns the samples that a triangle covers, in drawing order.
 pub fn samples_of(triangle: &ScreenTriangle, settings: &Settings, (grid, raster): (SampleGrid, Viewport)) -> Vec<Span> {
     let how = (settings.rasterizer, settings.arithmetic, settings.fill_rule);
     let mut spans = Vec::new();
@@ -13,18 +14,18 @@ pub fn samples_of(triangle: &ScreenTriangle, settings: &Settings, (grid, raster)
     spans
 }
 
-/// How many samples there are.
+/// Returns the number of samples in the spans.
 pub fn count(samples: &[Span]) -> usize {
     samples.iter().map(|span| (span.right - span.left) as usize).sum()
 }
 
-/// Where in their order a packed sample, column and row, stands.
+/// Returns the index of a packed sample (column, row) in drawing order; `None` if the spans do not contain it.
 pub fn place_of(samples: &[Span], (column, row): (u32, u32)) -> Option<usize> {
     let found = samples.iter().position(|span| span.row == row && (span.left..span.right).contains(&column))?;
     Some(count(&samples[..found]) + (column - samples[found].left) as usize)
 }
 
-/// The first `most` of them.
+/// Returns the first `most` samples; all of them if there are fewer.
 pub fn first(samples: &[Span], most: usize) -> Vec<Span> {
     let mut left = most;
     let mut first = Vec::new();
@@ -39,7 +40,7 @@ pub fn first(samples: &[Span], most: usize) -> Vec<Span> {
     first
 }
 
-/// Adds those that lie within a scissor to `out`; returns how many they are.
+/// Appends the samples within a scissor to `out`, and returns their number.
 pub(super) fn within(samples: &[Span], (grid, scissor): (SampleGrid, Scissor), out: &mut Vec<Span>) -> u64 {
     let rows = grid.rows(scissor.top, scissor.bottom);
     let before = out.len();

@@ -1,8 +1,8 @@
-//! What a draw needs, and what is left out of it, each with its reason.
+//! Draw plans: the parts of the pipeline that a draw runs, and the reason for each part that it skips.
 //!
-//! A plan is made once per draw from mesh, material, view and settings; the stages read it instead of finding out per
-//! triangle or per pixel. Leaving a part out never changes the picture. An attribute that is left out keeps one value at
-//! all vertices: it is neither transformed nor interpolated, but clipping carries it along.
+//! A plan is made once per draw from mesh, material, view and settings. The stages read it instead of deciding per
+//! triangle or per pixel. Skipping a part never changes the picture. A skipped attribute keeps one value at all
+//! vertices: it is neither transformed nor interpolated, but clipping carries it along.
 
 use glam::{Vec2, Vec3};
 use serde::Serialize;
@@ -11,19 +11,19 @@ use super::settings::{Culling, DepthTest, Force, Interpolation, Settings, Shadin
 use super::shade::Eye;
 use crate::scene::{Camera, Instance, Library, Material, Projection, TextureId, Transparency, TriangleId};
 
-/// A part of the work that a draw may not need.
+/// Part of the pipeline that a draw may not need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Part {
-    /// Transforming vertices, and everything after.
+    /// Transforming vertices, and all stages after it.
     Vertices,
-    /// The same for every cluster of a large mesh. One is left out if all of it lies outside the view, or if all its triangles
-    /// show the side that is culled. That is decided by their *snapped* corners: those that are so small or so thin on the
-    /// screen that snapping may turn one over are looked at one by one, however much they face away.
+    /// Processing every cluster of a large mesh. A cluster is skipped if all of it lies outside the view, or if all its
+    /// triangles have the culled facing. Facing is decided by *snapped* corners. Triangles so small or so thin on the
+    /// screen that snapping may flip them are therefore tested one by one, however clearly they are back-facing.
     EveryCluster,
     /// Cutting at the planes of the frustum.
     Clipping,
-    /// Telling front from back.
+    /// Rejecting triangles by their facing.
     Culling,
     /// Comparing with, and storing to, the depth buffer.
     Depth,
@@ -37,7 +37,7 @@ pub enum Part {
     VertexColors,
     /// Reading texels.
     Texels,
-    /// Asking the texture's alpha whether a fragment is there at all.
+    /// Alpha test: discarding fragments by the alpha of the texture.
     CutOut,
     /// Computing light, at vertices (Gouraud) or per fragment.
     Light,
@@ -47,7 +47,7 @@ pub enum Part {
     Highlight,
     /// Adding emitted light.
     Emission,
-    /// Mixing with what is drawn already, from far to near and without storing depth.
+    /// Blending with what is drawn already, from far to near and without storing depth.
     Blending,
 }
 
@@ -72,7 +72,7 @@ impl Part {
         Self::Blending,
     ];
 
-    /// What makes it run without need, if anything can.
+    /// Returns the setting that forces the part to run without need, if there is one.
     pub fn force(self) -> Option<Force> {
         match self {
             Self::Vertices => Some(Force::Vertices),
@@ -94,20 +94,20 @@ impl Part {
         }
     }
 
-    /// Whether it can run for an instance without another picture coming of it.
+    /// Whether the part can run for an instance without changing the picture.
     fn can_run(self, library: &Library, instance: &Instance, settings: &Settings) -> bool {
         let mesh = library.mesh(instance.mesh);
         match self {
             Self::PerspectiveDivision => settings.interpolation == Interpolation::Perspective,
             Self::TextureCoordinates => !mesh.uvs.is_empty(),
             Self::VertexColors => !mesh.colors.is_empty(),
-            // Each of them adds to the picture: it runs where it is needed, and nowhere else.
+            // Each of these parts adds to the picture, so forcing it would change the picture.
             Self::NormalMap | Self::Highlight | Self::Emission => false,
             _ => true,
         }
     }
 
-    /// What a person calls it.
+    /// Display name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Vertices => "Vertices",
@@ -120,7 +120,7 @@ impl Part {
             Self::Normals => "Normals",
             Self::VertexColors => "Vertex colours",
             Self::Texels => "Texture reads",
-            Self::CutOut => "Alpha cut-out",
+            Self::CutOut => "Alpha test",
             Self::Light => "Light",
             Self::NormalMap => "Normal map",
             Self::Highlight => "Highlight",
@@ -130,18 +130,18 @@ impl Part {
     }
 }
 
-/// Whether a part runs.
+/// Decision whether a part runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Step {
-    /// It is needed.
+    /// The part is needed.
     Run,
-    /// It is not, because …
+    /// The part is skipped, for this reason.
     LeftOut(&'static str),
 }
 
 impl Step {
-    /// Runs if there is no reason against it.
+    /// Returns [`Step::Run`] if there is no reason to skip the part.
     pub fn unless(reason: Option<&'static str>) -> Self {
         reason.map_or(Self::Run, Self::LeftOut)
     }
@@ -151,7 +151,7 @@ impl Step {
         self == Self::Run
     }
 
-    /// Why it does not, if it does not.
+    /// Returns the reason for skipping the part; `None` if it runs.
     pub fn reason(self) -> Option<&'static str> {
         match self {
             Self::Run => None,
@@ -160,7 +160,7 @@ impl Step {
     }
 }
 
-/// Where the box around a mesh lies with respect to the frustum.
+/// Location of a mesh's bounding box relative to the frustum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Containment {
     /// Wholly beyond one plane.
@@ -171,19 +171,19 @@ pub enum Containment {
     Crossing,
 }
 
-/// How many clusters of a mesh show nothing.
+/// Numbers of culled clusters of a mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Unseen {
-    /// Those that lie outside the view.
+    /// Number of clusters outside the view.
     pub outside: usize,
-    /// Others that show the side that is culled.
+    /// Number of other clusters whose triangles all have the culled facing.
     pub turned_away: usize,
-    /// All clusters.
+    /// Number of clusters, culled or not.
     pub all: usize,
 }
 
 impl Unseen {
-    /// Of several draws together.
+    /// Returns the sums over several draws.
     pub fn of<'a>(plans: impl IntoIterator<Item = &'a DrawPlan>) -> Self {
         plans.into_iter().fold(Self::default(), |sum, DrawPlan { clusters, .. }| Self {
             outside: sum.outside + clusters.outside,
@@ -192,25 +192,25 @@ impl Unseen {
         })
     }
 
-    /// Those that are left out.
+    /// Returns the number of culled clusters.
     pub fn left_out(&self) -> usize {
         self.outside + self.turned_away
     }
 
-    /// In words.
+    /// Returns a description in words.
     pub fn told(self) -> String {
         let Self { outside, turned_away, all } = self;
-        format!("{} of {all}: {outside} wholly outside the view, {turned_away} turned away", self.left_out())
+        format!("{} of {all}: {outside} wholly outside the view, {turned_away} culled by facing", self.left_out())
     }
 }
 
-/// The plan of one draw: a step for every [`Part`].
+/// Plan of one draw: a step for every [`Part`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DrawPlan {
     steps: [Step; Part::ALL.len()],
     transparency: Transparency,
     clusters: Unseen,
-    /// Scale and offset of texture coordinates, unless they leave them as they are.
+    /// Scale and offset of texture coordinates; `None` if they change nothing.
     #[serde(skip)]
     uv_transform: Option<[Vec2; 2]>,
     #[serde(skip)]
@@ -220,7 +220,7 @@ pub struct DrawPlan {
 }
 
 impl DrawPlan {
-    /// Decides for one instance.
+    /// Returns the plan of one instance.
     pub fn new(
         library: &Library,
         instance: &Instance,
@@ -250,40 +250,41 @@ impl DrawPlan {
         }
     }
 
-    /// Returns the plan for an instance whose first triangle has this identifier.
+    /// Returns the plan with the identifier of its instance's first triangle set.
     pub(super) fn starting_at(self, first_triangle: TriangleId) -> Self {
         Self { first_triangle, ..self }
     }
 
-    /// Identifier of the first triangle of its instance.
+    /// Returns the identifier of its instance's first triangle.
     pub(super) fn first_triangle(&self) -> TriangleId {
         self.first_triangle
     }
 
-    /// The place that it is seen from.
+    /// Returns the viewpoint of the draw.
     pub(super) fn eye(&self) -> Eye {
         self.eye
     }
 
-    /// Scale and offset that the material applies to the texture coordinates of vertices, if any.
+    /// Returns the scale and offset that the material applies to texture coordinates of vertices; `None` if they change
+    /// nothing.
     pub fn uv_transform(&self) -> Option<[Vec2; 2]> {
         self.uv_transform
     }
 
-    /// The same with some clusters left out, if there are any that show nothing.
+    /// Returns the plan with the culled clusters recorded, if there are any.
     pub(super) fn without(mut self, clusters: Unseen) -> Self {
         if clusters.left_out() > 0 {
             self.steps[Part::EveryCluster as usize] =
-                Step::LeftOut("clusters outside the view or turned away as a whole");
+                Step::LeftOut("clusters wholly outside the view or culled by facing");
             self.clusters = clusters;
         }
         self
     }
 
-    /// Whether clusters may be left out at all.
+    /// Whether clusters may be culled at all.
     pub(super) fn may_leave_out_clusters(settings: &Settings, containment: Containment) -> bool {
         let some = match containment {
-            // Left out as a whole, or forced.
+            // Skipped as a whole, or forced to run.
             Containment::Outside => false,
             Containment::Inside => settings.culling != Culling::None,
             Containment::Crossing => true,
@@ -291,22 +292,22 @@ impl DrawPlan {
         some && !matches!(settings.force, Force::Everything | Force::Clusters)
     }
 
-    /// How many clusters are left out, of how many; nothing if none is.
+    /// Returns the numbers of culled clusters; all zero if none is culled.
     pub fn clusters(&self) -> Unseen {
         self.clusters
     }
 
-    /// Whether the same parts run as in another draw, and for the same reasons, however many clusters of either show nothing.
+    /// Whether both plans run the same parts, for the same reasons, whatever their numbers of culled clusters.
     pub fn agrees_with(&self, other: &Self) -> bool {
         (self.steps, self.transparency) == (other.steps, other.transparency)
     }
 
-    /// How the draw meets what was drawn before it. Not a matter of what can be left out: it decides the picture.
+    /// Returns how the draw combines with what was drawn before. It is not optional: it determines the picture.
     pub fn transparency(&self) -> Transparency {
         self.transparency
     }
 
-    /// The step of a part.
+    /// Returns the step of a part.
     pub fn step(&self, part: Part) -> Step {
         self.steps[part as usize]
     }
@@ -317,7 +318,7 @@ impl DrawPlan {
     }
 }
 
-/// The reason for which a draw that is not outside does without `part`.
+/// Returns the reason for skipping `part` in a draw that is not outside the view; `None` if the part is needed.
 fn left_out(
     part: Part,
     library: &Library,
@@ -332,7 +333,7 @@ fn left_out(
     let material = library.material(instance.material);
     let textured = || textures_read(library, instance, shading).iter().any(Option::is_some);
     match part {
-        // Which clusters show something is known later: `DrawPlan::without`.
+        // Clusters are culled later, in `DrawPlan::without`.
         Part::Vertices | Part::EveryCluster => None,
         Part::Clipping => (containment == Containment::Inside).then_some("the whole object is inside the view"),
         Part::Culling => (settings.culling == Culling::None).then_some("culling is off"),
@@ -358,25 +359,25 @@ fn left_out(
         Part::CutOut => match transparency {
             Transparency::Opaque => Some("no texture that is read has alpha"),
             Transparency::CutOut => None,
-            Transparency::Blended => Some("it is blended instead"),
+            Transparency::Blended => Some("the material is blended instead"),
         },
         Part::Light => (!lit).then_some("this shading is unlit"),
-        Part::NormalMap if !shading.reads_pixel_normals() => Some("this shading reads no normal in pixels"),
+        Part::NormalMap if !shading.reads_pixel_normals() => Some("this shading reads no per-pixel normal"),
         Part::NormalMap if mesh.uvs.is_empty() => Some("the mesh has no texture coordinates"),
         Part::NormalMap => material.normal_texture.is_none().then_some("the material has no normal map"),
         Part::Highlight if shading != Shading::BlinnPhong => Some("this shading has no highlight"),
-        Part::Highlight => (material.specular == Vec3::ZERO).then_some("the specular colour of the material is black"),
+        Part::Highlight => (material.specular == Vec3::ZERO).then_some("the material's specular colour is black"),
         Part::Emission if !reads_albedo => Some("this shading ignores emission"),
         Part::Emission => (material.emission == Vec3::ZERO).then_some("the material emits no light"),
         Part::Blending => match transparency {
             Transparency::Opaque => Some("material and texture are opaque"),
-            Transparency::CutOut => Some("alpha is all or nothing: cut out instead"),
+            Transparency::CutOut => Some("every alpha is 0 or 1: alpha-tested instead"),
             Transparency::Blended => None,
         },
     }
 }
 
-/// How the instance meets what lies behind under a shading: those that ignore the material are opaque.
+/// Returns the transparency of an instance under a shading. Shadings that ignore the material are opaque.
 pub(super) fn transparency(library: &Library, instance: &Instance, shading: Shading) -> Transparency {
     if !shading.reads_material() {
         return Transparency::Opaque;
@@ -386,7 +387,7 @@ pub(super) fn transparency(library: &Library, instance: &Instance, shading: Shad
     library.material(instance.material).transparency(library, with_alpha)
 }
 
-/// The textures that a shading reads somewhere on an instance: colour, its dark one, opacity, normal map, emission.
+/// Returns the textures that a shading reads on an instance: colour, dark colour, opacity, normal map, emission.
 fn textures_read(library: &Library, instance: &Instance, shading: Shading) -> [Option<TextureId>; 5] {
     let material = library.material(instance.material);
     let has_coordinates = !library.mesh(instance.mesh).uvs.is_empty();

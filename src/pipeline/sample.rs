@@ -1,10 +1,9 @@
 //! Texture sampling: from texture coordinates to texels and their weights.
 //!
-//! A coordinate is first brought into [0, 1] by its addressing mode, so that neither 10³⁰ nor an infinity reaches the
-//! integers; NaN reads texel 0. Then x = u·width − 0.5, so that texel centres sit at half-integers, and neighbours beyond
-//! the border wrap (repeat) or stay (clamp, mirror). Up to there in f64: what is left of a coordinate without its whole
-//! part, and where that falls among the texels, may need twice the digits of f32, and a texel's border is no place for
-//! rounding.
+//! The addressing mode first maps a coordinate into [0, 1], so neither 10³⁰ nor an infinity reaches the integers; NaN
+//! reads texel 0. Then x = u·width − 0.5, so texel centres sit at half-integers. Neighbours beyond the border wrap
+//! (repeat) or stay (clamp, mirror). All of this is computed in f64: the fractional part of a coordinate, and its
+//! position among the texels, may need twice the digits of f32. Rounding would be visible at the border of a texel.
 
 use std::ops::{Add, Mul};
 
@@ -17,35 +16,35 @@ use crate::image::{Image, Rgba8};
 use crate::math::floor;
 use crate::math::log2::log2;
 
-/// One texel and its share in a sample.
+/// Texel read by a sample, with its weight.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct TexelTap {
-    /// Column.
+    /// Column, from the left.
     pub x: u32,
     /// Row, from the top.
     pub y: u32,
-    /// Its share; the shares of a sample sum to one.
+    /// Weight; the weights of a sample sum to one.
     pub weight: f32,
 }
 
-/// How textures are read.
+/// Sampler: filter, addressing mode and colour space of texture reads.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sampler {
-    /// Between texels.
+    /// Filter between texel centres.
     pub filter: Filter,
-    /// Outside of [0, 1].
+    /// Addressing outside of [0, 1].
     pub address: Address,
-    /// The number that each code of a texel is mixed as.
+    /// Value as which each code of a texel is mixed.
     number_of_code: &'static [f32; 256],
-    /// What brings the mixed number into [0, 1].
+    /// Factor that maps mixed values into [0, 1].
     pub(crate) scale: f32,
 }
 
 impl Sampler {
-    /// Mixes texels in the numbers of `color_space`.
+    /// Returns a sampler that mixes texels in `color_space`.
     pub fn new(filter: Filter, address: Address, color_space: ColorSpace) -> Self {
         let tables = Tables::get();
-        // Codes themselves are mixed exactly but for the weights; dividing each by 255 first would round every one.
+        // Mixing codes directly rounds only in the weights; dividing each code by 255 first would round every one.
         let (number_of_code, scale) = match color_space {
             ColorSpace::Linear => (&tables.linear_of_code, 1.0),
             ColorSpace::Bytes => (&tables.code, 1.0 / 255.0),
@@ -53,29 +52,29 @@ impl Sampler {
         Self { filter, address, number_of_code, scale }
     }
 
-    /// Colour at `uv` (v down): linear light or sRGB values by the sampler's colour space, in [0, 1].
+    /// Returns the colour at `uv` (v down) in [0, 1]: linear light or sRGB values, by the sampler's colour space.
     #[inline]
     pub fn sample(self, texture: &Image<Rgba8>, uv: Vec2) -> Vec3 {
-        // Four lanes, of which the last is idle, mix in one register.
+        // A vector of four lanes, the last one unused, is mixed in a single register.
         self.mixed(texture, uv, |texel| self.number_of(texel).extend(0.0)).truncate() * self.scale
     }
 
-    /// Colour at `uv`, the same as [`Sampler::sample`], and alpha by the same texels and weights, both in [0, 1]. The colour
-    /// is straight: not multiplied by alpha.
+    /// Returns the colour at `uv`, as [`Sampler::sample`] does, and the alpha from the same texels and weights, both in
+    /// [0, 1]. The colour is straight: not multiplied by alpha.
     #[inline]
     pub fn sample_with_alpha(self, texture: &Image<Rgba8>, uv: Vec2) -> (Vec3, f32) {
         let mixed = self.mixed(texture, uv, |texel| self.number_of(texel).extend(alpha_of(texel)));
         (mixed.truncate() * self.scale, mixed.w * ALPHA_SCALE)
     }
 
-    /// Alpha at `uv`, the same as [`Sampler::sample_with_alpha`].
+    /// Returns the alpha at `uv`, as [`Sampler::sample_with_alpha`] does.
     #[inline]
     pub fn alpha(self, texture: &Image<Rgba8>, uv: Vec2) -> f32 {
         self.mixed(texture, uv, alpha_of) * ALPHA_SCALE
     }
 
-    /// Returns colour × alpha, and alpha, each in the numbers that are mixed: codes of alpha, and what stands for codes of
-    /// colours times those. Their quotient is the colour without that of texels whose alpha is 0.
+    /// Returns colour × alpha, and alpha, at `uv`. Both are unscaled: alpha is in codes, and colour is in the values
+    /// that the sampler mixes. Their quotient is the colour without the influence of texels whose alpha is 0.
     #[inline]
     pub fn sample_premultiplied(self, texture: &Image<Rgba8>, uv: Vec2) -> Vec4 {
         self.mixed(texture, uv, |texel| {
@@ -84,8 +83,8 @@ impl Sampler {
         })
     }
 
-    /// What texels stand for at `uv`, mixed by their weights.
-    #[inline(always)] // One of several callers is the loop over opaque samples, where a call shows.
+    /// Returns the weighted mean of `value` over the texels at `uv`.
+    #[inline(always)] // One of several callers is the loop over opaque samples, where the cost of a call is measurable.
     fn mixed<T: Mul<f32, Output = T> + Add<Output = T>>(
         self,
         texture: &Image<Rgba8>,
@@ -102,8 +101,8 @@ impl Sampler {
         }
     }
 
-    /// The texels that [`Sampler::sample`] reads at `uv` in a texture of this size, and how many of them count.
-    #[inline(always)] // One of several callers is the loop over opaque samples, where a call shows.
+    /// Returns the texels that [`Sampler::sample`] reads at `uv` in a texture of this size, and how many of them count.
+    #[inline(always)] // One of several callers is the loop over opaque samples, where the cost of a call is measurable.
     pub fn taps(self, (width, height): (u32, u32), uv: Vec2) -> ([TexelTap; 4], usize) {
         let [u, v] = self.unit(uv);
         let mut taps = [TexelTap::default(); 4];
@@ -125,38 +124,39 @@ impl Sampler {
         }
     }
 
-    /// Texture coordinates in [0, 1], as they are before they are counted in texels.
+    /// Returns texture coordinates mapped into [0, 1], before they are scaled to texels.
     #[inline(always)]
     pub(crate) fn unit(self, uv: Vec2) -> [f64; 2] {
         [bring_into_unit(uv.x, self.address), bring_into_unit(uv.y, self.address)]
     }
 
-    /// How much of the way from the texel before to the one after a coordinate of [`Sampler::unit`] lies, among `size`.
+    /// Returns the fraction of the way from the previous to the next texel centre, for a coordinate of
+    /// [`Sampler::unit`] among `size` texels.
     pub(crate) fn share_of_next(self, unit: f64, size: u32) -> f32 {
         neighbours(unit, size, self.address).1
     }
 
-    /// The two copies of a texture that are read for a pixel over which texture coordinates change by `uv_gradient`, and
-    /// their shares: 0 is the texture itself, `copies` the smallest. The copy whose texels are as long as the pixel's longer
-    /// side lies between them, so that nothing is missed.
+    /// Returns the two mip levels, with their weights, that are read for a pixel over which texture coordinates change
+    /// by `uv_gradient`. Level 0 is the texture itself, level `copies` the smallest. The level whose texels are as long
+    /// as the pixel's longer side lies between the two, so no texel is missed.
     pub fn levels((width, height): (u32, u32), copies: usize, uv_gradient: [Vec2; 2]) -> [(usize, f32); 2] {
         let squared_texels = |change: Vec2| (change * Vec2::new(width as f32, height as f32)).length_squared();
         let [right, down] = uv_gradient.map(squared_texels);
         let longest = if down > right { down } else { right };
-        // Where a pixel is less than a texel long, or NaN, the texture itself is read.
+        // If a pixel is less than a texel long, or NaN, the texture itself is read.
         let level = if longest > 1.0 { (0.5 * log2(longest)).min(copies as f32) } else { 0.0 };
         let finer = level as usize;
         let share = level - finer as f32;
         [(finer, 1.0 - share), ((finer + 1).min(copies), share)]
     }
 
-    /// A colour of codes as [`Sampler::sample`] gives colours.
+    /// Returns a colour of sRGB codes in the colour space of [`Sampler::sample`].
     #[inline]
     pub fn value_of(self, color: Rgba8) -> Vec3 {
         self.number_of(color) * self.scale
     }
 
-    /// A colour of codes in the numbers that are mixed.
+    /// Returns a colour of sRGB codes in the values that the sampler mixes.
     #[inline]
     pub(crate) fn number_of(self, [r, g, b, _]: Rgba8) -> Vec3 {
         let number = |code: u8| self.number_of_code[code as usize];
@@ -164,16 +164,16 @@ impl Sampler {
     }
 }
 
-/// What brings mixed codes into [0, 1].
+/// Factor that maps mixed codes of alpha into [0, 1].
 pub(crate) const ALPHA_SCALE: f32 = 1.0 / 255.0;
 
-/// Alpha as its code; it is no light, so it is never decoded.
+/// Returns alpha as its code. Alpha is not light, so it is never decoded.
 #[inline]
 fn alpha_of([_, _, _, code]: Rgba8) -> f32 {
     f32::from(code)
 }
 
-/// The coordinate in [0, 1] that means the same under an addressing mode.
+/// Returns the coordinate in [0, 1] that is equivalent under an addressing mode.
 #[inline]
 fn bring_into_unit(u: f32, address: Address) -> f64 {
     let unit = match address {
@@ -184,7 +184,7 @@ fn bring_into_unit(u: f32, address: Address) -> f64 {
             if period > 1.0 { 2.0 - period } else { period }
         }
     };
-    // Infinity minus infinity is NaN; so is NaN itself.
+    // Both infinity minus infinity and a NaN coordinate give NaN.
     if unit.is_nan() { 0.0 } else { unit }
 }
 
@@ -193,7 +193,7 @@ fn nearest(unit: f64, size: u32) -> u32 {
     ((unit * f64::from(size)) as u32).min(size - 1)
 }
 
-/// The two texels around a coordinate in [0, 1] and the weight of the second one.
+/// Returns the two texels around a coordinate in [0, 1], and the weight of the second one.
 #[inline]
 fn neighbours(unit: f64, size: u32, address: Address) -> ((u32, u32), f32) {
     let position = unit * f64::from(size) - 0.5;
@@ -252,8 +252,8 @@ mod tests {
 
     #[test]
     fn a_coordinate_just_before_a_border_reads_the_texel_before_it() {
-        // −0.2 as f32 is a hair less than −1/5, so that of five texels it lies in the fourth. One minus it is closer to
-        // 4/5 than f32 can tell.
+        // −0.2 as f32 is slightly less than −1/5, so of five texels it lies in the fourth. 1 − 0.2 is closer to 4/5
+        // than f32 can resolve.
         let texture = Image::from_fn(5, 1, |x, _| [x as u8; 4]);
         let read = |u: f32| {
             let ([tap, ..], _) =
@@ -268,7 +268,7 @@ mod tests {
     #[test]
     fn alpha_is_mixed_as_colour_is_and_leaves_it_as_it_was() {
         let mut rng = fastrand::Rng::with_seed(5);
-        // Alpha is the red code, so that both must come out the same where codes are mixed as they are.
+        // Alpha equals the red code, so both results must agree where codes are mixed directly.
         let texture = Image::from_fn(5, 7, |_, _| {
             let code = rng.u8(..);
             [code, rng.u8(..), rng.u8(..), code]

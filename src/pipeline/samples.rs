@@ -1,7 +1,8 @@
-//! What is done with every covered sample of one triangle: depth, cut-out, interpolate, shade, write.
+//! Per-sample work of one triangle: depth test, alpha test, interpolation, shading and write.
 //!
-//! Compiled once for each way to meet what was drawn before, so that samples of opaque triangles do not ask. A sample of a
-//! cut-out triangle is interpolated twice, for its alpha and for its colour: kept in between it would cost the others.
+//! The loop is compiled once per [`Transparency`], so samples of opaque triangles have no branch for it. An
+//! alpha-tested fragment is interpolated twice, for its alpha and for its colour: keeping it in between would slow down
+//! the other modes.
 
 use std::hint::black_box;
 
@@ -17,7 +18,7 @@ use super::viewport::ScreenTriangle;
 use crate::image::Image;
 use crate::scene::Transparency;
 
-/// Draws the samples of `spans`, which all lie in `frame`, as far as `until` says.
+/// Draws the samples of `spans`, all of which lie in `frame`, up to the stage `until`.
 pub(super) fn draw<N: Numbers, O: Observer>(
     (triangle, edges): (&ScreenTriangle, &Triangle<N>),
     spans: &[Span],
@@ -34,7 +35,7 @@ pub(super) fn draw<N: Numbers, O: Observer>(
     }
 }
 
-/// [`draw`], compiled for one way to meet what was drawn before.
+/// [`draw`], compiled for one [`Transparency`].
 fn draw_as<N: Numbers, O: Observer, const CUT_OUT: bool, const BLENDED: bool>(
     (triangle, edges): (&ScreenTriangle, &Triangle<N>),
     spans: &[Span],
@@ -44,7 +45,7 @@ fn draw_as<N: Numbers, O: Observer, const CUT_OUT: bool, const BLENDED: bool>(
     observer: &mut O,
 ) {
     let Framebuffer { grid, origin, color, depth, .. } = frame;
-    // Held as slices: their ends stay in registers, as nothing that is written can be them.
+    // Slices let the compiler keep pointers and lengths in registers, because no write can alias them.
     let width = color.width() as usize;
     let (colors, mut depths) = (color.pixels_mut(), depth.as_mut().map(Image::pixels_mut));
     let attributes = shader.attributes();
@@ -53,7 +54,8 @@ fn draw_as<N: Numbers, O: Observer, const CUT_OUT: bool, const BLENDED: bool>(
         observer.covered(triangle, &sample);
         let place = (row - origin.1) as usize * width + (column - origin.0) as usize;
         if until == Until::Coverage {
-            // A whole sample would have to be stored to be looked at, which costs more than finding it.
+            // `black_box` prevents dead-code elimination. A whole sample would have to be stored to memory, which costs
+            // more than finding it, so only the column is passed.
             black_box(sample.column);
             continue;
         }

@@ -1,11 +1,11 @@
 //! Shading: from interpolated attributes to the colour of a fragment.
 //!
-//! Light is ambient + (1 − ambient)·max(0, N·L), with N normalised after interpolation and L of unit length. Cel shading
-//! takes the light texture where N·L > 0.5 (60° with unit vectors) and the dark one elsewhere. Colours are computed in
-//! linear light, or directly on the codes, by the colour space; the views of single quantities (normals, texture
-//! coordinates, weights …) are codes and know no light.
+//! Light is ambient + (1 − ambient)·max(0, N·L), with N normalised after interpolation and L of unit length. Cel
+//! shading uses the light texture where N·L > 0.5 (60° with unit vectors) and the dark one elsewhere. The colour space
+//! decides whether colours are computed in linear light or directly on sRGB codes. Views of single quantities (normals,
+//! texture coordinates, weights …) are written as codes, unlit.
 //!
-//! Blinn–Phong shading adds a highlight to that light, and all shadings of materials add their emission last.
+//! Blinn–Phong shading adds a highlight to that light. All shadings that read the material add its emission last.
 
 mod blinn_phong;
 
@@ -36,30 +36,30 @@ use crate::scene::{Alpha, Instance, Library, Texture, Transparency, TriangleId};
 /// N·L above which cel shading takes the light texture.
 pub const CEL_THRESHOLD: f32 = 0.5;
 
-/// What the light colour is multiplied with on the dark side of a material that has no dark texture.
+/// Factor of the light colour on the dark side of a material without a dark texture.
 pub const CEL_DARK_FACTOR: f32 = 0.45;
 
-/// Light on a surface: ambient + (1 − ambient)·max(0, N·L) for unit vectors.
+/// Returns the light on a surface: ambient + (1 − ambient)·max(0, N·L) for unit vectors.
 #[inline]
 pub fn lambert(normal: Vec3, light_direction: Vec3, ambient: f32) -> f32 {
     ambient + (1.0 - ambient) * normal.dot(light_direction).max(0.0)
 }
 
-/// A texture with the smaller copies of it that its filter reads.
+/// Texture with the mip levels that its filter reads.
 #[derive(Clone, Copy, Debug)]
 pub struct Readable<'a> {
     image: &'a Image<Rgba8>,
-    /// Each half as long as the last; none unless they are read.
+    /// Mip levels from 1 up, each half as long as the one before; empty unless the filter reads them.
     smaller: &'a [Image<Rgba8>],
     mips: bool,
-    /// Colours are weighted by alpha where texels are mixed.
+    /// Whether colours are weighted by alpha when texels are mixed.
     premultiplied: bool,
 }
 
 impl<'a> Readable<'a> {
     fn new(texture: &'a Texture, settings: &Settings) -> Self {
         Self {
-            // A single texel has one colour whatever its alpha, and opaque ones all count alike.
+            // A single texel keeps its colour whatever its alpha, and opaque texels all have equal weight.
             premultiplied: settings.alpha == AlphaMode::Premultiplied
                 && settings.filter != Filter::Point
                 && texture.alpha() != Alpha::Opaque,
@@ -67,19 +67,19 @@ impl<'a> Readable<'a> {
         }
     }
 
-    /// A texture whose alpha does not weight its colours, mixed in the numbers of `space`.
+    /// Returns a texture filtered with straight alpha, mixed in the colour space `space`.
     fn straight(texture: &'a Texture, settings: &Settings, space: ColorSpace) -> Self {
         let mips = settings.filter == Filter::Trilinear;
         let smaller = if mips { texture.smaller(space == ColorSpace::Linear) } else { &[] };
         Self { image: texture.image(), smaller, mips, premultiplied: false }
     }
 
-    /// Whether colours are weighted by alpha where texels are mixed.
+    /// Whether colours are weighted by alpha when texels are mixed.
     pub(crate) fn is_premultiplied(&self) -> bool {
         self.premultiplied
     }
 
-    /// Returns colour in [0, 1] weighted by the alpha of each texel; black where all of them have alpha 0.
+    /// Returns the filtered colour in [0, 1], weighted by the alpha of each texel; black if all of them have alpha 0.
     #[cold]
     fn premultiplied_color(&self, sampler: Sampler, fragment: &Fragment) -> Vec3 {
         let mixed = if self.mips {
@@ -90,12 +90,13 @@ impl<'a> Readable<'a> {
         if mixed.w > 0.0 { mixed.truncate() / mixed.w * sampler.scale } else { Vec3::ZERO }
     }
 
-    /// The texture itself at level 0, or one of its copies.
+    /// Returns the texture itself for level 0, or one of its smaller mip levels.
     pub fn level(&self, level: usize) -> &'a Image<Rgba8> {
         level.checked_sub(1).and_then(|level| self.smaller.get(level)).unwrap_or(self.image)
     }
 
-    /// The levels that are read for a fragment, and their shares; one alone without mip-mapping.
+    /// Returns the mip levels read for a fragment with their weights, and how many of them count; 1 without
+    /// mip-mapping.
     pub fn levels(&self, fragment: &Fragment) -> ([(usize, f32); 2], usize) {
         if self.mips {
             (Sampler::levels(self.image.size(), self.smaller.len(), fragment.uv_gradient), 2)
@@ -104,7 +105,7 @@ impl<'a> Readable<'a> {
         }
     }
 
-    /// What `read` finds in the levels of a fragment, weighted.
+    /// Returns the weighted mean of `read` over the mip levels of a fragment.
     #[cold]
     fn mixed<T: Mul<f32, Output = T> + Add<Output = T>>(
         &self,
@@ -115,7 +116,7 @@ impl<'a> Readable<'a> {
         read(self.level(fine)) * share + read(self.level(coarse)) * rest
     }
 
-    #[inline(always)] // One of several callers is the loop over opaque samples, where a call shows.
+    #[inline(always)] // One of several callers is the loop over opaque samples, where the cost of a call is measurable.
     fn color(&self, sampler: Sampler, fragment: &Fragment) -> Vec3 {
         if self.premultiplied {
             return self.premultiplied_color(sampler, fragment);
@@ -143,31 +144,31 @@ impl<'a> Readable<'a> {
     }
 }
 
-/// Everything that shading one draw needs: settings, light and the material's textures, looked up once.
+/// Inputs for shading one draw: settings, light and the material's textures, looked up once.
 #[derive(Clone, Copy, Debug)]
 pub struct Shader<'a> {
     pub(super) settings: &'a Settings,
     sampler: Sampler,
     tables: &'static Tables,
     pub(crate) light_direction: Vec3,
-    /// Material colour × tint, in the numbers of the colour space.
+    /// Material colour × tint, in the working colour space.
     pub(crate) diffuse: Vec3,
     pub(super) texture: Option<Readable<'a>>,
     dark_texture: Option<Readable<'a>>,
     alpha_texture: Option<Readable<'a>>,
     normal_map: Option<NormalMap<'a>>,
     highlight: Option<Highlight<'a>>,
-    /// Emitted colour, in the numbers of the colour space, if there is any.
+    /// Emitted colour, in the working colour space; `None` if nothing is emitted.
     emission: Option<Vec3>,
     emission_texture: Option<Readable<'a>>,
-    /// Of the material alone.
+    /// Opacity of the material alone, without textures.
     opacity: f32,
     transparency: Transparency,
     attributes: Attributes,
 }
 
 impl<'a> Shader<'a> {
-    /// For one instance.
+    /// Returns the shader of one instance.
     pub fn new(settings: &'a Settings, library: &'a Library, instance: &Instance, plan: &DrawPlan) -> Self {
         let material = library.material(instance.material);
         let image = |id| Readable::new(library.texture(id), settings);
@@ -206,24 +207,24 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// How its fragments meet what is drawn already.
+    /// Returns how fragments combine with what is already drawn.
     #[inline]
     pub fn transparency(&self) -> Transparency {
         self.transparency
     }
 
-    /// The opacity of the material alone.
+    /// Returns the opacity of the material alone, without textures.
     pub(crate) fn opacity(&self) -> f32 {
         self.opacity
     }
 
-    /// What its fragments are made of.
+    /// Returns the attributes that its fragments interpolate.
     #[inline]
     pub fn attributes(&self) -> Attributes {
         self.attributes
     }
 
-    /// The texture that is read for a fragment, if any.
+    /// Returns the colour texture read for a fragment, if any.
     pub fn texture_for(&self, fragment: &Fragment) -> Option<Readable<'a>> {
         if self.settings.shading == Shading::Cel && !self.is_lit(fragment) {
             self.dark_texture.or(self.texture)
@@ -232,33 +233,33 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// How that texture is read.
+    /// Returns the sampler of the colour texture.
     pub fn sampler(&self) -> Sampler {
         self.sampler
     }
 
-    /// The texture that multiplies the opacity, if one is read.
+    /// Returns the texture that multiplies the opacity, if one is read.
     pub(crate) fn alpha_texture(&self) -> Option<Readable<'a>> {
         self.alpha_texture
     }
 
-    /// The texture of the emitted light, if one is read.
+    /// Returns the texture of the emitted light, if one is read.
     pub(crate) fn emission_texture(&self) -> Option<Readable<'a>> {
         self.emission_texture
     }
 
-    /// The normal map, if it is read.
+    /// Returns the normal map, if it is read.
     pub(crate) fn normal_map(&self) -> Option<&NormalMap<'a>> {
         self.normal_map.as_ref()
     }
 
-    /// The highlight, if the shading has one.
+    /// Returns the highlight, if the shading has one.
     pub(crate) fn highlight(&self) -> Option<&Highlight<'a>> {
         self.highlight.as_ref()
     }
 
-    /// Whether it is shaded by the code on lanes, which knows neither emission, highlights, normal maps, opacity maps nor
-    /// premultiplied filtering.
+    /// Whether the SIMD kernels can shade the draw. They support neither emission, highlights, normal maps, opacity
+    /// maps nor premultiplied filtering.
     pub(super) fn fits_lanes(&self) -> bool {
         let has_more = self.emission.is_some()
             || self.highlight.is_some()
@@ -268,7 +269,7 @@ impl<'a> Shader<'a> {
         !has_more
     }
 
-    /// Number of textures that a fragment reads.
+    /// Returns the number of textures that a fragment reads.
     pub(super) fn texture_count(&self) -> u64 {
         let read = [
             self.texture.is_some(),
@@ -279,13 +280,13 @@ impl<'a> Shader<'a> {
         read.into_iter().map(u64::from).sum()
     }
 
-    /// Returns the interpolated unit normal of a fragment before any normal map; zero where it has none.
+    /// Returns the interpolated unit normal of a fragment before any normal map; zero if it has none.
     #[inline]
     pub fn smooth_normal(&self, fragment: &Fragment) -> Vec3 {
         fragment.normal.normalize_or_zero()
     }
 
-    /// The unit normal of a fragment; zero where it has none, so that no direct light reaches it.
+    /// Returns the unit normal of a fragment; zero if it has none, so that no direct light reaches it.
     #[inline]
     pub fn unit_normal(&self, fragment: &Fragment) -> Vec3 {
         let smooth = self.smooth_normal(fragment);
@@ -295,13 +296,13 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// N·L of a fragment, in [−1, 1].
+    /// Returns N·L of a fragment, in [−1, 1].
     #[inline]
     pub fn cosine(&self, fragment: &Fragment) -> f32 {
         self.unit_normal(fragment).dot(self.light_direction)
     }
 
-    /// The factor that light multiplies a fragment's colour with; 1 for unlit shadings.
+    /// Returns the factor by which light multiplies a fragment's colour; 1 for unlit shadings.
     pub fn light(&self, fragment: &Fragment) -> f32 {
         match self.settings.shading {
             Shading::Gouraud => fragment.light,
@@ -313,8 +314,8 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// The share in [0, 1] with which a blended fragment covers what lies behind: the material's opacity × the alpha of
-    /// the texture, if one is read.
+    /// Returns the alpha in [0, 1] with which a blended fragment covers what lies behind: the material's opacity × the
+    /// alpha of the texture, if one is read, × the alpha of the opacity texture, if there is one.
     #[inline]
     pub fn alpha(&self, fragment: &Fragment) -> f32 {
         let alpha = self
@@ -323,20 +324,20 @@ impl<'a> Shader<'a> {
         self.with_alpha_texture(alpha, fragment)
     }
 
-    /// Returns `alpha` times the alpha of the texture of the opacity, if there is one.
+    /// Returns `alpha` times the alpha of the opacity texture, if there is one.
     #[inline]
     fn with_alpha_texture(&self, alpha: f32, fragment: &Fragment) -> f32 {
         self.alpha_texture.map_or(alpha, |texture| alpha * texture.alpha(self.sampler, fragment))
     }
 
-    /// Whether a fragment of a cut-out surface is not there.
+    /// Whether a fragment fails the alpha test.
     #[inline]
     pub fn cuts_out(&self, fragment: &Fragment) -> bool {
         self.alpha(fragment) < CUT_OUT_BELOW
     }
 
-    /// Colour of a blended fragment of `triangle` over what is drawn there: colour·α + below·(1 − α) in the numbers of the
-    /// colour space, with [`Shader::alpha`]. The views of single quantities cover what is `below`.
+    /// Returns the colour of a blended fragment of `triangle` over `below`: colour·α + below·(1 − α) in the working
+    /// colour space, with α from [`Shader::alpha`]. Views of single quantities are opaque and replace `below`.
     #[inline]
     pub fn blend(&self, fragment: &Fragment, triangle: &ScreenTriangle, below: Rgba8) -> Rgba8 {
         if !self.settings.shading.reads_material() {
@@ -345,14 +346,14 @@ impl<'a> Shader<'a> {
         self.encode(self.mixed_over(fragment, below))
     }
 
-    /// The colour of a blended fragment over what lies `below` it, in the numbers of the colour space, before it is encoded.
+    /// Returns the colour of a blended fragment over `below`, in the working colour space, before it is encoded.
     #[inline(always)]
     pub(crate) fn mixed_over(&self, fragment: &Fragment, below: Rgba8) -> Vec3 {
         let (albedo, alpha) = self.albedo_and_alpha(fragment);
         self.with_added(albedo * self.light(fragment), fragment) * alpha + self.sampler.value_of(below) * (1.0 - alpha)
     }
 
-    /// Colour of a fragment of `triangle` as if nothing could be seen through it.
+    /// Returns the colour of a fragment of `triangle` as if it were opaque.
     #[inline]
     pub fn shade(&self, fragment: &Fragment, triangle: &ScreenTriangle) -> Rgba8 {
         match self.settings.shading {
@@ -370,7 +371,7 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// The colour of every sample of a triangle of an instance, for shadings that show nothing that varies over it.
+    /// Returns the colour of all samples of a triangle for shadings that are constant over it; `None` for the others.
     pub fn flat_color(&self, id: TriangleId, instance: u32) -> Option<Rgba8> {
         match self.settings.shading {
             Shading::TriangleId => Some(id_color(id)),
@@ -379,7 +380,7 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// The light that the surface gives off, in the numbers of the colour space, before it is encoded.
+    /// Returns the light that the surface reflects and emits, in the working colour space, before it is encoded.
     #[inline(always)]
     pub(crate) fn reflected(&self, fragment: &Fragment) -> Vec3 {
         self.with_added(self.albedo(fragment) * self.light(fragment), fragment)
@@ -394,20 +395,20 @@ impl<'a> Shader<'a> {
         diffuse + self.specular(fragment) + self.emitted(fragment)
     }
 
-    /// Returns the share of the specular colour that a fragment reflects: max(0, N·H)^Ns.
+    /// Returns the fraction of the specular colour that a fragment reflects: max(0, N·H)^Ns.
     pub(crate) fn highlight_factor(&self, fragment: &Fragment) -> f32 {
         let Some(highlight) = &self.highlight else { return 0.0 };
         highlight.factor(self.unit_normal(fragment), self.light_direction, fragment)
     }
 
-    /// Returns the light of the highlight, in the numbers of the colour space.
+    /// Returns the light of the highlight, in the working colour space.
     #[cold]
     pub(crate) fn specular(&self, fragment: &Fragment) -> Vec3 {
         let specular = self.highlight.map_or(Vec3::ZERO, |highlight| highlight.specular);
         specular * self.highlight_factor(fragment)
     }
 
-    /// Returns the emitted colour without its texture, in the numbers of the colour space; `None` if nothing is emitted.
+    /// Returns the emitted colour without its texture, in the working colour space; `None` if nothing is emitted.
     pub(crate) fn emission(&self) -> Option<Vec3> {
         self.emission
     }
@@ -417,14 +418,14 @@ impl<'a> Shader<'a> {
         self.emission_texture.map(|texture| texture.color(self.sampler, fragment))
     }
 
-    /// Returns the emitted light, in the numbers of the colour space.
+    /// Returns the emitted light, in the working colour space.
     #[cold]
     pub(crate) fn emitted(&self, fragment: &Fragment) -> Vec3 {
         let emission = self.emission.unwrap_or(Vec3::ZERO);
         self.emission_texel(fragment).map_or(emission, |texel| emission * texel)
     }
 
-    /// Surface colour without light, in the numbers of the colour space.
+    /// Returns the surface colour without light, in the working colour space.
     #[inline]
     pub(crate) fn albedo(&self, fragment: &Fragment) -> Vec3 {
         let plain = self.plain_albedo(fragment);
@@ -434,13 +435,13 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// Surface colour without light and texture.
+    /// Returns the surface colour without light and texture, in the working colour space.
     #[inline]
     pub(crate) fn plain_albedo(&self, fragment: &Fragment) -> Vec3 {
         if self.attributes.color { self.diffuse * fragment.color } else { self.diffuse }
     }
 
-    /// The same surface colour, and the share with which it covers what lies behind.
+    /// Returns [`Shader::albedo`] and [`Shader::alpha`] of a fragment, reading the colour texture once.
     #[inline]
     fn albedo_and_alpha(&self, fragment: &Fragment) -> (Vec3, f32) {
         let plain = self.plain_albedo(fragment);
@@ -458,7 +459,7 @@ impl<'a> Shader<'a> {
         self.cosine(fragment) > CEL_THRESHOLD
     }
 
-    #[inline(always)] // One of several callers is the loop over opaque samples, where a call shows.
+    #[inline(always)] // One of several callers is the loop over opaque samples, where the cost of a call is measurable.
     fn encode(&self, color: Vec3) -> Rgba8 {
         match self.settings.color_space {
             ColorSpace::Linear => {
@@ -476,7 +477,7 @@ impl<'a> Shader<'a> {
     }
 }
 
-/// sRGB values in the numbers that light is computed in.
+/// Converts sRGB values to the working colour space.
 pub fn to_working_space(srgb: Vec3, space: ColorSpace) -> Vec3 {
     match space {
         ColorSpace::Linear => decode_rgb(srgb),
@@ -488,9 +489,9 @@ fn quantized(color: Vec3) -> Rgba8 {
     [quantize(color.x), quantize(color.y), quantize(color.z), 255]
 }
 
-/// A colour for a triangle's number: neighbours differ, and none is too dark to see.
+/// Returns a colour for an identifier: neighbouring identifiers differ visibly, and no channel is below 64.
 pub fn id_color(id: TriangleId) -> Rgba8 {
-    // Fibonacci hashing (Knuth, The Art of Computer Programming 3, 6.4): consecutive numbers spread far apart.
+    // Fibonacci hashing (Knuth, The Art of Computer Programming 3, 6.4) spreads consecutive numbers far apart.
     let hash = id.0.wrapping_add(1).wrapping_mul(0x9E37_79B9);
     let [a, b, c, _] = (hash ^ hash >> 15).to_be_bytes();
     let visible = |byte: u8| 64 + (u16::from(byte) * 191 / 255) as u8;

@@ -1,26 +1,26 @@
-//! A list of triangles that many may hold, whole or only its first, and that knows where each of them is: drawing a single
-//! pixel passes over nearly all, and reads nothing of those but their boxes.
+//! List of triangles that shares its memory with copies of it, whole or truncated, and that stores a bounding box per
+//! triangle. Drawing a single pixel rejects nearly all triangles by reading nothing but their boxes.
 
 use std::ops::{Deref, DerefMut};
 use std::sync::Arc;
 
 use super::viewport::ScreenTriangle;
 
-/// Triangles on the screen, read as a slice. A copy costs nothing, and neither does one that ends earlier: all of them share
-/// the memory.
+/// Triangles on the screen, readable as a slice. Cloning and truncating take constant time: all clones share the
+/// memory.
 #[derive(Clone, Debug, Default)]
 pub struct TriangleList {
     all: Arc<Vec<ScreenTriangle>>,
-    /// How many of them are in this list.
+    /// Number of triangles in this list, at most those in `all`.
     len: usize,
-    /// The box around each, if they were looked for.
+    /// Bounding box of each triangle; `None` until [`TriangleList::find_boxes`] computes them.
     boxes: Option<Arc<[PixelBox]>>,
 }
 
-/// Least and greatest x, least and greatest y of a triangle, px, before snapping.
+/// Bounding box of a triangle, px, before snapping: least and greatest x, then least and greatest y.
 pub type PixelBox = [f32; 4];
 
-/// The box around the corners of a triangle.
+/// Returns the bounding box of a triangle's corners, in px.
 pub fn box_around([a, b, c]: [[f32; 2]; 3]) -> PixelBox {
     let least = |axis: usize| a[axis].min(b[axis]).min(c[axis]);
     let greatest = |axis: usize| a[axis].max(b[axis]).max(c[axis]);
@@ -28,28 +28,28 @@ pub fn box_around([a, b, c]: [[f32; 2]; 3]) -> PixelBox {
 }
 
 impl TriangleList {
-    /// Keeps the first `len` alone, if there are more.
+    /// Keeps only the first `len` triangles, if there are more.
     pub fn truncate(&mut self, len: usize) {
         self.len = self.len.min(len);
     }
 
-    /// Keeps none.
+    /// Removes all triangles.
     pub fn clear(&mut self) {
         self.truncate(0);
     }
 
-    /// Finds the boxes.
+    /// Computes the bounding boxes of all triangles.
     pub fn find_boxes(&mut self) {
         self.boxes = Some(self.iter().map(|triangle| box_around(triangle.corners_px())).collect());
     }
 
-    /// The box around the triangle at a place of the list.
+    /// Returns the bounding box of the triangle at an index; computes it if boxes are not stored.
     pub fn box_of(&self, place: usize) -> PixelBox {
         let found = self.boxes.as_ref().map(|boxes| boxes[place]);
         found.unwrap_or_else(|| box_around(self[place].corners_px()))
     }
 
-    /// The triangles, in memory of their own if others hold them too.
+    /// Returns the triangles as a vector, copied if other lists share the memory.
     pub fn into_vec(self) -> Vec<ScreenTriangle> {
         let mut all = Arc::unwrap_or_clone(self.all);
         all.truncate(self.len);
@@ -71,7 +71,7 @@ impl Deref for TriangleList {
     }
 }
 
-/// Changes are made in memory of its own, and boxes are forgotten.
+/// Mutable access: copies the triangles if other lists share the memory, and discards the boxes.
 impl DerefMut for TriangleList {
     fn deref_mut(&mut self) -> &mut [ScreenTriangle] {
         self.boxes = None;

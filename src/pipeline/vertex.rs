@@ -1,8 +1,8 @@
-//! Assemble and transform: a shared mesh at one instance's place becomes vertices in clip space.
+//! Assembly and transform: the mesh of one instance becomes vertices in clip space.
 //!
 //! Each mesh vertex is transformed once, however many triangles share it. The matrices of a draw are multiplied in f64
-//! and rounded once, so a model far from the origin costs no precision in the product. What the plan leaves out is
-//! neither transformed nor stored.
+//! and rounded once, so the product loses no precision for a model far from the origin. Parts that the plan leaves out
+//! are neither transformed nor stored.
 
 use glam::{DMat4, Mat3, Mat4, Vec2, Vec3, Vec4};
 
@@ -13,14 +13,14 @@ use super::shade::{lambert, to_working_space};
 use crate::math::{Aabb, unit_or};
 use crate::scene::{Instance, Mesh};
 
-/// What is interpolated over a triangle besides position. Parts that the plan leaves out are zero.
+/// Attributes interpolated over a triangle besides position. Parts that the plan leaves out are zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Varyings {
     /// World-space normal; of unit length at vertices only.
     pub normal: Vec3,
     /// Texture coordinates, v down.
     pub uv: Vec2,
-    /// Vertex colour, in the numbers that light is computed in; white where the mesh has none.
+    /// Vertex colour in the working colour space; white if the mesh has none.
     pub color: Vec3,
     /// Light at the vertex (Gouraud only).
     pub light: f32,
@@ -29,7 +29,8 @@ pub struct Varyings {
 }
 
 impl Varyings {
-    /// From `self` at t = 0 to `other` at t = 1; a value that is the same at both ends stays exactly the same.
+    /// Interpolates linearly from `self` at t = 0 to `other` at t = 1. A value that is equal at both ends stays exactly
+    /// equal.
     pub fn lerp(&self, other: &Self, t: f32) -> Self {
         Self {
             normal: self.normal + (other.normal - self.normal) * t,
@@ -44,32 +45,33 @@ impl Varyings {
 /// A vertex in clip space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClipVertex {
-    /// Homogeneous position: inside is 0 ≤ z ≤ w, |x| ≤ w, |y| ≤ w.
+    /// Homogeneous position. Inside the frustum 0 ≤ z ≤ w, |x| ≤ w and |y| ≤ w.
     pub position: Vec4,
-    /// The near or far plane of clip space, if cutting put the vertex there.
+    /// Near or far plane of clip space on which clipping placed the vertex; `None` otherwise.
     pub cut_at: Option<Plane>,
-    /// What comes along.
+    /// Attributes of the vertex.
     pub varyings: Varyings,
 }
 
 impl ClipVertex {
-    /// A vertex that was not cut and brings nothing along.
+    /// Returns an unclipped vertex with default attributes.
     pub fn at(position: Vec4) -> Self {
         Self { position, cut_at: None, varyings: Varyings::default() }
     }
 }
 
-/// The matrices of one draw.
+/// Matrices of one draw.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrawMatrices {
-    /// Clip space from model space.
+    /// Transform from model space to clip space.
     pub clip_from_model: Mat4,
-    /// World-space normals from model-space normals: inverse transpose.
+    /// Transform of normals from model space to world space: the inverse transpose.
     pub world_from_model_normal: Mat3,
 }
 
 impl DrawMatrices {
-    /// For one instance seen by a camera: [`Camera::clip_from_world_f64`], the same for all instances.
+    /// Returns the matrices of one instance. `clip_from_world` is [`Camera::clip_from_world_f64`], the same for all
+    /// instances.
     pub fn new(instance: &Instance, clip_from_world: DMat4) -> Self {
         let product = Self::product(instance, clip_from_world);
         let linear = glam::DMat3::from_mat4(instance.world_from_model.as_dmat4());
@@ -77,30 +79,32 @@ impl DrawMatrices {
         Self { clip_from_model: product.as_mat4(), world_from_model_normal: normal.as_mat3() }
     }
 
-    /// Clip space from model space before it is rounded.
+    /// Returns the transform from model space to clip space before it is rounded to f32.
     pub(crate) fn product(instance: &Instance, clip_from_world: DMat4) -> DMat4 {
         clip_from_world * instance.world_from_model.as_dmat4()
     }
 
-    /// A position in clip space.
+    /// Returns the clip-space position of a model-space position.
     #[inline]
     pub fn clip_position(&self, model: Vec3) -> Vec4 {
         self.clip_from_model * model.extend(1.0)
     }
 }
 
-/// Rounding errors of a transformed vertex, relative to the sum of the magnitudes that it is the sum of: four products
-/// and three sums, twice as two components meet in a distance, and as much again to be safe.
+/// Bound on the rounding error of a transformed vertex, relative to the sum of the magnitudes of its terms. It covers
+/// four products and three sums, doubled because a plane distance combines two components, and doubled again for
+/// safety.
 pub(super) const ROUNDING: f64 = 16.0 * f32::EPSILON as f64;
 
-/// Rounding errors of products so small that f32 holds them with less than its full precision: each is off by half the least
-/// number at most, six of them meet in a distance.
+/// Absolute bound on the rounding error of subnormal products. Each is off by at most half the smallest subnormal
+/// number, and six of them meet in a plane distance.
 pub(super) const UNDERFLOW: f64 = f32::MIN_POSITIVE as f64;
 
-/// Where a model-space box lies with respect to the frustum.
+/// Classifies a model-space box against the frustum.
 ///
-/// Convex against convex by planes only: a box reported as `Crossing` may still be outside, never the other way round.
-/// `Inside` and `Outside` hold for every vertex in the box *after rounding*: boxes that touch a plane are `Crossing`.
+/// The test uses planes only: a box reported as `Crossing` may still be outside, but never the other way round.
+/// `Inside` and `Outside` hold for every vertex in the box *after rounding*, so boxes that touch a plane are
+/// `Crossing`.
 pub fn containment(bounds: Aabb, clip_from_model: Mat4) -> Containment {
     if bounds.is_empty() {
         return Containment::Outside;
@@ -109,7 +113,7 @@ pub fn containment(bounds: Aabb, clip_from_model: Mat4) -> Containment {
     let farthest = bounds.min.abs().max(bounds.max.abs()).as_dvec3();
     let magnitudes = magnitudes * farthest.extend(1.0);
     let corners = bounds.corners().map(|c| clip_from_model * c.extend(1.0));
-    // Otherwise a vertex may overflow where the corners do not.
+    // Above this magnitude a vertex may overflow although no corner does.
     let mut inside_all = magnitudes.max_element() < f64::from(f32::MAX);
     for plane in Plane::ALL {
         let slack = ROUNDING * plane.magnitude(magnitudes) + UNDERFLOW;
@@ -122,13 +126,13 @@ pub fn containment(bounds: Aabb, clip_from_model: Mat4) -> Containment {
     if inside_all { Containment::Inside } else { Containment::Crossing }
 }
 
-/// Transforms all vertices of a mesh. `source_weights` is left zero: it belongs to triangles, not to vertices.
+/// Transforms all vertices of a mesh. `source_weights` stays zero, because it belongs to triangles, not to vertices.
 pub fn transform(mesh: &Mesh, matrices: &DrawMatrices, settings: &Settings, plan: &DrawPlan) -> Vec<ClipVertex> {
     let transformer = Transformer::new(mesh, matrices, settings, plan);
     (0..mesh.positions.len()).map(|i| transformer.vertex(i)).collect()
 }
 
-/// What one draw does with each vertex of its mesh.
+/// Vertex transform of one draw.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Transformer<'a> {
     mesh: &'a Mesh,
@@ -142,7 +146,7 @@ pub(crate) struct Transformer<'a> {
 }
 
 impl<'a> Transformer<'a> {
-    /// For a mesh and what its draw needs.
+    /// Returns the transform for a mesh and the parts that its plan runs.
     pub(crate) fn new(mesh: &'a Mesh, matrices: &'a DrawMatrices, settings: &'a Settings, plan: &DrawPlan) -> Self {
         let reads = |part| plan.runs(part);
         Self {
@@ -157,7 +161,7 @@ impl<'a> Transformer<'a> {
         }
     }
 
-    /// One vertex of the mesh.
+    /// Transforms one vertex of the mesh.
     #[inline]
     pub(crate) fn vertex(&self, i: usize) -> ClipVertex {
         let Self { mesh, matrices, settings, .. } = *self;
@@ -178,14 +182,14 @@ impl<'a> Transformer<'a> {
         ClipVertex { position, cut_at: None, varyings }
     }
 
-    /// Texture coordinates of a vertex with the scale and offset of the material.
+    /// Returns the texture coordinates of a vertex with the material's scale and offset applied.
     #[inline]
     fn uv(&self, i: usize) -> Vec2 {
         let uv = self.mesh.uvs[i];
         self.uv_transform.map_or(uv, |[scale, offset]| uv * scale + offset)
     }
 
-    /// The normal of a vertex in world space, of any length.
+    /// Returns the world-space normal of a vertex, of any length.
     #[inline]
     pub(crate) fn world_normal(&self, i: usize) -> Vec3 {
         self.matrices.world_from_model_normal * self.mesh.normals[i]
@@ -200,11 +204,11 @@ mod tests {
     fn a_box_is_inside_only_if_rounding_cannot_change_that() {
         let cube = |half: f32| containment(Aabb { min: Vec3::splat(-half), max: Vec3::splat(half) }, flat());
         assert_eq!(cube(0.9), Containment::Inside);
-        assert_eq!(cube(1.0), Containment::Crossing, "it touches the sides");
+        assert_eq!(cube(1.0), Containment::Crossing, "touches the sides");
         assert_eq!(cube(1.1), Containment::Crossing);
         let beside =
             |x: f32| containment(Aabb { min: Vec3::new(x, 0.0, 0.0), max: Vec3::new(x + 1.0, 0.5, 0.5) }, flat());
-        assert_eq!(beside(1.0), Containment::Crossing, "it touches the right side from without");
+        assert_eq!(beside(1.0), Containment::Crossing, "touches the right side from outside");
         assert_eq!(beside(1.01), Containment::Outside);
     }
 
@@ -215,7 +219,7 @@ mod tests {
         assert_eq!(containment(Aabb::EMPTY, flat()), Containment::Outside);
     }
 
-    /// Orthographic: |x|, |y| ≤ 1 and −1 < z < 1 well inside.
+    /// Orthographic: |x|, |y| ≤ 1, and −1 < z < 1 lies well inside.
     fn flat() -> Mat4 {
         Mat4::from_cols(Vec4::X, Vec4::Y, Vec4::Z * 0.25, Vec4::new(0.0, 0.0, 0.5, 1.0))
     }

@@ -1,6 +1,6 @@
 //! Projection to the screen: divide by w, scale to the picture, snap to the 1/256 px grid.
 //!
-//! From here on a triangle's shape is integers. Depth and 1/w stay floats: they are attributes.
+//! From here on a triangle's shape is stored in integers. Depth and 1/w stay floats, because they are attributes.
 
 use glam::Vec3;
 
@@ -11,51 +11,51 @@ use super::vertex::{ClipVertex, Varyings};
 use crate::math::fixed::{snap, to_pixels};
 use crate::scene::{TriangleId, Window};
 
-/// A corner on the screen.
+/// Corner of a triangle on the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScreenVertex {
     /// Position in px, before snapping.
     pub position_px: [f32; 2],
-    /// Snapped, 24.8 fixed point, x right.
+    /// Snapped x, to the right, in 24.8 fixed point.
     pub x: i32,
-    /// Snapped, 24.8 fixed point, y down.
+    /// Snapped y, downwards, in 24.8 fixed point.
     pub y: i32,
     /// Depth in [0, 1], before it is quantised.
     pub depth: f64,
-    /// 1/w > 0.
+    /// 1/w, > 0.
     pub inv_w: f32,
     /// Interpolated attributes.
     pub varyings: Varyings,
 }
 
 impl ScreenVertex {
-    /// A corner at a position, which is snapped, too. `inv_w` is 1/w > 0.
+    /// Returns a corner at a position in px, which is also snapped. `inv_w` is 1/w > 0.
     #[inline]
     pub fn at([x, y]: [f32; 2], depth: f64, inv_w: f32, varyings: Varyings) -> Self {
         Self { position_px: [x, y], x: snap(x) as i32, y: snap(y) as i32, depth, inv_w, varyings }
     }
 }
 
-/// A triangle on the screen, ready to be rasterized.
+/// Triangle on the screen, ready to be rasterized.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScreenTriangle {
-    /// The triangle of the scene that it comes from; several pieces may share it.
+    /// Identifier of the scene triangle that it comes from; several pieces may share it.
     pub id: TriangleId,
-    /// The instance that it belongs to.
+    /// Index of the instance that it belongs to.
     pub instance: u32,
     /// Corners in the order of the mesh.
     pub vertices: [ScreenVertex; 3],
-    /// Doubled area, > 0, in the unit that the arithmetic's edge values have.
+    /// Doubled area, > 0, in the unit of the arithmetic's edge values.
     pub doubled_area: f64,
-    /// Depth of the samples inside.
+    /// Depth as a function of the samples inside.
     pub depth: DepthFunction,
-    /// 1/w of the corners relative to the largest: all 1 where perspective division is left out.
+    /// 1/w of the corners relative to the largest; all 1 if the perspective division is skipped.
     pub relative_inv_w: [f32; 3],
 }
 
 impl ScreenTriangle {
-    /// Sets up depth and weights. `doubled_area` is positive and in the unit of edge values; without division by w
-    /// attributes are affine on the screen.
+    /// Returns a triangle with depth and weights set up. `doubled_area` is positive and in the unit of edge values. If
+    /// `divides_by_w` is false, attributes are affine on the screen.
     pub fn new(
         (id, instance): (TriangleId, u32),
         vertices: [ScreenVertex; 3],
@@ -68,23 +68,24 @@ impl ScreenTriangle {
         Self { id, instance, vertices, doubled_area, depth, relative_inv_w }
     }
 
-    /// The corners in px, before snapping.
+    /// Returns the corners in px, before snapping.
     pub fn corners_px(&self) -> [[f32; 2]; 3] {
         self.vertices.each_ref().map(|v| v.position_px)
     }
 
-    /// The corners in px from which an arithmetic makes edges. Fixed point has them on its grid.
+    /// Returns the corners in px from which an arithmetic computes edges: snapped corners for fixed point, unsnapped
+    /// ones otherwise.
     pub fn corners_in(&self, arithmetic: Arithmetic) -> [[f32; 2]; 3] {
         if arithmetic == Arithmetic::Fixed { self.snapped_px() } else { self.corners_px() }
     }
 
-    /// The snapped corners in px.
+    /// Returns the snapped corners in px.
     pub fn snapped_px(&self) -> [[f32; 2]; 3] {
         self.vertices.each_ref().map(|v| [to_pixels(v.x.into()), to_pixels(v.y.into())])
     }
 }
 
-/// From clip space to pixels.
+/// Size of a picture, and the transform from clip space to its pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Viewport {
     /// Picture width in px.
@@ -93,32 +94,34 @@ pub struct Viewport {
     pub height: u32,
 }
 
-/// Longest side of a picture, px: coordinates stay far within what the rasterizer's fixed point holds.
+/// Maximum side length of a picture, in px. It keeps coordinates well within the range of the rasterizer's fixed point.
 pub const MAX_SIDE_PX: u32 = 16_384;
 
-/// Most pixels of a picture: enough for 8K (7680 × 4320); with every buffer kept, about 2 GB of memory.
+/// Maximum number of pixels of a picture: enough for 8K (7680 × 4320). With every buffer kept, it takes about 2 GB of
+/// memory.
 pub const MAX_PIXELS: u64 = 1 << 25;
 
 impl Viewport {
-    /// Says what is wrong with a picture of this size, if anything is.
+    /// Returns an error that explains why a picture of this size is not supported, if it is not.
     pub fn check(self) -> Result<(), String> {
         let sides = 1..=MAX_SIDE_PX;
         if !sides.contains(&self.width) || !sides.contains(&self.height) {
             return Err(format!("each side must be 1 to {MAX_SIDE_PX} pixels long"));
         }
         if u64::from(self.width) * u64::from(self.height) > MAX_PIXELS {
-            return Err(format!("these are more than {MAX_PIXELS} pixels, the most that are drawn"));
+            return Err(format!("at most {MAX_PIXELS} pixels are supported"));
         }
         Ok(())
     }
 
-    /// Width over height.
+    /// Returns width divided by height.
     pub fn aspect(self) -> f32 {
         self.width as f32 / self.height as f32
     }
 
-    /// How a picture of this size lies in a view of `full` px if its pixel (i, j) is seen at the place
-    /// ((i + ½) · step + origin) of that view, px. Its last pixels may reach past the edge, or it may end before.
+    /// Returns the window that a picture of this size occupies in a view of `full` px. Pixel (i, j) of the picture lies
+    /// at ((i + ½) · step + origin) of that view, px. The last pixels may reach past the edge of the view, or end
+    /// before it.
     pub fn window(self, full: Self, step_px: f64, origin_px: [f64; 2]) -> Window {
         let axis = |full: u32, own: u32, origin: f64| {
             let (full, own) = (f64::from(full), step_px * f64::from(own));
@@ -130,19 +133,19 @@ impl Viewport {
         Window { aspect: full.aspect(), scale: [scale_x, scale_y], shift: [shift_x, -shift_down] }
     }
 
-    /// Pixel position of a point in normalised device coordinates (y up) as f32, before snapping.
+    /// Returns the pixel position, before snapping, of a point in normalised device coordinates (y up).
     pub fn pixels_from_ndc(self, ndc: Vec3) -> (f32, f32) {
         ((ndc.x * 0.5 + 0.5) * self.width as f32, (0.5 - ndc.y * 0.5) * self.height as f32)
     }
 
-    /// Projects the corners of a clipped triangle, which get the depths of `scale`.
+    /// Projects the corners of a clipped triangle; `scale` determines their depths.
     pub fn project(self, triangle: &ClippedTriangle, scale: &DepthScale) -> [ScreenVertex; 3] {
         let [a, b, c] = &triangle.vertices;
-        // One by one: mapping an array of such large items copies each of them four times.
+        // Projected one by one: mapping an array of items this large copies each of them four times.
         [self.project_vertex(a, scale), self.project_vertex(b, scale), self.project_vertex(c, scale)]
     }
 
-    /// Projects one corner, whose w is positive.
+    /// Projects one corner, whose w must be positive.
     #[inline]
     pub fn project_vertex(self, vertex: &ClipVertex, scale: &DepthScale) -> ScreenVertex {
         let (inv_w, ndc) = divided(vertex);
@@ -151,15 +154,16 @@ impl Viewport {
     }
 }
 
-/// 1/w of a vertex, and its position times that: normalised device coordinates, y up.
+/// Returns 1/w of a vertex, and its position times 1/w: normalised device coordinates, y up.
 #[inline]
 pub(crate) fn divided(vertex: &ClipVertex) -> (f32, Vec3) {
     let inv_w = 1.0 / vertex.position.w;
     (inv_w, vertex.position.truncate() * inv_w)
 }
 
-/// 1/w of three corners divided by the largest of them, in (0, 1]; all 1 if they are equal. Never 0, so that weights sum
-/// to something even on the far edge of a triangle whose near corner is 10⁴⁰ times nearer.
+/// Returns 1/w of three corners divided by the largest of them, in (0, 1]; all 1 if they are equal. The result is never
+/// 0, so the sum of the weights stays positive even on the far edge of a triangle whose near corner is 10⁴⁰ times
+/// nearer.
 pub fn relative_inv_w(vertices: &[ScreenVertex; 3]) -> [f32; 3] {
     let inv_w = vertices.map(|v| v.inv_w);
     let largest = inv_w[0].max(inv_w[1]).max(inv_w[2]);

@@ -1,8 +1,8 @@
-//! The edges of triangles, laid over a finished picture as one-pixel lines.
+//! Wireframe overlay: the edges of triangles as one-pixel lines over a finished picture.
 //!
-//! Edges run between *snapped* corners: what the rasterizer works with. A line's colour is chosen against the picture
-//! below, light on dark and dark on light, so that no picture hides it. The same pixels can be asked for one at a time
-//! ([`crosses`]), which is how the inspector explains them.
+//! Edges run between *snapped* corners, the positions that the rasterizer uses. A line's colour contrasts with the
+//! picture below, light on dark and dark on light, so that lines stay visible on any picture. [`crosses`] finds the
+//! edge over a single pixel, which lets the inspector explain that pixel.
 
 use super::viewport::{ScreenTriangle, ScreenVertex};
 use crate::flat2d::line::{clip_to, midpoint_line};
@@ -11,7 +11,7 @@ use crate::image::{Image, Rgba8};
 use crate::math::fixed::to_pixels;
 use crate::scene::TriangleId;
 
-/// Lines over darker pixels than this luma are light.
+/// Luma, in codes, below which a pixel is dark and gets a light line.
 const DARK_BELOW_LUMA: f32 = 110.0;
 
 /// Draws the edges of all `triangles`.
@@ -29,23 +29,23 @@ pub fn overlay(triangles: &[ScreenTriangle], image: &mut Image<Rgba8>) {
     }
 }
 
-/// The first of `triangles` whose edge is drawn over pixel (x, y) of a picture of `size`, if any is.
+/// Returns the first of `triangles` with an edge over pixel (x, y) of a picture of `size` px.
 pub fn crosses(triangles: &[ScreenTriangle], size: (u32, u32), pixel: (u32, u32)) -> Option<TriangleId> {
     triangles.iter().find(|t| edge_pixels(t, size).any(|p| p == pixel)).map(|t| t.id)
 }
 
-/// Colour of a line over a pixel.
+/// Returns the colour of a line over a pixel.
 pub fn line_color(below: Rgba8) -> Rgba8 {
     if luma(below) < DARK_BELOW_LUMA { [232, 232, 232, 255] } else { [24, 24, 24, 255] }
 }
 
-/// The pixels of a triangle's three edges within a picture of `size`.
+/// Returns the pixels of a triangle's three edges within a picture of `size` px.
 pub fn edge_pixels(triangle: &ScreenTriangle, size: (u32, u32)) -> impl Iterator<Item = (u32, u32)> {
     let [a, b, c] = triangle.vertices.each_ref().map(pixel_position);
     [(a, b), (b, c), (c, a)].into_iter().flat_map(move |(from, to)| line_pixels(from, to, size))
 }
 
-/// The pixels of a line between two points in px, within a picture of `size`.
+/// Returns the pixels of a line between two points, in px, within a picture of `size` px.
 pub fn line_pixels(from: (f64, f64), to: (f64, f64), (width, height): (u32, u32)) -> impl Iterator<Item = (u32, u32)> {
     clip_to(from, to, width, height)
         .map(|(from, to)| {

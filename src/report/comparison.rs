@@ -1,7 +1,7 @@
-//! What the engine draws of a case beside what exact arithmetic says: the pixels of one part of a case, twice.
+//! Comparison of the engine's coverage with an exact answer, pixel by pixel, for one part of a case.
 //!
-//! The exact answer comes from [`super::stability::oracle`], which shares no code with the engine. It knows triangles; for
-//! other kinds of cases there is only what the engine draws.
+//! The exact answer comes from [`super::stability::oracle`], which shares no code with the engine. It supports
+//! triangles; for other kinds of cases, only the engine's pixels are available.
 
 use std::io::{self, Write};
 
@@ -12,51 +12,51 @@ use crate::pipeline::raster::Span;
 use crate::pipeline::settings::{Arithmetic, FillRule};
 use crate::pipeline::viewport::{MAX_PIXELS, Viewport};
 
-/// One part of a case as pixels.
+/// Pixels of one part of a case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
-    /// The pixel at the top left; pictures of cases without a picture size begin where their pixels do.
+    /// Pixel at the top left of the images; cases without an image size start where their pixels do.
     pub origin: (i64, i64),
-    /// Share of each pixel that the engine covers, in [0, 1].
+    /// Fraction of each pixel covered by the engine, in [0, 1].
     pub ours: Image<f32>,
-    /// Pixels that the exact answer covers; `None` where the program has no exact answer of its own.
+    /// Pixels covered by the exact answer; `None` for kinds of cases without one.
     pub exact: Option<Image<bool>>,
-    /// Corners of the shapes that the part is about, in px.
+    /// Vertices of the outlines of the shapes in this part, in pixels.
     pub outlines: Vec<Vec<[f64; 2]>>,
 }
 
-/// Where a pixel is covered.
+/// Agreement of the engine and the exact answer on one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Agreement {
-    /// Nowhere.
+    /// Covered by neither.
     Outside,
-    /// By both, or by the engine where there is nothing to compare with.
+    /// Covered by both, or by the engine if there is no exact answer.
     Covered,
-    /// By the engine, wrongly.
+    /// Covered by the engine but not by the exact answer.
     Extra,
-    /// By the exact answer alone.
+    /// Covered by the exact answer but not by the engine.
     Missing,
 }
 
-/// Form in which a part of a case is shown.
+/// Displayable result of a part of a case.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shown {
-    /// Pixels.
+    /// Result as pixels.
     Pixels(Comparison),
-    /// Lines of text: the numbers that are the answer, or the reason why there is none.
+    /// Result as lines of text: a numeric answer, or the reason why there is none.
     Text(Vec<String>),
 }
 
-/// Longest text of an answer in numbers, bytes.
+/// Maximum length of a numeric answer, in bytes.
 const MAX_TEXT_BYTES: usize = 1 << 20;
 
-/// Longest line of that text, bytes, but for a single number.
+/// Maximum length of a line of that text in bytes, unless a single number is longer.
 const MAX_LINE_BYTES: usize = 160;
 
-/// Most corners of outlines; more are left out.
+/// Maximum number of outline vertices; larger outlines are omitted.
 const MAX_OUTLINE_CORNERS: usize = 1 << 14;
 
-/// Answers part number `part` of a case, and nothing of its other parts; `None` if it was cancelled.
+/// Computes part number `part` of a case and none of its other parts. Returns `None` if cancelled.
 pub fn show(case: &Case, part: usize, options: Options, control: &Control<'_>) -> Option<Shown> {
     let told = |reason: String| Shown::Text(vec![reason]);
     match pixels_or_numbers(case, part, options, control) {
@@ -114,7 +114,7 @@ impl Comparison {
         Ok(Self { origin: (0, 0), ours, exact: Some(covered(viewport, &exact)), outlines: Vec::new() })
     }
 
-    /// Pixels of an answer that has no exact one beside it, or its numbers.
+    /// Converts an answer without an exact counterpart to pixels or text.
     fn of_answer(case: &Case, answer: Answer) -> Shown {
         let pixels = match (&case.task, answer) {
             (Task::PolyFill(task), Answer::PolyFill(answer)) => {
@@ -151,7 +151,7 @@ impl Comparison {
         pixels.map_or_else(|reason| Shown::Text(vec![reason]), Shown::Pixels)
     }
 
-    /// A picture just large enough, with a pixel of margin.
+    /// Creates an image that just fits the pixels, with a margin of one pixel.
     fn of_pixels(pixels: impl Iterator<Item = (i64, i64)> + Clone) -> Result<Self, String> {
         let range = |coordinate: fn((i64, i64)) -> i64| {
             let all = pixels.clone().map(coordinate);
@@ -167,7 +167,7 @@ impl Comparison {
         Ok(Self { origin: (left, top), ours, exact: None, outlines: Vec::new() })
     }
 
-    /// What both say about a pixel of the pictures.
+    /// Returns the agreement on one pixel of the images.
     pub fn agreement(&self, x: u32, y: u32) -> Agreement {
         let ours = self.ours.at(x, y) > 0.0;
         match (ours, self.exact.as_ref().map_or(ours, |exact| exact.at(x, y))) {
@@ -178,7 +178,7 @@ impl Comparison {
         }
     }
 
-    /// Counts the pixels and lists the first ones that differ.
+    /// Counts the covered and differing pixels, and lists the first differing ones.
     pub fn figures(&self) -> Figures {
         let mut figures = Figures::default();
         let (width, height) = self.ours.size();
@@ -197,19 +197,19 @@ impl Comparison {
     }
 }
 
-/// Most differing pixels that are listed by their place.
+/// Maximum number of differing pixels whose positions are listed.
 const MAX_DIFFERING: usize = 1 << 16;
 
-/// A comparison in figures.
+/// Pixel counts of a comparison.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Figures {
-    /// Pixels that the engine covers at all.
+    /// Number of pixels covered by the engine, at least partly.
     pub covered: u64,
-    /// Pixels that the engine or the exact answer covers.
+    /// Number of pixels covered by the engine or by the exact answer.
     pub concerned: u64,
-    /// Pixels that one of both covers.
+    /// Number of pixels covered by only one of them.
     pub differing: u64,
-    /// The first of those, at most 65 536, as columns and rows, in reading order.
+    /// Columns and rows of the first differing pixels in row-major order, at most 65 536.
     pub first: Vec<(u32, u32)>,
 }
 
@@ -219,19 +219,19 @@ fn fill<T: Copy>(image: &mut Image<T>, span: Span, value: T) {
     image.pixels_mut()[start + span.left as usize..start + span.right as usize].fill(value);
 }
 
-/// Returns the picture of spans.
+/// Returns an image with the pixels of the spans set.
 fn covered(viewport: Viewport, spans: &[Span]) -> Image<bool> {
     let mut covered = Image::filled(viewport.width, viewport.height, false);
     spans.iter().for_each(|span| fill(&mut covered, *span, true));
     covered
 }
 
-/// An answer that no picture shows: lists of numbers, each on a line or on several, up to [`MAX_TEXT_BYTES`].
+/// Formats an answer that has no image: lists of numbers, each on one or more lines, up to [`MAX_TEXT_BYTES`].
 fn numbers(answer: &Answer) -> Vec<String> {
     let mut start = Start { text: Vec::new() };
-    // Fails where the text is longer than its limit, and for no other reason: numbers and lists of them can be written.
+    // Fails only if the text exceeds its limit: numbers and lists of numbers can always be serialised.
     let is_whole = serde_json::to_writer(&mut start, answer).is_ok();
-    let mut lines = vec!["Answered in numbers, as the command `case` writes them:".to_owned(), String::new()];
+    let mut lines = vec!["The answer consists of numbers, as written by the command `case`:".to_owned(), String::new()];
     for list in String::from_utf8_lossy(&start.text).split_inclusive("],") {
         let mut line = String::new();
         for number in list.split_inclusive(',') {
@@ -243,12 +243,12 @@ fn numbers(answer: &Answer) -> Vec<String> {
         lines.push(line);
     }
     if !is_whole {
-        lines.push(format!("… and more than these {MAX_TEXT_BYTES} bytes: the command `case` writes all."));
+        lines.push(format!("… and more: only the first {MAX_TEXT_BYTES} bytes are shown; `case` writes all."));
     }
     lines
 }
 
-/// The start of a text, up to [`MAX_TEXT_BYTES`].
+/// Writer that keeps the start of a text, up to [`MAX_TEXT_BYTES`].
 struct Start {
     text: Vec<u8>,
 }
@@ -267,7 +267,7 @@ impl Write for Start {
     }
 }
 
-/// How many parts a case has, each with a picture of its own.
+/// Returns the number of parts of a case that can be shown separately.
 pub fn parts(case: &Case) -> usize {
     match &case.task {
         Task::TriCoverage(task) => task.triangles.len(),
@@ -285,7 +285,7 @@ mod tests {
         Case::parse(json.as_bytes(), "test.json".as_ref()).unwrap()
     }
 
-    /// Part of a case, shown without being cancelled.
+    /// Shows a part of a case without cancellation.
     fn shown(case: &Case, part: usize, options: Options) -> Shown {
         show(case, part, options, &Control::default()).unwrap()
     }
@@ -339,7 +339,7 @@ mod tests {
 
     #[test]
     fn a_part_of_a_case_is_answered_alone() {
-        // All parts together have more spans than an answer may.
+        // All parts together have more spans than an answer may contain.
         let large = "[[0,0],[16384,3],[5,2048]]";
         let triangles = vec![large; 20_000].join(",");
         let case = case(&format!(

@@ -1,14 +1,14 @@
-//! Pages for the browser: no scripts, nothing loaded from elsewhere, light or dark as the reader's system.
+//! HTML report pages: self-contained, without scripts, in the light or dark theme of the reader's system.
 
-/// Colours and layout that all pages share.
+/// Colours and layout shared by all pages.
 const STYLE: &str = include_str!("page.css");
 
-/// Text that is safe between tags and within quotation marks.
+/// Escapes text for use in HTML content and quoted attributes.
 pub(super) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// A whole page. `style` follows what all pages share; `body` is HTML.
+/// Returns a complete HTML page. `style` is appended to the shared style sheet; `body` is HTML.
 pub(super) fn document(title: &str, style: &str, body: &str) -> String {
     format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" \
@@ -18,12 +18,12 @@ pub(super) fn document(title: &str, style: &str, body: &str) -> String {
     )
 }
 
-/// Returns a paragraph that marks an interrupted measurement; nothing for a complete one.
+/// Returns a paragraph that marks an interrupted measurement; empty for a complete one.
 pub(super) fn partial(is_partial: bool) -> &'static str {
     if is_partial { "<p><b>Partial: interrupted before everything was measured.</b></p>\n" } else { "" }
 }
 
-/// What stands in a row at the top: a value and its name each.
+/// Returns a row of tiles, each with a value and its name.
 pub(super) fn tiles<const N: usize>(tiles: [(String, &str); N]) -> String {
     let tile = |(value, name): (String, &str)| {
         format!("<div class=\"tile\"><b>{}</b><span>{name}</span></div>", escaped(&value))

@@ -1,4 +1,5 @@
-//! What leaving out saves on several scenes, as a table: a row for each scene, a column for each part of the work.
+//! Report on the savings from skipped work on several scenes: a table with a row per scene and a column per part of the
+//! work.
 
 use serde::Serialize;
 
@@ -8,23 +9,23 @@ use crate::pipeline::viewport::Viewport;
 use crate::scene::builtin::workload::sheet;
 use crate::scene::{Camera, Scene, builtin};
 
-/// What was measured on one scene.
+/// Measurement of one scene.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
-    /// Which, in one word.
+    /// Short name of the view.
     pub scene: &'static str,
-    /// What leaving out saves there.
+    /// Savings from skipped work in this view.
     pub savings: Savings,
 }
 
-/// Triangles of the sheet: so many that what is done for each of them shows.
+/// Number of triangles of the mesh: enough for the cost per triangle to show.
 const SHEET_TRIANGLES: usize = 100_000;
 
-/// How far away the sheet is from near, of the distance in its own view.
+/// Distance of the near view of the mesh, as a fraction of the distance in its home view.
 const SHEET_NEAR: f32 = 0.25;
 
-/// What is measured on: every built-in scene in its own view, and a sheet of many triangles, in view, from near, and behind the
-/// viewer.
+/// Returns the views to measure: every built-in scene in its home view, and a mesh of many triangles in view, from
+/// near, and behind the camera.
 pub fn views() -> Vec<(&'static str, Scene, Camera)> {
     let of = |id, scene: Scene| {
         let home = scene.home;
@@ -34,7 +35,7 @@ pub fn views() -> Vec<(&'static str, Scene, Camera)> {
     let sheet = sheet(SHEET_TRIANGLES);
     let Camera { eye, target, .. } = sheet.home;
     let away = Camera { target: eye + (eye - target), ..sheet.home };
-    // So near that most of it is beside the picture.
+    // So near that most of the mesh lies outside the image.
     let near = Camera { eye: target.lerp(eye, SHEET_NEAR), near: sheet.home.near * SHEET_NEAR, ..sheet.home };
     views.push(of("sheet in view", sheet.clone()));
     views.push(("sheet from near", sheet.clone(), near));
@@ -42,7 +43,7 @@ pub fn views() -> Vec<(&'static str, Scene, Camera)> {
     views
 }
 
-/// Parts that can be forced, and what their columns are headed.
+/// Parts that can be forced, with their column headings.
 const COLUMNS: [(Part, &str); 7] = [
     (Part::Vertices, "vertices"),
     (Part::EveryCluster, "clusters"),
@@ -53,13 +54,13 @@ const COLUMNS: [(Part, &str); 7] = [
     (Part::VertexColors, "colours"),
 ];
 
-/// The table, with what its words mean below it.
+/// Formats the table, with a legend below.
 pub fn table(rows: &[Row], Viewport { width, height }: Viewport, threads: usize) -> String {
     let rounds = rows.first().map_or(0, |row| row.savings.planned_ms.n);
     let unit = if threads == 1 { "thread" } else { "threads" };
     let mut text = format!(
-        "What leaving out saves: ms of a frame with the part forced less ms as planned\n\
-         {width} × {height} px, {threads} {unit}, medians of {rounds} rounds that draw every way in turn\n\n\
+        "Savings of skipped work: ms of a frame with the part forced minus ms as planned\n\
+         {width} × {height} px, {threads} {unit}, medians of {rounds} interleaved rounds\n\n\
          {:16} {:>9} {:>8} {:>9} {:>7}",
         "scene", "planned", "± noise", "plans µs", "% of it"
     );
@@ -77,9 +78,11 @@ pub fn table(rows: &[Row], Viewport { width, height }: Viewport, threads: usize)
         text.extend(COLUMNS.map(|(part, _)| format!(" {:>11}", cell(savings, part))));
         text += &format!(" {:>11}\n", all(savings));
     }
-    text + "\nneeded: every draw in view runs it. –: not needed, and nothing is there that could run. ± noise: 90th percentile of how\n\
-            far pairs of medians of the planned frame are apart; savings within noise stand in brackets. plans: the time to decide\n\
-            what is left out, which is all that a frame pays that needs everything.\n"
+    text + "\nneeded: every draw in view runs it. –: not needed, and nothing that could be forced. ± noise: 90th \
+            percentile of the\n\
+            differences between medians of the planned frame; savings within noise are in parentheses. plans: time for \
+            deciding\n\
+            what to skip, which is the only overhead of a frame that needs every part.\n"
 }
 
 fn cell(savings: &Savings, part: Part) -> String {
@@ -91,7 +94,7 @@ fn cell(savings: &Savings, part: Part) -> String {
     }
 }
 
-/// All parts together: measured where there are several, else what the only one saves.
+/// Returns the saving of all parts together, or of the only part if there is just one.
 fn all(savings: &Savings) -> String {
     savings.savings.last().map_or_else(|| "nothing".to_owned(), signed)
 }
@@ -141,7 +144,7 @@ mod tests {
         let words = |scene: &str| -> Vec<&str> {
             text.lines().find(|line| line.starts_with(scene)).unwrap().split_whitespace().skip(1).collect()
         };
-        // A fifth of 2 ms is noise.
+        // The noise floor is 20 %, or 0.4 of 2 ms.
         assert_eq!(words("one")[..4], ["2.000", "0.400", "3.00", "0.150"]);
         assert_eq!(words("one")[4..], ["needed", "–", "(-0.250)!PICTURE", "–", "–", "+0.500", "–", "+0.750"]);
         assert_eq!(words("two")[4..], ["needed", "–", "–", "–", "–", "–", "–", "nothing"]);

@@ -1,4 +1,4 @@
-//! Reports that judge the engine, or tell what it does: headless, and shown by the window as well.
+//! Reports that assess the engine or describe its work: headless, and also shown in the window.
 
 pub mod comparison;
 
@@ -16,5 +16,5 @@ pub mod stability;
 
 pub mod upscaling;
 
-/// Last line of the text and tables of a measurement that was interrupted.
+/// Last line of the text and CSV output of an interrupted measurement.
 const PARTIAL: &str = "# partial: interrupted before everything was measured";

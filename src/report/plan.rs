@@ -1,4 +1,4 @@
-//! What the draws of a frame run and leave out, and why: draws whose plans agree are told together.
+//! Report on the parts that each draw of a frame runs or skips, with reasons. Draws with equal plans are grouped.
 
 use serde::Serialize;
 
@@ -8,45 +8,45 @@ use crate::pipeline::plan::{DrawPlan, Part, Step, Unseen};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Scene, Transparency};
 
-/// One part of the work of some draws, or of the whole frame.
+/// One part of the work, of some draws or of the whole frame.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Entry<P = Part> {
-    /// Which.
+    /// Part of the work.
     pub part: P,
-    /// Whether it runs.
+    /// Whether the part runs.
     pub runs: bool,
-    /// Why it does not, if it does not.
+    /// Reason why the part is skipped; `None` if it runs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<&'static str>,
 }
 
-/// Draws whose plans agree.
+/// Draws with equal plans.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Group {
-    /// Their number.
+    /// Number of draws.
     pub draws: usize,
-    /// Names of their instances, in the order of the scene.
+    /// Names of the instances, in scene order.
     pub names: Vec<String>,
-    /// How they meet what was drawn before them.
+    /// Transparency mode, which determines how the draws combine with what was drawn before.
     pub transparency: Transparency,
-    /// Clusters that are left out, of those of the draws that leave out any.
+    /// Number of culled clusters by reason, and of all clusters, over the draws that cull any.
     pub clusters: Unseen,
-    /// Every part, in the order of the stages.
+    /// All parts, in pipeline order.
     pub parts: Vec<Entry>,
 }
 
-/// What a frame runs besides its draws.
+/// Work of a frame besides its draws.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Whole {
-    /// Pixels that are rasterized, of the whole picture.
+    /// Number of rasterized pixels.
     pub rasterized_pixels: u64,
-    /// Pixels of the picture.
+    /// Number of pixels in the image.
     pub pixels: u64,
-    /// Every part, in the order of the stages.
+    /// All parts, in pipeline order.
     pub parts: Vec<Entry<FramePart>>,
 }
 
-/// What a frame runs besides its draws, whose depths nobody reads later.
+/// Describes the work of a frame besides its draws, if its depth buffer is not read afterwards.
 pub fn whole(scene: &Scene, recipe: &Recipe, viewport: Viewport) -> Whole {
     Whole {
         rasterized_pixels: rasterized_pixels(recipe, viewport),
@@ -55,7 +55,7 @@ pub fn whole(scene: &Scene, recipe: &Recipe, viewport: Viewport) -> Whole {
     }
 }
 
-/// The same in words, a line per part.
+/// Formats the work of a frame as text, with a line per part.
 pub fn whole_text(whole: &Whole) -> String {
     let Whole { rasterized_pixels, pixels, parts } = whole;
     let share = *rasterized_pixels as f64 / *pixels as f64 * 100.0;
@@ -64,7 +64,7 @@ pub fn whole_text(whole: &Whole) -> String {
     text
 }
 
-/// The groups of a scene's draws, `plans` being one per instance; in the order of their first draws.
+/// Groups the draws of a scene by plan, in the order of their first draws. `plans` holds one plan per instance.
 pub fn groups(scene: &Scene, plans: &[DrawPlan]) -> Vec<Group> {
     let mut found: Vec<(Vec<DrawPlan>, Vec<String>)> = Vec::new();
     for (instance, plan) in scene.instances.iter().zip(plans) {
@@ -89,10 +89,10 @@ fn entry<P>(part: P, step: Step) -> Entry<P> {
     Entry { part, runs: step.runs(), reason: step.reason() }
 }
 
-/// Names of a group that are told in words; of more only the first and the last.
+/// Maximum number of names listed in full; of longer lists, only the first and the last names are shown.
 const TOLD_NAMES: usize = 4;
 
-/// A group in words: who, and then a line per part.
+/// Formats a group as text: the names of its draws, then a line per part.
 pub fn text(group: &Group) -> String {
     let draws = if group.draws == 1 { "draw" } else { "draws" };
     let mut text = format!("{} {draws}: {}\n", group.draws, told_names(&group.names));
@@ -103,9 +103,9 @@ pub fn text(group: &Group) -> String {
     text
 }
 
-/// One part with what becomes of it.
+/// Formats one part and its state as a line.
 fn line(name: &str, reason: Option<&str>) -> String {
-    let state = reason.map_or("run".to_owned(), |reason| format!("left out: {reason}"));
+    let state = reason.map_or("run".to_owned(), |reason| format!("skipped: {reason}"));
     format!("  {name:21} {state}\n")
 }
 
@@ -153,7 +153,7 @@ mod tests {
         recipe.set_all(&["upscaler.method=nearest", "upscaler.scale=4"]).unwrap();
         let told = whole_text(&whole(&scene, &recipe, Viewport { width: 64, height: 48 }));
         assert!(told.starts_with("The frame: 192 of 3072 pixels are rasterized, 6.25 %\n"), "{told}");
-        assert!(told.contains("  Every pixel           left out: the upscaler reads fewer"), "{told}");
+        assert!(told.contains("  Every pixel           skipped: the upscaler reads fewer"), "{told}");
         assert!(told.contains("  Upscaling             run\n"), "{told}");
         assert_eq!(told.lines().count(), 1 + FramePart::ALL.len());
     }
@@ -167,7 +167,7 @@ mod tests {
         let told = text(most);
         assert!(told.starts_with(&format!("{} draws: ", most.draws)) && told.contains(", … "), "{told}");
         assert_eq!(told.lines().count(), 1 + Part::ALL.len());
-        assert!(told.contains("  Alpha cut-out         left out: no texture that is read has alpha\n"), "{told}");
+        assert!(told.contains("  Alpha test            left out: no texture that is read has alpha\n"), "{told}");
         assert!(told.contains("  Depth buffer          run\n"), "{told}");
     }
 }

@@ -1,32 +1,32 @@
-//! Drawings of reports: axes with ticks, linear or logarithmic, as SVG.
+//! SVG plots for reports: axes with ticks, linear or logarithmic.
 
 use std::fmt::Write as _;
 
 use super::html::escaped;
 
-/// Size of a drawing.
+/// Width and height of a plot, in SVG units.
 pub(super) const WIDTH: f64 = 720.0;
 pub(super) const HEIGHT: f64 = 430.0;
 
-/// Room around the plot for axes.
+/// Margins around the plot area for the axes, in SVG units.
 pub(super) const LEFT: f64 = 62.0;
 pub(super) const RIGHT: f64 = 16.0;
 pub(super) const TOP: f64 = 12.0;
 pub(super) const BOTTOM: f64 = 46.0;
 
-/// Height of the lane below the logarithmic axis where errors of 0 stand.
+/// Height of the lane below a logarithmic axis in which errors of 0 are drawn.
 pub(super) const ZERO_LANE: f64 = 34.0;
 
-/// Width of a letter of a label, on average.
+/// Average width of a label character.
 pub(super) const LETTER: f64 = 5.9;
 
-/// Height of a label.
+/// Line height of a label.
 pub(super) const LINE: f64 = 13.0;
 
-/// Radius of a mark.
+/// Radius of a marker.
 pub(super) const MARK: f64 = 4.5;
 
-/// An axis in the unit of its values or of their logarithms.
+/// Range of an axis, in values or in their decimal logarithms.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Axis {
     pub(super) low: f64,
@@ -35,11 +35,12 @@ pub(super) struct Axis {
 }
 
 impl Axis {
-    /// A logarithmic one around all values above 0, with some room on both sides.
+    /// Creates a logarithmic axis around all positive values, with some margin on both sides. Returns `None` if there
+    /// are none.
     pub(super) fn log(values: impl Iterator<Item = f64>) -> Option<Self> {
-        /// Share of the axis that stays free on either side.
+        /// Margin on each side, as a fraction of the range.
         const ROOM: f64 = 0.07;
-        /// Powers of ten at least.
+        /// Minimum range that determines the margin, in powers of ten.
         const LEAST: f64 = 0.3;
         let powers = values.filter(|v| *v > 0.0 && v.is_finite()).map(f64::log10);
         let (low, high) = powers.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
@@ -47,19 +48,20 @@ impl Axis {
         low.is_finite().then_some(Self { low: low - room, high: high + room, is_log: true })
     }
 
-    /// A linear one from 0 to a little more than the greatest value.
+    /// Creates a linear axis from 0 to slightly above the largest value.
     pub(super) fn from_zero(values: impl Iterator<Item = f64>) -> Self {
         let high = values.filter(|v| v.is_finite()).fold(0.0, f64::max);
         Self { low: 0.0, high: if high > 0.0 { high * 1.06 } else { 1.0 }, is_log: false }
     }
 
-    /// 0 at the low end, 1 at the high one.
+    /// Returns the relative position of a value: 0 at the low end, 1 at the high end.
     fn share(self, value: f64) -> f64 {
         let value = if self.is_log { value.log10() } else { value };
         (value - self.low) / (self.high - self.low)
     }
 
-    /// Values for lines across the drawing: 1, 2 or 5 times a power of ten.
+    /// Returns the tick values: 1, 2 or 5 times a power of ten on a logarithmic axis, multiples of such a step on a
+    /// linear one.
     fn ticks(self) -> Vec<f64> {
         let ticks: Vec<f64> = if self.is_log {
             let powers = self.low.floor() as i32..=self.high.ceil() as i32;
@@ -74,11 +76,11 @@ impl Axis {
     }
 }
 
-/// Where things stand in a drawing.
+/// Mapping from values to positions in a plot.
 pub(super) struct Plot {
     pub(super) x: Axis,
     pub(super) y: Axis,
-    /// Height at the bottom that the vertical axis leaves free.
+    /// Height at the bottom that the vertical axis does not use.
     pub(super) lane: f64,
 }
 
@@ -146,7 +148,7 @@ impl Plot {
     }
 }
 
-/// Rounded to no more digits than it has.
+/// Formats a tick value, rounded to four decimals, or in scientific notation if it is below 0.001.
 pub(super) fn tick(value: f64) -> String {
     if value >= 0.001 || value == 0.0 { ((value * 1e4).round() / 1e4).to_string() } else { format!("{value:.0e}") }
 }

@@ -1,4 +1,4 @@
-//! What a frame costs against what it is of, as text, as a table, and as a page for the browser.
+//! Report on the scaling of frame cost with the content of the frame, as text, CSV, and an HTML page.
 
 use std::fmt::Write as _;
 
@@ -8,48 +8,47 @@ use super::plot::{Axis, MARK, Plot, svg};
 use crate::measure::machine::Machine;
 use crate::measure::scaling::{Point, Quantity, Scaling, Series};
 
-/// What this page has of its own.
+/// Styles specific to this page.
 const STYLE: &str = "svg .points { fill: none; stroke: var(--c0); stroke-width: 2; } svg .mark { fill: var(--c0); } \
     svg .bar { stroke: var(--c0); opacity: 0.55; } svg .line { fill: none; stroke: var(--soft); stroke-dasharray: 5 4; }\n\
     table.rows td, table.rows th { text-align: right; padding: 3px 10px; }\n";
 
-/// How a quantity is looked at.
+/// Description of a quantity in the report.
 struct View {
     title: &'static str,
     of: &'static str,
-    /// What one of it is called.
+    /// Singular noun for the quantity.
     one: &'static str,
 }
 
 fn view(quantity: Quantity) -> View {
     let (title, of, one) = match quantity {
         Quantity::Triangles => {
-            ("Triangles", "a textured sheet of ever smaller triangles that fills the picture's height", "triangle")
+            ("Triangles", "a textured sheet as high as the picture, of ever smaller triangles", "triangle")
         }
-        Quantity::Pixels => ("Pixels", "pictures of ever more pixels, all of one textured square", "pixel"),
-        Quantity::Layers => (
-            "Layers",
-            "textured squares behind each other, the farthest drawn first: all but one are hidden in the end",
-            "layer",
-        ),
+        Quantity::Pixels => ("Pixels", "one textured square in pictures of increasing size", "pixel"),
+        Quantity::Layers => {
+            ("Layers", "textured squares behind each other, drawn back to front: all but the last are hidden", "layer")
+        }
         Quantity::Threads => {
-            ("Threads", "a sheet of a hundred thousand triangles, drawn by more and more threads", "thread")
+            ("Threads", "a sheet of a hundred thousand triangles, drawn by an increasing number of threads", "thread")
         }
     };
     View { title, of, one }
 }
 
-/// Nanoseconds for each one, as if nothing else cost anything.
+/// Returns the frame time per unit of the quantity, in nanoseconds.
 fn ns_each(point: &Point) -> f64 {
     point.ms.median * 1e6 / point.value
 }
 
-/// How much faster than the first point of the series.
+/// Returns the speed-up relative to the first point of the series.
 fn speed_up(series: &Series, point: &Point) -> Option<f64> {
     Some(series.points.first()?.ms.median / point.ms.median)
 }
 
-/// What the line through the ends of a series says, in words; none of one thread alone.
+/// Describes the line through the ends of a series, or the speed-up by threads. Returns `None` for a series over
+/// threads with only one thread.
 pub fn finding(series: &Series) -> Option<String> {
     let View { one, .. } = view(series.quantity);
     if series.quantity == Quantity::Threads {
@@ -61,20 +60,21 @@ pub fn finding(series: &Series) -> Option<String> {
     let each = duration(line.ns_each);
     if line.fixed_ms < 0.0 {
         return Some(format!(
-            "Cost grows faster than the number of {one}s: {each} for each that comes after the first point."
+            "Cost grows faster than the number of {one}s: {each} for each {one} beyond the first point."
         ));
     }
     Some(format!(
-        "{:.3} ms however many {one}s, and {each} for each. Both parts are equal at {}: below, cost hardly depends on their number.",
+        "{:.3} ms of fixed cost, and {each} for each {one}. Both parts are equal at {}; below, cost hardly depends on \
+            the number.",
         line.fixed_ms,
         short(line.bend())
     ))
 }
 
-/// What a series is held against: the line through its ends, or n threads that are n times as fast as one. Values and
-/// milliseconds of points so close that they make a curve where both axes are logarithmic; none if there is nothing.
+/// Returns the reference curve of a series: the line through its ends, or ideal scaling for threads. The points are
+/// (value, milliseconds), dense enough for a smooth curve on logarithmic axes; empty if there is no such curve.
 pub fn guide(series: &Series) -> Vec<(f64, f64)> {
-    /// Pieces of the curve.
+    /// Number of segments of the curve.
     const PIECES: i32 = 60;
     let (Some(first), Some(last)) = (series.points.first(), series.points.last()) else { return Vec::new() };
     let line = series.line();
@@ -87,21 +87,21 @@ pub fn guide(series: &Series) -> Vec<(f64, f64)> {
     along.filter_map(|value| Some((value, ms(value)?))).collect()
 }
 
-/// What the curve of [`guide`] is, in words.
+/// Describes the curve of [`guide`].
 fn guide_words(quantity: Quantity) -> &'static str {
     match quantity {
-        Quantity::Threads => "Dashed: n threads n times as fast as one.",
-        _ => "Dashed: as much more for each one, through the first point and the last.",
+        Quantity::Threads => "Dashed: ideal scaling, n threads n times as fast as one.",
+        _ => "Dashed: fixed cost plus the same cost for each, through the first and the last point.",
     }
 }
 
-/// What each one costs that is more than at the point before, ns.
+/// Returns the cost of each additional unit since the previous point, in nanoseconds.
 fn ns_each_more(series: &Series, place: usize) -> Option<f64> {
     let (point, before) = (series.points.get(place)?, series.points.get(place.checked_sub(1)?)?);
     Some((point.ms.median - before.ms.median) * 1e6 / (point.value - before.value))
 }
 
-/// How many, as short as the marks of an axis must be: 20 k, 8.3 M.
+/// Formats a number compactly for axis labels, for example 20 k or 8.3 M.
 pub fn amount(value: f64) -> String {
     let (scaled, unit) = match value {
         v if v >= 1e6 => (v / 1e6, " M"),
@@ -111,9 +111,9 @@ pub fn amount(value: f64) -> String {
     format!("{}{unit}", (scaled * 100.0).round() / 100.0)
 }
 
-/// How many, exactly, in groups of three digits.
+/// Formats an integer exactly, in groups of three digits.
 fn grouped(value: f64) -> String {
-    /// As people set numbers: neither comma nor point.
+    /// Digit group separator, which cannot be mistaken for a decimal sign.
     const THIN_SPACE: char = '\u{2009}';
     let digits = format!("{value:.0}");
     let mut text = String::new();
@@ -126,7 +126,7 @@ fn grouped(value: f64) -> String {
     text
 }
 
-/// A time in the unit that makes it short.
+/// Formats a duration in ns, µs or ms.
 fn duration(ns: f64) -> String {
     match ns {
         ns if ns.abs() >= 1e7 => format!("{} ms", short(ns / 1e6)),
@@ -135,7 +135,7 @@ fn duration(ns: f64) -> String {
     }
 }
 
-/// Three digits, with the powers of a thousand that people write.
+/// Formats a number with three significant digits and the words "thousand" or "million".
 fn short(value: f64) -> String {
     let (scaled, unit) = match value {
         v if v >= 1e6 => (v / 1e6, " million"),
@@ -146,14 +146,14 @@ fn short(value: f64) -> String {
     format!("{scaled:.digits$}{unit}")
 }
 
-/// The tables for a terminal.
+/// Formats the tables for a terminal.
 pub fn text(scaling: &Scaling) -> String {
     let [width, height] = scaling.size;
     let mut text =
         format!("{width} × {height} px, {} threads, medians of {} rounds\n", scaling.threads, scaling.rounds);
     for series in &scaling.series {
         let View { title, of, .. } = view(series.quantity);
-        // Threads share the work: what one of them costs means nothing.
+        // Threads share the work, so cost per thread is meaningless.
         let by_threads = series.quantity == Quantity::Threads;
         let each = if by_threads { String::new() } else { format!("{:>12} {:>14} ", "ns each", "ns each more") };
         let _ = write!(
@@ -189,7 +189,7 @@ pub fn text(scaling: &Scaling) -> String {
     text
 }
 
-/// One line per point; what one thread costs is left empty.
+/// Formats one CSV line per point; the cost per thread is left empty.
 pub fn csv(scaling: &Scaling) -> String {
     let mut csv = "quantity,value,rounds,ms,p10,p90,ns_each,bytes\n".to_owned();
     for (series, point) in scaling.series.iter().flat_map(|s| s.points.iter().map(move |point| (s, point))) {
@@ -213,25 +213,25 @@ pub fn csv(scaling: &Scaling) -> String {
     csv
 }
 
-/// The page.
+/// Formats the HTML page.
 pub fn page(scaling: &Scaling) -> String {
     let [width, height] = scaling.size;
     let machine = Machine::at_start();
     let figures = [
-        (format!("{width} × {height}"), "pixels, but where they vary"),
-        (scaling.threads.to_string(), "threads, but where they vary"),
+        (format!("{width} × {height}"), "pixels, unless varied"),
+        (scaling.threads.to_string(), "threads, unless varied"),
         (scaling.rounds.to_string(), "rounds"),
     ];
     let mut body = format!(
-        "<h1>What a frame costs</h1>\n<p class=\"soft\">Whole frames of generated scenes against one quantity at a time. \
-         Rasterscope {} on {}.</p>\n{}{}",
+        "<h1>Cost of a frame</h1>\n<p class=\"soft\">Times of whole frames of generated scenes, with one quantity \
+         varied at a time. Rasterscope {} on {}.</p>\n{}{}",
         escaped(machine.version),
         escaped(&machine.summary()),
         partial(scaling.partial),
         tiles(figures)
     );
     scaling.series.iter().for_each(|series| body += &section(series));
-    document("What a frame costs", STYLE, &body)
+    document("Cost of a frame", STYLE, &body)
 }
 
 fn section(series: &Series) -> String {
@@ -260,7 +260,7 @@ fn section(series: &Series) -> String {
     let each = if by_threads {
         "<th>speed-up</th>".to_owned()
     } else {
-        format!("<th>for each {one}</th><th>for each more than above</th>")
+        format!("<th>per {one}</th><th>per additional {one}</th>")
     };
     format!(
         "<section>\n<h2>{title}</h2>\n<p class=\"soft\">Drawn: {}. {}</p>\n<div class=\"panels\"><figure>{}<figcaption class=\"soft\">{}</figcaption></figure></div>\n\
@@ -274,7 +274,7 @@ fn section(series: &Series) -> String {
     )
 }
 
-/// Times against the quantity, both logarithmic, with its [`guide`].
+/// Draws the times against the quantity on logarithmic axes, with the [`guide`].
 fn drawing(series: &Series) -> String {
     let times = series.points.iter().flat_map(|point| [point.ms.p10, point.ms.median, point.ms.p90]);
     let times = times.chain(guide(series).into_iter().map(|(_, ms)| ms));
@@ -331,8 +331,8 @@ mod tests {
         let scaling = scaling();
         assert_eq!(
             finding(&scaling.series[0]).unwrap(),
-            "2.000 ms however many triangles, and 1000 ns for each. Both parts are equal at 2000: below, cost hardly depends on \
-             their number."
+            "2.000 ms of fixed cost, and 1000 ns for each triangle. Both parts are equal at 2000; below, cost hardly \
+             depends on the number."
         );
         assert_eq!(finding(&scaling.series[1]).unwrap(), "2 threads are 1.60 times as fast as one.");
         let alone = Series { points: scaling.series[1].points[..1].to_vec(), ..scaling.series[1].clone() };
@@ -377,7 +377,7 @@ mod tests {
         assert!((guide[0].1 - 3.0).abs() < 1e-6 && (guide[60].1 - 23.0).abs() < 1e-6, "{guide:?}");
         assert_eq!(
             finding(&series).unwrap(),
-            "Cost grows faster than the number of triangles: 5000 ns for each that comes after the first point."
+            "Cost grows faster than the number of triangles: 5000 ns for each triangle beyond the first point."
         );
     }
 

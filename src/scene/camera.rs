@@ -1,8 +1,9 @@
-//! The view: where from, where to, how wide, and the matrices that follow.
+//! Camera: eye, target, projection, and the matrices derived from them.
 //!
-//! World is right-handed with y up; the camera looks down −z of its own space. Clip space has z/w in [0, 1] with
-//! near = 0, or near = 1 when depth is reversed (then float precision grows where perspective eats it; Reed, "Depth
-//! Precision Visualized", 2015); which, a [`DepthMapping`] says. Navigation is plain arithmetic here, so that window and tests share it.
+//! World space is right-handed with y up; the camera looks down −z in view space. Clip space has z/w in [0, 1] with
+//! near = 0, or near = 1 for reversed depth, as a [`DepthMapping`] selects. Reversed depth puts the high float
+//! precision near 0 where perspective compresses depth (Reed, "Depth Precision Visualized", 2015). Navigation is plain
+//! arithmetic here, so that window and tests share it.
 
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
@@ -12,52 +13,52 @@ use serde::{Deserialize, Serialize};
 use super::DepthMapping;
 use crate::math::{Aabb, unit_or};
 
-/// How view space is flattened.
+/// Projection from view space to clip space.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Projection {
-    /// Far things are smaller.
+    /// Perspective projection: distant objects appear smaller.
     Perspective {
         /// Vertical field of view, radians.
         fov_y: f32,
     },
-    /// Parallel lines stay parallel.
+    /// Orthographic projection: parallel lines stay parallel.
     Orthographic {
-        /// Height of the visible slab, world units.
+        /// Height of the visible volume, world units.
         height: f32,
     },
 }
 
-/// A view onto a scene.
+/// View of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Camera {
-    /// Where the eye is, world space.
+    /// Eye position, world space.
     pub eye: Vec3,
-    /// What it looks at; also the point that orbiting turns around.
+    /// Point that the camera looks at, world space; also the centre of orbiting.
     pub target: Vec3,
-    /// Roughly upwards; need not be perpendicular to the line of sight.
+    /// Approximate up direction, world space; need not be perpendicular to the line of sight.
     pub up: Vec3,
-    /// Perspective or orthographic.
+    /// Perspective or orthographic projection.
     pub projection: Projection,
-    /// Distance of the near plane, > 0 for perspective.
+    /// Distance of the near plane from the eye, world units, > 0.
     pub near: f32,
-    /// Distance of the far plane, > near. [`DepthMapping::ReversedInfinite`] has no use for it in perspective.
+    /// Distance of the far plane from the eye, world units, > near. [`DepthMapping::ReversedInfinite`] ignores it in
+    /// perspective.
     pub far: f32,
-    /// How the picture that is drawn lies in the one that the view is of; `None` if they are the same. No part of a view
-    /// that is kept.
+    /// Mapping from the view's picture to the picture that is drawn; `None` if they coincide. Not saved with a view.
     #[serde(skip)]
     pub window: Option<Window>,
 }
 
-/// A picture that is not drawn over exactly the rectangle that a view shows, such as one of fewer pixels whose last ones
-/// reach past the edge, or one moved by a part of a pixel.
+/// Picture whose rectangle differs from that of the view. Examples are a low-resolution picture whose last pixels
+/// extend past the edge, and one shifted by a fraction of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Window {
-    /// Width over height of what the view shows.
+    /// Aspect ratio of the view, width over height.
     pub aspect: f32,
-    /// Normalised device coordinates of the picture drawn from those of the view: factors of x and y …
+    /// Scale in x and y, from normalised device coordinates of the view to those of the drawn picture.
     pub scale: [f32; 2],
-    /// … and what is added.
+    /// Offset in x and y, added after the scale.
     pub shift: [f32; 2],
 }
 
@@ -71,11 +72,12 @@ impl Window {
 /// Default vertical field of view: 45°, about what a 50 mm lens sees along the diagonal of a 35 mm film.
 pub const DEFAULT_FOV_Y: f32 = FRAC_PI_4;
 
-/// Closest that orbiting may come to straight up or down, radians: at the pole the up vector would lose its meaning.
+/// Minimum angle between the line of sight and the up vector when orbiting, radians. At the pole the up vector would
+/// become meaningless.
 const POLE_MARGIN: f32 = 0.01;
 
 impl Camera {
-    /// A perspective view with planes that suit the distance.
+    /// Creates a perspective view, with near and far planes derived from the distance between eye and target.
     pub fn look_at(eye: Vec3, target: Vec3) -> Self {
         let distance = (eye.as_dvec3().distance(target.as_dvec3()) as f32).max(f32::MIN_POSITIVE);
         Self {
@@ -89,14 +91,14 @@ impl Camera {
         }
     }
 
-    /// A perspective view from `direction` (towards the eye) that shows all of `bounds` in a picture of any shape
+    /// Creates a perspective view from `direction` (towards the eye) that shows all of `bounds`. It suits any picture
     /// at least as wide as high.
     pub fn fit(bounds: Aabb, direction: Vec3) -> Self {
         Self::fit_into(bounds, direction, 1.0)
     }
 
-    /// This view's direction and projection kind, moved so that all of `bounds` is seen in a picture whose width is
-    /// `aspect` times its height.
+    /// Returns a view with this direction and projection type that shows all of `bounds`. `aspect` is width over
+    /// height.
     pub fn refit(&self, bounds: Aabb, aspect: f32) -> Self {
         let fitted = Self { up: self.up, ..Self::fit_into(bounds, self.eye - self.target, aspect) };
         match self.projection {
@@ -105,10 +107,11 @@ impl Camera {
         }
     }
 
-    /// A view whose cone of sight, as wide as the narrower side of the picture, touches the ball around `bounds`.
+    /// Creates a view whose cone of sight touches the bounding sphere of `bounds`. The cone fits the narrower side of
+    /// the picture.
     fn fit_into(bounds: Aabb, direction: Vec3, aspect: f32) -> Self {
         let (center, radius) = if bounds.is_empty() { (Vec3::ZERO, 1.0) } else { (bounds.center(), bounds.radius()) };
-        // Bounded so that planes and distances derived from it stay finite.
+        // The clamp keeps the planes and distances derived from the radius finite.
         let radius = radius.clamp(1e-30, 1e34);
         let half_angle = ((DEFAULT_FOV_Y * 0.5).tan() * aspect.clamp(0.01, 1.0)).atan();
         let distance = radius / half_angle.sin();
@@ -119,30 +122,31 @@ impl Camera {
         }
     }
 
-    /// Distance from the eye to the target.
+    /// Returns the distance from the eye to the target, world units.
     pub fn distance(&self) -> f32 {
         self.eye.as_dvec3().distance(self.target.as_dvec3()) as f32
     }
 
-    /// Unit vector along the line of sight; −z if eye and target coincide.
+    /// Returns the unit vector along the line of sight; −z if eye and target coincide.
     pub fn forward(&self) -> Vec3 {
         unit_or(self.target.as_dvec3() - self.eye.as_dvec3(), Vec3::NEG_Z)
     }
 
-    /// Unit vector to the right in the picture. Picks another up vector when the given one is parallel to the sight.
+    /// Returns the unit vector to the right in the picture. Uses another up vector if the given one is parallel to the
+    /// line of sight.
     pub fn right(&self) -> Vec3 {
         let forward = self.forward();
         let right = forward.cross(self.up.normalize_or(Vec3::Y));
         right.try_normalize().unwrap_or_else(|| forward.any_orthonormal_vector())
     }
 
-    /// View space from world space: the eye at the origin, looking down −z.
+    /// Returns the matrix from world space to view space, with the eye at the origin, looking down −z.
     pub fn view_from_world(&self) -> Mat4 {
         self.view_from_world_f64().as_mat4()
     }
 
-    /// [`Camera::view_from_world`] before it is rounded: far from the origin the eye's position only cancels against an
-    /// object's if neither was rounded before.
+    /// Returns [`Camera::view_from_world`] without rounding to f32. Far from the origin, the positions of eye and
+    /// object cancel exactly only if neither was rounded before.
     pub fn view_from_world_f64(&self) -> DMat4 {
         let (forward, right) = (self.forward(), self.right());
         let up = right.cross(forward);
@@ -155,14 +159,18 @@ impl Camera {
         rotation.as_dmat4() * DMat4::from_translation(-self.eye.as_dvec3())
     }
 
-    /// Clip space from world space before it is rounded, but for what [`Camera::clip_from_view`] rounds.
+    /// Returns the matrix from world space to clip space in f64; only the entries of [`Camera::clip_from_view`] are
+    /// rounded to f32.
     pub fn clip_from_world_f64(&self, aspect: f32, mapping: DepthMapping) -> DMat4 {
         self.clip_from_view(aspect, mapping).as_dmat4() * self.view_from_world_f64()
     }
 
-    /// Clip space from view space; z/w is the depth that `mapping` gives. [`DepthMapping::Linear`] in perspective is no
-    /// quotient of z and w; its z serves for clipping alone and is the reversed one, which f32 holds well at both planes
-    /// (where f/n is above 2²⁴, the standard z is rounded to w, and the far plane is lost). `aspect` is width over height.
+    /// Returns the matrix from view space to clip space, where z/w is the depth of `mapping`. `aspect` is width over
+    /// height.
+    ///
+    /// In perspective, [`DepthMapping::Linear`] is no quotient of z and w, so z serves only for clipping. It uses the
+    /// reversed z, which f32 represents well at both planes. With the standard z, f/n above 2²⁴ rounds z to w and loses
+    /// the far plane.
     ///
     /// Entries are computed in f64 and rounded once (Upchurch and Desbrun, "Tightening the Precision of Perspective
     /// Rendering", 2012).
@@ -202,24 +210,24 @@ impl Camera {
         self.window.map_or(m, |window| window.clip_from_clip() * m)
     }
 
-    /// Whether z = 0 of clip space is at the far plane, and not at the near one.
+    /// Whether the far plane is at z = 0 in clip space; otherwise the near plane is there.
     pub fn has_zero_at_far(&self, mapping: DepthMapping) -> bool {
         let is_perspective = matches!(self.projection, Projection::Perspective { .. });
         mapping.is_reversed() || (mapping == DepthMapping::Linear && is_perspective)
     }
 
-    /// Clip space from world space.
+    /// Returns the matrix from world space to clip space. `aspect` is width over height.
     pub fn clip_from_world(&self, aspect: f32, mapping: DepthMapping) -> Mat4 {
         self.clip_from_view(aspect, mapping) * self.view_from_world()
     }
 
-    /// The view of the mirror image in z that corresponds to this view of the original.
+    /// Returns the view of a scene mirrored in z that corresponds to this view of the original.
     pub fn mirrored_z(self) -> Self {
         let mirror = Vec3::new(1.0, 1.0, -1.0);
         Self { eye: self.eye * mirror, target: self.target * mirror, up: self.up * mirror, ..self }
     }
 
-    /// Turns around the target: `yaw` to the right and `pitch` upwards, radians. Stops short of the poles.
+    /// Orbits the eye around the target, `yaw` to the right and `pitch` upwards, radians. Stops short of the poles.
     pub fn orbit(&mut self, yaw: f32, pitch: f32) {
         let up = self.up.normalize_or(Vec3::Y);
         let offset = self.eye - self.target;
@@ -230,8 +238,8 @@ impl Camera {
         self.eye = self.target + glam::Quat::from_axis_angle(up, -yaw) * lifted;
     }
 
-    /// Shifts eye and target in the picture plane by `offset` in units of the picture's height (y down), so that the
-    /// target follows the pointer.
+    /// Pans eye and target in the picture plane, so that the target follows the pointer. `offset` is in units of the
+    /// picture's height, y down.
     pub fn pan(&mut self, offset: Vec2) {
         let right = self.right();
         let up = right.cross(self.forward());
@@ -240,8 +248,8 @@ impl Camera {
         self.target += shift;
     }
 
-    /// Multiplies the distance to the target, and the visible height (orthographic), by `factor`. Comes no closer than
-    /// eye and target can be told apart.
+    /// Dollies the camera: multiplies the distance to the target, and the visible height of an orthographic view, by
+    /// `factor`. A minimum distance keeps eye and target numerically distinct.
     pub fn dolly(&mut self, factor: f32) {
         let factor = factor.max((self.least_distance() / self.distance()).min(1.0));
         if let Projection::Orthographic { height } = &mut self.projection {
@@ -253,7 +261,8 @@ impl Camera {
         }
     }
 
-    /// Closest that eye and target may come: nearer, rounding of their coordinates would turn the line of sight.
+    /// Returns the minimum distance between eye and target, world units. Any closer, rounding of their coordinates
+    /// would change the line of sight.
     fn least_distance(&self) -> f32 {
         (self.eye.abs().max(self.target.abs()).max_element() * 1e-5).max(1e-30)
     }
@@ -267,7 +276,7 @@ impl Camera {
         self.target += shift;
     }
 
-    /// Height of what is visible at the target's distance, world units.
+    /// Returns the visible height at the target's distance, world units.
     pub fn visible_height(&self) -> f32 {
         match self.projection {
             Projection::Perspective { fov_y } => 2.0 * self.distance() * (fov_y * 0.5).tan(),
@@ -275,8 +284,9 @@ impl Camera {
         }
     }
 
-    /// The same view in the projection asked for, with the target at the same size: a perspective one has the default
-    /// field of view, from a distance that suits it.
+    /// Returns this view as an orthographic or perspective one, with the same size of the target in the picture.
+    ///
+    /// A view converted to perspective has the default field of view and a matching distance.
     pub fn with_orthographic(self, orthographic: bool) -> Self {
         match self.projection {
             Projection::Perspective { .. } if orthographic => {
@@ -287,8 +297,8 @@ impl Camera {
         }
     }
 
-    /// The perspective view that shows `height` at the target. The planes stay where they are in the world, as far as
-    /// they are in front of the eye.
+    /// Returns the perspective view that shows `height` world units at the target. The near and far planes keep their
+    /// world positions unless they would be behind or too close to the eye.
     fn perspective_of(self, height: f32) -> Self {
         let distance = (height * 0.5 / (DEFAULT_FOV_Y * 0.5).tan()).max(self.least_distance());
         let shift = distance - self.distance();
@@ -302,7 +312,8 @@ impl Camera {
         }
     }
 
-    /// Why nothing can be drawn from here: numbers that are not finite or out of their range, no line of sight.
+    /// Checks that the view can be rendered. Errors: values that are not finite or out of range, or eye and target
+    /// coincide.
     pub fn check(&self) -> Result<(), String> {
         let Self { eye, target, up, projection, near, far, window: _ } = *self;
         if !(eye.is_finite() && target.is_finite() && up.is_finite()) {

@@ -1,9 +1,9 @@
-//! Views in files: JSON that people write by hand.
+//! Camera files: views as hand-editable JSON.
 //!
-//! In: the path of a file such as `{"eye": [0, 1, 5], "target": [0, 0, 0], "up": [0, 1, 0], "fov_y_degrees": 45,
-//! "near": 0.1, "far": 100}`, in world space. Out: a [`Camera`] that can be drawn from, or an error that names the file
-//! and, where there is one, the line. Instead of `fov_y_degrees` there may be `fov_y_radians`, or `height` in world
-//! units for a view without perspective. [`text`] writes a view so that reading it gives the same one, bit for bit.
+//! Input: the path of a file such as `{"eye": [0, 1, 5], "target": [0, 0, 0], "up": [0, 1, 0], "fov_y_degrees": 45,
+//! "near": 0.1, "far": 100}`, in world space. Output: a valid [`Camera`], or an error that names the file and, if
+//! known, the line. `fov_y_radians` can replace `fov_y_degrees`; `height`, in world units, replaces it for an
+//! orthographic view. [`text`] writes a view that [`parse`] restores bit for bit.
 
 use std::path::Path;
 
@@ -13,10 +13,10 @@ use serde::{Deserialize, Serialize};
 use super::{Camera, Projection, SceneError};
 use crate::{disk, text};
 
-/// Largest file that is read, bytes; real ones have some hundred.
+/// Maximum file size, in bytes; typical files have a few hundred.
 const MAX_BYTES: u64 = 1 << 20;
 
-/// A view as it is written.
+/// Serialized form of a view.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 struct CameraFile {
@@ -48,7 +48,7 @@ impl TryFrom<CameraFile> for Camera {
             (None, Some(fov_y), None) => Projection::Perspective { fov_y },
             (None, None, Some(height)) => Projection::Orthographic { height },
             (None, None, None) => return Err("missing field `fov_y_degrees`".to_owned()),
-            _ => return Err("only one of fov_y_degrees, fov_y_radians and height can hold".to_owned()),
+            _ => return Err("give only one of fov_y_degrees, fov_y_radians and height".to_owned()),
         };
         let camera = Self { eye, target, up, projection, near, far, window: None };
         camera.check().map(|()| camera)
@@ -60,7 +60,7 @@ impl From<&Camera> for CameraFile {
         let Camera { eye, target, up, projection, near, far, window: _ } = *camera;
         let (mut fov_y_degrees, mut fov_y_radians, mut height) = (None, None, None);
         match projection {
-            // Degrees are for people; not every angle has one that leads back to it.
+            // Degrees are easier to read, but not every angle in radians survives the conversion to degrees and back.
             Projection::Perspective { fov_y } => match fov_y.to_degrees() {
                 degrees if degrees.to_radians() == fov_y => fov_y_degrees = Some(degrees),
                 _ => fov_y_radians = Some(fov_y),
@@ -71,18 +71,19 @@ impl From<&Camera> for CameraFile {
     }
 }
 
-/// A view in one line, as [`parse`] and [`read`] take it.
+/// Serializes a view as one line of JSON, the format of [`parse`] and [`read`].
 pub fn text(camera: &Camera) -> String {
-    // Three numbers and names: nothing that JSON cannot hold.
+    // All fields are plain numbers, so serialization cannot fail.
     serde_json::to_string(&CameraFile::from(camera)).unwrap_or_default()
 }
 
-/// A view from its text. Errors: not the JSON above, or what [`Camera::check`] says.
+/// Parses a view from JSON text. Errors: malformed JSON or unknown fields, or a view that [`Camera::check`] rejects.
 pub fn parse(text: &str) -> Result<Camera, String> {
     serde_json::from_str::<CameraFile>(text).map_err(|error| error.to_string()).and_then(Camera::try_from)
 }
 
-/// Reads a view. Errors: not a regular file of at most 1 MiB, not the JSON above, or what [`Camera::check`] says.
+/// Reads a view from a file. Errors: not a regular file of at most 1 MiB, malformed JSON or unknown fields, or a view
+/// that [`Camera::check`] rejects.
 pub fn read(path: &Path) -> Result<Camera, SceneError> {
     let bytes =
         disk::read(path, MAX_BYTES).map_err(|source| SceneError::Unreadable { path: path.to_owned(), source })?;

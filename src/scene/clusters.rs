@@ -1,10 +1,10 @@
-//! Clusters of a mesh: runs of its triangles, each with a box around it and bounds of which way its triangles face, so that a
-//! part of a large object can be left out as a whole.
+//! Clusters of a mesh: runs of consecutive triangles, each with a bounding box and bounds of its triangle planes, for
+//! culling as a whole.
 //!
-//! Triangles stay in their order, as it has a meaning: who is drawn first where depths are equal, and every identifier. Most
-//! meshes list neighbours next to each other, so that runs are small in space. Where one does not, the boxes of its runs are
-//! nearly as large as its own, nothing is left out, and all that is lost is the time to look at a box for every
-//! [`CLUSTER`] triangles.
+//! Triangles keep their order, because it decides which is drawn first at equal depth, and identifiers depend on it.
+//! Most meshes list neighbours next to each other, so runs are spatially compact. Otherwise the boxes of the runs are
+//! nearly as large as the box of the mesh, and nothing is culled. The only cost is then one box test per [`CLUSTER`]
+//! triangles.
 
 use std::ops::Range;
 
@@ -13,53 +13,54 @@ use glam::Vec3;
 use crate::math::Aabb;
 use crate::math::lanes::LANES;
 
-/// Triangles per cluster, a multiple of the lanes.
+/// Number of triangles per cluster, a multiple of the SIMD lane count.
 pub const CLUSTER: usize = 128;
 
-/// Vertices that are needed or left out together, a multiple of the lanes.
+/// Number of vertices that are processed or skipped together, a multiple of the SIMD lane count.
 pub const BLOCK: usize = 32;
 
-/// Ranges of blocks that a cluster refers to: where there are more, it is taken to refer to all from the first to the last.
-/// Neighbours in a row of a grid refer to that row of vertices and to the next.
+/// Maximum number of block ranges per cluster. A cluster with more is treated as referring to all blocks from its first
+/// to its last. Neighbours in a row of a grid refer to that row of vertices and to the next.
 const MOST_RANGES: usize = 8;
 
-/// Meshes of fewer clusters have none: there is little to save.
+/// Minimum number of clusters per mesh. Smaller meshes have no clusters, because culling them would save little.
 const FEWEST: usize = 4;
 
-/// The boxes around eight clusters in model space: least x, y, z, and greatest, as lanes read them.
+/// Bounding boxes of eight clusters in model space, in SIMD layout: minimum x, y, z, then maximum x, y, z.
 pub type Boxes = [[[f32; LANES]; 3]; 2];
 
-/// The planes of the triangles of eight clusters in model space, n·p = d with n of unit length and on the side from which the
-/// triangle is seen counter-clockwise, as lanes read them. Triangles two of whose corners coincide are none of them: they never
-/// have an area.
+/// Bounds of the triangle planes of eight clusters in model space, in SIMD layout.
+///
+/// A plane is n·p = d, where the unit normal n points to the side from which the triangle appears counter-clockwise.
+/// Triangles with two coincident corners are excluded, because they never have an area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Planes {
-    /// At most the least n of all, by component, and at least the greatest.
+    /// Conservative lower and upper bounds of each component of n.
     pub normals: [[[f32; LANES]; 3]; 2],
-    /// At most the least d of all, and at least the greatest.
+    /// Conservative lower and upper bounds of d, model units.
     pub offsets: [[f32; LANES]; 2],
-    /// At most the least altitude of a triangle: twice its area over its longest edge. 0 where there are triangles so thin that
-    /// nothing is said about how they face, or none at all.
+    /// Lower bound of the triangles' altitudes, model units: twice the area over the longest edge. 0 if the cluster has
+    /// triangles too thin for reliable normals, or no usable triangles; the plane bounds are then invalid.
     pub altitudes: [f32; LANES],
 }
 
-/// The clusters of one mesh, in the order of its triangles.
+/// Clusters of one mesh, in the order of its triangles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Clusters {
     count: usize,
     triangles: usize,
-    /// Eight clusters each; after the last one its box again.
+    /// Boxes of eight clusters per entry; the last cluster's box pads the last entry.
     boxes: Vec<Boxes>,
-    /// Those of the same eight.
+    /// Plane bounds of the same eight clusters per entry.
     planes: Vec<Planes>,
-    /// Ranges of blocks of vertices, cluster by cluster: the first block and the one after the last.
+    /// Ranges of vertex blocks, cluster by cluster, as [first block, one past the last block].
     blocks: Vec<[u32; 2]>,
-    /// For each cluster where its ranges begin; one more at the end.
+    /// Start of each cluster's ranges in `blocks`, plus a final end.
     starts: Vec<u32>,
 }
 
 impl Clusters {
-    /// Of triangles that refer to `positions`, all of them in range.
+    /// Builds the clusters of a mesh. All vertex indices of `triangles` must be in range of `positions`.
     pub(super) fn new(positions: &[Vec3], triangles: &[[u32; 3]]) -> Self {
         if triangles.len() < FEWEST * CLUSTER {
             return Self::default();
@@ -68,7 +69,7 @@ impl Clusters {
         let bounds: Vec<Aabb> =
             numbers().map(|numbers| visible_bounds(numbers.iter().map(|i| positions[*i as usize]))).collect();
         let (mut blocks, mut starts) = (Vec::new(), vec![0]);
-        // Which cluster referred to a block last, counted from 1.
+        // Most recent cluster that referred to each block, counted from 1; 0 means none.
         let mut last = vec![0; positions.len().div_ceil(BLOCK)];
         let mut own = Vec::new();
         for (cluster, numbers) in (1..).zip(numbers()) {
@@ -97,38 +98,38 @@ impl Clusters {
         }
     }
 
-    /// How many there are.
+    /// Returns the number of clusters.
     pub fn len(&self) -> usize {
         self.count
     }
 
-    /// Whether there are none.
+    /// Whether the mesh has no clusters.
     pub fn is_empty(&self) -> bool {
         self.count == 0
     }
 
-    /// The boxes, eight at a time.
+    /// Returns the bounding boxes, eight clusters per entry.
     pub fn boxes(&self) -> &[Boxes] {
         &self.boxes
     }
 
-    /// The planes of their triangles, eight clusters at a time.
+    /// Returns the plane bounds, eight clusters per entry.
     pub fn planes(&self) -> &[Planes] {
         &self.planes
     }
 
-    /// The triangles of a cluster, counted within the mesh.
+    /// Returns the range of a cluster's triangles, as indices within the mesh.
     pub fn triangles(&self, cluster: usize) -> Range<usize> {
         cluster * CLUSTER..((cluster + 1) * CLUSTER).min(self.triangles)
     }
 
-    /// Ranges of blocks of [`BLOCK`] vertices among which are all that a cluster refers to.
+    /// Returns ranges of blocks of [`BLOCK`] vertices that include all vertices of a cluster.
     pub fn blocks(&self, cluster: usize) -> impl Iterator<Item = Range<usize>> {
         let own = self.starts[cluster] as usize..self.starts[cluster + 1] as usize;
         self.blocks[own].iter().map(|[first, end]| *first as usize..*end as usize)
     }
 
-    /// Bytes held.
+    /// Returns the heap memory in use, in bytes.
     pub(super) fn bytes(&self) -> usize {
         self.boxes.capacity() * size_of::<Boxes>()
             + self.planes.capacity() * size_of::<Planes>()
@@ -137,8 +138,8 @@ impl Clusters {
     }
 }
 
-/// Returns the box around the points, or [`Aabb::EVERYTHING`] if one is not finite: no view then excludes its triangles,
-/// so that they reach the stage that rejects them.
+/// Returns the bounding box of the points, or [`Aabb::EVERYTHING`] if a point is not finite. No view then culls its
+/// triangles, so that they reach the stage that rejects them.
 pub(super) fn visible_bounds(points: impl IntoIterator<Item = Vec3>) -> Aabb {
     let (mut bounds, mut all_finite) = (Aabb::EMPTY, true);
     for point in points {
@@ -148,7 +149,7 @@ pub(super) fn visible_bounds(points: impl IntoIterator<Item = Vec3>) -> Aabb {
     if all_finite { bounds } else { Aabb::EVERYTHING }
 }
 
-/// Blocks in ascending order as ranges; as one where they are too many.
+/// Appends blocks in ascending order as ranges; if there are too many ranges, they become a single one.
 fn push_ranges(own: &[u32], ranges: &mut Vec<[u32; 2]>) {
     let first = ranges.len();
     for next in own.chunk_by(|a, b| a + 1 == *b) {
@@ -162,21 +163,22 @@ fn push_ranges(own: &[u32], ranges: &mut Vec<[u32; 2]>) {
     }
 }
 
-/// What is told about the planes of one cluster: bounds of n and d, and the least altitude.
+/// Plane bounds of one cluster: minimum and maximum of n and d, and the minimum altitude.
 type Facing = ([[f32; 4]; 2], f32);
 
-/// How far a component of a normal may be off from the exact one, and an offset relative to the sum of the coordinates that it
-/// comes from. In doubles cross products of edges are off by 2⁻⁵⁰ of the product of their lengths at most, which is this share
-/// of them where a triangle is not thinner than [`THINNEST`], and rounding to floats is less.
+/// Error bound of a normal's component, and of an offset d relative to the sum of the coordinates behind it.
+///
+/// In f64, the error of an edge cross product is at most 2⁻⁵⁰ of the product of the edge lengths. For a triangle not
+/// thinner than [`THINNEST`], that is within this share of the cross product. Rounding to f32 adds less.
 const PLANE_ERROR: f64 = 1e-6;
 
-/// Coordinates that are taken to be no smaller when errors are told, so that floats round them by less.
+/// Lower bound of the coordinate sum in error bounds, which keeps them above the rounding of f32.
 const LEAST_SIZE: f64 = 1e-30;
 
-/// Altitude over longest edge from which on a triangle is too thin to tell its normal.
+/// Ratio of altitude to longest edge at or below which a triangle is too thin for a reliable normal.
 const THINNEST: f64 = 1e-6;
 
-/// Bounds of the planes of some triangles.
+/// Computes the plane bounds of triangles, given as vertex indices.
 fn facing(positions: &[Vec3], numbers: &[u32]) -> Facing {
     let (mut ends, mut altitude) = ([[f32::INFINITY; 4], [f32::NEG_INFINITY; 4]], f32::INFINITY);
     for corners in numbers.as_chunks::<3>().0 {
@@ -210,7 +212,7 @@ fn facing(positions: &[Vec3], numbers: &[u32]) -> Facing {
     (ends, if is_told { altitude } else { 0.0 })
 }
 
-/// Eight clusters' planes, the last one standing for those that are missing.
+/// Converts the plane bounds of up to eight clusters to SIMD layout. The last cluster pads missing lanes.
 fn planes(facing: &[Facing]) -> Planes {
     let of = |lane: usize| facing[lane.min(facing.len() - 1)];
     let end = |end: usize, i: usize| std::array::from_fn(|lane| of(lane).0[end][i]);
@@ -221,7 +223,7 @@ fn planes(facing: &[Facing]) -> Planes {
     }
 }
 
-/// Eight boxes, the last one standing for those that are missing.
+/// Converts up to eight boxes to SIMD layout. The last box pads missing lanes.
 fn boxes(bounds: &[Aabb]) -> Boxes {
     let of = |lane: usize| bounds[lane.min(bounds.len() - 1)];
     let ends: [fn(Aabb) -> Vec3; 2] = [|bounds| bounds.min, |bounds| bounds.max];
@@ -278,7 +280,7 @@ mod tests {
         let ([least, greatest], altitude) = facing(&positions, &[0, 1, 2, 0, 3, 1, 0, 1, 5]);
         let altitude_of_first = 2.0 / 5.0_f32.sqrt();
         assert!(altitude <= altitude_of_first && altitude > altitude_of_first - 1e-5, "{altitude}");
-        // The first looks along z, the last one between y and z, at 45°.
+        // The first triangle faces along z, the last one at 45° between y and z.
         let half = 0.5_f64.sqrt();
         let exact = [(0.0, 0.0), (0.0, half), (half, 1.0), (5.0 * half, 5.0)];
         for (i, (from, to)) in exact.into_iter().enumerate() {

@@ -1,65 +1,65 @@
-//! What can be wrong with a file, by cause, always with its path and, for text, the line.
+//! Errors and warnings of scene and view files, by cause, with the path and, for text, the line.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-/// Why a scene or a view could not be loaded.
+/// Reason why a scene or a view could not be loaded.
 #[derive(Debug, Error)]
 pub enum SceneError {
-    /// The file cannot be read.
+    /// The file is not readable.
     #[error("{}: cannot read it: {source}", path.display())]
     Unreadable {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the system said.
+        /// I/O error of the operating system.
         source: std::io::Error,
     },
-    /// The file is something else than what it should be.
+    /// The file has the wrong format or unusable content.
     #[error("{}: {reason}", path.display())]
     Unusable {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What it is instead, and what to do.
+        /// Description of the problem, with a remedy if there is one.
         reason: String,
     },
     /// The load was cancelled.
     #[error("{}: loading was cancelled", path.display())]
     Cancelled {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
     },
-    /// A line cannot be understood, or must not be believed.
+    /// A line is malformed or has implausible values.
     #[error("{}:{line}: {reason}", path.display())]
     Line {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Counted from 1.
+        /// Line number, from 1.
         line: usize,
-        /// What is wrong with it.
+        /// Description of the error in this line.
         reason: String,
     },
 }
 
-/// Something left out or repaired while loading; the rest is sound.
+/// Content that was skipped or repaired while loading; the rest is valid.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
-    /// The file it is about.
+    /// File that the warning refers to.
     pub path: PathBuf,
-    /// Line in it, counted from 1, where there is one.
+    /// Line number, from 1; `None` if the warning concerns the whole file.
     pub line: Option<usize>,
-    /// What was found and what was done about it.
+    /// The problem and how it was handled.
     pub text: String,
 }
 
 impl Warning {
-    /// About a whole file.
+    /// Creates a warning about a whole file.
     pub fn file(path: &Path, text: impl Into<String>) -> Self {
         Self { path: path.to_owned(), line: None, text: text.into() }
     }
 
-    /// About one line.
+    /// Creates a warning about one line.
     pub fn line(path: &Path, line: usize, text: impl Into<String>) -> Self {
         Self { path: path.to_owned(), line: Some(line), text: text.into() }
     }

@@ -1,8 +1,8 @@
-//! Where a model is first seen from: in front, a little to the right and above, unless it turns its back there.
+//! Initial view of a model: from the front, slightly from the right and above, unless the model is back-facing there.
 //!
-//! Most models look along +z and close on themselves; then any direction sees as much front as back, and the preferred
-//! one is taken. A single sheet that faces away would be culled whole and leave an empty picture, so the first view goes
-//! to a side that shows clearly more front.
+//! Most models face +z and are closed. Every direction then shows about as much front as back, and the preferred one is
+//! used. Culling would remove a single sheet that faces away and leave the picture empty, so the first view moves to a
+//! side that shows clearly more front.
 
 use glam::{DVec3, Vec3};
 
@@ -12,15 +12,15 @@ use crate::math::Aabb;
 /// World axis that points up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum UpAxis {
-    /// +y.
+    /// Up is +y.
     #[default]
     Y,
-    /// +z.
+    /// Up is +z.
     Z,
 }
 
 impl UpAxis {
-    /// Returns the unit vector upwards.
+    /// Returns the unit vector of the axis.
     pub fn unit(self) -> Vec3 {
         match self {
             Self::Y => Vec3::Y,
@@ -28,12 +28,12 @@ impl UpAxis {
         }
     }
 
-    /// Returns the axis that is closer to a vector upwards.
+    /// Returns the axis that is closer to the given up vector.
     pub fn nearest(up: Vec3) -> Self {
         if up.z.abs() > up.y.abs() { Self::Z } else { Self::Y }
     }
 
-    /// Returns a vector of a world with y up, turned into this one.
+    /// Rotates a vector of a y-up world into a world with this axis up.
     fn turned(self, vector: Vec3) -> Vec3 {
         match self {
             Self::Y => vector,
@@ -41,8 +41,10 @@ impl UpAxis {
         }
     }
 
-    /// Returns the likely axis for a model of these bounds: z if the model stands on the plane z = 0, is centred in y and
-    /// does not stand on y = 0, as programs with z up place models; else y. A flat model decides nothing.
+    /// Returns the likely up axis of a model with these bounds.
+    ///
+    /// The result is z if the model stands on z = 0, is centred in y and does not stand on y = 0. Programs with z up
+    /// place models so. Otherwise, and for a flat model, it is y.
     pub fn guess(bounds: Aabb) -> Self {
         let (size, center) = (bounds.max - bounds.min, bounds.center());
         let stands_on_zero = |axis: usize| bounds.min[axis].abs() <= ON_ZERO * size[axis];
@@ -52,16 +54,17 @@ impl UpAxis {
     }
 }
 
-/// Distance of the lowest point from 0, relative to the height, up to which a model stands on 0.
+/// Maximum distance of the lowest point from 0, relative to the size along that axis, for a model to count as standing
+/// on 0.
 const ON_ZERO: f32 = 0.01;
 
-/// Height relative to the largest side from which a model is not flat.
+/// Minimum height relative to the largest side for a model to count as not flat.
 const LEAST_HEIGHT: f32 = 0.05;
 
-/// Distance of the middle from 0, relative to the size, up to which a model is centred.
+/// Maximum distance of the centre from 0, relative to the size, for a model to count as centred.
 const CENTRED: f32 = 0.05;
 
-/// The directions towards the eye that are tried where y is up, the preferred one first.
+/// Candidate directions towards the eye in a y-up world, the preferred one first.
 const DIRECTIONS: [Vec3; 8] = [
     Vec3::new(0.55, 0.4, 1.0),
     Vec3::new(-0.55, 0.4, 1.0),
@@ -73,7 +76,7 @@ const DIRECTIONS: [Vec3; 8] = [
     Vec3::new(-0.55, -0.4, -1.0),
 ];
 
-/// A later direction must show this many times the front of an earlier one to be taken.
+/// Factor by which a later direction's front area must exceed that of the best one so far.
 const CLEARLY_MORE: f64 = 1.6;
 
 /// Returns a view of the whole scene with this axis up.
@@ -89,8 +92,8 @@ pub(super) fn first_view(scene: &Scene, up: UpAxis) -> Camera {
     Camera { up: up.unit(), ..Camera::fit(scene.bounds(), best.0) }
 }
 
-/// Area of the triangles that face `direction`, as it is projected along it. Models stand where they are: instances are
-/// not moved.
+/// Returns the projected area of the triangles that face `direction`, in square world units. Instance transforms are
+/// ignored, because loaded models have none.
 fn front_area(scene: &Scene, direction: Vec3) -> f64 {
     let towards_eye = direction.as_dvec3().normalize();
     let meshes = scene.library.meshes().iter();

@@ -1,4 +1,4 @@
-//! Shared buffers: each mesh, material and texture is owned once, and instances refer to it by number.
+//! Shared buffers: the library owns each mesh, material and texture once, and instances refer to it by identifier.
 
 use super::{Material, Mesh, Texture};
 use crate::text;
@@ -10,7 +10,7 @@ macro_rules! id {
         pub struct $name(u32);
 
         impl $name {
-            /// Position in the library.
+            /// Returns the index in the library.
             pub fn index(self) -> usize {
                 self.0 as usize
             }
@@ -19,19 +19,19 @@ macro_rules! id {
 }
 
 id!(
-    /// A mesh of one [`Library`].
+    /// Identifier of a mesh of one [`Library`].
     MeshId
 );
 id!(
-    /// A material of one [`Library`].
+    /// Identifier of a material of one [`Library`].
     MaterialId
 );
 id!(
-    /// A texture of one [`Library`].
+    /// Identifier of a texture of one [`Library`].
     TextureId
 );
 
-/// Owner of all meshes, materials and textures of a scene. Identifiers are only made here, so they never dangle.
+/// Owner of all meshes, materials and textures of a scene. Only the library creates identifiers, so they never dangle.
 #[derive(Clone, Debug, Default)]
 pub struct Library {
     meshes: Vec<Mesh>,
@@ -40,13 +40,13 @@ pub struct Library {
 }
 
 impl Library {
-    /// Takes a mesh.
+    /// Adds a mesh.
     pub fn add_mesh(&mut self, mesh: Mesh) -> MeshId {
         self.meshes.push(mesh);
         MeshId(self.meshes.len() as u32 - 1)
     }
 
-    /// Takes a material; its names are cleaned.
+    /// Adds a material and removes control characters from its names.
     pub fn add_material(&mut self, mut material: Material) -> MaterialId {
         material.name = text::clean(&material.name).into_owned();
         material.missing_texture = material.missing_texture.map(|name| text::clean(&name).into_owned());
@@ -54,33 +54,33 @@ impl Library {
         MaterialId(self.materials.len() as u32 - 1)
     }
 
-    /// Takes a texture.
+    /// Adds a texture.
     pub fn add_texture(&mut self, texture: Texture) -> TextureId {
         self.textures.push(texture);
         TextureId(self.textures.len() as u32 - 1)
     }
 
-    /// The mesh behind an identifier of this library.
+    /// Returns the mesh of an identifier from this library.
     pub fn mesh(&self, id: MeshId) -> &Mesh {
         &self.meshes[id.index()]
     }
 
-    /// The material behind an identifier of this library.
+    /// Returns the material of an identifier from this library.
     pub fn material(&self, id: MaterialId) -> &Material {
         &self.materials[id.index()]
     }
 
-    /// The texture behind an identifier of this library.
+    /// Returns the texture of an identifier from this library.
     pub fn texture(&self, id: TextureId) -> &Texture {
         &self.textures[id.index()]
     }
 
-    /// The same library with every mesh mirrored in z; identifiers stay valid.
+    /// Returns a copy of the library with every mesh mirrored in z; identifiers stay valid.
     pub fn mirrored_z(&self) -> Self {
         self.with_meshes(Mesh::mirrored_z)
     }
 
-    /// The same library with every mesh made anew by `make`; identifiers stay valid.
+    /// Returns a copy of the library with every mesh replaced by the result of `make`; identifiers stay valid.
     pub fn with_meshes(&self, make: impl FnMut(&Mesh) -> Mesh) -> Self {
         Self {
             meshes: self.meshes.iter().map(make).collect(),
@@ -89,22 +89,22 @@ impl Library {
         }
     }
 
-    /// All meshes.
+    /// Returns all meshes, in the order of their identifiers.
     pub fn meshes(&self) -> &[Mesh] {
         &self.meshes
     }
 
-    /// All materials.
+    /// Returns all materials, in the order of their identifiers.
     pub fn materials(&self) -> &[Material] {
         &self.materials
     }
 
-    /// All textures.
+    /// Returns all textures, in the order of their identifiers.
     pub fn textures(&self) -> &[Texture] {
         &self.textures
     }
 
-    /// Bytes held by meshes and textures.
+    /// Returns the memory of meshes and textures, in bytes.
     pub fn bytes(&self) -> usize {
         self.meshes.iter().map(Mesh::bytes).sum::<usize>() + self.textures.iter().map(Texture::bytes).sum::<usize>()
     }

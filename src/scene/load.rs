@@ -1,4 +1,4 @@
-//! Limits of a load, its progress and its cancellation.
+//! Memory limit, progress and cancellation of a load.
 
 use std::fmt;
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::SceneError;
 
-/// Largest memory for the meshes and textures of a model, those parts included that exist only while it is loaded.
+/// Memory limit for the meshes and textures of a model, including temporary buffers of the load.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MemoryLimit {
     mib: u32,
@@ -25,7 +25,7 @@ impl MemoryLimit {
 }
 
 impl Default for MemoryLimit {
-    /// 4 GiB: about 20 million triangles, or 128 million texels.
+    /// Returns 4 GiB, enough for about 20 million triangles or 128 million texels.
     fn default() -> Self {
         Self::mib(4096)
     }
@@ -37,14 +37,14 @@ impl fmt::Display for MemoryLimit {
     }
 }
 
-/// Settings of a load, and how it is followed and cancelled.
+/// Memory limit, progress callback and cancellation flag of a load.
 #[derive(Clone, Copy)]
 pub struct LoadControl<'a> {
-    /// Largest memory.
+    /// Memory limit.
     pub memory: MemoryLimit,
     /// Receives the completed share, from 0 to 1, several times a second.
     pub progress: &'a (dyn Fn(f32) + Sync),
-    /// Ends the load with [`SceneError::Cancelled`] once it is `true`.
+    /// Cancellation flag: once `true`, the load ends with [`SceneError::Cancelled`].
     pub cancel: &'a AtomicBool,
 }
 
@@ -62,23 +62,23 @@ impl fmt::Debug for LoadControl<'_> {
     }
 }
 
-/// Lines of text between reports of progress: some milliseconds.
+/// Number of lines of text between progress reports, which takes a few milliseconds.
 const LINES_PER_REPORT: usize = 1 << 14;
 
-/// Memory and progress of a load that is going on.
+/// Memory accounting and progress of a load in progress.
 #[derive(Debug)]
 pub(super) struct Load<'a> {
     path: &'a Path,
     control: LoadControl<'a>,
     used_bytes: u64,
-    /// Work since the last report, in lines of text or what takes as long.
+    /// Work since the last report, in lines of text or equivalent units.
     unreported: usize,
-    /// Completed share at the start of the current step, and the share of the step.
+    /// Completed share at the start of the current step, and the share of the step, both in [0, 1].
     step: (f32, f32),
 }
 
 impl<'a> Load<'a> {
-    /// Begins a load of the file at `path`.
+    /// Starts a load of the file at `path`.
     pub(super) fn new(path: &'a Path, control: LoadControl<'a>) -> Self {
         Self { path, control, used_bytes: 0, unreported: 0, step: (0.0, 0.0) }
     }
@@ -88,15 +88,15 @@ impl<'a> Load<'a> {
         self.control.memory
     }
 
-    /// Begins the next step, which is this share of the whole load.
+    /// Starts the next step; `share` is its fraction of the whole load.
     pub(super) fn begin(&mut self, share: f32) {
         self.step = (self.step.0 + self.step.1, share);
     }
 
-    /// Reports the completed share of the current step, from 0 to 1. To be called at least every 20 ms or so.
+    /// Reports the completed share of the current step, from 0 to 1. Must be called at least about every 20 ms.
     ///
     /// # Errors
-    /// The load is cancelled.
+    /// Returns an error if the load is cancelled.
     pub(super) fn advance(&self, share: f32) -> Result<(), SceneError> {
         (self.control.progress)((self.step.0 + share * self.step.1).min(1.0));
         if self.is_cancelled() {
@@ -105,11 +105,11 @@ impl<'a> Load<'a> {
         Ok(())
     }
 
-    /// Counts work, in lines of text or what takes as long, and reports progress after enough of it. `completed` is the share
-    /// of the current step, from 0 to 1.
+    /// Counts work, in lines of text or equivalent units, and reports progress after enough of it. `completed` returns
+    /// the share of the current step, from 0 to 1.
     ///
     /// # Errors
-    /// The load is cancelled.
+    /// Returns an error if the load is cancelled.
     #[inline]
     pub(super) fn work(&mut self, lines: usize, completed: impl FnOnce() -> f32) -> Result<(), SceneError> {
         self.unreported += lines;
@@ -120,43 +120,43 @@ impl<'a> Load<'a> {
         self.advance(completed())
     }
 
-    /// Whether the load is cancelled.
+    /// Whether the load has been cancelled.
     pub(super) fn is_cancelled(&self) -> bool {
         self.control.cancel.load(Ordering::Relaxed)
     }
 
-    /// Takes memory before it is allocated.
+    /// Reserves memory in the accounting, before its allocation.
     ///
     /// # Errors
-    /// Less memory is left; the reason is one sentence.
+    /// Returns an error if the limit would be exceeded; the reason is one sentence.
     pub(super) fn charge(&mut self, bytes: u64) -> Result<(), String> {
         let used_bytes = self.used_bytes.saturating_add(bytes);
         if used_bytes > self.control.memory.bytes() {
             let limit = self.control.memory;
-            return Err(format!("the model needs more than {limit} of memory, the limit; `--memory` raises it"));
+            return Err(format!("the model needs more than {limit} of memory, the limit; raise it with `--memory`"));
         }
         self.used_bytes = used_bytes;
         Ok(())
     }
 
-    /// Gives memory back.
+    /// Returns memory to the accounting.
     pub(super) fn release(&mut self, bytes: u64) {
         self.used_bytes = self.used_bytes.saturating_sub(bytes);
     }
 
-    /// Makes room for `additional` elements.
+    /// Reserves room for `additional` elements.
     ///
     /// # Errors
-    /// The limit or the system allows no more memory; the reason is one sentence.
+    /// Returns an error if the limit or the system allows no more memory; the reason is one sentence.
     pub(super) fn reserve<T>(&mut self, list: &mut Vec<T>, additional: usize) -> Result<(), String> {
         let room = list.capacity() - list.len();
         if additional <= room {
             return Ok(());
         }
-        // Doubled, so that a list of n elements moves log n times.
+        // Doubling the capacity makes a list of n elements reallocate log n times.
         let more = (additional - room).max(list.capacity()).max(64);
         self.charge(bytes_of::<T>(more))?;
-        list.try_reserve_exact(room + more).map_err(|_| "the system has no more memory".to_owned())
+        list.try_reserve_exact(room + more).map_err(|_| "the system is out of memory".to_owned())
     }
 
     /// Appends an element; see [`Load::reserve`] for errors.
@@ -169,14 +169,14 @@ impl<'a> Load<'a> {
         Ok(())
     }
 
-    /// Drops a list that was filled by [`Load::push`] or [`Load::reserve`].
+    /// Drops a list that was filled by [`Load::push`] or [`Load::reserve`] and releases its memory.
     pub(super) fn free<T>(&mut self, list: Vec<T>) {
         self.release(bytes_of::<T>(list.capacity()));
         drop(list);
     }
 }
 
-/// Bytes of `count` elements.
+/// Returns the size of `count` elements of type `T`, in bytes.
 pub(super) fn bytes_of<T>(count: usize) -> u64 {
     (count as u64).saturating_mul(size_of::<T>() as u64)
 }
@@ -190,7 +190,7 @@ mod tests {
         let mut load = Load::new(Path::new("a.obj"), LoadControl::quiet(MemoryLimit::mib(1)));
         let mut list = Vec::new();
         let error = (0_u64..).find_map(|number| load.push(&mut list, number).err()).unwrap();
-        assert_eq!(error, "the model needs more than 1 MiB of memory, the limit; `--memory` raises it");
+        assert_eq!(error, "the model needs more than 1 MiB of memory, the limit; raise it with `--memory`");
         assert_eq!((list.len(), list.capacity()), (1 << 17, 1 << 17));
         load.free(list);
         assert_eq!(load.used_bytes, 0);

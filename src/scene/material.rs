@@ -1,4 +1,4 @@
-//! Surface properties.
+//! Materials: surface properties and transparency.
 
 use glam::{Vec2, Vec3};
 use serde::Serialize;
@@ -6,36 +6,36 @@ use serde::Serialize;
 use super::texture::Alpha;
 use super::{Library, TextureId};
 
-/// How a surface meets what was drawn before it.
+/// Transparency of a surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Transparency {
-    /// It hides what lies behind.
+    /// Hides everything behind it.
     #[default]
     Opaque,
-    /// Its texture says where it is and where not: there it hides what lies behind, here nothing is drawn.
+    /// Alpha test: opaque where the texture's alpha passes, and not drawn elsewhere.
     CutOut,
-    /// It lets a share of what lies behind show through.
+    /// Blended with the surfaces behind it.
     Blended,
 }
 
-/// Alpha after filtering below which a cut-out surface is not there.
+/// Alpha-test threshold: fragments with a lower filtered alpha are discarded.
 pub const CUT_OUT_BELOW: f32 = 0.5;
 
-/// What a surface looks like, as far as this pipeline shades it.
+/// Surface properties that the pipeline shades with.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
-    /// Name in the file, or a given one.
+    /// Display name, from the file or assigned.
     pub name: String,
-    /// Colour (`Kd`), multiplied with the texture; sRGB values in [0, 1].
+    /// Diffuse colour (`Kd`), multiplied with the texture; sRGB values in [0, 1].
     pub diffuse: Vec3,
-    /// 1 is opaque (`d`, or 1 − `Tr`), 0 is not to be seen; multiplied with the alpha of the texture.
+    /// Opacity (`d`, or 1 − `Tr`) from 0, invisible, to 1, opaque; multiplied with the alpha of the texture.
     pub opacity: f32,
     /// Colour texture (`map_Kd`).
     pub texture: Option<TextureId>,
-    /// The file of a texture that was named and could not be read; the plain colour stands in for it.
+    /// File name of a texture that could not be read; the plain colour replaces it.
     pub missing_texture: Option<String>,
-    /// Texture for the side away from the light, read by cel shading only.
+    /// Texture of the unlit side, used only by cel shading.
     pub dark_texture: Option<TextureId>,
     /// Emitted colour (`Ke`), added after lighting; sRGB values in [0, 1], black for none.
     pub emission: Vec3,
@@ -55,12 +55,12 @@ pub struct Material {
     pub uv_scale: Vec2,
     /// Offset of the texture coordinates (`-o`), v down.
     pub uv_offset: Vec2,
-    /// Whether texture coordinates are clamped, whatever addressing the settings select.
+    /// Whether texture coordinates are clamped, regardless of the address mode in the settings.
     pub clamp: bool,
 }
 
 impl Material {
-    /// An opaque, untextured material. `diffuse` in sRGB values.
+    /// Returns an opaque, untextured material. `diffuse` is in sRGB values.
     pub fn plain(name: impl Into<String>, diffuse: Vec3) -> Self {
         Self {
             name: name.into(),
@@ -82,12 +82,13 @@ impl Material {
         }
     }
 
-    /// An opaque white material under a texture.
+    /// Returns a white material with a texture and full opacity.
     pub fn textured(name: impl Into<String>, texture: TextureId) -> Self {
         Self { texture: Some(texture), ..Self::plain(name, Vec3::ONE) }
     }
 
-    /// How surfaces of this material meet what lies behind, where those of its textures that are `read` are.
+    /// Returns the transparency of this material, given the textures in `read`. It is the strongest transparency of the
+    /// opacity and the alpha channels.
     pub fn transparency(&self, library: &Library, read: impl IntoIterator<Item = TextureId>) -> Transparency {
         if self.opacity < 1.0 {
             return Transparency::Blended;

@@ -1,4 +1,4 @@
-//! Triangle meshes.
+//! Triangle meshes: vertex and index arrays, validation, and computed normals.
 
 use std::ops::Deref;
 
@@ -9,59 +9,60 @@ use super::clusters::{Clusters, visible_bounds};
 use crate::math::{Aabb, unit_or};
 use crate::text;
 
-/// The arrays of a mesh before they are checked.
+/// Arrays of a mesh before validation.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshData {
-    /// What a person calls it.
+    /// Display name.
     pub name: String,
-    /// One per vertex, model space.
+    /// Position of each vertex, model space.
     pub positions: Vec<Vec3>,
-    /// One per vertex, unit length, or none at all: then they are computed.
+    /// Unit normal of each vertex, model space. If empty, normals are computed.
     pub normals: Vec<Vec3>,
-    /// One per vertex, or none at all. v runs down the picture (already flipped).
+    /// Texture coordinates of each vertex, or empty. v runs down the picture (already flipped).
     pub uvs: Vec<Vec2>,
-    /// One per vertex, or none at all; sRGB values in [0, 1].
+    /// Colour of each vertex, or empty; sRGB values in [0, 1].
     pub colors: Vec<Vec3>,
-    /// Vertex numbers, counter-clockwise seen from the front.
+    /// Vertex indices of each triangle, counter-clockwise seen from the front.
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// Why arrays do not make a mesh.
+/// Reason why arrays do not form a valid mesh.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum MeshError {
-    /// An index beyond the vertices.
+    /// A vertex index is out of range.
     #[error("triangle {triangle} refers to vertex {vertex} of {count}")]
     IndexOutOfRange {
-        /// Number of the triangle.
+        /// Index of the triangle.
         triangle: usize,
-        /// The index that it holds.
+        /// Invalid vertex index.
         vertex: u32,
-        /// How many vertices there are.
+        /// Number of vertices.
         count: usize,
     },
-    /// An attribute array of another length than the positions.
+    /// The length of an attribute array differs from the number of positions.
     #[error("{count} {attribute} for {positions} positions")]
     LengthMismatch {
-        /// Which array.
+        /// Name of the attribute.
         attribute: &'static str,
-        /// Its length.
+        /// Length of the array.
         count: usize,
-        /// The length that it should have.
+        /// Number of positions, the required length.
         positions: usize,
     },
-    /// A NaN or an infinity.
+    /// An attribute is NaN or infinite.
     #[error("{attribute} {index} is not finite")]
     NotFinite {
-        /// Which array.
+        /// Name of the attribute.
         attribute: &'static str,
-        /// Where in it.
+        /// Index in the array.
         index: usize,
     },
 }
 
-/// A checked mesh: indices in range, arrays of equal length, one unit normal per vertex, or a zero one where the one that
-/// was given was not finite. Positions may be NaN or infinite: the clipper rejects triangles that use them. All other
-/// numbers are finite.
+/// Validated mesh: indices are in range, arrays have equal length, and each vertex has a unit normal.
+///
+/// A normal that was not finite is zero. Positions may be NaN or infinite; the clipper rejects triangles that use them.
+/// All other numbers are finite.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
     data: MeshData,
@@ -69,12 +70,12 @@ pub struct Mesh {
     visible_bounds: Aabb,
     clusters: Clusters,
     lost_normals: usize,
-    /// Triangles that use a normal or texture coordinate that was not finite, ascending.
+    /// Indices of the triangles with a normal or texture coordinate that was not finite, ascending.
     broken: Vec<u32>,
 }
 
 impl Mesh {
-    /// Checks the arrays. Missing normals are computed ([`super::mesh::smooth_normals`]).
+    /// Validates the arrays. Missing normals are computed ([`super::mesh::smooth_normals`]).
     pub fn new(mut data: MeshData) -> Result<Self, MeshError> {
         data.name = text::clean(&data.name).into_owned();
         let count = data.positions.len();
@@ -92,8 +93,10 @@ impl Mesh {
         Ok(Self::of(data))
     }
 
-    /// Like [`Mesh::new`], but repairs normals and texture coordinates that are not finite. Such a normal becomes zero: no
-    /// direct light reaches the vertex. Such a texture coordinate becomes (0, 1), `vt 0 0` of the file.
+    /// Validates the arrays like [`Mesh::new`], but repairs normals and texture coordinates that are not finite.
+    ///
+    /// Such a normal becomes zero: no direct light reaches the vertex. Such a texture coordinate becomes (0, 1), which
+    /// is `vt 0 0` in the file.
     pub fn repaired(mut data: MeshData) -> Result<Self, MeshError> {
         let lost_normals = data.normals.iter().filter(|normal| !normal.is_finite()).count();
         let lost_uvs = data.uvs.iter().filter(|uv| !uv.is_finite()).count();
@@ -112,7 +115,7 @@ impl Mesh {
         Ok(Self { lost_normals, broken, ..Self::new(data)? })
     }
 
-    /// Returns a mesh of arrays that were checked.
+    /// Creates a mesh from validated arrays.
     fn of(data: MeshData) -> Self {
         let bounds = Aabb::around(data.positions.iter().copied().filter(|position| position.is_finite()));
         let visible_bounds = visible_bounds(data.positions.iter().copied());
@@ -120,34 +123,34 @@ impl Mesh {
         Self { data, bounds, visible_bounds, clusters, lost_normals: 0, broken: Vec::new() }
     }
 
-    /// Returns the number of vertices without a normal because the one that was given was not finite.
+    /// Returns the number of vertices whose given normal was not finite and was replaced by zero.
     pub fn lost_normals(&self) -> usize {
         self.lost_normals
     }
 
-    /// Returns the numbers of the triangles with a normal or texture coordinate that was not finite, ascending.
+    /// Returns the indices of the triangles with a normal or texture coordinate that was not finite, ascending.
     pub fn broken_triangles(&self) -> &[u32] {
         &self.broken
     }
 
-    /// Returns the box around all vertices whose position is finite, model space.
+    /// Returns the bounding box of all vertices with finite positions, model space.
     pub fn bounds(&self) -> Aabb {
         self.bounds
     }
 
-    /// Returns the box for visibility tests, model space: [`Mesh::bounds`], or [`Aabb::EVERYTHING`] if a position is NaN or
-    /// infinite.
+    /// Returns the bounding box for visibility tests, model space: [`Mesh::bounds`], or [`Aabb::EVERYTHING`] if a
+    /// position is NaN or infinite.
     pub fn visible_bounds(&self) -> Aabb {
         self.visible_bounds
     }
 
-    /// The parts that are looked at as a whole; none of a small mesh.
+    /// Returns the clusters for culling; empty for a small mesh.
     pub fn clusters(&self) -> &Clusters {
         &self.clusters
     }
 
-    /// The mirror image in z: for models made for a world of the other handedness. Two corners of each triangle change
-    /// places, so that front faces stay front faces.
+    /// Returns the mesh mirrored in z, for models made for a world of the other handedness. Swapping two corners of
+    /// each triangle preserves the front faces.
     pub fn mirrored_z(&self) -> Self {
         let mut data = self.data.clone();
         for vector in data.positions.iter_mut().chain(&mut data.normals) {
@@ -159,7 +162,7 @@ impl Mesh {
         Self { lost_normals: self.lost_normals, broken: self.broken.clone(), ..Self::of(data) }
     }
 
-    /// Bytes held by the arrays.
+    /// Returns the memory of the arrays and clusters, in bytes.
     pub fn bytes(&self) -> usize {
         let MeshData { name: _, positions, normals, uvs, colors, triangles } = &self.data;
         (positions.capacity() + normals.capacity() + colors.capacity()) * size_of::<Vec3>()
@@ -196,10 +199,10 @@ fn check_array<T>(
     }
 }
 
-/// One normal per vertex: the mean of the normals of its triangles, weighted by area.
+/// Computes one normal per vertex: the mean of the normals of its triangles, weighted by area.
 ///
-/// Computed in f64, and scaled by the largest component before the length is taken, so that neither huge nor tiny
-/// triangles overflow or vanish. A vertex without a triangle of positive area gets +z.
+/// The sums are in f64 and are scaled by the largest component before the length is taken, so that neither huge nor
+/// tiny triangles overflow or vanish. A vertex without a triangle of positive area gets +z.
 pub fn smooth_normals(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
     let mut sums = vec![glam::DVec3::ZERO; positions.len()];
     for corners in triangles {

@@ -1,36 +1,39 @@
-//! Smaller and smaller copies of a texture, each half as long on both sides down to one texel (Williams, "Pyramidal
+//! Mip levels: each is half as long on both sides as the previous one, down to one texel (Williams, "Pyramidal
 //! Parametrics", 1983).
 //!
-//! Every texel of a copy is the mean of the area of the last one that it covers; where a side is odd, texels at the border
-//! of that area count by what lies inside. Copies are kept unrounded until the last is made. Colours count by their alpha,
-//! so that what cannot be seen does not tint what can. Texels of a copy whose alpha is 0 have the colour of the next smaller
-//! copy there, so that filtering between texels takes no colour of hidden ones either (the push phase of Gortler et al., "The
-//! Lumigraph", 1996).
+//! Every texel of a level is the mean of the area that it covers in the previous level. If a side is odd, texels at the
+//! border of that area are weighted by the share inside. Levels stay unrounded until the last one is computed. Colours
+//! are weighted by alpha, so invisible texels do not tint visible ones. Texels with alpha 0 take the colour of the next
+//! smaller level, so that filtering uses no hidden colours either (the push phase of Gortler et al., "The Lumigraph",
+//! 1996).
 
 use crate::image::color::{Tables, quantize};
 use crate::image::{Image, Rgba8};
 
-/// Where a level of a texture lies among the texels of all levels. One array, so that lanes can load it whole.
+/// Location of a mip level in the shared texel array. A single array, so that SIMD code can load it whole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C, align(16))]
 pub struct Level {
-    /// Position of its first texel, that of the first texel of the next smaller level (of the smallest, its own), width, height.
+    /// Index of the level's first texel, that of the next smaller level (for the smallest level, its own), width, and
+    /// height.
     pub numbers: [u32; 4],
 }
 
-/// Texels of all levels of a texture in one picture: that of the texture itself, below it its first copy, and beside that the
-/// smaller ones, one below the other. Rows of all levels are as far apart; each is followed by its first texel once more, and
-/// each level by its first row.
+/// Texels of all mip levels of a texture in one array.
+///
+/// The full-size level is at the top, the first smaller level below it, and the other levels beside that one or below
+/// it, one below the other. All rows have the same stride. Each row ends with a copy of its first texel, and each level
+/// with a copy of its first row.
 #[derive(Clone, Debug)]
 pub struct Levels<T> {
-    /// The texels, and what lies between the levels.
+    /// Texels, including unused gaps between the levels.
     pub texels: Box<[T]>,
-    /// Where each level lies.
+    /// Location of each level, the largest first.
     pub places: Box<[Level]>,
 }
 
 impl<T: Copy + Default> Levels<T> {
-    /// Of images, the largest first; for each texel what `value` gives for it.
+    /// Creates the levels from images, the largest first. `value` converts each texel.
     pub(super) fn new<'a>(images: impl Iterator<Item = &'a Image<Rgba8>>, value: impl Fn(Rgba8) -> T) -> Self {
         let images: Vec<_> = images.collect();
         let sizes: Vec<_> =
@@ -56,13 +59,13 @@ impl<T: Copy + Default> Levels<T> {
         Self { texels, places: places.collect() }
     }
 
-    /// Bytes held.
+    /// Returns the heap memory in use, in bytes.
     pub(super) fn bytes(&self) -> usize {
         size_of_val(&*self.texels) + size_of_val(&*self.places)
     }
 }
 
-/// Column and row of the first texel of each level, by their sizes, each with the texels that are repeated.
+/// Returns the column and row of each level's first texel. `sizes` include the repeated texels.
 fn corners(sizes: &[[usize; 2]]) -> Vec<[usize; 2]> {
     let [across, first, second] = [0, 1, 2].map(|level| sizes.get(level).map_or(0, |[width, _]| *width));
     let has_room = first + second <= across;
@@ -78,16 +81,18 @@ fn corners(sizes: &[[usize; 2]]) -> Vec<[usize; 2]> {
     sizes.iter().enumerate().map(corner).collect()
 }
 
-/// The rows of an image, each followed by its first texel, and the last by the first row: what `value` gives for each texel.
+/// Returns the texels of an image, converted by `value`. Each row is followed by its first texel, and the last row by
+/// the first row.
 pub(super) fn wrapped<T>(image: &Image<Rgba8>, value: impl Fn(Rgba8) -> T) -> impl Iterator<Item = T> {
     let rows = (0..image.height()).chain([0]).map(|y| image.row(y));
     rows.flat_map(|row| row.iter().chain(row.first())).map(move |texel| value(*texel))
 }
 
-/// Colour × alpha, and alpha, in [0, 1].
+/// Premultiplied colour, and alpha, in [0, 1].
 type Texel = [f32; 4];
 
-/// The copies, the largest first; none of a texture of one texel. Means are those of linear light or of codes.
+/// Returns the smaller mip levels, the largest first; none for a texture of one texel. Means are of linear light, or of
+/// codes if `linear` is false.
 pub(super) fn smaller(image: &Image<Rgba8>, linear: bool) -> Vec<Image<Rgba8>> {
     let tables = Tables::get();
     let value = |code: u8| if linear { tables.linear_of_code[code as usize] } else { f32::from(code) / 255.0 };
@@ -101,7 +106,7 @@ pub(super) fn smaller(image: &Image<Rgba8>, linear: bool) -> Vec<Image<Rgba8>> {
         last = halved(&last);
         means.push(last.clone());
     }
-    // From the smallest on, as hidden texels take the colour of the next smaller copy.
+    // The smallest level comes first, because hidden texels take the colour of the next smaller level.
     let mut colors: Option<Image<[f32; 3]>> = None;
     let mut copies: Vec<_> = means
         .iter()
@@ -148,7 +153,7 @@ fn half(length: u32) -> u32 {
     (length / 2).max(1)
 }
 
-/// The texels of a side of `from` texels that texel `at` of a side of `to` covers, and their shares.
+/// Returns the texels covered by texel `at` when a side of `from` texels is reduced to `to` texels, with their weights.
 fn covered(at: u32, to: u32, from: u32) -> impl Iterator<Item = (u32, f32)> {
     let edge = |at: u32| f64::from(at) * f64::from(from) / f64::from(to);
     let (start, end) = (edge(at), edge(at + 1));
@@ -208,7 +213,7 @@ mod tests {
         BigRational::new(above.into(), below.into())
     }
 
-    /// One level in exact numbers: premultiplied colour and alpha of each texel, row by row.
+    /// Mip level in exact rational numbers: premultiplied colour and alpha of each texel, row by row.
     struct Exact {
         width: u32,
         height: u32,
@@ -228,10 +233,10 @@ mod tests {
             &self.texels[(y * self.width + x) as usize]
         }
 
-        /// The level of half the sides: each texel is the integral over its area, divided by that area.
+        /// Returns the level with half the sides: each texel is the integral over its area, divided by that area.
         fn halved(&self) -> Self {
             let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
-            // In units of 1 / `to` of a source texel all edges are integers.
+            // In units of 1 / `to` of a source texel, all edges are integers.
             let overlap = |at: u32, to: u32, from: u32, texel: u32| {
                 let (start, end) = ((at * from).max(texel * to), ((at + 1) * from).min((texel + 1) * to));
                 ratio(end.saturating_sub(start), from)
@@ -251,7 +256,7 @@ mod tests {
         }
     }
 
-    /// Checks a code against the exact value: `code_of` is increasing, so only rounding errors of f32 may part the two.
+    /// Checks a code against the exact value. `code_of` is monotonic, so only f32 rounding errors can separate the two.
     fn check(code: u8, exact: &BigRational, code_of: &dyn Fn(f32) -> u8, place: &str) {
         let value = exact.to_f64().unwrap();
         let slack = 4e-7 + 4e-6 * value;
@@ -264,7 +269,7 @@ mod tests {
         let mut random = fastrand::Rng::with_seed(31);
         for (width, height) in [(8, 8), (7, 5), (1, 6), (9, 2), (3, 3)] {
             for (linear, density) in [(false, 0), (false, 2), (true, 1), (true, 3)] {
-                // Many texels are hidden, whose colours must appear nowhere.
+                // Many texels are hidden, and their colours must not appear anywhere.
                 let image = Image::from_fn(width, height, |_, _| {
                     let alpha = if random.u8(0..4) < density { 0 } else { random.u8(..) };
                     [random.u8(..), random.u8(..), random.u8(..), alpha]
@@ -288,7 +293,7 @@ mod tests {
                         let (mut level, mut at) = (number + 1, (x, y));
                         let place = format!("{width} × {height}, linear {linear}, level {level}, {at:?}");
                         check(copy.at(x, y)[3], &levels[level].at(x, y)[3], &quantize, &place);
-                        // A hidden texel has the colour of the first smaller level in which it is not.
+                        // A hidden texel has the colour of the first smaller level in which it is visible.
                         while level + 1 < levels.len() && !levels[level].at(at.0, at.1)[3].is_positive() {
                             let (own, next) = (&levels[level], &levels[level + 1]);
                             at = (below(at.0, own.width, next.width), below(at.1, own.height, next.height));

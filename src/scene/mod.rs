@@ -1,4 +1,4 @@
-//! What is drawn: validated data. A [`Scene`] that exists can be rendered.
+//! Scenes: validated data for rendering. Every [`Scene`] can be rendered.
 
 pub mod builtin;
 
@@ -49,55 +49,55 @@ use glam::{Mat4, Vec3};
 use crate::math::Aabb;
 use crate::text;
 
-/// One object: which mesh, where, in which material. A small record; the buffers are shared.
+/// One object: mesh, material and placement. The record is small, because the buffers are shared.
 #[derive(Clone, Debug)]
 pub struct Instance {
-    /// What a person calls it.
+    /// Display name.
     pub name: String,
-    /// The shared mesh.
+    /// Identifier of the shared mesh.
     pub mesh: MeshId,
-    /// The shared material.
+    /// Identifier of the shared material.
     pub material: MaterialId,
-    /// Placement (affine).
+    /// Affine transform from model space to world space.
     pub world_from_model: Mat4,
-    /// Multiplies the material's colour; sRGB values in [0, 1].
+    /// Factor of the material's colour; sRGB values in [0, 1].
     pub tint: Vec3,
 }
 
-/// A triangle of the scene, numbered in draw order over all instances.
+/// Identifier of a triangle of the scene, numbered in draw order over all instances.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
 #[serde(transparent)]
 pub struct TriangleId(pub u32);
 
 impl TriangleId {
-    /// Stands for "no triangle" in buffers of identifiers.
+    /// Represents "no triangle" in buffers of identifiers.
     pub const NONE: Self = Self(u32::MAX);
 }
 
-/// Everything that is drawn, and the view that it is first seen from.
+/// Everything to render, and the initial view.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// What a person calls it.
+    /// Display name.
     pub name: String,
-    /// Shared buffers.
+    /// Shared meshes, materials and textures.
     pub library: Library,
     /// Objects, in draw order.
     pub instances: Vec<Instance>,
-    /// Colour behind everything (sRGB codes).
+    /// Background colour (sRGB codes).
     pub background: [u8; 3],
-    /// The view to start from, and to come back to.
+    /// Initial view, also the target of a view reset.
     pub home: Camera,
 }
 
 impl Scene {
-    /// Box around all instances, in world space.
+    /// Returns the bounding box of all instances, in world space.
     pub fn bounds(&self) -> Aabb {
         self.instances
             .iter()
             .fold(Aabb::EMPTY, |all, i| all.union(self.library.mesh(i.mesh).bounds().transformed(i.world_from_model)))
     }
 
-    /// The mirror image in z, seen from the mirrored place: for models made for a world of the other handedness.
+    /// Returns the scene mirrored in z with a mirrored view, for models made for a world of the other handedness.
     pub fn mirrored_z(&self) -> Self {
         let mirror = Mat4::from_scale(Vec3::new(1.0, 1.0, -1.0));
         let mut scene = Self { library: self.library.mirrored_z(), home: self.home.mirrored_z(), ..self.clone() };
@@ -107,7 +107,7 @@ impl Scene {
         scene
     }
 
-    /// Removes control characters from the names of the scene and its instances, which come from files.
+    /// Removes control characters from the names of the scene and its instances, which may come from files.
     fn clean_names(&mut self) {
         let names = self.instances.iter_mut().map(|instance| &mut instance.name).chain([&mut self.name]);
         for name in names {
@@ -115,17 +115,17 @@ impl Scene {
         }
     }
 
-    /// Returns a view of everything with this axis up, from a side that shows much of its front.
+    /// Returns a view of the whole scene with this axis up, from a side that shows much of its front.
     pub fn first_view(&self, up: UpAxis) -> Camera {
         first_view::first_view(self, up)
     }
 
-    /// Triangles over all instances.
+    /// Returns the number of triangles over all instances.
     pub fn triangle_count(&self) -> usize {
         self.instances.iter().map(|i| self.library.mesh(i.mesh).triangles.len()).sum()
     }
 
-    /// For each instance the identifier of its first triangle.
+    /// Returns the identifier of each instance's first triangle.
     pub fn first_triangles(&self) -> Vec<TriangleId> {
         self.instances
             .iter()
@@ -145,7 +145,7 @@ impl Scene {
         })
     }
 
-    /// Bytes held by the shared buffers and by the instance records.
+    /// Returns the memory of the shared buffers and of the instance records, in bytes.
     pub fn memory(&self) -> Memory {
         Memory {
             shared_bytes: self.library.bytes(),
@@ -156,15 +156,15 @@ impl Scene {
     }
 }
 
-/// What a scene holds in memory, in bytes.
+/// Memory of a scene, in bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Memory {
-    /// Meshes and textures, each counted once.
+    /// Memory of meshes and textures, each counted once.
     pub shared_bytes: usize,
-    /// The meshes' part of it.
+    /// Memory of the meshes, a part of `shared_bytes`.
     pub mesh_bytes: usize,
-    /// Instance records.
+    /// Memory of the instance records and their names.
     pub instance_bytes: usize,
-    /// What the meshes alone would take if every instance held its own copy.
+    /// Memory that the meshes would take if every instance had its own copy.
     pub unshared_bytes: usize,
 }

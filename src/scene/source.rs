@@ -1,4 +1,4 @@
-//! Where a scene comes from: what a person names, and how it is made anew when asked for again.
+//! Source of a scene: a built-in scene or a file, from which the scene can be rebuilt or reloaded.
 
 use std::path::PathBuf;
 
@@ -7,17 +7,18 @@ use super::obj::{self, Loaded, TrMeaning};
 use super::{LoadControl, MemoryLimit, Scene, SceneError};
 use crate::text;
 
-/// A built-in scene or a model file.
+/// Built-in scene or model file.
 #[derive(Clone, Debug)]
 pub enum SceneSource {
-    /// Made by code.
+    /// Generated scene.
     Builtin(&'static Builtin),
-    /// A Wavefront OBJ file, and the meaning of `Tr` in its materials.
+    /// Wavefront OBJ file, and the meaning of `Tr` in its materials.
     File(PathBuf, TrMeaning),
 }
 
 impl SceneSource {
-    /// What `name` means: the id of a built-in scene, else a path. (`./chess` is the file.)
+    /// Returns the source for `name`: a built-in scene if it is one's ID, otherwise a file path. (`./chess` is the
+    /// file.)
     pub fn named(name: PathBuf) -> Self {
         match name.to_str().and_then(builtin::by_id) {
             Some(builtin) => Self::Builtin(builtin),
@@ -25,7 +26,8 @@ impl SceneSource {
         }
     }
 
-    /// The name that [`SceneSource::named`] turns into this again, as long as no file is called like a built-in scene.
+    /// Returns a name from which [`SceneSource::named`] recreates this source, if no file has the name of a built-in
+    /// scene.
     pub fn name(&self) -> PathBuf {
         match self {
             Self::Builtin(builtin) => builtin.id.into(),
@@ -33,7 +35,7 @@ impl SceneSource {
         }
     }
 
-    /// What a person calls it: a title, or the file's name.
+    /// Returns the display name: a title, or the name of the file.
     pub fn title(&self) -> String {
         match self {
             Self::Builtin(builtin) => builtin.title.to_owned(),
@@ -41,7 +43,7 @@ impl SceneSource {
         }
     }
 
-    /// Returns the same source with this meaning of `Tr`; a built-in scene has none.
+    /// Returns the source with this meaning of `Tr`; a built-in scene is returned unchanged.
     pub fn with_tr(self, tr: TrMeaning) -> Self {
         match self {
             Self::Builtin(builtin) => Self::Builtin(builtin),
@@ -49,12 +51,12 @@ impl SceneSource {
         }
     }
 
-    /// Builds the scene, or loads it within the default memory limit. Only files fail; see [`obj::load`].
+    /// Builds the scene, or loads it within the default memory limit. Only files can fail; see [`obj::load`].
     pub fn load(&self) -> Result<Loaded, SceneError> {
         self.load_with(LoadControl::quiet(MemoryLimit::default()))
     }
 
-    /// Builds or loads the scene like [`SceneSource::load`], under the given control.
+    /// Builds or loads the scene like [`SceneSource::load`], with the given memory limit, progress and cancellation.
     pub fn load_with(&self, control: LoadControl<'_>) -> Result<Loaded, SceneError> {
         let mut loaded = match self {
             Self::Builtin(builtin) => Loaded::from(builtin.build()),
@@ -66,14 +68,14 @@ impl SceneSource {
 }
 
 impl Default for SceneSource {
-    /// The first built-in scene.
+    /// Returns the first built-in scene.
     fn default() -> Self {
         Self::Builtin(&builtin::ALL[0])
     }
 }
 
 impl From<Scene> for Loaded {
-    /// A scene with nothing to warn about.
+    /// Wraps a scene without warnings or notes.
     fn from(scene: Scene) -> Self {
         Self { scene, warnings: Vec::new(), notes: Vec::new() }
     }

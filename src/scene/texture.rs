@@ -1,4 +1,4 @@
-//! Textures: pictures that are read by texture coordinate.
+//! Textures: pictures sampled by texture coordinates.
 
 use std::sync::OnceLock;
 
@@ -7,14 +7,14 @@ use crate::image::color::decode_byte;
 use crate::image::{Image, Rgba8};
 use crate::text;
 
-/// Which alpha codes a picture has.
+/// Alpha content of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Alpha {
-    /// 255 alone.
+    /// All texels have alpha 255.
     Opaque,
-    /// 0 and 255 alone.
+    /// All texels have alpha 0 or 255.
     AllOrNothing,
-    /// Others, too.
+    /// Some texels have intermediate alpha.
     Graded,
 }
 
@@ -29,7 +29,7 @@ impl Alpha {
     }
 }
 
-/// A texture. Never empty.
+/// Texture with at least one texel, and cached representations of it.
 #[derive(Clone, Debug)]
 pub struct Texture {
     name: String,
@@ -39,12 +39,12 @@ pub struct Texture {
     wrapped_linear: OnceLock<Box<[[f32; 4]]>>,
     levels: OnceLock<Levels<u32>>,
     levels_linear: OnceLock<Levels<[f32; 4]>>,
-    /// Means of codes, means of linear light.
+    /// Smaller mip levels, by means of codes and by means of linear light.
     smaller: [OnceLock<Vec<Image<Rgba8>>>; 2],
 }
 
 impl Texture {
-    /// Takes a picture; `None` if it has no pixel.
+    /// Creates a texture from a picture; `None` if it has no pixels.
     pub fn new(name: impl Into<String>, image: Image<Rgba8>) -> Option<Self> {
         (image.width() > 0 && image.height() > 0).then(|| Self {
             name: text::clean(&name.into()).into_owned(),
@@ -58,45 +58,48 @@ impl Texture {
         })
     }
 
-    /// File name, or a given one.
+    /// Returns the display name: the name of the file, or an assigned one.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Rows of texels as little-endian numbers, each followed by its first one, and the last row by the first: of the four
-    /// texels around any place of the repeated texture two and two are neighbours in memory, a row apart. Made when first asked
-    /// for.
+    /// Returns rows of texels as little-endian numbers, each followed by its first texel, and the last row by the first
+    /// row.
+    ///
+    /// Of the four texels around any position of the repeated texture, two and two are then adjacent in memory, one row
+    /// apart. Computed at the first call and cached.
     pub fn wrapped(&self) -> &[u32] {
         self.wrapped.get_or_init(|| wrapped(&self.image, u32::from_le_bytes).collect())
     }
 
-    /// The same in linear light: red, green and blue, and alpha, which is no light, as its code.
+    /// Returns [`Texture::wrapped`] in linear light: red, green and blue as linear values, and alpha as a code from 0
+    /// to 255.
     pub fn wrapped_linear(&self) -> &[[f32; 4]] {
         self.wrapped_linear.get_or_init(|| wrapped(&self.image, linear).collect())
     }
 
-    /// [`Texture::wrapped`] of the texture and of all its smaller copies by means of codes.
+    /// Returns [`Texture::wrapped`] of all mip levels, with the smaller ones as means of codes.
     pub fn levels(&self) -> &Levels<u32> {
         self.levels.get_or_init(|| Levels::new(self.images(false), u32::from_le_bytes))
     }
 
-    /// [`Texture::wrapped_linear`] of the texture and of all its smaller copies by means of linear light.
+    /// Returns [`Texture::wrapped_linear`] of all mip levels, with the smaller ones as means of linear light.
     pub fn levels_linear(&self) -> &Levels<[f32; 4]> {
         self.levels_linear.get_or_init(|| Levels::new(self.images(true), linear))
     }
 
-    /// The texture and its smaller copies.
+    /// Returns the images of all mip levels, the largest first.
     fn images(&self, linear: bool) -> impl Iterator<Item = &Image<Rgba8>> {
         [&self.image].into_iter().chain(self.smaller(linear))
     }
 
-    /// Copies of half the length, a quarter, and so on down to one texel, by means of linear light or of codes. Made when
-    /// first asked for.
+    /// Returns the smaller mip levels, from half the length down to one texel, as means of linear light or of codes.
+    /// Computed at the first call and cached.
     pub fn smaller(&self, linear: bool) -> &[Image<Rgba8>] {
         self.smaller[usize::from(linear)].get_or_init(|| mips::smaller(&self.image, linear))
     }
 
-    /// Bytes held, by the picture and by what was made of it so far.
+    /// Returns the memory of the picture and of the cached representations so far, in bytes.
     pub fn bytes(&self) -> usize {
         let smaller = self.smaller.iter().filter_map(OnceLock::get).flatten();
         self.image.bytes()
@@ -107,12 +110,12 @@ impl Texture {
             + smaller.map(Image::bytes).sum::<usize>()
     }
 
-    /// Texels, row 0 at the top (v = 0 after the flip on load).
+    /// Returns the texels, with row 0 at the top (v = 0 after the flip on load).
     pub fn image(&self) -> &Image<Rgba8> {
         &self.image
     }
 
-    /// What alpha its texels have; found out once, when the texture was made.
+    /// Returns the alpha content of the texels, determined at construction.
     pub fn alpha(&self) -> Alpha {
         self.alpha
     }
@@ -167,9 +170,9 @@ mod tests {
         texture.wrapped_linear();
         assert_eq!(texture.bytes(), 8 * 4 * 4 + 9 * 5 * (4 + 16));
         texture.levels();
-        // Copies of 4 × 2, 2 × 1 and 1 × 1 texels, and all levels with the places of them.
+        // Smaller levels of 4 × 2, 2 × 1 and 1 × 1 texels, and the array of all levels with their locations.
         let copies = (4 * 2 + 2 + 1) * 4;
-        // The last of the copies beside the first reaches two rows beyond it.
+        // Stacked beside the first smaller level, the others extend one row below it.
         let levels = 9 * (5 + 3 + 1) * 4 + 4 * 16;
         assert_eq!(texture.bytes(), 8 * 4 * 4 + 9 * 5 * (4 + 16) + copies + levels);
     }

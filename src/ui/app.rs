@@ -1,6 +1,6 @@
-//! The window's top: lays the panels out, turns keys and dropped files into commands, applies commands, and talks to the
-//! renderer. It holds the session, the worker and what belongs to widgets only; every decision about the picture is in
-//! the session.
+//! Top level of the window: lays out the panels, turns keys and dropped files into commands, applies the commands, and
+//! exchanges messages with the renderer. It owns the session, the worker and widget state only; every decision about
+//! the picture is made in the session.
 
 mod asking;
 
@@ -31,6 +31,7 @@ use super::fates::finder::Finder;
 use super::judging::{Judging, MeasuringGrowth, MeasuringSavings};
 use super::lab;
 use super::layout;
+use super::manual::ManualWindow;
 use super::mesh_view::MeshPane;
 use super::navigate::FLYING_KEYS;
 use super::overlays;
@@ -54,32 +55,32 @@ use crate::inspect::find::{Found, Wanted};
 use crate::scene::SceneSource;
 use crate::scene::obj::TrMeaning;
 
-/// Height of the line under the menu, in points.
+/// Height of the message bar below the menu, in points.
 const MESSAGE_HEIGHT: f32 = theme::ROW_HEIGHT + 4.0;
 
-/// A frame is called slow, and a mark turns, after this time.
+/// Frame time above which a spinner is shown.
 const SLOW_FRAME: Duration = Duration::from_millis(150);
 
-/// Height of the bars over and under the canvas, in points.
+/// Height of the bars above and below the canvas, in points.
 const BAR_HEIGHT: f32 = theme::ROW_HEIGHT + 12.0;
 
-/// Height of the tabs along the bottom at first, in points.
+/// Default height of the tabs along the bottom, in points.
 const TABS_HEIGHT: f32 = 226.0;
 
-/// Most of the window's height that they take at first.
+/// Largest default share of the window's height for the tabs along the bottom.
 const TABS_SHARE: f32 = 0.34;
 
-/// Most of the window's width that each panel beside the canvas takes at first.
+/// Largest default share of the window's width for each panel beside the canvas.
 const SIDE_SHARE: f32 = 0.29;
 
-/// The application.
+/// The application of the window: session, renderer and widget state.
 pub struct Workbench {
     session: Session,
     worker: Worker,
     asked: Option<Request>,
-    /// When the renderer was asked for something that is not there yet.
+    /// Time at which the oldest unanswered render request was sent; `None` when nothing is outstanding.
     asked_at: Option<Instant>,
-    /// The number of the last measurement of all upscalers.
+    /// Number of the latest measurement of all upscalers.
     measurement: u64,
     loading: Option<Loading>,
     opening_case: Option<OpeningCase>,
@@ -87,7 +88,7 @@ pub struct Workbench {
     measuring_savings: Option<MeasuringSavings>,
     measuring_growth: Option<MeasuringGrowth>,
     case_view: CaseView,
-    /// Files that are being written.
+    /// Exports being written to files.
     saving: Vec<Saving>,
     canvas: Canvas,
     mesh: MeshPane,
@@ -99,21 +100,22 @@ pub struct Workbench {
     checks: checks::Runner,
     fates: Finder,
     dialog: Dialog,
+    manual: ManualWindow,
     tab: Tab,
-    /// State of the window as last drawn.
+    /// Window state as of the last frame.
     window: WindowState,
     /// Context of the window; `None` until the first frame.
     context: Option<Context>,
-    /// Whether models are loaded while the window waits, as screenshots and tests want it.
+    /// Whether loading is synchronous, as in screenshots and tests.
     waits: bool,
-    /// What was asked for from outside of the window, to be done with the next frame.
+    /// Commands queued from outside the window, applied in the next frame.
     asked_for: Vec<Command>,
-    /// Preferences on disk; `None` where nothing is kept, as in screenshots and tests.
+    /// Preferences on disk; `None` if nothing is stored, as in screenshots and tests.
     store: Option<Store>,
 }
 
 impl Workbench {
-    /// Draws by `worker`.
+    /// Creates the application, which renders with `worker`; an inline worker also makes loading synchronous.
     pub fn new(session: Session, worker: Worker) -> Self {
         let waits = matches!(worker, Worker::Inline(_));
         Self {
@@ -139,6 +141,7 @@ impl Workbench {
             checks: checks::Runner::default(),
             fates: Finder::default(),
             dialog: Dialog::default(),
+            manual: ManualWindow::default(),
             tab: Tab::default(),
             window: WindowState::default(),
             context: None,
@@ -148,12 +151,12 @@ impl Workbench {
         }
     }
 
-    /// What the window knows.
+    /// Returns the session.
     pub fn session(&self) -> &Session {
         &self.session
     }
 
-    /// What the window knows, to be changed from outside of it.
+    /// Returns the session for changes from outside the window.
     pub fn session_mut(&mut self) -> &mut Session {
         &mut self.session
     }
@@ -163,12 +166,13 @@ impl Workbench {
         self.tab = tab;
     }
 
-    /// Does all this with the next frame, as if a person had asked for it.
+    /// Queues commands for the next frame, as if the user had triggered them.
     pub fn ask_for(&mut self, commands: Vec<Command>) {
         self.asked_for.extend(commands);
     }
 
-    /// One frame of the window.
+    /// Runs one frame of the window: receives answers, handles input, lays out the panels, applies commands and sends
+    /// requests.
     pub fn show(&mut self, ui: &mut Ui) {
         self.listen();
         let mut commands = std::mem::take(&mut self.asked_for);
@@ -206,14 +210,15 @@ impl Workbench {
             self.pipeline_layout(ui, frame, commands);
         }
         self.dialog.ui(ui, &self.session, commands);
+        self.manual.ui(ui);
         if self.loading.is_some() || self.opening_case.is_some() {
             ui.request_repaint_after(SLOW_LOAD);
         }
     }
 
-    /// Everything below the message, but for the lab.
+    /// Lays out everything below the message bar, except the 2D lab.
     fn pipeline_layout(&mut self, ui: &mut Ui, frame: egui::Frame, commands: &mut Vec<Command>) {
-        // In a narrow window the canvas still has the largest share.
+        // The canvas keeps the largest share in a narrow window.
         let share = |wanted: f32| wanted.min(ui.available_width() * SIDE_SHARE);
         let (left, right) = (share(292.0), share(316.0));
         let tabs = TABS_HEIGHT.min(ui.available_height() * TABS_SHARE).floor();
@@ -284,7 +289,7 @@ impl Workbench {
         });
     }
 
-    /// Turns in the canvas's corner while the renderer takes long enough to wonder.
+    /// Draws a spinner in the corner of the canvas when an answer is outstanding for at least [`SLOW_FRAME`].
     fn busy_mark(&self, ui: &Ui) {
         let Some(since) = self.asked_at else { return };
         if since.elapsed() >= SLOW_FRAME {
@@ -305,11 +310,11 @@ impl Workbench {
     }
 
     fn keys(&self, ui: &Ui, commands: &mut Vec<Command>) {
-        // A key in an open menu is the menu's: Esc closes it, and drops nothing else.
+        // An open menu handles its own keys: Esc closes the menu and nothing else.
         if ui.egui_wants_keyboard_input() || self.dialog.is_open() || egui::Popup::is_any_open(ui.ctx()) {
             return;
         }
-        // In camera mode the letters that fly are no commands.
+        // In camera mode the flying keys are no shortcuts.
         let flies = self.session.pointer_mode == PointerMode::Camera || self.mesh.hovered;
         for binding in BINDINGS {
             let is_taken = flies && binding.modifiers == egui::Modifiers::NONE && FLYING_KEYS.contains(&binding.key);
@@ -317,7 +322,7 @@ impl Workbench {
                 commands.push((binding.command)());
             }
         }
-        // The toolkit turns the key of copying into an event of its own.
+        // The toolkit reports the copy shortcut as an event of its own.
         if ui.input(|i| i.events.contains(&egui::Event::Copy)) {
             commands.push(Command::CopyPicture);
         }
@@ -393,6 +398,7 @@ impl Workbench {
             }
             Command::SetScale(scale) => ui.ctx().set_zoom_factor(scale),
             Command::ToggleKeys => self.dialog = Dialog::Keys(String::new()),
+            Command::OpenManual(chapter) => self.manual.open(chapter),
             Command::OpenTab(tab) => self.tab = tab,
             Command::OpenStages(open) => pipeline::open_all(ui, open),
             Command::OpenPalette => self.dialog = Dialog::Palette(Box::new(Palette::new(&self.session, ""))),
@@ -412,7 +418,8 @@ impl Workbench {
         }
     }
 
-    /// Picks the fault after or before the picked pixel and brings it into view; shows the hit count first if it is not shown.
+    /// Picks the fault after or before the picked pixel and brings it into view. Shows the hit count first if no faults
+    /// are shown.
     fn step_fault(&mut self, forwards: bool) {
         if self.session.shown != Shown::Buffer(Buffer::Hits) && self.session.overlays.stepped().is_none() {
             self.session.shown = Shown::Buffer(Buffer::Hits);
@@ -423,6 +430,10 @@ impl Workbench {
     }
 
     fn escape(&mut self) {
+        if self.manual.is_open() {
+            self.manual.close();
+            return;
+        }
         if self.session.case.is_some() {
             self.session.close_case();
             return;
@@ -456,9 +467,9 @@ impl eframe::App for Workbench {
         self.keep_preferences();
     }
 
-    /// Keeps the layout. The toolkit calls this every half minute, and when the window closes.
+    /// Saves the layout. The toolkit calls this every 30 seconds and when the window closes.
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        // Earlier versions kept geometry and layout there, and the toolkit would still prefer them.
+        // Earlier versions stored geometry and layout under these keys, which the toolkit would still prefer.
         ["window", "egui"].into_iter().for_each(|key| storage.remove_string(key));
         if let Some(context) = &self.context {
             self.window.layout = layout::text(context);
@@ -466,7 +477,7 @@ impl eframe::App for Workbench {
         self.keep_preferences();
     }
 
-    /// Everything is kept with the preferences, whose file is replaced atomically.
+    /// Returns `false`: the layout is stored with the preferences, whose file is replaced atomically.
     fn persist_egui_memory(&self) -> bool {
         false
     }

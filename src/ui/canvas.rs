@@ -1,7 +1,7 @@
-//! The picture: enlarged at the pointer, moved, picked, and read pixel by pixel.
+//! The canvas: shows the picture, zooms at the pointer, pans, picks pixels and labels them with their values.
 //!
-//! The display never changes the data: pixels are shown as squares from 1:1 on, smoothed only when the picture is shown
-//! smaller than it is. Grid and numbers appear when pixels are large enough to hold them.
+//! The display never changes the data: pixels are drawn as squares at scales of 1:1 and above, and filtered only below
+//! 1:1. The pixel grid and the numbers appear when pixels are large enough for them.
 
 use std::sync::Arc;
 
@@ -33,13 +33,13 @@ use crate::inspect::Buffer;
 use crate::inspect::display::Kind;
 use crate::inspect::view::{Value, absence};
 
-/// The grid is drawn from this many points per pixel on.
+/// Scale from which the pixel grid is drawn, in points per pixel.
 const GRID_FROM: f32 = 10.0;
 
-/// Numbers are written from this many points per pixel on.
+/// Scale from which pixel values are written, in points per pixel.
 const NUMBERS_FROM: f32 = 48.0;
 
-/// A picture on the graphics card, sent there when it changes.
+/// A picture as a GPU texture, uploaded when it changes.
 #[derive(Default)]
 pub(super) struct PictureTexture {
     texture: Option<TextureHandle>,
@@ -47,7 +47,7 @@ pub(super) struct PictureTexture {
 }
 
 impl PictureTexture {
-    /// The texture of a picture: its pixels as squares, smoothed where they are shown smaller than the screen's.
+    /// Uploads a picture if it changed, and returns its texture: nearest when magnified, linear when minified.
     pub(super) fn show(&mut self, ui: &Ui, picture: &Arc<Image<Rgba8>>) -> TextureId {
         let (width, height) = picture.size();
         let image = || ColorImage::from_rgba_premultiplied([width as usize, height as usize], picture.as_bytes());
@@ -65,36 +65,36 @@ impl PictureTexture {
     }
 }
 
-/// Where the picture is on the canvas, and its texture.
+/// The canvas: zoom, pointer state and the texture of the picture.
 #[derive(Default)]
 pub struct Canvas {
     texture: PictureTexture,
-    /// Which part of the picture is seen, and how large.
+    /// Scale and visible part of the picture.
     pub zoom: Zoom,
-    /// The pixel under the pointer.
+    /// Pixel under the pointer.
     pub hovered: Option<(u32, u32)>,
-    /// The rectangle that is being dragged.
+    /// State of the rectangle being dragged.
     boxing: region::Dragging,
     selection: SelectionLayer,
 }
 
 impl Canvas {
-    /// Enlarges so that the whole picture fits, and stays so.
+    /// Fits the whole picture into the canvas, also after the canvas is resized.
     pub fn fit(&mut self) {
         self.zoom.fit();
     }
 
-    /// One picture pixel per screen pixel, centred.
+    /// Shows the picture at 1:1 (one picture pixel per screen pixel), centred on the canvas.
     pub fn one_to_one(&mut self, picture: (u32, u32), canvas_px: (u32, u32)) {
         self.zoom.set_view(1.0, canvas_px, (picture.0 as f32 / 2.0, picture.1 as f32 / 2.0));
     }
 
-    /// Puts a pixel into the middle, enlarged enough to be seen.
+    /// Centres the canvas on a pixel and zooms in far enough to show it.
     pub fn bring_into_view(&mut self, pixel: (u32, u32), canvas_px: (u32, u32)) {
         self.zoom.bring_into_view(pixel, canvas_px);
     }
 
-    /// Screen pixels per picture pixel, if not fitted.
+    /// Returns screen pixels per picture pixel; `None` if the picture is fitted.
     pub fn scale(&self) -> Option<f32> {
         self.zoom.scale()
     }
@@ -183,7 +183,7 @@ impl Canvas {
     }
 }
 
-/// Lines between pixels that are large enough.
+/// Draws lines between pixels that are at least [`GRID_FROM`] points wide.
 pub(super) fn grid(painter: &egui::Painter, placement: Placement, size: (u32, u32)) {
     if placement.points_per_px < GRID_FROM {
         return;
@@ -200,7 +200,7 @@ pub(super) fn grid(painter: &egui::Painter, placement: Placement, size: (u32, u3
     }
 }
 
-/// Writes each pixel's value into it; as bits if `bits`.
+/// Writes each pixel's value into it, floats as hexadecimal bits if `bits` is `true`.
 pub(super) fn numbers(
     painter: &egui::Painter,
     placement: Placement,
@@ -236,8 +236,8 @@ fn value_lines(value: Value, bits: bool) -> String {
     }
 }
 
-/// What the colours of the picture mean, in its lower left corner: name, and a bar with numbers where a map is used. Returns
-/// the place that it takes.
+/// Draws the legend in the lower-left corner: name and help text of the shown quantity, and a colour bar with its range
+/// if a colour map is used. Returns the rectangle of the legend.
 fn legend(ui: &Ui, canvas: Rect, session: &Session, view: &View) -> Rect {
     let painter = ui.painter().with_clip_rect(canvas);
     const WIDTH: f32 = 220.0;
@@ -267,7 +267,7 @@ fn legend(ui: &Ui, canvas: Rect, session: &Session, view: &View) -> Rect {
     frame
 }
 
-/// A frame around the picked pixel that is seen on any picture, however small the pixel is.
+/// Draws a frame around the picked pixel that is visible on any picture and at any scale.
 pub(super) fn marker(painter: &egui::Painter, placement: Placement, (x, y): (u32, u32), accent: Color32) {
     const LEAST_POINTS: f32 = 7.0;
     let pixel = placement.rect_of(x, y);

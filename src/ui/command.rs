@@ -1,7 +1,7 @@
-//! What a person can ask the window to do, and the keys that ask it.
+//! Commands: everything that the user can do in the window, and the keys bound to it.
 //!
-//! Widgets and keys push [`Command`]s; nothing is changed while a frame of the window is being laid out. The key map is
-//! one table: shortcuts, tooltips and the key sheet read it.
+//! Widgets and keys push [`Command`]s; nothing changes while a frame of the window is being laid out. The key map is
+//! one table, shared by shortcuts, tooltips and the key sheet.
 
 use std::path::PathBuf;
 
@@ -32,179 +32,182 @@ use crate::inspect::range::Fit;
 use crate::inspect::scrub::Unit;
 use crate::inspect::selection::TriangleSelection;
 use crate::inspect::trace::Direction;
+use crate::manual::Chapter;
 use crate::measure::motion::Turn;
 use crate::report::stability::column::Column;
 use crate::scene::Camera;
 use crate::scene::obj::TrMeaning;
 
-/// An intent.
+/// An action of the user, applied after the window is laid out.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
-    /// Ask for a model to open.
+    /// Shows the dialog for opening a model or a case.
     AskForFile,
-    /// Open a model.
+    /// Opens a model, case or picture file.
     Open(PathBuf),
-    /// Load a model again with another meaning of `Tr`.
+    /// Reloads a model with another meaning of `Tr`.
     Reopen(PathBuf, TrMeaning),
-    /// Show a built-in scene, by id.
+    /// Opens a built-in scene by id.
     OpenBuiltin(String),
-    /// Show the mirror image in z.
+    /// Mirrors the scene in z.
     MirrorZ,
-    /// Close the case that is open.
+    /// Closes the open case.
     CloseCase,
-    /// Show this part of the open case.
+    /// Shows the part of the open case with this index.
     ShowPart(usize),
-    /// Open the worst case of a configuration, as JSON, with that configuration chosen.
+    /// Opens the worst case of a stability report column, given as JSON, with the settings of that column.
     OpenWorst(Column, String),
-    /// Save the triangle that the picked pixel shows as a case of its own.
+    /// Saves the visible triangle at the picked pixel as a minimal case.
     SaveCase,
-    /// Judge the engine on all classes of hard cases.
+    /// Runs the stability report over all classes of hard cases.
     RunStability,
-    /// Stop judging.
+    /// Cancels the stability report.
     CancelStability,
-    /// Show the report this way.
+    /// Changes the view of the stability report.
     ShowStability(StabilityView),
-    /// Measure what the plan of the present view saves.
+    /// Measures the savings of the plan for the current view.
     MeasurePlan,
-    /// Stop measuring that.
+    /// Cancels the measurement of the plan's savings.
     CancelPlan,
-    /// Change what is known of how firmly the picture stands.
+    /// Changes or runs the stability probe.
     Probe(probe::Change),
-    /// Change what of the vertices is shown.
+    /// Changes the scope or the selection of the vertex panel.
     Vertices(vertices::Change),
-    /// Change how the scene is seen from outside.
+    /// Changes the mesh view, which shows the scene from outside.
     MeshView(mesh_view::Change),
-    /// Measure how cost grows with triangles, pixels, layers and threads.
+    /// Measures how cost scales with triangles, pixels, layers and threads.
     MeasureGrowth,
-    /// Stop measuring that.
+    /// Cancels the scaling measurement.
     CancelGrowth,
-    /// Stop waiting for a model.
+    /// Cancels loading a model or case.
     CancelLoading,
-    /// Cancel the export of drawings.
+    /// Cancels all running exports.
     CancelExport,
-    /// Draw by this recipe.
+    /// Replaces the recipe.
     SetRecipe(Recipe),
-    /// Draw with the upscaler that stands at this place of the list.
+    /// Selects the upscaler at this index of the registry.
     ChooseUpscaler(usize),
-    /// Change what is compared.
+    /// Changes the comparison.
     Compare(Change),
-    /// Draw by the default recipe.
+    /// Resets the recipe to the default.
     ResetRecipe,
-    /// Look from here.
+    /// Replaces the camera.
     SetCamera(Camera),
-    /// Look from where the scene starts.
+    /// Resets the camera to the scene's home view.
     ResetCamera,
-    /// Move so that everything is seen.
+    /// Moves the camera until the whole scene is visible.
     FitCamera,
-    /// Make the picture this large.
+    /// Changes the picture size.
     SetSize(PictureSize),
-    /// Question this pixel, or none.
+    /// Picks this pixel, or clears the pick.
     Pick(Option<(u32, u32)>),
-    /// Question the pixel so far to the right and down.
+    /// Moves the pick by this many pixels right and down.
     NudgePick(i64, i64),
-    /// Show this on the canvas.
+    /// Shows this buffer, stage or intermediate value on the canvas.
     Show(Shown),
-    /// Show a later or an earlier stage.
+    /// Steps the shown stage forwards or backwards by this many stages.
     StepStage(i64),
-    /// Question a later or an earlier crack or double hit, and show it enlarged.
+    /// Picks the next (positive) or previous (negative) crack or double hit and zooms in on it.
     StepFault(i64),
-    /// Draw only the first triangles.
+    /// Draws only this many triangles; all if `None`.
     LimitTriangles(Option<usize>),
-    /// Draw more or fewer triangles.
+    /// Draws one triangle more (positive) or fewer.
     StepTriangle(i64),
-    /// Change what the pointer does.
+    /// Sets the pointer mode.
     SetPointerMode(PointerMode),
-    /// Change to the other pointer mode.
+    /// Switches to the other pointer mode.
     TogglePointerMode,
-    /// Enlarge the picture to fit the canvas.
+    /// Fits the picture into the canvas.
     ZoomFit,
-    /// One picture pixel per screen pixel.
+    /// Shows the picture at 1:1, one picture pixel per screen pixel.
     ZoomOne,
-    /// Time every upscaler.
+    /// Measures time and error of every upscaler.
     Measure,
-    /// Stop timing.
+    /// Cancels the measurement of the upscalers.
     CancelMeasure,
-    /// Judge and time upscalers over this motion of the camera.
+    /// Sets the camera motion of the next measurement of the upscalers.
     MeasureOver(Turn),
-    /// Plot frame times this way.
+    /// Changes the plot of frame times.
     ShowTimings(TimingsView),
-    /// Take in no more recent frame times, or do so again.
+    /// Pauses or resumes the recording of recent frame times.
     PauseTimings,
-    /// Write all frame times into a file.
+    /// Exports all frame times to a CSV file.
     ExportTimings,
-    /// Forget all frame times.
+    /// Clears all frame times.
     ClearTimings,
-    /// Save the picture that the canvas shows.
+    /// Saves the picture on the canvas as PNG.
     SavePicture,
-    /// Save the exact values of what the canvas shows as floats.
+    /// Saves the exact values on the canvas as floats (PFM).
     SaveData,
-    /// Save the scene as drawing commands, in the format of this end of a file name.
+    /// Saves the scene as drawing commands, in the format with this file extension.
     SaveOutline(OutlineKind, &'static str),
-    /// Put the picture on the clipboard.
+    /// Copies the picture to the clipboard.
     CopyPicture,
-    /// Take back the last change of a setting.
+    /// Undoes the last change of settings, view or size.
     Undo,
-    /// Make it again.
+    /// Redoes the last undone change.
     Redo,
-    /// Open the picture of a file in the 2D lab.
+    /// Opens a picture file in the 2D lab.
     OpenInLab(PathBuf),
-    /// Close the offer to open a picture in the 2D lab.
+    /// Dismisses the offer to open a picture in the 2D lab.
     CloseOffer,
-    /// Close the error bar.
+    /// Dismisses the error bar.
     CloseError,
-    /// Close the first hint.
+    /// Dismisses the first hint.
     CloseHint,
-    /// Switch between dark and light.
+    /// Switches between the dark and the light theme.
     ToggleTheme,
-    /// Make the whole interface larger or smaller.
+    /// Sets the scale of the whole interface; 1 is the default.
     SetScale(f32),
-    /// Show or hide the key sheet.
+    /// Shows the key sheet.
     ToggleKeys,
-    /// Ask for a pixel to go to.
+    /// Opens the manual at a chapter, or to search it.
+    OpenManual(Option<Chapter>),
+    /// Shows the dialog for going to a pixel, triangle, vertex or object.
     AskForPixel,
-    /// Drop what is selected, innermost first.
+    /// Closes the case, or clears the innermost of selection, pick, probe, comparison and shown buffer.
     Escape,
-    /// Change what is laid over the picture.
+    /// Changes the overlays.
     Overlays(overlays::Change),
-    /// Change the range or the colours of what is shown.
+    /// Changes the range or the colour map of the shown quantity.
     Range(range::Change),
-    /// Show the lab, or the pipeline again.
+    /// Opens the 2D lab, or returns to the pipeline.
     ToggleLab,
-    /// Change something in the lab.
+    /// Changes the 2D lab.
     Lab(lab::Change),
-    /// Change what is checked.
+    /// Runs, cancels or toggles the checks.
     Checks(checks::Change),
-    /// Step through the arithmetic of the picked pixel.
+    /// Steps through the arithmetic of the picked pixel.
     Trace(trace::Change),
-    /// Go through the making of the frame.
+    /// Steps or plays through the drawing of the frame.
     Scrub(scrub::Change),
-    /// Ask for triangles by how they ended.
+    /// Filters triangles by fate.
     Fates(fates::Change),
-    /// Select these triangles in the picture, or none.
+    /// Replaces the selection of triangles.
     Select(TriangleSelection),
-    /// Open a tab along the bottom.
+    /// Opens a tab along the bottom.
     OpenTab(Tab),
-    /// Show the switches of all stages, or of none.
+    /// Expands the switches of all stages, or collapses them.
     OpenStages(bool),
-    /// Open the palette, where everything is found by a few letters.
+    /// Opens the command palette.
     OpenPalette,
-    /// Ask what the last change of the settings did.
+    /// Changes the comparison with the settings before the last change.
     WhatIf(what_if::Change),
-    /// Change which pixels are watched.
+    /// Changes the list of watched pixels.
     Watch(watch::Change),
-    /// Keep a place, or go to one.
+    /// Adds or edits a bookmark, or navigates to a place.
     Place(place::Change),
 }
 
-/// A key, what it does, and the words for it.
+/// A key binding with its description.
 pub struct Binding {
-    /// The key.
+    /// Key that triggers the command.
     pub key: Key,
-    /// With these held.
+    /// Modifiers that must be held.
     pub modifiers: Modifiers,
-    /// Makes the command.
+    /// Constructs the command.
     pub command: fn() -> Command,
-    /// What it does.
+    /// Description for tooltips and the key sheet.
     pub what: &'static str,
 }
 
@@ -212,22 +215,23 @@ const fn bind(modifiers: Modifiers, key: Key, command: fn() -> Command, what: &'
     Binding { key, modifiers, command, what }
 }
 
-/// Control and shift.
+/// The modifiers Ctrl + Shift.
 const CONTROL_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
-/// A key that goes to a bookmark.
+/// Returns the binding of a key to a bookmark.
 const fn jump(key: Key, command: fn() -> Command) -> Binding {
     bind(Modifiers::COMMAND, key, command, "Go to a bookmark")
 }
 
 impl Binding {
-    /// As the toolkit writes it.
+    /// Returns the binding as a shortcut of the toolkit.
     pub fn shortcut(&self) -> KeyboardShortcut {
         KeyboardShortcut::new(self.modifiers, self.key)
     }
 }
 
-/// The key map. Later entries of one key have fewer modifiers, so the first match is the right one.
+/// The key map. Among the bindings of one key, those with more modifiers come first, so that the first match is the
+/// most specific.
 pub const BINDINGS: &[Binding] = &[
     bind(Modifiers::COMMAND, Key::O, || Command::AskForFile, "Open a model or a case"),
     bind(
@@ -237,7 +241,7 @@ pub const BINDINGS: &[Binding] = &[
         "Save the exact values as floats (PFM)",
     ),
     bind(Modifiers::COMMAND, Key::S, || Command::SavePicture, "Save the picture as PNG"),
-    bind(CONTROL_SHIFT, Key::C, || Command::Place(place::Change::Copy), "Copy as command: all of this in one line"),
+    bind(CONTROL_SHIFT, Key::C, || Command::Place(place::Change::Copy), "Copy as command"),
     bind(Modifiers::COMMAND, Key::C, || Command::CopyPicture, "Copy the picture"),
     bind(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z, || Command::Redo, "Redo"),
     bind(Modifiers::COMMAND, Key::Z, || Command::Undo, "Undo the last setting"),
@@ -253,133 +257,163 @@ pub const BINDINGS: &[Binding] = &[
     jump(Key::Num7, || Command::Place(place::Change::Jump(6))),
     jump(Key::Num8, || Command::Place(place::Change::Jump(7))),
     jump(Key::Num9, || Command::Place(place::Change::Jump(8))),
-    bind(Modifiers::ALT, Key::ArrowLeft, || Command::Place(place::Change::Back), "Back to what was looked at before"),
-    bind(Modifiers::ALT, Key::ArrowRight, || Command::Place(place::Change::Forward), "Forward again"),
+    bind(Modifiers::ALT, Key::ArrowLeft, || Command::Place(place::Change::Back), "Go back to the previous place"),
+    bind(Modifiers::ALT, Key::ArrowRight, || Command::Place(place::Change::Forward), "Go forward to the next place"),
     bind(Modifiers::NONE, Key::F, || Command::ZoomFit, "Fit the picture into the canvas"),
-    bind(Modifiers::NONE, Key::Num0, || Command::ZoomOne, "One picture pixel per screen pixel"),
-    bind(Modifiers::NONE, Key::OpenBracket, || Command::StepStage(-1), "Show the stage before"),
-    bind(Modifiers::NONE, Key::CloseBracket, || Command::StepStage(1), "Show the stage after"),
-    bind(Modifiers::COMMAND, Key::Comma, || Command::Scrub(scrub::Change::Step(Unit::Draw, false)), "One object fewer"),
-    bind(Modifiers::COMMAND, Key::Period, || Command::Scrub(scrub::Change::Step(Unit::Draw, true)), "One object more"),
+    bind(Modifiers::NONE, Key::Num0, || Command::ZoomOne, "Show one picture pixel per screen pixel"),
+    bind(Modifiers::NONE, Key::OpenBracket, || Command::StepStage(-1), "Show the previous stage"),
+    bind(Modifiers::NONE, Key::CloseBracket, || Command::StepStage(1), "Show the next stage"),
+    bind(
+        Modifiers::COMMAND,
+        Key::Comma,
+        || Command::Scrub(scrub::Change::Step(Unit::Draw, false)),
+        "Draw one object less",
+    ),
+    bind(
+        Modifiers::COMMAND,
+        Key::Period,
+        || Command::Scrub(scrub::Change::Step(Unit::Draw, true)),
+        "Draw one object more",
+    ),
     bind(
         Modifiers::SHIFT,
         Key::Comma,
         || Command::Scrub(scrub::Change::Step(Unit::Fragment, false)),
-        "One fragment fewer",
+        "Draw one fragment less",
     ),
     bind(
         Modifiers::SHIFT,
         Key::Period,
         || Command::Scrub(scrub::Change::Step(Unit::Fragment, true)),
-        "One fragment more",
+        "Draw one fragment more",
     ),
     bind(Modifiers::SHIFT, Key::Space, || Command::Scrub(scrub::Change::Play(false)), "Play backwards, or pause"),
     bind(
         Modifiers::NONE,
         Key::Space,
         || Command::Scrub(scrub::Change::Play(true)),
-        "Play how the frame comes about, or pause",
+        "Play back how the frame was drawn, or pause",
     ),
     bind(
         Modifiers::NONE,
         Key::Y,
         || Command::Scrub(scrub::Change::Touching(None)),
-        "Step only to what touches the picked pixel, or to all",
+        "Step only through what touches the picked pixel, or through everything",
     ),
-    bind(Modifiers::NONE, Key::Comma, || Command::StepTriangle(-1), "One triangle fewer"),
-    bind(Modifiers::NONE, Key::Period, || Command::StepTriangle(1), "One triangle more"),
-    bind(Modifiers::SHIFT, Key::J, || Command::StepFault(-1), "Previous faulty pixel of what is shown"),
-    bind(Modifiers::NONE, Key::J, || Command::StepFault(1), "Next faulty pixel of what is shown"),
+    bind(Modifiers::NONE, Key::Comma, || Command::StepTriangle(-1), "Draw one triangle less"),
+    bind(Modifiers::NONE, Key::Period, || Command::StepTriangle(1), "Draw one triangle more"),
+    bind(Modifiers::SHIFT, Key::J, || Command::StepFault(-1), "Go to the previous faulty pixel"),
+    bind(Modifiers::NONE, Key::J, || Command::StepFault(1), "Go to the next faulty pixel"),
     bind(
         Modifiers::NONE,
         Key::O,
         || Command::Overlays(overlays::Change::ToggleOpen),
         "Show or hide the list of overlays",
     ),
-    bind(Modifiers::SHIFT, Key::N, || Command::Range(range::Change::FitVisible), "Fit the range to what is on screen"),
+    bind(Modifiers::SHIFT, Key::N, || Command::Range(range::Change::FitVisible), "Fit the range to the visible part"),
     bind(Modifiers::NONE, Key::N, || Command::Range(range::Change::Fit(Fit::All)), "Fit the range to all values"),
-    bind(Modifiers::NONE, Key::Home, || Command::LimitTriangles(Some(0)), "Before the first triangle"),
-    bind(Modifiers::NONE, Key::End, || Command::LimitTriangles(None), "After the last triangle"),
-    bind(Modifiers::SHIFT, Key::ArrowLeft, || Command::NudgePick(-10, 0), "Picked pixel 10 to the left"),
-    bind(Modifiers::SHIFT, Key::ArrowRight, || Command::NudgePick(10, 0), "Picked pixel 10 to the right"),
-    bind(Modifiers::SHIFT, Key::ArrowUp, || Command::NudgePick(0, -10), "Picked pixel 10 up"),
-    bind(Modifiers::SHIFT, Key::ArrowDown, || Command::NudgePick(0, 10), "Picked pixel 10 down"),
-    bind(Modifiers::NONE, Key::ArrowLeft, || Command::NudgePick(-1, 0), "Picked pixel to the left"),
-    bind(Modifiers::NONE, Key::ArrowRight, || Command::NudgePick(1, 0), "Picked pixel to the right"),
-    bind(Modifiers::NONE, Key::ArrowUp, || Command::NudgePick(0, -1), "Picked pixel up"),
-    bind(Modifiers::NONE, Key::ArrowDown, || Command::NudgePick(0, 1), "Picked pixel down"),
-    bind(Modifiers::NONE, Key::Num1, || Command::ChooseUpscaler(0), "Choose the upscaler"),
-    bind(Modifiers::NONE, Key::Num2, || Command::ChooseUpscaler(1), "Choose the upscaler"),
-    bind(Modifiers::NONE, Key::Num3, || Command::ChooseUpscaler(2), "Choose the upscaler"),
-    bind(Modifiers::NONE, Key::Num4, || Command::ChooseUpscaler(3), "Choose the upscaler"),
-    bind(Modifiers::NONE, Key::Num5, || Command::ChooseUpscaler(4), "Choose the upscaler"),
-    bind(Modifiers::NONE, Key::Num6, || Command::ChooseUpscaler(5), "Choose the upscaler"),
-    bind(Modifiers::NONE, Key::Num7, || Command::ChooseUpscaler(6), "Choose the upscaler"),
-    bind(Modifiers::NONE, Key::Num8, || Command::ChooseUpscaler(7), "Choose the upscaler"),
-    bind(Modifiers::NONE, Key::Num9, || Command::ChooseUpscaler(8), "Choose the upscaler"),
-    bind(Modifiers::NONE, Key::T, || Command::Compare(Change::Toggle(Mode::Tiles)), "Compare in tiles, and back"),
-    bind(Modifiers::NONE, Key::W, || Command::Compare(Change::Toggle(Mode::Wipe)), "Wipe A over B, and back"),
-    bind(Modifiers::NONE, Key::B, || Command::Compare(Change::Toggle(Mode::Flip)), "Flip between A and B, and back"),
-    bind(Modifiers::NONE, Key::D, || Command::Compare(Change::Toggle(Mode::Difference)), "Difference, and back"),
-    bind(Modifiers::NONE, Key::X, || Command::WhatIf(what_if::Change::Toggle), "What did the last change do? And back"),
+    bind(Modifiers::NONE, Key::Home, || Command::LimitTriangles(Some(0)), "Go before the first triangle"),
+    bind(Modifiers::NONE, Key::End, || Command::LimitTriangles(None), "Go after the last triangle"),
+    bind(Modifiers::SHIFT, Key::ArrowLeft, || Command::NudgePick(-10, 0), "Move the picked pixel 10 left"),
+    bind(Modifiers::SHIFT, Key::ArrowRight, || Command::NudgePick(10, 0), "Move the picked pixel 10 right"),
+    bind(Modifiers::SHIFT, Key::ArrowUp, || Command::NudgePick(0, -10), "Move the picked pixel 10 up"),
+    bind(Modifiers::SHIFT, Key::ArrowDown, || Command::NudgePick(0, 10), "Move the picked pixel 10 down"),
+    bind(Modifiers::NONE, Key::ArrowLeft, || Command::NudgePick(-1, 0), "Move the picked pixel left"),
+    bind(Modifiers::NONE, Key::ArrowRight, || Command::NudgePick(1, 0), "Move the picked pixel right"),
+    bind(Modifiers::NONE, Key::ArrowUp, || Command::NudgePick(0, -1), "Move the picked pixel up"),
+    bind(Modifiers::NONE, Key::ArrowDown, || Command::NudgePick(0, 1), "Move the picked pixel down"),
+    bind(Modifiers::NONE, Key::Num1, || Command::ChooseUpscaler(0), "Choose an upscaler"),
+    bind(Modifiers::NONE, Key::Num2, || Command::ChooseUpscaler(1), "Choose an upscaler"),
+    bind(Modifiers::NONE, Key::Num3, || Command::ChooseUpscaler(2), "Choose an upscaler"),
+    bind(Modifiers::NONE, Key::Num4, || Command::ChooseUpscaler(3), "Choose an upscaler"),
+    bind(Modifiers::NONE, Key::Num5, || Command::ChooseUpscaler(4), "Choose an upscaler"),
+    bind(Modifiers::NONE, Key::Num6, || Command::ChooseUpscaler(5), "Choose an upscaler"),
+    bind(Modifiers::NONE, Key::Num7, || Command::ChooseUpscaler(6), "Choose an upscaler"),
+    bind(Modifiers::NONE, Key::Num8, || Command::ChooseUpscaler(7), "Choose an upscaler"),
+    bind(Modifiers::NONE, Key::Num9, || Command::ChooseUpscaler(8), "Choose an upscaler"),
+    bind(Modifiers::NONE, Key::T, || Command::Compare(Change::Toggle(Mode::Tiles)), "Compare in tiles, or stop"),
+    bind(Modifiers::NONE, Key::W, || Command::Compare(Change::Toggle(Mode::Wipe)), "Wipe between A and B, or stop"),
+    bind(Modifiers::NONE, Key::B, || Command::Compare(Change::Toggle(Mode::Flip)), "Flip between A and B, or stop"),
+    bind(
+        Modifiers::NONE,
+        Key::D,
+        || Command::Compare(Change::Toggle(Mode::Difference)),
+        "Show the difference, or stop",
+    ),
+    bind(
+        Modifiers::NONE,
+        Key::X,
+        || Command::WhatIf(what_if::Change::Toggle),
+        "Show what the last change did, or stop",
+    ),
     bind(Modifiers::NONE, Key::S, || Command::Compare(Change::Swap), "Swap A and B"),
     bind(
         Modifiers::NONE,
         Key::R,
         || Command::Compare(Change::ToggleRegion),
-        "Reset the range; comparing: drag a rectangle to measure",
+        "Reset the range; while comparing, drag a rectangle to measure",
     ),
-    bind(Modifiers::NONE, Key::L, || Command::ToggleLab, "The 2D lab, and back to the pipeline"),
+    bind(Modifiers::NONE, Key::L, || Command::ToggleLab, "Switch between the 2D lab and the pipeline"),
     bind(Modifiers::NONE, Key::K, || Command::Lab(lab::Change::TogglePlay), "Play the steps of the lab, or stop"),
-    bind(Modifiers::SHIFT, Key::F10, || Command::Trace(trace::Change::Step(-1)), "Arithmetic: one line back"),
-    bind(Modifiers::NONE, Key::F10, || Command::Trace(trace::Change::Step(1)), "Arithmetic: one line forward"),
+    bind(Modifiers::SHIFT, Key::F10, || Command::Trace(trace::Change::Step(-1)), "Arithmetic: previous line"),
+    bind(Modifiers::NONE, Key::F10, || Command::Trace(trace::Change::Step(1)), "Arithmetic: next line"),
     bind(
         Modifiers::SHIFT,
         Key::F5,
         || Command::Trace(trace::Change::Run(None, Direction::Back)),
-        "Arithmetic: back to the last notable line",
+        "Arithmetic: previous flagged line",
     ),
     bind(
         Modifiers::NONE,
         Key::F5,
         || Command::Trace(trace::Change::Run(None, Direction::Forward)),
-        "Arithmetic: on to the next notable line",
+        "Arithmetic: next flagged line",
     ),
     bind(
         Modifiers::SHIFT,
         Key::F11,
         || Command::Trace(trace::Change::Stage(Direction::Back)),
-        "Arithmetic: the stage before",
+        "Arithmetic: previous stage",
     ),
     bind(
         Modifiers::NONE,
         Key::F11,
         || Command::Trace(trace::Change::Stage(Direction::Forward)),
-        "Arithmetic: the next stage",
+        "Arithmetic: next stage",
     ),
-    bind(Modifiers::NONE, Key::M, || Command::MeshView(mesh_view::Change::Toggle), "The scene from outside, and back"),
-    bind(Modifiers::NONE, Key::C, || Command::TogglePointerMode, "Camera mode and back"),
-    bind(Modifiers::NONE, Key::H, || Command::ResetCamera, "Back to the scene's own view"),
+    bind(
+        Modifiers::NONE,
+        Key::M,
+        || Command::MeshView(mesh_view::Change::Toggle),
+        "Show or hide the scene from outside",
+    ),
+    bind(Modifiers::NONE, Key::C, || Command::TogglePointerMode, "Switch camera mode"),
+    bind(Modifiers::NONE, Key::H, || Command::ResetCamera, "Return to the scene's own view"),
     bind(Modifiers::NONE, Key::Enter, || Command::Watch(watch::Change::AddPick), "Watch the picked pixel"),
-    bind(Modifiers::NONE, Key::Escape, || Command::Escape, "Drop the pick, then the stage or buffer shown"),
+    bind(
+        Modifiers::NONE,
+        Key::Escape,
+        || Command::Escape,
+        "Drop the pick, then stop comparing, then drop the stage or buffer",
+    ),
     bind(Modifiers::SHIFT, Key::Slash, || Command::ToggleKeys, "Show the keys"),
     bind(Modifiers::NONE, Key::Questionmark, || Command::ToggleKeys, "Show the keys"),
-    bind(Modifiers::NONE, Key::F1, || Command::ToggleKeys, "Show the keys"),
+    bind(Modifiers::NONE, Key::F1, || Command::OpenManual(None), "Open and search the manual"),
 ];
 
-/// What the mouse does, for the key sheet.
+/// Mouse gestures and their effects, for the key sheet.
 pub const MOUSE: &[(&str, &str)] = &[
-    ("Click", "Question the pixel; it stays picked"),
-    ("Right-drag", "Question pixels along the way"),
-    ("Wheel", "Enlarge the picture at the pointer"),
+    ("Click", "Pick a pixel and explain it"),
+    ("Right-drag", "Inspect pixels along the way"),
+    ("Wheel", "Zoom at the pointer"),
     ("Drag", "Move the picture"),
-    ("Middle-drag", "Turn the scene around its target"),
-    ("Shift + middle-drag", "Shift the view"),
-    ("Ctrl + wheel", "Come closer, go away"),
-    ("Hold Alt", "Numbers in pixels as bits"),
-    ("Shift + drag", "Figures of a box of the picture"),
-    ("Comparing: hold Shift", "See the other picture"),
-    ("What changed: hold Shift", "See what was drawn before"),
+    ("Middle-drag", "Orbit the camera around its target"),
+    ("Shift + middle-drag", "Pan the camera"),
+    ("Ctrl + wheel", "Dolly the camera"),
+    ("Hold Alt", "Show the numbers in pixels as bits"),
+    ("Shift + drag", "Show figures of a box of the picture"),
+    ("Comparing: hold Shift", "Show the other picture"),
+    ("What changed: hold Shift", "Show the picture before the change"),
     ("Comparing: R, then drag", "Measure a rectangle"),
-    ("C, then drag, wheel, W A S D Q E", "Camera mode: turn, come closer, fly"),
+    ("C, then drag, wheel, W A S D Q E", "Camera mode: orbit, dolly, fly"),
 ];

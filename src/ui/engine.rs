@@ -1,8 +1,10 @@
-//! From what the window wants to see to what it shows: renders, captures and replays, and keeps what is still valid.
+//! The engine behind the window: renders, captures and replays whatever a request needs, and reuses results that are
+//! still valid.
 //!
-//! A [`Request`] says everything; the engine compares it with the last one and does only what changed: a new pick replays
-//! one pixel, another buffer recolours, and only scene, view, recipe or size draw a frame. It has no thread and no clock
-//! of its own, so screenshots and tests call it directly; [`super::worker`] puts it on a thread.
+//! A [`Request`] is complete; the engine compares it with the last one and redoes only the parts that changed. A new
+//! pick replays one pixel, another buffer recolours, and only a new scene, camera, recipe, size or moment draws a
+//! frame. The engine has no thread of its own, so screenshots and tests call it directly; [`super::worker`] runs it on
+//! a thread.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -26,19 +28,19 @@ use crate::pipeline::viewport::Viewport;
 use crate::scene::seams::Seams;
 use crate::scene::{Camera, Scene};
 
-/// What the canvas shows of a frame.
+/// The quantity of a frame that the canvas shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shown {
-    /// A quantity of the finished frame.
+    /// A buffer of the finished frame.
     Buffer(Buffer),
     /// The picture after a stage.
     Stage(Stage),
-    /// A number on the way from triangle to colour.
+    /// An intermediate value between triangle and colour.
     Intermediate(Intermediate),
 }
 
 impl Shown {
-    /// What a person calls it.
+    /// Returns the display name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Buffer(buffer) => buffer.name(),
@@ -47,7 +49,7 @@ impl Shown {
         }
     }
 
-    /// One sentence: what is seen.
+    /// Returns a description in one sentence.
     pub fn help(self) -> &'static str {
         match self {
             Self::Buffer(buffer) => buffer.help(),
@@ -57,57 +59,57 @@ impl Shown {
     }
 }
 
-/// Everything that decides what the window shows.
+/// Everything that determines the contents of the window.
 #[derive(Clone, Debug)]
 pub struct Request {
-    /// Scene; the same one as long as the pointer is the same.
+    /// Scene; compared by pointer.
     pub scene: Arc<Scene>,
-    /// View.
+    /// Camera.
     pub camera: Camera,
-    /// Recipe.
+    /// Recipe to draw with.
     pub recipe: Recipe,
-    /// Picture size.
+    /// Size of the picture, in pixels.
     pub viewport: Viewport,
-    /// What to show of the frame.
+    /// Quantity on the canvas.
     pub shown: Shown,
-    /// Only the first so many rasterized triangles, to see the frame come about.
+    /// Number of rasterized triangles to draw; all if `None`.
     pub triangle_limit: Option<usize>,
-    /// Of the last of these triangles only the first so many fragments.
+    /// Number of fragments of the last of these triangles to draw; all if `None`.
     pub fragment_limit: Option<usize>,
-    /// The questioned pixel.
+    /// Picked pixel, in picture pixels.
     pub pick: Option<(u32, u32)>,
-    /// By which colours it is shown, and what is laid over it.
+    /// Range, colours and overlays.
     pub look: Look,
 }
 
 impl Request {
-    /// Whether the answer to both is the same.
+    /// Whether both requests have the same answer.
     pub fn same_view(&self, other: &Self) -> bool {
         self.same_frame(other) && self.shown == other.shown && self.pick == other.pick && self.look == other.look
     }
 
-    /// Whether the canvas shows the same for both, whichever pixel is questioned.
+    /// Whether the canvas shows the same for both requests, regardless of the picked pixel.
     pub fn same_picture(&self, other: &Self) -> bool {
         self.same_frame(other) && self.shown == other.shown && self.look == other.look
     }
 
-    /// Whether the frames of both are the same.
+    /// Whether both requests have the same frame.
     pub fn same_frame(&self, other: &Self) -> bool {
         self.same_complete_frame(other) && self.moment() == other.moment()
     }
 
-    /// The moment of the frame that is asked for; none if it is the last.
+    /// Returns the requested moment of the frame; `None` for the finished frame.
     pub fn moment(&self) -> Option<Moment> {
         self.triangle_limit.map(|triangles| Moment { triangles, fragments: self.fragment_limit })
     }
 
-    /// Whether anything shows the open seams of the scene.
+    /// Whether any shown part depends on the open seams of the scene.
     fn reads_seams(&self) -> bool {
         let has_layer = self.look.layers.iter().any(|layer| layer.overlay.reads_seams());
         self.shown == Shown::Buffer(Buffer::Hits) || self.pick.is_some() || has_layer
     }
 
-    /// Whether the frames of both, with all of their triangles, are the same.
+    /// Whether both requests have the same frame once all of its triangles are drawn.
     pub fn same_complete_frame(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.scene, &other.scene)
             && self.camera == other.camera
@@ -119,49 +121,49 @@ impl Request {
 /// The answer to a [`Request`].
 #[derive(Clone, Debug)]
 pub struct View {
-    /// What was asked.
+    /// The request that was answered.
     pub request: Request,
-    /// The frame.
+    /// Rendered frame.
     pub frame: Arc<Frame>,
-    /// Triangles that are rasterized without a limit.
+    /// Number of rasterized triangles without a limit.
     pub rasterized: usize,
-    /// The picture to show.
+    /// Picture on the canvas.
     pub picture: Arc<Image<Rgba8>>,
-    /// Quantities of the frame, if a buffer that needs them is shown.
+    /// Captured buffers of the frame; `None` if the shown quantity does not need them.
     pub buffers: Option<Arc<Buffers>>,
-    /// The number of every sample that is shown, if one is.
+    /// Intermediate value of every sample; `None` unless one is shown.
     pub captured: Option<Arc<Captured>>,
-    /// Ends of the colour map, if one is used.
+    /// Ends of the colour map; `None` without one.
     pub range: Option<Range>,
-    /// What the picture was made from, and its figures.
+    /// Intermediate images and statistics of the picture.
     pub looked: Looked,
-    /// The story of the picked pixel.
+    /// History of the picked pixel.
     pub report: Option<Arc<PixelReport>>,
-    /// The moments around the one that is shown, if it is not the last or a pixel is picked.
+    /// Moments around the shown one; `None` if the frame is complete and no pixel is picked.
     pub timeline: Option<Arc<Timeline>>,
-    /// Whether the frame was drawn for this answer, rather than kept from the last one.
+    /// Whether the frame was drawn for this answer rather than reused from the last one.
     pub fresh: bool,
 }
 
 impl View {
-    /// Whether its frame has all triangles of the one of which `request` asks for a moment.
+    /// Whether this view holds the complete frame of which `request` wants an earlier moment.
     fn is_whole_for(&self, request: &Request) -> bool {
         request.triangle_limit.is_some()
             && self.request.triangle_limit.is_none()
             && self.request.same_complete_frame(request)
     }
 
-    /// Whether the same request again would be answered by a better frame.
+    /// Whether repeating the request would improve the frame, because the upscaler has not converged yet.
     pub fn wants_another(&self) -> bool {
         self.request.triangle_limit.is_none() && self.frame.wants_another(&self.request.recipe)
     }
 }
 
-/// Longest wait for the open seams of a scene before an answer without them, once the frame is on screen: a newer request
-/// waits no longer.
+/// Longest wait for the search for open seams before answering without them, once the frame is on screen. A newer
+/// request waits no longer than this.
 const SEAMS_WAIT: Duration = Duration::from_millis(50);
 
-/// Renders requests.
+/// Answers requests, reusing results of the last one.
 #[derive(Debug, Default)]
 pub struct Engine {
     last: Option<View>,
@@ -172,14 +174,14 @@ pub struct Engine {
 }
 
 impl Engine {
-    /// Answers a request, reusing what the last answer has in common.
+    /// Answers a request, reusing valid parts of the last answer.
     pub fn answer(&mut self, request: Request) -> View {
         let mut last = self.last.take();
         self.reel.take_if(|reel| !reel.is_of(&request));
         let whole = last.as_ref().filter(|view| view.is_whole_for(&request)).map(|view| view.frame.clone());
         let stale = |view: &mut View| !view.request.same_frame(&request) || view.wants_another();
         if let Some(view) = last.take_if(stale) {
-            // Whoever still shows it keeps it.
+            // The frame is recycled only if no other view holds it.
             if let Ok(frame) = Arc::try_unwrap(view.frame) {
                 self.renderer.recycle(frame);
             }
@@ -192,7 +194,7 @@ impl Engine {
                 (Arc::new(frame), rasterized, None, None, None)
             }
         };
-        // Whoever asks for the same again has seen the rest.
+        // A repeated request means that the fast part of the answer is on screen already.
         let is_asked_again = kept.as_ref().is_some_and(|(before, _)| before.same_view(&request));
         let patience = if is_asked_again { SEAMS_WAIT } else { Duration::ZERO };
         let reads_seams = request.reads_seams();
@@ -200,7 +202,7 @@ impl Engine {
         let captured = needed_capture(&request, &frame, kept_captured);
         let had_seams = kept_buffers.as_deref().is_none_or(|buffers| !buffers.misses_seams());
         let buffers = needed_buffers(&request, &frame, kept_buffers, seams.as_deref());
-        // A picture of hits that were counted before the seams were known lacks their faults.
+        // A picture of hits counted before the seams were known lacks their faults.
         let kept = kept.filter(|_| had_seams || buffers.as_deref().is_some_and(Buffers::misses_seams));
         let mut looked = {
             let (buffers, captured) = (buffers.as_deref(), captured.as_deref());
@@ -221,7 +223,7 @@ impl Engine {
         view
     }
 
-    /// The moments around the one that is asked for, if anybody looks at them.
+    /// Returns the moments around the requested one; `None` for a complete frame without a picked pixel.
     fn timeline(&mut self, request: &Request, frame: &Frame, report: Option<&PixelReport>) -> Option<Timeline> {
         let pixel = report.map(|report| report.drawn_at.into());
         match (request.moment(), &mut self.reel) {
@@ -231,7 +233,7 @@ impl Engine {
     }
 }
 
-/// Where the triangles of the last frame of which a pixel was questioned came to, kept for its other pixels and moments.
+/// Cached survey of all triangles of the last frame with a picked pixel, reused for its other pixels and moments.
 #[derive(Debug, Default)]
 struct Surveyed(Option<(Arc<Scene>, Recipe, Survey)>);
 
@@ -248,7 +250,7 @@ impl Surveyed {
     }
 }
 
-/// The quantities that are shown, if any are: those of the last answer as far as they suffice.
+/// Returns the buffers needed for the shown quantity, completing those of the last answer; `None` if none are needed.
 fn needed_buffers(
     request: &Request,
     frame: &Frame,
@@ -269,14 +271,15 @@ fn needed_buffers(
     Some(buffers)
 }
 
-/// The number of every sample that is shown, if one is: that of the last answer if it is the same.
+/// Returns the shown intermediate value of every sample, reusing the last capture of the same value; `None` unless one
+/// is shown.
 fn needed_capture(request: &Request, frame: &Frame, kept: Option<Arc<Captured>>) -> Option<Arc<Captured>> {
     let Shown::Intermediate(which) = request.shown else { return None };
     let again = || Arc::new(intermediate::capture(&request.scene, &request.recipe, frame, which));
     Some(kept.filter(|kept| kept.which == which).unwrap_or_else(again))
 }
 
-/// A frame, and how many triangles it would have without a limit.
+/// Renders the frame, and returns it with the number of its triangles without a limit.
 fn render(
     request: &Request,
     renderer: &mut Renderer,
@@ -292,19 +295,19 @@ fn render(
     (reel.frame(moment), reel.triangles())
 }
 
-/// What happened in each stage of a frame, and how long it took. Found out after the frame is on screen, by drawing it a
-/// few more times: the frame itself is neither watched nor slowed.
+/// Counters and times of each stage of a frame. They are determined after the frame is on screen, by drawing it a few
+/// more times: the frame itself is neither instrumented nor slowed down.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct StageFigures {
     /// Wall-clock times.
     pub times: StageTimes,
-    /// Counts.
+    /// Counters.
     pub counters: Counters,
-    /// Fragments whose depth or weights are NaN or infinite.
+    /// Number of fragments whose depth or weights are NaN or infinite.
     pub bad: u64,
 }
 
-/// Finds out the figures of a view piece by piece, each at most as long as a frame.
+/// Determines the figures of a view in steps, each of which takes at most one frame time.
 #[derive(Debug)]
 pub struct Figuring {
     view: View,
@@ -312,17 +315,17 @@ pub struct Figuring {
 }
 
 impl Figuring {
-    /// For a view.
+    /// Starts with a view.
     pub fn new(view: View) -> Self {
         Self { timer: StageTimer::new(&view.frame), view }
     }
 
-    /// Whether a piece is done already.
+    /// Whether a step was completed already.
     pub fn has_begun(&self) -> bool {
         self.timer.has_begun()
     }
 
-    /// Does the next piece; the figures are there when all pieces are done.
+    /// Runs the next step. Returns the figures after the last one, `None` before.
     pub fn step(&mut self) -> Option<StageFigures> {
         let View { request, frame, .. } = &self.view;
         let times = self.timer.step(&request.scene, &request.camera, &request.recipe, frame)?;
@@ -331,7 +334,8 @@ impl Figuring {
     }
 }
 
-/// Counts without shading: as many fragments are shaded as pass.
+/// Counts without shading: every fragment that passes the depth test counts as shaded, or every covered one without
+/// depth.
 fn count(request: &Request, frame: &Frame) -> BadFragments {
     let Request { scene, recipe, .. } = request;
     let mut counting = BadFragments::new(recipe.pipeline);

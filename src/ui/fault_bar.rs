@@ -1,4 +1,4 @@
-//! Over the legend of the hit count: how many cracks and double hits there are, and the way from one to the next.
+//! Card above the legend of the hit count: the number of cracks and double hits, and buttons to step through them.
 
 use eframe::egui::{Align, Color32, Layout, Rect, RichText, Ui, UiBuilder, pos2, vec2};
 
@@ -10,7 +10,7 @@ use crate::inspect::view::fault_color;
 use crate::inspect::{FaultKind, Hits};
 use crate::scene::seams::SeamCounts;
 
-/// Draws the card that stands on the legend's frame.
+/// Draws the card directly above the legend's rectangle.
 pub fn ui(ui: &mut Ui, legend: Rect, hits: &Hits, commands: &mut Vec<Command>) {
     let seams = seams_text(hits);
     let rows = 2.0 + f32::from(hits.elsewhere > 0) + f32::from(seams.is_some());
@@ -28,22 +28,22 @@ pub fn ui(ui: &mut Ui, legend: Rect, hits: &Hits, commands: &mut Vec<Command>) {
     row(&mut column, &mut |ui| numbers(ui, hits));
     if hits.elsewhere > 0 {
         row(&mut column, &mut |ui| {
-            let text = format!("{} more wrong, not along shared edges", format::count(hits.elsewhere as u64));
-            let help = "Pixels that are hit too often or too seldom where no two triangles meet: on outlines";
+            let text = format!("{} more wrong pixels, not along shared edges", format::count(hits.elsewhere as u64));
+            let help = "Pixels that are hit too often or too rarely where no two triangles meet: on outlines";
             ui.label(RichText::new(text).small().color(tokens(ui).text_weak)).on_hover_text(help);
         });
     }
     if let Some(text) = seams {
         row(&mut column, &mut |ui| {
-            let help = "T-junctions are vertices within the open edge of another triangle; unwelded vertices lie close together \
-                        without being the same. Along both, surfaces may come apart. The overlay “T-junctions” marks them.";
+            let help = "T-junctions are vertices within the open edge of another triangle; unwelded vertices are close \
+                        together, but not identical. Both can cause cracks. The overlay “T-junctions” marks them.";
             ui.label(RichText::new(&text).small().color(tokens(ui).text_weak)).on_hover_text(help);
         });
     }
     row(&mut column, &mut |ui| steps(ui, hits, commands));
 }
 
-/// T-junctions and unwelded vertices of the scene in words; `None` if it has none.
+/// Returns the numbers of T-junctions and unwelded vertices of the scene as text; `None` if there are none.
 fn seams_text(hits: &Hits) -> Option<String> {
     match hits.mesh {
         None => Some("Searching for T-junctions…".to_owned()),
@@ -52,7 +52,7 @@ fn seams_text(hits: &Hits) -> Option<String> {
     }
 }
 
-/// Both numbers: as a success if both are zero, else each beside the colour that marks its pixels.
+/// Draws both counts: as a success if both are zero, otherwise each beside the colour of its pixels.
 fn numbers(ui: &mut Ui, hits: &Hits) {
     let (cracks, doubles) = (hits.count(FaultKind::Crack), hits.count(FaultKind::DoubleHit));
     if cracks + doubles == 0 {
@@ -78,7 +78,7 @@ fn steps(ui: &mut Ui, hits: &Hits, commands: &mut Vec<Command>) {
         for (icon, name, step) in
             [(Icon::ChevronLeft, "Previous fault  (Shift+J)", -1), (Icon::ChevronRight, "Next fault  (J)", 1)]
         {
-            let button = icon_button(ui, icon, name).on_disabled_hover_text("There is no fault to go to");
+            let button = icon_button(ui, icon, name).on_disabled_hover_text("No faults in this frame");
             if button.clicked() {
                 commands.push(Command::StepFault(step));
             }

@@ -1,33 +1,34 @@
-//! How numbers are written everywhere: the same quantity in the same form, so that columns line up and nothing jumps.
+//! Number formats of the window: each quantity always has the same form, so that columns align and text does not jump.
 //!
-//! Units follow after a thin space, thousands are parted by one, and negative numbers carry a true minus sign (U+2212),
-//! which is as wide as a digit in the monospace font. Values that are not numbers are written "NaN", "∞" and "−∞".
+//! A thin space precedes units and separates thousands. Negative numbers have a true minus sign (U+2212), which is as
+//! wide as a digit in the monospace font. Values without digits are written "NaN", "∞" and "−∞".
 
-/// Between a number and its unit, and between thousands.
+/// Separator between a number and its unit, and between thousands.
 const THIN_SPACE: char = '\u{2009}';
 
-/// `value` with a fixed number of decimals.
+/// Formats `value` with a fixed number of decimals.
 pub fn fixed(value: f64, decimals: usize) -> String {
     special(value).unwrap_or_else(|| true_minus(&format!("{value:.decimals$}")))
 }
 
-/// An edge value: whole numbers with all their digits, others with nine.
+/// Formats an edge function value: integers below 9·10¹⁵ with all digits, other values in scientific notation with nine
+/// significant digits.
 pub fn edge(value: f64) -> String {
     let whole = value.fract() == 0.0 && value.abs() < 9e15;
     special(value).unwrap_or_else(|| true_minus(&if whole { format!("{value:.0}") } else { format!("{value:.8e}") }))
 }
 
-/// Milliseconds with two decimals: "4.10 ms".
+/// Formats milliseconds with two decimals: "4.10 ms".
 pub fn ms(milliseconds: f64) -> String {
     with_unit(fixed(milliseconds, 2), "ms")
 }
 
-/// A fraction of one as a percentage with one decimal: 0.613 is "61.3 %".
+/// Formats a fraction as a percentage with one decimal: 0.613 is "61.3 %".
 pub fn percent(fraction: f64) -> String {
     with_unit(fixed(fraction * 100.0, 1), "%")
 }
 
-/// A whole number with its thousands apart: "1 234 567".
+/// Formats an integer with separated thousands: "1 234 567".
 pub fn count(number: u64) -> String {
     let digits = number.to_string();
     let mut text = String::with_capacity(2 * digits.len());
@@ -40,7 +41,7 @@ pub fn count(number: u64) -> String {
     text
 }
 
-/// A size in memory in binary units: "512 B", "3.5 MiB".
+/// Formats a number of bytes in binary units: "512 B", "3.5 MiB".
 pub fn bytes(bytes: u64) -> String {
     const UNITS: [&str; 6] = ["KiB", "MiB", "GiB", "TiB", "PiB", "EiB"];
     if bytes < 1024 {
@@ -48,7 +49,7 @@ pub fn bytes(bytes: u64) -> String {
     }
     let mut value = bytes as f64 / 1024.0;
     let mut unit = 0;
-    // 1023.95 would be written as 1024.0.
+    // From 1023.95 on, one decimal would round to 1024.0.
     while value >= 1023.95 {
         value /= 1024.0;
         unit += 1;
@@ -56,9 +57,9 @@ pub fn bytes(bytes: u64) -> String {
     with_unit(fixed(value, 1), UNITS[unit])
 }
 
-/// All that an `f32` holds: nine significant digits, which read back as the same value.
+/// Formats an `f32` with nine significant digits, which parse back to the same value.
 ///
-/// Plain from 10⁻⁴ to below 10⁹, with an exponent outside: "0.999999881", "1.23456789e−7".
+/// Decimal notation from 10⁻⁴ to below 10⁹, scientific notation outside: "0.999999881", "1.23456789e−7".
 pub fn f32_full(value: f32) -> String {
     const SIGNIFICANT: i32 = 9;
     if let Some(text) = special(f64::from(value)) {
@@ -74,7 +75,7 @@ pub fn f32_full(value: f32) -> String {
     }
 }
 
-/// The bits of an `f32`: "0x3F7FFFFE".
+/// Formats the bits of an `f32` in hexadecimal: "0x3F7FFFFE".
 pub fn bits(value: f32) -> String {
     format!("0x{:08X}", value.to_bits())
 }
@@ -87,7 +88,7 @@ fn true_minus(text: &str) -> String {
     text.replace('-', "−")
 }
 
-/// The text for a value that has no digits.
+/// Returns the text of NaN or an infinity; `None` for finite values.
 fn special(value: f64) -> Option<String> {
     let text = match value {
         _ if value.is_nan() => "NaN",

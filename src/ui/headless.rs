@@ -1,8 +1,10 @@
-//! A user interface without a window: passes with a fixed time step and given events, and a picture of the last one.
+//! A user interface without a window: runs passes with a fixed time step and given events, and paints a picture of the
+//! last one.
 //!
-//! Screenshots and tests run through here. Nothing reads a clock or a display but what is asked to time a pass, so the same
-//! interface gives the same bytes every time. What is drawn is a closure over [`egui::Ui`], the root one of a window: an application whose
-//! `eframe::App::ui` calls `self.show(ui)` is drawn by `headless.pass(vec![], |ui| app.show(ui))`.
+//! Screenshots and tests run through this module. Apart from timed passes nothing reads a clock or a display, so the
+//! same interface yields the same bytes every time. The interface is a closure over [`egui::Ui`], the root one of a
+//! window: an application whose `eframe::App::ui` calls `self.show(ui)` is drawn by `headless.pass(vec![], |ui|
+//! app.show(ui))`.
 
 use std::time::{Duration, Instant};
 
@@ -14,26 +16,26 @@ use eframe::egui::{
 use super::{cpu_painter::CpuPainter, theme};
 use crate::image::{Image, Rgba8};
 
-/// Time from one pass to the next. Two of them finish any animation of the theme.
+/// Time from one pass to the next, in seconds. Any animation of the theme finishes within two passes.
 pub const STEP_SECONDS: f64 = 0.1;
 
-/// The largest texture side that the toolkit may ask for: as long as the longest side of a picture.
+/// Largest texture side that the toolkit may request, in pixels: the longest side of a picture.
 const LARGEST_TEXTURE_SIDE: usize = 16_384;
 
-/// What a pass cost.
+/// Cost of one pass.
 #[derive(Clone, Copy, Debug)]
 pub struct PassCost {
-    /// Panels, text and input.
+    /// Time for panels, text and input.
     pub layout: Duration,
-    /// Shapes into triangles.
+    /// Time for tessellating shapes into triangles.
     pub tessellation: Duration,
-    /// Corners of all triangles.
+    /// Number of vertices of all triangles.
     pub vertices: usize,
-    /// Bytes of new textures.
+    /// Size of the uploaded textures, in bytes.
     pub texture_bytes: usize,
 }
 
-/// An egui context with the theme installed, its painter, and the shapes of its last pass.
+/// An egui context with the installed theme, its painter, and the shapes of its last pass.
 pub struct Headless {
     context: egui::Context,
     painter: CpuPainter,
@@ -44,7 +46,7 @@ pub struct Headless {
 }
 
 impl Headless {
-    /// A window of `size_points` (logical) at an interface scale of `pixels_per_point`.
+    /// Creates a window of `size_points` (logical) at an interface scale of `pixels_per_point`.
     pub fn new(size_points: Vec2, pixels_per_point: f32, theme: egui::Theme) -> Self {
         let context = egui::Context::default();
         theme::install(&context);
@@ -52,13 +54,13 @@ impl Headless {
         Self { context, painter: CpuPainter::default(), size_points, pixels_per_point, passes: 0, shapes: Vec::new() }
     }
 
-    /// The context, to set it up further.
+    /// Returns the context for further setup.
     pub fn context(&self) -> &egui::Context {
         &self.context
     }
 
-    /// Runs one pass with `events` as its input. Returns what it asks of the platform (cursor, clipboard,
-    /// accessibility tree).
+    /// Runs one pass with `events` as its input. Returns its requests to the platform (cursor, clipboard, accessibility
+    /// tree).
     pub fn pass(&mut self, events: Vec<Event>, ui: impl FnMut(&mut egui::Ui)) -> PlatformOutput {
         let input = self.input(events);
         let FullOutput { platform_output, mut textures_delta, shapes, .. } = self.context.run_ui(input, ui);
@@ -68,7 +70,7 @@ impl Headless {
         platform_output
     }
 
-    /// Runs one pass as [`Self::pass`] does, and tells what it cost up to where a graphics card would take over.
+    /// Runs one pass like [`Self::pass`] and returns its cost up to the point where a GPU would take over.
     pub fn timed_pass(&mut self, events: Vec<Event>, ui: impl FnMut(&mut egui::Ui)) -> PassCost {
         let input = self.input(events);
         let begun = Instant::now();
@@ -89,7 +91,7 @@ impl Headless {
         PassCost { layout, tessellation, vertices: vertices.sum(), texture_bytes }
     }
 
-    /// Presses and releases the main mouse button at `position` (in points), and lets the interface answer.
+    /// Clicks with the primary mouse button at `position` (in points), in three passes.
     pub fn click(&mut self, position: Pos2, mut ui: impl FnMut(&mut egui::Ui)) -> PlatformOutput {
         let button = |pressed| Event::PointerButton {
             pos: position,
@@ -102,7 +104,7 @@ impl Headless {
         self.pass(vec![button(false)], &mut ui)
     }
 
-    /// Paints the last pass: `size_points` × `pixels_per_point`, rounded to whole pixels.
+    /// Paints the last pass at `size_points` × `pixels_per_point`, rounded to whole pixels.
     pub fn picture(&self) -> Image<Rgba8> {
         let size = (self.size_points * self.pixels_per_point).round();
         let background = self.context.global_style().visuals.panel_fill;

@@ -1,4 +1,4 @@
-//! What the window knows of measurements that take a while: the stability report, what the plan saves, how cost grows.
+//! Progress and results of long measurements: the stability report, the savings of the plan, and the scaling of cost.
 
 use std::sync::Arc;
 
@@ -9,50 +9,50 @@ use crate::measure::leaving_out::Savings;
 use crate::measure::scaling::{Quantity, Scaling};
 use crate::report::stability::sweep::{Progress, Report};
 
-/// How the stability report is shown.
+/// View of the stability report.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum StabilityView {
-    /// Classes against configurations.
+    /// Heat map of classes by configurations.
     #[default]
     HeatMap,
-    /// One point for each configuration.
+    /// Scatter plot of error against time, one point for each configuration.
     ErrorAgainstTime,
 }
 
-/// What is known of the stability report.
+/// State of the stability report.
 #[derive(Clone, Debug, Default)]
 pub struct Stability {
-    /// The last one that was finished.
+    /// Last complete report.
     pub report: Option<Arc<Report>>,
-    /// How far the one that is running has come.
+    /// Progress of the running report.
     pub progress: Option<Progress>,
-    /// How it is shown.
+    /// Selected view.
     pub view: StabilityView,
 }
 
-/// What is known of what leaving out saves.
+/// State of the measurement of the plan's savings.
 #[derive(Clone, Debug, Default)]
 pub struct PlanSavings {
-    /// The last that was measured, and what it was measured on.
+    /// Last result and the request that it was measured on.
     pub found: Option<(Arc<Savings>, Request)>,
-    /// Share of the present measurement that is done.
+    /// Completed share of the running measurement, in [0, 1].
     pub progress: Option<f32>,
 }
 
-/// What is known of how cost grows.
+/// State of the scaling measurement.
 #[derive(Clone, Debug, Default)]
 pub struct Growth {
-    /// The last that was measured, and the recipe that it was measured with.
+    /// Last result and the recipe that it was measured with.
     pub found: Option<(Arc<Scaling>, Recipe)>,
-    /// What is being measured, and the share of it that is done.
+    /// Quantity being measured and the completed share of the measurement, in [0, 1].
     pub progress: Option<(Quantity, f32)>,
 }
 
-/// A stability report that is being made.
+/// A running stability report.
 pub type Judging = Task<Progress, Report>;
 
-/// Savings that are being measured, and what they are measured on.
+/// A running measurement of savings; the result includes the request that it was measured on.
 pub type MeasuringSavings = Task<f32, (Savings, Request)>;
 
-/// Growth that is being measured, and the recipe that it is measured with.
+/// A running scaling measurement; the result includes the recipe that it was measured with.
 pub type MeasuringGrowth = Task<(Quantity, f32), (Scaling, Recipe)>;

@@ -1,4 +1,4 @@
-//! The key sheet: every key and gesture by topic, in columns, from the one table that defines the keys.
+//! The key sheet: every key and gesture by topic, in columns, from the table that defines the keys.
 
 use eframe::egui::{Key, Label, RichText, ScrollArea, TextEdit, Ui, WidgetInfo, vec2};
 
@@ -9,19 +9,19 @@ use super::theme::{space, tokens};
 /// Width of a column, in points.
 const COLUMN_POINTS: f32 = 380.0;
 
-/// Width of the keys in a column, in points.
+/// Width of the key names within a column, in points.
 const KEYS_POINTS: f32 = 128.0;
 
-/// Room on both sides of the sheet, in points.
+/// Total margin to the left and right of the sheet, in points.
 const MARGIN_POINTS: f32 = 40.0;
 
-/// Height of a line, in points: closer than controls, as nothing is to be hit.
+/// Height of a line, in points: less than that of controls, as lines are not clickable.
 const LINE_POINTS: f32 = 16.0;
 
-/// More keys than this for one thing are told by the first and the last.
+/// Number of keys of one action above which only the first and the last are listed.
 const MOST_KEYS: usize = 3;
 
-/// Width of the sheet, in points: three columns if the window has room for them, else two.
+/// Returns the width of the sheet, in points: three columns if the window has room for them, otherwise two.
 pub fn width(ui: &Ui) -> f32 {
     COLUMN_POINTS * columns(ui) as f32
 }
@@ -30,7 +30,7 @@ fn columns(ui: &Ui) -> usize {
     if ui.ctx().content_rect().width() >= 3.0 * COLUMN_POINTS + MARGIN_POINTS { 3 } else { 2 }
 }
 
-/// What a key is about.
+/// Topic of a key on the sheet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Topic {
     Mouse,
@@ -50,20 +50,20 @@ enum Topic {
 impl Topic {
     const ALL: [(Self, &'static str); 12] = [
         (Self::Mouse, "Mouse"),
-        (Self::Picture, "The picture on the canvas"),
-        (Self::Pixel, "The picked pixel"),
+        (Self::Picture, "Picture on the canvas"),
+        (Self::Pixel, "Picked pixel"),
         (Self::Stages, "Stages"),
-        (Self::Making, "How the frame comes about"),
+        (Self::Making, "Playback of the frame"),
         (Self::Showing, "Range and overlays"),
         (Self::Arithmetic, "Arithmetic of the picked pixel"),
-        (Self::Places, "Finding and keeping places"),
+        (Self::Places, "Search and bookmarks"),
         (Self::Scene, "Scene and view"),
         (Self::Settings, "Settings"),
         (Self::Comparing, "Comparing"),
-        (Self::General, "Everything else"),
+        (Self::General, "Other"),
     ];
 
-    /// The topic of a key, by what it does.
+    /// Returns the topic of a key from its command.
     fn of(binding: &Binding) -> Self {
         match (binding.command)() {
             Command::NudgePick(..) | Command::Pick(_) | Command::Watch(_) | Command::StepFault(_) | Command::Escape => {
@@ -89,16 +89,16 @@ impl Topic {
     }
 }
 
-/// A key or gesture, and what it does.
+/// A line of the sheet: all keys or the gesture of one action, and its description.
 struct Line {
     keys: Vec<String>,
     what: &'static str,
 }
 
 impl Line {
-    /// About how many rows its keys take.
+    /// Estimates the number of text rows that the key names take.
     fn rows(&self) -> usize {
-        /// Letters that fit beside each other.
+        /// Characters that fit into one row.
         const LETTERS: usize = 17;
         self.names().chars().count().div_ceil(LETTERS)
     }
@@ -111,7 +111,7 @@ impl Line {
     }
 }
 
-/// Draws the sheet, of what has the letters of `filter`.
+/// Draws the sheet, limited to the lines that match `filter`.
 pub fn ui(ui: &mut Ui, filter: &mut String) {
     let field = ui.add(TextEdit::singleline(filter).hint_text("Filter by key or word").desired_width(240.0));
     field.widget_info(|| WidgetInfo::labeled(eframe::egui::Role::TextInput, true, "Filter the keys"));
@@ -119,20 +119,20 @@ pub fn ui(ui: &mut Ui, filter: &mut String) {
     let topics: Vec<_> = Topic::ALL.into_iter().map(|(topic, name)| (name, lines(topic, filter))).collect();
     let topics: Vec<_> = topics.into_iter().filter(|(_, lines)| !lines.is_empty()).collect();
     if topics.is_empty() {
-        ui.label(RichText::new("No key has these letters.").color(tokens(ui).text_weak));
+        ui.label(RichText::new("No key matches.").color(tokens(ui).text_weak));
     }
     let rows = |lines: &[Line]| lines.iter().map(Line::rows).sum::<usize>();
     let all: usize = topics.iter().map(|(_, lines)| rows(lines) + 1).sum();
     let height = (ui.ctx().content_rect().height() * 0.74).max(120.0);
     let count = columns(ui);
-    // At once as high as it may be: a sheet that grows from frame to frame has no button that can be hit.
+    // The height is fixed: a sheet that grows from frame to frame would move its buttons away from the pointer.
     ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, |ui| {
         ui.spacing_mut().interact_size.y = LINE_POINTS;
         ui.spacing_mut().item_spacing.y = 1.0;
         ui.columns(count, |columns| {
             let mut before = 0;
             for (name, lines) in &topics {
-                // A topic stands in the column that its middle falls into.
+                // A topic is placed in the column that contains its middle row.
                 let column = (count * (2 * before + rows(lines)) / (2 * all)).min(count - 1);
                 show(&mut columns[column], name, lines);
                 before += rows(lines) + 1;
@@ -155,7 +155,7 @@ fn show(ui: &mut Ui, topic: &str, lines: &[Line]) {
     ui.add_space(space::S);
 }
 
-/// The lines of a topic that have the letters of `filter`. Further keys for the same thing stand beside the first.
+/// Returns the lines of a topic that match `filter`. Keys with the same description share a line.
 fn lines(topic: Topic, filter: &str) -> Vec<Line> {
     let mut lines: Vec<Line> = Vec::new();
     if topic == Topic::Mouse {
@@ -171,7 +171,7 @@ fn lines(topic: Topic, filter: &str) -> Vec<Line> {
     lines
 }
 
-/// A key with what is held, in words and signs that the fonts have.
+/// Returns the name of a key with its modifiers, in characters that the fonts contain.
 pub fn key_name(binding: &Binding) -> String {
     let mut name = String::new();
     if binding.modifiers.command || binding.modifiers.ctrl {
@@ -184,7 +184,7 @@ pub fn key_name(binding: &Binding) -> String {
         name.push_str("Shift + ");
     }
     name + match binding.key {
-        // The toolkit's own signs for these are in none of the fonts.
+        // None of the fonts contains the toolkit's own symbols for these keys.
         Key::ArrowLeft => "←",
         Key::ArrowRight => "→",
         Key::ArrowUp => "↑",

@@ -1,10 +1,10 @@
-//! Layout of the window, panels and headings, as text that outlives it.
+//! Layout of the window, panels and headings, serialised as text.
 
 use eframe::egui::Context;
 
 /// Returns the state of panels and headings as text.
 pub(super) fn text(context: &Context) -> String {
-    // If it cannot be written, the next window has the default layout.
+    // If serialisation fails, the next window has the default layout.
     context.memory(ron::to_string).unwrap_or_default()
 }
 
@@ -28,7 +28,7 @@ mod tests {
         let (before, after) = (headless.context().clone(), Context::default());
         let id = Id::unique("heading");
         before.data_mut(|data| data.insert_persisted(id, 12.5_f32));
-        // A floating window fills the maps of areas.
+        // A floating window adds entries to the maps of areas.
         headless.pass(Vec::new(), |ui| drop(Window::new("floating").show(ui, |ui| ui.label("text"))));
         let kept = text(&before);
         for layout in ["", "{", &kept[..kept.len() / 2], &*kept] {

@@ -1,4 +1,5 @@
-//! From a frame to the picture on the canvas: the shown quantity by its range and colours, and the figures of it.
+//! From a frame to the picture on the canvas: applies range, colours and overlays, and computes statistics of the shown
+//! quantity.
 
 use std::sync::{Arc, OnceLock};
 
@@ -17,75 +18,75 @@ use crate::inspect::view::{Range, Value, value};
 use crate::measure::region::Region;
 use crate::scene::seams::Seams;
 
-/// How a quantity is shown, and which figures of it are wanted.
+/// Display of a quantity, overlays, and requested statistics.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Look {
     /// Range, colour map and channels.
     pub display: Display,
-    /// The figures that are wanted, if any are.
+    /// Requested statistics; `None` for none.
     pub measures: Option<Measures>,
-    /// What is laid over it, the lowest first.
+    /// Overlays, bottom first.
     pub layers: Vec<Layer>,
-    /// Whether lines are left out, as they are drawn between large pixels.
+    /// Whether layers with lines are omitted from the picture because lines are drawn between large pixels instead.
     pub vectors: bool,
 }
 
 impl Look {
-    /// Whether the same is laid over the picture.
+    /// Whether both have the same overlays.
     fn has_same_layers(&self, other: &Self) -> bool {
         (&self.layers, self.vectors) == (&other.layers, other.vectors)
     }
 }
 
-/// Which figures are wanted.
+/// Statistics to compute.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measures {
-    /// What histograms run over; all values if nothing is given.
+    /// Axis of the histograms; the range of all values if `None`.
     pub axis: Option<Range>,
-    /// A rectangle that has figures of its own.
+    /// Rectangle with statistics of its own.
     pub region: Option<Region>,
 }
 
-/// The answer to a [`Look`].
+/// The picture for a [`Look`], with everything that it was made from.
 #[derive(Clone, Debug)]
 pub struct Looked {
-    /// The picture after a stage as it was drawn, where such a picture is shown.
+    /// Picture after a stage as drawn; `None` unless a stage is shown.
     pub stage: Option<Arc<Image<Rgba8>>>,
-    /// The quantity in its colours.
+    /// Picture of the quantity without overlays.
     pub base: Arc<Image<Rgba8>>,
-    /// The picture to show.
+    /// Picture with overlays.
     pub picture: Arc<Image<Rgba8>>,
-    /// Ends of the colour map, or of each channel; none where names are shown.
+    /// Ends of the colour map, or of each channel; `None` for categorical values.
     pub range: Option<Range>,
-    /// What is laid over it, in the order of the layers.
+    /// Visible overlays, in the order of the layers.
     pub sheets: Vec<Arc<Sheet>>,
-    /// Whether some of it stands for overlays that are yet to be made, as they take long.
+    /// Whether placeholders stand in for overlays that are slow to compute.
     pub is_unfinished: bool,
-    /// All sheets that were made for the frame, laid over the picture or not.
+    /// All overlays computed for the frame, visible or not.
     made: Vec<Arc<Sheet>>,
-    /// The watched drawing of the frame that overlays share, once one needed it.
+    /// Instrumented rendering of the frame, shared by overlays and created on first use.
     watched: Arc<OnceLock<Watched>>,
-    /// The figures, if they were wanted.
+    /// Computed statistics; `None` if none were requested.
     pub measured: Option<Arc<Measured>>,
 }
 
-/// Everything that values come from.
+/// Sources of the values of a shown quantity.
 #[derive(Clone, Copy)]
 pub struct Source<'a> {
     /// The frame.
     pub frame: &'a Frame,
-    /// Quantities of the frame, if a buffer that needs them is shown.
+    /// Captured buffers of the frame; `None` if the shown quantity does not need them.
     pub buffers: Option<&'a Buffers>,
-    /// The number of every sample that is shown, if one is.
+    /// Intermediate value of every sample; `None` unless one is shown.
     pub captured: Option<&'a Captured>,
-    /// The picture after a stage, if such a picture is shown.
+    /// Picture after a stage; `None` unless a stage is shown.
     pub stage: Option<&'a Image<Rgba8>>,
-    /// Open seams of the scene, if something reads them and they are known.
+    /// Open seams of the scene; `None` while unknown or unused.
     pub seams: Option<&'a Seams>,
 }
 
 impl Source<'_> {
-    /// What is shown at a pixel of the full picture.
+    /// Returns the shown value at a pixel of the full picture.
     fn value(&self, shown: Shown, x: u32, y: u32) -> Value {
         match shown {
             Shown::Buffer(buffer) => value(buffer, self.frame, self.buffers, x, y),
@@ -94,7 +95,7 @@ impl Source<'_> {
         }
     }
 
-    /// What is shown, in its colours, and the ends of its range.
+    /// Returns the picture of the shown quantity and the ends of its range.
     fn colored(&self, shown: Shown, display: &Display) -> (Image<Rgba8>, Option<Range>) {
         if let Shown::Buffer(buffer) = shown {
             let range = display.range(buffer, self.frame, self.buffers);
@@ -106,16 +107,16 @@ impl Source<'_> {
     }
 }
 
-/// Whether overlays that take long are made.
+/// Whether slow overlays are computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Slow {
-    /// They are.
+    /// Slow overlays are computed.
     Made,
-    /// Others stand for them, so that the frame is seen soon.
+    /// Placeholders stand in for slow overlays, so that the frame appears soon.
     Postponed,
 }
 
-/// Answers the look of a request, reusing what was found for the one before of the same frame, if there was one.
+/// Computes the look of a request, reusing the previous look of the same frame if there is one.
 pub fn look(request: &Request, source: Source<'_>, kept: Option<(Request, Looked)>, slow: Slow) -> Looked {
     let frame = source.frame;
     let (watched, mut made) = match &kept {
@@ -182,7 +183,7 @@ pub fn look(request: &Request, source: Source<'_>, kept: Option<(Request, Looked
     Looked { stage, base, picture, range, measured, sheets, is_unfinished, made, watched }
 }
 
-/// The picture with all that is laid over it.
+/// Returns the picture with all overlays.
 fn composed(base: &Arc<Image<Rgba8>>, sheets: &[Arc<Sheet>], look: &Look) -> Arc<Image<Rgba8>> {
     let in_pixels = |sheet: &Sheet| !look.vectors || sheet.lines.is_empty();
     let layers = sheets.iter().zip(&look.layers).map(|(sheet, layer)| (sheet.as_ref(), layer.opacity));
@@ -190,7 +191,7 @@ fn composed(base: &Arc<Image<Rgba8>>, sheets: &[Arc<Sheet>], look: &Look) -> Arc
     if layers.is_empty() { base.clone() } else { Arc::new(compose(base, layers)) }
 }
 
-/// What the values of something shown are.
+/// Returns the kind of values of a shown quantity.
 pub fn kind(shown: Shown) -> Kind {
     match shown {
         Shown::Buffer(buffer) => Kind::of(buffer),
@@ -200,7 +201,7 @@ pub fn kind(shown: Shown) -> Kind {
 }
 
 impl View {
-    /// The exact value that is shown at a pixel inside the picture, whatever colours stand for it.
+    /// Returns the exact value at a pixel inside the picture, independent of its colours.
     pub fn value(&self, x: u32, y: u32) -> Value {
         let (buffers, stage) = (self.buffers.as_deref(), self.looked.stage.as_deref());
         Source { frame: &self.frame, buffers, captured: self.captured.as_deref(), stage, seams: None }.value(

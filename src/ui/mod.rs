@@ -1,10 +1,10 @@
-//! The window, and everything that may name its toolkit (egui).
+//! The window, and the only module that may use its toolkit (egui).
 //!
 //! State flows one way: panels read the [`session`] and push [`command`]s, the [`app`] applies them, the [`worker`]
-//! renders the newest request on its own thread and hands back a view. From the bottom up: [`theme`] holds every colour,
-//! size and font; [`mod@format`] turns every number into text; [`widgets`] are the small parts that panels are made of;
-//! [`cpu_painter`] turns a finished egui frame into a picture without a graphics card, and [`headless`] drives any user
-//! interface without a window system, for screenshots and tests.
+//! renders the newest request on its own thread and returns a view. From the bottom up: [`theme`] defines every colour,
+//! size and font; [`mod@format`] formats every number; [`widgets`] are the building blocks of panels; [`cpu_painter`]
+//! paints a finished egui frame without a GPU, and [`headless`] drives any user interface without a window system, for
+//! screenshots and tests.
 
 pub mod cpu_painter;
 
@@ -25,6 +25,8 @@ pub mod theme;
 pub mod format;
 
 pub mod widgets;
+
+pub mod manual;
 
 pub mod ticks;
 

@@ -1,5 +1,5 @@
-//! What the pointer and the flying keys do over a picture of the scene: move and enlarge the picture, or turn and near the
-//! scene.
+//! Navigation over a picture of the scene by pointer and flying keys: pan and zoom the picture, or orbit, pan and dolly
+//! the camera.
 
 use eframe::egui::{self, Pos2, Response, Ui, Vec2};
 
@@ -7,21 +7,21 @@ use super::command::Command;
 use super::session::{PointerMode, Session};
 use super::zoom::{Placement, Zoom};
 
-/// How fast the wheel enlarges: e^(points · this).
+/// Zoom rate of the wheel: scrolling by d points scales the picture by e^(d · rate).
 pub(super) const WHEEL_RATE: f32 = 0.004;
 
-/// How fast dragging turns the scene, radians per point.
+/// Orbit rate of dragging, in radians per point.
 pub(super) const ORBIT_RATE: f32 = 0.008;
 
-/// How fast a held key flies, in distances to the target per second.
+/// Speed of flying, in distances to the target per second.
 pub(super) const FLY_RATE: f32 = 0.8;
 
-/// Keys that fly in camera mode: right, left, up, down, forwards, backwards.
+/// Flying keys of camera mode: right, left, up, down, forwards, backwards.
 pub const FLYING_KEYS: [egui::Key; 6] =
     [egui::Key::D, egui::Key::A, egui::Key::E, egui::Key::Q, egui::Key::W, egui::Key::S];
 
-/// Turns pointer input over a picture of `height_px` rows into a new place of the picture or a new view of the scene.
-/// Dragging moves the picture only if it is not taken for something else.
+/// Turns pointer input over a picture of `height_px` rows into a new zoom or a new camera. Dragging with the primary
+/// button has no effect unless `drag_is_free`.
 pub fn navigate(
     ui: &Ui,
     (response, placement, height_px): (&Response, Placement, u32),
@@ -80,7 +80,8 @@ fn wheel(
     }
 }
 
-/// Where the flying keys that are held lead, right, up and forwards, and the seconds since the last frame.
+/// Returns the direction of the held flying keys (right, up, forwards) and the time since the last frame in seconds, at
+/// most 0.1.
 pub(super) fn flying(ui: &Ui) -> (glam::Vec3, f32) {
     let [right, left, up, down, forwards, backwards] = FLYING_KEYS;
     ui.input(|i| {

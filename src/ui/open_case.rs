@@ -1,4 +1,4 @@
-//! A case file that is open instead of the scene.
+//! A case file opened in front of the scene.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -8,14 +8,14 @@ use crate::case::Case;
 use crate::pipeline::settings::Settings;
 use crate::report::stability::column::Column;
 
-/// A case that is open.
+/// An open case.
 #[derive(Clone, Debug)]
 pub struct OpenCase {
     /// The case.
     pub case: Arc<Case>,
-    /// Which of its parts is shown.
+    /// Index of the shown part.
     pub part: usize,
-    /// The settings that come back when it is closed, if it was opened with others.
+    /// Settings to restore on closing; `None` if the case was opened with the current settings.
     pub settings_before: Option<Settings>,
 }
 
@@ -27,7 +27,7 @@ impl OpenCase {
 }
 
 impl Session {
-    /// Shows a case in the place of the one that is open; the scene stays behind it.
+    /// Shows a case in place of the open one; the scene stays loaded.
     pub fn show_case(&mut self, case: impl Into<Arc<Case>>) {
         let case = case.into();
         self.close_case();
@@ -36,7 +36,7 @@ impl Session {
         self.case = Some(OpenCase::new(case));
     }
 
-    /// Shows the case that went worst in a column of the stability report, by the settings of the column.
+    /// Shows the worst case of a column of the stability report with the settings of that column.
     pub(super) fn open_worst(&mut self, column: Column, json: &str) {
         let case = match Case::parse(json.as_bytes(), Path::new("worst case")) {
             Ok(case) => case,
@@ -53,7 +53,7 @@ impl Session {
         self.case.iter_mut().for_each(|open| open.settings_before = Some(before));
     }
 
-    /// Closes the case that is open; settings that it was opened with go with it.
+    /// Closes the open case and restores the settings that it replaced.
     pub(super) fn close_case(&mut self) {
         if let Some(OpenCase { settings_before: Some(before), .. }) = self.case.take() {
             let Settings { rasterizer, arithmetic, depth_format, .. } = before;

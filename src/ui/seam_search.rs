@@ -1,4 +1,4 @@
-//! The search for open seams of the scene on screen: at once in small scenes, on a thread of its own in large ones.
+//! Search for open seams of the scene on screen: synchronous for small scenes, on a thread of its own for large ones.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
@@ -8,10 +8,10 @@ use std::time::Duration;
 use crate::scene::Scene;
 use crate::scene::seams::Seams;
 
-/// Triangles of a scene that is searched at once: some milliseconds.
+/// Largest number of triangles that is searched synchronously, which takes some milliseconds.
 const SMALL: usize = 20_000;
 
-/// The seams of the last scene that they were wanted of, or the search for them. Another scene, or dropping it, cancels the
+/// Seams of the last requested scene, or the search for them. Requesting another scene, or dropping this, cancels the
 /// search.
 #[derive(Debug, Default)]
 pub(super) struct SeamSearch {
@@ -28,7 +28,7 @@ enum State {
 }
 
 impl SeamSearch {
-    /// Returns the seams of a scene, or `None` if they are still being searched for after `patience`.
+    /// Returns the seams of a scene; `None` if the search is still running after `patience`.
     pub(super) fn seams(&mut self, scene: &Arc<Scene>, patience: Duration) -> Option<Arc<Seams>> {
         if !std::ptr::eq(self.scene.as_ptr(), Arc::as_ptr(scene)) {
             *self = Self { scene: Arc::downgrade(scene), state: begun(scene) };
@@ -37,7 +37,7 @@ impl SeamSearch {
             match found.recv_timeout(patience) {
                 Ok(seams) => self.state = State::Found(Arc::new(seams)),
                 Err(RecvTimeoutError::Timeout) => {}
-                // The thread panicked: the scene is shown without.
+                // The thread panicked: the scene is shown without seams.
                 Err(RecvTimeoutError::Disconnected) => self.state = State::Found(Arc::default()),
             }
         }
@@ -65,7 +65,7 @@ fn begun(scene: &Arc<Scene>) -> State {
     let (scene, cancelled) = (scene.clone(), stop.clone());
     std::thread::spawn(move || {
         if let Some(seams) = Seams::find(&scene, &cancelled) {
-            // Nobody waits any more if another scene is shown.
+            // The receiver is gone if another scene is shown by now.
             drop(sender.send(seams));
         }
     });

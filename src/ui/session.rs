@@ -1,6 +1,6 @@
-//! Everything that the window knows, as plain data: what is loaded, how it is drawn, what is looked at.
+//! State of the window as plain data: the scene, its settings, and the view of the results.
 //!
-//! Panels read it and push [`Command`]s; [`Session::apply`] is the only place that changes it. No widget holds a setting.
+//! Panels read this state and push [`Command`]s, which only [`Session::apply`] applies. No widget holds a setting.
 
 mod log;
 
@@ -47,127 +47,127 @@ use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, MemoryLimit, Scene, SceneSource};
 use crate::upscale;
 
-/// Files kept in the list of recent ones.
+/// Length of the list of recent files.
 const RECENT_FILES: usize = 8;
 
-/// A measurement of all upscalers that is running.
+/// A running measurement of all upscalers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measuring {
-    /// Share that is done, in [0, 1].
+    /// Completed share, in [0, 1].
     pub progress: f32,
 }
 
-/// The state of the window.
+/// State of the window.
 #[derive(Debug)]
 pub struct Session {
-    /// What is drawn.
+    /// Scene on screen.
     pub scene: Arc<Scene>,
-    /// Where it comes from.
+    /// Source of the scene.
     pub source: SceneSource,
-    /// Whether it is the mirror image in z of what came from there.
+    /// Whether the scene is the mirror image in z of its source.
     pub mirrored: bool,
-    /// Memory limit of models.
+    /// Memory limit for loading models.
     pub memory_limit: MemoryLimit,
-    /// Everything that undo covers.
+    /// State covered by undo.
     pub state: Undoable,
-    /// What the canvas shows.
+    /// Quantity on the canvas.
     pub shown: Shown,
-    /// Only the first so many triangles.
+    /// Number of triangles to draw; all if `None`.
     pub triangle_limit: Option<usize>,
-    /// How somebody goes through the frame.
+    /// State of stepping and playing through the frame.
     pub scrub: Scrub,
-    /// The questioned pixel.
+    /// Picked pixel.
     pub pick: Option<(u32, u32)>,
-    /// What the pointer does.
+    /// Pointer mode.
     pub pointer_mode: PointerMode,
-    /// Size of the canvas in screen pixels, as last seen.
+    /// Size of the canvas in screen pixels, as of the last frame.
     pub canvas_px: (u32, u32),
-    /// The newest answer of the renderer.
+    /// Newest answer of the renderer.
     pub view: Option<View>,
-    /// Counts and times of the stages of the last frame that stayed.
+    /// Counters and times of the stages of the last settled frame.
     pub stages: Option<StageFigures>,
-    /// What is compared, and how.
+    /// Settings of the comparison.
     pub comparison: Comparison,
-    /// What is known of what is compared.
+    /// Results of the comparison so far.
     pub compared: Option<Compared>,
     /// Frame times.
     pub timings: Timings,
-    /// What the window itself took.
+    /// Times of the window itself.
     pub window_times: WindowTimes,
-    /// A measurement that is running.
+    /// Running measurement of all upscalers.
     pub measuring: Option<Measuring>,
-    /// The case that is open.
+    /// Open case.
     pub case: Option<OpenCase>,
-    /// The stability report.
+    /// Stability report.
     pub stability: Stability,
     /// Completed share of the export of a drawing, from 0 to 1.
     pub export_progress: Option<f32>,
-    /// What the plan saves.
+    /// Savings of the plan.
     pub savings: PlanSavings,
-    /// How cost grows.
+    /// Scaling of cost.
     pub growth: Growth,
-    /// How firmly the picture stands.
+    /// Stability probe.
     pub probing: Probing,
-    /// What of the vertices is shown.
+    /// Scope and selection of the vertex panel.
     pub vertices: Vertices,
-    /// How the scene is seen from outside.
+    /// Mesh view, which shows the scene from outside.
     pub mesh_view: MeshView,
-    /// The 2D lab.
+    /// 2D lab.
     pub lab: Lab,
-    /// What is checked of frames, and what was found.
+    /// Settings and results of the checks.
     pub checks: Checks,
-    /// The arithmetic of the picked pixel.
+    /// Trace of the arithmetic of the picked pixel.
     pub trace: TraceView,
-    /// Ranges and colours of what is shown.
+    /// Ranges and colour maps of the buffers and stages.
     pub range: RangeControl,
-    /// What is laid over the picture.
+    /// Overlays of the picture.
     pub overlays: Overlays,
-    /// The triangles that are singled out in the picture, in tables and on meshes.
+    /// Selected triangles, highlighted in the picture, in tables and on meshes.
     pub selection: TriangleSelection,
-    /// Where triangles and fragments went.
+    /// Fates of triangles and fragments.
     pub fates: FatesView,
-    /// Places that are kept, and the way back.
+    /// Bookmarks and navigation history.
     pub places: Places,
-    /// What the last change of the settings did.
+    /// Effect of the last change of settings.
     pub what_if: WhatIf,
-    /// Pixels that are watched.
+    /// Watched pixels.
     pub watch: Watch,
-    /// The error to show until it is read.
+    /// Error in the message bar until it is dismissed.
     pub error: Option<String>,
-    /// Picture file that was opened as a scene: the message bar offers to open it in the 2D lab.
+    /// Picture file that was opened as a scene; the message bar offers to open it in the 2D lab.
     pub offered_picture: Option<PathBuf>,
-    /// All messages.
+    /// All messages, up to the length limit of the log.
     pub log: VecDeque<LogLine>,
-    /// Files opened, newest first.
+    /// Recently opened files, newest first.
     pub recent: Vec<PathBuf>,
-    /// Where pictures and cases are written: the folder that the program was started in.
+    /// Output folder for pictures and cases: the working directory at the start.
     pub folder: PathBuf,
-    /// Whether the first hint was closed.
+    /// Whether the first hint was dismissed.
     pub hint_closed: bool,
     first_pick: FirstPick,
-    /// When the camera was moved last, seconds.
+    /// Time of the last camera movement, in seconds.
     camera_moved_at: f64,
     undo: Vec<Undoable>,
     redo: Vec<Undoable>,
     settled: Undoable,
 }
 
-/// Whether the window picks a pixel by itself, so that a new user sees what picking tells.
+/// State of the automatic first pick, which shows a new user what a picked pixel explains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum FirstPick {
-    /// Nothing was picked yet.
+    /// No pixel was picked so far.
     Due,
-    /// This pixel, in a picture of this size; in one of another size it is picked anew.
+    /// Automatic pick of this pixel in a picture of this size; repeated when the size changes.
     Made((u32, u32), Viewport),
-    /// The user has picked.
+    /// The user has picked a pixel.
     Done,
 }
 
-/// Where the first pixel is picked, as shares of width and height: just off the middle, where scenes have something.
+/// Position of the automatic pick, as shares of width and height: slightly off the centre, where scenes have geometry.
 const FIRST_PICK: (f32, f32) = (0.53, 0.49);
 
 impl Session {
-    /// Starts with a scene, drawn by `recipe`, seen from `camera`.
+    /// Creates a session of a scene with recipe and camera.
     pub fn new(scene: Arc<Scene>, source: SceneSource, recipe: Recipe, camera: Camera) -> Self {
         let state = Undoable { recipe, camera, size: PictureSize::Canvas, tiles: Tiles::default() };
         Self {
@@ -221,7 +221,7 @@ impl Session {
         }
     }
 
-    /// Size of the picture; at least one pixel.
+    /// Returns the size of the picture, at least one pixel.
     pub fn viewport(&self) -> Viewport {
         let (width, height) = match self.state.size {
             PictureSize::Canvas => self.canvas_px,
@@ -230,7 +230,7 @@ impl Session {
         Viewport { width: width.max(1), height: height.max(1) }
     }
 
-    /// What the renderer should show now.
+    /// Returns the current request for the renderer.
     pub fn request(&self) -> Request {
         Request {
             scene: self.scene.clone(),
@@ -250,7 +250,7 @@ impl Session {
         }
     }
 
-    /// What the renderer should compare now, if anything.
+    /// Returns the current comparison request; `None` if comparison is off.
     pub fn compare_request(&self) -> Option<CompareRequest> {
         let Comparison { mode, reference, region, difference, gain, .. } = self.comparison;
         let shows_difference = mode == Mode::Difference;
@@ -266,7 +266,7 @@ impl Session {
         })
     }
 
-    /// Replaces the scene. The recipe stays; view, pick and stepping start anew.
+    /// Replaces the scene. The recipe stays; camera, pick and stepping are reset.
     pub fn show_scene(&mut self, scene: Scene, source: SceneSource) {
         if let SceneSource::File(path, _) = &source {
             self.remember(path);
@@ -287,19 +287,19 @@ impl Session {
         self.timings.clear();
         self.error = None;
         self.arrive();
-        // Undo never leads back into another scene's view.
+        // Undo must not restore a camera of another scene.
         self.undo.clear();
         self.redo.clear();
         self.settled = self.state.clone();
     }
 
-    /// The newest answer of the renderer; none while that is still of the scene before.
+    /// Returns the newest answer of the renderer; `None` while it shows the previous scene.
     pub fn view_of_scene(&self) -> Option<&View> {
         self.view.as_ref().filter(|view| Arc::ptr_eq(&view.request.scene, &self.scene))
     }
 
-    /// Picks a pixel of the frame on screen if the user has not done so yet, or if the picked one is no longer within the
-    /// picture: the one nearest to [`FIRST_PICK`] that shows a triangle.
+    /// Picks a pixel automatically if the user has not picked one, or if the pick is outside the picture: the pixel
+    /// nearest to [`FIRST_PICK`] that shows a triangle.
     pub fn pick_by_itself(&mut self) {
         let Some(view) = self.view_of_scene() else { return };
         let viewport = view.frame.viewport;
@@ -322,7 +322,7 @@ impl Session {
         }
     }
 
-    /// Applies a command that concerns nothing but this state. Returns it if it concerns the window or the disk.
+    /// Applies a command that affects this state only. Returns commands that concern the window or the disk.
     pub fn apply(&mut self, command: Command) -> Option<Command> {
         match self.lab.claim(command)? {
             Command::ToggleLab => {
@@ -403,13 +403,14 @@ impl Session {
         None
     }
 
-    /// Triangles that the frame on screen would rasterize without a limit.
+    /// Returns the number of rasterized triangles of the frame on screen without a limit.
     pub fn triangle_count(&self) -> usize {
         self.view.as_ref().map_or(0, |view| view.rasterized)
     }
 
-    /// The crack or double hit after or before the picked pixel, in reading order and round the end; the first or the last if
-    /// none is picked, none if the frame on screen has none or its hits were not counted.
+    /// Returns the crack or double hit after or before the picked pixel in reading order, wrapping around at the end.
+    /// Without a pick it is the first or the last one. Returns `None` if the frame has no faults or its hits were not
+    /// counted.
     pub fn fault_beside_pick(&self, forwards: bool) -> Option<(u32, u32)> {
         if self.overlays.stepped().is_some() {
             return self.overlays.beside(self.view.as_ref()?, self.pick, forwards);
@@ -418,7 +419,7 @@ impl Session {
         hits.beside(self.pick, forwards).map(|fault| (fault.x, fault.y))
     }
 
-    /// Makes the picture of a file the canvas of the lab.
+    /// Loads a picture file as the canvas of the lab.
     pub fn open_picture(&mut self, path: &Path) {
         match file::read(path) {
             Ok(picture) => self.lab.show_picture(&picture),
@@ -426,7 +427,7 @@ impl Session {
         }
     }
 
-    /// Opens the picture of a file in the lab. The scene stays, and is there again when the lab is closed.
+    /// Opens a picture file in the lab. The scene stays loaded and reappears when the lab is closed.
     fn open_in_lab(&mut self, path: &Path) {
         self.offered_picture = None;
         match file::read(path) {
@@ -472,8 +473,8 @@ impl Session {
         self.show(Shown::Stage(Stage::ALL[(now + step).clamp(0, last) as usize]));
     }
 
-    /// Shows a buffer, a stage or a number. Pictures that are compared are finished ones, and give way to anything else: what is
-    /// told of a pixel would not be what is seen there.
+    /// Shows a buffer, a stage or an intermediate value. Anything but the final colour ends the comparison, which shows
+    /// finished pictures only: the inspector would describe other values than those on the canvas.
     fn show(&mut self, shown: Shown) {
         self.shown = shown;
         if shown != Shown::Buffer(Buffer::Color) {
@@ -482,7 +483,8 @@ impl Session {
     }
 }
 
-/// The pixel nearest to `place` whose stored depth is not the cleared one; `None` if there is none or no depth.
+/// Returns the pixel nearest to `place` whose stored depth lies strictly between 0 and 1, so that something was drawn
+/// there. Returns `None` if there is none, or no depth.
 fn nearest_drawn(frame: &Frame, place: (u32, u32)) -> Option<(u32, u32)> {
     let depth = frame.drawn.depth.as_ref()?;
     let pixels = (0..depth.height()).flat_map(|row| (0..depth.width()).map(move |column| (column, row)));

@@ -1,4 +1,4 @@
-//! Ways into the workbench: a window, or one picture of it.
+//! Entry points of the workbench: a window, or one picture of it.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -35,28 +35,28 @@ use crate::lab::Page;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, LoadControl, MemoryLimit, Scene, SceneError, SceneSource, Warning};
 
-/// What the workbench starts with.
+/// Initial state of the workbench.
 #[derive(Clone, Debug)]
 pub struct WindowStart {
-    /// Where the scene comes from.
+    /// Source of the scene.
     pub source: SceneSource,
     /// The scene.
     pub scene: Arc<Scene>,
-    /// What the loader had to say.
+    /// Warnings of the loader.
     pub warnings: Vec<Warning>,
-    /// How it is drawn.
+    /// Recipe that the scene is drawn with.
     pub recipe: Recipe,
-    /// From where.
+    /// Initial camera.
     pub camera: Camera,
     /// Whether the scene is the mirror image in z of its source.
     pub mirrored: bool,
-    /// Whether a window takes up scene, recipe and view where it was left instead.
+    /// Whether a window resumes scene, recipe and camera of the previous run instead.
     pub resume: bool,
-    /// What is looked at.
+    /// Initial view of the frame.
     pub seen: Seen,
-    /// Memory limit of models.
+    /// Memory limit for loading models.
     pub memory_limit: MemoryLimit,
-    /// Scene to load once the window is open.
+    /// Scene to load after the window has opened.
     pub pending: Option<PendingScene>,
 }
 
@@ -65,22 +65,22 @@ pub struct WindowStart {
 pub struct PendingScene {
     /// Path of the model.
     pub path: PathBuf,
-    /// View of the scene; its own if `None`.
+    /// Camera; the scene's home view if `None`.
     pub camera: Option<Camera>,
 }
 
-/// What of the frame is looked at from the start; where nothing is said, as always.
+/// Initial view of the frame; `None` and empty fields mean the defaults.
 #[derive(Clone, Debug, Default)]
 pub struct Seen {
-    /// The questioned pixel.
+    /// Picked pixel.
     pub pixel: Option<(u32, u32)>,
-    /// A buffer, the picture after a stage, or a number on the way.
+    /// Shown buffer, stage or intermediate value.
     pub shown: Option<Shown>,
-    /// By which range, colour map and channels.
+    /// Range, colour map and channels.
     pub display: Option<Display>,
-    /// What is laid over it, the lowest first.
+    /// Overlays, bottom first.
     pub layers: Vec<Layer>,
-    /// An earlier moment of the frame than its last.
+    /// Moment at which drawing stops; the finished frame if `None`.
     pub moment: Option<Moment>,
     /// Size of the picture.
     pub picture: Option<Viewport>,
@@ -94,7 +94,7 @@ impl Seen {
             session.range.show_by(display, session.shown);
         }
         for layer in self.layers {
-            // Each but once: what is laid over twice stands where it was said last.
+            // Each overlay occurs once: a repeated one takes its last position.
             session.overlays.layers.retain(|other| other.overlay != layer.overlay);
             session.overlays.layers.push(layer);
         }
@@ -107,7 +107,7 @@ impl Seen {
     }
 }
 
-/// Colours of the workbench.
+/// Colour theme of the workbench.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Theme {
     /// Light text on dark panels.
@@ -116,60 +116,62 @@ pub enum Theme {
     Light,
 }
 
-/// What a picture of the workbench shows.
+/// Settings of a screenshot of the workbench.
 #[derive(Clone, Debug)]
 pub struct ScreenshotRequest {
-    /// What it starts with.
+    /// Initial state of the workbench.
     pub start: WindowStart,
-    /// Size in px.
+    /// Size of the screenshot, in pixels.
     pub size: Viewport,
-    /// Interface scale.
+    /// Interface scale, in pixels per point.
     pub pixels_per_point: f32,
-    /// Colours.
+    /// Colour theme.
     pub theme: Theme,
-    /// Whether all upscalers are timed first, which takes some seconds, so that their frame times are shown.
+    /// Whether all upscalers are timed first, which takes some seconds, so that the screenshot contains their frame
+    /// times.
     pub measure: bool,
-    /// Whether it is probed first how firmly the picture stands.
+    /// Whether the stability probe is run first.
     pub probe: bool,
-    /// Whether the scene is shown from outside, too, and how.
+    /// Style of the mesh view beside the picture; `None` without a mesh view.
     pub mesh: Option<MeshStyle>,
-    /// What is compared, if anything.
+    /// Change of the comparison; `None` without a comparison.
     pub compare: Option<Change>,
-    /// The tab that is open, if not the first.
+    /// Open tab; the first one if `None`.
     pub tab: Option<Tab>,
-    /// What the canvas shows, if not the colours.
+    /// Quantity on the canvas; the colours if `None`.
     pub shown: Option<Shown>,
-    /// How much of the frame is drawn, if not all.
+    /// Moment at which drawing stops; the finished frame if `None`.
     pub moment: Option<Moment>,
-    /// The triangles that are selected, by how they ended; the tab of fates is open then.
+    /// Fate of the selected triangles; opens the tab of fates.
     pub fate: Option<TriangleFate>,
-    /// The picked pixel; one near the middle if none is given.
+    /// Picked pixel; automatic, near the centre, if `None`.
     pub selected: Option<(u32, u32)>,
-    /// The page of the lab to show, and how many of its steps, instead of the pipeline.
+    /// Page of the 2D lab and number of its steps (all if `None`), shown instead of the pipeline.
     pub lab: Option<(Page, Option<usize>)>,
-    /// What is done first, as by keys.
+    /// Commands applied first.
     pub first: Vec<Command>,
 }
 
-/// Passes of a picture: the first finds the canvas's size, the second has a frame, the rest let sizes settle.
+/// Number of passes of a screenshot: the first determines the size of the canvas, the second has a frame, and the
+/// others let sizes settle.
 const SCREENSHOT_PASSES: usize = 6;
 
-/// Size of the window at first, in points.
+/// Default size of the window, in points.
 const DEFAULT_SIZE: Vec2 = Vec2::new(1280.0, 800.0);
 
 /// Smallest size of the window, in points.
 const LEAST_SIZE: Vec2 = Vec2::new(900.0, 560.0);
 
-/// Largest size that a window is opened with, in points.
+/// Largest initial size of a window, in points.
 const MOST_SIZE: Vec2 = Vec2::splat(16_384.0);
 
-/// Time for loading the last scene before the window opens.
+/// Time limit for loading the previous scene before the window opens.
 const PATIENCE: Duration = Duration::from_millis(400);
 
-/// Name of the folder with the program's data.
+/// Name of the program's data folder.
 const APP_ID: &str = "rasterscope";
 
-/// Opens the window and returns when it is closed, or at once with the reason why there is none.
+/// Opens the window and returns when it is closed, or at once with an error if no window can be opened.
 pub fn run_window(start: WindowStart) -> Result<(), String> {
     let folder = eframe::storage_dir(APP_ID);
     let found = folder.as_deref().and_then(store::read).unwrap_or_default();
@@ -184,7 +186,7 @@ pub fn run_window(start: WindowStart) -> Result<(), String> {
             .with_drag_and_drop(true),
         // Kept with the preferences, whose file is replaced atomically.
         persist_window: false,
-        // Noise over the picture would falsify it.
+        // Dithering would falsify the picture.
         dithering: false,
         ..Default::default()
     };
@@ -212,7 +214,9 @@ fn windowed(start: WindowStart, folder: Option<PathBuf>, found: Found, cc: &efra
     match store {
         Some(store) => workbench.keep_in(store),
         None => {
-            workbench.session_mut().report(Level::Warning, "There is no folder to keep preferences and bookmarks in");
+            workbench
+                .session_mut()
+                .report(Level::Warning, "Preferences and bookmarks are not saved: there is no folder for them");
         }
     }
     if let Some(warning) = found.warning {
@@ -221,8 +225,8 @@ fn windowed(start: WindowStart, folder: Option<PathBuf>, found: Found, cc: &efra
     workbench
 }
 
-/// Closes the window in the ordinary way on SIGTERM, SIGHUP and SIGINT. A window that does not answer ends all the same:
-/// its preferences are on disk already.
+/// Closes the window cleanly on SIGTERM, SIGHUP and SIGINT. If the window does not respond within 3 s, the process
+/// exits; its preferences are on disk already.
 fn close_on_signals(context: egui::Context) {
     const PATIENCE: Duration = Duration::from_secs(3);
     let close = move || {
@@ -231,12 +235,13 @@ fn close_on_signals(context: egui::Context) {
         std::thread::sleep(PATIENCE);
         std::process::exit(1);
     };
-    // Without a handler the signals end the process at once, which loses nothing that is on disk.
+    // Without a handler the signals end the process at once, which loses no data on disk.
     drop(ctrlc::set_handler(close));
 }
 
-/// Returns the start with scene, recipe and view of the last time, as far as they still exist and are sound: stored preferences may
-/// be of an older program, or damaged. A model that does not load within `patience` is loaded once the window is open.
+/// Returns the start with scene, recipe and camera of the previous run, as far as they still exist and are valid:
+/// stored preferences may be damaged or belong to an older version. A model that does not load within `patience`
+/// becomes the pending scene.
 pub fn resumed(start: WindowStart, preferences: &Preferences, patience: Duration) -> WindowStart {
     let recipe = if preferences.recipe.check().is_ok() { preferences.recipe } else { start.recipe };
     let start = WindowStart { recipe, ..start };
@@ -260,13 +265,13 @@ pub fn resumed(start: WindowStart, preferences: &Preferences, patience: Duration
         },
         Err(SceneError::Cancelled { .. }) => WindowStart { pending: Some(PendingScene { path, camera }), ..start },
         Err(error) => {
-            let text = format!("was open last time and cannot be opened again: {error}");
+            let text = format!("cannot reopen the scene of the last session: {error}");
             WindowStart { warnings: vec![Warning::file(&path, text)], ..start }
         }
     }
 }
 
-/// Returns the application as it starts, with these preferences.
+/// Creates the application with its initial state and these preferences.
 pub fn workbench(start: WindowStart, preferences: Preferences, worker: Worker) -> Workbench {
     let mut session = Session::new(start.scene, start.source, start.recipe, start.camera);
     session.recent = preferences.recent;
@@ -294,8 +299,8 @@ pub fn workbench(start: WindowStart, preferences: Preferences, worker: Worker) -
     workbench
 }
 
-/// The whole workbench as a picture, drawn by the CPU, with no window and no display. The error is the size of the
-/// scene's picture, where that has no pixel such as the one to be picked.
+/// Paints the whole workbench on the CPU, with no window and no display. If the scene's picture does not contain the
+/// pixel to be picked, the error is the size of that picture.
 pub fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Viewport> {
     let Viewport { width, height } = request.size;
     let theme = match request.theme {
@@ -358,7 +363,7 @@ pub fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Viewport>
     Ok(headless.picture())
 }
 
-/// Errors of the toolkit may span lines; ours never do.
+/// Joins the lines of an error of the toolkit, as our own messages have one line.
 fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }

@@ -1,9 +1,9 @@
-//! Preferences on disk: every change is written at once, by a thread of its own.
+//! Preferences on disk: every change is written promptly, by a thread of its own.
 //!
-//! The file is replaced atomically under a lock. Several windows may run at the same time: each writes its own changes
-//! since its last write into what the file holds by then, so bookmarks of all of them are kept. What cannot be read is
-//! copied to a backup before it is replaced. If a write fails (a full disk), the old file stays, the failure is reported
-//! once, and the write is repeated until it succeeds.
+//! The file is replaced atomically under a lock. Several windows may run at the same time: each merges its own changes
+//! since its last write into the current contents of the file, so the bookmarks of all windows are kept. Unreadable
+//! contents are copied to a backup before they are replaced. If a write fails (for example because the disk is full),
+//! the old file stays, the failure is reported once, and the write is repeated until it succeeds.
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -13,22 +13,22 @@ use std::time::Duration;
 use super::session::{Preferences, WindowState};
 use crate::disk;
 
-/// Name of the file in the folder of the program's data.
+/// Name of the preferences file in the program's data folder.
 const FILE: &str = "preferences.json";
 
-/// Name of backups, without extension and number.
+/// Base name of backups, without number and extension.
 const BACKUP: &str = "preferences-backup";
 
-/// Largest file that is read, bytes.
+/// Largest file that is read, in bytes.
 const MAX_BYTES: u64 = 16 << 20;
 
-/// Time between two writes: dragging the view changes it in every frame.
+/// Minimum time between two writes, because dragging the view changes it in every frame.
 const PAUSE: Duration = Duration::from_millis(200);
 
-/// Time until a failed write is repeated.
+/// Delay before a failed write is repeated.
 const RETRY: Duration = Duration::from_secs(2);
 
-/// The preferences of a window, kept on disk. Dropping it writes what is still unwritten.
+/// Preferences of a window, stored on disk. Dropping the store writes pending changes.
 #[derive(Debug)]
 pub struct Store {
     changes: Option<Sender<Preferences>>,
@@ -37,16 +37,16 @@ pub struct Store {
     known: Preferences,
 }
 
-/// Preferences found on disk.
+/// Preferences read from disk.
 #[derive(Clone, Debug, Default)]
 pub struct Found {
-    /// The preferences, or the defaults.
+    /// The preferences; defaults for everything that cannot be read.
     pub preferences: Preferences,
-    /// What could not be read, and where its backup is.
+    /// Warning about unreadable contents, with the path of their backup.
     pub warning: Option<String>,
 }
 
-/// Returns the preferences in `folder`; `None` if there is no file yet.
+/// Reads the preferences in `folder`; returns `None` if there is no file yet.
 pub fn read(folder: &Path) -> Option<Found> {
     let path = folder.join(FILE);
     if !path.exists() {
@@ -59,14 +59,14 @@ pub fn read(folder: &Path) -> Option<Found> {
     Some(Found { preferences, warning })
 }
 
-/// Report of a file of which some cannot be read.
+/// Report of a partly unreadable file.
 struct Damage {
     warning: String,
-    /// Whether it was not reported before: no backup held these bytes.
+    /// Whether the damage is reported for the first time: no backup has the same bytes.
     is_new: bool,
 }
 
-/// Reads the file. If some of it cannot be read, the file is kept as a backup.
+/// Reads the file. Copies it to a backup if some of it cannot be read.
 fn read_file(path: &Path) -> std::io::Result<(Preferences, Option<Damage>)> {
     let bytes = disk::read_own(path, MAX_BYTES)?;
     let (preferences, is_complete) = Preferences::read_checked(&String::from_utf8_lossy(&bytes));
@@ -79,13 +79,13 @@ fn read_file(path: &Path) -> std::io::Result<(Preferences, Option<Damage>)> {
     let kept = known.map_or_else(|| disk::write_new(folder, BACKUP, "json", &bytes), Ok);
     let kept = match kept {
         Ok(backup) => format!("kept as {}", backup.display()),
-        Err(error) => format!("no backup can be written: {error}"),
+        Err(error) => format!("cannot write a backup: {error}"),
     };
-    let warning = format!("{}: some of it cannot be read; {kept}", path.display());
+    let warning = format!("{}: cannot read all of it; {kept}", path.display());
     Ok((preferences, Some(Damage { warning, is_new })))
 }
 
-/// Returns the backup in `folder` that holds these bytes.
+/// Returns the path of the backup in `folder` with these bytes.
 fn backup_of(folder: &Path, bytes: &[u8]) -> Option<PathBuf> {
     let entries = std::fs::read_dir(folder).ok()?.filter_map(|entry| Some(entry.ok()?.path()));
     let is_backup = |path: &PathBuf| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(BACKUP));
@@ -93,7 +93,7 @@ fn backup_of(folder: &Path, bytes: &[u8]) -> Option<PathBuf> {
 }
 
 impl Store {
-    /// Keeps preferences in `folder`; `found` is what the window started with.
+    /// Stores preferences in `folder`; `found` are the preferences at the start of the window.
     pub fn new(folder: PathBuf, found: Preferences) -> Self {
         let (changes, heard) = channel();
         let (report, failures) = channel();
@@ -102,16 +102,16 @@ impl Store {
         Self { changes: Some(changes), thread: Some(thread), failures, known: found }
     }
 
-    /// Writes `now` if it is not what was written last. Returns at once.
+    /// Queues `now` for writing unless it equals the last queued preferences. Never blocks.
     pub fn keep(&mut self, now: Preferences) {
         if let Some(changes) = self.changes.as_ref().filter(|_| now != self.known) {
-            // The thread ends only with this.
+            // The thread ends only when the store is dropped, so sending succeeds.
             drop(changes.send(now.clone()));
             self.known = now;
         }
     }
 
-    /// Returns the state of the window that was kept last.
+    /// Returns the window state that was queued last.
     pub fn window(&self) -> &WindowState {
         &self.known.window
     }
@@ -131,10 +131,10 @@ impl Drop for Store {
     }
 }
 
-/// The thread that writes.
+/// State of the writer thread.
 struct Writer {
     folder: PathBuf,
-    /// What this window wrote last.
+    /// Preferences of the last successful write of this window.
     base: Preferences,
     report: Sender<String>,
     has_failed: bool,
@@ -162,8 +162,8 @@ impl Writer {
                 Err(error) => {
                     if !self.has_failed {
                         let path = self.folder.join(FILE);
-                        // Nobody listens any more if the window is closed.
-                        drop(self.report.send(format!("{}: preferences are not kept: {error}", path.display())));
+                        // The receiver is gone if the window is closed.
+                        drop(self.report.send(format!("{}: cannot save preferences: {error}", path.display())));
                     }
                     (unwritten, self.has_failed) = (Some(mine), true);
                 }
@@ -175,7 +175,7 @@ impl Writer {
     fn write(&self, mine: &Preferences) -> std::io::Result<()> {
         std::fs::create_dir_all(&self.folder)?;
         let path = self.folder.join(FILE);
-        // Where files cannot be locked, merging still keeps what is not written in the same instant.
+        // On file systems without locks, merging still keeps all changes except simultaneous ones.
         let lock = disk::lock(&self.folder.join("preferences.lock")).ok();
         let theirs = if path.exists() {
             let (theirs, damage) = read_file(&path)?;
@@ -265,7 +265,7 @@ mod tests {
         let mut store = Store::new(at.clone(), Preferences::default());
         store.keep(with(&["a"]));
         let failure = store.failures.recv().unwrap();
-        assert!(failure.contains("preferences are not kept"), "{failure}");
+        assert!(failure.contains("cannot save preferences"), "{failure}");
         std::fs::remove_file(&at).unwrap();
         drop(store);
         assert_eq!(names(&at), ["a"], "written as soon as it is possible, at the latest when the window closes");

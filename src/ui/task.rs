@@ -1,4 +1,4 @@
-//! Work on a thread of its own that tells how far it has come and can be cancelled.
+//! Work on a thread of its own that reports progress and can be cancelled.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -6,29 +6,29 @@ use std::sync::{Arc, Mutex};
 
 use eframe::egui::Context;
 
-/// Work that is being done; `P` is how far it has come, `T` what comes of it. Dropping it cancels it, so that work
-/// that is begun anew does not go on twice.
+/// Running work with progress reports of type `P` and a result of type `T`. Dropping it cancels the work, so that
+/// restarted work does not run twice.
 #[derive(Debug)]
 pub struct Task<P, T> {
     heard: Receiver<News<P, T>>,
     stop: Arc<AtomicBool>,
 }
 
-/// What the thread has to say.
+/// Message of the thread.
 enum News<P, T> {
     Progress(P),
-    /// Without a result if it was cancelled.
+    /// The result; `None` if the work was cancelled.
     Done(Option<Box<T>>),
 }
 
-/// Whether there is more to come from the thread.
+/// State of the work after its messages were handled.
 #[derive(Debug)]
 pub enum Listening<T> {
-    /// It works on.
+    /// The work is running.
     GoesOn,
-    /// It has said all; without a result if it was cancelled.
+    /// The work has ended with this result; `None` if it was cancelled.
     Ended(Option<Box<T>>),
-    /// It is gone without a last word.
+    /// The thread ended without a result, for example because it panicked.
     BrokeOff,
 }
 
@@ -39,7 +39,8 @@ impl<P, T> Drop for Task<P, T> {
 }
 
 impl<P: Send + 'static, T: Send + 'static> Task<P, T> {
-    /// Does `work`, which hears when to stop; `context` is asked for a frame whenever there is news.
+    /// Starts `work` on a thread. It receives a function for progress reports and a cancellation flag; `context` is
+    /// repainted after every message.
     pub fn start(
         context: Context,
         work: impl FnOnce(&(dyn Fn(P) + Sync), &AtomicBool) -> Option<T> + Send + 'static,
@@ -50,7 +51,7 @@ impl<P: Send + 'static, T: Send + 'static> Task<P, T> {
         std::thread::spawn(move || {
             let tell = Mutex::new(sender);
             let say = |news| {
-                // Nobody listens any more if the window is closed.
+                // The receiver is gone if the window is closed.
                 drop(tell.lock().map(|sender| sender.send(news)));
                 context.request_repaint();
             };
@@ -60,12 +61,12 @@ impl<P: Send + 'static, T: Send + 'static> Task<P, T> {
         Self { heard, stop }
     }
 
-    /// Has the thread end soon.
+    /// Requests cancellation; the thread ends soon after.
     pub fn cancel(&self) {
         self.stop.store(true, Ordering::Relaxed);
     }
 
-    /// Takes what the thread has said since; `progress` is set to the last of it, and to nothing at the end.
+    /// Handles all messages of the thread. Sets `progress` to the latest report, and to `None` at the end.
     pub fn listen(&self, progress: &mut Option<P>) -> Listening<T> {
         loop {
             match self.heard.try_recv() {

@@ -1,9 +1,9 @@
-//! The look of the window in one table: colours, sizes, radii and fonts, for dark and for light.
+//! Theme of the window in one table: colours, sizes, radii and fonts, dark and light.
 //!
-//! [`install`] applies it once to both styles of an egui context; panels then name tokens, never literals:
-//! `theme::tokens(ui).accent`, `theme::ROW_HEIGHT`. Neutrals carry no tint, because a hue around a picture falsifies
-//! it. Colours with a meaning are used for that meaning only, and never alone: an icon or a word stands beside them.
-//! `series` keeps its colours apart under protanopia and deuteranopia (a test simulates both).
+//! [`install`] applies it once to both styles of an egui context. Panels then use tokens, never literals:
+//! `theme::tokens(ui).accent`, `theme::ROW_HEIGHT`. Neutrals have no tint, because a hue around a picture falsifies it.
+//! Colours with a meaning are used for that meaning only, and never alone: an icon or a word accompanies them. The
+//! colours of `series` remain distinguishable under protanopia and deuteranopia (a test simulates both).
 
 use std::sync::Arc;
 
@@ -16,22 +16,22 @@ use eframe::egui::{
 };
 pub use lucide_icons::Icon;
 
-/// Space in points, on a grid of 4.
+/// Spacing in points, on a grid of 4.
 pub mod space {
-    /// Between parts of one thing.
+    /// Space between parts of one item.
     pub const XS: f32 = 4.0;
-    /// Between things.
+    /// Space between items.
     pub const S: f32 = 8.0;
-    /// Inside panels.
+    /// Inner margin of panels.
     pub const M: f32 = 12.0;
-    /// Between groups.
+    /// Space between groups.
     pub const L: f32 = 16.0;
 }
 
 /// Height of a row of a panel or a table, in points.
 pub const ROW_HEIGHT: f32 = 24.0;
 
-/// Height of buttons, fields and sliders, in points: a row less the gap to the next.
+/// Height of buttons, fields and sliders, in points: a row minus the gap to the next.
 pub const CONTROL_HEIGHT: f32 = ROW_HEIGHT - space::XS;
 
 /// Corner radius of controls, in points.
@@ -40,65 +40,65 @@ pub const RADIUS: u8 = 4;
 /// Corner radius of windows, menus and tooltips, in points.
 pub const WINDOW_RADIUS: u8 = 8;
 
-/// Side of the square that an icon fills, in points.
+/// Side of the square of an icon, in points.
 pub const ICON_SIZE: f32 = 14.0;
 
-/// Font sizes in points. `MONOSPACE` is one less than `BODY` because its letters are as high as those of `BODY`.
+/// Font sizes in points. `MONOSPACE` is one less than `BODY` because its glyphs are as tall as those of `BODY`.
 pub mod font_size {
-    /// Notes, table headers, axis numbers.
+    /// Size of notes, table headers and axis labels.
     pub const SMALL: f32 = 11.0;
-    /// Everything that is read.
+    /// Size of body text.
     pub const BODY: f32 = 13.0;
-    /// Numbers that change or line up.
+    /// Size of numbers that change or line up.
     pub const MONOSPACE: f32 = 12.0;
-    /// One per panel at most.
+    /// Size of titles, at most one per panel.
     pub const TITLE: f32 = 16.0;
 }
 
 /// The colours of one theme.
 pub struct Tokens {
-    /// Around the picture, and darker than most of them: the picture is the brightest thing on screen.
+    /// Surroundings of the picture, darker than most pictures, so that the picture is the brightest area on screen.
     pub canvas: Color32,
-    /// Inside text fields and plots: the far end of the neutrals.
+    /// Background of text fields and plots, the extreme of the neutrals.
     pub field: Color32,
-    /// Panels, menus and windows.
+    /// Background of panels, menus and windows.
     pub panel: Color32,
-    /// Blocks that stand out from their panel: cards, table stripes, headers.
+    /// Background of blocks that stand out from their panel: cards, table stripes, headers.
     pub raised: Color32,
     /// Buttons and sliders at rest.
     pub control: Color32,
     /// Buttons and sliders under the pointer.
     pub control_hovered: Color32,
-    /// Lines between things, and edges of swatches.
+    /// Separators, and borders of swatches.
     pub border: Color32,
     /// Labels, units, hints.
     pub text_weak: Color32,
     /// Text.
     pub text: Color32,
-    /// Headings, and the value that matters.
+    /// Headings and emphasised values.
     pub text_strong: Color32,
     /// Selection, focus and the picked pixel.
     pub accent: Color32,
-    /// Behind what is selected; `text_strong` is readable on it.
+    /// Background of selected items; `text_strong` is readable on it.
     pub accent_fill: Color32,
-    /// A test that was passed.
+    /// A passed test.
     pub passed: Color32,
-    /// A fragment, or a claim, that was rejected.
+    /// A rejected fragment or claim.
     pub rejected: Color32,
-    /// Something to look at.
+    /// A warning.
     pub warning: Color32,
-    /// Something that failed.
+    /// An error.
     pub error: Color32,
-    /// The first of two compared things: label, tile frame, plot line, table.
+    /// The first of two compared items: label, tile frame, plot line, table.
     pub a: Color32,
-    /// The second of two compared things.
+    /// The second of two compared items.
     pub b: Color32,
-    /// Lines of a plot, in the order to use them.
+    /// Plot lines, in the order of their use.
     pub series: [Color32; 8],
     shadow: Color32,
 }
 
-/// White text on dark grey.
+/// Dark theme: white text on dark grey.
 pub static DARK: Tokens = Tokens {
     canvas: Color32::from_gray(0x12),
     field: Color32::from_gray(0x12),
@@ -131,7 +131,7 @@ pub static DARK: Tokens = Tokens {
     shadow: Color32::from_black_alpha(0x70),
 };
 
-/// Black text on light grey.
+/// Light theme: black text on light grey.
 pub static LIGHT: Tokens = Tokens {
     canvas: Color32::from_gray(0xD0),
     field: Color32::from_gray(0xFF),
@@ -164,16 +164,16 @@ pub static LIGHT: Tokens = Tokens {
     shadow: Color32::from_black_alpha(0x28),
 };
 
-/// The three barycentric weights and their corners, wherever they are drawn: λ0 red, λ1 green, λ2 blue.
+/// Colours of the three barycentric weights and their corners, wherever they are drawn: λ0 red, λ1 green, λ2 blue.
 pub const WEIGHTS: [Color32; 3] = [rgb(0xE0_5A5A), rgb(0x4F_B06A), rgb(0x5A_86E8)];
 
-/// Writing on a dark and on a light pixel of the picture.
+/// Text on a dark and on a light pixel of the picture.
 pub const ON_PIXEL: [Color32; 2] = [Color32::from_gray(0xEB), Color32::from_gray(0x14)];
 
-/// Lines between the pixels of the picture, on any colour.
+/// Pixel grid, visible on any colour.
 pub const PIXEL_GRID: Color32 = Color32::from_gray(0x80);
 
-/// Behind marks that lie on the picture, so that they are seen on any colour.
+/// Outline of marks on the picture, so that they are visible on any colour.
 pub const MARK_EDGE: Color32 = Color32::from_black_alpha(0xC8);
 
 const fn rgb(hex: u32) -> Color32 {
@@ -181,7 +181,7 @@ const fn rgb(hex: u32) -> Color32 {
     Color32::from_rgb(red, green, blue)
 }
 
-/// The colours of the theme that `ui` is drawn in.
+/// Returns the colours of the theme that `ui` is drawn in.
 pub fn tokens(ui: &Ui) -> &'static Tokens {
     of(ui.visuals().dark_mode)
 }
@@ -190,7 +190,7 @@ fn of(dark_mode: bool) -> &'static Tokens {
     if dark_mode { &DARK } else { &LIGHT }
 }
 
-/// Installs fonts and both styles. Call it once, when the window is made.
+/// Installs fonts and both styles. Call it once, when the window is created.
 pub fn install(context: &egui::Context) {
     context.set_fonts(fonts());
     for theme in [egui::Theme::Dark, egui::Theme::Light] {
@@ -198,31 +198,32 @@ pub fn install(context: &egui::Context) {
     }
 }
 
-/// The frame of a side, top or bottom panel.
+/// Returns the frame of a side, top or bottom panel.
 pub fn panel_frame(ui: &Ui) -> Frame {
     Frame::new().fill(tokens(ui).panel).inner_margin(Margin::same(space::S as i8))
 }
 
-/// The frame around a picture: no margin, and the quietest colour.
+/// Returns the frame around a picture: no margin, and the canvas colour.
 pub fn canvas_frame(ui: &Ui) -> Frame {
     Frame::new().fill(tokens(ui).canvas)
 }
 
-/// The frame of a block that stands out from its panel.
+/// Returns the frame of a block that stands out from its panel.
 pub fn card_frame(ui: &Ui) -> Frame {
     Frame::new().fill(tokens(ui).raised).corner_radius(RADIUS).inner_margin(Margin::same(space::S as i8))
 }
 
-/// An icon among the texts of a button, menu entry or chip, in their colour. It adds nothing to the accessible name.
+/// Returns an icon for use among the texts of a button, menu entry or chip, in their colour. It adds nothing to the
+/// accessible name.
 pub fn icon(icon: Icon) -> Atom<'static> {
     Atom::paint(Vec2::splat(ICON_SIZE), move |ui, place| {
         paint_icon(ui.painter(), place.rect.center(), icon, ICON_SIZE, place.fallback_text_color);
     })
 }
 
-/// Paints an icon of `size` points, centred on `center`, snapped to whole pixels.
+/// Paints an icon of `size` points, centred on `center` and snapped to whole pixels. Returns its rectangle.
 pub fn paint_icon(painter: &Painter, center: Pos2, icon: Icon, size: f32, color: Color32) -> Rect {
-    // Hung by its top: a line of this font has a gap below, which centring the line would count in.
+    // Aligned by the top: lines of this font have a gap below, which vertical centring would include.
     let top = center - vec2(0.0, size / 2.0);
     painter.text(top, Align2::CENTER_TOP, icon.unicode(), FontId::new(size, icon_family()), color)
 }
@@ -231,12 +232,12 @@ fn icon_family() -> FontFamily {
     FontFamily::Name("icons".into())
 }
 
-/// The toolkit's fonts, and the icons in a family of their own: their code points are private and others use them too.
-/// The monospace font lends the proportional one its arrows and mathematical signs.
+/// Returns the toolkit's fonts, and the icons in a family of their own, because their private code points collide with
+/// those of other fonts. The monospace font is the proportional font's fallback for arrows and mathematical symbols.
 fn fonts() -> FontDefinitions {
     const ICON_FONT: &str = "lucide";
     let mut fonts = FontDefinitions::default();
-    // Hinting would bend outlines that are drawn on a grid of their own.
+    // Hinting would distort outlines that are designed on a grid of their own.
     let unhinted = FontTweak { hinting: Some(false), ..FontTweak::default() };
     let icons = FontData::from_static(lucide_icons::LUCIDE_FONT_BYTES).tweak(unhinted);
     fonts.font_data.insert(ICON_FONT.to_owned(), Arc::new(icons));
@@ -314,10 +315,11 @@ fn visuals(dark_mode: bool, tokens: &Tokens) -> Visuals {
     visuals
 }
 
-/// Below 1 it thickens dark text, whose thin stems look washed out on a light ground.
+/// Gamma of text in the light theme. Values below 1 thicken dark text, whose thin stems look washed out on a light
+/// background.
 const LIGHT_TEXT_GAMMA: f32 = 0.7;
 
-/// How controls look at rest, under the pointer, and pressed or focused. Only colours change, so nothing moves.
+/// Returns the visuals of controls at rest, hovered, and pressed or focused. Only colours change, so nothing moves.
 fn widgets(tokens: &Tokens) -> Widgets {
     let state = |fill, line, text| WidgetVisuals {
         bg_fill: fill,

@@ -1,13 +1,14 @@
-//! Where plots have their lines and numbers: at round values, and so close that a low plot has some of them, too.
+//! Grid lines and labels of plots, at round values and close enough that even a low plot has several of them.
 
 use std::ops::RangeInclusive;
 
 use egui_plot::{GridInput, GridMark};
 
-/// Least distance of numbers, in lines of the finest grid that the plot would draw.
+/// Minimum distance between labels, in lines of the finest grid that the plot would draw.
 const LINES_APART: f64 = 3.5;
 
-/// Steps of an axis: between the lines without a number, between numbers (1, 2 or 5 times a power of ten), and ten of these.
+/// Returns the steps of an axis: between unlabelled lines, between labels (1, 2 or 5 times a power of ten), and ten
+/// times the latter.
 pub fn round_steps(input: &GridInput) -> [f64; 3] {
     let least = (input.base_step_size * LINES_APART).max(f64::MIN_POSITIVE);
     let power = 10_f64.powf(least.log10().floor());
@@ -19,18 +20,19 @@ pub fn round_steps(input: &GridInput) -> [f64; 3] {
     [step / parts, step, 10.0 * step]
 }
 
-/// The number at a mark, with as many decimals as tell it from the next one.
+/// Formats the label of a mark, with enough decimals to distinguish it from its neighbours.
 pub fn number(mark: GridMark, _shown: &RangeInclusive<f64>) -> String {
     let decimals = (-mark.step_size.log10().floor()).clamp(0.0, 9.0) as usize;
     format!("{:.decimals$}", mark.value)
 }
 
-/// Marks of an axis of logarithms to base ten: whole powers, then 2 and 5 times these, then the other digits.
+/// Returns the marks of a logarithmic axis to base ten: 1 to 9 times each power of ten, where powers, then 2 and 5
+/// times a power have priority for labels.
 pub fn log_marks(input: &GridInput) -> Vec<GridMark> {
-    /// How far apart marks count as being for each digit from 1, in powers of ten: it decides which have a number.
+    /// Nominal spacing of the marks of the digits 1 to 9, in powers of ten; it determines which marks have a label.
     const APART: [f64; 9] = [1.0, 0.45, 0.1, 0.1, 0.45, 0.1, 0.1, 0.1, 0.1];
     let (low, high) = input.bounds;
-    /// More powers of ten than this are no picture any more.
+    /// Maximum number of powers of ten; an axis with more is unreadable.
     const MOST_POWERS: i32 = 40;
     let first = low.floor().clamp(-f64::from(MOST_POWERS), f64::from(MOST_POWERS)) as i32;
     let last = (high.ceil() as i32).clamp(first, first + MOST_POWERS);

@@ -1,6 +1,6 @@
-//! Frame times, kept apart by what they were measured on: the recent frames of the present scene, settings and size, a line
-//! for each upscaler, with the slowest of them all; and the last measurement of all upscalers. Times of different pictures
-//! never share a line.
+//! Frame times, kept separately for each configuration that they were measured on: the recent frames of the current
+//! scene, settings and size as a line for each upscaler, with the slowest frames of all lines, and the last measurement
+//! of all upscalers. Times of different pictures never share a line.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -14,33 +14,33 @@ use crate::measure::timing::{Summary, summarize};
 use crate::report::upscaling::tradeoff::{Standing, standings};
 use crate::upscale::Upscaling;
 
-/// Recent frames kept of each upscaler.
+/// Number of recent frames kept for each upscaler.
 const RECENT: usize = 240;
 
-/// Slowest frames kept, however long ago they were.
+/// Number of slowest frames kept, regardless of their age.
 const SLOWEST: usize = 5;
 
-/// How frame times are plotted.
+/// Plot of frame times.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TimingsView {
-    /// One after the other.
+    /// Frame time over frames.
     #[default]
     Lines,
-    /// The share of frames that took no longer.
+    /// Cumulative distribution: the share of frames that took at most a given time.
     Distribution,
 }
 
-/// All frame times that the window knows, in ms.
+/// All recorded frame times, in milliseconds.
 #[derive(Debug, Default)]
 pub struct Timings {
-    /// How they are plotted.
+    /// Selected plot.
     pub view: TimingsView,
-    /// Whether recent frames are no longer taken in, so that what is there can be looked at.
+    /// Whether recording of recent frames is paused.
     pub paused: bool,
     recent: BTreeMap<Upscaling, VecDeque<f64>>,
     slowest: Vec<(Upscaling, f64)>,
     recent_of: Option<Request>,
-    /// Motion of the camera over the frames that the next measurement judges and times.
+    /// Camera motion over the frames that the next measurement judges and times.
     pub turn: Turn,
     measured: BTreeMap<Upscaling, Vec<f64>>,
     errors: BTreeMap<Upscaling, MethodError>,
@@ -48,14 +48,14 @@ pub struct Timings {
     measured_of: Option<MeasureRequest>,
 }
 
-/// What a method costs and how wrong it is.
+/// Cost and error of a method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TradeOff {
     /// The method.
     pub upscaling: Upscaling,
-    /// Frame times, ms.
+    /// Frame times, in milliseconds.
     pub ms: Summary,
-    /// Error against the reference of the measurement; that in motion ranks the methods.
+    /// Error against the reference of the measurement; the error in motion ranks the methods.
     pub error: MethodError,
     /// Position relative to the Pareto front of time and FLIP in motion.
     pub standing: Standing<Upscaling>,
@@ -64,8 +64,8 @@ pub struct TradeOff {
 }
 
 impl Timings {
-    /// Adds the time of a frame that was drawn for `request`, unless they are paused. Frames of another scene, recipe or size
-    /// start anew; the view may move, and each upscaler has a line of its own.
+    /// Adds the time of a frame that was drawn for `request`, unless recording is paused. A new scene, recipe or size
+    /// discards the recent frames; the camera may change, and each upscaler has a line of its own.
     pub fn record_recent(&mut self, request: &Request, milliseconds: f64) {
         if self.paused {
             return;
@@ -90,19 +90,20 @@ impl Timings {
         self.slowest.truncate(SLOWEST);
     }
 
-    /// Returns the median time of the recent frames of a method in ms without the first one, which found caches and buffers
-    /// cold; `None` if there is no other.
+    /// Returns the median time of the recent frames of a method in milliseconds, without the first one, which was drawn
+    /// with cold caches and buffers; `None` if there is no other.
     pub fn warm_median_ms(&self, upscaling: Upscaling) -> Option<f64> {
         let times: Vec<f64> = self.recent.get(&upscaling)?.iter().skip(1).copied().collect();
         Some(summarize(&times)?.median)
     }
 
-    /// The slowest of the recent frames with their upscalers, also those that are no longer in the lines; the slowest first.
+    /// Returns the slowest recent frames with their upscalers, slowest first, including frames that the lines no longer
+    /// contain.
     pub fn slowest(&self) -> &[(Upscaling, f64)] {
         &self.slowest
     }
 
-    /// Every frame time that is known, as comma-separated values: one line per frame, with what it was taken on.
+    /// Returns every recorded frame time as comma-separated values, one line per frame, with scene, size and upscaler.
     pub fn csv(&self) -> String {
         let mut text = "scene,width,height,what,upscaler,frame,ms\n".to_owned();
         let recent = ("recent", self.recent_of.as_ref(), per_method(&self.recent));
@@ -135,14 +136,14 @@ impl Timings {
         }
     }
 
-    /// Takes the error of a method as far as it is known.
+    /// Records the error of a method, as far as it is known.
     pub fn record_error(&mut self, upscaling: Upscaling, error: MethodError) {
         if self.measured_of.is_some() {
             self.errors.insert(upscaling, error);
         }
     }
 
-    /// Takes the noise floor of the rounds so far.
+    /// Records the noise floor of the completed rounds.
     pub fn record_noise(&mut self, noise: Noise) {
         if self.measured_of.is_some() {
             self.noise = Some(noise);
@@ -154,15 +155,15 @@ impl Timings {
         self.noise
     }
 
-    /// Whether the difference of a method's measured time from the native one is within noise.
+    /// Whether the difference between the measured times of a method and native is within noise.
     pub fn is_within_noise_of_native(&self, upscaling: Upscaling) -> bool {
         let median = |u| summarize(self.measured.get(&u)?).map(|summary| summary.median);
         let times = self.noise.zip(median(Upscaling::NATIVE)).zip(median(upscaling));
         !upscaling.is_native() && times.is_some_and(|((noise, native), own)| noise.covers(native, own))
     }
 
-    /// Returns every method of the measurement whose time and error are known, in the order of the methods; none before the
-    /// first round is complete.
+    /// Returns every method of the measurement whose time and error are known, in the order of the methods. Empty
+    /// before the first round is complete.
     pub fn tradeoff(&self) -> Vec<TradeOff> {
         let Some(noise) = self.noise else { return Vec::new() };
         let known = self
@@ -182,7 +183,7 @@ impl Timings {
         known.iter().zip(standings(&points, &noise)).map(point).collect()
     }
 
-    /// Forgets everything.
+    /// Discards all recorded times.
     pub fn clear(&mut self) {
         *self = Self { view: self.view, paused: self.paused, turn: self.turn, ..Self::default() };
     }
@@ -192,12 +193,12 @@ impl Timings {
         !self.measured.is_empty()
     }
 
-    /// Returns what was measured; `None` without a measurement.
+    /// Returns the request of the measurement; `None` without a measurement.
     pub fn measured_of(&self) -> Option<&MeasureRequest> {
         self.measured_of.as_ref()
     }
 
-    /// Whether the measurement was made on what `request` shows, whatever its upscaler.
+    /// Whether the measurement was made on the view of `request`, regardless of its upscaler.
     pub fn measurement_fits(&self, request: &Request) -> bool {
         let upscaler = Upscaling::NATIVE;
         let plain = |r: &Request| Request {
@@ -212,20 +213,20 @@ impl Timings {
         self.measured_of.as_ref().is_some_and(|measured| plain(&measured.of).same_view(&plain(request)))
     }
 
-    /// Median of a method over the median of native, if both were measured on what `request` shows.
+    /// Returns the median of a method divided by the median of native, if both were measured on the view of `request`.
     pub fn share_of_native(&self, request: &Request, upscaling: Upscaling) -> Option<f64> {
         let median = |u| summarize(self.measured.get(&u)?).map(|summary| summary.median);
         let fits = self.measurement_fits(request);
         fits.then(|| Some(median(upscaling)? / median(Upscaling::NATIVE)?)).flatten()
     }
 
-    /// The measurement, or else the recent frames, per method; oldest first.
+    /// Returns the times of the measurement, or else of the recent frames, per method; oldest first.
     pub fn series(&self) -> Vec<(Upscaling, Vec<f64>)> {
         if self.has_measurement() { per_method(&self.measured) } else { per_method(&self.recent) }
     }
 }
 
-/// The times of every method, oldest first.
+/// Returns the times of every method, oldest first.
 fn per_method<T>(times: &BTreeMap<Upscaling, T>) -> Vec<(Upscaling, Vec<f64>)>
 where
     for<'a> &'a T: IntoIterator<Item = &'a f64>,

@@ -1,8 +1,8 @@
-//! The small parts that panels are made of: rows, pickers, headers, chips, readouts.
+//! Building blocks of panels: rows, pickers, headers, chips, readouts.
 //!
-//! A panel is a column of rows as wide as the panel, one [`theme::ROW_HEIGHT`] apart: a label on the left, cut short
-//! where it must be, and a control or a number on the right, so that both line up down the panel. Every part has a
-//! name in the accessibility tree, which is also how tests find it: a control in a row is named by the row's label.
+//! A panel is a column of rows as wide as the panel, one [`theme::ROW_HEIGHT`] apart. Each row has a label on the left,
+//! truncated if necessary, and a control or a number on the right, so that both align down the panel. Every widget has
+//! a name in the accessibility tree, which tests also use to find it: a control in a row is named by the row's label.
 
 use std::ops::RangeInclusive;
 
@@ -14,19 +14,19 @@ use eframe::egui::{
 
 use super::theme::{self, CONTROL_HEIGHT, Icon, space, tokens};
 
-/// Part of a row's width that its label gets.
+/// Share of a row's width for its label.
 const LABEL_SHARE: f32 = 0.4;
 
-/// Least room on both sides of a name among joined buttons, in points.
+/// Minimum padding on both sides of a name in joined buttons, in points.
 const SEGMENT_PADDING: f32 = space::XS;
 
-/// Seconds for which a copy button confirms that it has copied.
+/// Time for which a copy button confirms copying, in seconds.
 const COPIED_SECONDS: f64 = 1.2;
 
-/// A row with a control: `label` on the left, the controls that `add_control` adds on the right.
+/// Adds a row with a control: `label` on the left, the controls added by `add_control` on the right.
 ///
 /// Sliders and pickers fill the right column. Inputs without a name of their own are named `label` for accessibility.
-/// `tooltip` says in one sentence what the control does. Labels must differ within one parent.
+/// `tooltip` describes the control in one sentence. Labels must be unique within one parent.
 pub fn row<R>(ui: &mut Ui, label: &str, tooltip: &str, add_control: impl FnOnce(&mut Ui) -> R) -> R {
     let (row, label_width) = allocate_row(ui, |width| (width * LABEL_SHARE).floor());
     row_label(ui, Rect::from_min_size(row.min, vec2(label_width, row.height())), label, tooltip);
@@ -39,9 +39,9 @@ pub fn row<R>(ui: &mut Ui, label: &str, tooltip: &str, add_control: impl FnOnce(
     control.name_inputs(label, add_control)
 }
 
-/// A row with a number: `label` on the left, `value` in monospace on the right, where numbers line up.
+/// Adds a row with a number: `label` on the left, `value` in monospace and right-aligned on the right.
 ///
-/// The value can be selected with the mouse. Returns its response, for a menu or another colour of hover.
+/// The value can be selected with the mouse. Returns its response, for example for a context menu.
 pub fn value_row(ui: &mut Ui, label: &str, value: &str, tooltip: &str) -> Response {
     let text = RichText::new(value).text_style(TextStyle::Monospace);
     let font = TextStyle::Monospace.resolve(ui.style());
@@ -53,7 +53,8 @@ pub fn value_row(ui: &mut Ui, label: &str, value: &str, tooltip: &str) -> Respon
     readout.add(Label::new(text).selectable(true).truncate())
 }
 
-/// A row as wide as the panel, and the width of its left column, given the whole.
+/// Allocates a row as wide as the panel. Returns its rectangle, and the width of its left column computed from the
+/// row's width.
 fn allocate_row(ui: &mut Ui, label_width: impl FnOnce(f32) -> f32) -> (Rect, f32) {
     let width = ui.available_width();
     let (row, _) = ui.allocate_exact_size(vec2(width, CONTROL_HEIGHT), Sense::hover());
@@ -75,10 +76,11 @@ fn row_label(ui: &mut Ui, rect: Rect, label: &str, tooltip: &str) {
     });
 }
 
-/// Picks one of `options`, each (value, name, tooltip). True when the user changed `value`.
+/// Picks one of `options`, each (value, name, tooltip). Returns `true` if the user changed `value`.
 ///
-/// As wide as `ui.spacing().combo_width`, which fills the column in a [`row`]: joined buttons where all names fit,
-/// a drop-down list where they do not. Outside a row, wrap it in [`Ui::push_id`] and [`Ui::name_inputs`].
+/// The picker is as wide as `ui.spacing().combo_width`, which fills the column in a [`row`]. It consists of joined
+/// buttons if all names fit, otherwise of a drop-down list. Outside a row, wrap it in [`Ui::push_id`] and
+/// [`Ui::name_inputs`].
 pub fn choice<T: Copy + PartialEq>(ui: &mut Ui, value: &mut T, options: &[(T, &str, &str)]) -> bool {
     let before = *value;
     let segment = vec2((ui.spacing().combo_width / options.len().max(1) as f32).floor(), CONTROL_HEIGHT);
@@ -130,7 +132,7 @@ fn drop_down<T: Copy + PartialEq>(ui: &mut Ui, value: &mut T, options: &[(T, &st
     }
 }
 
-/// A drop-down list as wide as `width`, still without its entries.
+/// Returns a drop-down list of `width` points, without entries.
 pub fn combo(id_salt: &str, shown: &str, width: f32) -> ComboBox<'static> {
     ComboBox::from_id_salt(id_salt.to_owned()).selected_text(shown.to_owned()).width(width).truncate().icon(
         |ui, rect, visuals, _open| {
@@ -140,7 +142,7 @@ pub fn combo(id_salt: &str, shown: &str, width: f32) -> ComboBox<'static> {
     )
 }
 
-/// A number at the right end of a column of its own width, so that columns line up and nothing jumps.
+/// Adds a number, right-aligned in a column of fixed width, so that columns line up and nothing jumps.
 pub fn figure(ui: &mut Ui, text: &str, width: f32, color: Color32) -> Response {
     let (rect, response) = ui.allocate_exact_size(vec2(width, CONTROL_HEIGHT), Sense::hover());
     let font = TextStyle::Monospace.resolve(ui.style());
@@ -149,15 +151,16 @@ pub fn figure(ui: &mut Ui, text: &str, width: f32, color: Color32) -> Response {
     response
 }
 
-/// A slider that changes `value` only when the user does: out-of-range values stay, and only the text is rounded to
-/// `decimals`. True when changed.
+/// Adds a slider that changes `value` only on user input: out-of-range values stay, and only the text is rounded to
+/// `decimals`. Returns `true` if the value changed.
 pub fn slider(ui: &mut Ui, value: &mut f32, range: RangeInclusive<f32>, suffix: &str, decimals: usize) -> bool {
     let text = move |value: f64, _| super::format::fixed(value, decimals);
     let slider = Slider::new(value, range).clamping(SliderClamping::Edits).suffix(suffix).custom_formatter(text);
     ui.add(slider).changed()
 }
 
-/// A number to drag or type that changes `value` only when the user does. It moves by a fiftieth of itself per point.
+/// Adds a number to drag or type that changes `value` only on user input. Dragging by one point changes it by a
+/// fiftieth of its value.
 pub fn drag(ui: &mut Ui, value: &mut f32, range: RangeInclusive<f32>) -> bool {
     let speed = f64::from(*value) * 0.02;
     let text = |value: f64, _| format!("{}", value as f32);
@@ -165,14 +168,16 @@ pub fn drag(ui: &mut Ui, value: &mut f32, range: RangeInclusive<f32>) -> bool {
     ui.add(drag).changed()
 }
 
-/// A number of any sign to drag or type that changes `value` only when the user does. It moves by `step` per point.
+/// Adds a number of any sign to drag or type that changes `value` only on user input. Dragging by one point changes it
+/// by `step`.
 pub fn drag_by(ui: &mut Ui, value: &mut f32, step: f64) -> bool {
     let range = f32::MIN..=f32::MAX;
     let text = |value: f64, _: RangeInclusive<usize>| format!("{}", value as f32);
     ui.add(DragValue::new(value).speed(step).range(range).custom_formatter(text)).changed()
 }
 
-/// The title of a group of rows, with room above it. `add_actions` adds small controls at the right end, from the right.
+/// Adds the title of a group of rows, with space above it. `add_actions` adds small controls at the right end, from
+/// right to left.
 pub fn section_header(ui: &mut Ui, title: &str, add_actions: impl FnOnce(&mut Ui)) {
     ui.add_space(space::S);
     ui.horizontal(|ui| {
@@ -182,7 +187,7 @@ pub fn section_header(ui: &mut Ui, title: &str, add_actions: impl FnOnce(&mut Ui
     });
 }
 
-/// What stands where there is nothing yet: what would be here, and how to get it. Fills the space that is left.
+/// Fills the remaining space with a placeholder for missing content: what will appear here, and how to get it.
 pub fn empty_state(ui: &mut Ui, icon: Icon, what: &str, how: &str) {
     const ICON_POINTS: f32 = 28.0;
     const CONTENT_POINTS: f32 = 84.0;
@@ -199,23 +204,23 @@ pub fn empty_state(ui: &mut Ui, icon: Icon, what: &str, how: &str) {
     });
 }
 
-/// What a [`chip`] says, by its icon and its colour.
+/// Meaning of a [`chip`], expressed by its icon and its colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
-    /// A test was passed.
+    /// A passed test.
     Passed,
-    /// A fragment, or a claim, was rejected.
+    /// A rejected fragment or claim.
     Rejected,
-    /// Something to look at.
+    /// A warning.
     Warning,
-    /// Something failed.
+    /// An error.
     Error,
     /// A fact that is neither good nor bad.
     Neutral,
 }
 
 impl Status {
-    /// The icon that always stands beside the colour.
+    /// Returns the icon that always accompanies the colour.
     pub fn icon(self) -> Icon {
         match self {
             Self::Passed => Icon::CircleCheck,
@@ -226,7 +231,7 @@ impl Status {
         }
     }
 
-    /// The colour of this meaning.
+    /// Returns the colour of this meaning.
     pub fn color(self, tokens: &theme::Tokens) -> Color32 {
         match self {
             Self::Passed => tokens.passed,
@@ -238,7 +243,7 @@ impl Status {
     }
 }
 
-/// A verdict: icon and word on a ground of the meaning's colour.
+/// Adds a chip: icon and word on a background in the colour of its status.
 pub fn chip(ui: &mut Ui, status: Status, word: &str, tooltip: &str) -> Response {
     const GROUND_OPACITY: f32 = 0.16;
     let color = status.color(tokens(ui));
@@ -260,7 +265,7 @@ pub fn chip(ui: &mut Ui, status: Status, word: &str, tooltip: &str) -> Response 
     if tooltip.is_empty() { response } else { response.on_hover_text(tooltip) }
 }
 
-/// A square of a colour, named by its code in the accessibility tree: "#4CA6FF". Alpha is left out.
+/// Adds a square of a colour, named by its code in the accessibility tree: "#4CA6FF". Alpha is ignored.
 pub fn swatch(ui: &mut Ui, color: Color32) -> Response {
     let (place, response) = ui.allocate_exact_size(Vec2::splat(theme::ICON_SIZE), Sense::hover());
     ui.painter().rect(place, 2.0, color.to_opaque(), Stroke::new(1.0, tokens(ui).border), StrokeKind::Inside);
@@ -270,7 +275,7 @@ pub fn swatch(ui: &mut Ui, color: Color32) -> Response {
     response.on_hover_text(code)
 }
 
-/// A square button with an icon only; `name` is its tooltip and its accessible name.
+/// Adds a square button with an icon only; `name` is its tooltip and its accessible name.
 pub fn icon_button(ui: &mut Ui, icon: Icon, name: &str) -> Response {
     let button = Button::new(theme::icon(icon)).frame_when_inactive(false).min_size(Vec2::splat(CONTROL_HEIGHT));
     let padding = (CONTROL_HEIGHT - theme::ICON_SIZE) / 2.0;
@@ -281,7 +286,7 @@ pub fn icon_button(ui: &mut Ui, icon: Icon, name: &str) -> Response {
     .inner
 }
 
-/// A button that puts `text` on the clipboard and says for a moment that it did. `what` completes "Copy …".
+/// Adds a button that copies `text` to the clipboard and briefly confirms it. `what` completes "Copy …".
 pub fn copy_button(ui: &mut Ui, what: &str, text: impl FnOnce() -> String) -> Response {
     let id = Id::unique(("copied", ui.next_auto_id()));
     let now = ui.input(|input| input.time);

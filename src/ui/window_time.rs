@@ -1,5 +1,5 @@
-//! What the window itself takes, beside the picture, which is drawn on threads of its own: laying out the panels, cutting
-//! them into triangles and handing these to the graphics driver.
+//! Cost of the window itself, apart from the picture, which is drawn on threads of its own: laying out the panels,
+//! tessellating them and submitting the triangles to the graphics driver.
 
 use std::collections::VecDeque;
 
@@ -28,17 +28,17 @@ use crate::pipeline::viewport::Viewport;
 use crate::upscale::Upscaling;
 use eframe::egui::{self, Event, Pos2, Vec2};
 
-/// Passes kept.
+/// Number of recent passes kept.
 const RECENT: usize = 240;
 
-/// Times of the window's last passes, ms.
+/// Times of the window's recent passes, in milliseconds.
 #[derive(Clone, Debug, Default)]
 pub struct WindowTimes {
     recent: VecDeque<f64>,
 }
 
 impl WindowTimes {
-    /// Adds the time of a pass.
+    /// Adds the time of a pass, in milliseconds.
     pub fn record(&mut self, milliseconds: f64) {
         if self.recent.len() == RECENT {
             self.recent.pop_front();
@@ -46,26 +46,26 @@ impl WindowTimes {
         self.recent.push_back(milliseconds);
     }
 
-    /// Figures of the passes that are kept, if there are any.
+    /// Returns statistics of the recorded passes; `None` if there are none.
     pub fn summary(&self) -> Option<Summary> {
         summarize(&self.recent.iter().copied().collect::<Vec<_>>())
     }
 }
 
-/// Passes before those that count: sizes settle, pictures are drawn, fonts are rasterized.
+/// Number of passes before measuring: sizes settle, pictures are drawn, fonts are rasterized.
 const WARM_UP_PASSES: usize = 12;
 
-/// Frames in the plots of frame times, for each upscaler: as many as a measurement takes.
+/// Number of frames per upscaler in the plots of frame times, the same as after a measurement.
 const PLOTTED_FRAMES: usize = 25;
 
-/// Times `passes` passes of a window of `size` px with each of its parts open in turn, and with as much as possible at once.
-/// The pointer moves over the picture; the picture itself stays, so its drawing is no part of what is timed. There is no
-/// graphics card in it either.
+/// Times `passes` passes of a window of `size` pixels with each of its parts open in turn, and with as many as possible
+/// at once. The pointer moves over the picture, which does not change, so the times do not include drawing it. They do
+/// not include the work of a graphics card either.
 pub fn window_costs(start: &WindowStart, size: Viewport, passes: usize) -> Vec<WindowCost> {
     situations().into_iter().filter_map(|(what, first)| cost(start, size, passes.max(1), what, first)).collect()
 }
 
-/// Everything that is timed: its name, and how to get there.
+/// Returns every timed situation: its name, and the commands that set it up.
 fn situations() -> Vec<(String, Vec<Command>)> {
     let tabs = TABS.iter().map(|(tab, name, _)| {
         let (open, watch) = (Command::OpenTab(*tab), Command::Watch(watch::Change::AddPick));
@@ -108,7 +108,7 @@ fn laid_over() -> Vec<Command> {
     layers.into_iter().chain(open).collect()
 }
 
-/// All that can be open at the same time, with the longest of the tabs.
+/// Returns commands that open as many parts as possible at once, with the longest of the tabs.
 fn everything() -> Vec<Command> {
     let more = [
         Command::OpenTab(Tab::Arithmetic),
@@ -141,7 +141,7 @@ fn cost(start: &WindowStart, size: Viewport, passes: usize, what: String, first:
     })
 }
 
-/// Fills the plots of frame times as a measurement of all upscalers does. What the times are is nothing to the window.
+/// Fills the plots of frame times like a measurement of all upscalers. The values do not affect the cost of the window.
 fn plot_something(app: &mut Workbench) {
     let request = app.session().request();
     let timings = &mut app.session_mut().timings;
@@ -154,7 +154,7 @@ fn plot_something(app: &mut Workbench) {
     }
 }
 
-/// A pointer that goes up and down in the middle of the window.
+/// Returns an event of a pointer that moves to and fro near the middle of the window.
 fn pointer(window: Vec2, pass: usize) -> Event {
     const STEP_POINTS: f32 = 3.0;
     const TRAVEL_POINTS: usize = 40;

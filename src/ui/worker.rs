@@ -1,8 +1,8 @@
-//! The renderer's thread: the window asks, goes on, and is woken when there is something new.
+//! Renderer thread: the window sends requests without waiting, and is woken when there is an answer.
 //!
-//! Only the newest request counts; older ones that were not begun are dropped. Between requests the thread works on
-//! what can wait: timing the stages of the frame that is on screen, and measuring all upscalers when asked to. A panic
-//! in a stage is caught and reported, and the next request is served by a new engine.
+//! Only the newest request counts; older ones that were not started are dropped. Between requests the thread works on
+//! deferred tasks: timing the stages of the frame on screen, and measuring all upscalers on request. A panic in a stage
+//! is caught and reported, and a new engine serves the next request.
 
 mod measurement;
 
@@ -20,90 +20,91 @@ use crate::upscale::Upscaling;
 use measurement::Measurement;
 pub use measurement::{MEASURE_ROUNDS, MeasureRequest, MethodError};
 
-/// A frame that stays this long is taken apart into stages; while the view moves, all time goes to new frames.
+/// Time for which a frame must stay before its stages are timed; while the view moves, all time goes to new frames.
 const SETTLED: Duration = Duration::from_millis(120);
 
-/// What the window asks for.
+/// A request of the window.
 #[derive(Debug)]
 pub enum Job {
-    /// Show this.
+    /// Renders this view.
     Show(Box<Request>),
-    /// Compare these; nothing any more if none.
+    /// Renders this comparison; ends the comparison if `None`.
     Compare(Option<Box<CompareRequest>>),
-    /// Find out what a change does; nothing any more if none.
+    /// Determines the effect of a change of settings; stops if `None`.
     WhatIf(Option<Box<WhatIfRequest>>),
-    /// Tell what every new frame holds at these pixels.
+    /// Reports the values of every new frame at these pixels.
     Watch(Vec<(u32, u32)>),
-    /// Time and judge every upscaler.
+    /// Measures time and error of every upscaler.
     Measure(Box<MeasureRequest>),
-    /// Stop timing.
+    /// Cancels the measurement.
     CancelMeasure,
 }
 
-/// What the thread sends back.
+/// A message of the renderer.
 #[derive(Debug)]
 pub enum Answer {
     /// A view.
     View(Box<View>),
-    /// What is known by now of what is compared.
+    /// Results of the comparison so far.
     Compared(Box<Compared>),
-    /// What the newest frame holds at the watched pixels.
+    /// Values of the newest frame at the watched pixels.
     Watched(Vec<Watched>),
-    /// What is known by now of what a change does.
+    /// Known effects of the change of settings so far.
     WhatIf(Box<Found>),
-    /// Counts and times of the stages of the last frame.
+    /// Counters and times of the stages of the last frame.
     Stages(Box<StageFigures>),
-    /// One timed frame of a measurement, and how much of it is done, in [0, 1].
+    /// One timed frame of a measurement.
     Sample {
-        /// The number of the measurement.
+        /// Number of the measurement.
         of: u64,
-        /// The method.
+        /// Method that was timed.
         upscaling: Upscaling,
-        /// The frame's time, milliseconds.
+        /// Frame time, in milliseconds.
         milliseconds: f64,
-        /// Share of the measurement that is done.
+        /// Completed share of the measurement, in [0, 1].
         progress: f32,
     },
     /// The error of a method, as far as it is known.
     Judged {
-        /// The number of the measurement.
+        /// Number of the measurement.
         of: u64,
-        /// The method.
+        /// Method that was judged.
         upscaling: Upscaling,
         /// Error at rest and in motion.
         error: Box<MethodError>,
-        /// Share of the measurement that is done.
+        /// Completed share of the measurement, in [0, 1].
         progress: f32,
     },
-    /// The noise floor of the rounds that are complete.
+    /// The noise floor of the completed rounds.
     Noise {
-        /// The number of the measurement.
+        /// Number of the measurement.
         of: u64,
-        /// The noise floor of frame times.
+        /// Noise floor of frame times.
         noise: Noise,
     },
-    /// The measurement of this number is complete.
+    /// The measurement with this number is complete.
     Measured(u64),
-    /// A stage panicked.
+    /// A stage panicked with this message.
     Panicked(String),
 }
 
-/// Handle to the renderer: a thread of its own, or none at all for screenshots and tests.
+/// Handle to the renderer: a thread of its own, or synchronous for screenshots and tests.
 #[derive(Debug)]
 pub enum Worker {
-    /// Answers come later.
+    /// Asynchronous: answers arrive later.
     Thread {
-        /// To the thread.
+        /// Sender of requests to the thread.
         jobs: Sender<Job>,
-        /// From the thread.
+        /// Receiver of answers from the thread.
         answers: Receiver<Answer>,
     },
-    /// Answers are there when [`Worker::send`] returns.
+    /// Synchronous: answers are ready when [`Worker::send`] returns.
     Inline(Box<Loop>),
 }
 
 impl Worker {
-    /// Starts the thread. `wake` is called after every answer.
+    /// Starts the thread. `wake` is called after every batch of answers. Falls back to a synchronous worker if no
+    /// thread can be started.
     pub fn spawn(wake: impl Fn() + Send + 'static) -> Self {
         let (jobs, inbox) = channel();
         let (outbox, answers) = channel();
@@ -113,15 +114,15 @@ impl Worker {
             .map_or_else(|_| Self::inline(), |_| Self::Thread { jobs, answers })
     }
 
-    /// A worker that works while it is asked.
+    /// Creates a synchronous worker.
     pub fn inline() -> Self {
         Self::Inline(Box::default())
     }
 
-    /// Asks.
+    /// Sends a request; a synchronous worker also completes it.
     pub fn send(&mut self, job: Job) {
         match self {
-            // The thread ends only with the window; there is nobody left to tell.
+            // The thread ends only with the window, so a failed send has no one to report to.
             Self::Thread { jobs, .. } => drop(jobs.send(job)),
             Self::Inline(work) => {
                 work.take(job);
@@ -130,7 +131,7 @@ impl Worker {
         }
     }
 
-    /// The next answer that is ready.
+    /// Returns the next answer that is ready.
     pub fn poll(&mut self) -> Option<Answer> {
         match self {
             Self::Thread { answers, .. } => answers.try_recv().ok(),
@@ -139,7 +140,7 @@ impl Worker {
     }
 }
 
-/// The work that waits, in order of urgency.
+/// Pending work and the state that it needs.
 #[derive(Debug, Default)]
 pub struct Loop {
     engine: Engine,
@@ -149,9 +150,9 @@ pub struct Loop {
     drawer: Drawer,
     watcher: Watcher,
     to_ask: Option<Box<WhatIfRequest>>,
-    /// The present request, if one more frame of it is better than the last.
+    /// Current request, if one more frame would improve its answer.
     to_improve: Option<Box<Request>>,
-    /// The present request, if a part of its answer takes long and is yet to be made.
+    /// Current request, if slow parts of its answer are still missing.
     to_complete: Option<Box<Request>>,
     to_time: Option<Box<Figuring>>,
     measurement: Option<Measurement>,
@@ -186,8 +187,8 @@ impl Loop {
         }
     }
 
-    /// Waits for a job as long as the present work allows: for ever without any, not at all for what a person waits for,
-    /// and a moment before taking apart a frame that the next one may replace.
+    /// Waits for a job as long as the pending work allows. Blocks without pending work, returns at once for work that
+    /// the user waits for, and waits [`SETTLED`] before work that a newer frame may make obsolete.
     fn wait(&self, inbox: &Receiver<Job>) -> Result<Option<Job>, RecvError> {
         let is_asked = self.to_show.is_some() || self.to_improve.is_some() || self.to_compare.is_some();
         if is_asked || self.to_ask.is_some() || self.watcher.has_work() || self.measurement.is_some() {
@@ -229,7 +230,7 @@ impl Loop {
         }
     }
 
-    /// Does one piece of the most urgent work; false if there was none.
+    /// Runs one step of the most urgent work. Returns `false` if there was none.
     fn step(&mut self) -> bool {
         if let Some(request) = self.to_show.take().or_else(|| self.to_improve.take()) {
             (self.to_improve, self.to_complete) = (None, None);
@@ -271,7 +272,7 @@ impl Loop {
         true
     }
 
-    /// Does one piece of a comparison and tells what is known then. One that panicked is given up.
+    /// Runs one step of a comparison and queues its results. A panic ends the comparison.
     fn compare(&mut self, piece: impl FnOnce(&mut Comparer) -> Option<&Compared>) {
         let comparer = &mut self.comparer;
         match catch_unwind(AssertUnwindSafe(|| piece(comparer).cloned())) {
@@ -283,7 +284,7 @@ impl Loop {
         }
     }
 
-    /// Replays the watched pixels. If that panicked they are watched no more.
+    /// Replays the watched pixels. A panic ends watching.
     fn watch(&mut self) {
         let watcher = &mut self.watcher;
         match catch_unwind(AssertUnwindSafe(|| watcher.step())) {
@@ -295,7 +296,7 @@ impl Loop {
         }
     }
 
-    /// Does one piece of finding out what a change does. One that panicked is given up.
+    /// Runs one step of determining the effect of a change. A panic ends it.
     fn ask(&mut self, piece: impl FnOnce(&mut Drawer) -> Option<Found>) {
         let drawer = &mut self.drawer;
         match catch_unwind(AssertUnwindSafe(|| piece(drawer))) {
@@ -330,5 +331,5 @@ impl Loop {
 
 fn panic_text(panic: &(dyn std::any::Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().copied().or_else(|| panic.downcast_ref::<String>().map(String::as_str));
-    text.unwrap_or("no reason given").to_owned()
+    text.unwrap_or("unknown reason").to_owned()
 }

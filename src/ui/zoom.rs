@@ -1,37 +1,38 @@
-//! Where a picture lies on a rectangle of the window: fitted, or enlarged at the pointer and moved.
+//! Placement of a picture in a rectangle of the window: fitted, or zoomed at the pointer and panned.
 //!
-//! A fitted picture, and one enlarged a lot, is shown at a whole factor, so that all squares are equal. Rectangles of the
-//! same size that share one [`Zoom`] show the same part of their pictures.
+//! A fitted picture, and one with a large scale, has an integer scale, so that all squares are equal. Rectangles of the
+//! same size that share a [`Zoom`] show the same part of their pictures.
 
 use eframe::egui::{Pos2, Rect, Ui, Vec2, pos2, vec2};
 
-/// Screen pixels per picture pixel, least and greatest.
+/// Range of the scale, in screen pixels per picture pixel.
 const SCALE_RANGE: (f32, f32) = (1.0 / 32.0, 256.0);
 
-/// Least scale of a fitted picture: a canvas without height must not divide by zero.
+/// Minimum scale of a fitted picture, which prevents division by zero on a canvas without height.
 const LEAST_FIT: f32 = 1.0 / 65_536.0;
 
-/// From this enlargement on it is a whole factor.
+/// Scale from which zooming rounds to an integer, in screen pixels per picture pixel.
 const WHOLE_FROM: f32 = 8.0;
 
-/// A pixel that is looked for is enlarged at least so much: its neighbours and the course of an edge are seen, too.
+/// Minimum scale for bringing a pixel into view, in screen pixels per picture pixel: its neighbours and the slope of an
+/// edge are visible, too.
 const SEEN_FROM: f32 = 16.0;
 
-/// How far a picture is enlarged, and which part of it is seen.
+/// Scale and position of a picture.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Zoom {
     /// Screen pixels per picture pixel; `None` fits the picture into the rectangle.
     scale: Option<f32>,
-    /// The enlargement that the wheel has come to, before it is rounded to a whole factor.
+    /// Scale accumulated by the wheel, before rounding to an integer.
     wheeled: f32,
-    /// Picture position at the rectangle's top-left corner, in picture pixels.
+    /// Position in the picture at the rectangle's top-left corner, in picture pixels.
     origin: Vec2,
 }
 
-/// Where a picture is drawn in this frame of the window.
+/// Placement of a picture in the current frame of the window.
 #[derive(Clone, Copy, Debug)]
 pub struct Placement {
-    /// The rectangle, in points.
+    /// Rectangle that shows the picture, in points.
     pub canvas: Rect,
     /// Points per picture pixel.
     pub points_per_px: f32,
@@ -40,30 +41,30 @@ pub struct Placement {
 }
 
 impl Placement {
-    /// Where a position on the window lies in the picture, in picture pixels.
+    /// Converts a position on the window from points to picture pixels.
     pub fn to_picture(self, position: Pos2) -> Vec2 {
         (position - self.corner) / self.points_per_px
     }
 
-    /// The place of a pixel on the window.
+    /// Returns the rectangle of a pixel on the window, in points.
     pub fn rect_of(self, x: u32, y: u32) -> Rect {
         let min = self.corner + vec2(x as f32, y as f32) * self.points_per_px;
         Rect::from_min_size(min, Vec2::splat(self.points_per_px))
     }
 
-    /// The place of the whole picture.
+    /// Returns the rectangle of the whole picture on the window, in points.
     pub fn rect_of_all(self, (width, height): (u32, u32)) -> Rect {
         Rect::from_min_size(self.corner, vec2(width as f32, height as f32) * self.points_per_px)
     }
 
-    /// The pixel at a position on the window, if there is one.
+    /// Returns the pixel at a position on the window; `None` outside the picture.
     pub fn pixel_at(self, position: Pos2, (width, height): (u32, u32)) -> Option<(u32, u32)> {
         let p = self.to_picture(position);
         let inside = p.x >= 0.0 && p.y >= 0.0 && p.x < width as f32 && p.y < height as f32;
         inside.then_some((p.x as u32, p.y as u32))
     }
 
-    /// Picture columns and rows that are on the rectangle.
+    /// Returns the visible columns and rows of the picture.
     pub fn visible(self, (width, height): (u32, u32)) -> (std::ops::Range<u32>, std::ops::Range<u32>) {
         let (min, max) = (self.to_picture(self.canvas.min), self.to_picture(self.canvas.max));
         let range =
@@ -73,24 +74,24 @@ impl Placement {
 }
 
 impl Zoom {
-    /// Enlarges so that the whole picture fits, and stays so.
+    /// Fits the whole picture into the rectangle, also after the rectangle is resized.
     pub fn fit(&mut self) {
         self.scale = None;
     }
 
-    /// Enlarges to `scale` screen pixels per picture pixel with `center` (picture px) in the middle.
+    /// Sets the scale to `scale` screen pixels per picture pixel with `center` (in picture pixels) in the middle.
     pub fn set_view(&mut self, scale: f32, canvas_px: (u32, u32), center: (f32, f32)) {
         self.scale = Some(scale);
         self.origin = vec2(center.0, center.1) - vec2(canvas_px.0 as f32, canvas_px.1 as f32) / (2.0 * scale);
     }
 
-    /// Puts a pixel into the middle, enlarged enough to be seen.
+    /// Centres the view on a pixel and zooms in far enough to show it.
     pub fn bring_into_view(&mut self, (x, y): (u32, u32), canvas_px: (u32, u32)) {
         let scale = self.scale.unwrap_or(0.0).max(SEEN_FROM);
         self.set_view(scale, canvas_px, (x as f32 + 0.5, y as f32 + 0.5));
     }
 
-    /// Moves the picture no further than needed to have a pixel and its neighbours on the rectangle; a fitted one is there.
+    /// Pans no further than necessary to make a pixel and its neighbours visible; a fitted picture stays.
     pub fn keep_in_view(&mut self, (x, y): (u32, u32), canvas_px: (u32, u32)) {
         let Some(scale) = self.scale else { return };
         let seen = vec2(canvas_px.0 as f32, canvas_px.1 as f32) / scale;
@@ -98,12 +99,12 @@ impl Zoom {
         self.origin = self.origin.max(last - seen).min(first);
     }
 
-    /// Screen pixels per picture pixel, if not fitted.
+    /// Returns screen pixels per picture pixel; `None` if the picture is fitted.
     pub fn scale(&self) -> Option<f32> {
         self.scale
     }
 
-    /// Where a picture lies on `canvas`.
+    /// Returns the placement of a picture on `canvas`.
     pub fn placement(&self, ui: &Ui, canvas: Rect, (width, height): (u32, u32)) -> Placement {
         let screen = ui.pixels_per_point();
         let size = vec2(width as f32, height as f32);
@@ -111,11 +112,12 @@ impl Zoom {
             Some(scale) => (scale, self.origin),
             None => {
                 let available = canvas.size() * screen;
-                // A canvas of no height still has a scale: positions on it are divided by it.
+                // A canvas without height still needs a non-zero scale: positions are divided by it.
                 let exact = (available.x / size.x).min(available.y / size.y).max(LEAST_FIT);
-                // From 1:1 on only whole factors, so that all squares are equal.
+                // Integer scales from 1:1 upwards make all squares equal.
                 let scale = if exact >= 1.0 { exact.floor() } else { exact };
-                // Whole pixels of the screen: a canvas that is larger by less than one shows the picture in its corner.
+                // Snapped to screen pixels: on a canvas that is less than one pixel larger, the picture starts in the
+                // corner.
                 let beside = ((available - size * scale) / 2.0).floor();
                 (scale, -beside / scale)
             }
@@ -125,13 +127,13 @@ impl Zoom {
         Placement { canvas, points_per_px: scale / screen, corner }
     }
 
-    /// Moves the picture by `delta` points.
+    /// Pans the picture by `delta` points.
     pub fn pan(&mut self, ui: &Ui, placement: Placement, delta: Vec2) {
         self.keep(ui, placement);
         self.origin -= delta / placement.points_per_px;
     }
 
-    /// Enlarges by `factor`; what is under the pointer stays there.
+    /// Zooms by `factor`; the position under the pointer stays in place.
     pub fn enlarge(&mut self, ui: &Ui, placement: Placement, pointer: Pos2, factor: f32) {
         let under_pointer = placement.to_picture(pointer);
         self.keep(ui, placement);
@@ -142,13 +144,13 @@ impl Zoom {
         self.origin = under_pointer - (pointer - placement.canvas.min) * ui.pixels_per_point() / scale;
     }
 
-    /// Turns a fitted view into the same one with numbers of its own.
+    /// Turns a fitted view into the same view with an explicit scale and origin.
     fn keep(&mut self, ui: &Ui, placement: Placement) {
         self.scale = Some(placement.points_per_px * ui.pixels_per_point());
         self.origin = placement.to_picture(placement.canvas.min);
     }
 
-    /// The unrounded enlargement behind a shown one: wheel steps smaller than one must add up.
+    /// Returns the unrounded scale behind a rounded one, because wheel steps smaller than one must accumulate.
     fn wheeled_of(&self, shown: f32) -> f32 {
         if (self.wheeled - shown).abs() <= 0.5 && shown >= WHOLE_FROM { self.wheeled } else { shown }
     }

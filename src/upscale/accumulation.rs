@@ -1,13 +1,13 @@
-//! Temporal accumulation: every frame samples its pixels elsewhere, and what the frames before found is kept.
+//! Temporal accumulation: jitters the samples in every frame and blends them with the reprojected history.
 //!
-//! With n samples remembered at a pixel, a new one counts for 1 / (n + 1), until n has reached the most that is remembered;
-//! from then on the past fades. While the view stands still nothing fades before all places of the pattern were drawn once,
-//! so that the picture becomes the mean of as many samples as the pattern has; further frames leave it as it is. In motion the past is looked up where the frame
-//! before showed the same surface, and kept between the least and the greatest of the nine samples around: what is no longer
-//! true is cut off there, and sometimes what is still true, too.
+//! A pixel stores the mean of n earlier samples. A new sample has weight 1 / (n + 1) until n reaches its maximum; from
+//! then on, old samples decay exponentially. In a still view, nothing decays before every jitter position was drawn
+//! once. The image becomes the mean of as many samples as the jitter pattern has, and further frames leave it
+//! unchanged. In motion, the history is reprojected to where the previous frame showed the same surface. It is clamped
+//! to the minimum and maximum of the 3 × 3 samples around, which rejects stale colours and sometimes valid ones.
 //!
-//! Enlarged, a sample that lies within the output pixel counts in full; where none does, the four around are interpolated,
-//! and count for little.
+//! When upscaling, a sample inside the output pixel has full weight. Otherwise the four surrounding samples are
+//! interpolated, and the result has a low weight.
 
 use std::ops::Range;
 
@@ -21,16 +21,16 @@ use crate::math::lanes::Lanes;
 
 mod rows;
 
-/// Samples gathered over frames.
+/// Temporal accumulation of jittered samples.
 pub static ACCUMULATION: Accumulation = Accumulation;
 
-/// See [`ACCUMULATION`].
+/// Type of [`ACCUMULATION`].
 pub struct Accumulation;
 
-/// Places of a pixel's samples, one a frame.
+/// Number of jitter positions per pixel, one per frame.
 const PLACES: u32 = 16;
 
-/// What the interpolated colour of a pixel without a sample of its own counts for.
+/// Weight of an interpolated colour in a pixel without a sample of its own.
 const INTERPOLATED: f32 = 0.05;
 
 impl Upscaler for Accumulation {
@@ -43,11 +43,11 @@ impl Upscaler for Accumulation {
     }
 
     fn help(&self) -> &'static str {
-        "Moves the samples by a fraction of a pixel in every frame and keeps the mean of what the frames before found, \
-         looked up where they showed the same surface. Still pictures become the mean of 16 samples of each pixel, one \
-         a frame, and then change no more; enlarged ones regain the detail that one frame has not. In motion it softens, and where the remembered \
-         colour is cut off to what is around, fine detail flickers. TAA, in the way of B. Karis, “High Quality Temporal \
-         Supersampling”, 2014."
+        "Jitters the samples by a fraction of a pixel in every frame and blends them with the history, reprojected to \
+         where it showed the same surface. Still pictures become the mean of 16 samples of each pixel, one per frame, \
+         and then stay unchanged; upscaled ones regain detail that a single frame lacks. In motion the picture \
+         softens, and where the history is clamped to the colours around the pixel, fine detail flickers. TAA, after \
+         B. Karis, “High Quality Temporal Supersampling”, 2014."
     }
 
     fn offers(&self) -> Offers {
@@ -97,7 +97,7 @@ impl Upscaler for Accumulation {
         Now::new(how, drawn, size).pixel(at)
     }
 
-    /// The samples of this frame; what the frames before add is no sample.
+    /// Returns the samples of this frame only; history contributes no taps.
     fn taps(&self, how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Vec<Tap> {
         let now = Now::new(how, drawn, size);
         let mut taps = now.present(at).0.to_vec();
@@ -118,32 +118,32 @@ impl Upscaler for Accumulation {
     }
 }
 
-/// Where in its pixel a frame samples, when so many came before.
+/// Returns the jitter position within a pixel, in [0, 1]², after `frames` earlier frames.
 fn place(frames: u32) -> [f64; 2] {
     let places = Pattern::LowDiscrepancy { count: PLACES }.offsets(0, 0);
     places[(frames % PLACES) as usize]
 }
 
-/// Where an output pixel lies among the samples of this frame: the sample before it on an axis, which may be outside, and how
-/// far on.
+/// Returns the position of an output pixel along an axis, relative to this frame's samples: the index of the sample
+/// before it, which may be outside the image, and the distance from there in samples, in [0, 1).
 fn among(lattice: Lattice, place: f64, at: u32) -> (i64, f32) {
     let (scale, origin) = (lattice.scale.value(), lattice.position_px(0));
     let index = (f64::from(at) + 0.5 - origin) / scale - (place - 0.5);
     (index.floor() as i64, (index - index.floor()) as f32)
 }
 
-/// A frame and what is known of those before.
+/// A frame with its history.
 struct Now<'a> {
     light: Light,
     lattice: Lattice,
     drawn: &'a Drawn<'a>,
-    /// Of the full picture.
+    /// Size of the full image, in pixels.
     size: (u32, u32),
-    /// Where in its pixel this frame samples.
+    /// Jitter position of this frame within a pixel.
     place: [f64; 2],
-    /// Whether all places were drawn since the view stands still: then the picture stays.
+    /// Whether every jitter position was drawn since the view became still; the image then no longer changes.
     is_settled: bool,
-    /// What the frames before found, and where.
+    /// Motion since the previous frame and the accumulated history: RGB mean and sample count per pixel.
     past: Option<(Motion<'a>, &'a Image<[f32; 4]>)>,
     tables: &'static Tables,
 }
@@ -175,7 +175,7 @@ impl<'a> Now<'a> {
         [encode(r), encode(g), encode(b), (alpha + 0.5) as u8]
     }
 
-    /// The light of samples, weighed, and the code of their alpha.
+    /// Returns the weighted mean of samples: RGB in the working space of [`Light`], alpha as an 8-bit value.
     fn mean(&self, taps: &[Tap]) -> [f32; 4] {
         let mut mean = [0.0; 4];
         for tap in taps {
@@ -186,7 +186,7 @@ impl<'a> Now<'a> {
         mean
     }
 
-    /// The mean at a pixel, with this frame, and how many samples it is of: from what [`Self::present`] says.
+    /// Blends the result of [`Self::present`] with the history. Returns the RGB mean and the sample count.
     fn mixed(&self, at: (u32, u32), (taps, counts_for): &(ArrayVec<Tap, 4>, f32)) -> [f32; 4] {
         let counts_for = *counts_for;
         let now = self.mean(taps);
@@ -198,7 +198,7 @@ impl<'a> Now<'a> {
             return [now[0], now[1], now[2], counts_for];
         };
         if !before.is_still {
-            // Light grows with codes, so that the bounds of one are those of the other.
+            // Decoding is monotonic, so the bounds of the encoded values are the bounds of the decoded ones.
             let [mut least, mut greatest] = [[u8::MAX; 4], [u8::MIN; 4]];
             let (columns, rows) = self.nine(at);
             for y in rows {
@@ -220,7 +220,8 @@ impl<'a> Now<'a> {
         [mix(r, now[0]), mix(g, now[1]), mix(b, now[2]), count + counts_for]
     }
 
-    /// The samples of this frame that make an output pixel, and what they count for.
+    /// Returns the samples of this frame that contribute to an output pixel, and their total weight in the
+    /// accumulation.
     fn present(&self, (x, y): (u32, u32)) -> (ArrayVec<Tap, 4>, f32) {
         let Self { lattice, place, .. } = *self;
         let (width, height) = self.drawn.color.size();
@@ -246,14 +247,15 @@ impl<'a> Now<'a> {
         (taps, INTERPOLATED)
     }
 
-    /// The sample of an axis that lies within half an output pixel of its centre, if one does: from what [`among`] says.
+    /// Returns the sample that lies within half an output pixel of its centre along one axis, if any. Takes the result
+    /// of [`among`].
     fn own(&self, cell: i64, on: f32, samples: u32) -> Option<u32> {
         let half = (0.5 / self.lattice.scale.value()) as f32;
         let index = if on <= half { cell } else { cell + 1 };
         ((on <= half || 1.0 - on < half) && (0..i64::from(samples)).contains(&index)).then_some(index as u32)
     }
 
-    /// Columns and rows of the nine samples of this frame around an output pixel, fewer at borders.
+    /// Returns the columns and rows of the 3 × 3 samples of this frame around an output pixel; fewer at borders.
     fn nine(&self, (x, y): (u32, u32)) -> (Range<usize>, Range<u32>) {
         let (width, height) = self.drawn.color.size();
         let three = |place: f64, at: u32, length: u32| {

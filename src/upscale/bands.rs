@@ -1,18 +1,19 @@
-//! The rows of a picture, shared among threads.
+//! Bands of image rows, distributed among threads.
 
 use rayon::prelude::*;
 
 use super::Scale;
 use crate::image::{Image, Rgba8};
 
-/// Fewest rows of a band: enough to make good the few rows of samples that neighbouring bands both look at.
+/// Minimum number of rows in a band: outweighs the few sample rows that adjacent bands both process.
 const LEAST_ROWS: usize = 48;
 
-/// Bands per thread, so that a thread that was held up does not hold up all.
+/// Bands per thread, so that one delayed thread does not delay the whole image.
 const BANDS_PER_THREAD: usize = 2;
 
-/// Rows of a band. Bands begin where the blocks of a `scale` do, as what is found for a block would be found twice. One thread
-/// has one band, and is the caller's own: to wake another takes as long as a quarter of a fast kernel.
+/// Returns the number of rows in a band. Bands start at block boundaries of `scale`, so that per-block work is not
+/// duplicated. With one thread there is a single band on the calling thread, because waking another thread takes as
+/// long as a quarter of a fast kernel.
 fn rows_of_band(height: usize, scale: Scale) -> usize {
     let bands = match rayon::current_num_threads() {
         1 => 1,
@@ -22,8 +23,7 @@ fn rows_of_band(height: usize, scale: Scale) -> usize {
     height.div_ceil(bands).max(LEAST_ROWS).next_multiple_of(pixels as usize)
 }
 
-/// Calls `fill` for every band of a picture, on the threads of the present rayon pool: with its first row, how many there
-/// are, and their pixels.
+/// Calls `fill` for every band of an image on the current rayon pool, with the band's first row, row count and pixels.
 pub(super) fn fill(full: &mut Image<Rgba8>, scale: Scale, fill: impl Fn(u32, usize, &mut [Rgba8]) + Sync) {
     let (width, height) = (full.width() as usize, full.height() as usize);
     if width == 0 || height == 0 {
@@ -36,7 +36,8 @@ pub(super) fn fill(full: &mut Image<Rgba8>, scale: Scale, fill: impl Fn(u32, usi
         .for_each(|(band, pixels)| fill((band * rows) as u32, pixels.len() / width, pixels));
 }
 
-/// [`fill`] for two pictures of one size: with the first row of a band and its pixels in both.
+/// Does the same as [`fill`] for two images of equal size; `fill` receives the first row of a band and its pixels in
+/// both images.
 pub(super) fn fill_both<A: Copy + Send, B: Copy + Send>(
     one: &mut Image<A>,
     other: &mut Image<B>,

@@ -1,16 +1,16 @@
-//! The cubic through four samples: the 4-point Lagrange polynomial.
+//! Bicubic interpolation: the 4-point Lagrange polynomial.
 //!
-//! It reproduces cubics, but its slope jumps at the samples.
+//! It reproduces cubic polynomials, but its slope is discontinuous at the samples.
 
 use super::separable::{Separable, Weights};
 
-/// 4-point Lagrange cubics between samples.
+/// Separable 4-point Lagrange interpolation.
 pub static BICUBIC: Separable = Separable {
     id: "bicubic",
     name: "Bicubic",
-    help: "Fits a cubic through the four samples around, along rows and then columns (the 4-point Lagrange \
-           cubic, not Catmull-Rom). Good on smooth detail. Overshoots at hard edges by up to \
-           6.5 % of their height, a dark or bright seam, and keeps the stairs of slanted edges.",
+    help: "Fits a cubic through the four surrounding samples, along rows and then columns (the 4-point Lagrange cubic, \
+           not Catmull-Rom). Good on smooth detail. Overshoots at hard edges by up to 6.5 % of their height, visible \
+           as a dark or bright seam, and keeps the stairs of slanted edges.",
     weights: Weights::Four(weights),
     deringing: true,
 };

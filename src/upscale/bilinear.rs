@@ -1,14 +1,14 @@
-//! Straight lines between samples: 1 − t and t.
+//! Bilinear interpolation, with weights 1 − t and t.
 
 use super::separable::{Separable, Weights};
 
-/// Straight lines between samples.
+/// Separable linear interpolation.
 pub static BILINEAR: Separable = Separable {
     id: "bilinear",
     name: "Bilinear",
-    help: "Joins samples by straight lines, along rows and then columns. Good on smooth shading: never leaves the range of \
-           its neighbours, so it cannot ring. Blurs texture, and bends at every sample show as a lattice of faint \
-           crosses. Rounded, and filled in up to the border.",
+    help: "Interpolates linearly, along rows and then columns. Good on smooth shading: never leaves the range of its \
+           neighbours, so it cannot ring. Blurs texture, and the kinks at the samples show as a lattice of faint \
+           crosses. Values are rounded, and the picture is filled in up to the border.",
     weights: Weights::Two(weights),
     deringing: false,
 };

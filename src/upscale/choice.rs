@@ -1,4 +1,4 @@
-//! The choice of a method and of what can be chosen about it: part of a recipe.
+//! Choice of an upscaler and its options: part of a recipe.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,22 +8,25 @@ use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::settings::{Choice, choice};
 
 choice! {
-    /// The numbers that are filtered.
+    /// Colour space in which an upscaler filters.
     #[derive(PartialOrd, Ord)]
     Light {
-        Bytes = "bytes", "Bytes", "sRGB codes, as most programs do: what looks even is treated as even.";
-        Linear = "linear", "Linear", "Linear light: physically right averages, but dark edges ring more. Slower: each sample is decoded and each pixel encoded.";
+        Bytes = "bytes", "sRGB", "Filters sRGB codes, as most programs do: steps that look even are treated as even.";
+        Linear = "linear", "Linear",
+            "Filters linear light: physically correct averages, but dark edges ring more. Slower: each sample is \
+             decoded and each pixel encoded.";
     }
 }
 
-/// Greatest sharpening, in percent.
+/// Maximum sharpening, in percent.
 pub(super) const MOST_SHARPENING: u32 = 100;
 
-/// The choice of a method and an enlargement. Always one that exists: what a method does not offer is set to what it does.
+/// Upscaler with its scale and options. Always valid: options that the upscaler does not offer are replaced by offered
+/// ones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(try_from = "Written", into = "Written")]
 pub struct Upscaling {
-    /// Position in [`ALL`].
+    /// Index into [`ALL`].
     method: usize,
     scale: Scale,
     anchor: Anchor,
@@ -32,16 +35,16 @@ pub struct Upscaling {
     sharpening: u32,
 }
 
-/// [`Upscaling`] as written in files.
+/// Serialised form of [`Upscaling`].
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Written {
     method: String,
     scale: Scale,
-    /// The method's own default where absent.
+    /// Sample position within its block; the upscaler's default if absent.
     #[serde(default)]
     anchor: Option<Anchor>,
-    /// The method's own default where absent.
+    /// Filtering colour space; the upscaler's default if absent.
     #[serde(default)]
     light: Option<Light>,
     #[serde(default)]
@@ -51,7 +54,7 @@ struct Written {
 }
 
 impl Upscaling {
-    /// Every pixel drawn: the first entry of [`ALL`].
+    /// Native rendering: the first entry of [`ALL`].
     pub const NATIVE: Self = Self {
         method: 0,
         scale: Scale::ONE,
@@ -61,8 +64,8 @@ impl Upscaling {
         sharpening: 0,
     };
 
-    /// A method by its id with an enlargement per axis, all else as the method has it first. The nearest enlargement that
-    /// the method offers is taken.
+    /// Creates the upscaler with this id at the nearest scale that it offers, with its default options. Returns `None`
+    /// for an unknown id.
     pub fn new(method: &str, scale: impl Into<Scale>) -> Option<Self> {
         let method = ALL.iter().position(|u| u.id() == method)?;
         let offers = ALL[method].offers();
@@ -70,7 +73,7 @@ impl Upscaling {
         Some(Self { method, scale: scale.into(), anchor, light, ..Self::NATIVE }.offered())
     }
 
-    /// The same where the method offers it, else what it offers.
+    /// Replaces every option that the upscaler does not offer by an offered one.
     fn offered(mut self) -> Self {
         let offers = self.upscaler().offers();
         let nearest = offers.scales.iter().min_by_key(|scale| scale.distance(self.scale));
@@ -82,118 +85,118 @@ impl Upscaling {
         self
     }
 
-    /// Every method with every enlargement, all else as the method has it first.
+    /// Returns every upscaler at every scale it offers, with its default options.
     pub fn every() -> impl Iterator<Item = Self> {
         let choices = |u: &'static dyn Upscaler| u.offers().scales.iter().filter_map(|scale| Self::new(u.id(), *scale));
         ALL.iter().flat_map(move |u| choices(*u))
     }
 
-    /// Returns another method in its default configuration at the nearest scale that it offers; `None` if there is no
-    /// such method. The current method is returned unchanged, with everything that was chosen about it.
+    /// Returns another upscaler with its default options, at the nearest scale that it offers. Returns `None` for an
+    /// unknown id. If the id is that of the current upscaler, returns `self` unchanged.
     pub fn with_method(self, method: &str) -> Option<Self> {
         if self.method() == method { Some(self) } else { Self::new(method, self.scale) }
     }
 
-    /// Another enlargement, or the nearest that the method offers.
+    /// Returns the choice with another scale per axis, or the nearest that the upscaler offers.
     pub fn with_scale(self, scale: impl Into<Scale>) -> Self {
         Self { scale: scale.into(), ..self }.offered()
     }
 
-    /// Another anchor, if the method offers it.
+    /// Returns the choice with another anchor, if the upscaler offers it.
     pub fn with_anchor(self, anchor: Anchor) -> Self {
         Self { anchor, ..self }.offered()
     }
 
-    /// Other numbers to filter, if the method offers them.
+    /// Returns the choice with another filtering colour space, if the upscaler offers it.
     pub fn with_light(self, light: Light) -> Self {
         Self { light, ..self }.offered()
     }
 
-    /// With overshoot cut off or not, if the method can.
+    /// Returns the choice with de-ringing on or off, if the upscaler supports it.
     pub fn with_deringing(self, deringing: bool) -> Self {
         Self { deringing, ..self }.offered()
     }
 
-    /// Sharpened by a share in percent, if the method can.
+    /// Returns the choice with `sharpening` percent of sharpening, at most 100, if the upscaler supports it.
     pub fn with_sharpening(self, sharpening: u32) -> Self {
         Self { sharpening, ..self }.offered()
     }
 
-    /// Whether every pixel is drawn and none filled in.
+    /// Whether this is native rendering, with every pixel drawn.
     pub fn is_native(self) -> bool {
         self.method == Self::NATIVE.method
     }
 
-    /// The method.
+    /// Returns the upscaler.
     pub fn upscaler(self) -> &'static dyn Upscaler {
         ALL[self.method]
     }
 
-    /// Id of the method.
+    /// Returns the id of the upscaler.
     pub fn method(self) -> &'static str {
         self.upscaler().id()
     }
 
-    /// Enlargement per axis.
+    /// Returns the scale per axis.
     pub fn scale(self) -> Scale {
         self.scale
     }
 
-    /// Where in its block a sample lies.
+    /// Returns the position of a sample within its block.
     pub fn anchor(self) -> Anchor {
         self.anchor
     }
 
-    /// Returns where in their blocks samples lie; `None` if blocks are single pixels, where all anchors agree.
+    /// Returns the position of a sample within its block, or `None` at ×1, where all anchors agree.
     pub fn block_anchor(self) -> Option<Anchor> {
         (self.scale != Scale::ONE).then_some(self.anchor)
     }
 
-    /// What is filtered.
+    /// Returns the filtering colour space.
     pub fn light(self) -> Light {
         self.light
     }
 
-    /// Whether overshoot is cut off: after each pass a value is kept between the two samples that it lies between.
+    /// Whether de-ringing is on: each pass clamps its result to the range of the two adjacent samples.
     pub fn deringing(self) -> bool {
         self.deringing
     }
 
-    /// How much the result is sharpened, in percent of the most that makes no new extremes.
+    /// Returns the sharpening, in percent of the maximum that creates no new extremes.
     pub fn sharpening(self) -> u32 {
         self.sharpening
     }
 
-    /// Where samples lie if they are evenly spread.
+    /// Returns the lattice of sample positions, for upscalers with evenly spaced samples.
     pub fn lattice(self) -> Lattice {
         Lattice { scale: self.scale, anchor: self.anchor }
     }
 
-    /// What is drawn.
+    /// Returns the samples to draw.
     pub fn sampling(self) -> Sampling {
         self.upscaler().sampling(self)
     }
 
-    /// Which pixels are drawn of the picture that is drawn.
+    /// Returns the grid of the samples to draw, within the rasterized image.
     pub fn grid(self) -> SampleGrid {
         self.sampling().grid()
     }
 
-    /// A full picture of `width` × `height` px from what was drawn for it.
+    /// Upscales drawn samples to an image of `width` × `height` px.
     pub fn upscale(self, drawn: &Drawn<'_>, width: u32, height: u32) -> Image<Rgba8> {
         let mut full = Image::filled(width, height, [0; 4]);
         self.upscaler().upscale(self, drawn, &mut full);
         full
     }
 
-    /// Returns the name with the scale and every choice that is not the method's default, such as "Bicubic ×4" or
-    /// "Lanczos 3 ×1.5, centre, linear".
+    /// Returns the display name with the scale and all non-default options, such as "Bicubic ×4" or "Lanczos 3 ×1.5,
+    /// centre, linear".
     pub fn label(self) -> String {
         let default_anchor = self.upscaler().offers().anchors.first();
         self.label_with(Some(self.anchor).filter(|anchor| default_anchor != Some(anchor)))
     }
 
-    /// Returns [`Upscaling::label`] with the anchor even if it is the method's default, such as "FSR 1 ×2, centre".
+    /// Returns [`Upscaling::label`] with the anchor even if it is the default, such as "FSR 1 ×2, centre".
     pub fn label_with_anchor(self) -> String {
         self.label_with(self.block_anchor())
     }

@@ -1,28 +1,31 @@
-//! The two-parameter cubics of Mitchell and Netravali, "Reconstruction Filters in Computer Graphics" (1988).
+//! Two-parameter cubic filters of Mitchell and Netravali, "Reconstruction Filters in Computer Graphics" (1988).
 //!
-//! B blurs and C sharpens. Catmull and Rom's spline, (0, ½), passes through the samples with a steady slope and reproduces
-//! quadratics; Mitchell and Netravali's own choice, (⅓, ⅓), trades a little blur for less ringing and reproduces ramps.
+//! B blurs and C sharpens. The Catmull-Rom spline, (0, ½), interpolates the samples with a continuous slope and
+//! reproduces quadratics. Mitchell and Netravali's own choice, (⅓, ⅓), trades some blur for less ringing and reproduces
+//! linear ramps.
 
 use super::separable::{Separable, Weights};
 
-/// Catmull and Rom's spline.
+/// Catmull-Rom spline (B = 0, C = ½).
 pub static CATMULL_ROM: Separable = Separable {
     id: "catmull-rom",
     name: "Catmull-Rom",
-    help: "A spline through the samples with a steady slope, along rows and then columns; what Pillow calls bicubic. Good on \
-           natural pictures: without the kinks of the Lagrange cubic of Bicubic. Overshoots at hard edges by up to 7.5 % of \
-           their height. Source: Catmull and Rom (1974), in the form of Mitchell and Netravali (1988), B = 0, C = ½.",
+    help: "A spline through the samples with a continuous slope, along rows and then columns; Pillow calls it bicubic. \
+           Good on natural images: without the kinks of the Lagrange cubic of Bicubic. Overshoots at hard edges by up \
+           to 7.5 % of their height. Source: Catmull and Rom (1974), in the form of Mitchell and Netravali (1988), B = \
+           0, C = ½.",
     weights: Weights::Four(|t| weights(t, 0.0, 0.5)),
     deringing: true,
 };
 
-/// The compromise that Mitchell and Netravali's viewers liked best.
+/// Mitchell-Netravali filter (B = C = ⅓), the compromise that viewers preferred in their study.
 pub static MITCHELL: Separable = Separable {
     id: "mitchell",
     name: "Mitchell",
-    help: "A cubic that keeps a balance between blur, ringing and stairs. Good where hard edges meet smooth shading: \
-           overshoots by up to 4 % of an edge's height. It does not pass through the samples, so the picture turns a little softer, drawn \
-           pixels too. Source: Mitchell and Netravali, Reconstruction Filters in Computer Graphics (1988), B = C = ⅓.",
+    help: "A cubic that balances blur, ringing and stair-stepping. Good where hard edges meet smooth shading: \
+           overshoots by up to 4 % of an edge's height. It does not pass through the samples, so the picture becomes \
+           slightly softer, including the drawn pixels. Source: Mitchell and Netravali, Reconstruction Filters in \
+           Computer Graphics (1988), B = C = ⅓.",
     weights: Weights::Four(|t| weights(t, 1.0 / 3.0, 1.0 / 3.0)),
     deringing: false,
 };
@@ -31,7 +34,7 @@ fn weights(t: f64, b: f64, c: f64) -> [f64; 4] {
     [1.0 + t, t, 1.0 - t, 2.0 - t].map(|distance| cubic(distance, b, c))
 }
 
-/// The cubic at a distance in samples.
+/// Evaluates the cubic at distance `x` ≥ 0, in samples.
 fn cubic(x: f64, b: f64, c: f64) -> f64 {
     let sixfold = if x < 1.0 {
         ((12.0 - 9.0 * b - 6.0 * c) * x + (-18.0 + 12.0 * b + 6.0 * c)) * x * x + (6.0 - 2.0 * b)
@@ -59,7 +62,7 @@ mod tests {
         for (own, printed) in weights(t, 0.0, 0.5).into_iter().zip(catmull_rom) {
             assert!((own - printed).abs() < 1e-15, "{own} is not {printed}");
         }
-        // Mitchell at the samples: 1/18, 8/9, 1/18.
+        // Mitchell weights at a sample: 1/18, 8/9, 1/18.
         let mitchell = weights(0.0, 1.0 / 3.0, 1.0 / 3.0);
         for (own, printed) in mitchell.into_iter().zip([1.0 / 18.0, 8.0 / 9.0, 1.0 / 18.0, 0.0]) {
             assert!((own - printed).abs() < 1e-15, "{own} is not {printed}");

@@ -1,5 +1,4 @@
-//! What methods read besides the colours that were drawn: which surface every pixel of the full picture shows, how far away it
-//! is, and what the last frame was.
+//! Inputs of upscalers besides the drawn colours: the object and distance of every pixel, and the previous frame.
 
 use std::sync::Arc;
 
@@ -12,77 +11,76 @@ mod wide;
 
 pub(super) use wide::{NOWHERE, same_surface};
 
-/// What every pixel of the full picture shows, found without shading it. What is cut out or blended counts as if it were
-/// opaque.
+/// Visible surface of every pixel in the full image, found without shading. Alpha-tested and transparent surfaces count
+/// as opaque.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surfaces {
-    /// A colour for each object, and the background where there is none.
+    /// Id colour of the object in each pixel; the background where there is none.
     pub object: Image<Rgba8>,
-    /// Distance along the line of sight, world units; beyond all surfaces infinite, or the far plane.
+    /// Distance along the view axis, in world units; infinite or the far plane where there is no surface.
     pub distance: Image<f32>,
 }
 
-/// A share of the distance by which the same surface may seem nearer or farther: depths are rounded, and pixels look at
-/// slightly different places.
+/// Relative tolerance for equal distances: depths are rounded, and pixels sample slightly different positions.
 const SAME_DISTANCE: f32 = 0.02;
 
 impl Surfaces {
-    /// Whether a place shows the object, and about the distance, that is asked for.
+    /// Whether a pixel shows this object at about this distance.
     pub fn shows(&self, (x, y): (u32, u32), object: Rgba8, distance: f32) -> bool {
         let there = self.distance.at(x, y);
         let near = (there - distance).abs() <= SAME_DISTANCE * distance.abs();
         self.object.at(x, y) == object && (near || there == distance)
     }
 
-    /// Whether two places show the same object at about the same distance.
+    /// Whether two pixels show the same object at about the same distance.
     pub fn are_one(&self, a: (u32, u32), b: (u32, u32)) -> bool {
         self.shows(a, self.object.at(b.0, b.1), self.distance.at(b.0, b.1))
     }
 }
 
-/// A frame that was drawn before.
+/// A previous frame.
 #[derive(Clone, Debug)]
 pub struct History {
-    /// Its full picture, unless the method remembers more.
+    /// Full image of the frame; `None` if the upscaler stores its own history.
     pub picture: Option<Image<Rgba8>>,
-    /// What the method remembers more precisely than the picture can.
+    /// Upscaler's own history, more precise than the image.
     pub memory: Option<Image<[f32; 4]>>,
-    /// What it showed.
+    /// Visible surfaces of the frame.
     pub surfaces: Arc<Surfaces>,
-    /// Its view.
+    /// Camera of the frame.
     pub camera: Camera,
-    /// How many frames came before it without a break.
+    /// Number of consecutive frames before this one.
     pub frames: u32,
-    /// How many of the last ones, with it, had the same view.
+    /// Number of consecutive frames with an unchanged camera, including this one.
     pub still: u32,
 }
 
-/// What is known of the frame that is filled in.
+/// Inputs of the current frame besides its colours.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen<'a> {
-    /// What it shows.
+    /// Visible surfaces of the frame.
     pub surfaces: &'a Surfaces,
-    /// Its view.
+    /// Camera of the frame.
     pub camera: &'a Camera,
-    /// The frame before it, if it shows the same scene by the same recipe.
+    /// Previous frame, if it shows the same scene with the same recipe.
     pub past: Option<&'a History>,
 }
 
 impl Seen<'_> {
-    /// How many frames came before without a break.
+    /// Returns the number of consecutive frames before this one.
     pub fn frames(&self) -> u32 {
         self.past.map_or(0, |past| past.frames + 1)
     }
 
-    /// Where the frame before showed what pixel `at` shows, px from the corner of the picture, if it showed it at all. For
-    /// many pixels ask [`Self::motion`] once.
+    /// Reprojects pixel `at` into the previous frame. Returns `None` if it was not visible there. For many pixels, call
+    /// [`Self::motion`] once.
     pub fn before(&self, size: (u32, u32), at: (u32, u32)) -> Option<Before> {
         self.motion(size)?.before(at)
     }
 }
 
 impl<'a> Seen<'a> {
-    /// How places of a picture have moved since the frame before, if there is one.
+    /// Returns the motion since the previous frame, or `None` if there is no previous frame.
     pub fn motion(&self, size: (u32, u32)) -> Option<Motion<'a>> {
         let past = self.past?;
         let path = (past.camera != *self.camera).then(|| Path::new([self.camera, &past.camera], size));
@@ -90,19 +88,19 @@ impl<'a> Seen<'a> {
     }
 }
 
-/// How places of a picture have moved since the frame before.
+/// Camera motion since the previous frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Motion<'a> {
-    /// The frame before.
+    /// The previous frame.
     pub past: &'a History,
     surfaces: &'a Surfaces,
     size: (u32, u32),
-    /// None while the view stands still.
+    /// Change of view; `None` if the camera is unchanged.
     path: Option<Path>,
 }
 
 impl Motion<'_> {
-    /// Where the frame before showed what pixel `at` shows, px from the corner of the picture, if it showed it at all.
+    /// Reprojects pixel `at` into the previous frame. Returns `None` if it was not visible there.
     pub fn before(&self, at: (u32, u32)) -> Option<Before> {
         let center = [f64::from(at.0) + 0.5, f64::from(at.1) + 0.5];
         let Some(path) = &self.path else {
@@ -120,17 +118,17 @@ impl Motion<'_> {
     }
 }
 
-/// Where a pixel was in the frame before.
+/// Position of a pixel in the previous frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Before {
-    /// Px from the corner of the picture.
+    /// Position in pixels from the top left corner of the image.
     pub place: [f64; 2],
-    /// Whether the view was the same, so that it is the very same pixel.
+    /// Whether the camera was the same, so that the position is the pixel itself.
     pub is_still: bool,
 }
 
 impl Before {
-    /// A picture at this place, between the centres of its four pixels around; the pixel itself if nothing moved.
+    /// Samples an image bilinearly at this position; reads the pixel itself if the camera was unchanged.
     pub fn read<const N: usize>(&self, size: (u32, u32), value: impl Fn(u32, u32) -> [f32; N]) -> [f32; N] {
         let [x, y] = self.place;
         if self.is_still {
@@ -151,10 +149,11 @@ impl Before {
     }
 }
 
-/// How a view's pixels lie around its line of sight.
+/// Mapping between the pixels and the view space of a camera.
 #[derive(Clone, Copy, Debug)]
 struct Lens {
-    /// Half of the picture's width and height, in world units, at distance 1 in perspective and everywhere without.
+    /// Half of the image's width and height in world units: at distance 1 for perspective, at any distance for
+    /// orthographic projection.
     half: [f64; 2],
     size: [f64; 2],
     in_perspective: bool,
@@ -170,23 +169,24 @@ impl Lens {
         Self { half: [half_height * size[0] / size[1], half_height], size, in_perspective }
     }
 
-    /// How far to the right of the line of sight a column is seen, px, at distance 1 in perspective and everywhere without.
+    /// Returns the horizontal view-space offset of a column in pixels: at distance 1 for perspective, at any distance
+    /// for orthographic projection.
     fn right_of(&self, x: f64) -> f64 {
         (x / self.size[0] * 2.0 - 1.0) * self.half[0]
     }
 
-    /// How far above the line of sight a row is seen; see [`Self::right_of`].
+    /// Returns the vertical view-space offset of a row in pixels; see [`Self::right_of`].
     fn up_of(&self, y: f64) -> f64 {
         (1.0 - y / self.size[1] * 2.0) * self.half[1]
     }
 
-    /// The point at a distance that is seen at a place, px; view space.
+    /// Returns the view-space point at a distance, seen at a position in pixels.
     fn point(&self, [x, y]: [f64; 2], distance: f64) -> DVec3 {
         let spread = if self.in_perspective { distance } else { 1.0 };
         DVec3::new(self.right_of(x) * spread, self.up_of(y) * spread, -distance)
     }
 
-    /// Where a point of view space is seen, px, and how far away it is; nowhere behind the eye.
+    /// Projects a view-space point to a position in pixels and a distance. Returns `None` for points behind the eye.
     fn place(&self, point: DVec3) -> Option<([f64; 2], f64)> {
         let distance = -point.z;
         let spread = if self.in_perspective { distance } else { 1.0 };
@@ -196,7 +196,7 @@ impl Lens {
     }
 }
 
-/// The way from one view to another.
+/// Transformation from one view to another.
 #[derive(Clone, Copy, Debug)]
 struct Path {
     lenses: [Lens; 2],
@@ -209,7 +209,7 @@ impl Path {
         Self { lenses: cameras.map(|camera| Lens::new(camera, size)), to_from: to * from.inverse() }
     }
 
-    /// Where the second view sees what the first one sees at a place and a distance.
+    /// Returns the position and distance in the second view of a point given by its position and distance in the first.
     fn moved(&self, place: [f64; 2], distance: f64) -> Option<([f64; 2], f64)> {
         let [from, to] = &self.lenses;
         to.place(self.to_from.transform_point3(from.point(place, distance)))
@@ -223,7 +223,7 @@ pub(super) mod tests {
     use super::*;
     use crate::scene::DepthMapping;
 
-    /// What neighbouring frames may know of each other.
+    /// Inputs of one test frame, with its history.
     pub(in crate::upscale) struct Frames {
         surfaces: Surfaces,
         camera: Camera,
@@ -236,8 +236,8 @@ pub(super) mod tests {
         }
     }
 
-    /// A few objects, one behind the other and slanted, before nothing, and frames of them: without a past, with the same view, and
-    /// with another one in perspective and without.
+    /// Returns test frames of a few slanted objects at different distances and an empty background: without history,
+    /// with the same camera, and with another camera in perspective and orthographic projection.
     pub(in crate::upscale) fn frames((width, height): (u32, u32), number: u32) -> Vec<Frames> {
         let mut random = fastrand::Rng::with_seed(u64::from(number));
         let surfaces = Surfaces {

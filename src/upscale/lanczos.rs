@@ -1,31 +1,31 @@
-//! The windowed sinc of Lanczos: sinc(x) · sinc(x / a) for |x| < a.
+//! Lanczos filter, a windowed sinc: sinc(x) · sinc(x / a) for |x| < a.
 //!
-//! As printed the weights do not sum to one (for a = 2 they reach 1.019 halfway), which would show as a lattice on plain
-//! colours; here they are divided by their sum.
+//! The weights as published do not sum to 1 (for a = 2 they reach 1.019 halfway), which would show as a lattice on
+//! uniform colours. They are therefore divided by their sum.
 
 use std::array;
 use std::f64::consts::PI;
 
 use super::separable::{Separable, Weights};
 
-/// Lanczos with two lobes.
+/// Lanczos filter with a = 2 (four taps).
 pub static LANCZOS2: Separable = Separable {
     id: "lanczos2",
     name: "Lanczos 2",
-    help: "A sinc cut off by a wider sinc after two samples, along rows and then columns. Good on fine detail. \
-           Overshoots at hard edges by up to 9 % of their height. Source: \
-           Duchon, Lanczos Filtering in One and Two Dimensions (1979); weights divided by their sum.",
+    help: "A sinc windowed by a wider sinc that ends after two samples, along rows and then columns. Good on fine \
+           detail. Overshoots at hard edges by up to 9 % of their height. Source: Duchon, Lanczos Filtering in One and \
+           Two Dimensions (1979); weights divided by their sum.",
     weights: Weights::Four(lanczos),
     deringing: true,
 };
 
-/// Lanczos with three lobes.
+/// Lanczos filter with a = 3 (six taps).
 pub static LANCZOS3: Separable = Separable {
     id: "lanczos3",
     name: "Lanczos 3",
-    help: "A sinc cut off by a wider sinc after three samples, along rows and then columns. Good on natural pictures that were smoothed before. Rings: up to 12 % of an edge's \
-           height beside it, with a second wave. Source: Duchon, Lanczos Filtering in One and Two Dimensions (1979); \
-           weights divided by their sum.",
+    help: "A sinc windowed by a wider sinc that ends after three samples, along rows and then columns. Good on natural \
+           images that were low-pass filtered. Rings: up to 12 % of an edge's height beside it, with a second wave. \
+           Source: Duchon, Lanczos Filtering in One and Two Dimensions (1979); weights divided by their sum.",
     weights: Weights::Six(lanczos),
     deringing: true,
 };
@@ -40,7 +40,7 @@ fn lanczos<const N: usize>(t: f64) -> [f64; N] {
     weights.map(|weight| weight / sum)
 }
 
-/// sin(πx) / (πx), exactly 0 at whole numbers but for the middle.
+/// Computes sin(πx) / (πx), exactly 0 at all integers except 0.
 fn sinc(x: f64) -> f64 {
     if x == 0.0 {
         1.0
@@ -63,7 +63,7 @@ mod tests {
             assert!((lanczos::<4>(t).iter().sum::<f64>() - 1.0).abs() < 1e-15);
             assert!((lanczos::<6>(t).iter().sum::<f64>() - 1.0).abs() < 1e-15);
         }
-        // Halfway, a = 2: sinc(½) sinc(¼) = 0.5732, sinc(1½) sinc(¾) = −0.0637; their doubled sum is 1.0190.
+        // Halfway with a = 2: sinc(½) sinc(¼) = 0.5732, sinc(1½) sinc(¾) = −0.0637; twice their sum is 1.0190.
         let halfway = lanczos::<4>(0.5);
         assert!((halfway[1] - 0.5732 / 1.0190).abs() < 1e-4 && (halfway[0] + 0.0637 / 1.0190).abs() < 1e-4);
     }

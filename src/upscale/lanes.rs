@@ -1,4 +1,4 @@
-//! Loads and stores of 256 bits, without pointers.
+//! 256-bit loads and stores without raw pointers.
 
 use std::arch::x86_64::{__m128i, __m256i};
 use std::array;
@@ -8,61 +8,65 @@ use fearless_simd::{Avx2, i16x16, u8x16, u8x32, u32x8};
 
 use crate::image::Rgba8;
 
-/// Sixteen values.
+/// Loads 16 values.
 #[target_feature(enable = "avx2")]
 #[inline]
 pub(super) fn load(avx2: Avx2, values: &[i16; 16]) -> __m256i {
     i16x16::load_array_ref(avx2, values).into()
 }
 
-/// Sixteen bytes.
+/// Loads 16 bytes.
 #[target_feature(enable = "avx2")]
 #[inline]
 pub(super) fn load_bytes(avx2: Avx2, bytes: &[u8; 16]) -> __m128i {
     u8x16::load_array_ref(avx2, bytes).into()
 }
 
-/// Thirty-two bytes.
+/// Loads 32 bytes.
 #[target_feature(enable = "avx2")]
 #[inline]
 pub(super) fn load_codes(avx2: Avx2, bytes: &[u8; 32]) -> __m256i {
     u8x32::load_array_ref(avx2, bytes).into()
 }
 
-/// Eight words.
+/// Loads eight 32-bit words.
 #[target_feature(enable = "avx2")]
 #[inline]
 pub(super) fn load_words(avx2: Avx2, words: &[u32; 8]) -> __m256i {
     u32x8::load_array_ref(avx2, words).into()
 }
 
-/// Writes sixteen values.
+/// Stores 16 values.
 #[target_feature(enable = "avx2")]
 #[inline]
 pub(super) fn store(avx2: Avx2, register: __m256i, values: &mut [i16; 16]) {
     i16x16::simd_from(avx2, register).store_array(values);
 }
 
-/// Writes thirty-two bytes.
+/// Stores 32 bytes.
 #[target_feature(enable = "avx2")]
 #[inline]
 pub(super) fn store_codes(avx2: Avx2, register: __m256i, codes: &mut [u8; 32]) {
     u8x32::simd_from(avx2, register).store_array(codes);
 }
 
-/// The `N` values from place `at` on. Panics if there are fewer.
+/// Returns the `N` values from index `at` on.
+///
+/// # Panics
+///
+/// Panics if fewer are left.
 #[inline(always)]
 pub(super) fn window<const N: usize, T>(values: &[T], at: usize) -> &[T; N] {
-    values.get(at..).and_then(<[T]>::first_chunk).unwrap_or_else(|| panic!("fewer than {N} values are left"))
+    values.get(at..).and_then(<[T]>::first_chunk).unwrap_or_else(|| panic!("fewer than {N} values remain"))
 }
 
-/// Most rows that a kernel writes at once.
+/// Maximum number of rows that a kernel writes at once.
 pub(super) const MAX_ROWS: usize = 4;
 
-/// Pixels of a row, eight by eight.
+/// Pixels of a row in blocks of eight.
 pub(super) type Blocks<'a> = &'a mut [[u8; 32]];
 
-/// Rows of a picture, at most [`MAX_ROWS`]: of each so many pixels at its head, whole blocks, and the bytes of what is left.
+/// At most [`MAX_ROWS`] image rows, each split into head pixels, whole blocks and the remaining bytes.
 pub(super) struct SplitRows<'a> {
     pub(super) heads: [&'a mut [Rgba8]; MAX_ROWS],
     pub(super) blocks: [Blocks<'a>; MAX_ROWS],
@@ -70,7 +74,7 @@ pub(super) struct SplitRows<'a> {
 }
 
 impl<'a> SplitRows<'a> {
-    /// Splits rows of `width` px without a gap between them.
+    /// Splits contiguous rows of `width` px after `head` pixels.
     pub(super) fn new(rows: &'a mut [Rgba8], width: usize, head: usize) -> Self {
         let mut split = Self {
             heads: array::from_fn(|_| [].as_mut_slice()),
@@ -86,8 +90,8 @@ impl<'a> SplitRows<'a> {
     }
 }
 
-/// The first `count` of some rows with as many blocks as the first has, the others with none: where that is known, no place in
-/// them is checked.
+/// Truncates the first `count` rows to the number of blocks of the first one, and the others to none. Known equal
+/// lengths let the compiler remove bounds checks.
 #[inline(always)]
 pub(super) fn of_one_length(mut rows: [Blocks<'_>; MAX_ROWS], count: usize) -> [Blocks<'_>; MAX_ROWS] {
     let blocks = rows[0].len();
@@ -97,8 +101,8 @@ pub(super) fn of_one_length(mut rows: [Blocks<'_>; MAX_ROWS], count: usize) -> [
     rows
 }
 
-/// How many pixels of a row lie before the first whose address is a multiple of 32 bytes; all if it has none. Stores that
-/// cross from one cache line into the next take half as long again.
+/// Returns the number of pixels before the first 32-byte-aligned address of a row, or its length if there is none.
+/// Stores that cross a cache line take 1.5 times as long.
 pub(super) fn pixels_to_alignment(row: &[Rgba8]) -> usize {
     row.as_ptr().align_offset(32).min(row.len())
 }

@@ -1,13 +1,13 @@
-//! Where the samples of a small picture lie in the full one.
+//! Positions of the samples of a low-resolution image in the full one.
 //!
-//! Both axes are alike. Sample i lies, in px of the full picture,
+//! Both axes are treated alike. The position of sample i in the full image, in pixels, is
 //!
 //! ```text
-//!   corner    at  i · s + ½        on the centre of the first pixel of its block
-//!   centre    at (i + ½) · s       in the middle of its block: the two pictures have their outlines in common
+//!   corner    i · s + ½        the centre of the first pixel of its block
+//!   centre    (i + ½) · s      the centre of its block: both images have the same outline
 //! ```
 //!
-//! so between the samples `cell` and `cell + 1` every output pixel has its place, `phase` steps of `1 / phases` on.
+//! Every output pixel lies between the samples `cell` and `cell + 1`, at an offset of `phase` steps of `1 / phases`.
 
 use serde::{Deserialize, Serialize};
 
@@ -15,40 +15,42 @@ use super::Scale;
 use crate::pipeline::settings::{Choice, choice};
 
 choice! {
-    /// Where in its block a sample lies.
+    /// Position of a sample within its block.
     #[derive(PartialOrd, Ord)]
     Anchor {
-        Corner = "corner", "Corner", "On the block's first pixel, which comes out unchanged.";
-        Centre = "centre", "Centre", "In the block's middle, as resizing programs have it: nothing moves, but no pixel is drawn itself.";
+        Corner = "corner", "Corner", "On the first pixel of the block, which interpolating filters leave unchanged.";
+        Centre = "centre", "Centre",
+            "At the centre of the block, as in image resizers: nothing moves, but at ×1.5, ×2 and ×4 no pixel \
+             coincides with a sample.";
     }
 }
 
-/// A row or column of samples spread over pixels.
+/// Regular spacing of samples along each axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Lattice {
-    /// Pixels per sample.
+    /// Number of output pixels per sample.
     pub scale: Scale,
-    /// Where in its block a sample lies.
+    /// Position of a sample within its block.
     pub anchor: Anchor,
 }
 
-/// Where an output pixel lies between samples.
+/// Position of an output pixel between two samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Place {
-    /// The sample at or before it; −1 before the first.
+    /// Index of the last sample at or before the pixel; −1 before the first.
     pub cell: i32,
-    /// How far towards the next sample, in steps of 1 / [`Lattice::phases`].
+    /// Offset towards the next sample, in steps of 1 / [`Lattice::phases`].
     pub phase: u32,
 }
 
 impl Lattice {
-    /// How many samples there are for `length` px.
+    /// Returns the number of samples for `length` px.
     pub fn samples(self, length: u32) -> u32 {
         let (pixels, samples) = self.scale.ratio();
         (u64::from(length) * u64::from(samples)).div_ceil(u64::from(pixels)) as u32
     }
 
-    /// Steps from one sample to the next.
+    /// Returns the number of phase steps between two samples.
     pub fn phases(self) -> u32 {
         let (pixels, _) = self.scale.ratio();
         match self.anchor {
@@ -57,12 +59,12 @@ impl Lattice {
         }
     }
 
-    /// Where output pixel `at` lies: at `at / s` or `(at + ½) / s − ½` samples.
+    /// Returns the position of output pixel `at`: `at / s` or `(at + ½) / s − ½` samples, for corner or centre.
     pub fn place(self, at: u32) -> Place {
         self.place_beyond(i64::from(at))
     }
 
-    /// [`Lattice::place`] for pixels outside of the picture, too.
+    /// Does the same as [`Lattice::place`], also for pixels outside the image.
     pub(super) fn place_beyond(self, at: i64) -> Place {
         let (pixels, samples) = self.scale.ratio();
         let (pixels, samples) = (i64::from(pixels), i64::from(samples));
@@ -73,8 +75,8 @@ impl Lattice {
         Place { cell: steps.div_euclid(phases) as i32, phase: steps.rem_euclid(phases) as u32 }
     }
 
-    /// [`Lattice::place`] of output pixel `first` and of all after it: by adding up, as thousands of divisions would take a
-    /// tenth of the time of a fast kernel.
+    /// Returns [`Lattice::place`] of output pixel `first` and of all after it. Positions are computed incrementally:
+    /// thousands of divisions would take a tenth of the time of a fast kernel.
     pub(super) fn places_from(self, first: u32) -> impl Iterator<Item = Place> {
         let phases = self.phases();
         let (_, samples) = self.scale.ratio();
@@ -83,13 +85,13 @@ impl Lattice {
             Anchor::Centre => 2 * samples,
         };
         std::iter::successors(Some(self.place(first)), move |Place { cell, phase }| {
-            // A pixel is never wider than a sample, so at most one cell is left.
+            // A pixel is never wider than a sample, so it advances by at most one cell.
             let (phase, next) = (phase + steps, phase + steps >= phases);
             Some(Place { cell: cell + i32::from(next), phase: if next { phase - phases } else { phase } })
         })
     }
 
-    /// Where sample `index` lies in the full picture, px.
+    /// Returns the position of sample `index` in the full image, in pixels.
     pub fn position_px(self, index: u32) -> f64 {
         match self.anchor {
             Anchor::Corner => f64::from(index) * self.scale.value() + 0.5,
@@ -97,17 +99,17 @@ impl Lattice {
         }
     }
 
-    /// Where the outline of the samples begins in the full picture, px: sample i is seen at (i + ½) · s from there.
+    /// Returns the origin of the sample grid in the full image, in pixels: sample i lies at (i + ½) · s from there.
     pub fn origin_px(self) -> f64 {
         self.position_px(0) - 0.5 * self.scale.value()
     }
 
-    /// The sample nearest to output pixel `at`, the first of two equally near; of `samples` samples.
+    /// Returns the nearest of `samples` samples to output pixel `at`; the first one if two are equally near.
     pub fn nearest(self, at: u32, samples: u32) -> u32 {
         self.nearest_to(self.place(at), samples)
     }
 
-    /// [`Lattice::nearest`] to a place.
+    /// Returns the nearest sample to a position; see [`Lattice::nearest`].
     pub(super) fn nearest_to(self, Place { cell, phase }: Place, samples: u32) -> u32 {
         let index = cell + i32::from(2 * phase > self.phases());
         (index.max(0) as u32).min(samples.saturating_sub(1))
@@ -118,7 +120,7 @@ impl Lattice {
 pub(super) mod tests {
     use super::*;
 
-    /// Every lattice.
+    /// Returns every lattice.
     pub(in crate::upscale) fn every() -> impl Iterator<Item = Lattice> {
         let scales = [Scale::ONE, Scale::ONE_AND_A_HALF, Scale::TWO, Scale::THREE, Scale::FOUR];
         scales.into_iter().flat_map(|scale| Anchor::ALL.iter().map(move |anchor| Lattice { scale, anchor: *anchor }))

@@ -1,14 +1,14 @@
-//! From few drawn samples to a full picture.
+//! Upscaling: from few drawn samples to a full image.
 //!
-//! In: the samples that were drawn, packed as [`Upscaling::sampling`] says. Out: the whole picture, of any size from 1 × 1
-//! on. Samples lie on pixels of the full picture, which then come out unchanged unless a method smooths on purpose, or
-//! between them, as [`Lattice`] says.
+//! The input is the drawn samples, packed as [`Upscaling::sampling`] specifies. The output is the whole image, of any
+//! size from 1 × 1. Samples lie on pixels of the full image or between them, as [`Lattice`] specifies. On pixels, they
+//! are kept unchanged unless the upscaler deliberately smooths.
 //!
-//! Methods filter sRGB codes, as most programs do, or linear light, which is physically right but rings darker at
-//! edges. A picture is the same bit for bit whatever the number of threads and whatever the processor.
-//! [`Upscaler::taps`] tells what a pixel is made of, and [`Upscaler::pixel`] makes it alone by the same arithmetic.
+//! Upscalers filter sRGB-encoded values, as most programs do, or linear light, which is physically correct but makes
+//! dark edges ring more. Images are bit-identical for any number of threads and on any processor. [`Upscaler::taps`]
+//! lists the samples of a pixel, and [`Upscaler::pixel`] computes a single pixel with the same arithmetic.
 //!
-//! Each method is one file and one entry of [`ALL`]; menus, command line, tests and reports read the registry.
+//! Each upscaler is one file and one entry of [`ALL`]; menus, command line, tests and reports read this registry.
 
 use serde::Serialize;
 
@@ -49,58 +49,61 @@ pub use native::NATIVE;
 pub use nearest::NEAREST;
 pub use scale::Scale;
 
-/// A method that fills in the pixels that were not drawn.
+/// An upscaler, which fills in the pixels that were not drawn.
 pub trait Upscaler: Sync {
-    /// Word by which recipes and the command line name it; kebab case.
+    /// Returns the id used in recipes and on the command line, in kebab case.
     fn id(&self) -> &'static str;
 
-    /// What a person calls it.
+    /// Returns the display name.
     fn name(&self) -> &'static str;
 
-    /// A few sentences: what it does, where it is good, which artefact it makes, and the source.
+    /// Returns a short description: algorithm, strengths, artefacts and source.
     fn help(&self) -> &'static str;
 
-    /// What can be chosen about it. Everywhere below, `how` is a choice of this method.
+    /// Returns the available options. In all methods below, `how` must be a choice of this upscaler.
     fn offers(&self) -> Offers;
 
-    /// What it reads besides the colours that were drawn.
+    /// Returns the inputs besides the drawn colours.
     fn reads(&self) -> Reads {
         Reads { surfaces: false, past: false }
     }
 
-    /// After how many frames of a view that stands still the picture changes no more.
+    /// Returns the number of frames of a still view after which the image no longer changes.
     fn settles_after(&self, _how: Upscaling) -> u32 {
         1
     }
 
-    /// What must be drawn. Of a method that reads the past: when there is none.
+    /// Returns the samples to draw; for upscalers with history, those of the first frame.
     fn sampling(&self, how: Upscaling) -> Sampling;
 
-    /// What must be drawn when so many frames came before without a break, and where in their pixels the samples lie, px from
-    /// their corner.
+    /// Returns the samples to draw after `frames` consecutive earlier frames, and their position within a pixel, in
+    /// [0, 1]².
     fn sampling_of(&self, how: Upscaling, _frames: u32) -> (Sampling, [f64; 2]) {
         (self.sampling(how), CENTRE)
     }
 
-    /// Overwrites a picture, from samples packed as [`Upscaler::sampling`] says for its size; may panic if they are packed
-    /// otherwise.
+    /// Overwrites an image with the upscaled samples.
+    ///
+    /// May panic if the samples are not packed as [`Upscaler::sampling`] specifies for the image size.
     fn upscale(&self, how: Upscaling, drawn: &Drawn<'_>, full: &mut Image<Rgba8>);
 
-    /// Pixel `at` of the picture of `size` px that [`Upscaler::upscale`] makes, from no other samples than
-    /// [`Upscaler::taps`] names.
+    /// Computes pixel `at` of the image that [`Upscaler::upscale`] produces for `size` px, using only the samples
+    /// listed by [`Upscaler::taps`].
     fn pixel(&self, how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8;
 
-    /// The samples that pixel `at` is made of: each once; one without weight counts by rounding alone. Weights sum to one; the weighted
-    /// sum of codes or light, clamped, is the pixel but for rounding, and but for what the method does besides weighing.
+    /// Returns the distinct samples that contribute to pixel `at`. Samples of zero weight affect only clamping or
+    /// rounding. The weights sum to 1. The clamped weighted sum, in the filtering colour space, is the pixel up to
+    /// rounding and non-linear steps of the upscaler.
     fn taps(&self, how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Vec<Tap>;
 
-    /// Where in the frame before a part of pixel `at` comes from, which is no tap; nowhere for most.
+    /// Returns the position in the previous frame from which pixel `at` reads history; `None` for most upscalers.
+    /// History is not a tap.
     fn remembers(&self, _how: Upscaling, _drawn: &Drawn<'_>, _size: (u32, u32), _at: (u32, u32)) -> Option<Before> {
         None
     }
 
-    /// [`Upscaler::upscale`], and what the next frame is to remember besides the picture: nothing for most. May write that into
-    /// memory that is no longer needed.
+    /// Upscales like [`Upscaler::upscale`], and returns history for the next frame besides the image; `None` for most
+    /// upscalers. May reuse `_memory`, an old history, as the buffer.
     fn upscale_and_remember(
         &self,
         how: Upscaling,
@@ -113,44 +116,44 @@ pub trait Upscaler: Sync {
     }
 }
 
-/// The middle of a pixel, from its corner.
+/// Centre of a pixel, relative to its top left corner.
 pub const CENTRE: [f64; 2] = [0.5; 2];
 
-/// What a method reads besides the colours that were drawn.
+/// Inputs of an upscaler besides the drawn colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reads {
-    /// Which surface every pixel shows.
+    /// Whether it reads the visible surface of every pixel.
     pub surfaces: bool,
-    /// The frame before; only with surfaces.
+    /// Whether it reads the previous frame; requires `surfaces`.
     pub past: bool,
 }
 
-/// What can be chosen about a method: of each the first is the default.
+/// Options of an upscaler; the first value of each list is the default.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Offers {
-    /// Enlargements per axis, smallest first; one alone if there is none to choose.
+    /// Scales per axis, in ascending order; a single one if there is no choice.
     pub scales: &'static [Scale],
-    /// Where samples may lie in their blocks.
+    /// Positions of a sample within its block.
     pub anchors: &'static [Anchor],
-    /// What may be filtered.
+    /// Filtering colour spaces.
     pub lights: &'static [Light],
-    /// Whether overshoot can be cut off.
+    /// Whether de-ringing is available.
     pub deringing: bool,
-    /// Whether the result can be sharpened.
+    /// Whether sharpening is available.
     pub sharpening: bool,
 }
 
-/// What is drawn for an upscaler.
+/// Samples that are drawn for an upscaler.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sampling {
-    /// Pixels of the full picture.
+    /// A subset of the pixels of the full image.
     Grid(SampleGrid),
-    /// A smaller picture of the same view.
+    /// A lower-resolution image of the same view.
     Lattice(Lattice),
 }
 
 impl Sampling {
-    /// The samples of a lattice: pixels of the full picture where they lie on such.
+    /// Returns the samples of a lattice: pixels of the full image if all samples lie on pixel centres.
     pub fn of_lattice(lattice: Lattice) -> Self {
         match (lattice.anchor, lattice.scale.whole()) {
             (Anchor::Corner, Some(step)) => Self::Grid(SampleGrid::Block { step }),
@@ -158,7 +161,7 @@ impl Sampling {
         }
     }
 
-    /// The grid that is drawn, of the full picture or the smaller one.
+    /// Returns the grid of drawn pixels, within the full or the lower-resolution image.
     pub fn grid(self) -> SampleGrid {
         match self {
             Self::Grid(grid) => grid,
@@ -166,7 +169,8 @@ impl Sampling {
         }
     }
 
-    /// Size of the picture that [`Sampling::grid`] is a grid of, px, for a full picture of `width` × `height` px.
+    /// Returns the size in pixels of the image that [`Sampling::grid`] refers to, for a full image of `width` ×
+    /// `height` px.
     pub fn raster_size(self, width: u32, height: u32) -> (u32, u32) {
         match self {
             Self::Grid(_) => (width, height),
@@ -174,7 +178,7 @@ impl Sampling {
         }
     }
 
-    /// Where a packed sample, given by column and row, lies in the full picture, px.
+    /// Returns the position in the full image, in pixels, of a packed sample given by column and row.
     pub fn position_px(self, (column, row): (u32, u32)) -> (f64, f64) {
         match self {
             Self::Grid(grid) => {
@@ -185,19 +189,19 @@ impl Sampling {
         }
     }
 
-    /// The pixel of a full picture of `width` × `height` px that a packed sample lies in, or the one nearest to it.
+    /// Returns the pixel of a full image of `width` × `height` px that contains a packed sample, or the nearest pixel.
     pub fn pixel(self, sample: (u32, u32), (width, height): (u32, u32)) -> (u32, u32) {
         let (x, y) = self.position_px(sample);
         ((x as u32).min(width - 1), (y as u32).min(height - 1))
     }
 }
 
-/// What was drawn.
+/// Inputs of an upscaler.
 #[derive(Clone, Copy, Debug)]
 pub struct Drawn<'a> {
-    /// Colours, packed.
+    /// Colours of the drawn samples, packed.
     pub color: &'a Image<Rgba8>,
-    /// What else is known, if the method reads it and there is any.
+    /// Surfaces and history, if the upscaler reads them and they are available.
     pub seen: Option<Seen<'a>>,
 }
 
@@ -207,18 +211,18 @@ impl<'a> From<&'a Image<Rgba8>> for Drawn<'a> {
     }
 }
 
-/// One drawn sample and its share in an output pixel.
+/// A drawn sample and its weight in an output pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Tap {
-    /// Column in the picture that was drawn: the full one, or the smaller one of a [`Lattice`].
+    /// Column in the drawn image: the full one, or the lower-resolution one of a [`Lattice`].
     pub x: u32,
-    /// Row there.
+    /// Row in the drawn image.
     pub y: u32,
-    /// Its share; negative ones sharpen.
+    /// Weight of the sample; negative weights sharpen.
     pub weight: f32,
 }
 
-/// All methods, in the order in which menus list them.
+/// All upscalers, in menu order.
 pub static ALL: &[&dyn Upscaler] = &[
     &NATIVE,
     &CHECKERBOARD,

@@ -1,13 +1,13 @@
-//! No upscaling: every pixel is drawn.
+//! Native rendering without upscaling.
 
 use super::{Anchor, Drawn, Light, Offers, Sampling, Scale, Tap, Upscaler, Upscaling};
 use crate::image::{Image, Rgba8};
 use crate::pipeline::grid::SampleGrid;
 
-/// Every pixel is drawn; the reference that the others are compared with.
+/// Native rendering: every pixel is drawn. Baseline for all other upscalers.
 pub static NATIVE: Native = Native;
 
-/// See [`NATIVE`].
+/// Type of [`NATIVE`].
 pub struct Native;
 
 impl Upscaler for Native {
@@ -20,7 +20,7 @@ impl Upscaler for Native {
     }
 
     fn help(&self) -> &'static str {
-        "Every pixel is drawn. Nothing is saved, nothing is guessed: what the other methods are compared with."
+        "Draws every pixel and reconstructs none: the baseline for the other methods."
     }
 
     fn offers(&self) -> Offers {

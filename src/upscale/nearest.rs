@@ -1,4 +1,4 @@
-//! Each sample fills its block.
+//! Nearest-neighbour upscaling: each sample fills its block.
 
 use fearless_simd::Level;
 
@@ -13,10 +13,10 @@ use super::{Anchor, Drawn, Light, Offers, Sampling, Tap, Upscaler, Upscaling};
 use crate::image::{Image, Rgba8};
 use crate::pipeline::settings::Choice as _;
 
-/// Each sample fills its block.
+/// Nearest-neighbour upscaling.
 pub static NEAREST: Nearest = Nearest;
 
-/// See [`NEAREST`].
+/// Type of [`NEAREST`].
 pub struct Nearest;
 
 impl Upscaler for Nearest {
@@ -29,9 +29,9 @@ impl Upscaler for Nearest {
     }
 
     fn help(&self) -> &'static str {
-        "Repeats each sample over its block. Good for finding out what was drawn: invents no colour. Edges turn into stairs \
-         as large as the block. Anchored at the corner, the picture moves right and down: by ½ px at ×1.5 and ×2, 1 px at \
-         ×3, 1½ px at ×4. The last blocks are filled in even where they are cut off."
+        "Repeats each sample over its block. Good for seeing what was drawn: invents no colour. Edges turn into stairs \
+         as large as the block. Anchored at the corner, the picture moves right and down: by ½ px at ×1.5 and ×2, 1 px \
+         at ×3, 1½ px at ×4. Blocks cut off by the border are filled in, too."
     }
 
     fn offers(&self) -> Offers {
@@ -60,8 +60,8 @@ impl Upscaler for Nearest {
     }
 }
 
-/// The sample that an output pixel copies: anchored at the corner the last one at or before it, else the nearest;
-/// of `samples`.
+/// Returns the index of the sample that an output pixel copies, out of `samples`: with corner anchor the last one at or
+/// before the pixel, otherwise the nearest.
 fn source(lattice: Lattice, place: Place, samples: u32) -> u32 {
     match lattice.anchor {
         Anchor::Corner => (place.cell as u32).min(samples.saturating_sub(1)),
@@ -73,12 +73,12 @@ fn of_pixel(lattice: Lattice, at: u32, samples: u32) -> u32 {
     source(lattice, lattice.place(at), samples)
 }
 
-/// The samples that the pixels from `first` on copy.
+/// Returns the sample indices that the pixels from `first` on copy.
 fn sources(lattice: Lattice, first: u32, samples: u32) -> impl Iterator<Item = u32> {
     lattice.places_from(first).map(move |place| source(lattice, place, samples))
 }
 
-/// Fills a picture; `level` says how wide lanes may be, which changes nothing in the result.
+/// Fills an image. `level` selects the instruction set, which does not affect the result.
 fn fill(level: Level, lattice: Lattice, drawn: &Image<Rgba8>, full: &mut Image<Rgba8>) {
     let columns: Vec<_> = sources(lattice, 0, drawn.width()).take(full.width() as usize).collect();
     #[cfg(target_arch = "x86_64")]
@@ -90,7 +90,7 @@ fn fill(level: Level, lattice: Lattice, drawn: &Image<Rgba8>, full: &mut Image<R
     fill_by(|samples, rows| widen(samples, &columns, rows), lattice, drawn, full);
 }
 
-/// Calls `widen` with each row of samples and the rows of pixels that copy it.
+/// Calls `widen` with each row of samples and the pixel rows that copy it.
 fn fill_by(
     widen: impl Fn(&[Rgba8], &mut [Rgba8]) + Sync,
     lattice: Lattice,
@@ -108,7 +108,7 @@ fn fill_by(
     });
 }
 
-/// Fills rows that look the same, whose pixels copy the samples in these columns.
+/// Fills identical rows; `columns` holds the sample index of each pixel.
 fn widen(samples: &[Rgba8], columns: &[u32], rows: &mut [Rgba8]) {
     let (widened, copies) = rows.split_at_mut(columns.len());
     for (pixel, column) in widened.iter_mut().zip(columns) {

@@ -1,7 +1,8 @@
-//! [`super::nearest`] on eight pixels at a time: they copy no more than eight neighbouring samples, which one instruction
-//! deals out. They are stored to all rows that look the same at once, so that none is read again to be copied: at ×4 that takes
-//! two thirds of the time on an AMD processor (Zen 3), and a tenth more on an Intel one (Emerald Rapids). Of two such rows the second
-//! is a copy of the first: at ×2 that takes three quarters of the time on Intel, and a tenth more on AMD.
+//! AVX2 version of [`super::nearest`], eight pixels at a time: they copy at most eight adjacent samples, which one
+//! permute distributes. Identical rows are stored at once, so that no row is read again to be copied. At ×4, this takes
+//! two thirds of the time on an AMD processor (Zen 3), but a tenth more on an Intel one (Emerald Rapids). If there are
+//! only two such rows, the second is copied from the first. At ×2, that takes three quarters of the time on Intel, but
+//! a tenth more on AMD.
 
 use std::arch::x86_64::_mm256_permutevar8x32_epi32;
 
@@ -10,29 +11,30 @@ use fearless_simd::{Avx2, kernel};
 use super::lanes::{Blocks, MAX_ROWS, SplitRows, load_codes, load_words, of_one_length, store_codes, window};
 use crate::image::Rgba8;
 
-/// Pixels of a block, and samples that it may look at.
+/// Number of pixels in a block, and of the samples it may read.
 const BLOCK: usize = 8;
 
-/// How the rows of a picture are filled.
+/// Precomputed permutations that fill the rows of an image.
 pub(super) struct NearestAvx2<'a> {
     avx2: Avx2,
-    /// The samples that pixels before, in and after whole blocks copy.
+    /// Sample indices of the pixels before the whole blocks, permutations of the blocks, and sample indices of the
+    /// pixels after them.
     head: &'a [u32],
     blocks: Vec<Deal>,
     tail: &'a [u32],
 }
 
-/// Which samples the pixels of a block copy.
+/// Permutation of a block: the samples that its pixels copy.
 struct Deal {
-    /// The first of eight.
+    /// Index of the first of eight samples.
     start: usize,
-    /// Which of them each pixel copies.
+    /// Index of each pixel's sample among the eight.
     places: [u32; BLOCK],
 }
 
 impl<'a> NearestAvx2<'a> {
-    /// For rows whose pixels copy the samples in these `columns`, which grow by at most one from pixel to pixel; of `samples`,
-    /// and with so many pixels before the first at an even address.
+    /// Prepares to fill rows whose pixels copy the samples `columns`, out of `samples`. The indices must grow by at
+    /// most one from pixel to pixel. `pixels_to_alignment` is the number of pixels before the first aligned address.
     pub(super) fn new(avx2: Avx2, columns: &'a [u32], samples: usize, pixels_to_alignment: usize) -> Self {
         let head = if samples < BLOCK { columns.len() } else { pixels_to_alignment.min(columns.len()) };
         let (head, rest) = columns.split_at(head);
@@ -44,7 +46,7 @@ impl<'a> NearestAvx2<'a> {
         Self { avx2, head, blocks: blocks.iter().map(deal).collect(), tail }
     }
 
-    /// Fills rows without a gap from one row of samples.
+    /// Fills contiguous rows from one row of samples.
     pub(super) fn fill(&self, samples: &[Rgba8], rows: &mut [Rgba8]) {
         let width = self.head.len() + BLOCK * self.blocks.len() + self.tail.len();
         for rows in rows.chunks_mut(MAX_ROWS * width) {
@@ -62,7 +64,7 @@ impl<'a> NearestAvx2<'a> {
 }
 
 kernel! {
-    /// Fills the blocks of the first `count` rows: one, three or more.
+    /// Fills the blocks of the first `count` rows: 1, 3 or 4.
     fn deal(avx2: Avx2, samples: &[Rgba8], deals: &[Deal], count: usize, rows: [Blocks<'_>; MAX_ROWS]) {
         match count {
             1 => deal_to::<1>(avx2, samples, deals, rows),
@@ -92,7 +94,7 @@ fn deal_to<const ROWS: usize>(avx2: Avx2, samples: &[Rgba8], deals: &[Deal], row
     }
 }
 
-/// Pixel by pixel.
+/// Copies samples pixel by pixel.
 fn copy(samples: &[Rgba8], columns: &[u32], row: &mut [Rgba8]) {
     for (pixel, column) in row.iter_mut().zip(columns) {
         *pixel = samples[*column as usize];

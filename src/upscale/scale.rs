@@ -1,10 +1,10 @@
-//! By how much a picture is enlarged: a small fraction, so that places between samples repeat.
+//! Upscaling factor: a small fraction, so that sample positions repeat periodically.
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// An enlargement per axis: a whole number of halves, 1 to 4.
+/// Upscaling factor per axis: a multiple of ½ from 1 to 4.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(from = "f64", into = "f64")]
 pub struct Scale {
@@ -12,51 +12,51 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// Nothing is enlarged.
+    /// Factor 1: no upscaling.
     pub const ONE: Self = Self { halves: 2 };
 
-    /// Three pixels for two.
+    /// Factor 1.5: three pixels for two samples.
     pub const ONE_AND_A_HALF: Self = Self { halves: 3 };
 
-    /// Two pixels for one.
+    /// Factor 2.
     pub const TWO: Self = Self { halves: 4 };
 
-    /// Three pixels for one.
+    /// Factor 3.
     pub const THREE: Self = Self { halves: 6 };
 
-    /// Four pixels for one.
+    /// Factor 4.
     pub const FOUR: Self = Self { halves: 8 };
 
-    /// Numerator and denominator in lowest terms: this many pixels stand for that many samples.
+    /// Returns the factor in lowest terms: the numbers of pixels and of samples in one period.
     pub fn ratio(self) -> (u32, u32) {
         if self.halves.is_multiple_of(2) { (self.halves / 2, 1) } else { (self.halves, 2) }
     }
 
-    /// The whole number that it is, if it is one.
+    /// Returns the factor if it is an integer.
     pub fn whole(self) -> Option<u32> {
         self.halves.is_multiple_of(2).then_some(self.halves / 2)
     }
 
-    /// As a number.
+    /// Returns the factor as a number.
     pub fn value(self) -> f64 {
         f64::from(self.halves) / 2.0
     }
 
-    /// How far apart two enlargements are, in halves.
+    /// Returns the absolute difference of two factors, in halves.
     pub fn distance(self, other: Self) -> u32 {
         self.halves.abs_diff(other.halves)
     }
 }
 
 impl From<u32> for Scale {
-    /// Numbers that are too small or too large become the least or the greatest.
+    /// Converts an integer factor, clamped to 1 to 4.
     fn from(whole: u32) -> Self {
         Self { halves: whole.saturating_mul(2).clamp(Self::ONE.halves, Self::FOUR.halves) }
     }
 }
 
 impl From<f64> for Scale {
-    /// The nearest half within 1 to 4; NaN becomes 1.
+    /// Converts to the nearest multiple of ½, clamped to 1 to 4; NaN becomes 1.
     fn from(value: f64) -> Self {
         Self { halves: ((value * 2.0).round() as u32).clamp(Self::ONE.halves, Self::FOUR.halves) }
     }

@@ -1,14 +1,14 @@
 use super::*;
 
 fn noise(random: &mut fastrand::Rng, width: u32, height: u32) -> Image<Rgba8> {
-    // Extremes half of the time: they make cubics overshoot.
+    // Extreme values half of the time: they make cubics overshoot.
     Image::from_fn(width, height, |_, _| {
         std::array::from_fn(|_| if random.bool() { random.u8(..) } else { 255 * random.u8(..2) })
     })
 }
 
-/// What the rasterizer hands over: drawn pixels of `full`, and rubbish where the packed picture has no sample. Of a smaller
-/// picture, pixels of `full` that are near.
+/// Simulates the rasterizer: the drawn pixels of `full`, and arbitrary values where the packed image has no sample. For
+/// a lower-resolution image, nearby pixels of `full`.
 fn draw(full: &Image<Rgba8>, how: Upscaling) -> Image<Rgba8> {
     let (raster_width, raster_height) = how.sampling().raster_size(full.width(), full.height());
     let (width, height) = how.grid().packed_size(raster_width, raster_height);
@@ -24,7 +24,7 @@ fn draw(full: &Image<Rgba8>, how: Upscaling) -> Image<Rgba8> {
     })
 }
 
-/// Every method with everything that can be chosen about it.
+/// Returns every upscaler with every combination of options.
 fn everything() -> impl Iterator<Item = Upscaling> {
     Upscaling::every().flat_map(|how| {
         let offers = how.upscaler().offers();
@@ -41,7 +41,8 @@ fn everything() -> impl Iterator<Item = Upscaling> {
     })
 }
 
-/// Runs `check` with a method, its picture and the noise that was drawn, for every method and small size.
+/// Calls `check` for every upscaler, option and small size, with the upscaled image, the native image and the drawn
+/// samples.
 fn for_every_method_and_size(mut check: impl FnMut(Upscaling, &Image<Rgba8>, &Image<Rgba8>, &Drawn<'_>)) {
     let mut random = fastrand::Rng::with_seed(17);
     for (width, height) in [(1, 1), (2, 1), (1, 2), (3, 2), (4, 4), (5, 9), (7, 6), (12, 5), (13, 8)] {

@@ -1,4 +1,4 @@
-//! Exact cases kept outside the crate: one file per case, and beside it the answer in exact arithmetic.
+//! Exact cases stored outside the crate: one file per case, with its answer in exact arithmetic beside it.
 
 #[path = "../samples/mod.rs"]
 mod samples;
@@ -7,17 +7,18 @@ use std::path::PathBuf;
 
 use serde_json::Value;
 
-/// One of them.
+/// A case with its exact answer.
 pub(crate) struct Sample {
-    /// The file of the case.
+    /// File of the case.
     pub(crate) path: PathBuf,
-    /// What it says.
+    /// Contents of the case.
     pub(crate) case: Value,
-    /// The exact answer.
+    /// Exact answer.
     pub(crate) expected: Value,
 }
 
-/// All cases of these kinds, by name. Empty, with a word on stderr, without the folder.
+/// Returns all cases of these kinds, sorted by name. Without the folder it prints a note to stderr and returns no
+/// cases.
 pub(crate) fn of_kinds(kinds: &[&str]) -> Vec<Sample> {
     let folder = samples::folder().join("cases");
     let Ok(entries) = std::fs::read_dir(folder.join("cases")) else {

@@ -1,4 +1,4 @@
-//! What the integration tests share: seeded randomness, small scenes, and the geometry stages on bare clip-space
+//! Shared helpers of the integration tests: seeded randomness, small scenes, and the geometry stages on bare clip-space
 //! vertices.
 
 #![allow(dead_code, reason = "each test file uses a part of it")]
@@ -20,7 +20,7 @@ use rasterscope::pipeline::vertex::ClipVertex;
 use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport};
 use rasterscope::scene::{Camera, Instance, Library, Material, Mesh, MeshData, Scene, Texture};
 
-/// The four fill rules under which shared edges are drawn exactly once.
+/// Returns the four fill rules under which shared edges are drawn exactly once.
 pub(crate) fn sound_fill_rules() -> impl Iterator<Item = FillRule> {
     FillRule::ALL.iter().copied().filter(|r| !matches!(r, FillRule::Inclusive | FillRule::Exclusive))
 }
@@ -53,7 +53,7 @@ impl Drop for NameSeedOnPanic {
     }
 }
 
-/// Where the models are; `None`, and says so, where there are none.
+/// Returns the folder of the models; prints a note and returns `None` if there is none.
 #[expect(clippy::print_stderr, reason = "a test that had nothing to read says so")]
 pub(crate) fn models() -> Option<PathBuf> {
     let folder = samples::folder();
@@ -64,23 +64,23 @@ pub(crate) fn models() -> Option<PathBuf> {
     found.then(|| folder.join("models"))
 }
 
-/// A number in [−1, 1).
+/// Returns a random number in [−1, 1).
 pub(crate) fn signed(rng: &mut fastrand::Rng) -> f32 {
     rng.f32() * 2.0 - 1.0
 }
 
-/// A vector in the cube [−1, 1)³.
+/// Returns a random vector in the cube [−1, 1)³.
 pub(crate) fn in_cube(rng: &mut fastrand::Rng) -> Vec3 {
     Vec3::new(signed(rng), signed(rng), signed(rng))
 }
 
-/// A clip-space vertex without attributes that projects to a pixel position of a picture.
+/// Returns a clip-space vertex without attributes that projects to a pixel position of a picture.
 pub(crate) fn clip_vertex(viewport: Viewport, (x, y): (f32, f32), depth: f32, w: f32) -> ClipVertex {
     let ndc = Vec3::new(x / viewport.width as f32 * 2.0 - 1.0, 1.0 - y / viewport.height as f32 * 2.0, depth);
     ClipVertex::at((ndc * w).extend(w))
 }
 
-/// Clip, project and edge setup in fixed point.
+/// Clips, projects and sets up edges in fixed point.
 pub(crate) fn screen_triangles(
     vertices: &[ClipVertex],
     triangles: &[[u32; 3]],
@@ -90,7 +90,7 @@ pub(crate) fn screen_triangles(
     from_clip_space(vertices, triangles, Arithmetic::Fixed, viewport, observer)
 }
 
-/// The samples of a picture that a triangle covers in fixed point.
+/// Returns the samples of a picture that a triangle covers in fixed point.
 pub(crate) fn covered(
     triangle: &ScreenTriangle,
     rasterizer: Rasterizer,
@@ -104,7 +104,7 @@ pub(crate) fn covered(
     triangle.map_or_else(Vec::new, |triangle| pixels.map(|pixel| triangle.sample(pixel)).collect())
 }
 
-/// A mesh with texture coordinates from x and y, and one vertex colour per vertex by its number.
+/// Returns a mesh with texture coordinates derived from x and y, and a colour per vertex derived from its index.
 pub(crate) fn mesh(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Mesh {
     let uvs = positions.iter().map(|p| Vec2::new(p.x, -p.y) * 0.5 + 0.5).collect();
     let colors = (0..positions.len()).map(|i| Vec3::new(1.0, 0.5 + 0.5 * (i % 2) as f32, 0.6)).collect();
@@ -112,26 +112,26 @@ pub(crate) fn mesh(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Mesh {
         .expect("test meshes are sound")
 }
 
-/// Triangles of a grid of `columns` × `rows` cells whose vertices are numbered row by row.
+/// Returns the triangles of a grid of `columns` × `rows` cells whose vertices are numbered row by row.
 pub(crate) fn grid_triangles(columns: u32, rows: u32) -> Vec<[u32; 3]> {
     let at = |x: u32, y: u32| y * (columns + 1) + x;
     let cells = (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y)));
     cells
         .flat_map(|(x, y)| {
             let [a, b, c, d] = [at(x, y), at(x + 1, y), at(x + 1, y + 1), at(x, y + 1)];
-            // Diagonals in turns, so that both directions occur.
+            // Diagonals alternate, so that both directions occur.
             if (x + y) % 2 == 0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] }
         })
         .collect()
 }
 
-/// A plane z = 0 over [−1, 1]² of 4 × 4 cells.
+/// Returns a plane z = 0 over [−1, 1]² of 4 × 4 cells.
 pub(crate) fn plane() -> Mesh {
     let positions = (0..25).map(|i| Vec3::new((i % 5) as f32, (i / 5) as f32, 0.0) * 0.5 - Vec3::new(1.0, 1.0, 0.0));
     mesh(positions.collect(), grid_triangles(4, 4))
 }
 
-/// A cube over [−1, 1]³, counter-clockwise from outside.
+/// Returns a cube over [−1, 1]³, counter-clockwise from outside.
 pub(crate) fn cube() -> Mesh {
     let around_y = [0.0, 0.25, 0.5, 0.75].map(|turn| Quat::from_rotation_y(turn * TAU));
     let around_x = [0.25, 0.75].map(|turn| Quat::from_rotation_x(turn * TAU));
@@ -143,26 +143,26 @@ pub(crate) fn cube() -> Mesh {
         .expect("test meshes are sound")
 }
 
-/// `count` triangles anywhere in [−1, 1]³, through each other.
+/// Returns `count` random triangles in [−1, 1]³ that intersect each other.
 pub(crate) fn soup(rng: &mut fastrand::Rng, count: u32) -> Mesh {
     mesh((0..count * 3).map(|_| in_cube(rng)).collect(), (0..count).map(|i| [0, 1, 2].map(|c| i * 3 + c)).collect())
 }
 
-/// A noisy texture of 5 × 7 texels.
+/// Returns a noise texture of 5 × 7 texels.
 pub(crate) fn noise_texture(rng: &mut fastrand::Rng) -> Image<Rgba8> {
     Image::from_fn(5, 7, |_, _| [rng.u8(..), rng.u8(..), rng.u8(..), 255])
 }
 
-/// The same with alpha, of `codes` alone.
+/// Replaces the alpha of an image by random values of `codes`.
 pub(crate) fn with_alpha(rng: &mut fastrand::Rng, image: &Image<Rgba8>, codes: &[u8]) -> Image<Rgba8> {
     image.map(|[r, g, b, _]| [r, g, b, codes[rng.usize(..codes.len())]])
 }
 
-/// Builds a scene piece by piece.
+/// Builds a scene object by object.
 pub(crate) struct SceneBuilder(pub(crate) Scene);
 
 impl SceneBuilder {
-    /// Nothing yet, seen from `eye` towards the origin.
+    /// Creates an empty scene seen from `eye` towards the origin.
     pub(crate) fn new(eye: Vec3) -> Self {
         let home = Camera::look_at(eye, Vec3::ZERO);
         Self(Scene {
@@ -174,12 +174,12 @@ impl SceneBuilder {
         })
     }
 
-    /// Adds an object in a plain white material, or under a texture and a dark one.
+    /// Adds an object in a plain material, or with a texture and a dark texture.
     pub(crate) fn with(self, mesh: Mesh, world_from_model: Mat4, textures: Option<[Image<Rgba8>; 2]>) -> Self {
         self.with_opacity(mesh, world_from_model, textures, 1.0)
     }
 
-    /// The same in a material that may be translucent.
+    /// Adds an object whose material may be translucent.
     pub(crate) fn with_opacity(
         mut self,
         mesh: Mesh,
@@ -200,7 +200,7 @@ impl SceneBuilder {
     }
 }
 
-/// Textured ground that reaches behind the eye, and a cube on it that turns a corner to the light.
+/// Returns textured ground that extends behind the eye, and a cube on it with a corner towards the light.
 pub(crate) fn ground_and_cube() -> Scene {
     let mut rng = fastrand::Rng::with_seed(1);
     let mut textures = || [noise_texture(&mut rng), noise_texture(&mut rng)];
@@ -211,7 +211,7 @@ pub(crate) fn ground_and_cube() -> Scene {
         .0
 }
 
-/// Untextured triangles through each other, around and behind the eye too.
+/// Returns untextured triangles that intersect each other, also around and behind the eye, and a few textured ones.
 pub(crate) fn soup_scene() -> Scene {
     let mut rng = fastrand::Rng::with_seed(2);
     SceneBuilder::new(Vec3::new(0.2, 0.3, 1.1))
@@ -220,7 +220,7 @@ pub(crate) fn soup_scene() -> Scene {
         .0
 }
 
-/// Coinciding surfaces, seen without perspective: two planes at the very same depth, and a cube through them.
+/// Returns coinciding surfaces without perspective: two planes at exactly the same depth, and a cube through them.
 pub(crate) fn coplanar_scene() -> Scene {
     let mut rng = fastrand::Rng::with_seed(3);
     let mut scene = SceneBuilder::new(Vec3::new(0.0, 0.0, 4.0))
@@ -236,8 +236,7 @@ pub(crate) fn coplanar_scene() -> Scene {
     scene
 }
 
-/// Surfaces of every kind through and behind each other: what hides, what is cut out and what shows through, by texture
-/// and by opacity.
+/// Returns opaque, alpha-tested and blended surfaces through and behind each other, by texture and by opacity.
 pub(crate) fn see_through_scene() -> Scene {
     let mut rng = fastrand::Rng::with_seed(4);
     let soup = soup(&mut rng, 8);
@@ -258,7 +257,7 @@ pub(crate) fn see_through_scene() -> Scene {
         .0
 }
 
-/// A sphere of radius 1 around the origin, of 2 · `cells`² triangles, row by row.
+/// Returns a sphere of radius 1 around the origin, of 2 · `cells`² triangles, row by row.
 pub(crate) fn sphere(cells: u32) -> Mesh {
     let side = cells + 1;
     let at = |i: u32| {
@@ -268,7 +267,7 @@ pub(crate) fn sphere(cells: u32) -> Mesh {
     mesh((0..side * side).map(at).collect(), grid_triangles(cells, cells))
 }
 
-/// A sheet of 512 triangles from `corner` along two edges; each row of them begins at the second one.
+/// Returns a sheet of 512 triangles from `corner` along two edges; each row of triangles starts at the second edge.
 pub(crate) fn sheet(corner: Vec3, edges: [Vec3; 2]) -> Mesh {
     const CELLS: u32 = 16;
     let side = CELLS + 1;
@@ -277,7 +276,7 @@ pub(crate) fn sheet(corner: Vec3, edges: [Vec3; 2]) -> Mesh {
     mesh((0..side * side).map(at).collect(), grid_triangles(CELLS, CELLS))
 }
 
-/// All of them.
+/// Returns all of these scenes with their names.
 pub(crate) fn scenes() -> [(&'static str, Scene); 4] {
     [
         ("ground and cube", ground_and_cube()),
@@ -287,12 +286,12 @@ pub(crate) fn scenes() -> [(&'static str, Scene); 4] {
     ]
 }
 
-/// The frame that a scene gives from its home.
+/// Renders a scene from its home view.
 pub(crate) fn render(scene: &Scene, recipe: &Recipe, (width, height): (u32, u32)) -> Frame {
     run(scene, &scene.home, recipe, Viewport { width, height }, &mut ())
 }
 
-/// A recipe with `assignments` such as `culling=none` made.
+/// Returns the default recipe after `assignments` such as `culling=none`.
 pub(crate) fn recipe(assignments: &[&str]) -> Recipe {
     let mut recipe = Recipe::default();
     for assignment in assignments {

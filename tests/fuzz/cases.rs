@@ -1,4 +1,4 @@
-//! Target: numerical cases of every kind, with values, lists and fields changed.
+//! Target: numerical cases of every kind with changed values, lists and fields.
 
 use std::path::Path;
 
@@ -18,7 +18,7 @@ const FILE: &str = "case.json";
 /// Name of the file with the rasterizer and the arithmetic.
 const OPTIONS: &str = "options.txt";
 
-/// A sound case of each kind.
+/// A valid case of each kind.
 const SEEDS: [&str; 15] = [
     r#"{"id": "a", "kind": "tri_coverage", "width": 32, "height": 24, "rule": "top_left", "triangles": [[[1, 2], [30.5, 4], [7, 22.25]]]}"#,
     r#"{"id": "a", "kind": "poly_fill", "width": 32, "height": 24, "rule": "even_odd", "center": 0.5, "contours": [[[1, 1], [30, 2], [4, 20], [9, 0.5]], [[3, 3], [9, 3], [6, 9]]]}"#,
@@ -37,7 +37,7 @@ const SEEDS: [&str; 15] = [
     r#"{"id": "a", "kind": "upscale", "image": [[5, 200], [17, 0]], "scale": 2, "kernel": "mitchell", "phase": "center"}"#,
 ];
 
-/// Numerical cases.
+/// Target of numerical cases.
 pub(crate) struct Cases;
 
 impl Target for Cases {
@@ -83,7 +83,7 @@ impl Target for Cases {
     }
 }
 
-/// Checks that spans and pixels lie within the picture of their case, and that areas are shares of a pixel.
+/// Checks that spans and pixels lie within the picture of their case, and that areas are in [0, 1].
 fn check(task: &Task, answer: &Answer) -> Result<(), Failure> {
     let (width, height, spans): (_, _, Vec<[u32; 3]>) = match (task, answer) {
         (Task::TriCoverage(case), Answer::TriCoverage(answer)) => {
@@ -110,7 +110,7 @@ fn check(task: &Task, answer: &Answer) -> Result<(), Failure> {
     }
 }
 
-/// Returns the options with the given rasterizer and arithmetic, one a line; the default ones where there are none.
+/// Returns the options with the given rasterizer and arithmetic, one per line; missing ones have their defaults.
 fn options(text: &str) -> Options {
     let default = Options::default();
     Options {

@@ -1,14 +1,14 @@
 //! Executes a target on one random input after another until the time is over, and saves every input that fails.
 //!
-//! An execution fails if it panics, even where the program catches that, if the target finds a wrong result, if it takes
-//! longer than the target allows, or if the resident memory of the process grows by more than 1 GiB. A failing input
-//! is executed again to confirm it, minimised, and saved below `target/fuzz-findings` with the command that reproduces
-//! it. Files are written before each execution: if an execution ends the whole process, its input is still there, and is
-//! executed first the next time.
+//! An execution fails if it panics, even if the program catches the panic, if the target finds a wrong result, if it
+//! exceeds the time limit of the target, or if the resident memory of the process grows by more than 1 GiB. A failing
+//! input is executed again to confirm it, minimised, and saved below `target/fuzz-findings` with the command that
+//! reproduces it. Files are written before each execution: if an execution ends the whole process, its input remains
+//! and is executed first in the next run.
 //!
 //! Environment variables: `RASTERSCOPE_FUZZ_SECONDS` (time for each target), `RASTERSCOPE_FUZZ_SEED`,
-//! `RASTERSCOPE_FUZZ_FIRST` (number of the first iteration), and `RASTERSCOPE_FUZZ_INPUT` (folder of a saved input, which
-//! is executed once instead).
+//! `RASTERSCOPE_FUZZ_FIRST` (number of the first iteration), and `RASTERSCOPE_FUZZ_INPUT` (folder of a saved input,
+//! which is executed once instead).
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -27,28 +27,29 @@ use crate::{panics, process};
 /// Time for each target unless `RASTERSCOPE_FUZZ_SECONDS` is set.
 const SECONDS: f64 = 3.0;
 
-/// Longest execution. Inputs are small: what takes longer has no bound, or one that is too high.
+/// Time limit of an execution. Inputs are small: an execution that takes longer has no bound, or too high a one.
 pub(crate) const LIMIT: Duration = Duration::from_secs(2);
 
-/// An execution that takes so many times the limit, with the time that it waits for a processor, is given up.
+/// Multiple of the limit, including waiting for a processor, after which an execution is abandoned.
 const GIVE_UP: u32 = 30;
 
-/// Largest growth of the resident memory in one execution, bytes.
+/// Largest growth of the resident memory in one execution, in bytes.
 const MOST_GROWTH: u64 = 1 << 30;
 
-/// Stack of threads that execute and draw: that of a main thread, as unoptimised kernels for many kinds of lanes are large.
+/// Stack size of threads that execute and draw, in bytes: that of a main thread, because unoptimised kernels for many
+/// kinds of lanes are large.
 pub(crate) const STACK_BYTES: usize = 8 << 20;
 
-/// Further executions that a failure of time or memory must survive: another process may have been the reason.
+/// Number of further executions that must confirm a failure of time or memory, which another process may have caused.
 const CONFIRMATIONS: usize = 2;
 
 /// Time for minimising one input.
 const MINIMISING: Duration = Duration::from_secs(10);
 
-/// Different failures after which a target stops.
+/// Number of different failures after which a target stops.
 const MOST_FINDINGS: usize = 8;
 
-/// A part of the program that is fed with random inputs.
+/// A part of the program that processes random inputs.
 pub(crate) trait Target: Send + Sync + 'static {
     /// Name of the target and of its test.
     fn name(&self) -> &'static str;
@@ -59,17 +60,17 @@ pub(crate) trait Target: Send + Sync + 'static {
     /// Executes the input whose files are in `folder`.
     fn run(&self, folder: &Path) -> Result<(), Failure>;
 
-    /// Longest execution.
+    /// Returns the time limit of an execution.
     fn limit(&self) -> Duration {
         LIMIT
     }
 
-    /// Largest growth of the resident memory in one execution, bytes.
+    /// Returns the largest growth of the resident memory in one execution, in bytes.
     fn most_growth(&self) -> u64 {
         MOST_GROWTH
     }
 
-    /// Features that the target needs beside the default ones, for the command that reproduces a failure.
+    /// Returns the features that the target needs besides the default ones, for the command that reproduces a failure.
     fn features(&self) -> &'static str {
         ""
     }
@@ -78,23 +79,23 @@ pub(crate) trait Target: Send + Sync + 'static {
 /// Reason why an execution failed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Failure {
-    /// A panic: place and message.
+    /// A panic with its location and message.
     Panic(String),
     /// A wrong result.
     Wrong(String),
     /// Too much time.
     Slow(Duration),
-    /// Too much memory: bytes that the resident memory grew by.
+    /// Too much memory: growth of the resident memory, in bytes.
     Memory(u64),
-    /// No end within the time after which an execution is given up.
+    /// No end within the time after which an execution is abandoned.
     Hang(Duration),
 }
 
 impl Failure {
-    /// Returns what failures of the same cause have in common.
+    /// Returns the class of the failure, which is equal for failures of the same cause.
     fn class(&self) -> String {
         match self {
-            // The place; messages contain values.
+            // The location only, because messages contain values.
             Self::Panic(text) => format!("panic {}", text.split(": ").next().unwrap_or_default()),
             Self::Wrong(text) => {
                 let words = text.split(':').next().unwrap_or_default();
@@ -106,7 +107,7 @@ impl Failure {
         }
     }
 
-    /// Whether other processes on the machine may be the reason.
+    /// Whether other processes on the machine may cause the failure.
     fn depends_on_load(&self) -> bool {
         matches!(self, Self::Slow(_) | Self::Memory(_))
     }
@@ -124,10 +125,10 @@ impl fmt::Display for Failure {
     }
 }
 
-/// What to execute, and where to save what fails.
+/// Executions to run, and the folder for failing inputs.
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {
-    /// Time until no further execution is begun.
+    /// Time after which no further execution starts.
     pub(crate) time: Duration,
     /// Seed of all iterations.
     pub(crate) seed: u64,
@@ -135,14 +136,14 @@ pub(crate) struct Plan {
     pub(crate) first: u64,
     /// Folder of a saved input, which is executed once instead.
     pub(crate) saved: Option<PathBuf>,
-    /// Folder for findings.
+    /// Folder of saved failures.
     pub(crate) findings: PathBuf,
-    /// Folder for the files of the present execution of each target.
+    /// Folder for the files of the current execution of each target.
     pub(crate) running: PathBuf,
 }
 
 impl Plan {
-    /// Returns the plan that the environment variables describe.
+    /// Returns the plan described by the environment variables.
     fn from_environment() -> Self {
         fn variable<T: std::str::FromStr>(name: &str) -> Option<T> {
             let text = std::env::var(name).ok()?;
@@ -150,7 +151,7 @@ impl Plan {
         }
         let build = Path::new(env!("CARGO_TARGET_TMPDIR"));
         let findings = build.parent().unwrap_or(build).join("fuzz-findings");
-        // Creating a file in memory takes 0.03 ms, and on a busy disk 2 ms.
+        // Creating a file takes 0.03 ms in memory and 2 ms on a busy disk.
         let memory = Path::new("/dev/shm");
         let running = if memory.is_dir() {
             memory.join(format!("rasterscope-fuzz-{:08x}", hash(&findings.to_string_lossy())))
@@ -168,24 +169,24 @@ impl Plan {
     }
 }
 
-/// The result of a run.
+/// Result of a run.
 #[derive(Debug, Default)]
 pub(crate) struct Report {
-    /// Inputs that were executed.
+    /// Number of executed inputs.
     pub(crate) executions: u64,
     /// Folders of saved inputs with the reason of the failure, one for each class of failures.
     pub(crate) findings: BTreeMap<PathBuf, Failure>,
-    /// Failures of time or memory that could not be confirmed.
+    /// Number of failures of time or memory that could not be confirmed.
     pub(crate) unconfirmed: u64,
     /// Longest execution and its iteration.
     pub(crate) slowest: (Duration, u64),
-    /// Largest resident memory of the process, bytes.
+    /// Largest resident memory of the process, in bytes.
     pub(crate) peak: u64,
-    /// Time in all.
+    /// Total time.
     pub(crate) time: Duration,
 }
 
-/// Runs a target as the environment variables say. Panics if anything is found.
+/// Runs a target as described by the environment variables. Panics if there are findings.
 #[expect(clippy::print_stderr, reason = "the counts of a run are its result")]
 pub(crate) fn fuzz(target: impl Target) {
     let (target, plan) = (Arc::new(target), Plan::from_environment());
@@ -206,7 +207,7 @@ pub(crate) fn fuzz(target: impl Target) {
     assert!(findings.is_empty(), "fuzz {name}: see {NOTES} in{}", listed.collect::<String>());
 }
 
-/// Runs a target as planned.
+/// Runs a target according to a plan.
 pub(crate) fn run<T: Target>(target: &Arc<T>, plan: &Plan) -> Report {
     panics::record();
     let begun = Instant::now();
@@ -218,7 +219,7 @@ pub(crate) fn run<T: Target>(target: &Arc<T>, plan: &Plan) -> Report {
         report: Report::default(),
     };
     fuzzer.execute_all(begun);
-    // Nothing is left to be executed first next time; a folder that cannot be removed does no harm.
+    // No input is left to be executed first in the next run; a folder that cannot be removed is harmless.
     drop(fs::remove_dir_all(&fuzzer.running));
     Report { time: begun.elapsed(), ..fuzzer.report }
 }
@@ -228,7 +229,7 @@ struct Fuzzer<'a, T> {
     target: Arc<T>,
     plan: &'a Plan,
     executor: Executor,
-    /// Folder with the files of the present execution.
+    /// Folder with the files of the current execution.
     running: PathBuf,
     report: Report,
 }
@@ -247,7 +248,7 @@ impl<T: Target> Fuzzer<'_, T> {
         }
         let mut iteration = self.plan.first;
         loop {
-            // A generator of its own for each iteration: any of them can be repeated alone.
+            // Each iteration has a generator of its own, so that any of them can be repeated alone.
             let mut rng = Rng::with_seed(self.plan.seed.rotate_left(32) ^ iteration);
             let input = self.target.generate(&mut rng);
             self.check(&input, Some(iteration));
@@ -259,7 +260,7 @@ impl<T: Target> Fuzzer<'_, T> {
         }
     }
 
-    /// Executes an input. If it fails in a new way, confirms, minimises and saves it.
+    /// Executes an input. Confirms, minimises and saves it if it fails in a new way.
     fn check(&mut self, input: &Input, iteration: Option<u64>) {
         let Err(failure) = self.execute(input, iteration) else { return };
         let class = failure.class();
@@ -300,7 +301,7 @@ impl<T: Target> Fuzzer<'_, T> {
         }
     }
 
-    /// Saves a failing input; returns its folder, whose name stands for the class of the failure.
+    /// Saves a failing input. Returns its folder, whose name identifies the class of the failure.
     fn save(&self, input: &Input, size: usize, failure: &Failure, iteration: Option<u64>) -> PathBuf {
         let name = self.target.name();
         let folder = self.plan.findings.join(format!("{name}-{:08x}", hash(&failure.class())));
@@ -325,26 +326,26 @@ impl<T: Target> Fuzzer<'_, T> {
     }
 }
 
-/// FNV-1a: equal on every platform.
+/// Returns the FNV-1a hash, which is equal on every platform.
 fn hash(text: &str) -> u32 {
     text.bytes().fold(0x811C_9DC5, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
 }
 
-/// A thread that executes inputs, so that one that never ends can be given up.
+/// A thread that executes inputs, so that one that never ends can be abandoned.
 struct Executor {
     folders: Sender<PathBuf>,
     outcomes: Receiver<Outcome>,
-    /// Whether an execution was given up: nothing more can be executed.
+    /// Whether an execution was abandoned: nothing more can be executed.
     is_stuck: bool,
 }
 
-/// The course of one execution.
+/// Outcome of one execution.
 struct Outcome {
     result: Result<(), Failure>,
     time: Duration,
-    /// Growth of the resident memory, bytes.
+    /// Growth of the resident memory, in bytes.
     growth: u64,
-    /// Largest resident memory of the process, bytes.
+    /// Largest resident memory of the process, in bytes.
     peak: u64,
 }
 
@@ -357,7 +358,7 @@ impl Executor {
             .stack_size(STACK_BYTES)
             .spawn(move || {
                 for folder in inbox {
-                    // Nobody waits for an execution that was given up.
+                    // The receiver may be gone after an execution was abandoned.
                     drop(outbox.send(outcome(&*target, &folder)));
                 }
             })
@@ -378,7 +379,7 @@ impl Executor {
     }
 }
 
-/// Executes a target, on the thread that is made for it.
+/// Executes a target on the executor's thread.
 fn outcome<T: Target>(target: &T, folder: &Path) -> Outcome {
     let meter = process::PeakMeter::start();
     let begun = process::Stopwatch::start();
@@ -388,7 +389,7 @@ fn outcome<T: Target>(target: &T, folder: &Path) -> Outcome {
     let result = match (panics::take_own(), result) {
         (Some(panic), _) => Err(Failure::Panic(panic)),
         (None, Ok(result)) => result,
-        // Raised again here by a pool of threads, one of which panicked.
+        // A thread pool raises a panic of one of its threads again here.
         (None, Err(_)) => Err(Failure::Panic(panics::take_elsewhere().unwrap_or_default())),
     };
     Outcome { result, time, growth, peak }

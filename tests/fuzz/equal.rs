@@ -1,4 +1,4 @@
-//! Equality of both executions and of the replay, bit for bit.
+//! Bit-exact equality of both executions and of the replay.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use rayon::ThreadPoolBuilder;
 
 use crate::driver::{Failure, STACK_BYTES};
 
-/// Threads that draw tile by tile.
+/// Number of threads that draw tile by tile.
 const THREADS: usize = 2;
 
 /// Checks that a view drawn tile by tile, on all kinds of lanes, equals the classic one.
@@ -51,7 +51,7 @@ pub(crate) fn check_second_frame(
     }
 }
 
-/// Checks that the replay of every `step`-th pixel arrives at its colour.
+/// Checks that the replay of every `step`-th pixel gives its colour.
 pub(crate) fn check_replay(
     scene: &Scene,
     camera: &Camera,

@@ -1,4 +1,4 @@
-//! Target: picture files of every format, damaged.
+//! Target: damaged picture files of every format.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -11,7 +11,7 @@ use crate::driver::{Failure, Target};
 use crate::input::Input;
 use crate::{mutate, seeds};
 
-/// Longest side of a picture before it is damaged, pixels.
+/// Longest side of a picture before it is damaged, in pixels.
 const MOST_SIDE: u32 = 24;
 
 /// Formats, each with its suffix and the offsets of width and height in its header.
@@ -24,7 +24,7 @@ const FORMATS: [(ImageFormat, &str, &[usize]); 6] = [
     (ImageFormat::Tiff, "tiff", &[]),
 ];
 
-/// Picture files.
+/// Target of picture files.
 pub(crate) struct Images;
 
 impl Target for Images {
@@ -50,7 +50,7 @@ impl Target for Images {
     }
 }
 
-/// Checks that a picture is within bounds, or that the error is one line that names the file.
+/// Checks that a picture has a valid size, or that the error is one line that names the file.
 fn check(path: &Path, name: &str) -> Result<(), Failure> {
     match file::read(path) {
         Ok(picture) => {
@@ -64,7 +64,7 @@ fn check(path: &Path, name: &str) -> Result<(), Failure> {
 
 /// Checks that a message is one short line that contains `name`.
 pub(crate) fn check_message(message: &str, name: &str) -> Result<(), Failure> {
-    /// Longest message, characters.
+    /// Length of the longest message, in characters.
     const LONGEST: usize = 1000;
     let is_one_line = !message.contains(char::is_control) && message.chars().count() <= LONGEST;
     if !is_one_line {
@@ -76,7 +76,7 @@ pub(crate) fn check_message(message: &str, name: &str) -> Result<(), Failure> {
     }
 }
 
-/// Returns a sound picture file of random size, colours and format, and its name.
+/// Returns a valid picture file of random size, colours and format, and its name.
 pub(crate) fn picture(rng: &mut Rng) -> (String, Vec<u8>) {
     let (width, height) = (rng.u32(1..=MOST_SIDE), rng.u32(1..=MOST_SIDE));
     let (format, suffix, _) = *mutate::pick(rng, &FORMATS);
@@ -94,7 +94,7 @@ pub(crate) fn picture(rng: &mut Rng) -> (String, Vec<u8>) {
         |image| image.to_rgb16().into(),
         |image| image.to_rgba16().into(),
     ];
-    // What a format cannot hold is written as the colours that it can.
+    // Colours that a format does not support are written as 8-bit colours.
     if mutate::pick(rng, &kinds)(&rgba).write_to(&mut file, format).is_err() {
         file = Cursor::new(Vec::new());
         let plain = if format == ImageFormat::Jpeg { rgba.to_rgb8().into() } else { rgba };
@@ -103,8 +103,8 @@ pub(crate) fn picture(rng: &mut Rng) -> (String, Vec<u8>) {
     (format!("picture.{suffix}"), file.into_inner())
 }
 
-/// Damages a picture file: bytes anywhere, or a header that states another size. Checksums of PNG chunks are corrected in half of
-/// the cases, so that the damage reaches the decoder.
+/// Damages a picture file: random bytes, or a header with another size. Checksums of PNG chunks are corrected in half
+/// of the cases, so that the damage reaches the decoder.
 pub(crate) fn damage(rng: &mut Rng, name: &str, bytes: &mut Vec<u8>) {
     let sizes = FORMATS.iter().find(|(_, suffix, _)| name.ends_with(suffix)).map_or(&[][..], |(.., sizes)| sizes);
     if !sizes.is_empty() && rng.bool() {
@@ -124,7 +124,7 @@ pub(crate) fn damage(rng: &mut Rng, name: &str, bytes: &mut Vec<u8>) {
     }
 }
 
-/// Writes the right checksum behind every whole chunk of a PNG file.
+/// Corrects the checksum of every complete chunk of a PNG file.
 fn correct_checksums(png: &mut [u8]) {
     let mut at = 8;
     while let Some(length) = png.get(at..at + 4) {
@@ -140,7 +140,7 @@ fn correct_checksums(png: &mut [u8]) {
     }
 }
 
-/// CRC-32 of ISO 3309, as PNG has it (W3C, "Portable Network Graphics", annex D).
+/// Returns the CRC-32 of ISO 3309, as in PNG (W3C, "Portable Network Graphics", annex D).
 fn crc32(bytes: &[u8]) -> u32 {
     !bytes.iter().fold(u32::MAX, |crc, byte| {
         (0..8).fold(crc ^ u32::from(*byte), |crc, _| if crc & 1 == 1 { crc >> 1 ^ 0xEDB8_8320 } else { crc >> 1 })

@@ -1,4 +1,4 @@
-//! Inputs of fuzz targets: a few small files, written into a folder, read back, and made smaller.
+//! Inputs of fuzz targets: a few small files that are written to a folder, read back, and minimised.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -24,7 +24,7 @@ impl Input {
         self
     }
 
-    /// Returns the size of all files, bytes.
+    /// Returns the size of all files, in bytes.
     pub(crate) fn size(&self) -> usize {
         self.0.values().map(Vec::len).sum()
     }
@@ -52,7 +52,8 @@ impl Input {
     }
 }
 
-/// Removes files, lines and bytes as long as the rest still fails, until nothing more can be removed or the time is over.
+/// Removes files, lines and bytes as long as the rest still fails, until nothing more can be removed or the deadline is
+/// over.
 pub(crate) fn minimise(mut input: Input, deadline: Instant, mut fails: impl FnMut(&Input) -> bool) -> Input {
     loop {
         let before = input.clone();
@@ -89,7 +90,7 @@ fn single_bytes(bytes: &[u8]) -> Vec<&[u8]> {
     bytes.chunks(1).collect()
 }
 
-/// Removes runs of parts, first halves, in the end single parts.
+/// Removes runs of parts, halves first and single parts last.
 fn shrink<'a>(
     mut parts: Vec<&'a [u8]>,
     deadline: Instant,

@@ -1,6 +1,6 @@
-//! Fuzzing: random inputs for every part of the program that reads what others wrote, and for the window.
+//! Fuzzing: random inputs for the window and for every part of the program that reads external data.
 //!
-//! [`driver`] describes the environment variables and what is saved of inputs that fail. A new target is one file that
+//! [`driver`] describes the environment variables and the files saved for failing inputs. A new target is one file that
 //! implements [`driver::Target`], and one line here.
 
 #[path = "../common/mod.rs"]

@@ -1,9 +1,9 @@
-//! Odd numbers, and random changes of bytes and of JSON.
+//! Unusual numbers, and random changes of bytes and of JSON.
 
 use fastrand::Rng;
 use serde_json::{Map, Value, json};
 
-/// Numbers, and what only looks like one, as text.
+/// Unusual numbers, and text that only resembles numbers.
 const ODD_NUMBERS: [&str; 32] = [
     "nan",
     "-nan(ind)",
@@ -39,7 +39,7 @@ const ODD_NUMBERS: [&str; 32] = [
     "0.1000000000000000055511151231257827",
 ];
 
-/// Returns a number as text: mostly small, sometimes of any magnitude, sometimes odd.
+/// Returns a number as text: mostly small, sometimes of any magnitude, sometimes unusual.
 pub(crate) fn number(rng: &mut Rng) -> String {
     match rng.u8(..10) {
         0 => word(rng, &ODD_NUMBERS).to_owned(),
@@ -49,17 +49,17 @@ pub(crate) fn number(rng: &mut Rng) -> String {
     }
 }
 
-/// Returns one of the items, of which there must be some.
+/// Returns one of the items. Panics if there are none.
 pub(crate) fn pick<'a, T>(rng: &mut Rng, items: &'a [T]) -> &'a T {
     &items[rng.usize(..items.len())]
 }
 
-/// Returns one of the words, of which there must be some.
+/// Returns one of the words. Panics if there are none.
 pub(crate) fn word<'a>(rng: &mut Rng, words: &[&'a str]) -> &'a str {
     words[rng.usize(..words.len())]
 }
 
-/// Changes bytes in one to four places: bits, bytes, runs, lines, numbers, the end.
+/// Changes bytes at one to four positions: bits, bytes, runs, lines, numbers, or the end.
 pub(crate) fn bytes(rng: &mut Rng, bytes: &mut Vec<u8>) {
     for _ in 0..rng.usize(1..=4) {
         change_bytes(rng, bytes);
@@ -150,7 +150,7 @@ fn change_fields(rng: &mut Rng, fields: &mut Map<String, Value>) {
         return;
     }
     let removed = fields.remove(pick(rng, &names)).unwrap_or_default();
-    // Under the name of another field.
+    // Half of the removed fields return under the name of another field.
     if rng.bool() {
         fields.insert(pick(rng, &names).clone(), removed);
     }
@@ -191,10 +191,10 @@ fn other_value(rng: &mut Rng, value: &Value) -> Value {
     }
 }
 
-/// Replaces numbers that may be sizes of pictures or lengths of lines by some up to 256, which are drawn in milliseconds. Larger
-/// ones than any picture has pixels, which the program must refuse, stay.
+/// Replaces numbers that may be picture sizes or line lengths by numbers up to 256, which are drawn in milliseconds.
+/// Numbers above the pixel count of any picture, which the program must reject, stay.
 pub(crate) fn shrink_sizes(tree: &mut Value) {
-    /// Most pixels of a picture.
+    /// Largest number of pixels of a picture.
     const MOST: f64 = (1 << 25) as f64;
     match tree {
         Value::Number(number) => {

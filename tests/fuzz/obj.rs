@@ -25,13 +25,13 @@ const MODEL: &str = "model.obj";
 /// Name of the material library of generated models.
 const LIBRARY: &str = "model.mtl";
 
-/// Name of the file whose presence decides that `Tr` is opacity.
+/// Name of a marker file; if it exists, `Tr` means opacity.
 const TR_IS_OPACITY: &str = "tr-is-opacity";
 
 /// Size of the picture that is drawn of every loaded model.
 const SIZE: Viewport = Viewport { width: 21, height: 17 };
 
-/// Models.
+/// Target of models.
 pub(crate) struct Obj;
 
 impl Target for Obj {
@@ -58,7 +58,7 @@ impl Target for Obj {
             Err(error) => return check_message(&text::one_line(&error.to_string()), MODEL),
         };
         for warning in loaded.warnings.iter().chain(&loaded.notes) {
-            // As the program prints it; names in files may contain anything.
+            // Formatted like in the program's output, because names in files may contain anything.
             check_message(&text::one_line(&warning.to_string()), "")?;
         }
         sound(&loaded).map_err(|fault| Failure::Wrong(format!("{fault}: {:?}", loaded.scene.bounds())))?;
@@ -68,7 +68,7 @@ impl Target for Obj {
     }
 }
 
-/// Returns a model file, as it is or damaged, with the libraries beside it that it names.
+/// Returns a model file, intact or damaged, with the libraries that it names.
 fn sample(rng: &mut Rng, saved: &[seeds::File]) -> Input {
     let models: Vec<_> = saved.iter().filter(|(name, _)| name.ends_with(".obj")).collect();
     if models.is_empty() {
@@ -149,7 +149,7 @@ fn line(text: &mut String, words: &[&str]) {
     let _ = writeln!(text, "{}", words.join(" "));
 }
 
-/// Writes a face, mostly of existing corners, in order, in any order (bow ties), or of many corners.
+/// Writes a face, mostly of existing corners: in order, in random order (bow ties), or of many corners.
 fn face(rng: &mut Rng, text: &mut String, [positions, uvs, normals]: [usize; 3]) {
     let corners = match rng.u8(..24) {
         0 => rng.usize(..3),
@@ -179,7 +179,7 @@ fn face(rng: &mut Rng, text: &mut String, [positions, uvs, normals]: [usize; 3])
     line(text, &["f", &words.join(" ")]);
 }
 
-/// Writes any statement that the loader knows with numbers that need not suit it.
+/// Writes a random statement that the loader knows, with numbers that may not suit it.
 fn odd_statement(rng: &mut Rng, text: &mut String, format: Format) {
     let statements: Vec<_> = STATEMENTS.iter().filter(|statement| statement.format == format).collect();
     let numbers: Vec<_> = (0..rng.usize(..6)).map(|_| number(rng)).collect();
@@ -205,7 +205,7 @@ fn library(rng: &mut Rng, pictures: &[String]) -> String {
     text
 }
 
-/// Returns an option of a texture statement with values that need not suit it.
+/// Returns an option of a texture statement, with values that may not suit it.
 fn option(rng: &mut Rng) -> String {
     let options: Vec<_> = STATEMENTS.iter().filter(|statement| statement.format == Format::Option).collect();
     let values: Vec<_> = (0..rng.usize(..4))

@@ -1,20 +1,20 @@
-//! Panics during executions: recorded with their place instead of printed.
+//! Panics during executions, which are recorded with their location instead of printed.
 //!
-//! A panic that the program itself catches and reports is recorded as well: it is an error of the program either way.
+//! Panics that the program itself catches and reports are recorded as well: they are errors of the program either way.
 
 use std::cell::RefCell;
 use std::panic::PanicHookInfo;
 use std::sync::{Mutex, Once, PoisonError};
 use std::thread;
 
-/// Start of the names of the threads that execute targets.
+/// Prefix of the names of threads that execute targets.
 pub(crate) const THREADS: &str = "fuzz ";
 
-/// Name of the renderer's thread of the window.
+/// Name of the window's renderer thread.
 const RENDERER: &str = "renderer";
 
 thread_local! {
-    /// Panics of this thread since they were last taken.
+    /// Panics of this thread since the last call of [`take_own`].
     static OWN: RefCell<Vec<String>> = const { RefCell::new(Vec::new()) };
 }
 
@@ -37,17 +37,17 @@ pub(crate) fn record() {
     });
 }
 
-/// Takes the first panic of this thread since the last call.
+/// Returns the first panic of this thread since the last call.
 pub(crate) fn take_own() -> Option<String> {
     OWN.take().into_iter().next()
 }
 
-/// Takes the last panic of a thread that a target started.
+/// Returns and clears the last panic of a thread that a target started.
 pub(crate) fn take_elsewhere() -> Option<String> {
     ELSEWHERE.lock().unwrap_or_else(PoisonError::into_inner).take()
 }
 
-/// Returns `src/file.rs:12: message`.
+/// Formats a panic as `src/file.rs:12: message`.
 fn described(info: &PanicHookInfo<'_>) -> String {
     let place = info.location().map_or_else(String::new, |place| format!("{}:{}: ", place.file(), place.line()));
     let message = info.payload_as_str().unwrap_or("no message");

@@ -1,4 +1,4 @@
-//! Target: stored preferences, changed at any place, that a window starts with.
+//! Target: stored preferences with random changes, loaded by a window.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -22,16 +22,16 @@ use crate::images::check_message;
 use crate::input::Input;
 use crate::{mutate, strings};
 
-/// Name of the file, as the program calls it.
+/// Name of the preferences file in the program.
 const FILE: &str = "preferences.json";
 
-/// Bookmarks that are gone to.
+/// Number of bookmarks to go to.
 const MOST_BOOKMARKS: usize = 3;
 
-/// Size of the window, points: small pictures are drawn faster.
+/// Size of the window, in points; small pictures are drawn faster.
 const WINDOW: Vec2 = Vec2::new(900.0, 560.0);
 
-/// Preferences.
+/// Target of stored preferences.
 pub(crate) struct StoredPreferences;
 
 impl Target for StoredPreferences {
@@ -64,16 +64,16 @@ impl Target for StoredPreferences {
     }
 }
 
-/// Returns sound preferences.
+/// Returns valid preferences.
 fn preferences(rng: &mut Rng) -> Preferences {
     let source = SceneSource::named("triangle".into());
     let scene = source.load().expect("built in").scene;
     let mut recipe = Recipe::default();
     for _ in 0..rng.u8(..4) {
         let setting = strings::sound_setting(rng);
-        // Filters and samples are another target's: the picture is as large as the canvas here, and they take long.
+        // Filters and samples belong to another target: the picture is as large as the canvas here, so they take long.
         if !setting.starts_with("post.") && !setting.starts_with("antialias.") {
-            // Settings that are refused change nothing.
+            // Rejected settings change nothing.
             let _ = recipe.set(&setting);
         }
     }
@@ -89,7 +89,7 @@ fn preferences(rng: &mut Rng) -> Preferences {
     session.preferences(&WindowState { light_theme: rng.bool(), scale, ..WindowState::default() })
 }
 
-/// Checks that a warning comes with a backup of the whole file, and that there is none without.
+/// Checks that a warning comes with a backup of the whole file, and that no backup exists without one.
 fn check_backup(folder: &Path, bytes: &[u8], warning: Option<&str>) -> Result<(), Failure> {
     let backup = std::fs::read(folder.join("preferences-backup.json")).ok();
     match (warning, backup) {
@@ -102,7 +102,7 @@ fn check_backup(folder: &Path, bytes: &[u8], warning: Option<&str>) -> Result<()
     }
 }
 
-/// Checks that preferences are read back as they are written.
+/// Checks that written preferences are read back unchanged.
 fn check_written(preferences: &Preferences) -> Result<(), Failure> {
     let text = preferences.write();
     match Preferences::read_checked(&text) {
@@ -113,7 +113,7 @@ fn check_written(preferences: &Preferences) -> Result<(), Failure> {
     }
 }
 
-/// Starts a window with preferences, goes to its bookmarks, and checks what would be stored in the end.
+/// Starts a window with preferences, goes to its bookmarks, and checks the preferences that would be stored at the end.
 fn start(preferences: Preferences) -> Result<(), Failure> {
     let source = SceneSource::named("triangle".into());
     let scene = source.load().expect("built in").scene;
@@ -141,7 +141,7 @@ fn start(preferences: Preferences) -> Result<(), Failure> {
         pass(&mut headless, &mut app);
     }
     check_written(&app.session().preferences(&WindowState { scale, ..WindowState::default() }))?;
-    let broken = app.session().log.iter().find(|line| line.text.contains("error of the program"));
+    let broken = app.session().log.iter().find(|line| line.text.contains("internal error"));
     broken.map_or(Ok(()), |line| Err(Failure::Wrong(line.text.clone())))
 }
 

@@ -1,4 +1,4 @@
-//! Target: any settings on any small scene, drawn triangle after triangle, tile by tile, and replayed.
+//! Target: random settings on random small scenes, drawn triangle after triangle, tile by tile, and replayed.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -19,13 +19,13 @@ use crate::{equal, strings};
 /// Name of the file with scene, view and settings.
 const FILE: &str = "scene.txt";
 
-/// Pixels of a frame that are replayed, about: below a filter each of them replays all pixels under its mask.
+/// Approximate number of replayed pixels per frame: with a post filter, each of them replays all pixels under the mask.
 const REPLAYED: u32 = 10;
 
-/// Alpha codes of textures by their word in the file.
+/// Alpha values of textures, by their keyword in the file.
 const ALPHA: [(&str, &[u8]); 3] = [("opaque", &[255]), ("cut-out", &[0, 255]), ("graded", &[0, 90, 200, 255])];
 
-/// Settings and scenes.
+/// Target of settings and scenes.
 pub(crate) struct Recipes;
 
 impl Target for Recipes {
@@ -33,7 +33,7 @@ impl Target for Recipes {
         "recipes"
     }
 
-    /// A view is drawn some ten times, in up to 256 samples for each pixel.
+    /// Returns a longer limit: a view is drawn some ten times, with up to 256 samples per pixel.
     fn limit(&self) -> Duration {
         LIMIT * 5
     }
@@ -65,7 +65,7 @@ impl Target for Recipes {
     }
 }
 
-/// Returns a view towards the scene, sometimes from within it or from far away.
+/// Returns a view towards the scene, sometimes from inside it or from far away.
 fn camera(rng: &mut Rng) -> Camera {
     let distance = *pick(rng, &[0.5, 2.0, 3.0, 3.0, 50.0]);
     let mut camera = Camera::look_at(in_cube(rng) * distance, in_cube(rng) * 0.3);
@@ -79,7 +79,7 @@ fn camera(rng: &mut Rng) -> Camera {
     if camera.check().is_ok() { camera } else { Camera::look_at(Vec3::Z * 3.0, Vec3::ZERO) }
 }
 
-/// Returns a triangle as nine numbers: anywhere, on a grid where edges and planes coincide, tiny, or huge.
+/// Returns a triangle as nine numbers: random, on a grid with coinciding edges and planes, tiny, or huge.
 fn triangle(rng: &mut Rng) -> String {
     let kind = rng.u8(..8);
     let corners = [(); 3].map(|()| match kind {
@@ -92,7 +92,7 @@ fn triangle(rng: &mut Rng) -> String {
     format!("triangle {}", numbers.join(" "))
 }
 
-/// Returns up to eight settings that are accepted one after the other.
+/// Returns up to eight settings that are accepted in sequence.
 fn settings(rng: &mut Rng) -> Vec<String> {
     let mut recipe = Recipe::default();
     let candidates: Vec<_> = (0..rng.usize(..9)).map(|_| strings::sound_setting(rng)).collect();
@@ -108,11 +108,11 @@ struct View {
 }
 
 impl View {
-    /// Reads an input; `None` if a part is missing, as happens when it is minimised.
+    /// Parses an input. Returns `None` if a part is missing, which minimising may cause.
     fn parse(text: &str) -> Option<Self> {
         let mut builder = SceneBuilder::new(Vec3::Z);
         let (mut cameras, mut recipe, mut size) = (Vec::new(), Recipe::default(), None);
-        // Textures are equal in all inputs, as their texels do not matter.
+        // All inputs share the same textures, because their texels do not matter.
         let mut rng = Rng::with_seed(0);
         let lines: Vec<_> = text.lines().filter_map(|line| line.split_once(' ')).collect();
         for (number, (word, rest)) in lines.iter().enumerate() {

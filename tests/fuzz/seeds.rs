@@ -1,4 +1,4 @@
-//! Files to start from that are not part of the repository, where there are any.
+//! Optional seed files that are not part of the repository.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -7,13 +7,14 @@ use std::sync::{Mutex, PoisonError};
 
 use crate::common::samples;
 
-/// Largest file that is mutated, bytes.
+/// Largest file that is mutated, in bytes.
 const MOST_BYTES: u64 = 16 << 10;
 
-/// A file: its name and its bytes.
+/// A file, as its name and its bytes.
 pub(crate) type File = (String, Vec<u8>);
 
-/// Returns the sample files up to 16 KiB that `is_wanted` selects by their suffix, sorted by path; read once for each `kind`.
+/// Returns the sample files of up to 16 KiB that `is_wanted` selects by their suffix, sorted by path. The files are
+/// read once for each `kind`.
 pub(crate) fn files(kind: &'static str, is_wanted: fn(&str) -> bool) -> &'static [File] {
     static KNOWN: Mutex<BTreeMap<&'static str, &'static [File]>> = Mutex::new(BTreeMap::new());
     let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
@@ -30,7 +31,7 @@ pub(crate) fn files(kind: &'static str, is_wanted: fn(&str) -> bool) -> &'static
     })
 }
 
-/// Whether a suffix is one of pictures.
+/// Whether a suffix belongs to a picture format.
 pub(crate) fn is_picture(suffix: &str) -> bool {
     ["png", "jpg", "jpeg", "bmp", "tga", "gif", "tif", "tiff"].contains(&suffix)
 }

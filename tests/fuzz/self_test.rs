@@ -1,4 +1,4 @@
-//! The driver finds what it must find: panics, slow and endless executions, wrong results and memory.
+//! Tests that the driver finds panics, slow and endless executions, wrong results and memory growth.
 
 use std::fs;
 use std::panic::catch_unwind;
@@ -12,13 +12,13 @@ use tempfile::TempDir;
 use crate::driver::{Failure, Plan, Report, Target, run};
 use crate::input::{Input, NOTES};
 
-/// Name of the file of all inputs here.
+/// Name of the file of all inputs in these tests.
 const FILE: &str = "text.txt";
 
-/// A target that does something bad wherever its input contains a word, and may grow by so many bytes.
+/// A target that fails whenever its input contains a word, with a limit for memory growth in bytes.
 struct Bad(fn(&str) -> Result<(), Failure>, u64);
 
-/// Growth that other tests of this process may be the reason of, bytes.
+/// Growth limit that never applies, because other tests of this process may cause growth, in bytes.
 const ANY_GROWTH: u64 = u64::MAX;
 
 impl Target for Bad {
@@ -46,7 +46,7 @@ impl Target for Bad {
     }
 }
 
-/// A run of a target that does `bad`, and the folder of its findings.
+/// Runs a target that fails by `bad`. Returns the report and the folder of its findings.
 fn fuzzed(bad: fn(&str) -> Result<(), Failure>) -> (Report, TempDir) {
     let folder = tempfile::tempdir().unwrap();
     let report = run(&Arc::new(Bad(bad, ANY_GROWTH)), &plan(&folder));
@@ -143,13 +143,13 @@ fn memory_is_found() {
     const MOST: u64 = 64 << 20;
     let folder = tempfile::tempdir().unwrap();
     let bad = |_: &str| {
-        // Pages count when they are written to.
+        // Pages count as resident once they are written.
         let bytes = vec![1_u8; MOST as usize * 3 / 2];
         assert_eq!(std::hint::black_box(bytes)[7], 1);
         Ok(())
     };
     let report = run(&Arc::new(Bad(bad, MOST)), &plan(&folder));
-    // Where pages are written slowly, time is found as well.
+    // If writing pages is slow, a failure of time is found as well.
     assert!(report.findings.values().any(|failure| matches!(failure, Failure::Memory(_))), "{report:?}");
 }
 

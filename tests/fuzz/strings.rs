@@ -1,4 +1,4 @@
-//! Target: settings, views, overlays, ranges and places as people write them.
+//! Target: settings, views, overlays, ranges and places in the forms that users write.
 
 use std::path::Path;
 use std::sync::{Arc, LazyLock};
@@ -19,25 +19,25 @@ use crate::input::Input;
 use crate::mutate::{number, pick, word};
 use crate::{common, equal, mutate};
 
-/// Name of the file: one text a line, its kind before it.
+/// Name of the file: one text per line, preceded by its kind.
 const FILE: &str = "texts.txt";
 
-/// Size of the pictures that are drawn.
+/// Size of the drawn pictures.
 const SIZE: Viewport = Viewport { width: 19, height: 13 };
 
-/// A sound view.
+/// A valid view.
 const CAMERA: &str = r#"{"eye":[1.5,1.2,3.0],"target":[0,0,0],"up":[0,1,0],"fov_y_degrees":45,"near":0.1,"far":100}"#;
 
 /// Keys of all settings, each with the description of its values.
 static KEYS: LazyLock<Vec<(String, String)>> = LazyLock::new(Recipe::keys);
 
-/// The scene that is drawn and searched.
+/// Scene that is drawn and searched.
 static SCENE: LazyLock<Arc<Scene>> = LazyLock::new(|| Arc::new(common::ground_and_cube()));
 
-/// Its frame.
+/// Frame of [`SCENE`].
 static FRAME: LazyLock<Frame> = LazyLock::new(|| common::render(&SCENE, &Recipe::default(), (SIZE.width, SIZE.height)));
 
-/// Texts.
+/// Target of texts.
 pub(crate) struct Strings;
 
 impl Target for Strings {
@@ -70,7 +70,7 @@ impl Target for Strings {
     }
 }
 
-/// Returns a text with its kind before it, damaged in a third of the cases.
+/// Returns a text preceded by its kind, damaged in a third of the cases.
 fn damaged(rng: &mut Rng) -> String {
     let (kind, text) = match rng.u8(..8) {
         0 => ("camera", camera(rng)),
@@ -86,7 +86,7 @@ fn damaged(rng: &mut Rng) -> String {
     format!("{kind} {}", String::from_utf8_lossy(&bytes).replace(['\n', '\r'], " "))
 }
 
-/// Returns a setting with one of the values that its description names, or with a number.
+/// Returns a setting with a value named in its description, or with a number.
 pub(crate) fn sound_setting(rng: &mut Rng) -> String {
     let (key, values) = pick(rng, &KEYS);
     let words: Vec<_> = values.split(", ").collect();
@@ -94,7 +94,7 @@ pub(crate) fn sound_setting(rng: &mut Rng) -> String {
     let value = match word.split(' ').next() {
         Some("number") => number_in_range(rng),
         Some("whole") => rng.u32(..20).to_string(),
-        Some(count) if word.contains("numbers with commas") => {
+        Some(count) if word.contains("comma-separated numbers") => {
             let count = count.parse().unwrap_or(25);
             (0..count).map(|_| number_in_range(rng)).collect::<Vec<_>>().join(",")
         }
@@ -146,7 +146,8 @@ fn place(rng: &mut Rng) -> String {
     }
 }
 
-/// Checks that a setting is refused and changes nothing, or leads to a sound recipe that is read back from its settings.
+/// Checks that a setting is either rejected without any change, or gives a valid recipe that can be read back from its
+/// settings.
 fn check_setting(recipe: &mut Recipe, text: &str) -> Result<(), Failure> {
     let before = *recipe;
     match recipe.set(text) {
@@ -156,7 +157,7 @@ fn check_setting(recipe: &mut Recipe, text: &str) -> Result<(), Failure> {
     }
 }
 
-/// Checks that settings in any order are refused as a whole or lead to a sound recipe.
+/// Checks that settings in any order are either rejected as a whole, or give a valid recipe.
 fn check_all_settings(settings: &[&str]) -> Result<(), Failure> {
     let mut recipe = Recipe::default();
     match recipe.set_all(settings) {
@@ -191,14 +192,14 @@ fn check_look(text: &str) -> Result<(), Failure> {
     if is_same { Ok(()) } else { Err(Failure::Wrong(format!("look is not read back: {}", display.text()))) }
 }
 
-/// Looks for a place.
+/// Searches the scene for a place.
 fn check_place(text: &str) {
     if let Ok(wanted) = Wanted::parse(text, &SCENE, SIZE, Some(0)) {
         find(&SCENE, &Recipe::default(), &FRAME, &wanted);
     }
 }
 
-/// Checks that a view is read back, and that both executions draw the same from there.
+/// Checks that a view can be read back, and that both executions draw the same from it.
 fn check_camera(text: &str, recipe: &Recipe) -> Result<(), Failure> {
     let Ok(camera) = camera_file::parse(text) else { return Ok(()) };
     let own = camera_file::text(&camera);
@@ -219,6 +220,6 @@ fn settings_from_descriptions_are_mostly_accepted() {
         }
     }
     let missing: Vec<_> = KEYS.iter().map(|(key, _)| key).filter(|key| !accepted.contains(*key)).collect();
-    // What only some methods of the upscaler offer is refused by the default one.
+    // Settings that only some upscaling methods support are rejected by the default one.
     assert!(missing.iter().all(|key| key.starts_with("upscaler.")), "{missing:?}");
 }

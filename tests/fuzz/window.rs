@@ -1,4 +1,4 @@
-//! Target: pointer, keys, text, files and sizes, in any order, on a whole window.
+//! Target: pointer, keys, text, files and sizes, in random order, on a whole window.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -28,22 +28,22 @@ use crate::obj::Obj;
 use crate::panics;
 use crate::process::Stopwatch;
 
-/// Name of the file with the events, one a line.
+/// Name of the file with the events, one per line.
 const FILE: &str = "events.txt";
 
-/// Built-in scenes that a window starts with: those of few triangles.
+/// Built-in scenes that a window starts with, all of few triangles.
 const SCENES: [&str; 4] = ["triangle", "near-plane", "stained-glass", "z-fighting"];
 
-/// Size of the window at first, points.
+/// Initial size of the window, in points.
 const WINDOW: Vec2 = Vec2::new(1280.0, 800.0);
 
-/// Time that the renderer gets after each event; what takes longer goes on while the next events come.
+/// Rendering time after each event; longer rendering continues during the next events.
 const RENDERING: Duration = Duration::from_millis(20);
 
-/// Button that opens a dialog of the system, which no test can close.
+/// Button that opens a system dialog, which no test can close.
 const SYSTEM_DIALOG: &str = "Browse …";
 
-/// Widgets that a click does something to.
+/// Roles of widgets that react to clicks.
 const CLICKED: [Role; 8] = [
     Role::Button,
     Role::CheckBox,
@@ -55,7 +55,7 @@ const CLICKED: [Role; 8] = [
     Role::Link,
 ];
 
-/// Windows.
+/// Target of windows.
 pub(crate) struct Window;
 
 impl Target for Window {
@@ -67,7 +67,7 @@ impl Target for Window {
         "window-tests"
     }
 
-    /// Of all events together; the time of each is limited by [`LIMIT`].
+    /// Returns the time limit of all events together; the time of each event is limited by [`LIMIT`].
     fn limit(&self) -> Duration {
         LIMIT * 30
     }
@@ -110,7 +110,7 @@ impl Target for Window {
             let begun = Instant::now();
             while begun.elapsed() < RENDERING && is_behind(window.state().session()) {
                 std::thread::sleep(Duration::from_millis(2));
-                // The window takes what the renderer has sent.
+                // The window receives answers of the renderer.
                 window.step();
             }
         }
@@ -119,7 +119,7 @@ impl Target for Window {
     }
 }
 
-/// Opens a window on a built-in scene, with a renderer of its own. It saves files in `output`.
+/// Opens a window on a built-in scene, with a renderer thread of its own. Exports are written to `output`.
 fn window(scene: &str, output: &Path) -> Harness<'static, Workbench> {
     let source = SceneSource::named(scene.into());
     let loaded = source.load().map_or_else(|_| SceneSource::default().load().expect("built in").scene, |l| l.scene);
@@ -127,19 +127,19 @@ fn window(scene: &str, output: &Path) -> Harness<'static, Workbench> {
     let mut session = Session::new(Arc::new(loaded), source, Recipe::default(), camera);
     session.state.size = PictureSize::Fixed(96, 54);
     session.folder = output.to_owned();
-    // Names from files may hold any character; those without a glyph are drawn as boxes, as in the program.
+    // Names from files may contain any character; those without a glyph are drawn as boxes, as in the program.
     Harness::builder().with_size(WINDOW).with_step_dt(0.1).allow_missing_glyphs().build_eframe(|cc| {
         theme::install(&cc.egui_ctx);
         Workbench::new(session, Worker::spawn(|| ()))
     })
 }
 
-/// Whether the frame on screen is not the one that is wanted.
+/// Whether the frame on screen differs from the current request.
 fn is_behind(session: &Session) -> bool {
     session.view.as_ref().is_none_or(|view| !view.request.same_view(&session.request()))
 }
 
-/// Cancels measurements, which take long and leave no time for anything else.
+/// Cancels measurements, which take long and would delay everything else.
 fn stop_measurements(window: &mut Harness<'_, Workbench>) {
     let app = window.state_mut();
     let session = app.session();
@@ -151,10 +151,10 @@ fn stop_measurements(window: &mut Harness<'_, Workbench>) {
     app.ask_for(commands);
 }
 
-/// Checks that the program reports no error of its own, and that everything is drawn somewhere.
+/// Checks that the program reports no error of its own, and that all shapes have finite positions.
 fn check(window: &Harness<'_, Workbench>) -> Result<(), Failure> {
     let session = window.state().session();
-    if let Some(line) = session.log.iter().find(|line| line.text.contains("error of the program")) {
+    if let Some(line) = session.log.iter().find(|line| line.text.contains("internal error")) {
         let panic = panics::take_elsewhere().unwrap_or_default();
         return Err(Failure::Panic(format!("{panic} ({})", line.text)));
     }
@@ -165,20 +165,20 @@ fn check(window: &Harness<'_, Workbench>) -> Result<(), Failure> {
     }
 }
 
-/// Whether a part of a shape lies at a place that is not a number.
+/// Whether a part of a shape has a position that is NaN.
 fn is_nowhere(shape: &Shape) -> bool {
     match shape {
         Shape::Vec(parts) => parts.iter().any(is_nowhere),
-        // Text without letters has no bounds.
+        // Empty text has no bounds.
         Shape::Text(text) => text.pos.any_nan(),
         shape => shape.visual_bounding_rect().any_nan(),
     }
 }
 
-/// Returns a random event as a line. Positions are in thousandths of the window's size.
+/// Returns a random event as one line. Positions are in thousandths of the window's size.
 fn event(rng: &mut Rng) -> String {
     let place = |rng: &mut Rng| format!("{} {}", rng.i32(-20..1020), rng.i32(-20..1020));
-    // Over the picture in half of the cases.
+    // Half of the positions are over the picture.
     let place = |rng: &mut Rng| {
         if rng.bool() { format!("{} {}", rng.i32(250..740), rng.i32(150..700)) } else { place(rng) }
     };
@@ -201,7 +201,7 @@ fn event(rng: &mut Rng) -> String {
     }
 }
 
-/// Sends the event of a line. Lines that cannot be read, as happens when an input is minimised, are left out.
+/// Sends the event of a line. Unreadable lines, which minimising an input may create, are skipped.
 fn act(window: &mut Harness<'_, Workbench>, line: &str, folder: &Path) {
     let (word, rest) = line.split_once(' ').unwrap_or((line, ""));
     let words: Vec<_> = rest.split(' ').collect();
@@ -250,7 +250,7 @@ fn act(window: &mut Harness<'_, Workbench>, line: &str, folder: &Path) {
     }
 }
 
-/// Clicks one of the widgets that are there, counted around.
+/// Clicks one of the existing widgets; `number` wraps around.
 fn click(window: &Harness<'_, Workbench>, number: usize) {
     let is_clicked = |node: &egui_kittest::Node<'_>| {
         let node = node.accesskit_node();
@@ -268,7 +268,7 @@ fn modifiers(word: Option<&&str>) -> Modifiers {
     Modifiers { alt: has('a'), ctrl: has('c'), shift: has('s'), mac_cmd: false, command: has('c') }
 }
 
-/// A file that was dropped on the window.
+/// A file dropped on the window.
 #[derive(Debug)]
 struct Dropped(std::path::PathBuf);
 

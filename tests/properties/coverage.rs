@@ -1,7 +1,7 @@
-//! Coverage: shared edges are drawn exactly once, whatever happens to the triangles on the way to the screen.
+//! Coverage: shared edges are drawn exactly once, regardless of clipping and projection.
 //!
-//! The oracle states the fill rules another way than edge ownership does: a sample is pushed by an infinitesimal step,
-//! and whatever triangle it then lies strictly inside of owns it. Right by ε and down by ε² is top-left.
+//! The oracle defines the fill rules differently from edge ownership: it moves a sample by an infinitesimal step, and
+//! the triangle that then strictly contains the sample owns it. A step right by ε and down by ε² is top-left.
 
 use rasterscope::image::Image;
 use rasterscope::pipeline::settings::{FillRule, Rasterizer};
@@ -12,7 +12,7 @@ use crate::common::{clip_vertex, covered, for_seeds, grid_triangles, screen_tria
 
 const VIEW: Viewport = Viewport { width: 48, height: 32 };
 
-/// Per pixel: triangles that cover it, and front-facing minus back-facing ones.
+/// Number of covering triangles per pixel, and the number of front-facing minus back-facing ones.
 struct Counts {
     all: Image<i32>,
     signed: Image<i32>,
@@ -36,8 +36,8 @@ fn snapped_area(triangle: &ScreenTriangle) -> i128 {
     (b.0 - a.0) * (c.1 - a.1) - (c.0 - a.0) * (b.1 - a.1)
 }
 
-/// A mesh of jittered cells that overlaps the picture on all sides, front-facing, every vertex at its own w. About a
-/// third of the vertices lie on pixel centres, where fill rules matter.
+/// Returns a front-facing mesh of jittered cells that extends beyond the picture on all sides, every vertex with its
+/// own w. About a third of the vertices lie on pixel centres, where fill rules matter.
 fn jittered_grid(
     rng: &mut fastrand::Rng,
     depth: impl Fn(&mut fastrand::Rng) -> f32,
@@ -63,7 +63,7 @@ fn jittered_grid(
     (vertices, triangles)
 }
 
-/// A fan around a point in the picture, wide enough to cover it.
+/// Returns a fan around a point in the picture, wide enough to cover the picture.
 fn fan(rng: &mut fastrand::Rng) -> (Vec<ClipVertex>, Vec<[u32; 3]>) {
     let spokes = rng.u32(3..12);
     let center = (rng.u32(4..44) as f32 + 0.5, rng.u32(4..28) as f32 + 0.5);
@@ -109,7 +109,7 @@ fn the_two_wrong_rules_overlap_and_crack() {
 fn cuts_at_the_near_and_far_planes_neither_crack_nor_overlap() {
     let (mut cut_away, mut kept) = (0, 0);
     for_seeds(150, |rng| {
-        // A plane in (x, y, depth), so that what is left is a strip bounded by two straight lines.
+        // A plane in (x, y, depth), so that the remaining part is a strip between two straight lines.
         let (a, b, c) = (signed(rng), signed(rng), 0.5 + 0.3 * signed(rng));
         let (mut vertices, triangles) = jittered_grid(rng, |_| 0.0);
         for v in &mut vertices {
@@ -122,7 +122,7 @@ fn cuts_at_the_near_and_far_planes_neither_crack_nor_overlap() {
                     let ndc = ((x as f32 + 0.5) / 24.0 - 1.0, 1.0 - (y as f32 + 0.5) / 16.0);
                     let depth = a * ndc.0 + b * ndc.1 + c;
                     let expected = i32::from((0.0..=1.0).contains(&depth));
-                    // Within a grid step of the cut either is right, but never two.
+                    // Within a grid step of the cut both results are correct, but never two hits.
                     let undecided = depth.abs().min((1.0 - depth).abs()) < 1e-3;
                     let got = counts.signed.at(x, y);
                     assert!(
@@ -140,8 +140,8 @@ fn cuts_at_the_near_and_far_planes_neither_crack_nor_overlap() {
 #[test]
 fn triangles_far_beyond_the_guard_band_and_behind_the_eye_stay_watertight() {
     for_seeds(300, |rng| {
-        // An endless plane in front of the eye, cut by its own huge triangles: a grid over the plane z = 1 of eye space
-        // seen in all directions, whose outermost vertices lie behind the eye.
+        // An infinite plane in front of the eye, clipped from its own huge triangles: a grid over the plane z = 1 of
+        // eye space seen in all directions, whose outermost vertices lie behind the eye.
         let reach = 10.0_f32.powi(rng.i32(0..12));
         let tilt = 0.9 * signed(rng);
         let vertices: Vec<ClipVertex> = (0..49)
@@ -167,8 +167,8 @@ fn clip_at(x: f32, y: f32, w: f32) -> ClipVertex {
     ClipVertex::at(glam::Vec4::new(x, y, w * 0.5, w))
 }
 
-/// Whether the pixel centre, pushed by the infinitesimal step that stands for the rule, lies inside: in i128 on numbers
-/// so much larger that the step is an integer.
+/// Whether the pixel centre, moved by the infinitesimal step of the rule, lies inside. Computed in i128 with
+/// coordinates scaled so that the step is an integer.
 fn oracle(triangle: &ScreenTriangle, (x, y): (u32, u32), rule: FillRule) -> bool {
     let (right, down) = match rule {
         FillRule::TopLeft => (1, 1),
@@ -183,7 +183,7 @@ fn oracle(triangle: &ScreenTriangle, (x, y): (u32, u32), rule: FillRule) -> bool
     let (px, py) = (center(x) + right * (1 << 30), center(y) + down);
     let orientation = snapped_area(triangle).signum();
     let side = |a: (i128, i128), b: (i128, i128)| {
-        // Differences are scaled down again where no step is involved, so that products fit.
+        // Differences without a step are scaled down again, so that the products fit.
         ((b.0 - a.0) / SCALE * (py - a.1) - (b.1 - a.1) / SCALE * (px - a.0)) * orientation
     };
     let [a, b, c] = corners;

@@ -1,4 +1,4 @@
-//! Depths of vertices and samples, through the pipeline and beside it.
+//! Depths of vertices and samples, computed by the pipeline and independently.
 
 use glam::{Mat4, Vec3};
 use num_rational::BigRational;
@@ -26,7 +26,7 @@ const ENCODINGS: [DepthEncoding; 3] = [DepthEncoding::F32, DepthEncoding::Unorm2
 const MAPPINGS: [DepthMapping; 4] =
     [DepthMapping::Standard, DepthMapping::Reversed, DepthMapping::ReversedInfinite, DepthMapping::Linear];
 
-/// Every depth is written, by this format.
+/// Returns a recipe that writes every depth in this format.
 fn always(format: DepthFormat) -> Recipe {
     let mut recipe = Recipe::default();
     (recipe.pipeline.depth_test, recipe.pipeline.depth_format) = (DepthTest::Always, format);
@@ -34,7 +34,7 @@ fn always(format: DepthFormat) -> Recipe {
     recipe
 }
 
-/// A scene seen from the origin along −z.
+/// Returns a scene seen from the origin along −z.
 fn seen_along_z(mesh: Mesh, [near, far]: [f32; 2]) -> Scene {
     let mut scene = SceneBuilder::new(Vec3::Z).with(mesh, Mat4::IDENTITY, None).0;
     scene.home = Camera { near, far, ..Camera::look_at(Vec3::ZERO, Vec3::NEG_Z) };
@@ -45,7 +45,7 @@ fn depths(frame: &Frame) -> &[f32] {
     frame.drawn.depth.as_ref().expect("a depth buffer").pixels()
 }
 
-/// A number between two others, evenly over the logarithm.
+/// Returns a log-uniform random number between two others.
 fn log_uniform(rng: &mut fastrand::Rng, [from, to]: [f32; 2]) -> f32 {
     let [from, to] = [from, to].map(f64::from);
     (from * (to / from).powf(rng.f64())) as f32
@@ -57,7 +57,7 @@ fn what_is_stored_for_a_distance_is_what_the_pipeline_stores_there() {
         for_seeds(10, |rng| {
             let [near, far] = planes;
             let w = log_uniform(rng, [near * 1.001, far * 0.999]);
-            // Larger than the view, and facing it.
+            // The triangle is larger than the view and faces it.
             let corners = [Vec3::new(-3.0, -3.0, -1.0), Vec3::new(6.0, -3.0, -1.0), Vec3::new(-3.0, 6.0, -1.0)];
             let scene = seen_along_z(mesh(corners.map(|c| c * w).to_vec(), vec![[0, 1, 2]]), planes);
             for format in DepthFormat::ALL {
@@ -80,7 +80,7 @@ fn no_farther_distance_is_ever_stored_as_nearer() {
             assert_eq!(near, ends[0], "{mapping:?} {encoding:?}");
             assert!(far == ends[1] || mapping == DepthMapping::ReversedInfinite, "{mapping:?} {encoding:?}: {far}");
             for_seeds(200, |rng| {
-                // Neighbours among the floats, where an error would show.
+                // Adjacent floats, among which an error would show.
                 let mut w = log_uniform(rng, planes);
                 let mut before = scale.stored(w);
                 for _ in 0..20 {
@@ -98,7 +98,7 @@ fn no_farther_distance_is_ever_stored_as_nearer() {
     }
 }
 
-/// The distance at which a depth is `target`, by halving: with the textbook's formula, and none that is solved for w.
+/// Returns the distance with depth `target`, by bisection of the textbook formula instead of a formula solved for w.
 fn distance_of(depth: impl Fn(f64) -> f64, target: f64, [mut from, mut to]: [f64; 2]) -> f64 {
     let rises = depth(from) < depth(to);
     for _ in 0..200 {
@@ -125,7 +125,8 @@ fn the_resolution_is_the_distance_between_two_neighbouring_depths() {
                     DepthMapping::Linear => (w - n) / (f - n),
                 };
                 for_seeds(50, |rng| {
-                    // Farther away the smallest floats have their place, whose steps no f64 resolves at that distance.
+                    // Farther away the smallest floats occur, whose steps exceed the resolution of f64 at that
+                    // distance.
                     let w = f64::from(log_uniform(rng, [planes[0] * 1.1, planes[1] * 0.9]));
                     let stored = scale.encoding().quantize(depth(w));
                     let next = match format.encoding().largest_code() {
@@ -135,10 +136,12 @@ fn the_resolution_is_the_distance_between_two_neighbouring_depths() {
                     if next > 1.0 {
                         return;
                     }
-                    // A step beyond the planes where depth is coarse.
+                    // The search range extends beyond the planes, because a step of a coarse depth may lie outside
+                    // them.
                     let [a, b] = [f64::from(stored), next].map(|d| distance_of(depth, d, [n * 1e-3, f * 1e3]));
                     let (expected, got) = ((b - a).abs(), scale.resolution(stored));
-                    // What is stored for a code is off by up to half an ulp, and so is its distance, by as much more.
+                    // The value stored for a code is off by up to half an ulp, and its distance by a corresponding
+                    // amount.
                     assert!((got / expected - 1.0).abs() < 1e-3, "{format:?} at {w}: {got} for {expected}");
                 });
             }
@@ -161,7 +164,7 @@ fn a_far_plane_at_infinity_cuts_nothing_away() {
                 assert!(drawn > 50, "{drawn} at {distance}");
                 let plan = &frame.plans[0];
                 assert!(!plan.runs(Part::Clipping), "wholly inside at {distance}");
-                // The front of the cube stands at 0.8 of the distance.
+                // The front of the cube is at 0.8 of the distance.
                 let nearest = depths(&frame).iter().fold(0.0_f32, |a, b| a.max(*b));
                 assert!((nearest * distance * 0.8 / 0.1 - 1.0).abs() < 1e-6, "{nearest} at {distance}");
             } else {
@@ -182,7 +185,7 @@ fn a_w_buffer_holds_distances_up_to_a_far_plane_of_any_ratio_to_the_near_one() {
     let half_height = f64::from(rasterscope::scene::camera::DEFAULT_FOV_Y * 0.5).tan();
     let mut beyond = 0;
     for row in height / 2..height {
-        // Distance of the ground in this row of pixels, by the ray through it; a row is many units high there.
+        // Distance of the ground in this row of pixels, from the ray through it; a row covers many units there.
         let slope = |row: f64| (row / f64::from(height) * 2.0 - 1.0) * half_height;
         let [farthest, nearest] = [0.49, 0.51].map(|offset| 1.0 / slope(f64::from(row) + offset));
         let stored = f64::from(depths(&frame)[(row * width) as usize]);
@@ -203,7 +206,7 @@ fn what_is_cut_at_a_plane_has_exactly_the_depth_of_that_plane() {
     for format in DepthFormat::ALL {
         let mut cut = [0; 2];
         let mut scene = builtin::by_id("near-plane").expect("a built-in scene").build();
-        // Both planes run through what is in view.
+        // Both planes cross the visible part of the scene.
         scene.home.far = 20.0;
         let (camera, recipe) = (scene.home, always(*format));
         let plans = render(&scene, &recipe, SIZE).plans;
@@ -248,7 +251,7 @@ fn without_perspective_depth_is_linear_whatever_the_format() {
 fn a_w_buffer_grows_with_the_distance_at_any_ratio_of_distances() {
     for exponent in [1, 5, 15] {
         let (close, far) = (10.0_f32.powi(-exponent), 10.0_f32.powi(exponent));
-        // One corner in the middle of the picture, close; two beyond its sides, far away at one distance.
+        // One corner is close, in the centre of the picture; two are far away at one distance, beyond its sides.
         let corners = vec![
             Vec3::new(0.0, -0.3, -1.0) * close,
             Vec3::new(1.0, 0.3, -1.0) * far,
@@ -259,7 +262,7 @@ fn a_w_buffer_grows_with_the_distance_at_any_ratio_of_distances() {
         let triangle = &frame.geometry.triangles[0];
         let (view, stored) = (Viewport { width: 64, height: 64 }, frame.drawn.depth.as_ref().expect("a depth buffer"));
         let samples = covered(triangle, Rasterizer::BoundingBox, FillRule::TopLeft, view);
-        // By the weight of the close corner.
+        // Sorted by the weight of the close corner.
         let mut samples: Vec<_> = samples.into_iter().map(|s| (s.edges[0], stored.at(s.x, s.y))).collect();
         assert!(samples.len() > 200, "only {} samples", samples.len());
         samples.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -273,8 +276,8 @@ fn rational(number: f64) -> BigRational {
     BigRational::from_float(number).expect("a finite number")
 }
 
-/// Exact offset by the formula of Vulkan's `vkCmdSetDepthBias`: m from the normal of the plane through the snapped corners,
-/// r from a power of two that is found by halving.
+/// Returns the exact offset by the formula of Vulkan's `vkCmdSetDepthBias`: m from the normal of the plane through the
+/// snapped corners, r from a power of two found by halving.
 fn exact_offset(triangle: &ScreenTriangle, bias: DepthBias, encoding: DepthEncoding) -> BigRational {
     let corners = triangle.vertices.each_ref().map(|v| {
         let [x, y] = [v.x, v.y].map(|steps| rational(steps.into()) / rational(256.0));
@@ -325,7 +328,7 @@ fn a_depth_bias_adds_what_the_formula_of_the_api_says_and_clamps() {
             for sample in samples {
                 let [before, after] = [before, after].map(|depths| f64::from(depths.at(sample.x, sample.y)));
                 let expected = (before + offset).clamp(0.0, 1.0);
-                // Both depths are rounded to a code, where codes are stored, and to a float; the offset is to f64.
+                // Both depths are rounded to a code if codes are stored, and to a float; the offset is rounded to f64.
                 let code = encoding.largest_code().map_or(0.0, |largest| 1.0 / f64::from(largest));
                 let rounding = code + before.max(after) * f64::from(f32::EPSILON) + f64::MIN_POSITIVE;
                 let told = || format!("{format:?} {bias:?}: {before} by {offset} became {after}, not {expected}");
@@ -340,7 +343,7 @@ fn a_depth_bias_adds_what_the_formula_of_the_api_says_and_clamps() {
 
 #[test]
 fn a_depth_bias_decides_between_surfaces_at_one_depth() {
-    // Two panes at one distance, of which the second is tilted: the same depth in the middle, other slopes.
+    // Two panes at one distance, the second one tilted: equal depths in the middle, different slopes.
     let pane = |tilt: f32| {
         let corner = |x: f32, y: f32| Vec3::new(x, y, -4.0 + x * tilt);
         mesh(
@@ -369,7 +372,7 @@ fn a_depth_bias_decides_between_surfaces_at_one_depth() {
     }
 }
 
-/// Fails if a depth is no number from 0 to 1.
+/// Fails if a depth is not a number in [0, 1].
 struct OnlyDepths(usize);
 
 impl Observer for OnlyDepths {
@@ -383,7 +386,7 @@ impl Observer for OnlyDepths {
 fn every_depth_of_any_triangle_in_any_arithmetic_is_a_number_from_0_to_1() {
     let mut watch = OnlyDepths(0);
     for_seeds(40, |rng| {
-        // Vertices of all sizes, seen past planes that are many powers of ten apart.
+        // Vertices of all magnitudes, seen with planes many powers of ten apart.
         let positions = (0..90).map(|_| in_cube(rng) * 10.0_f32.powi(rng.i32(-15..16)));
         let mesh = mesh(positions.collect(), (0..30).map(|i| [0, 1, 2].map(|c| i * 3 + c)).collect());
         let mut scene = SceneBuilder::new(in_cube(rng)).with(mesh, Mat4::IDENTITY, None).0;

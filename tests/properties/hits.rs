@@ -1,5 +1,6 @@
-//! Cracks and double hits, against closed and open containment in whole numbers, which knows nothing of shared edges: in a
-//! mesh without overlaps, a pixel centre that two or more triangles touch lies on an edge or corner that they share.
+//! Cracks and double hits, checked against closed and open containment in integers, which knows nothing about shared
+//! edges. In a mesh without overlaps, a pixel centre that touches two or more triangles lies on their shared edge or
+//! corner.
 
 use rasterscope::inspect::{FaultKind, Hits};
 use rasterscope::pipeline::grid::SampleGrid;
@@ -15,7 +16,7 @@ use crate::common::{
 
 const VIEW: Viewport = Viewport { width: 40, height: 28 };
 
-/// A mesh of cells within the picture, so that it has an outline there; most corners lie on pixel centres.
+/// Returns a mesh of cells inside the picture, so that its outline is visible; most corners lie on pixel centres.
 fn cells(rng: &mut fastrand::Rng) -> Vec<ScreenTriangle> {
     let (columns, rows) = (rng.u32(2..6), rng.u32(2..5));
     let cell = (32.0 / columns as f32, 20.0 / rows as f32);
@@ -30,7 +31,7 @@ fn cells(rng: &mut fastrand::Rng) -> Vec<ScreenTriangle> {
     screen_triangles(&vertices, &grid_triangles(columns, rows), VIEW, &mut ())
 }
 
-/// How many triangles contain a pixel's centre with their edges, and how many without.
+/// Returns the number of triangles that contain a pixel's centre including their edges, and excluding them.
 fn containing(triangles: &[ScreenTriangle], (x, y): (u32, u32)) -> (usize, usize) {
     let centre = [x, y].map(|c| i64::from(c) * 256 + 128);
     let cross = |a: [i64; 2], b: [i64; 2], p: [i64; 2]| (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
@@ -68,7 +69,7 @@ fn the_wrong_rules_fault_where_two_triangles_touch_a_centre_and_nowhere_else() {
             let (right, inclusive) = (with(FillRule::TopLeft), with(FillRule::Inclusive));
             assert_eq!(found(&inclusive, FaultKind::DoubleHit), at_seam, "{rasterizer:?}");
             assert_eq!(found(&inclusive, FaultKind::Crack), []);
-            // An outline's centre that top-left leaves out is drawn by the one triangle that touches it.
+            // A centre on the outline that top-left excludes is drawn by the only triangle that touches it.
             let more = pixels(|pixel| touched(pixel).0 == 1 && right.counts.at(pixel.0, pixel.1) == 0);
             assert_eq!(inclusive.elsewhere, more.len());
             let exclusive = with(FillRule::Exclusive);
@@ -146,7 +147,7 @@ fn sound_rules_have_no_fault_in_fixed_point_and_in_exact_arithmetic() {
 
 #[test]
 fn scenes_made_for_it_show_what_wrong_rules_and_published_rasterizers_do() {
-    // An even size, so that the diagonals of `shared-edges` run through pixel centres.
+    // An even size, so that the diagonals of `shared-edges` pass through pixel centres.
     let count = |scene: &str, setting: &str| {
         let (built, recipe) = (builtin::by_id(scene).map(builtin::Builtin::build), recipe(&[setting]));
         let built = built.expect("a scene of this name");
@@ -161,12 +162,14 @@ fn scenes_made_for_it_show_what_wrong_rules_and_published_rasterizers_do() {
     assert_eq!(count("slivers", "fill-rule=inclusive").0, 0);
     let (cracks, doubles) = count("slivers", "rasterizer=scanline-published");
     assert!(cracks > 50 && doubles > 1000, "{cracks} {doubles}");
-    // Its samples are moved all alike, and edges are drawn by both sides: that doubles, but never leaves a gap.
+    // All samples of this rasterizer are shifted equally, and both sides draw shared edges: that causes double hits,
+    // but never cracks.
     let (cracks, doubles) = count("shared-edges", "rasterizer=bounding-box-published");
     assert!(cracks == 0 && doubles > 200, "{cracks} {doubles}");
 }
 
-/// A fan around a place in the picture that reaches beyond it, whose spokes pass pixel centres as closely as floats allow.
+/// Returns a fan around a point in the picture that extends beyond it, whose spokes pass pixel centres as closely as
+/// floats allow.
 fn close_fan(rng: &mut fastrand::Rng) -> Vec<ScreenTriangle> {
     let hub = (20.0 + 8.0 * signed(rng), 14.0 + 6.0 * signed(rng));
     let spokes = rng.u32(5..12);
@@ -184,7 +187,7 @@ fn close_fan(rng: &mut fastrand::Rng) -> Vec<ScreenTriangle> {
 
 #[test]
 fn the_two_sides_of_an_edge_agree_in_floats_right_or_wrong() {
-    // Wrong decisions are what makes this worth testing: there must be some.
+    // The test requires wrong decisions: there must be some.
     let mut wrong = 0;
     for_seeds(400, |rng| {
         let triangles = close_fan(rng);
@@ -221,7 +224,7 @@ fn hits_are_counted_as_they_are_drawn_on_every_grid() {
         for fault in &hits.faults {
             assert!(frame.drawn.grid.sample_at(fault.x, fault.y).is_some(), "{method}");
         }
-        // One pixel looked at alone has the same fault.
+        // A pixel examined alone has the same fault.
         for (x, y) in (0..44).flat_map(|y| (0..61).map(move |x| (x, y))) {
             let alone = rasterscope::inspect::hits::fault_at(&frame, &recipe.pipeline, x, y);
             let of_all = hits.faults.iter().find(|fault| (fault.x, fault.y) == (x, y));

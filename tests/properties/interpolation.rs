@@ -1,4 +1,4 @@
-//! Weights and what is interpolated with them, against exact arithmetic in f64.
+//! Barycentric weights and interpolated attributes, checked against f64 arithmetic.
 //!
 //! Vertices lie on the 1/256 px grid, so snapping moves nothing and the oracle sees the same triangle.
 
@@ -12,13 +12,13 @@ use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport};
 
 use crate::common::{clip_vertex, covered, for_seeds, in_cube, screen_triangles};
 
-/// Powers of two: positions on the grid survive the way through normalised device coordinates.
+/// Power-of-two size, so that positions on the grid survive normalised device coordinates exactly.
 const VIEW: Viewport = Viewport { width: 64, height: 64 };
 
 /// Half a unit in the last place of 1: the relative error of one rounding.
 const ROUNDING: f64 = 1.0 / (1 << 24) as f64;
 
-/// A triangle inside the picture on the grid, with w over four powers of ten and random depths.
+/// Returns a triangle inside the picture with vertices on the grid, w over four powers of ten, and random depths.
 fn random_triangle(
     rng: &mut fastrand::Rng,
     varyings: impl Fn(&mut fastrand::Rng) -> Varyings,
@@ -32,7 +32,7 @@ fn random_triangle(
     screen_triangles(&vertices, &[[0, 1, 2]], VIEW, &mut ()).first().copied()
 }
 
-/// Tests every covered sample of many random triangles.
+/// Runs a test for every covered sample of many random triangles.
 fn for_samples(
     varyings: impl Fn(&mut fastrand::Rng) -> Varyings + Copy,
     mut test: impl FnMut(&ScreenTriangle, Sample),
@@ -49,8 +49,8 @@ fn for_samples(
     assert!(samples > 50_000, "only {samples} samples");
 }
 
-/// Weights with the perspective division (by `w`) or without (all w = 1), from signed volumes in homogeneous space and
-/// in units of a whole: no edge function and no 1/w is involved.
+/// Returns the weights with perspective division (by `w`) or without (all w = 1), as shares of signed volumes in
+/// homogeneous space. Neither edge functions nor 1/w are involved.
 fn oracle(triangle: &ScreenTriangle, sample: Sample, perspective: bool) -> [f64; 3] {
     let corners = triangle.vertices.each_ref().map(|v| {
         let w = if perspective { 1.0 / f64::from(v.inv_w) } else { 1.0 };
@@ -87,7 +87,7 @@ fn affine_weights_are_within_three_roundings_of_the_oracle() {
     for_samples(
         |_| Varyings::default(),
         |triangle, sample| {
-            // Edge, area, reciprocal, product: four roundings of a number up to 1.
+            // Edge function, area, reciprocal, product: four roundings of a number up to 1.
             let error = largest_error(affine_weights(triangle, &sample), oracle(triangle, sample, false));
             assert!(error <= 4.0 * ROUNDING, "{error} at {sample:?} of {triangle:?}");
         },
@@ -99,7 +99,8 @@ fn perspective_weights_are_within_eight_roundings_of_the_oracle() {
     for_samples(
         |_| Varyings::default(),
         |triangle, sample| {
-            // Edge, ratio of 1/w, product; two sums, reciprocal, product, and one for the cancelling errors of the sum.
+            // Edge function, ratio of 1/w, product; two sums, reciprocal, product, and one for the cancelling errors of
+            // the sum.
             let error = largest_error(
                 attribute_weights(triangle, &sample, Interpolation::Perspective),
                 oracle(triangle, sample, true),
@@ -116,7 +117,8 @@ fn depth_is_affine_over_the_screen_whatever_w_is() {
         |triangle, sample| {
             let weights = oracle(triangle, sample, false);
             let expected: f64 = weights.iter().zip(&triangle.vertices).map(|(l, v)| l * v.depth).sum();
-            // Computed in f64 and rounded once, to the nearest float or, where two are about as near, to either.
+            // The depth is computed in f64 and rounded once: to the nearest float, or to either of two that are about
+            // equally near.
             let nearest = (f64::from(expected as f32) - expected).abs();
             let error = (f64::from(depth_at(triangle, &sample)) - expected).abs();
             assert!(error <= nearest + 1e-15, "{error} at {sample:?} of {triangle:?}");
@@ -134,7 +136,7 @@ fn depth_that_is_linear_in_space_follows_the_perspective_weights() {
                 ScreenTriangle { depth: DepthFunction::linear_in_space(depths, DepthEncoding::F32), ..*triangle };
             let weights = oracle(triangle, sample, true);
             let expected: f64 = weights.iter().zip(depths).map(|(p, depth)| p * depth).sum();
-            // As above; the volumes of the oracle leave fewer digits than the edge values do.
+            // As above, but the volumes of the oracle have fewer valid digits than edge functions.
             let nearest = (f64::from(expected as f32) - expected).abs();
             let error = (f64::from(depth_at(&linear, &sample)) - expected).abs();
             assert!(error <= nearest + 1e-9, "{error} at {sample:?} of {triangle:?}");
@@ -180,7 +182,7 @@ fn what_is_the_same_at_all_corners_is_exactly_that_inside() {
                 uv: got.uv,
                 color: got.color,
                 light: got.light,
-                // Clipping sets these itself: they tell the corners apart.
+                // Clipping sets these weights itself to identify the corners.
                 source_weights: same.source_weights,
             };
             assert_eq!(varyings, same);
@@ -195,7 +197,7 @@ fn what_is_the_same_at_all_corners_is_exactly_that_inside() {
 
 #[test]
 fn cutting_changes_no_attribute_beyond_rounding() {
-    // The weights of the unclipped corners are attributes themselves: in pieces they must be what the whole had.
+    // The weights of the unclipped corners are attributes themselves: in the pieces they must equal those of the whole.
     let mut compared = 0;
     for_seeds(300, |rng| {
         let mut vertices =
@@ -216,7 +218,8 @@ fn cutting_changes_no_attribute_beyond_rounding() {
                 let Some((whole, in_whole)) = in_whole else { continue };
                 let [got, expected] = [(piece, sample), (whole, in_whole)]
                     .map(|(t, s)| interpolate(t, s, Attributes::all(Interpolation::Perspective)).source_weights);
-                // Snapping moves a cut by up to 1/512 px: on a sliver that is the whole width, so only wide ones count.
+                // Snapping moves a cut by up to 1/512 px, which is the whole width of a sliver, so only wide triangles
+                // count.
                 let wide = [whole, piece].iter().all(|t| t.doubled_area > f64::from(200 << 16));
                 assert!(!wide || (got - expected).abs().max_element() < 2e-3, "{got} for {expected}");
                 compared += usize::from(wide);

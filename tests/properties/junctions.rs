@@ -1,5 +1,5 @@
-//! Cracks and double hits at T-junctions and unwelded vertices, against plain counts: within a flat surface every pixel should
-//! be hit once, and how often it is hit is counted without knowing of seams.
+//! Cracks and double hits at T-junctions and unwelded vertices, checked against plain counts: inside a flat surface
+//! every pixel should be hit once, and hits are counted without knowledge of seams.
 
 use glam::{DVec3, Mat4, Quat, Vec3};
 use rasterscope::chain::{Frame, Recipe};
@@ -11,20 +11,20 @@ use crate::common::{SceneBuilder, for_seeds, mesh, recipe, render, signed};
 
 const SIZE: (u32, u32) = (160, 120);
 
-/// Pixels closer to the outline than this may belong to either side, px.
+/// Distance from the outline below which a pixel may belong to either side, in pixels.
 const OUTLINE_PX: f64 = 0.1;
 
-/// Vertices lie at most this far off the edge, well within the tolerance.
+/// Largest distance of vertices from the edge, well within the tolerance.
 const OFF: f32 = 4e-5;
 
-/// Up to `most` numbers in (−1, 1), ascending and well apart.
+/// Returns fewer than `most` numbers in (−1, 1), ascending and well separated.
 fn stops(rng: &mut fastrand::Rng, most: u32) -> Vec<f32> {
     let count = rng.u32(1..most);
     (1..=count).map(|i| (2.0 * i as f32 + 0.6 * signed(rng)) / (count + 1) as f32 - 1.0).collect()
 }
 
-/// The upper half is one triangle, the lower half a fan whose rim runs along its edge from (−1, 0) to (1, 0). The outline is
-/// convex.
+/// Returns a mesh whose upper half is one triangle and whose lower half is a fan along that triangle's edge from (−1,
+/// 0) to (1, 0). The outline is convex.
 fn fan(rng: &mut fastrand::Rng) -> Mesh {
     let inner: Vec<Vec3> = stops(rng, 40).into_iter().map(|x| Vec3::new(x, OFF * signed(rng), 0.0)).collect();
     let rim = [Vec3::NEG_X].into_iter().chain(inner).chain([Vec3::X]);
@@ -34,7 +34,7 @@ fn fan(rng: &mut fastrand::Rng) -> Mesh {
     mesh(positions, [[2, last, 0]].into_iter().chain(lower).collect())
 }
 
-/// Rows of quads, each shifted against the one below by some part of a quad, clipped to the square [−1, 1]².
+/// Returns rows of quads, each shifted against the row below by a fraction of a quad, within the square [−1, 1]².
 fn bricks(rng: &mut fastrand::Rng) -> Mesh {
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
     for row in 0..6 {
@@ -50,7 +50,7 @@ fn bricks(rng: &mut fastrand::Rng) -> Mesh {
     mesh(positions, triangles)
 }
 
-/// A grid of quads that share no vertices, each moved by less than the tolerance.
+/// Returns a grid of quads that share no vertices, each moved by less than the tolerance.
 fn unwelded(rng: &mut fastrand::Rng) -> Mesh {
     let (mut positions, mut triangles) = (Vec::new(), Vec::new());
     for (x, y) in (0..5).flat_map(|x| (0..5).map(move |y| (x, y))) {
@@ -66,7 +66,7 @@ fn unwelded(rng: &mut fastrand::Rng) -> Mesh {
     mesh(positions, triangles)
 }
 
-/// The mesh at a random place, seen from a random place in front of it.
+/// Returns a scene of the mesh at a random place, seen from a random position in front of it.
 fn seen(rng: &mut fastrand::Rng, mesh: Mesh) -> Scene {
     let turn = Quat::from_euler(glam::EulerRot::XYZ, signed(rng), signed(rng), 3.0 * signed(rng));
     let shift = Vec3::new(signed(rng), signed(rng), signed(rng));
@@ -77,13 +77,13 @@ fn seen(rng: &mut fastrand::Rng, mesh: Mesh) -> Scene {
     scene.home.target = place.transform_point3(Vec3::new(0.2 * signed(rng), 0.02 * signed(rng), 0.0));
     scene.home.up = turn * Vec3::Y;
     if rng.bool() {
-        // From so close that gaps are a tenth of a pixel wide to all of the mesh.
+        // The view ranges from a close-up, in which gaps are a tenth of a pixel wide, to the whole mesh.
         scene.home.projection = Projection::Orthographic { height: 0.05 * 40.0_f32.powf(rng.f32()) };
     }
     scene
 }
 
-/// Where points of the mesh lie in the picture, px.
+/// Projects points of the mesh into the picture, in pixels.
 fn projected(scene: &Scene, points: &[Vec3]) -> Vec<DVec3> {
     let clip_from_world = scene.home.clip_from_world_f64(SIZE.0 as f32 / SIZE.1 as f32, DepthMapping::Standard);
     let clip_from_model = clip_from_world * scene.instances[0].world_from_model.as_dmat4();
@@ -94,8 +94,8 @@ fn projected(scene: &Scene, points: &[Vec3]) -> Vec<DVec3> {
     points.iter().map(px).collect()
 }
 
-/// Pixels well within the picture of the convex outline, whose corners are given counter-clockwise in the mesh, and not close to
-/// some points.
+/// Returns the pixels well inside the projected convex outline that are not close to the avoided points. The corners of
+/// the outline are counter-clockwise in the mesh.
 fn within(scene: &Scene, outline: &[Vec3], avoided: &[Vec3]) -> Vec<(u32, u32)> {
     let (corners, avoided) = (projected(scene, outline), projected(scene, avoided));
     let distance = |from: DVec3, to: DVec3, at: DVec3| -(to - from).normalize().cross(at - from).z;
@@ -108,7 +108,7 @@ fn within(scene: &Scene, outline: &[Vec3], avoided: &[Vec3]) -> Vec<(u32, u32)> 
     (0..SIZE.1).flat_map(|y| (0..SIZE.0).map(move |x| (x, y))).filter(is_within).collect()
 }
 
-/// Checks the faults of one view against the counts; returns how many cracks and double hits there are.
+/// Checks the faults of one view against the counts. Returns the numbers of cracks and double hits.
 fn check(scene: &Scene, outline: &[Vec3], avoided: &[Vec3], settings: &[&str]) -> [usize; 2] {
     let recipe = recipe(&[&["culling=none"], settings].concat());
     let frame = render(scene, &recipe, SIZE);
@@ -135,7 +135,7 @@ fn check(scene: &Scene, outline: &[Vec3], avoided: &[Vec3], settings: &[&str]) -
     [cracks.len(), doubles.len()]
 }
 
-/// Every fault, and a pixel beside it, looked at alone.
+/// Checks that faults, and pixels beside them, give the same result when examined alone.
 fn alone(scene: &Scene, recipe: &Recipe, frame: &Frame, (seams, hits): (&Seams, &Hits)) {
     let mut survey = Survey::of(scene, recipe, frame);
     survey.set_seams(std::sync::Arc::new(seams.clone()));
@@ -195,7 +195,7 @@ fn pixels_between_unwelded_vertices_are_found_and_named_so() {
         let mut scene = seen(rng, mesh);
         assert_eq!(Seams::of(&scene).counts().t_junctions, 0);
         sum(&mut found, check(&scene, &SQUARE, &corners, &[]));
-        // So close that the gaps are wider than a pixel.
+        // Close enough that the gaps are wider than a pixel.
         scene.home.projection = Projection::Orthographic { height: 2e-3 };
         scene.home.target = scene.instances[0].world_from_model.transform_point3(Vec3::new(0.2, 0.0, 0.0));
         sum(&mut found, check(&scene, &SQUARE, &corners, &[]));
@@ -217,7 +217,7 @@ fn seams_that_the_near_plane_cuts_are_followed() {
         let hits = Hits::of(&frame, &recipe.pipeline).with_seams(&scene, &recipe, &frame, &Seams::of(&scene));
         for y in 2..SIZE.1 - 2 {
             for x in 0..SIZE.0 {
-                // Above and below the surface goes on: neither the horizon nor the cut is near.
+                // The surface continues above and below: neither the horizon nor the cut is near.
                 let is_within =
                     [-2, -1, 1, 2].iter().all(|step| hits.counts.at(x, y.saturating_add_signed(*step)) == 1);
                 let fault = hits.faults.iter().find(|fault| (fault.x, fault.y) == (x, y));

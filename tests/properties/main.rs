@@ -1,5 +1,5 @@
-//! Properties that hold for every scene, tried with seeded random input against oracles that share no code with the
-//! pipeline. A failure prints its seed.
+//! Properties of every scene, tested with seeded random input against oracles that share no code with the pipeline. A
+//! failure prints its seed.
 
 #[path = "../common/mod.rs"]
 mod common;

@@ -1,5 +1,5 @@
-//! Nothing that a file can hold breaks the pipeline: every triangle has exactly one fate or is drawn, and what is drawn
-//! lies where exact arithmetic puts it.
+//! No contents of a file break the pipeline: every triangle has exactly one fate or is drawn, and drawn triangles lie
+//! at their exact position.
 
 use std::collections::{HashMap, HashSet};
 
@@ -22,7 +22,7 @@ use crate::common::{
 
 const VIEW: Viewport = Viewport { width: 40, height: 30 };
 
-/// How often each triangle was rejected.
+/// Fates of each rejected triangle.
 #[derive(Default)]
 struct Fates(HashMap<TriangleId, Vec<Fate>>);
 
@@ -32,7 +32,7 @@ impl Observer for Fates {
     }
 }
 
-/// Fails unless every triangle is either drawn, whole or in pieces, or has exactly one fate.
+/// Fails unless every triangle is either drawn, completely or in pieces, or has exactly one fate.
 fn assert_fates_add_up(triangle_count: usize, fates: &Fates, drawn: &[ScreenTriangle]) {
     for id in (0..triangle_count as u32).map(TriangleId) {
         let is_drawn = drawn.iter().any(|t| t.id == id);
@@ -67,7 +67,7 @@ fn every_triangle_of_a_scene_is_drawn_or_has_exactly_one_fate() {
     });
 }
 
-/// A float of any size, sign and exponent; finite.
+/// Returns a finite float of any magnitude and sign.
 fn any_finite(rng: &mut fastrand::Rng) -> f32 {
     loop {
         let value = f32::from_bits(rng.u32(..));
@@ -81,7 +81,7 @@ fn any_finite(rng: &mut fastrand::Rng) -> f32 {
 fn meshes_of_any_finite_coordinates_are_drawn_without_panic() {
     for_seeds(100, |rng| {
         let positions = (0..300).map(|_| {
-            // One number of any size among ordinary ones, or three of any size.
+            // One coordinate of any magnitude with two ordinary ones, or three of any magnitude.
             if rng.bool() {
                 in_cube(rng).with_x(any_finite(rng))
             } else {
@@ -96,7 +96,7 @@ fn meshes_of_any_finite_coordinates_are_drawn_without_panic() {
     });
 }
 
-/// Fails if a fragment carries a number that is not finite.
+/// Fails if a fragment contains a number that is not finite.
 struct OnlyFinite(usize);
 
 impl Observer for OnlyFinite {
@@ -127,7 +127,7 @@ fn no_fragment_of_any_finite_triangle_carries_a_nan() {
     assert!(watch.0 > 100_000, "only {} fragments", watch.0);
 }
 
-/// A clip-space number: any bit pattern, or one that lies where cases are decided.
+/// Returns a clip-space number: any bit pattern, or a value at the limits of case distinctions.
 fn hostile(rng: &mut fastrand::Rng) -> f32 {
     match rng.u8(..6) {
         0 => f32::from_bits(rng.u32(..)),
@@ -177,7 +177,7 @@ fn a_million_triangles_of_random_bits_are_drawn_within_the_picture_or_have_a_fat
         assert_eq!(fated, u64::from(triangles.is_empty()), "{vertices:?}");
         rejected += fated;
         drawn += triangles.len() as u64;
-        // And the same bits as corners on the screen, which no clipping has tamed.
+        // Also uses the same bits as screen positions, without clipping.
         let untamed = vertices.map(|v| [v.position.x, v.position.y]);
         for corners_px in triangles.iter().map(ScreenTriangle::corners_px).chain([untamed]) {
             for span in cover(rasterizer, arithmetic, corners_px, FillRule::TopLeft, VIEW) {
@@ -224,13 +224,13 @@ fn what_random_clip_triangles_cover_is_what_homogeneous_edge_functions_say() {
 }
 
 /// Whether the ray through a pixel position hits the triangle in front of the eye and between near and far (Olano and
-/// Greer, "Triangle Scan Conversion using 2D Homogeneous Coordinates", 1997). `None` within a fiftieth of a pixel of
-/// any boundary, where snapping and rounding may decide.
+/// Greer, "Triangle Scan Conversion using 2D Homogeneous Coordinates", 1997). Returns `None` within a fiftieth of a
+/// pixel of any boundary, where snapping and rounding may decide.
 fn homogeneous_coverage(triangle: [DVec4; 3], (px, py): (f64, f64)) -> Option<bool> {
     let side = |x: f64, y: f64| {
         let ray = glam::DVec3::new(x / 20.0 - 1.0, 1.0 - y / 15.0, 1.0);
         let [a, b, c] = triangle.map(|v| glam::DVec3::new(v.x, v.y, v.w));
-        // Weights of the homogeneous point on the triangle that lies on the ray, up to a common factor.
+        // Weights of the homogeneous point of the triangle on the ray, up to a common factor.
         let q = [b.cross(c).dot(ray), c.cross(a).dot(ray), a.cross(b).dot(ray)];
         let volume = a.dot(b.cross(c)).signum();
         let weights = q.map(|q| q * volume);
@@ -246,7 +246,7 @@ fn homogeneous_coverage(triangle: [DVec4; 3], (px, py): (f64, f64)) -> Option<bo
 
 #[test]
 fn an_object_far_from_the_origin_looks_as_it_does_there() {
-    // The vertices of the far one are exact: a cube of whole coordinates, and a whole number to move it by.
+    // The vertices of the distant cube are exact: integer coordinates and an integer offset.
     let picture = |offset: Vec3| {
         let mut scene = SceneBuilder::new(Vec3::ZERO).with(cube(), Mat4::from_translation(offset), None).0;
         scene.home = Camera::look_at(offset + Vec3::new(2.0, 3.0, 4.0), offset);

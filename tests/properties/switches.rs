@@ -1,4 +1,4 @@
-//! What one switch changes and what it must not change.
+//! Effects of single switches, and what they must not change.
 
 use glam::{Mat4, Vec3};
 use rasterscope::chain::{Frame, Recipe};
@@ -27,7 +27,7 @@ fn picture(scene: &Scene, assignments: &[&str]) -> Image<Rgba8> {
     render(scene, &recipe(assignments), SIZE).image().clone()
 }
 
-/// Draws prepared geometry again, with a grid of its own.
+/// Draws prepared geometry again, with another sample grid.
 fn redraw(
     scene: &Scene,
     recipe: &Recipe,
@@ -77,7 +77,7 @@ fn mirrored_winding_swaps_front_and_back() {
     assert_eq!(ids(&scene, "culling=back"), ids(&mirrored, "culling=front"));
 }
 
-/// Cubes one behind the other with room between, turned this way and that.
+/// Returns randomly rotated cubes behind each other, with space between them.
 fn separated(rng: &mut fastrand::Rng) -> Scene {
     let mut builder = SceneBuilder::new(Vec3::new(0.4, 0.7, 9.0));
     for i in 0..6 {
@@ -123,7 +123,7 @@ fn the_order_of_triangles_does_not_matter_without_ties() {
     });
 }
 
-/// Samples at which two fragments had the very same depth when they met.
+/// Samples at which two fragments had exactly the same depth.
 struct Ties(Image<bool>);
 
 impl Ties {
@@ -339,7 +339,7 @@ fn leaving_out_an_object_outside_changes_no_bit() {
             return;
         }
         outside += 1;
-        // One vertex far away on the other side makes the box cross the view, so that every triangle is looked at.
+        // A distant vertex on the other side makes the bounding box cross the view, so that every triangle is examined.
         let id = scene.instances[0].mesh;
         let mut data = (**scene.library.mesh(id)).clone();
         let stray =

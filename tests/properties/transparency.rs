@@ -1,5 +1,5 @@
-//! What shows through, what is cut out, and in which order: against the formula for blending in f64, and against the same
-//! scene with its alpha drawn as a colour.
+//! Blending, alpha test and blending order: checked against the blending formula in f64, and against the same scene
+//! with its alpha drawn as a colour.
 
 use glam::{Mat4, Vec3};
 use rasterscope::chain::{Frame, Recipe, redraw};
@@ -29,7 +29,7 @@ struct Pane {
     opacity: f32,
 }
 
-/// Panes in the order given, seen from z = 4.
+/// Returns panes in the given order, seen from z = 4.
 fn panes(list: impl IntoIterator<Item = Pane>) -> Scene {
     let mut scene = SceneBuilder::new(Vec3::Z * 4.0).0;
     let uncolored = Mesh::new(MeshData { colors: Vec::new(), ..(*plane()).clone() }).expect("test meshes are sound");
@@ -42,7 +42,7 @@ fn panes(list: impl IntoIterator<Item = Pane>) -> Scene {
     scene
 }
 
-/// Up to five panes of which some may hide what lies behind, from far to near.
+/// Returns up to five panes from far to near, some of which may be opaque.
 fn random_panes(rng: &mut fastrand::Rng) -> Vec<Pane> {
     let count = rng.u8(1..=5);
     let pane = |place| Pane {
@@ -53,7 +53,7 @@ fn random_panes(rng: &mut fastrand::Rng) -> Vec<Pane> {
     (0..count).map(pane).collect()
 }
 
-/// From a code to the numbers that are mixed and back, in f64 (IEC 61966-2-1).
+/// Returns the conversions from codes to the blended numbers and back, in f64 (IEC 61966-2-1).
 fn mixing(space: ColorSpace) -> [fn(f64) -> f64; 2] {
     fn decode(code: f64) -> f64 {
         let value = code / 255.0;
@@ -68,7 +68,7 @@ fn mixing(space: ColorSpace) -> [fn(f64) -> f64; 2] {
     }
 }
 
-/// The code that `list`, from far to near, leaves of a background; rounded after every pane, as the framebuffer holds codes.
+/// Blends `list`, from far to near, over a background; rounds to codes after every pane, like the framebuffer.
 fn blended(list: &[Pane], background: [u8; 3], space: ColorSpace) -> [f64; 3] {
     let [numbers, code] = mixing(space);
     list.iter().fold(background.map(f64::from), |below, pane| {
@@ -95,7 +95,7 @@ fn panes_are_blended_from_far_to_near_whatever_order_they_come_in() {
                 (recipe.pipeline.color_space, recipe.pipeline.depth_format) = (space, *format);
                 let drawn = render(&scene, &recipe, SIZE).image().at(SIZE.0 / 2, SIZE.1 / 2);
                 for (code, expected) in drawn.into_iter().zip(expected) {
-                    // Where the mixed value lies between two codes, f32 may round the other way.
+                    // If the blended value lies between two codes, f32 may round differently.
                     assert!((f64::from(code) - expected).abs() <= 1.0, "{drawn:?} {expected:?} {space:?} {format:?}");
                 }
             }
@@ -118,7 +118,7 @@ fn blended_triangles_come_last_from_far_to_near_and_the_others_as_they_were_subm
             assert!(blended.len() > 20 && blended.iter().all(is_blended), "{format:?}");
             assert!(others.len() > 20 && !others.iter().any(is_blended), "{format:?}");
             assert!(others.windows(2).all(|pair| pair[0].id <= pair[1].id), "{format:?}");
-            // Depths of the corners of a triangle far away are coarse, in 16 bits above all; 1/w is there in every format.
+            // Corner depths of a distant triangle are coarse, especially in 16 bits; 1/w is available in every format.
             let distance = |t: &ScreenTriangle| t.vertices.iter().map(|v| 1.0 / f64::from(v.inv_w)).sum::<f64>();
             if !orthographic {
                 assert!(blended.windows(2).all(|pair| distance(&pair[0]) >= distance(&pair[1])), "{format:?}");
@@ -146,8 +146,8 @@ impl Observer for Collect {
     }
 }
 
-/// The oracle draws the opaque objects alone, collects the blended fragments in submission order, sorts those of each pixel
-/// by stored depth and blends them one after the other.
+/// The oracle draws the opaque objects only, collects the blended fragments in submission order, sorts those of each
+/// pixel by stored depth, and blends them in sequence.
 #[test]
 fn exact_order_is_that_of_fragments_sorted_by_depth() {
     let mut reordered = 0;
@@ -199,7 +199,7 @@ fn exact_order_is_that_of_fragments_sorted_by_depth() {
 fn objects_are_blended_in_submission_order() {
     for_seeds(10, |rng| {
         let mut list = random_panes(rng);
-        // The nearest is opaque in half of all lists and then hides the others from the test, so none is.
+        // The nearest pane would be opaque in some lists and hide the others from the test, so all are translucent.
         list.iter_mut().for_each(|pane| pane.opacity = pane.opacity.min(0.8));
         rng.shuffle(&mut list);
         let scene = panes(list.iter().copied());
@@ -218,7 +218,7 @@ fn triangles_at_one_distance_stay_as_they_were_submitted() {
     let scene = panes([pane(Vec3::X), pane(Vec3::Y), pane(Vec3::Z)]);
     let frame = render(&scene, &Recipe::default(), SIZE);
     assert_eq!(frame.geometry.blended_from(), 0);
-    // All cells of a pane that stands upright before the eye are at its distance.
+    // All cells of an upright pane in front of the eye have its distance.
     assert!(frame.geometry.triangles.windows(2).all(|pair| pair[0].id < pair[1].id));
 }
 
@@ -235,7 +235,7 @@ fn what_is_blended_is_hidden_by_depth_but_leaves_none() {
     assert_ne!(image(&before), image(&alone));
 }
 
-/// A leaning pane under a texture, and one behind it.
+/// Returns a leaning pane with a texture, and a pane behind it.
 fn leaning(texture: Image<Rgba8>) -> Scene {
     let mut scene = panes([Pane { z: -1.0, color: Vec3::X, opacity: 1.0 }]);
     let texture = scene.library.add_texture(Texture::new("texture", texture).expect("not empty"));
@@ -265,7 +265,7 @@ fn a_cut_out_surface_is_there_where_its_alpha_drawn_as_a_colour_is_at_least_one_
             };
             for (x, y) in (0..SIZE.1).flat_map(|y| (0..SIZE.0).map(move |x| (x, y))).filter(|(x, y)| leaning(*x, *y)) {
                 let expected = match alpha.image().at(x, y)[0] {
-                    // As a code one half lies between these two.
+                    // As a code, one half lies between these two.
                     127 | 128 => continue,
                     0..127 => &behind,
                     _ => &opaque,

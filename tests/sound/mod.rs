@@ -4,8 +4,8 @@ use glam::Vec3;
 use rasterscope::scene::DepthMapping;
 use rasterscope::scene::obj::Loaded;
 
-/// Checks that everything in the scene is finite, normals have unit length, and there is something to draw. A normal may be zero
-/// where a warning says that the file's is not finite.
+/// Checks that everything in the scene is finite, that normals have unit length, and that the scene is not empty. A
+/// normal may be zero if a warning reports a normal in the file that is not finite.
 pub(crate) fn sound(loaded: &Loaded) -> Result<(), String> {
     let scene = &loaded.scene;
     if scene.triangle_count() == 0 {
@@ -18,7 +18,7 @@ pub(crate) fn sound(loaded: &Loaded) -> Result<(), String> {
             return Err("a normal is no unit vector".to_owned());
         }
         let bounds = mesh.bounds();
-        // The box of a mesh without any finite position is empty.
+        // A mesh without finite positions has an empty bounding box.
         let has_finite_box = bounds.is_empty() || (bounds.max - bounds.min).length_squared().is_finite();
         if !(has_finite_box && mesh.uvs.iter().all(|t| t.is_finite())) {
             return Err("extent or texture coordinates are not finite".to_owned());

@@ -1,5 +1,5 @@
-//! Both ways to execute the pipeline give the same picture and the same depths, bit for bit: every scene, every switch, any
-//! number of threads, with AVX-512, AVX2 or neither.
+//! Both executions of the pipeline give the same picture and the same depths, bit for bit: for every scene, every
+//! switch and any number of threads, with AVX-512, AVX2 or neither.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -24,13 +24,13 @@ use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::{Camera, Projection, Scene, SceneSource, Window, builtin};
 use rasterscope::upscale::Upscaling;
 
-/// Odd on purpose: neither tiles nor blocks divide it.
+/// Size of the pictures, odd so that neither tiles nor blocks divide it.
 const SIZE: Viewport = Viewport { width: 203, height: 149 };
 
-/// The same, where each pixel takes long the classic way.
+/// Smaller size, for recipes whose classic execution is slow.
 const SMALL: Viewport = Viewport { width: 101, height: 67 };
 
-/// A recipe for each alternative of a setting, each with the others of `recipes`.
+/// Returns each of `recipes` combined with every alternative of a setting.
 fn with<C: Choice>(recipes: &[Recipe], set: fn(&mut Recipe, C)) -> Vec<Recipe> {
     let changed = |recipe: &Recipe, choice: C| {
         let mut recipe = *recipe;
@@ -40,7 +40,7 @@ fn with<C: Choice>(recipes: &[Recipe], set: fn(&mut Recipe, C)) -> Vec<Recipe> {
     recipes.iter().flat_map(|recipe| C::ALL.iter().map(move |choice| changed(recipe, *choice))).collect()
 }
 
-/// Every switch around the default recipe, and every upscaler.
+/// Returns recipes with a single switch changed from the default, and with every upscaler.
 fn single_switches() -> Vec<Recipe> {
     let default = &[Recipe::default()];
     let mut recipes = with::<Culling>(default, |r, c| r.pipeline.culling = c);
@@ -56,7 +56,7 @@ fn single_switches() -> Vec<Recipe> {
     recipes
 }
 
-/// Depth tests × formats, drawn from both sides, so that more meets at each sample.
+/// Returns all depth tests × formats without culling, so that more fragments meet at each sample.
 fn depths() -> Vec<Recipe> {
     let mut recipe = Recipe::default();
     recipe.pipeline.culling = Culling::None;
@@ -64,7 +64,7 @@ fn depths() -> Vec<Recipe> {
     with::<DepthFormat>(&recipes, |r, c| r.pipeline.depth_format = c)
 }
 
-/// Recipes with a depth bias each, all biases in turn.
+/// Assigns a depth bias to each recipe, all biases in turn.
 fn biased(mut recipes: Vec<Recipe>) -> Vec<Recipe> {
     for (recipe, depth_bias) in recipes.iter_mut().zip(DEPTH_BIASES.into_iter().cycle()) {
         recipe.pipeline.depth_bias = depth_bias;
@@ -72,7 +72,7 @@ fn biased(mut recipes: Vec<Recipe>) -> Vec<Recipe> {
     recipes
 }
 
-/// What lanes shade, in every way that textures are read.
+/// Returns recipes that are shaded in lanes, with every way to read textures.
 fn textures() -> Vec<Recipe> {
     let recipes = with::<Filter>(&[Recipe::default()], |r, c| r.pipeline.filter = c);
     let recipes = with::<Address>(&recipes, |r, c| r.pipeline.address = c);
@@ -88,7 +88,7 @@ fn textures() -> Vec<Recipe> {
     all
 }
 
-/// Renderers whose memory goes from frame to frame: what it held must not matter.
+/// Renderers that reuse their memory from frame to frame, whose previous contents must not matter.
 struct Renderers {
     of_lanes: Vec<(&'static str, Renderer)>,
     size: Viewport,
@@ -99,12 +99,12 @@ impl Renderers {
         Self::of(SIZE)
     }
 
-    /// For pictures of this size.
+    /// Creates renderers for pictures of this size.
     fn of(size: Viewport) -> Self {
         Self { of_lanes: Lanes::all().map(|lanes| (lanes.name(), Renderer::on(lanes))).collect(), size }
     }
 
-    /// Draws tile by tile and compares with the classic way.
+    /// Draws tile by tile and compares with the classic execution.
     fn check(&mut self, name: &str, scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe) {
         if execution(scene, recipe).0 == Execution::Classic {
             return;
@@ -167,7 +167,7 @@ fn every_depth_test_and_format_gives_the_same_picture() {
 
 #[test]
 fn every_depth_bias_gives_the_same_picture() {
-    // Each bias with some tests and formats.
+    // Each bias is combined with some tests and formats.
     let recipes = biased(depths());
     check_small_scenes(&recipes.iter().copied().step_by(3).collect::<Vec<_>>());
     check_all_at(SMALL, &recipes.into_iter().step_by(11).collect::<Vec<_>>());
@@ -191,12 +191,12 @@ fn every_way_to_smooth_gives_the_same_picture() {
     check_all(&recipes);
 }
 
-/// Recipes that multisample, with each of these numbers of samples.
+/// Returns recipes with multisampling, one for each number of samples.
 fn multisampled(samples: &[Samples]) -> Vec<Recipe> {
     smoothed(Method::Multisample, samples)
 }
 
-/// Recipes whose samples are jittered, with each of these numbers of them and a seed of its own.
+/// Returns recipes with jittered samples, one for each number of samples, each with another seed.
 fn jittered(samples: &[Samples]) -> Vec<Recipe> {
     let mut recipes = smoothed(Method::Jittered, samples);
     for (seed, recipe) in recipes.iter_mut().enumerate() {
@@ -241,10 +241,11 @@ fn multisampling_gives_the_same_picture_by_every_depth_test_and_format() {
     check_all_at(SMALL, &with::<DepthFormat>(&recipes, |r, c| r.pipeline.depth_format = c));
 }
 
-/// Most triangles of a scene that is jittered often: the classic way draws each from every place that a sample may have.
+/// Largest number of triangles of a scene that is jittered often: the classic execution draws each from every possible
+/// sample position.
 const MOST_JITTERED: usize = 200;
 
-/// Scenes of few triangles.
+/// Checks recipes on scenes of few triangles.
 fn check_small_scenes(recipes: &[Recipe]) {
     let mut renderers = Renderers::of(SMALL);
     let builtins = builtin::ALL.iter().map(|builtin| (builtin.id, builtin.build()));
@@ -300,8 +301,8 @@ fn jittered_samples_give_the_same_picture_by_every_depth_test_and_format() {
     check_small_scenes(&with::<DepthFormat>(&recipes, |r, c| r.pipeline.depth_format = c));
 }
 
-/// Triangles from a few steps of the grid across to some hundred times the picture, the edge values of which need more than
-/// 32 bits: most samples of the former are in pixels that others are in too, or just beyond the tile of their corners.
+/// Triangles from a few grid steps to several hundred times the picture, whose edge functions need more than 32 bits.
+/// Most samples of the small ones share pixels with other triangles, or lie just outside the tile of their corners.
 #[test]
 fn triangles_of_all_sizes_are_sampled_alike() {
     let mut renderers = Renderers::of(SMALL);
@@ -335,8 +336,8 @@ fn triangles_of_all_sizes_are_sampled_alike() {
     });
 }
 
-/// Triangles over whole tiles, in front of and behind one another or crossing, and smaller ones between them, in any order: what a
-/// tile remembers of a surface that covers it must hold whatever comes next.
+/// Triangles over whole tiles, in front of, behind or crossing one another, with smaller ones in between, in random
+/// order. A tile's record of a full-tile occluder must hold for all later triangles.
 #[test]
 fn layers_over_whole_tiles_give_the_same_picture() {
     let (mut renderers, mut smooth) = (Renderers::new(), Renderers::of(SMALL));
@@ -346,7 +347,7 @@ fn layers_over_whole_tiles_give_the_same_picture() {
         for _ in 0..random.usize(2..40) {
             let size = pixel * [6.0, 40.0, 5_000.0, 5_000.0][random.usize(..4)];
             let middle = common::in_cube(random) * Vec3::new(3.0, 2.0, 1.0);
-            // Mostly flat, so that many lie wholly before others.
+            // Mostly flat, so that many triangles lie completely in front of others.
             let tilt = if random.u32(..3) == 0 { 1.0 } else { 0.001 };
             positions.extend(
                 [(-1.0, -0.7), (1.0, -0.7), (0.0, 1.0)]
@@ -395,8 +396,8 @@ fn views_from_within_the_scene_give_the_same_picture() {
     }
 }
 
-/// A sphere from within: whatever the matrix and the view, clusters of it lie beyond all planes, and others cross them. In it are
-/// sheets of which one sees the one side or the other.
+/// A sphere seen from inside: whatever the matrix and the view, some of its clusters lie outside any plane, and others
+/// cross it. Sheets inside the sphere are seen from either side.
 #[test]
 fn clusters_that_show_nothing_are_missed_by_no_picture() {
     let mut renderers = Renderers::new();
@@ -438,8 +439,9 @@ fn clusters_that_show_nothing_are_missed_by_no_picture() {
     assert!(seen.outside > seen.all / 3 && seen.turned_away > 20, "{seen:?}");
 }
 
-/// In an orthographic view whose planes are at ±2. What touches one from outside is rasterized, though in no pixel, as it is
-/// not beyond it; what is beyond it by the least number is not. At the planes of depth the whole sheet lies.
+/// Uses an orthographic view whose side planes are at ±2. A sheet that touches a plane from outside is rasterized,
+/// though it covers no pixel, because it is not outside; one that is farther out by the smallest step is not. At the
+/// near and far planes the whole sheet lies in the plane.
 #[test]
 fn clusters_that_touch_a_plane_are_kept() {
     let mut renderers = Renderers::new();
@@ -463,13 +465,13 @@ fn clusters_that_touch_a_plane_are_kept() {
             recipe.pipeline.culling = Culling::None;
             renderers.check(&format!("{name} {steps}"), &scene, &scene.home, &recipe);
             let rasterized = run(&scene, &scene.home, &recipe, SIZE, &mut ()).rasterized();
-            // One step beyond the far plane rounding brings it back.
+            // One step beyond the far plane, rounding brings the sheet back.
             assert!(if steps == 1 { name == "far" || rasterized == 0 } else { (rasterized > 0) == (steps <= 0) });
         }
     }
 }
 
-/// Panes that are drawn alike but for how much shows through them, one behind the other: neither must be taken for the other.
+/// Panes that differ in opacity only, one behind the other: neither may be confused with the other.
 #[test]
 fn panes_that_differ_in_opacity_alone_are_told_apart() {
     let folder = tempfile::tempdir().unwrap();
@@ -489,7 +491,7 @@ fn panes_that_differ_in_opacity_alone_are_told_apart() {
     }
 }
 
-/// A vertex in the eye has no place on the screen, and takes none of the triangles that it is not a corner of along.
+/// A vertex at the eye has no screen position; triangles without that vertex must be unaffected.
 #[test]
 fn a_vertex_in_the_eye_leaves_the_rest_as_it_is() {
     let folder = tempfile::tempdir().unwrap();
@@ -529,7 +531,7 @@ fn what_runs_without_need_changes_no_picture() {
 
 #[test]
 fn the_number_of_threads_changes_nothing() {
-    // Two threads share the three rows of tiles of one size, and take each of the eighteen of the other whole.
+    // Two threads share the three rows of tiles of the first size, and take whole rows of the eighteen of the second.
     let sizes = [SIZE, Viewport { width: 130, height: 1100 }];
     let pool = |threads: usize| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     let (alone, others) = (pool(1), [2, 8].map(pool));

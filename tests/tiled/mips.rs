@@ -1,4 +1,5 @@
-//! Mip-mapped textures: each switch, textures of all shapes, and coordinates that change by nothing, by everything and beyond.
+//! Mip-mapped textures: each switch, textures of all shapes, and coordinates that are constant, vary extremely, or are
+//! not finite.
 
 use std::sync::Arc;
 
@@ -15,14 +16,14 @@ use rasterscope::upscale::Upscaling;
 use crate::common::{self, SceneBuilder};
 use crate::{Renderers, SMALL, check_all, check_all_at, multisampled, with};
 
-/// The default recipe, mip-mapped.
+/// Returns the default recipe with mip-mapping.
 fn mipmapped() -> Recipe {
     let mut recipe = Recipe::default();
     recipe.pipeline.filter = Filter::Trilinear;
     recipe
 }
 
-/// What lanes shade, in every way that levels are read.
+/// Returns recipes that are shaded in lanes, with every way to read mip levels.
 fn readings() -> Vec<Recipe> {
     let recipes = with::<Address>(&[mipmapped()], |r, c| r.pipeline.address = c);
     let recipes = with::<ColorSpace>(&recipes, |r, c| r.pipeline.color_space = c);
@@ -39,7 +40,7 @@ fn noise((width, height): (u32, u32), random: &mut fastrand::Rng) -> Image<Rgba8
     Image::from_fn(width, height, |_, _| [random.u8(..), random.u8(..), random.u8(..), 255])
 }
 
-/// A board that runs from below the eye to far behind the target, its texture repeated `repeats` times along its sides.
+/// Returns a board from below the eye to far behind the target, its texture repeated `repeats` times along its sides.
 fn board(texture: Image<Rgba8>, repeats: Vec2) -> Scene {
     let positions = [(-1.0, 1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)].map(|(x, z)| Vec3::new(x, 0.0, z)).to_vec();
     let uvs = [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y].map(|uv| (uv - 0.3) * repeats).to_vec();
@@ -72,7 +73,7 @@ fn every_switch_gives_the_same_picture() {
     check_all(&recipes);
 }
 
-/// Every fifth way: each address, space and shading comes up.
+/// Every fifth recipe: each address mode, colour space and shading occurs.
 #[test]
 fn levels_are_multisampled_alike() {
     let mut recipes: Vec<_> = readings().into_iter().step_by(5).collect();
@@ -82,8 +83,8 @@ fn levels_are_multisampled_alike() {
     check_all_at(SMALL, &recipes);
 }
 
-/// From one texel to more than there are samples, powers of two or not; magnified, minified, and with coordinates so large or
-/// changing so fast that they have no fraction left, or are no numbers.
+/// Textures from one texel to more texels than samples, powers of two or not; magnified, minified, and with coordinates
+/// so large or changing so fast that they have no fraction left, or are NaN.
 #[test]
 fn textures_of_all_shapes_and_coordinates_give_the_same_picture() {
     let mut renderers = Renderers::of(SMALL);
@@ -103,7 +104,8 @@ fn textures_of_all_shapes_and_coordinates_give_the_same_picture() {
     }
 }
 
-/// Triangles from a fraction of a pixel to some hundred times the picture, most samples of which lie among those of others.
+/// Triangles from a fraction of a pixel to several hundred times the picture; most samples of small ones lie among
+/// those of other triangles.
 #[test]
 fn triangles_of_all_sizes_give_the_same_picture() {
     let mut renderers = Renderers::of(SMALL);
@@ -137,7 +139,7 @@ fn the_number_of_threads_changes_nothing() {
     assert_eq!(drawn_by(3), drawn_by(1));
 }
 
-/// Texels of smaller levels are counted where they are read, and nowhere else.
+/// Texels of smaller mip levels are counted only if they are read.
 #[test]
 fn the_second_level_is_left_out_where_it_has_no_share() {
     let texels = |repeats: f32| {

@@ -1,4 +1,4 @@
-//! What is cut out and what is blended, where pixels have several samples: triangles of all shapes, and how much is shaded.
+//! Alpha test and blending with several samples per pixel: triangles of all shapes, and the number of shaded samples.
 
 use std::sync::Arc;
 
@@ -14,11 +14,11 @@ use rasterscope::upscale::Upscaling;
 use crate::common::{self, SceneBuilder};
 use crate::{Renderers, SMALL, jittered, multisampled, with};
 
-/// Side of a pixel without perspective: the origin is at the centre of one.
+/// Side of a pixel in the orthographic view; the origin is at the centre of a pixel.
 const PIXEL: f32 = 1.0 / 32.0;
 
-/// Triangles anywhere around the origin, up to so many pixels long and as wide, from a fraction of that on. Corners
-/// may be rounded to the centres of pixels, so that edges run through others.
+/// Returns random triangles around the origin, from a fraction of the given length and width up to these, in pixels.
+/// Corners may be rounded to pixel centres, so that edges pass through other centres.
 fn triangles(random: &mut fastrand::Rng, count: u32, [length, width]: [f32; 2], rounded: bool) -> Mesh {
     let one = |random: &mut fastrand::Rng| {
         let size = PIXEL * 0.03_f32.powf(random.f32());
@@ -32,8 +32,8 @@ fn triangles(random: &mut fastrand::Rng, count: u32, [length, width]: [f32; 2], 
     common::mesh(positions, (0..count).map(|i| [0, 1, 2].map(|corner| i * 3 + corner)).collect())
 }
 
-/// Triangles smaller than pixels, thinner than they are, and such that the eye is among them and 32 bits are too few for their
-/// edge values; of each some that are cut out, and some that are blended by their texture or by their material.
+/// Triangles smaller than pixels, thinner than pixels, and around the eye with edge functions that exceed 32 bits; each
+/// kind with alpha test, and blended by texture or by material.
 #[test]
 fn triangles_of_all_sizes_are_seen_through_alike() {
     let mut renderers = Renderers::of(SMALL);
@@ -67,7 +67,7 @@ fn triangles_of_all_sizes_are_seen_through_alike() {
     });
 }
 
-/// Panes through each other, some of them under a texture, before and behind an opaque cube.
+/// Returns panes through each other, some of them textured, in front of and behind an opaque cube.
 fn crossing_panes(random: &mut fastrand::Rng) -> SceneBuilder {
     let mut scene = SceneBuilder::new(Vec3::Z * 3.0).with(common::cube(), Mat4::from_scale(Vec3::splat(0.4)), None);
     for textured in [true, false, true] {
@@ -79,8 +79,8 @@ fn crossing_panes(random: &mut fastrand::Rng) -> SceneBuilder {
     scene.with_opacity(common::soup(random, 12), Mat4::IDENTITY, None, 0.5)
 }
 
-/// Every order of blending, where pixels have one sample, several or moved ones, where only some pixels are drawn, in every
-/// depth format and without depth test.
+/// Every blending order, with one, several or jittered samples per pixel, with partial frames, in every depth format
+/// and without a depth test.
 #[test]
 fn every_blending_order_gives_the_same_picture() {
     let mut renderers = Renderers::of(SMALL);
@@ -103,7 +103,8 @@ fn every_blending_order_gives_the_same_picture() {
     }
 }
 
-/// A blended surface that fills the picture is shaded for each sample of each pixel, and for none beside the picture.
+/// A blended surface that fills the picture is shaded for each sample of each pixel, and for no sample outside the
+/// picture.
 #[test]
 fn what_is_blended_is_counted_sample_by_sample() {
     let mut random = fastrand::Rng::with_seed(1);

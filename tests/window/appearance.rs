@@ -1,4 +1,4 @@
-//! Key sheet, hint, theme, tabs, and that the window comes to rest.
+//! Key sheet, hint, theme and tabs, and that an idle window draws nothing.
 
 use eframe::egui::{Key, Modifiers};
 use rasterscope::ui::command::{BINDINGS, MOUSE};
@@ -53,7 +53,7 @@ fn the_hint_is_closed_for_good() {
     assert!(bench.mentions("Click a pixel"));
     bench.click("Close this message");
     assert!(bench.session().hint_closed);
-    assert!(!bench.mentions("Click a pixel: its story is at the right"));
+    assert!(!bench.mentions("Click a pixel to explain it"));
     assert!(bench.session().preferences(&WindowState::default()).hint_closed);
 }
 

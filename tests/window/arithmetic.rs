@@ -1,4 +1,4 @@
-//! The arithmetic of the picked pixel: stepping through its lines, and showing one of their numbers all over the picture.
+//! Arithmetic of the picked pixel: stepping through its lines, and showing one of its values for all pixels.
 
 use eframe::egui::{Key, Modifiers};
 use rasterscope::inspect::trace::Trace;
@@ -7,7 +7,7 @@ use rasterscope::ui::engine::Shown;
 
 use crate::bench::Bench;
 
-/// The lines that the window has, which are those of the pixel that is picked.
+/// Returns the lines in the window after checking that they are the trace of the picked pixel.
 fn trace(bench: &Bench) -> Trace {
     let session = bench.session();
     let shown = session.trace.trace(session.view.as_ref()).expect("the tab is open and a pixel picked");
@@ -40,7 +40,7 @@ fn keys_step_through_the_lines_and_open_the_tab() {
 #[test]
 fn the_inspector_leads_to_the_arithmetic_of_a_fragment() {
     let mut bench = Bench::small("interpenetrating");
-    bench.click("Write out its arithmetic");
+    bench.click("Show its arithmetic");
     bench.rest();
     let shown = bench.view().report.as_ref().and_then(|report| {
         let visible = report.visible()?;
@@ -73,7 +73,7 @@ fn the_eye_of_a_line_shows_its_number_and_hides_it_again() {
     let step = rasterscope::ui::trace::Change::Step(line.expect("every fragment has weights") as i64);
     bench.session_mut().apply(rasterscope::ui::command::Command::Trace(step));
     bench.rest();
-    bench.click("Show “λ1 on screen” all over the picture");
+    bench.click("Show “λ1 on screen” for the whole picture");
     assert_eq!(bench.session().shown, Shown::Intermediate(Intermediate::Lambda1));
     let (x, y) = bench.session().pick.expect("a pixel is picked at first");
     let view = bench.view();

@@ -1,4 +1,5 @@
-//! A workbench without a display, driven as a person drives it: by pointer, keys and the names in the accessibility tree.
+//! A workbench without a display, driven like a user drives it: by pointer, keys and the names in the accessibility
+//! tree.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -25,12 +26,13 @@ pub(crate) struct Bench {
 }
 
 impl Bench {
-    /// A window on a built-in scene whose pictures are drawn while it waits.
+    /// Opens a window on a built-in scene with a synchronous renderer.
     pub(crate) fn new(scene: &str) -> Self {
         Self::with_worker(scene, Worker::inline())
     }
 
-    /// The same with a small fixed picture, which is drawn faster and shown enlarged, and with measurements of the still view.
+    /// Opens a window with a small fixed picture, which is drawn faster and shown enlarged, and with measurements of
+    /// the still view.
     pub(crate) fn small(scene: &str) -> Self {
         let mut bench = Self::new(scene);
         bench.session_mut().state.size = PictureSize::Fixed(160, 90);
@@ -54,10 +56,10 @@ impl Bench {
         bench
     }
 
-    /// Lets the window work until it has nothing more to do. It is a fault if that never happens.
+    /// Runs frames until the window is idle. Fails if it never is.
     pub(crate) fn rest(&mut self) {
         self.window.run();
-        // The frame asked for at the end of a pass is seen in the next one.
+        // A frame requested at the end of a pass appears in the next pass.
         self.window.run();
     }
 
@@ -73,12 +75,12 @@ impl Bench {
         self.session().view.as_ref().expect("a frame was drawn")
     }
 
-    /// The finished picture of the frame on screen, whatever the canvas shows of it.
+    /// Returns the finished picture of the frame on screen, independent of the shown quantity.
     pub(crate) fn image(&self) -> Image<Rgba8> {
         self.view().frame.image().clone()
     }
 
-    /// What the chain draws for the window's present state.
+    /// Draws the frame for the current state of the window without the window.
     pub(crate) fn expected(&self) -> Frame {
         let Request { scene, camera, recipe, viewport, .. } = self.session().request();
         let mut frame = run(&scene, &camera, &recipe, viewport, &mut ());
@@ -98,12 +100,12 @@ impl Bench {
         self.rest();
     }
 
-    /// Clicks the button of this name, wherever its panel has been scrolled to.
+    /// Clicks the button with this name, even if its panel is scrolled.
     pub(crate) fn click(&mut self, button: &str) {
         self.click_role(Role::Button, button);
     }
 
-    /// Chooses in the row of this label, which has joined buttons or a list.
+    /// Selects an option in the row with this label, which has joined buttons or a list.
     pub(crate) fn choose(&mut self, row: &str, option: &str) {
         if self.window.query_by_role_and_label(Role::ComboBox, row).is_some() {
             self.click_role(Role::ComboBox, row);
@@ -118,12 +120,12 @@ impl Bench {
         self.rest();
     }
 
-    /// Whether some text on the window is exactly this.
+    /// Whether a label with exactly this text exists.
     pub(crate) fn says(&self, text: &str) -> bool {
         self.window.query_all_by_role_and_label(Role::Label, text).next().is_some()
     }
 
-    /// Whether some text on the window contains this.
+    /// Whether a label that contains this text exists.
     pub(crate) fn mentions(&self, text: &str) -> bool {
         self.window.query_all_by_label_contains(text).next().is_some()
     }
@@ -132,7 +134,8 @@ impl Bench {
         self.window.get_by_role_and_label(Role::Image, "Rendered picture").rect()
     }
 
-    /// Where a fitted picture has the middle of this pixel: enlarged by the largest whole factor that fits, centred.
+    /// Returns the screen position of a pixel's centre in a fitted picture, which has the largest integer scale that
+    /// fits and is centred.
     pub(crate) fn place_of(&self, (x, y): (u32, u32)) -> Pos2 {
         let canvas = self.canvas();
         let viewport = self.session().viewport();
@@ -156,7 +159,7 @@ impl Bench {
         self.rest();
     }
 
-    /// Presses at `from`, moves by `by`, releases.
+    /// Presses at `from`, moves by `by`, and releases.
     pub(crate) fn drag(&mut self, button: PointerButton, from: Pos2, by: Vec2) {
         self.window.hover_at(from);
         self.button(button, from, true);
@@ -172,7 +175,7 @@ impl Bench {
         self.window.event(Event::PointerButton { pos, button, pressed, modifiers: Modifiers::NONE });
     }
 
-    /// Turns the wheel at `position`; positive enlarges.
+    /// Turns the wheel at `position`; positive values zoom in.
     pub(crate) fn wheel(&mut self, position: Pos2, points: f32, modifiers: Modifiers) {
         self.window.hover_at(position);
         let (unit, source, phase) = (MouseWheelUnit::Point, MouseWheelSource::Wheel, TouchPhase::Move);
@@ -187,7 +190,7 @@ impl Bench {
     }
 }
 
-/// A file that is dropped on the window.
+/// Returns a file to be dropped on the window.
 pub(crate) fn dropped(path: &Path) -> Arc<Dropped> {
     Arc::new(Dropped(path.to_owned()))
 }

@@ -1,4 +1,4 @@
-//! Moving the picture on the canvas, and the camera in the scene.
+//! Panning and zooming the picture on the canvas, and moving the camera in the scene.
 
 use eframe::egui::{Key, Modifiers, PointerButton, Vec2};
 use rasterscope::ui::session::PointerMode;
@@ -15,7 +15,7 @@ fn the_wheel_enlarges_and_keeps_the_pixel_under_the_pointer() {
         bench.click_at(place);
         assert_eq!(bench.session().pick, Some((37, 21)), "after {points}");
     }
-    // Enlarged, the neighbour is farther away than before.
+    // After zooming in, the neighbour is farther away than before.
     let before = Bench::small("triangle");
     let pitch = before.place_of((38, 21)).x - before.place_of((37, 21)).x;
     bench.click_at(place + Vec2::new(pitch, 0.0));

@@ -1,4 +1,4 @@
-//! Case files on the canvas, cases that are saved, and the stability report that leads to them.
+//! Case files on the canvas, saved cases, and the stability report that opens them.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -16,10 +16,11 @@ use tempfile::TempDir;
 
 use crate::bench::Bench;
 
-/// Half of a square of 8 px: of the centres inside, 1 + 2 + … + 7 lie before the long edge, and the 8 on it belong to others.
+/// Half of a square of 8 pixels: 1 + 2 + … + 7 of its centres lie inside; the 8 on the long edge belong to other
+/// triangles.
 const HALF_SQUARE: &str = "[[1, 1], [9, 1], [1, 9]]";
 
-/// The other half; its centres on the long edge are its own.
+/// The other half, which owns the centres on the long edge.
 const OTHER_HALF: &str = "[[9, 9], [1, 9], [9, 1]]";
 
 fn case_file(folder: &TempDir, name: &str, id: &str, triangles: &[&str]) -> PathBuf {
@@ -32,7 +33,7 @@ fn case_file(folder: &TempDir, name: &str, id: &str, triangles: &[&str]) -> Path
     path
 }
 
-/// A case of few bytes whose answer takes minutes: every pixel lies so close to the line that floats cannot tell.
+/// Writes a short case whose answer takes minutes: every pixel is so close to the line that floats cannot decide.
 fn slow_case_file(folder: &TempDir) -> PathBuf {
     let path = folder.path().join("slow.json");
     let json = r#"{"id": "slow", "kind": "distance_line", "width": 16384, "height": 2048,
@@ -41,7 +42,7 @@ fn slow_case_file(folder: &TempDir) -> PathBuf {
     path
 }
 
-/// Draws frames until something has come.
+/// Runs frames until a condition holds; fails after 60 s.
 fn wait(bench: &mut Bench, what: &str, done: impl Fn(&Bench) -> bool) {
     let begun = Instant::now();
     while !done(bench) {
@@ -51,7 +52,7 @@ fn wait(bench: &mut Bench, what: &str, done: impl Fn(&Bench) -> bool) {
     }
 }
 
-/// Whether a button of this name is there.
+/// Whether a button with this name exists.
 fn offers(bench: &Bench, button: &str) -> bool {
     bench.window.query_by_role_and_label(Role::Button, button).is_some()
 }
@@ -85,12 +86,12 @@ fn an_open_case_is_answered_in_the_background_and_cancelled() {
     bench.window.get_by_role_and_label(Role::Button, "Cancel").click();
     wait(&mut bench, "its end", |bench| bench.session().case.is_none());
 
-    // Another way to answer it keeps what is shown until it is there.
+    // The previous answer stays until the answer by another method is ready.
     bench
         .session_mut()
         .show_case(Case::read(&case_file(&folder, "both.json", "both", &[HALF_SQUARE, OTHER_HALF])).unwrap());
     wait(&mut bench, "an answer", |bench| bench.says("0 of 28 pixels differ"));
-    bench.window.get_by_role_and_label(Role::Button, "Triangle after").click();
+    bench.window.get_by_role_and_label(Role::Button, "Next triangle").click();
     wait(&mut bench, "the other triangle", |bench| bench.says("0 of 36 pixels differ"));
 }
 
@@ -107,18 +108,18 @@ fn a_case_of_many_triangles_and_pixels_opens_at_its_first_triangle() {
     wait(&mut bench, "the first frame", |bench| bench.session().view.is_some());
     bench.window.input_mut().dropped_files.push(crate::bench::dropped(&path));
     wait(&mut bench, "the case", |bench| bench.says("triangle 1 of 20000") && bench.mentions("0 of "));
-    let next = |bench: &mut Bench| bench.window.get_by_role_and_label(Role::Button, "Triangle after").click();
+    let next = |bench: &mut Bench| bench.window.get_by_role_and_label(Role::Button, "Next triangle").click();
     next(&mut bench);
-    // All triangles are equal, so only their number tells them apart.
+    // All triangles are equal, so only their number distinguishes them.
     wait(&mut bench, "the next triangle", |bench| bench.says("triangle 2 of 20000"));
 }
 
-/// Whether the canvas shows the scene, not a case.
+/// Whether the canvas shows the scene rather than a case.
 fn shows_the_scene(bench: &Bench) -> bool {
     bench.window.query_by_role_and_label(Role::Image, "Rendered picture").is_some()
 }
 
-/// How many pixels differ, and of how many.
+/// Returns the number of differing pixels and the number of compared pixels.
 fn differing(bench: &Bench) -> (u32, u32) {
     let told = bench.window.get_by_label_contains(" pixels differ").accesskit_node();
     let text = told.label().or_else(|| told.value()).unwrap();
@@ -155,7 +156,7 @@ fn a_faulty_rasterizer_chosen_above_the_case_makes_pixels_differ_and_they_can_be
     assert_eq!(bench.session().state.recipe.pipeline.rasterizer, Rasterizer::ScanlinePublished);
     assert!(differing(&bench).0 > 0, "it draws both ends of its rows");
     bench.click("Next differing pixel");
-    bench.click("Differing pixel before");
+    bench.click("Previous differing pixel");
     bench.choose("Rasterizer of the case", "Edge walk");
     bench.choose("Arithmetic of the case", "Exact");
     assert_eq!(bench.session().state.recipe.pipeline.arithmetic, Arithmetic::Exact);
@@ -169,10 +170,10 @@ fn triangles_of_a_case_are_shown_one_at_a_time() {
     bench.drop_file(&case_file(&folder, "both.json", "both", &[HALF_SQUARE, OTHER_HALF]));
     assert!(bench.says("triangle 1 of 2") && bench.says("0 of 28 pixels differ"));
     for _ in 0..2 {
-        bench.click("Triangle after");
+        bench.click("Next triangle");
         assert!(bench.says("triangle 2 of 2") && bench.says("0 of 36 pixels differ"), "the last one stays");
     }
-    bench.click("Triangle before");
+    bench.click("Previous triangle");
     assert!(bench.says("triangle 1 of 2") && bench.says("0 of 28 pixels differ"));
 }
 
@@ -245,7 +246,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     entries.map(|entry| entry.unwrap().path()).collect()
 }
 
-/// A report of two rasterizers on one class, of which the published one goes wrong.
+/// Returns a report of two rasterizers on two classes; the published one has errors.
 fn small_report() -> Report {
     let plan = Plan {
         classes: vec![catalogue::by_id("needles").unwrap(), catalogue::by_id("not-finite").unwrap()],
@@ -265,7 +266,7 @@ fn a_cell_of_the_report_opens_the_case_that_went_worst_in_its_column() {
     let mut bench = Bench::small("triangle");
     let before = bench.session().state.recipe;
     bench.click("Stability");
-    assert!(bench.says("Nothing was judged yet"));
+    assert!(bench.says("No stability report yet"));
     bench.session_mut().stability.report = Some(report.clone());
     bench.rest();
     let name = format!("{}, {}: ", class.class.name, cell.column.label());
@@ -285,14 +286,14 @@ fn a_cell_of_the_report_opens_the_case_that_went_worst_in_its_column() {
 
 #[test]
 fn a_report_is_begun_and_cancelled() {
-    /// Long enough for the slowest machine to end what it had begun.
+    /// Time limit for the running step of the report, sufficient for slow machines.
     const PATIENCE: Duration = Duration::from_secs(120);
     let mut bench = Bench::small("triangle");
     bench.click("Stability");
     bench.window.get_by_role_and_label(Role::Button, "Run the report").click();
     bench.window.step();
     assert!(bench.session().stability.progress.is_some());
-    // What was asked for while one frame was laid out is seen in the next.
+    // Commands of one frame take visible effect in the next.
     bench.window.step();
     bench.window.get_by_role_and_label(Role::Button, "Cancel").click();
     let begun = Instant::now();
@@ -302,5 +303,5 @@ fn a_report_is_begun_and_cancelled() {
         bench.window.step();
     }
     assert!(bench.session().stability.report.is_none() && bench.session().error.is_none());
-    assert!(bench.says("Nothing was judged yet"));
+    assert!(bench.says("No stability report yet"));
 }

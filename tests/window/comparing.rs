@@ -1,4 +1,4 @@
-//! Comparing pictures in the window: tiles, wipe, flip, difference, and figures against the reference.
+//! Comparing pictures in the window: tiles, wipe, flip, difference, and errors against the reference.
 
 use eframe::egui::{Key, PointerButton, Pos2, Rect, Role, Vec2};
 use egui_kittest::kittest::Queryable as _;
@@ -19,7 +19,7 @@ fn rect(bench: &Bench, picture: &str) -> Rect {
     bench.window.get_by_role_and_label(Role::Image, picture).rect()
 }
 
-/// Where a fitted picture in a tile has the middle of this pixel.
+/// Returns the screen position of a pixel's centre in a fitted picture of a tile.
 fn place_of(bench: &Bench, picture: &str, (x, y): (u32, u32)) -> Pos2 {
     let tile = rect(bench, picture);
     let viewport = bench.session().viewport();
@@ -62,7 +62,7 @@ fn clicking_a_tile_questions_the_same_pixel_by_its_own_recipe() {
     assert_eq!(bench.session().state.tiles.active, 1);
     assert_eq!(bench.session().state.recipe, compared(&bench).tiles[1].recipe);
     assert_eq!(bench.view().request.recipe, compared(&bench).tiles[1].recipe);
-    // What is changed now is changed in that tile alone.
+    // Changes now apply to that tile only.
     bench.choose("Culling", "None");
     let [a, b] = &compared(&bench).tiles[..] else { panic!("two tiles") };
     assert_ne!(a.recipe.pipeline.culling, b.recipe.pipeline.culling);
@@ -83,7 +83,7 @@ fn all_tiles_have_every_upscaler_and_one_place_of_the_picture() {
     assert!(sizes.iter().all(|size| (*size - sizes[0]).length() < 0.01), "{sizes:?}");
     bench.click("4 tiles");
     assert_eq!(compared(&bench).tiles.len(), 4);
-    bench.click("Take D away");
+    bench.click("Remove D");
     assert_eq!(compared(&bench).tiles.len(), 3);
 }
 
@@ -105,7 +105,7 @@ fn the_line_of_the_wipe_is_dragged() {
     bench.drag(PointerButton::Primary, canvas.center(), Vec2::new(-canvas.width() / 4.0, 0.0));
     let wipe = bench.session().comparison.wipe;
     assert!((wipe - 0.25).abs() < 0.02, "{wipe}");
-    // Elsewhere dragging moves the picture and not the line.
+    // Dragging elsewhere pans the picture and leaves the line.
     bench.drag(PointerButton::Primary, canvas.center(), Vec2::new(40.0, 0.0));
     assert_eq!(bench.session().comparison.wipe, wipe);
     bench.click_at(canvas.center());
@@ -139,7 +139,7 @@ fn a_dragged_rectangle_has_figures_of_its_own() {
     let [a, b] = &compared(&bench).tiles[..] else { panic!("two tiles") };
     let within = b.within.expect("the region is measured");
     assert_eq!(Some(within.codes), region.compare(&b.picture, &a.picture));
-    bench.click("Forget the region");
+    bench.click("Clear the region");
     assert!(compared(&bench).tiles.iter().all(|tile| tile.within.is_none()));
 }
 

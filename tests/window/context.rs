@@ -11,7 +11,7 @@ fn a_click_on_a_neighbour_picks_it() {
     bench.session_mut().pick = Some((80, 45));
     bench.rest();
     let around = bench.window.get_by_role_and_label(Role::Image, "Around the picked pixel").rect();
-    // A pixel is 8 points wide there.
+    // A pixel is 8 points wide in this picture.
     bench.click_at(around.center() + vec2(16.0, -24.0));
     assert_eq!(bench.session().pick, Some((82, 42)));
     assert_eq!(bench.view().report.as_ref().map(|report| (report.x, report.y)), Some((82, 42)));

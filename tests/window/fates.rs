@@ -1,4 +1,4 @@
-//! Where triangles and fragments went: bins, objects and members, and what of them is selected in the picture.
+//! Fates of triangles and fragments: bins, objects and members, and their selection in the picture.
 
 use eframe::egui::Key;
 use rasterscope::inspect::fates::{Bin, TriangleFate};
@@ -15,7 +15,7 @@ fn a_bin_selects_its_members_until_it_is_dropped() {
     let fates = bench.session().fates.fates.clone().expect("the tab is open");
     assert!(bench.says("all sums match"));
     let count = fates.triangle_counts().of(TriangleFate::LostDepth);
-    bench.click(&format!("Lost depth: {count}"));
+    bench.click(&format!("Depth failed: {count}"));
     let selection = bench.session().selection.clone();
     assert_eq!((selection.len() as u64, selection.label()), (count, "lost depth"));
     assert_eq!(bench.session().fates.members.len() as u64, count);

@@ -1,4 +1,4 @@
-//! Opening scenes: built in, dropped, typed, recent; and what happens when one is bad.
+//! Opening scenes: built-in, dropped, typed and recent ones, and the handling of bad files.
 
 use std::sync::Arc;
 

@@ -1,10 +1,10 @@
-//! What the plan saves and how cost grows, measured from the window.
+//! Savings of the plan and scaling of cost, measured from the window.
 
 use std::time::{Duration, Instant};
 
 use crate::bench::Bench;
 
-/// Long enough for the slowest machine.
+/// Time limit of a measurement, sufficient for slow machines.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 fn wait_while(bench: &mut Bench, running: fn(&Bench) -> bool) {
@@ -21,7 +21,7 @@ fn wait_while(bench: &mut Bench, running: fn(&Bench) -> bool) {
 fn the_plan_tells_what_it_saves_once_that_was_measured() {
     let mut bench = Bench::small("triangle");
     bench.click("Plan");
-    bench.click("Measure what it saves");
+    bench.click("Measure savings");
     wait_while(&mut bench, |bench| bench.session().savings.progress.is_some());
     let (found, of) = bench.session().savings.found.clone().expect("it was measured");
     assert!(of.same_complete_frame(&bench.session().request()));
@@ -40,8 +40,8 @@ fn the_plan_tells_what_it_saves_once_that_was_measured() {
 fn measuring_how_cost_grows_can_be_cancelled() {
     let mut bench = Bench::small("triangle");
     bench.click("Scaling");
-    assert!(bench.says("Nothing was measured yet"));
-    bench.click("Measure how cost grows");
+    assert!(bench.says("No measurement yet"));
+    bench.click("Measure scaling");
     bench.click("Cancel");
     wait_while(&mut bench, |bench| bench.session().growth.progress.is_some());
     assert!(bench.session().growth.found.is_none() && bench.session().error.is_none());

@@ -1,4 +1,4 @@
-//! The history of a pixel, the scenes with a black spot, and the assertions, as a person meets them.
+//! History of a pixel, scenes with a black spot, and assertions, as seen by a user.
 
 use rasterscope::inspect::assertions::Assertion;
 use rasterscope::inspect::history::Kind;
@@ -7,7 +7,7 @@ use rasterscope::pipeline::settings::Choice as _;
 
 use crate::bench::Bench;
 
-/// The name of a filter of the present report.
+/// Returns the label of a filter in the current report.
 fn filter(bench: &Bench, kind: Kind) -> String {
     let report = bench.view().report.clone().expect("a pixel is picked");
     format!("{} {}", kind.name(), kind.count(&report))
@@ -64,7 +64,7 @@ fn the_first_violation_is_picked_and_told() {
     let mut bench = Bench::small("cubes");
     bench.click("Assertions");
     bench.click("Check this frame");
-    assert!(bench.mentions(&format!("all {} hold, of this frame", Assertion::ALL.len())));
+    assert!(bench.mentions(&format!("all {} hold, in this frame", Assertion::ALL.len())));
     bench.session_mut().state.recipe.pipeline.rasterizer =
         rasterscope::pipeline::settings::Rasterizer::ScanlinePublished;
     bench.rest();

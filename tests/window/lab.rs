@@ -20,7 +20,7 @@ fn grid(bench: &Bench) -> Rect {
     bench.window.get_by_role_and_label(Role::Image, "Grid of the lab").rect()
 }
 
-/// Where a place of the fitted grid is on the screen.
+/// Returns the screen position of a point of the fitted grid.
 fn at(bench: &Bench, place: DVec2) -> Pos2 {
     let area = grid(bench);
     let (width, height) = bench.session().lab.recording.size;
@@ -52,7 +52,7 @@ fn every_page_explains_itself_and_can_be_stepped() {
         assert!(bench.says(bench.session().lab.lesson().explanation()));
         let all = bench.session().lab.recording.steps.len();
         bench.press(Key::Home);
-        assert!(bench.says("Nothing is done yet: step forward or play."));
+        assert!(bench.says("No step done yet: step forward or play."));
         bench.click("One step forward  (.)");
         assert!(bench.says(&bench.session().lab.recording.steps[0].says.clone()), "{page:?}");
         bench.press(Key::End);
@@ -104,7 +104,7 @@ fn walls_are_painted_and_wiped_with_the_mouse() {
 #[test]
 fn rivals_are_compared_with_their_error_and_time() {
     let mut bench = opened("Lines");
-    bench.click("Compare all ways");
+    bench.click("Compare all methods");
     let comparison = bench.session().lab.comparison.clone().unwrap();
     assert!(bench.mentions(&comparison.task));
     for rival in &comparison.rivals {
@@ -120,7 +120,7 @@ fn the_drawing_is_saved_in_the_format_asked_for() {
     let mut bench = opened("Polygons");
     bench.session_mut().folder = folder.path().to_owned();
     bench.click("Save drawing");
-    bench.click("SVG: drawing commands, smooth at any size");
+    bench.click("SVG: vector drawing, sharp at any size");
     let text = std::fs::read_to_string(folder.path().join("polygons.svg")).unwrap();
     assert!(text.starts_with("<svg") && text.contains("<polygon"));
     assert_eq!(bench.session().error, None);

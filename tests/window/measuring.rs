@@ -22,7 +22,7 @@ fn every_upscaler_gets_a_row_with_all_its_frames() {
     }
     assert!(bench.mentions("Measured · One triangle · 160 × 90 px · noise floor ±"));
     bench.choose("Culling", "None");
-    assert!(bench.mentions("Measured on another scene, view, size or setting"));
+    assert!(bench.mentions("Measured with another scene, view, size or setting"));
     bench.click("Clear");
     assert!(!bench.session().timings.has_measurement());
 }
@@ -45,7 +45,7 @@ fn a_measurement_is_cancelled_and_keeps_what_it_has() {
     bench.click("Cancel");
     assert_eq!(bench.session().measuring, None);
     assert!(bench.mentions("Measure all upscalers"), "it can be started again");
-    // One frame may have been under way.
+    // One frame may have been in progress.
     std::thread::sleep(Duration::from_millis(500));
     bench.rest();
     let samples = |bench: &Bench| bench.session().timings.series().iter().map(|(_, t)| t.len()).sum::<usize>();
@@ -70,12 +70,12 @@ fn frame_times_are_paused_and_saved() {
     let mut bench = Bench::small("triangle");
     let folder = tempfile::tempdir().unwrap();
     bench.session_mut().folder = folder.path().to_owned();
-    bench.click("Pause: keep what is plotted");
+    bench.click("Pause recording: keep the plot");
     let before = bench.session().timings.series();
     bench.session_mut().state.camera.orbit(0.2, 0.0);
     bench.rest();
     assert_eq!(bench.session().timings.series(), before);
-    bench.click("Take in frame times again");
+    bench.click("Resume recording frame times");
     bench.session_mut().state.camera.orbit(0.2, 0.0);
     bench.rest();
     let lines = |bench: &Bench| bench.session().timings.series().iter().map(|(_, t)| t.len()).sum::<usize>();

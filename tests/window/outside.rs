@@ -1,4 +1,4 @@
-//! The scene from outside, the vertices of a triangle, and the probe.
+//! Mesh view, vertex panel and stability probe.
 
 use std::time::{Duration, Instant};
 
@@ -23,7 +23,7 @@ fn m_opens_the_scene_from_outside_and_a_click_there_picks_what_the_picture_shows
     let inner = bench.session().state.camera;
     bench.press(Key::Escape);
     assert_eq!(bench.session().pick, None);
-    // The one triangle lies somewhere in the picture from outside.
+    // The only triangle lies somewhere in the mesh view.
     let mut places = (1..20).flat_map(|x| (1..20).map(move |y| Vec2::new(x as f32, y as f32) / 20.0));
     let hit = places.find(|share| {
         bench.click_at(place.min + place.size() * *share);
@@ -53,13 +53,13 @@ fn a_row_of_the_vertices_is_followed_until_it_is_clicked_again() {
 
 #[test]
 fn the_probe_runs_and_leads_to_the_pixel_that_changed_most() {
-    /// Long enough for the slowest machine.
+    /// Time limit of the probe, sufficient for slow machines.
     const PATIENCE: Duration = Duration::from_secs(120);
     let mut bench = Bench::small("z-fighting");
     bench.session_mut().probing.probe.runs = 4;
     bench.session_mut().probing.probe.ulps = 32;
     bench.click("Probe");
-    assert!(bench.says("Nothing was probed yet"));
+    assert!(bench.says("No probe results yet"));
     bench.click("Run the probe");
     let begun = Instant::now();
     while bench.session().probing.found.is_none() {

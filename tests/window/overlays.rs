@@ -1,4 +1,4 @@
-//! Overlays on the canvas: the list, the stack, values under the pointer, steps from fault to fault, totals as a file.
+//! Overlays on the canvas: list, stack, values under the pointer, steps from fault to fault, and totals as a file.
 
 use eframe::egui::{Key, Modifiers, Role, Vec2};
 use egui_kittest::kittest::Queryable as _;
@@ -127,7 +127,7 @@ fn normals_have_a_length_that_the_list_changes_and_a_colour_where_pixels_are_lar
     bench.window.get_by_role_and_label(Role::Slider, "Length of “Face normals”").set_value_accesskit(0.12);
     bench.rest();
     assert!(length(&bench) > 3.0 * first, "{} and {first}", length(&bench));
-    // Turned off and on again they are as at first.
+    // Switching the overlay off and on restores the default length.
     lay(&mut bench, Overlay::FaceNormals);
     lay(&mut bench, Overlay::FaceNormals);
     assert_eq!(length(&bench), first);

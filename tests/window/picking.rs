@@ -1,4 +1,4 @@
-//! Questioning pixels: by pointer, by keys, by number; and what the inspector says about them.
+//! Picking pixels by pointer, by keys and by coordinates, and the explanations of the inspector.
 
 use eframe::egui::{Key, Modifiers, PointerButton, Vec2};
 use rasterscope::chain::Recipe;

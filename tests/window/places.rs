@@ -1,4 +1,4 @@
-//! Keeping the place: bookmarks, the way back, the palette, and the state as a command.
+//! Bookmarks, navigation history, the palette, and the state as a command.
 
 use eframe::egui::{Event, Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
@@ -51,7 +51,7 @@ fn the_list_of_bookmarks_renames_and_forgets() {
     }
     bench.click("Go");
     bench.click("Bookmarks …");
-    bench.click("Forget bookmark 2");
+    bench.click("Delete bookmark 2");
     assert_eq!(bench.session().places.bookmarks.len(), 1);
     bench.click("Close");
     assert!(!bench.says("Bookmarks"));

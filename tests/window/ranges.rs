@@ -1,4 +1,4 @@
-//! Range control on the canvas: fitting, handles, channels, boxes; and that none of it changes a value.
+//! Range control on the canvas: fitting, handles, channels and boxes, none of which changes a value.
 
 use eframe::egui::{Key, Modifiers, PointerButton, Role, Vec2};
 use egui_kittest::kittest::Queryable as _;
@@ -107,7 +107,7 @@ fn a_dragged_box_has_figures() {
     let finite = inside.filter(|(x, y)| matches!(bench.view().value(*x, *y), Value::Number(_))).count();
     assert_eq!((of, channels[0].finite), (region, finite as u64));
     assert!(bench.says("Box 60, 30 · 40 × 30 px"));
-    bench.click("Drop the box");
+    bench.click("Clear the box");
     assert_eq!(bench.session().range.region, None);
 }
 

@@ -1,4 +1,4 @@
-//! Going through the making of a frame by keys, sliders and playing.
+//! Stepping and playing through the drawing of a frame by keys and sliders.
 
 use eframe::egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::Queryable as _;
@@ -68,10 +68,10 @@ fn what_does_not_touch_the_pick_is_passed_over() {
     let all = bench.view().report.as_ref().expect("picked").fragments.len();
     assert!(all > 0);
     bench.press(Key::Home);
-    bench.click("Only what touches the picked pixel");
+    bench.click("Only steps at the picked pixel");
     assert!(bench.session().scrub.touching);
     for fragments in 1..=all {
-        bench.click("One triangle more  (.)");
+        bench.click("Draw one triangle more  (.)");
         assert_eq!(bench.view().report.as_ref().expect("picked").fragments.len(), fragments);
     }
     bench.press(Key::Y);

@@ -1,4 +1,4 @@
-//! The rows of the pipeline: what is chosen there is what is drawn, and can be taken back.
+//! Rows of the pipeline panel: an option chosen there is drawn, and can be undone.
 
 use eframe::egui::{Key, Modifiers};
 use rasterscope::chain::Recipe;
@@ -9,7 +9,7 @@ use rasterscope::upscale;
 
 use crate::bench::Bench;
 
-/// A change made by hand: scene, stage to open first, row, option, and the same change made in the recipe.
+/// A change by hand: scene, stage to open first, row, option, and the same change of the recipe.
 type Case = (&'static str, Option<&'static str>, &'static str, &'static str, fn(&mut Recipe));
 
 #[test]

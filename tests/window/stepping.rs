@@ -1,4 +1,4 @@
-//! Stepping through the frame: stage by stage, buffer by buffer, triangle by triangle.
+//! Stepping through the frame: by stage, by buffer and by triangle.
 
 use eframe::egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::Queryable as _;
@@ -13,7 +13,7 @@ use rasterscope::ui::overlays::Change;
 
 use crate::bench::Bench;
 
-/// The canvas shows the picture after this stage.
+/// Checks that the canvas shows the picture after this stage.
 fn assert_shows(bench: &Bench, stage: Stage) {
     let view = bench.view();
     let request = bench.session().request();
@@ -76,7 +76,7 @@ fn faults_are_counted_stepped_through_and_explained() {
     bench.press_with(Modifiers::SHIFT, Key::J);
     assert_eq!(bench.session().pick, places.last().copied(), "round the end");
     assert!(bench.mentions("A crack: no triangle covers this pixel, though triangle "));
-    // It is enlarged in the middle of the canvas: a click there picks the same pixel.
+    // The pixel is in the middle of the canvas: a click there picks the same pixel.
     let middle = bench.canvas().center();
     bench.session_mut().pick = None;
     bench.click_at(middle);
@@ -87,12 +87,12 @@ fn faults_are_counted_stepped_through_and_explained() {
 fn j_goes_to_the_pixels_that_t_junctions_open_and_says_so() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("t.obj");
-    // A triangle over an edge, and below it two that meet in a vertex a little off that edge.
+    // A triangle above an edge, and below it two triangles that share a vertex slightly off that edge.
     let model = "v -1 0 0\nv 1 0 0\nv 0 1 0\nv 0 -1 0\nv 0.1 -0.0002 0\nf 1 2 3\nf 5 1 4\nf 2 5 4\n";
     std::fs::write(&path, model).unwrap();
     let mut bench = Bench::small("shared-edges");
     bench.drop_file(&path);
-    // Not level, as the gap between two rows of centres would show nothing.
+    // Tilted, because a gap between two rows of pixel centres would be invisible.
     let camera = Camera::look_at(Vec3::new(0.1, 0.02, 0.2), Vec3::new(0.1, 0.0, 0.0));
     bench.session_mut().state.camera = Camera { up: Vec3::new(0.2, 1.0, 0.0), ..camera };
     bench.rest();
@@ -174,10 +174,10 @@ fn the_slider_and_its_buttons_limit_the_triangles() {
     assert_eq!(bench.view().frame.geometry.triangles.len(), 3);
     assert!(bench.says("3 / 8"));
     let buttons = [
-        ("One triangle more  (.)", Some(4)),
-        ("One triangle fewer  (,)", Some(3)),
+        ("Draw one triangle more  (.)", Some(4)),
+        ("Draw one triangle less  (,)", Some(3)),
         ("Before the first triangle  (Home)", Some(0)),
-        ("One triangle fewer  (,)", Some(0)),
+        ("Draw one triangle less  (,)", Some(0)),
         ("After the last triangle  (End)", None),
     ];
     for (name, limit) in buttons {

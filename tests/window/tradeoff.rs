@@ -1,4 +1,4 @@
-//! Error against time in the window, and the upscaler seen through.
+//! Error against time in the window, and the analysis of the upscaler.
 
 use eframe::egui::{Modifiers, Pos2, Role, Vec2};
 use egui_kittest::kittest::Queryable as _;
@@ -15,13 +15,13 @@ use crate::bench::Bench;
 fn every_upscaler_becomes_a_point_with_its_error_against_native() {
     let mut bench = Bench::small("triangle");
     bench.click("Error vs time");
-    assert!(bench.mentions("No error was measured yet"));
+    assert!(bench.mentions("No measurement yet"));
     bench.click("Measure error and time");
     let points = bench.session().timings.tradeoff();
     assert_eq!(points.len(), Upscaling::every().count());
     let native = points.iter().find(|point| point.upscaling.is_native()).expect("native is measured");
     assert_eq!(native.error.still.codes.mse, 0.0);
-    // At rest other methods have no error, either: the quickest of all is on the front.
+    // At rest other methods have no error either: the fastest of all is on the Pareto front.
     assert!(points.iter().any(|point| point.error.still.codes.mse == 0.0 && point.standing == Standing::Front));
     for point in &points {
         if let Standing::Beaten(by) = point.standing {
@@ -30,7 +30,7 @@ fn every_upscaler_becomes_a_point_with_its_error_against_native() {
         }
     }
     assert!(bench.mentions("noise floor ±") && bench.mentions("· still ·"));
-    // The error is that of the picture which the window draws by this method, too.
+    // The error matches the picture that the window draws with this method.
     let wanted = Upscaling::new("nearest", 4).expect("there is one");
     let before = bench.image();
     let recipe = rasterscope::chain::Recipe { upscaler: wanted, ..bench.session().state.recipe };
@@ -76,8 +76,7 @@ fn a_row_becomes_picture_a_or_b() {
     assert_eq!([tiles[0].recipe.upscaler, tiles[1].recipe.upscaler], [second, first]);
 }
 
-/// Where the points of the plot stand, those first that stand farthest from all others: there nobody can say that another
-/// was meant.
+/// Returns the points of the plot, most isolated first, so that a click cannot hit another point.
 fn lonely_points(bench: &Bench) -> Vec<(Upscaling, Pos2)> {
     let place = |upscaling: Upscaling| {
         let name = format!("Point: {},", upscaling.label());
@@ -113,11 +112,11 @@ fn a_measurement_says_which_reference_it_is_against() {
     let mut bench = Bench::small("triangle");
     bench.click("Error vs time");
     bench.click("Measure error and time");
-    assert!(bench.mentions("Errors are against: Native, 1 sample"));
+    assert!(bench.mentions("Reference: Native, 1 sample"));
     bench.choose("Measure against", "Converged, 256 samples");
-    assert!(bench.mentions("Errors are against: Native, 1 sample"), "until it is measured anew");
+    assert!(bench.mentions("Reference: Native, 1 sample"), "until it is measured anew");
     bench.click("Measure error and time");
-    assert!(bench.mentions("Errors are against: Converged, 256 samples"));
+    assert!(bench.mentions("Reference: Converged, 256 samples"));
     let points = bench.session().timings.tradeoff();
     let native = points.iter().find(|point| point.upscaling.is_native()).expect("native is measured");
     assert!(native.error.still.codes.mse > 0.0, "edges of one sample per pixel are stairs");
@@ -131,7 +130,7 @@ fn the_picked_pixel_s_samples_are_shown_with_their_weights() {
     bench.session_mut().state.recipe.set_all(&["upscaler.method=bilinear", "upscaler.scale=4"]).unwrap();
     bench.session_mut().pick = Some((82, 50));
     bench.rest();
-    // Half way between columns 80 and 84, and between rows 48 and 52.
+    // The pixel lies half way between columns 80 and 84, and between rows 48 and 52.
     for (x, y) in [(80, 48), (84, 48), (80, 52), (84, 52)] {
         assert!(bench.says(&format!("Sample {x}, {y}: weight 0.25")), "{x}, {y}");
     }

@@ -1,4 +1,4 @@
-//! Watched pixels: added, followed from frame to frame, gone to and removed.
+//! Watched pixels: adding, following from frame to frame, going to and removing them.
 
 use eframe::egui::Key;
 use rasterscope::pipeline::settings::{Choice as _, Shading};
@@ -33,7 +33,7 @@ fn a_watched_pixel_is_gone_to_by_a_click_and_removed() {
     assert_eq!(bench.session().watch.pixels, [(80, 45), (3, 4)]);
     bench.click("80, 45");
     assert_eq!(bench.session().pick, Some((80, 45)));
-    bench.click("Watch 80, 45 no more");
+    bench.click("Stop watching 80, 45");
     assert_eq!(bench.session().watch.pixels, [(3, 4)]);
     bench.click("Clear");
     assert!(bench.says("No pixel is watched"));

@@ -1,4 +1,4 @@
-//! What the last change did: figures, pictures of before and now, and the changed pixels one by one.
+//! Effect of the last change: errors, pictures before and after, and stepping through the changed pixels.
 
 use eframe::egui::{Key, Modifiers};
 use rasterscope::chain::{Recipe, run};
@@ -6,7 +6,7 @@ use rasterscope::pipeline::settings::FillRule;
 
 use crate::bench::Bench;
 
-/// The shared edges by an inclusive fill rule, chosen by hand after the top-left one.
+/// Opens the scene of shared edges and changes the fill rule from top-left to inclusive by hand.
 fn changed() -> Bench {
     let mut bench = Bench::small("shared-edges");
     bench.press(Key::X);
@@ -36,7 +36,7 @@ fn nothing_that_changes_no_pixel_is_said_to() {
     bench.press(Key::X);
     bench.choose("Culling", "None");
     assert!(bench.says("culling: back → none") && bench.says("No pixel changed"));
-    assert!(bench.mentions("pictures are the same"));
+    assert!(bench.mentions("pictures identical"));
 }
 
 #[test]

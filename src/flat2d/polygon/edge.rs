@@ -1,4 +1,4 @@
-//! One edge of a polygon, and which column it falls into.
+//! Polygon edges and the columns in which they cross rows.
 
 use std::cmp::Ordering;
 use std::ops::Range;
@@ -8,18 +8,18 @@ use glam::DVec2;
 use super::SamplePoint;
 use crate::flat2d::side;
 
-/// An edge that crosses rows of the picture, from top to bottom.
+/// Edge that crosses rows of the picture, from top to bottom.
 #[derive(Clone, Debug)]
 pub(super) struct Edge {
     pub(super) top: DVec2,
     pub(super) bottom: DVec2,
-    /// The rows that it crosses, at least one.
+    /// Rows that the edge crosses, at least one.
     pub(super) rows: Range<u32>,
-    /// 1 if it was given from top to bottom, −1 otherwise.
+    /// Orientation: 1 if the edge was given from top to bottom, −1 otherwise.
     pub(super) winding: i32,
 }
 
-/// Samples along a row of the picture.
+/// Samples of one row of the picture.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Row {
     row: u32,
@@ -32,29 +32,32 @@ impl Row {
         Self { row, offset: sample.offset(), width }
     }
 
-    /// Height of its samples, px.
+    /// Returns the height of the samples, px.
     fn y(self) -> f64 {
         f64::from(self.row) + self.offset
     }
 }
 
 impl Edge {
-    /// `None` if it crosses no row of samples in a picture of this height.
+    /// Creates an edge; `None` if it crosses no row of samples in a picture of this height.
     pub(super) fn new(from: DVec2, to: DVec2, sample: SamplePoint, height: u32) -> Option<Self> {
         let (top, bottom, winding) = if from.y <= to.y { (from, to, 1) } else { (to, from, -1) };
-        // Casts saturate; above row 0 rounding does no harm, and from there on the difference has none.
+        // Casts saturate. Rounding of the difference is harmless above row 0, and from row 0 on the difference is
+        // exact.
         let row_at_or_below = |y: f64| ((y - sample.offset()).ceil() as u32).min(height);
         let rows = row_at_or_below(top.y)..row_at_or_below(bottom.y);
         (!rows.is_empty()).then_some(Self { top, bottom, rows, winding })
     }
 
-    /// The first column whose sample lies at or right of where it crosses a row, exactly; the width if none does.
+    /// Returns the first column whose sample lies at or right of the crossing with a row, exactly; the width if there
+    /// is none.
     pub(super) fn column_at(&self, row: Row) -> u32 {
         let slant = Slant::new(self);
         slant.column_at(row).unwrap_or_else(|| self.search(&slant, row))
     }
 
-    /// The same where floats are not sure, by asking for single samples exactly.
+    /// Computes the column exactly where floats cannot decide it, by a binary search with exact tests of single
+    /// samples.
     #[cold]
     pub(super) fn search(&self, slant: &Slant, row: Row) -> u32 {
         let crossing = slant.crossing_px(row) - row.offset;
@@ -63,7 +66,7 @@ impl Edge {
         while least < greatest {
             let middle = least + (greatest - least) / 2;
             let sample = DVec2::new(f64::from(middle) + row.offset, row.y());
-            // Going down, what lies to the right on the screen is on the left.
+            // The edge points down, so its left side is the right side of the screen.
             if side(self.top, self.bottom, sample) == Ordering::Greater {
                 least = middle + 1;
             } else {
@@ -74,19 +77,20 @@ impl Edge {
     }
 }
 
-/// Where an edge crosses rows, in floats.
+/// Float approximation of an edge, for its crossings with rows.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slant {
     top: DVec2,
-    /// Change of x per row.
+    /// Change of x per row, px.
     slope: f64,
-    /// How far a crossing may be off, px.
+    /// Error bound of a crossing, px.
     error_px: f64,
 }
 
-/// A crossing computed in floats is off by less than this times the magnitudes of both ends' x: the slope and the
-/// distance below the top have four roundings of half an ε together, their product is at most the edge's width and has
-/// one more, and so have the sum and the shift to the sample. The rest is margin.
+/// Relative error bound of a crossing computed in floats, as a factor of |x₀| + |x₁| of both ends.
+///
+/// The slope and the distance below the top together have four roundings of half an ε. Their product is at most the
+/// edge's width and adds one more, as do the sum and the shift to the sample. The rest is margin.
 const ERROR_OF_CROSSING: f64 = 16.0 * f64::EPSILON;
 
 impl Slant {
@@ -99,28 +103,28 @@ impl Slant {
         }
     }
 
-    /// Where the edge crosses a row, px, to within rounding.
+    /// Returns the position x where the edge crosses a row, px, up to rounding.
     #[inline]
     pub(super) fn crossing_px(&self, row: Row) -> f64 {
         self.top.x + (row.y() - self.top.y) * self.slope
     }
 
-    /// The first column whose sample lies at or right of the crossing, the width if none does; `None` where the crossing
-    /// is too close to a sample for floats to tell.
+    /// Returns the first column whose sample lies at or right of the crossing; the width if there is none. Returns
+    /// `None` if the crossing is too close to a sample for floats to decide.
     #[inline]
     pub(super) fn column_at(&self, row: Row) -> Option<u32> {
-        // How far left or right outside makes no difference.
+        // The distance outside the picture is irrelevant, so the crossing is clamped to the picture.
         let crossing = (self.crossing_px(row) - row.offset).clamp(-0.5, f64::from(row.width) - 0.5);
         let (nearest, column) = ceil(crossing);
         ((crossing - nearest).abs() > self.error_px).then_some(column)
     }
 }
 
-/// The whole number nearest to `x` and the least one not below it; `x` from −½ to 2³¹.
+/// Returns the whole number nearest to `x` and the smallest whole number not below it; `x` must lie in [−½, 2³¹].
 #[inline]
 fn ceil(x: f64) -> (f64, u32) {
-    /// Here floats are 1 apart, so that adding it rounds, and the last bits hold the whole number. Without SSE 4.1 rounding
-    /// by the standard library is a function call.
+    /// At this magnitude floats are 1 apart. Adding the constant rounds to a whole number and leaves it in the low
+    /// bits. Without SSE 4.1, rounding by the standard library is a function call.
     const ROUNDING: f64 = 1.5 * (1_u64 << 52) as f64;
     let shifted = x + ROUNDING;
     let nearest = shifted - ROUNDING;

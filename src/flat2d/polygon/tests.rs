@@ -1,4 +1,4 @@
-//! Polygons against the definition of the winding number, decided in integers.
+//! Tests of polygon filling against the definition of the winding number, decided in integers.
 
 use super::*;
 
@@ -18,12 +18,13 @@ fn pixels(contours: &[Vec<DVec2>], filling: Filling) -> Vec<(u32, u32)> {
     fill(contours, filling).flat_map(|span| (span.x0..span.x1).map(move |x| (x, span.y))).collect()
 }
 
-/// A contour from corners in `unit`-ths of a pixel.
+/// Returns a contour from corners in units of 1/`unit` px.
 fn real(contour: &[(i64, i64)], unit: i64) -> Vec<DVec2> {
     contour.iter().map(|(x, y)| DVec2::new(*x as f64, *y as f64) / unit as f64).collect()
 }
 
-/// Every pixel asked for itself: crossings of a ray to the left, in integers. `unit` is even.
+/// Returns the inside pixels by the definition: for each pixel, crossings of a ray to the left, in integers. `unit` is
+/// even.
 fn by_definition(contours: &[Vec<(i64, i64)>], unit: i64, rule: InsideRule, sample: SamplePoint) -> Vec<(u32, u32)> {
     let offset = if sample == SamplePoint::Center { unit / 2 } else { 0 };
     let crosses = |(a, b): ((i64, i64), (i64, i64)), (x, y): (i64, i64)| {
@@ -48,7 +49,7 @@ fn by_definition(contours: &[Vec<(i64, i64)>], unit: i64, rule: InsideRule, samp
 fn random_contours(random: &mut fastrand::Rng, reach: i64, unit: i64) -> Vec<Vec<(i64, i64)>> {
     let contours = random.usize(1..4);
     let mut coordinate = |_: usize| {
-        // Corners beyond the picture too, and whole numbers often enough.
+        // Some corners lie outside the picture, and about half of the coordinates are multiples of half a pixel.
         let coordinate = random.i64(-reach..reach);
         if random.bool() { coordinate / (unit / 2) * (unit / 2) } else { coordinate }
     };
@@ -84,7 +85,7 @@ fn snapped_corners_are_rounded_to_the_grid_with_ties_to_even() {
         below + i64::from(rest > 4 || (rest == 4 && below % 2 != 0))
     };
     for _ in 0..1_000 {
-        // In 1/2048 px, so one in eight coordinates is a tie of the 1/256 px grid.
+        // Corners are in 1/2048 px, so one in eight coordinates is a tie of the 1/256 px grid.
         let contours = random_contours(&mut random, 30 * 2048, 2048);
         let given: Vec<_> = contours.iter().map(|c| real(c, 2048)).collect();
         let snapped: Vec<Vec<_>> =
@@ -135,7 +136,7 @@ fn corners_at_the_end_of_the_range_are_no_trouble() {
     let tiny = 2.0_f64.powi(-149);
     let everything = [vec![DVec2::new(-far, -far), DVec2::new(far, -far), DVec2::new(far, far), DVec2::new(-far, far)]];
     let diagonal = [vec![DVec2::splat(-far), DVec2::splat(far), DVec2::new(-far, far)]];
-    // All that lies right of an upright line through (0, 0), out of plumb by 10⁻⁸³.
+    // The polygon is everything right of a nearly vertical line through (0, 0), tilted by 10⁻⁸³.
     let tilted = [vec![DVec2::new(-tiny, -far), DVec2::new(far, -far), DVec2::new(far, far), DVec2::new(tiny, far)]];
     let count = (SIZE * SIZE) as usize;
     for rule in RULES {

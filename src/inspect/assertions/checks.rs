@@ -1,4 +1,4 @@
-//! The assertions themselves: each says what is wrong with a fragment, or nothing.
+//! Implementations of the assertions: each returns a description of a violation, or `None`.
 
 use super::Assertion;
 use super::exact::{Owner, corner_depths};
@@ -8,67 +8,68 @@ use crate::pipeline::raster::Sample;
 use crate::pipeline::settings::{Arithmetic, Choice as _, DepthTest, Settings};
 use crate::pipeline::viewport::ScreenTriangle;
 
-/// How far the sum of weights may be from 1: two units in the last place above 1.
+/// Tolerance for the sum of the weights: two units in the last place of 1.
 const SUM_SLACK: f32 = 2.0 * f32::EPSILON;
 
-/// Roundings of f64 that the sum of edge values may have suffered where they are no integers.
+/// Relative tolerance for the sum of non-integer edge values: four f64 roundings.
 const EDGE_ROUNDINGS: f64 = 4.0 * f64::EPSILON;
 
-/// Steps of the depth buffer that rounding explains: w, of which depth is made, is a sum of four products.
+/// Depth difference that rounding explains, in steps of the depth buffer. Depth is computed from w, a sum of four
+/// products.
 const PASS_STEPS: f64 = 8.0;
 
-/// A covered sample.
+/// A covered sample, as passed to the checks of coverage, weights and depth.
 pub(super) struct Covered<'a> {
     pub(super) settings: &'a Settings,
     pub(super) scale: &'a DepthScale,
     pub(super) triangle: &'a ScreenTriangle,
     pub(super) sample: &'a Sample,
-    /// As it is stored if the fragment wins.
+    /// Depth that is stored if the fragment wins, in [0, 1].
     pub(super) depth: f32,
     pub(super) owner: &'a Owner,
 }
 
-/// A fragment that passed the depth test over another.
+/// A fragment that passed the depth test against an already stored depth.
 pub(super) struct Pass<'a> {
     pub(super) settings: &'a Settings,
-    /// Depth of the fragment and of what it replaces, before they were quantised.
+    /// Depths of the fragment and of the stored one before quantisation, in that order.
     pub(super) depths: [f64; 2],
-    /// One step of the buffer there, and what is not known of them.
+    /// One step of the depth buffer at these depths, plus the uncertainty of the new depth.
     pub(super) step: f64,
 }
 
-/// A fragment that was blended over another blended one.
+/// A fragment that was blended over another blended fragment.
 pub(super) struct Blend {
-    /// Its stored depth.
+    /// Stored depth of the fragment.
     pub(super) depth: f32,
-    /// Stored depth of the nearest fragment blended before.
+    /// Stored depth of the nearest fragment blended earlier at the same sample.
     pub(super) nearest: f32,
-    /// Whether that one is nearer.
+    /// Whether the earlier fragment is nearer to the viewer, so that the order is wrong.
     pub(super) is_wrong: bool,
 }
 
-/// A fragment that was shaded.
+/// A shaded fragment.
 pub(super) struct Shaded<'a> {
     pub(super) fragment: &'a Fragment,
     pub(super) is_lit: bool,
 }
 
-/// What is wrong with a fragment.
+/// Description of a violation; `None` if the assertion holds.
 type Verdict = Option<String>;
 
-/// An assertion at the moment at which all that it asks about is known.
+/// The function of an assertion, by the pipeline event at which its inputs are known.
 #[derive(Clone, Copy)]
 pub(super) enum Check {
     Covered(fn(&Covered<'_>) -> Verdict),
     Pass(fn(&Pass<'_>) -> Verdict),
     Shaded(fn(&Shaded<'_>) -> Option<Verdict>),
     Blend(fn(&Blend) -> Verdict),
-    /// About no fragment: checked once, after all of them.
+    /// Concerns no fragment: checked once, after all fragments.
     Mesh,
 }
 
 impl Check {
-    /// The function behind an assertion.
+    /// Returns the function that checks an assertion.
     pub(super) fn of(assertion: Assertion) -> Self {
         match assertion {
             Assertion::Owner => Self::Covered(owner),
@@ -92,7 +93,7 @@ fn owner(at: &Covered<'_>) -> Verdict {
         Err(None) => Some("the triangle has no area, yet it has a fragment".to_owned()),
         Err(Some(edges)) => {
             let least = (0..3).min_by(|a, b| edges[*a].total_cmp(&edges[*b])).unwrap_or(0);
-            let side = if edges[least] < 0.0 { "outside" } else { "on an edge that is not the triangle's" };
+            let side = if edges[least] < 0.0 { "outside" } else { "on an edge that another triangle owns" };
             Some(format!("the centre lies {side}: edge opposite to v{least} is {} exactly", edges[least]))
         }
     }
@@ -134,7 +135,7 @@ fn depth_range(at: &Covered<'_>) -> Verdict {
     let [depth, next] = at.scale.encoding().with_next(at.depth);
     let step = (next - depth).abs();
     let holds = (low - step..=high + step).contains(&f64::from(at.depth)) && (0.0..=1.0).contains(&at.depth);
-    (!holds).then(|| format!("the depth is {:?}, those of the corners {corners:?}", at.depth))
+    (!holds).then(|| format!("the depth is {:?}, the corner depths are {corners:?}", at.depth))
 }
 
 fn depth_pass(pass: &Pass<'_>) -> Verdict {
@@ -145,7 +146,7 @@ fn depth_pass(pass: &Pass<'_>) -> Verdict {
     let holds = wrong_by <= PASS_STEPS * pass.step;
     let way = if asks_for_farther { "in front of" } else { "behind" };
     let test = pass.settings.depth_test.name();
-    (!holds).then(|| format!("it passed the test “{test}” at depth {new}, {way} what lies at {old}"))
+    (!holds).then(|| format!("it passed the depth test “{test}” at depth {new}, {way} the stored depth {old}"))
 }
 
 fn blend_order(Blend { depth, nearest, is_wrong }: &Blend) -> Verdict {
@@ -158,7 +159,7 @@ fn attributes(at: &Shaded<'_>) -> Verdict {
     (!holds).then(|| format!("texture coordinates {uv}, normal {normal}, colour {color}, light {light}"))
 }
 
-/// Checked only on fragments that are lit.
+/// Checks the length of the normal of a lit fragment; returns `None` for unlit ones.
 fn normal(at: &Shaded<'_>) -> Option<Verdict> {
     let length = at.fragment.normal.length();
     at.is_lit.then(|| {

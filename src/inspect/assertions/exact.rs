@@ -1,4 +1,4 @@
-//! Exact answers that the assertions compare with: whose a sample is, and how deep its surface.
+//! Exact reference values for the assertions: ownership of a sample, and surface depth in f64.
 
 use crate::pipeline::depth::DepthScale;
 use crate::pipeline::grid::SampleGrid;
@@ -6,7 +6,7 @@ use crate::pipeline::raster::{AnyTriangle, Sample, Scissor, Span, cover_within};
 use crate::pipeline::settings::{Arithmetic, FillRule, Rasterizer, Settings};
 use crate::pipeline::viewport::ScreenTriangle;
 
-/// The triangle that decides ownership exactly, set up once for all samples of one triangle.
+/// Exact ownership test, set up once for all samples of a triangle.
 pub(super) struct Owner {
     corners_px: [[f32; 2]; 3],
     rule: FillRule,
@@ -14,7 +14,8 @@ pub(super) struct Owner {
 }
 
 impl Owner {
-    /// Of a triangle on the corners that the settings decide by, and by their fill rule if it draws shared edges once.
+    /// Builds the test for a triangle. It uses the corner positions that the arithmetic decides by, and the recipe's
+    /// fill rule. Top-left replaces a fill rule that does not draw shared edges exactly once.
     pub(super) fn of(triangle: &ScreenTriangle, settings: &Settings) -> Self {
         let corners_px = match settings.arithmetic {
             Arithmetic::Fixed => triangle.snapped_px(),
@@ -24,7 +25,8 @@ impl Owner {
         Self { corners_px, rule, exact: AnyTriangle::new(Arithmetic::Exact, corners_px, rule) }
     }
 
-    /// Whether the centre of a pixel is the triangle's; if not, the edge values that say so. Their signs are exact.
+    /// Returns `Ok` if the triangle owns the centre of a pixel. Otherwise returns its edge values there, with exact
+    /// signs, or `None` if the triangle has no area.
     pub(super) fn owns(&self, (x, y): (u32, u32)) -> Result<(), Option<[f64; 3]>> {
         let edges = self.exact.ok_or(None)?.sample((x, y)).edges;
         let is_owned = edges.iter().all(|edge| *edge >= 0.0)
@@ -38,14 +40,14 @@ impl Owner {
     }
 }
 
-/// Depths of the corners after the depth bias, before anything is clamped.
+/// Returns the depths of the corners after the depth bias, before clamping.
 pub(super) fn corner_depths(triangle: &ScreenTriangle, scale: &DepthScale) -> [f64; 3] {
     let offset = scale.bias_of(&triangle.vertices).map_or(0.0, |bias| bias.offset);
     triangle.vertices.each_ref().map(|corner| corner.depth + offset)
 }
 
-/// Depth of a sample before it is quantised, and how far off it may be: the mean of the corners' depths in f64, weighted by edge
-/// values, by another formula than the pipeline's.
+/// Returns the depth of a sample before quantisation, in [0, 1], and its uncertainty. The depth is the mean of the
+/// corner depths in f64, weighted by edge values: a formula other than the pipeline's.
 pub(super) fn depth(triangle: &ScreenTriangle, sample: &Sample, scale: &DepthScale) -> (f64, f64) {
     let depths = corner_depths(triangle, scale);
     if !scale.is_linear_in_space() {
@@ -53,7 +55,7 @@ pub(super) fn depth(triangle: &ScreenTriangle, sample: &Sample, scale: &DepthSca
     }
     let weights = [0, 1, 2].map(|i| sample.edges[i] * f64::from(triangle.vertices[i].inv_w));
     let range = depths.into_iter().fold(f64::NEG_INFINITY, f64::max) - depths.into_iter().fold(f64::INFINITY, f64::min);
-    // 1/w of the corners is known as f32 only.
+    // The corners' 1/w has only f32 precision.
     (weighted_mean(weights, depths).clamp(0.0, 1.0), range * f64::from(f32::EPSILON))
 }
 

@@ -1,4 +1,4 @@
-//! The assertion about the mesh: borders that run along one another share their vertices.
+//! The assertion about the mesh: adjacent borders share their vertices.
 
 use super::{Assertion, Finding, Violation};
 use crate::chain::{Frame, Recipe};
@@ -6,7 +6,7 @@ use crate::inspect::hits::{Hits, border_in_picture, junction_pixels};
 use crate::scene::Scene;
 use crate::scene::seams::{Junction, Seams};
 
-/// Checks the vertices of all open edges that lie in the picture.
+/// Checks the vertices of all open edges within the picture.
 pub(super) fn check(scene: &Scene, recipe: &Recipe, frame: &Frame, seams: &Seams) -> Finding {
     let places = junction_pixels(scene, recipe, frame, seams);
     let mut there = seams.junctions().iter().zip(places).filter_map(|(junction, pixel)| Some((junction, pixel?)));

@@ -1,8 +1,9 @@
-//! What should hold for every fragment, checked while a frame is drawn once more.
+//! Properties that must hold for every fragment, checked by drawing a frame again.
 //!
-//! Each [`Assertion`] is one small function over what is known at its moment (`checks`): when a sample is covered, when its
-//! depth has passed, when it is shaded. [`check`] draws the triangles of a frame again, watched, and counts; of what is violated
-//! it keeps the first fragment in drawing order, so that it can be questioned. The frame itself pays nothing.
+//! Each [`Assertion`] is one small function in `checks`. It runs at the pipeline event at which its inputs are known:
+//! when a sample is covered, when it passes the depth test, or when it is shaded. [`check`] draws the triangles of a
+//! frame again with an observer and counts violations. It keeps the first violating fragment in drawing order for
+//! inspection. The frame itself has no overhead.
 
 mod checks;
 
@@ -28,78 +29,80 @@ use crate::scene::seams::Seams;
 use crate::scene::{Scene, TriangleId};
 
 choice! {
-    /// A property that every fragment should have, or every vertex of a border.
+    /// A property that must hold for every fragment, or for every vertex of a border.
     Assertion {
-        Owner = "owner", "Owner is exact", "The triangle that a sample was given to contains its centre, by exact arithmetic and a fill rule that draws shared edges once.";
+        Owner = "owner", "Owner is exact", "The triangle that owns a sample contains its centre, in exact arithmetic and by a fill rule that draws shared edges once.";
         EdgeSum = "edge-sum", "Edges sum to the area", "The three edge values sum to the doubled area: exactly in fixed point, within 4 roundings of an f64 otherwise.";
-        Weights = "weights", "Weights in 0…1", "None of the weights of the corners is negative or above 1: the sample lies between them.";
-        WeightsSum = "weights-sum", "Weights sum to 1", "The weights that attributes are interpolated with sum to 1 within 2 ulp, so that a constant stays constant.";
+        Weights = "weights", "Weights in 0…1", "No corner weight is below 0 or above 1: the sample lies inside the triangle.";
+        WeightsSum = "weights-sum", "Weights sum to 1", "The attribute weights sum to 1 within 2 ulp, so that a constant attribute stays constant.";
         Finite = "finite", "Weights and depth finite", "No weight and no depth is NaN or infinite.";
-        DepthRange = "depth-range", "Depth between corners", "The depth lies between those of the corners, or one step of the buffer beside: it neither leaps nor leaves 0…1.";
-        DepthPass = "depth-pass", "Depth passes are real", "What passed the depth test lies where the test asks for, in front of what it replaced or behind, but for 8 steps of the buffer. A test that lets everything pass claims to be in front.";
-        Attributes = "attributes", "Attributes finite", "Texture coordinates, normal, vertex colour and light are neither NaN nor infinite.";
-        BlendOrder = "blend-order", "Blended from far to near", "What is blended over another blended fragment is not farther than it, by the stored depths.";
-        Normal = "normal", "Normal there", "A fragment that is lit has a normal to be lit by.";
-        Junctions = "t-junctions", "No T-junctions", "No vertex in the picture lies within the open edge of another triangle, or close to another vertex without being the same.";
+        DepthRange = "depth-range", "Depth between corners", "The depth lies between the corner depths, with a tolerance of one step of the depth buffer, and within 0…1.";
+        DepthPass = "depth-pass", "Depth pass is correct", "A fragment that passed the depth test lies on the correct side of the fragment that it replaced, with a tolerance of 8 steps of the depth buffer. A test that passes everything is checked as if nearer wins.";
+        Attributes = "attributes", "Attributes finite", "No texture coordinate, normal, vertex colour or light is NaN or infinite.";
+        BlendOrder = "blend-order", "Blended from far to near", "No fragment is blended over a nearer blended fragment, by the stored depths.";
+        Normal = "normal", "Normal exists", "Every lit fragment has a normal whose length is not zero.";
+        Junctions = "t-junctions", "No T-junctions", "No vertex in the picture lies within the open edge of another triangle (T-junction) or close to a vertex that it should be welded with.";
     }
 }
 
 /// The first fragment that violates an assertion.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Violation {
-    /// Column of its pixel in the picture that was drawn.
+    /// Column of its pixel in the raster image, before upscaling.
     pub x: u32,
-    /// Row of its pixel.
+    /// Row of its pixel in the raster image, before upscaling.
     pub y: u32,
-    /// Its triangle.
+    /// Triangle of the fragment.
     pub triangle: TriangleId,
-    /// What is wrong, with the numbers.
+    /// Description of the violation, with the values.
     pub text: String,
 }
 
-/// What became of one assertion.
+/// Result of one assertion.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Finding {
-    /// Which.
+    /// The assertion that was checked.
     pub assertion: Assertion,
-    /// Fragments, or vertices of open edges, that it was checked on.
+    /// Number of fragments, or of vertices of open edges, that were checked.
     pub checked: u64,
     /// Number of checked fragments or pixels that violate the assertion.
     pub violated: u64,
-    /// The first of them in drawing order; of T-junctions the first pixel in reading order that one leaves open, if one does.
+    /// First violation in drawing order. For T-junctions, the first pixel in reading order with a crack or double hit,
+    /// or else the first junction.
     pub first: Option<Violation>,
 }
 
 /// The findings of a frame, in the order of [`Assertion::ALL`].
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Report {
-    /// One for each assertion that was asked for.
+    /// One finding for each requested assertion.
     pub findings: Vec<Finding>,
 }
 
 impl Report {
-    /// Whether nothing is violated.
+    /// Whether no assertion is violated.
     pub fn holds(&self) -> bool {
         self.findings.iter().all(|finding| finding.violated == 0)
     }
 
-    /// The first violation of the first assertion that has one.
+    /// Returns the first violation of the first violated assertion.
     pub fn first_violation(&self) -> Option<(Assertion, &Violation)> {
         self.findings.iter().find_map(|finding| Some((finding.assertion, finding.first.as_ref()?)))
     }
 }
 
-/// Triangles that are drawn between two looks at whether to go on.
+/// Maximum number of triangles drawn between two checks of the stop flag.
 const TRIANGLES_AT_ONCE: usize = 256;
 
-/// Pixels of their boxes at most, so that cancelling takes less than a second; one triangle may have more.
+/// Maximum number of bounding-box pixels drawn between two checks of the stop flag. Cancelling then takes less than a
+/// second. A single triangle may exceed it.
 const PIXELS_AT_ONCE: u64 = 1 << 20;
 
-/// Rows in which triangles that are drawn all at once are drawn at once.
+/// Number of rows drawn between two checks of the stop flag if fragments are sorted by depth.
 const ROWS_AT_ONCE: usize = 32;
 
-/// Checks assertions on every fragment of a frame: of the samples at the centres of its drawn pixels. `tell` hears the share that
-/// is done; nothing comes back once `stop` is set.
+/// Checks assertions on every fragment of a frame, at the sample at the centre of each drawn pixel. Calls `tell` with
+/// the progress, in [0, 1]. Returns `None` once `stop` is set.
 pub fn check(
     scene: &Scene,
     recipe: &Recipe,
@@ -129,7 +132,7 @@ pub fn check(
             draw(scene, geometry, settings, &extent, Until::Shade, &mut framebuffer, &mut watch);
             continue;
         }
-        // Fragments that are sorted by depth must not be drawn in parts, but rows do not depend on each other.
+        // Depth-sorted fragments cannot be drawn in batches of triangles, but rows are independent of each other.
         for top in (0..raster.height).step_by(ROWS_AT_ONCE) {
             let drawn = f64::from(top) / f64::from(raster.height) * (count - next) as f64;
             tell((next as f64 + drawn) as f32 / count as f32);
@@ -149,7 +152,7 @@ pub fn check(
     Some(report)
 }
 
-/// Returns how many of the triangles are drawn at once, from the first; none only of none.
+/// Returns the number of leading triangles to draw in one batch; 0 only for an empty slice.
 fn drawn_at_once(triangles: &[ScreenTriangle], viewport: Viewport) -> usize {
     let mut pixels = 0;
     let most = triangles.len().min(TRIANGLES_AT_ONCE);
@@ -160,7 +163,7 @@ fn drawn_at_once(triangles: &[ScreenTriangle], viewport: Viewport) -> usize {
     last.map_or(most, |last| last + 1)
 }
 
-/// Returns about how many pixels of the picture the box around a triangle has; one at least.
+/// Returns the approximate number of picture pixels in a triangle's bounding box, at least 1.
 fn box_pixels(triangle: &ScreenTriangle, viewport: Viewport) -> u64 {
     let [left, right, top, bottom] = box_around(triangle.corners_px());
     let side = |least: f32, greatest: f32, size: u32| (greatest.min(size as f32) - least.max(0.0)).max(0.0) as u64 + 1;

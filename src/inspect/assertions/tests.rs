@@ -92,11 +92,11 @@ fn t_junctions_in_the_picture_are_counted_and_the_first_pixel_that_one_opens_is_
     };
     scene.home = Camera::look_at(Vec3::new(0.2, 0.1, 3.0), Vec3::ZERO);
     let (finding, _) = found(&scene, 120);
-    // Besides the six there are the four corners of the outline.
+    // Six junctions and the four corners of the outline.
     assert_eq!((finding.checked, finding.violated), (10, 6));
     let first = finding.first.unwrap();
     assert!(first.text.starts_with("T-junction: v") && first.triangle == TriangleId(0), "{first:?}");
-    // So close that the gap is a tenth of a pixel wide, the first pixel in it is named.
+    // The camera is so close that the gap is a tenth of a pixel wide; the first pixel in the gap is reported.
     let far = scene.home;
     scene.home.target = Vec3::new(0.02, 0.005, 0.0);
     scene.home.projection = Projection::Orthographic { height: 0.2 };
@@ -105,7 +105,7 @@ fn t_junctions_in_the_picture_are_counted_and_the_first_pixel_that_one_opens_is_
     assert_eq!((first.x, first.y), (fault.x, fault.y));
     assert!(faults.len() > 3 && first.text.starts_with("T-junction: v"), "{first:?}");
     scene.home = far;
-    // Out of the picture, or culled, they are no fault of the frame.
+    // Junctions outside the picture or on culled triangles are no violations of the frame.
     scene.home.target = Vec3::new(9.0, 0.0, 3.0);
     let finding = found(&scene, 100).0;
     assert_eq!((finding.checked, finding.violated, finding.first), (0, 0, None));
@@ -160,7 +160,7 @@ fn blended_triangles_are_checked_in_rows_and_stopped_between_them() {
     let shares = shares.into_inner();
     assert!(shares.is_sorted(), "{shares:?}");
     let last = shares[shares.len() - 1];
-    // Stopped before the last rows, it has no report.
+    // Stopping before the last rows gives no report.
     let stop_at_last = |share: f32| stop.fetch_or(share >= last, Ordering::Relaxed);
     let tell = |share| {
         stop_at_last(share);

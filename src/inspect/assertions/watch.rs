@@ -1,4 +1,4 @@
-//! The observer that hands each fragment to the assertions and counts.
+//! The observer that passes each fragment to the assertions and counts violations.
 
 use super::checks::{Blend, Check, Covered, Pass, Shaded};
 use super::exact::{Owner, depth};
@@ -14,16 +14,16 @@ use crate::pipeline::raster::Sample;
 use crate::pipeline::settings::{Settings, Shading};
 use crate::pipeline::viewport::ScreenTriangle;
 
-/// Checks fragments as they come.
+/// Checks fragments in drawing order.
 pub(super) struct Watch<'a> {
     settings: &'a Settings,
     scale: DepthScale,
     plans: &'a [DrawPlan],
     entries: Vec<(Check, Finding)>,
-    /// What each sample's stored depth was before it was quantised; NaN where nothing was stored yet.
+    /// Depth of each sample before quantisation; NaN until a depth is stored.
     stored: Image<f64>,
     blended: BlendedDepths<'a>,
-    /// The triangle that the last sample was of.
+    /// Triangle of the previous sample, by address, and its ownership test.
     triangle: Option<(*const ScreenTriangle, Owner)>,
 }
 
@@ -47,7 +47,7 @@ impl<'a> Watch<'a> {
     }
 }
 
-/// Counts one fragment; `wrong` is what is wrong with it.
+/// Counts one checked fragment; `wrong` describes its violation, if any.
 fn count(finding: &mut Finding, triangle: &ScreenTriangle, sample: &Sample, wrong: Option<String>) {
     finding.checked += 1;
     if let Some(text) = wrong {

@@ -1,5 +1,4 @@
-//! How a quantity is shown, as a word of the command line: `range=0.25..0.5,map=magma,reversed,channels=rg`. What is as at first
-//! is not said.
+//! Text form of display settings, such as `range=0.25..0.5,map=magma,reversed,channels=rg`. Default values are omitted.
 
 use std::str::FromStr;
 
@@ -9,11 +8,11 @@ use crate::inspect::view::Range;
 use crate::measure::region::Region;
 use crate::pipeline::settings::Choice as _;
 
-/// The letters of the channels.
+/// Letters of the channels, in order.
 const CHANNELS: [char; 3] = ['r', 'g', 'b'];
 
 impl Display {
-    /// As text; empty if everything is as at first. It is read back to the very same.
+    /// Returns the settings as text, empty for the default. Parsing the text restores the same settings.
     pub fn text(&self) -> String {
         let mut parts = Vec::new();
         match self.rule {
@@ -38,7 +37,7 @@ impl Display {
 impl FromStr for Display {
     type Err = String;
 
-    /// Reads what [`Display::text`] writes, its parts in any order. The error says what a part may be.
+    /// Parses the output of [`Display::text`], with its parts in any order. The error lists the valid parts.
     fn from_str(text: &str) -> Result<Self, String> {
         let mut display = Self::default();
         for part in text.split(',').map(str::trim).filter(|part| !part.is_empty()) {
@@ -47,7 +46,7 @@ impl FromStr for Display {
                 Some(("range", range)) => display.rule = rule(range)?,
                 Some(("map", map)) => display.map = Some(color_map(map)?),
                 Some(("channels", letters)) => display.channels = channels(letters)?,
-                _ => return Err(format!("`{part}` is none of range=…, map=…, reversed and channels=…")),
+                _ => return Err(format!("`{part}` is not one of range=…, map=…, reversed and channels=…")),
             }
         }
         Ok(display)
@@ -57,7 +56,8 @@ impl FromStr for Display {
 fn rule(text: &str) -> Result<Rule, String> {
     let bad = || {
         format!(
-            "`{text}` is no range: all, most, two numbers such as 0.25..0.5, or left:top:right:bottom of a rectangle in px"
+            "`{text}` is not a range; use all, most, two numbers such as 0.25..0.5, or left:top:right:bottom of a \
+             rectangle in px"
         )
     };
     match text {
@@ -80,12 +80,12 @@ fn rule(text: &str) -> Result<Rule, String> {
 fn color_map(text: &str) -> Result<ColorMap, String> {
     let known = || ColorMap::ALL.iter().map(|map| map.id()).collect::<Vec<_>>().join(", ");
     let map = ColorMap::ALL.iter().copied().find(|map| map.id() == text);
-    map.ok_or_else(|| format!("`{text}` is no colour map; there are {}", known()))
+    map.ok_or_else(|| format!("`{text}` is not a colour map; use one of {}", known()))
 }
 
 fn channels(letters: &str) -> Result<[bool; 3], String> {
     match letters.chars().find(|letter| !CHANNELS.contains(letter)) {
-        Some(letter) => Err(format!("`{letter}` is no channel: r, g and b are")),
+        Some(letter) => Err(format!("`{letter}` is not a channel; use r, g or b")),
         None => Ok(CHANNELS.map(|letter| letters.contains(letter))),
     }
 }
@@ -140,7 +140,7 @@ mod tests {
             ("range=2..1", "two numbers"),
             ("range=0..inf", "two numbers"),
             ("range=1:2:3", "rectangle"),
-            ("channels=rx", "`x` is no channel"),
+            ("channels=rx", "`x` is not a channel"),
             ("bright", "reversed"),
         ] {
             let error = text.parse::<Display>().unwrap_err();

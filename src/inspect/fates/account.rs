@@ -1,4 +1,4 @@
-//! Whether everything that came in is found again, once.
+//! A check that every triangle and fragment is counted exactly once.
 
 use serde::Serialize;
 
@@ -7,20 +7,21 @@ use super::tally::Tally;
 use crate::pipeline::Geometry;
 use crate::scene::TriangleId;
 
-/// Both sides of the books. They are kept apart: what comes in is counted where it comes in, not summed up from the bins.
+/// Numbers of triangles and fragments at the input and output of the pipeline. Inputs are counted independently, not
+/// summed from the outcomes.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Account {
-    /// Triangles that went into the pipeline.
+    /// Number of triangles that entered the pipeline.
     pub triangles_in: u64,
-    /// Triangles that were rejected by the geometry stages or handed to the rasterizer.
+    /// Number of rejections by the geometry stages plus the number of triangles passed to the rasterizer.
     pub triangles_out: u64,
-    /// Triangles that did neither.
+    /// Triangles that were neither rejected nor rasterized.
     pub without_fate: Vec<TriangleId>,
-    /// Triangles that were rejected twice, or rejected and rasterized.
+    /// Triangles that were rejected twice, or both rejected and rasterized.
     pub with_two_fates: Vec<TriangleId>,
-    /// Fragments that the rasterizer generated.
+    /// Number of fragments that the rasterizer generated.
     pub fragments_in: u64,
-    /// Fragments that ended in some way.
+    /// Number of fragments with a recorded fate.
     pub fragments_out: u64,
 }
 
@@ -42,17 +43,17 @@ impl Account {
         }
     }
 
-    /// Whether all sums match.
+    /// Whether all sums match and every triangle has exactly one fate.
     pub fn is_balanced(&self) -> bool {
         self.complaints().is_empty()
     }
 
-    /// What does not match, one sentence each.
+    /// Returns one sentence for each mismatch.
     pub fn complaints(&self) -> Vec<String> {
         let Self { triangles_in, triangles_out, fragments_in, fragments_out, .. } = self;
         let mut complaints = Vec::new();
         if triangles_in != triangles_out {
-            complaints.push(format!("{triangles_in} triangles came in, but {triangles_out} ended"));
+            complaints.push(format!("{triangles_in} triangles entered the pipeline, but {triangles_out} have a fate"));
         }
         if let Some(first) = self.without_fate.first() {
             complaints.push(format!("{} triangles have no fate, triangle {} first", self.without_fate.len(), first.0));
@@ -65,7 +66,7 @@ impl Account {
             ));
         }
         if fragments_in != fragments_out {
-            complaints.push(format!("{fragments_in} fragments were generated, but {fragments_out} ended"));
+            complaints.push(format!("{fragments_in} fragments were generated, but {fragments_out} have a fate"));
         }
         complaints
     }

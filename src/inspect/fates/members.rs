@@ -1,20 +1,20 @@
-//! Who is in a bin, and who of those answers to a few words.
+//! Members of a bin of triangles or fragments, and a text filter for them.
 
 use super::{Fates, FragmentFate, ObjectFates, TriangleFate};
 use crate::pipeline::settings::Choice as _;
 use crate::scene::TriangleId;
 
-/// A bin that a person can choose.
+/// A selectable bin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bin {
-    /// Triangles that ended so.
+    /// Triangles with this fate.
     Triangles(TriangleFate),
-    /// Triangles with fragments that ended so.
+    /// Triangles with at least one fragment of this fate.
     Fragments(FragmentFate),
 }
 
 impl Bin {
-    /// What its members have in common.
+    /// Returns the display name of the bin, in lower case.
     pub fn label(self) -> String {
         match self {
             Self::Triangles(fate) => fate.name().to_lowercase(),
@@ -23,26 +23,26 @@ impl Bin {
     }
 }
 
-/// What members have to answer to. Nothing asked for is answered by all.
+/// Conditions for members of a bin. An empty filter accepts every triangle.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Filter {
-    /// Number of the triangle.
+    /// Number of the triangle; `None` for any.
     id: Option<u32>,
-    /// Area on the screen at least and at most, px².
+    /// Lower and upper bound of the screen area, in px².
     area: [Option<f64>; 2],
-    /// Whether it must have been cut by a plane of the view.
+    /// Whether the triangle must have been clipped by a frustum plane.
     is_cut: bool,
-    /// Whether a normal or texture coordinate must have been NaN or infinite.
+    /// Whether the triangle must have a NaN or infinite normal or texture coordinate.
     is_broken: bool,
-    /// Part of the name of the object or of its material, in lower case.
+    /// Substring of the name of the object or of its material, in lower case.
     name: String,
 }
 
 impl Filter {
-    /// Reads words such as `tri 123`, `area<1`, `area>=20`, `is:cut`, `is:broken` and parts of a name, in any order.
+    /// Parses words such as `tri 123`, `area<1`, `area>=20`, `is:cut`, `is:broken` and parts of a name, in any order.
     pub fn parse(text: &str) -> Self {
         let mut filter = Self::default();
-        // A bound is one word however it is spaced; "area" may be a word of a name, too.
+        // Joins a spaced bound into one word. “area” without a bound may be part of a name.
         let joined = ["area <", "area >", "area< ", "area> ", "area<= ", "area>= "]
             .iter()
             .fold(text.to_lowercase(), |text, spaced| text.replace(spaced, &spaced.replace(' ', "")));
@@ -71,7 +71,7 @@ impl Filter {
     fn passes(&self, fates: &Fates, triangle: TriangleId) -> bool {
         let [least, most] = self.area;
         let asks_area = least.is_some() || most.is_some();
-        // What has no shape on the screen has no area either.
+        // A triangle without a shape on the screen has no area and fails every area bound.
         let in_range = |area: f64| least.is_none_or(|least| area >= least) && most.is_none_or(|most| area < most);
         self.id.is_none_or(|id| id == triangle.0)
             && (!asks_area || fates.area_px(triangle).is_some_and(in_range))
@@ -84,7 +84,7 @@ impl Filter {
     }
 }
 
-/// A word such as `area<1`: 0 for the least or 1 for the most, and the value.
+/// Parses a word such as `area<1` into the index of the bound (0 lower, 1 upper) and its value.
 fn area_bound(word: &str) -> Option<(usize, f64)> {
     let rest = word.strip_prefix("area")?;
     let (end, number) = match rest.strip_prefix('<') {
@@ -96,7 +96,7 @@ fn area_bound(word: &str) -> Option<(usize, f64)> {
 }
 
 impl Fates {
-    /// The triangles of a bin, or all, of one object, or of all, that pass a filter; in the order of the scene.
+    /// Returns the triangles that pass a filter, in scene order. `None` as bin or object means all bins or all objects.
     pub fn members(&self, bin: Option<Bin>, object: Option<usize>, filter: &Filter) -> Vec<TriangleId> {
         let is_asked = |place: usize| object.is_none_or(|object| object == place) && filter.names(&self.objects[place]);
         let objects = (0..self.objects.len()).filter(|place| is_asked(*place)).map(|place| &self.objects[place]);

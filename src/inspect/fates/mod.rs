@@ -1,8 +1,8 @@
-//! How every triangle of a scene and every fragment of a frame ended: each in exactly one bin, so that the sums must match.
+//! Fates of all triangles of a scene and all fragments of a frame. Each is in exactly one bin, so the sums must match.
 //!
-//! The frame is made once more, from its first stage on, with observers; the frame itself pays nothing for it. Fragments are
-//! those at the samples that are drawn, one for each pixel at its centre; further samples of an anti-aliased pixel are not
-//! counted. A triangle counts once, into however many pieces it was cut.
+//! The frame is drawn again with observers, starting at its first stage; the frame itself has no overhead. Fragments
+//! are counted at the drawn samples, one at the centre of each pixel; further samples of anti-aliasing are not counted.
+//! A clipped triangle counts once, regardless of its number of pieces.
 
 mod account;
 
@@ -35,32 +35,32 @@ use places::{Shape, shapes};
 use tally::Tally;
 
 choice! {
-    /// How a triangle ended. Of those that were rasterized it is as far as the best of their fragments came.
+    /// Fate of a triangle. A rasterized triangle has the best fate of its fragments.
     TriangleFate {
-        Unaccounted = "unaccounted", "Unaccounted for", "Neither rejected nor rasterized. There must be none: it would be a fault of this program.";
-        Outside = "outside", "Outside the view", "All corners lie beyond the same side of the view: left, right, top, bottom, near or far.";
-        NotFinite = "not-finite", "Corner not finite", "A corner is infinite or not a number, in the model or after its transformation.";
-        ClippedAway = "clipped-away", "Clipped away", "It crosses several sides of the view, and nothing of it is left between them.";
-        ZeroArea = "zero-area", "Zero area", "On the screen its corners lie on one line.";
-        BackFacing = "back-facing", "Back-facing", "It turns its back, and such triangles are dropped.";
-        FrontFacing = "front-facing", "Front-facing", "It faces the viewer, and such triangles are dropped.";
-        NoCentre = "no-centre", "No pixel centre", "It lies between the centres of pixels or beside the picture, and covers none.";
-        LostDepth = "lost-depth", "Lost depth", "All of its fragments lost the depth test: what was drawn before is nearer.";
-        CutOut = "cut-out", "Cut out", "None of its fragments was written: those that passed the depth test are holes of its texture.";
-        Overwritten = "overwritten", "Overwritten", "It was drawn, and what came later covers all of it.";
-        SeenThrough = "seen-through", "Seen through", "It is seen, but only through translucent surfaces before it.";
-        Visible = "visible", "Visible", "It is on top in at least one pixel.";
+        Unaccounted = "unaccounted", "Unaccounted for", "Neither rejected nor rasterized. Always 0; any other number is a bug in this program.";
+        Outside = "outside", "Outside the view", "All corners lie beyond the same plane of the view: left, right, top, bottom, near or far.";
+        NotFinite = "not-finite", "Non-finite corner", "A corner is NaN or infinite, in the model or after the transform.";
+        ClippedAway = "clipped-away", "Clipped away", "It crosses several planes of the view, and clipping leaves nothing of it.";
+        ZeroArea = "zero-area", "Zero area", "Its corners are collinear on the screen: there is no area to rasterize.";
+        BackFacing = "back-facing", "Back-facing", "It is back-facing and removed by culling. To show it, set culling to none.";
+        FrontFacing = "front-facing", "Front-facing", "It is front-facing and removed by culling. To show it, set culling to none.";
+        NoCentre = "no-centre", "No pixel centre", "It lies between pixel centres or outside the picture and covers no pixel centre.";
+        LostDepth = "lost-depth", "Depth failed", "All of its fragments failed the depth test.";
+        CutOut = "cut-out", "Alpha failed", "None of its fragments was written: those that passed the depth test failed the alpha test.";
+        Overwritten = "overwritten", "Overwritten", "It was drawn, but later fragments cover all of it.";
+        SeenThrough = "seen-through", "Seen through", "It is visible only through blended surfaces in front of it.";
+        Visible = "visible", "Visible", "It is the front surface of at least one pixel.";
     }
 }
 
 choice! {
-    /// How a fragment ended.
+    /// Fate of a fragment.
     FragmentFate {
-        LostDepth = "lost-depth", "Lost depth", "It lost the depth test: what was drawn before is nearer.";
-        CutOut = "cut-out", "Cut out", "Its texture has a hole there.";
-        Overwritten = "overwritten", "Overwritten", "It was written, and a later fragment covered it: work in vain.";
-        SeenThrough = "seen-through", "Seen through", "It was written, and is seen through what was blended over it.";
-        Visible = "visible", "Visible", "It is on top in the finished picture.";
+        LostDepth = "lost-depth", "Depth failed", "It failed the depth test.";
+        CutOut = "cut-out", "Alpha failed", "It failed the alpha test.";
+        Overwritten = "overwritten", "Overwritten", "It was written, but a later fragment covered it: wasted work.";
+        SeenThrough = "seen-through", "Seen through", "It was written and is visible through later blended fragments.";
+        Visible = "visible", "Visible", "It is the front surface in the finished picture.";
     }
 }
 
@@ -77,44 +77,44 @@ impl From<Fate> for TriangleFate {
     }
 }
 
-/// Fragments by their ends, in the order of [`FragmentFate`].
+/// Numbers of fragments by fate, in the order of [`FragmentFate`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FragmentCounts<N = u32>(pub [N; FragmentFate::ALL.len()]);
 
 impl<N: Copy + Into<u64>> FragmentCounts<N> {
-    /// How many ended so.
+    /// Returns the number of fragments with this fate.
     pub fn of(&self, fate: FragmentFate) -> u64 {
         self.0[fate as usize].into()
     }
 
-    /// All of them.
+    /// Returns the number of all fragments.
     pub fn sum(&self) -> u64 {
         self.0.iter().map(|count| (*count).into()).sum()
     }
 
-    /// As far as the best of them came; `None` if there are none.
+    /// Returns the best fate among the fragments; `None` without fragments.
     fn best(&self) -> Option<FragmentFate> {
         FragmentFate::ALL.iter().rev().copied().find(|fate| self.of(*fate) > 0)
     }
 }
 
-/// Triangles by their ends, in the order of [`TriangleFate`].
+/// Numbers of triangles by fate, in the order of [`TriangleFate`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TriangleCounts(pub [u64; TriangleFate::ALL.len()]);
 
 impl TriangleCounts {
-    /// How many ended so.
+    /// Returns the number of triangles with this fate.
     pub fn of(&self, fate: TriangleFate) -> u64 {
         self.0[fate as usize]
     }
 
-    /// All of them.
+    /// Returns the number of all triangles.
     pub fn sum(&self) -> u64 {
         self.0.iter().sum()
     }
 }
 
-/// Writes the counts of bins as a map from their ids.
+/// Serialises the counts as a map keyed by the ids of the bins.
 fn by_id<C: Choice, S: Serializer>(count: impl Fn(C) -> u64, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_map(C::ALL.iter().map(|fate| (fate.id(), count(*fate))))
 }
@@ -131,51 +131,52 @@ impl<N: Copy + Into<u64>> Serialize for FragmentCounts<N> {
     }
 }
 
-/// Where the triangles and fragments of one object went.
+/// Fates of the triangles and fragments of one object.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct ObjectFates {
-    /// Its name.
+    /// Name of the object.
     pub name: String,
-    /// The name of its material.
+    /// Name of the object's material.
     pub material: String,
-    /// Its first triangle.
+    /// First triangle of the object.
     #[serde(rename = "first_triangle")]
     pub first: TriangleId,
-    /// Its triangles.
+    /// Numbers of its triangles by fate.
     pub triangles: TriangleCounts,
-    /// Its fragments.
+    /// Numbers of its fragments by fate.
     pub fragments: FragmentCounts<u64>,
 }
 
-/// The ends of everything in a frame.
+/// Fates of all triangles and fragments of a frame.
 #[derive(Clone, Debug)]
 pub struct Fates {
-    /// Of every triangle of the scene.
+    /// Fate of every triangle, in scene order.
     pub triangles: Vec<TriangleFate>,
-    /// The fragments of every triangle of the scene.
+    /// Fragments of every triangle by fate, in scene order.
     pub fragments: Vec<FragmentCounts>,
-    /// The same per instance.
+    /// Fates per object (instance), in scene order.
     pub objects: Vec<ObjectFates>,
-    /// Whether the sums match.
+    /// Input and output totals, for checking that the sums match.
     pub account: Account,
-    /// Triangles that crossed a plane of the view and were cut.
+    /// Triangles that crossed a frustum plane and were clipped.
     pub cut: TriangleSelection,
-    /// Triangles with a normal or texture coordinate that was not finite in the model.
+    /// Triangles with a NaN or infinite normal or texture coordinate in the model.
     pub broken: TriangleSelection,
-    /// The triangle that was written last into each sample that is drawn, packed as the frame's framebuffer is.
+    /// Triangle written last at each drawn sample, in the packed layout of the frame's framebuffer.
     shown: Image<TriangleId>,
-    /// What of each triangle reached the screen, whichever side it shows, in the order of the scene.
+    /// Shapes of all triangles on the screen, including those that culling drops, in scene order.
     shapes: Vec<Shape>,
     recipe: Recipe,
     sampling: Sampling,
-    /// Size of the picture that was drawn.
+    /// Size of the raster image, in pixels.
     raster: Viewport,
-    /// Size of the full picture.
+    /// Size of the full picture, in pixels.
     viewport: Viewport,
 }
 
 impl Fates {
-    /// Of the frame that `recipe` made of `scene`: of all of its triangles, even if `frame` holds only the first.
+    /// Computes the fates for the frame that `recipe` draws of `scene`. Includes all of its triangles, even if `frame`
+    /// contains only the first few.
     pub fn of(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Self {
         let mut rejections = Rejections::new(scene.triangle_count());
         let geometry = prepare_again(scene, recipe, frame, &mut rejections);
@@ -196,8 +197,8 @@ impl Fates {
             fragments,
             objects,
             account,
-            cut: TriangleSelection::new("cut by a plane of the view", rejections.cut),
-            broken: TriangleSelection::new("with an attribute that was not finite", scene.broken_triangles()),
+            cut: TriangleSelection::new("clipped by a plane of the view", rejections.cut),
+            broken: TriangleSelection::new("with a NaN or infinite attribute", scene.broken_triangles()),
             shown,
             recipe: *recipe,
             sampling: frame.sampling,
@@ -206,25 +207,25 @@ impl Fates {
         }
     }
 
-    /// All triangles by their ends.
+    /// Returns the number of triangles with each fate.
     pub fn triangle_counts(&self) -> TriangleCounts {
         let mut sum = TriangleCounts::default();
         self.triangles.iter().for_each(|fate| sum.0[*fate as usize] += 1);
         sum
     }
 
-    /// All fragments by their ends.
+    /// Returns the number of fragments with each fate.
     pub fn fragment_counts(&self) -> FragmentCounts<u64> {
         sum(&self.fragments)
     }
 
-    /// The instance that a triangle belongs to.
+    /// Returns the index of the instance that a triangle belongs to.
     pub fn object_of(&self, triangle: TriangleId) -> usize {
         self.objects.partition_point(|object| object.first <= triangle).saturating_sub(1)
     }
 }
 
-/// Where each triangle ended.
+/// Returns the fate of each triangle, in scene order.
 fn endings(geometry: &Geometry, rejections: &Rejections, fragments: &[FragmentCounts]) -> Vec<TriangleFate> {
     let mut fates: Vec<_> =
         rejections.fates.iter().map(|fate| fate.map_or(TriangleFate::Unaccounted, Into::into)).collect();
@@ -242,7 +243,7 @@ fn endings(geometry: &Geometry, rejections: &Rejections, fragments: &[FragmentCo
     fates
 }
 
-/// The triangles on the screen with those that culling dropped.
+/// Returns the geometry including the triangles that culling drops.
 fn with_all_sides(scene: &Scene, recipe: &Recipe, frame: &Frame, geometry: Geometry) -> Geometry {
     if recipe.pipeline.culling == Culling::None {
         return geometry;

@@ -1,4 +1,4 @@
-//! Where in the picture triangles are, seen or not.
+//! Positions of triangles in the picture, whether visible or not.
 
 use super::Fates;
 use crate::image::Image;
@@ -11,13 +11,13 @@ use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::scene::TriangleId;
 use crate::upscale::Sampling;
 
-/// A triangle on the screen, or a piece of one.
+/// A triangle on the screen, or one piece of a clipped triangle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shape {
     id: TriangleId,
-    /// Before snapping.
+    /// Corners before snapping, in px.
     corners_px: [[f32; 2]; 3],
-    /// Of the corners as the arithmetic sees them: snapped in fixed point.
+    /// Area between the corners as the arithmetic uses them (snapped in fixed point), in px².
     area_px: f64,
 }
 
@@ -38,33 +38,35 @@ impl Shape {
     }
 }
 
-/// The shapes of all triangles on the screen, in the order of the scene.
+/// Returns the shapes of all triangles on the screen, in scene order.
 pub(super) fn shapes(geometry: &Geometry, arithmetic: Arithmetic) -> Vec<Shape> {
     let mut shapes: Vec<_> = geometry.triangles.iter().map(|triangle| Shape::new(triangle, arithmetic)).collect();
     shapes.sort_by_key(|shape| shape.id);
     shapes
 }
 
-/// What a pixel has of the selected triangles.
+/// Visibility of selected triangles at a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mark {
-    /// Nothing.
+    /// No selected triangle lies at the pixel.
     None,
-    /// One lies there, unseen or not drawn at all.
+    /// A selected triangle lies at the pixel, but is occluded or not drawn.
     Hidden,
-    /// One is on top.
+    /// A selected triangle is on top.
     Shown,
 }
 
 impl Fates {
-    /// Area on the screen in px², summed over the pieces of a cut triangle; `None` if nothing of it came to the screen.
+    /// Returns the screen area in px², summed over the pieces of a clipped triangle; `None` if no part is on the
+    /// screen.
     pub fn area_px(&self, triangle: TriangleId) -> Option<f64> {
         let shapes = self.shapes_of(triangle);
         (!shapes.is_empty()).then(|| shapes.iter().map(|shape| shape.area_px).sum())
     }
 
-    /// A pixel of the picture to go to for a triangle: of those where it is on top, or else of those that it covers, the one
-    /// nearest to their middle; where it covers none, the one that its middle lies in. `None` if it is not in the picture.
+    /// Returns a pixel of the full picture that represents a triangle; `None` if the triangle is outside the picture.
+    /// It is the most central pixel where the triangle is on top, or else the most central one that it covers. Without
+    /// any, it is the pixel that contains the triangle's centroid.
     pub fn place_of(&self, triangle: TriangleId) -> Option<(u32, u32)> {
         let width = self.shown.width();
         let on_top = self.shown.pixels().iter().zip(0..).filter(|(shown, _)| **shown == triangle);
@@ -74,8 +76,8 @@ impl Fates {
         middle.map(|sample| self.sampling.pixel(sample, (self.viewport.width, self.viewport.height)))
     }
 
-    /// For every pixel of the full picture, what it has of a selection. A triangle that covers no sample marks the pixel that
-    /// its middle lies in.
+    /// Returns the visibility of a selection at every pixel of the full picture. A triangle that covers no sample marks
+    /// the pixel that contains its centroid.
     pub fn marks(&self, selection: &TriangleSelection) -> Image<Mark> {
         let (width, height) = self.shown.size();
         let mut marks = Image::filled(width, height, Mark::None);
@@ -105,7 +107,7 @@ impl Fates {
         &self.shapes[first..first + count]
     }
 
-    /// Packed samples that shapes cover, without a depth test.
+    /// Returns the packed samples covered by the shapes, without a depth test.
     fn covered_by(&self, shapes: &[Shape]) -> Vec<(u32, u32)> {
         let settings = &self.recipe.pipeline;
         let how = (settings.rasterizer, settings.arithmetic, settings.fill_rule);
@@ -115,7 +117,7 @@ impl Fates {
         spans.iter().flat_map(|span| (span.left..span.right).map(|column| (column, span.row))).collect()
     }
 
-    /// The packed sample nearest to the middle of a shape, if that lies in the picture.
+    /// Returns the packed sample nearest to the centroid of a shape; `None` if the centroid is outside the picture.
     fn sample_at_middle(&self, shape: &Shape) -> Option<(u32, u32)> {
         let [x, y] = shape.centre_px();
         let Viewport { width, height } = self.raster;
@@ -124,7 +126,7 @@ impl Fates {
     }
 }
 
-/// The sample nearest to the middle of some.
+/// Returns the sample nearest to the mean position of `samples`; `None` if there are none.
 fn middle(samples: &[(u32, u32)]) -> Option<(u32, u32)> {
     let count = samples.len() as u64;
     let sum = samples.iter().fold((0, 0), |(x, y), s| (x + u64::from(s.0), y + u64::from(s.1)));
@@ -133,7 +135,7 @@ fn middle(samples: &[(u32, u32)]) -> Option<(u32, u32)> {
     samples.iter().min_by_key(|sample| distance(sample)).copied()
 }
 
-/// The packed sample that stands for a pixel of the full picture, or the nearest one.
+/// Returns the packed sample nearest to a pixel of the full picture.
 fn nearest_sample(sampling: Sampling, raster: Viewport, (x, y): (u32, u32)) -> (u32, u32) {
     match sampling {
         Sampling::Grid(grid) => nearest_of_grid(grid, raster, (x, y)),
@@ -145,7 +147,7 @@ fn nearest_of_grid(grid: SampleGrid, raster: Viewport, (x, y): (u32, u32)) -> (u
     match grid {
         SampleGrid::Block { step } => (x / step, y / step),
         SampleGrid::Checkerboard | SampleGrid::OddCheckerboard => {
-            // Squares of two by two alternate: two columns on, or back, there is one that is drawn.
+            // 2×2 blocks alternate, so a drawn pixel is at most two columns away.
             let beside = [x.checked_sub(1), Some(x + 1), x.checked_sub(2), Some(x + 2)];
             let drawn = |x: u32| (x < raster.width).then(|| grid.sample_at(x, y)).flatten();
             drawn(x).or_else(|| beside.into_iter().flatten().find_map(drawn)).unwrap_or((0, y))

@@ -1,5 +1,4 @@
-//! What the geometry stages do to every triangle, asked of the stages themselves: which were rejected, and why, and which
-//! were cut.
+//! Triangles that the geometry stages reject, with the reasons, and triangles that they clip. An observer records both.
 
 use crate::pipeline::observe::{Fate, Observer};
 use crate::pipeline::prepare;
@@ -7,47 +6,47 @@ use crate::pipeline::settings::Settings;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene, TriangleId};
 
-/// What becomes of a triangle before the rasterizer.
+/// Result of the geometry stages for a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Met {
-    /// It reaches the rasterizer as it is.
+    /// The triangle reaches the rasterizer unclipped.
     Drawn,
-    /// It is cut, and what is left reaches the rasterizer.
+    /// The triangle is clipped, and the remaining pieces reach the rasterizer.
     Cut,
-    /// It ends before.
+    /// The triangle is rejected.
     Rejected(Fate),
 }
 
-/// Triangles that the geometry stages rejected or cut: an observer of these stages.
+/// An observer that records the triangles that the geometry stages rejected or clipped.
 #[derive(Clone, Debug)]
 pub struct Rejections {
-    /// Why each triangle of the scene was rejected, if it was.
+    /// Reason for rejection of each triangle of the scene; `None` if it was not rejected.
     pub(super) fates: Vec<Option<Fate>>,
-    /// Triangles that were rejected more than once: there must be none.
+    /// Triangles that were rejected more than once; empty unless the pipeline has a bug.
     pub(super) again: Vec<TriangleId>,
-    /// Triangles that crossed a plane of the view and were cut, ascending.
+    /// Triangles that crossed a frustum plane and were clipped, ascending.
     pub(super) cut: Vec<TriangleId>,
 }
 
 impl Rejections {
-    /// Nothing seen yet, of so many triangles.
+    /// Creates an empty record for this number of triangles.
     pub fn new(triangles: usize) -> Self {
         Self { fates: vec![None; triangles], again: Vec::new(), cut: Vec::new() }
     }
 
-    /// By running the stages for a view of a scene.
+    /// Runs the geometry stages for a view of a scene and records their rejections.
     pub fn of(scene: &Scene, camera: &Camera, settings: &Settings, viewport: Viewport) -> Self {
         let mut rejections = Self::new(scene.triangle_count());
         prepare(scene, camera, settings, viewport, &mut rejections);
         rejections
     }
 
-    /// Whether a triangle was cut, whatever became of its pieces.
+    /// Whether a triangle was clipped, regardless of the fate of its pieces.
     pub fn is_cut(&self, id: TriangleId) -> bool {
         self.cut.binary_search(&id).is_ok()
     }
 
-    /// What every triangle met, in the order of the scene.
+    /// Returns the result for every triangle, in scene order.
     pub fn met(&self) -> impl Iterator<Item = Met> {
         let met = |(fate, id): (&Option<Fate>, u32)| match fate {
             Some(fate) => Met::Rejected(*fate),

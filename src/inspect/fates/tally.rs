@@ -1,4 +1,4 @@
-//! The observer that writes down how fragments end.
+//! The observer that counts fragments by fate.
 
 use super::{FragmentCounts, FragmentFate};
 use crate::chain::Recipe;
@@ -11,33 +11,33 @@ use crate::pipeline::shade::Shader;
 use crate::pipeline::viewport::ScreenTriangle;
 use crate::scene::{Scene, Transparency, TriangleId};
 
-/// Stands for "no layer" in lists of layers.
+/// Index that means “no layer” in a list of layers.
 const NO_LAYER: u32 = u32::MAX;
 
-/// A written fragment that is seen through what was blended over it.
+/// A written fragment below later blended fragments.
 #[derive(Debug)]
 struct Layer {
     triangle: TriangleId,
-    /// Place of the next one below.
+    /// Index of the next layer below, or [`NO_LAYER`].
     below: u32,
 }
 
-/// The fragments of each triangle by how they end, and what every sample shows.
+/// Counts the fragments of each triangle by fate and tracks the top triangle of every sample.
 pub(super) struct Tally<'a> {
     shaders: Vec<Shader<'a>>,
-    /// For each triangle of the scene. What is on top of a sample counts only at the end.
+    /// Counts for each triangle of the scene. Fragments on top are counted only by [`Tally::finish`].
     pub(super) fragments: Vec<FragmentCounts>,
-    /// Fragments that the rasterizer generated, counted apart from how they end.
+    /// Number of fragments that the rasterizer generated, counted independently of their fates.
     pub(super) generated: u64,
-    /// The triangle that was written last into each sample.
+    /// Triangle written last at each sample.
     pub(super) shown: Image<TriangleId>,
-    /// Place of the first layer below it.
+    /// Index of the first layer below the top triangle of each sample.
     below: Image<u32>,
     layers: Vec<Layer>,
 }
 
 impl<'a> Tally<'a> {
-    /// For a packed picture of this size.
+    /// Creates an empty tally for a packed framebuffer of this size, in samples.
     pub(super) fn new(scene: &'a Scene, recipe: &'a Recipe, geometry: &Geometry, (width, height): (u32, u32)) -> Self {
         let shaders = scene.instances.iter().zip(&geometry.plans);
         Self {
@@ -50,7 +50,7 @@ impl<'a> Tally<'a> {
         }
     }
 
-    /// Counts what every sample shows in the end.
+    /// Counts the fragments that are visible at every sample after the last triangle.
     pub(super) fn finish(&mut self) {
         for place in 0..self.shown.pixels().len() {
             let top = self.shown.pixels()[place];

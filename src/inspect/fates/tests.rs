@@ -11,7 +11,7 @@ use crate::upscale::Upscaling;
 
 const SIZE: Viewport = Viewport { width: 45, height: 31 };
 
-/// A recipe for each alternative of a setting, the others at their default.
+/// Returns a recipe for each alternative of a setting, with all other settings at their defaults.
 fn each<C: Choice>(set: fn(&mut Recipe, C)) -> impl Iterator<Item = Recipe> {
     C::ALL.iter().map(move |choice| {
         let mut recipe = Recipe::default();
@@ -32,7 +32,7 @@ fn recipes() -> Vec<Recipe> {
         .collect()
 }
 
-/// A camera that comes so close that much is cut and much is left behind.
+/// Returns a camera close enough that many triangles are clipped and many lie behind it.
 fn inside(scene: &Scene) -> Camera {
     let mut camera = scene.home;
     camera.dolly(0.15);
@@ -54,14 +54,14 @@ fn every_sum_matches_in_every_scene_by_every_setting() {
             let of_objects = |sum: fn(&ObjectFates) -> u64| fates.objects.iter().map(sum).sum::<u64>();
             assert_eq!(of_objects(|o| o.triangles.sum()), scene.triangle_count() as u64, "{told}");
             assert_eq!(of_objects(|o| o.fragments.sum()), fates.fragment_counts().sum(), "{told}");
-            // Every sample that shows a triangle shows it by one fragment.
+            // Every sample that shows a triangle has exactly one visible fragment.
             let shown = fates.shown.pixels().iter().filter(|id| **id != TriangleId::NONE).count() as u64;
             assert_eq!(fates.fragment_counts().of(FragmentFate::Visible), shown, "{told}");
         }
     });
 }
 
-/// What the replays of all pixels tell, one by one.
+/// Compares the fates of fragments with the outcomes of the replays of all pixels.
 #[test]
 fn fragments_end_as_the_replay_of_their_pixels_tells() {
     for id in ["stained-glass", "cubes", "near-plane", "interpenetrating"] {
@@ -85,7 +85,7 @@ fn fragments_end_as_the_replay_of_their_pixels_tells() {
     }
 }
 
-/// Squares before a camera without perspective that sees the square from −1 to 1, and what must become of each.
+/// Builds triangles in front of an orthographic camera that sees the square from −1 to 1.
 fn stage(objects: &[(&str, [Vec3; 3], f32)]) -> Scene {
     let mut library = Library::default();
     let instances = objects.iter().map(|(name, corners, opacity)| {
@@ -101,7 +101,7 @@ fn stage(objects: &[(&str, [Vec3; 3], f32)]) -> Scene {
     Scene { name: "stage".into(), library, instances, background: [0; 3], home }
 }
 
-/// A triangle around a point, of this half width, at this height above the stage.
+/// Returns a triangle around a point, with this half width, at height `z` above the stage.
 fn around(x: f32, y: f32, half: f32, z: f32) -> [Vec3; 3] {
     [[-half, -half], [half, -half], [0.0, half]].map(|[dx, dy]| Vec3::new(x + dx, y + dy, z))
 }
@@ -131,7 +131,7 @@ fn each_triangle_of_a_stage_ends_as_it_was_placed() {
     assert_eq!(told, cast.map(|(name, _, _, fate)| (name, fate)));
     assert!(fates.account.is_balanced());
 
-    // Where to go for each: a pixel that shows it, or that it lies in.
+    // `place_of` returns a pixel that shows the triangle or that the triangle lies in.
     let places: Vec<_> = (0..cast.len() as u32).map(|id| fates.place_of(TriangleId(id))).collect();
     for (id, (name, _, _, fate)) in cast.iter().enumerate() {
         match fate {
@@ -144,13 +144,13 @@ fn each_triangle_of_a_stage_ends_as_it_was_placed() {
             _ => assert!(places[id].is_some(), "{name}"),
         }
     }
-    // Marks of one that is seen, and of one that lies behind it.
+    // Marks of a visible triangle and of triangles behind it.
     for (id, mark) in [(0, Mark::Shown), (1, Mark::Hidden), (2, Mark::Hidden), (6, Mark::Hidden)] {
         let marks = fates.marks(&TriangleSelection::new("one", [TriangleId(id)]));
         let (x, y) = places[id as usize].unwrap();
         assert_eq!(marks.at(x, y), mark, "{}", cast[id as usize].0);
     }
-    // A filter by number, by area, by name.
+    // Filters by number, area and name.
     let found = |bin, text: &str| -> Vec<u32> {
         fates.members(bin, None, &Filter::parse(text)).iter().map(|id| id.0).collect()
     };
@@ -200,7 +200,9 @@ fn what_does_not_add_up_is_told() {
         ([lost].as_slice(), [again].as_slice())
     );
     let complaints = account.complaints().join("; ");
-    for words in ["1 triangles have no fate", "1 triangles have two fates", "1 fragments were generated, but 0 ended"] {
+    for words in
+        ["1 triangles have no fate", "1 triangles have two fates", "1 fragments were generated, but 0 have a fate"]
+    {
         assert!(complaints.contains(words), "{complaints}");
     }
 }

@@ -1,12 +1,13 @@
-//! Going to a vertex: which one is meant, and where it lies in the picture.
+//! Search for a vertex: parsing its name and locating it in the picture.
 
 use super::{Found, named};
 use crate::chain::{Frame, Recipe};
 use crate::inspect::vertices::{ObjectVertices, plane_name};
 use crate::scene::Scene;
 
-/// Reads "vertex 12 of knot", "v12 of knot" or "v12". Without a name it is a vertex of the object with the number `near`, or of
-/// the only one. `None` if the text is about no vertex; the error says what could not be found.
+/// Parses "vertex 12 of knot", "v12 of knot" or "v12". Without a name, the vertex belongs to the object with the number
+/// `near`, or to the only object. Returns `None` if the text does not name a vertex; the error names the text that was
+/// not found.
 pub(super) fn parse(text: &str, scene: &Scene, near: Option<u32>) -> Option<Result<(u32, u32), String>> {
     let text = text.trim().to_lowercase();
     let (number, name) = text.split_once(" of ").map_or((text.as_str(), None), |(number, name)| (number, Some(name)));
@@ -15,20 +16,20 @@ pub(super) fn parse(text: &str, scene: &Scene, near: Option<u32>) -> Option<Resu
     Some(object(scene, name, near).and_then(|object| checked(scene, object, number)))
 }
 
-/// The object that is meant.
+/// Returns the number of the named object, or the default one without a name.
 fn object(scene: &Scene, name: Option<&str>, near: Option<u32>) -> Result<u32, String> {
     let Some(name) = name.map(str::trim) else {
         let only = (scene.instances.len() == 1).then_some(0);
-        let which = || "Of which object? Pick a pixel of it, or say: vertex 12 of its name".to_owned();
+        let which = || "The object is missing: pick one of its pixels, or enter “vertex 12 of NAME”".to_owned();
         return near.or(only).ok_or_else(which);
     };
     let exact = named(scene, |instance| instance.to_lowercase() == name);
     let all = || named(scene, |instance| instance.to_lowercase().contains(name));
-    exact.first().copied().or_else(|| all().first().copied()).ok_or_else(|| format!("No object is called “{name}”"))
+    exact.first().copied().or_else(|| all().first().copied()).ok_or_else(|| format!("No object is named “{name}”"))
 }
 
 fn checked(scene: &Scene, object: u32, number: u32) -> Result<(u32, u32), String> {
-    let instance = scene.instances.get(object as usize).ok_or("There is no such object")?;
+    let instance = scene.instances.get(object as usize).ok_or("This object does not exist")?;
     let count = scene.library.mesh(instance.mesh).positions.len();
     if (number as usize) < count {
         Ok((object, number))
@@ -37,36 +38,37 @@ fn checked(scene: &Scene, object: u32, number: u32) -> Result<(u32, u32), String
     }
 }
 
-/// As a person calls it.
+/// Returns the display name of a vertex.
 pub(super) fn words(scene: &Scene, object: u32, number: u32) -> String {
     let name = scene.instances.get(object as usize).map_or("", |instance| instance.name.as_str());
     format!("Vertex {number} of “{name}”")
 }
 
-/// Where a vertex lies in a frame.
+/// Locates a vertex in a frame.
 pub(super) fn find(scene: &Scene, recipe: &Recipe, frame: &Frame, (object, number): (u32, u32)) -> Found {
     let words = words(scene, object, number);
     let size = frame.viewport;
     let vertices = ObjectVertices::new(scene, &frame.camera, &recipe.pipeline, size, object as usize);
     let Some(vertex) = vertices.and_then(|vertices| vertices.stages(number)) else {
-        return Found::Nowhere(format!("{words} is not there"));
+        return Found::Nowhere(format!("{words} does not exist"));
     };
     let beyond: Vec<_> = vertex.outcode.planes().map(plane_name).collect();
     let Some(screen) = vertex.screen.filter(|_| beyond.is_empty()) else {
         let sides = if beyond.is_empty() { "not finite".to_owned() } else { format!("beyond: {}", beyond.join(", ")) };
-        return Found::Nowhere(format!("{words} lies outside of the view, {sides}"));
+        return Found::Nowhere(format!("{words} lies outside the view, {sides}"));
     };
-    // On the right and the lower border of the view it lies on no pixel any more.
+    // Positions on the right and bottom border of the view lie past the last pixel.
     let [x, y] = screen.px;
     let pixel = ((x as u32).min(size.width - 1), (y as u32).min(size.height - 1));
-    let mut told = format!("{words} lies at {x:.3}, {y:.3} px, {:.4} from the eye", -vertex.view.z);
+    let mut told = format!("{words} lies at {x:.3}, {y:.3} px, {:.4} units from the eye", -vertex.view.z);
     if let Some(shown) = shown_distance(frame, pixel) {
-        told += &format!("; what the pixel shows is {shown:.4} from the eye");
+        told += &format!("; the surface at this pixel is {shown:.4} units from the eye");
     }
     Found::At(pixel, told)
 }
 
-/// How far from the eye, along the line of sight, what a pixel shows is, as far as that left a depth.
+/// Returns the distance from the eye of the surface that a pixel shows, along the line of sight, in world units. `None`
+/// without a stored depth.
 fn shown_distance(frame: &Frame, (x, y): (u32, u32)) -> Option<f64> {
     let (column, row) = frame.sample_at(x, y)?;
     let depth = frame.drawn.depth.as_ref()?.at(column, row);
@@ -92,7 +94,7 @@ mod tests {
             assert_eq!(scene.instances[object as usize].name.to_lowercase(), name);
         }
         assert_eq!(parse("v 7", &scene, Some(5)), Some(Ok((5, 7))));
-        assert!(parse("v7", &scene, None).unwrap().unwrap_err().contains("Of which object"));
+        assert!(parse("v7", &scene, None).unwrap().unwrap_err().contains("The object is missing"));
         assert!(parse("v999999", &scene, Some(5)).unwrap().unwrap_err().contains("vertices, numbered from 0"));
         assert!(parse("v7 of nothing", &scene, None).unwrap().unwrap_err().contains("nothing"));
         assert_eq!(parse("12,3", &scene, None), None);
@@ -125,7 +127,7 @@ mod tests {
                         }
                         Found::Nowhere(told) => {
                             let is_out = clip.w <= 0.0 || ndc.abs().max_element() > 0.999 || ndc.z < 0.001;
-                            assert!(is_out && told.contains("outside of the view"), "{told}: {ndc}");
+                            assert!(is_out && told.contains("outside the view"), "{told}: {ndc}");
                             outside += 1;
                         }
                         other => panic!("{other:?}"),

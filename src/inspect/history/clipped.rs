@@ -1,27 +1,29 @@
-//! Where the line of sight through a pixel meets a triangle that is not, or not wholly, between the near and the far plane.
+//! Intersection of the line of sight through a pixel with a triangle that is not entirely between the near and far
+//! planes.
 //!
-//! Projecting such a triangle would turn what lies behind the eye inside out. In homogeneous coordinates nothing is divided
-//! (Olano and Greer, "Triangle Scan Conversion using 2D Homogeneous Coordinates", Graphics Hardware 1997): the line of sight
-//! is a vector, each edge with the eye a plane, and three signs tell whether it passes between them.
+//! Projecting such a triangle would invert the part behind the eye. Homogeneous coordinates avoid the division (Olano
+//! and Greer, "Triangle Scan Conversion using 2D Homogeneous Coordinates", Graphics Hardware 1997). The line of sight
+//! is a vector, each edge forms a plane with the eye, and three signs decide whether the line passes between the
+//! planes.
 
 use glam::{DVec2, DVec4, Vec4};
 
-/// Where a line of sight meets a triangle in front of the eye, in clip space.
+/// Intersection of a line of sight with a triangle in front of the eye, in clip space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Meeting {
     /// z of the point, not divided by w.
     pub(super) z: f64,
     /// w of the point, > 0: in perspective its distance along the line of sight.
     pub(super) w: f64,
-    /// Whether the front of the triangle is seen from the eye.
+    /// Whether the triangle is front-facing as seen from the eye.
     pub(super) shows_front: bool,
 }
 
-/// Where the line of sight through `ndc` (normalised device coordinates, y up) meets the triangle of these corners in clip
-/// space; nothing where it passes by, or meets it behind the eye.
+/// Intersects the line of sight through `ndc` (normalised device coordinates, y up) with a triangle in clip space.
+/// Returns `None` if the line misses the triangle or meets it behind the eye.
 pub(super) fn meeting(corners: [Vec4; 3], ndc: DVec2) -> Option<Meeting> {
     let corners = corners.map(Vec4::as_dvec4);
-    // Corners relative to the line of sight: it passes between the edges where the origin does.
+    // Corners relative to the line of sight: the line passes between the edges if the origin does.
     let [a, b, c] = corners.map(|p| DVec2::new(p.x, p.y) - ndc * p.w);
     let parts = [b.perp_dot(c), c.perp_dot(a), a.perp_dot(b)];
     let sum: f64 = parts.iter().sum();
@@ -37,7 +39,7 @@ pub(super) fn meeting(corners: [Vec4; 3], ndc: DVec2) -> Option<Meeting> {
 mod tests {
     use super::*;
 
-    /// Counter-clockwise for the viewer, at distance w ahead of the eye.
+    /// Returns a triangle that is counter-clockwise for the viewer, at distance `w` ahead of the eye.
     fn facing(w: f32) -> [Vec4; 3] {
         [(-1.0, -1.0), (1.0, -1.0), (0.0, 1.0)].map(|(x, y)| Vec4::new(x, y, w - 0.5, w))
     }
@@ -55,7 +57,7 @@ mod tests {
     #[test]
     fn a_triangle_behind_the_eye_is_not_met_and_one_through_it_is_where_it_is_ahead() {
         assert_eq!(meeting(facing(-0.25), DVec2::ZERO), None);
-        // From 1 below the eye straight ahead to below the horizon: the ground.
+        // The ground plane 1 below the eye, straight ahead and below the horizon.
         let ground =
             [Vec4::new(-9.0, -1.0, -2.0, -1.0), Vec4::new(9.0, -1.0, -2.0, -1.0), Vec4::new(0.0, -1.0, 8.0, 9.0)];
         let met = meeting(ground, DVec2::new(0.0, -1.0)).unwrap();

@@ -1,9 +1,9 @@
-//! The history of a pixel: besides its fragments also the triangles that have none there, each with its own reason.
+//! The history of a pixel: its fragments, and the triangles without a fragment there, each with its reason.
 //!
-//! A replay tells what came to a pixel. Most questions are about what did not: a triangle that turns its back, one that the
-//! near plane cut away, one whose edge passes the pixel's centre by a hundredth of a pixel. A [`Survey`] runs the geometry
-//! stages once more for a frame and keeps what they dropped; [`explain`] asks it, and the triangles that were rasterized,
-//! about one pixel.
+//! A replay records only the fragments of a pixel. Most questions concern absent triangles: a back-facing one, one
+//! clipped by the near plane, or one whose edge misses the pixel's centre by a hundredth of a pixel. A [`Survey`] runs
+//! the geometry stages of a frame again and keeps the triangles that they dropped. [`explain`] combines the survey and
+//! the rasterized triangles for one pixel.
 
 mod clipped;
 
@@ -28,66 +28,66 @@ use crate::pipeline::settings::{Choice, choice};
 use crate::scene::{Scene, TriangleId};
 
 choice! {
-    /// What became of a triangle at a pixel, in the groups that its history is filtered by.
+    /// Outcome of a triangle at a pixel; the groups by which its history is filtered.
     Kind {
-        Passed = "passed", "Passed", "Fragments that were written, whether they are still seen or not.";
-        Failed = "failed", "Failed", "Fragments that lost the depth test, and those whose alpha says that they are not there.";
-        Culled = "culled", "Culled", "Triangles that would cover the pixel, but were dropped before: for the side that they show, for having no area, or by the triangle slider.";
-        Clipped = "clipped", "Clipped", "Triangles that the near or the far plane cuts away here, and those with a corner that is not finite.";
-        Missed = "missed", "Missed", "Triangles that come near and do not cover the pixel's centre: the nearest 40, the nearest first.";
+        Passed = "passed", "Passed", "Fragments that were written, whether or not they are still visible.";
+        Failed = "failed", "Failed", "Fragments that failed the depth test or the alpha test.";
+        Culled = "culled", "Culled", "Triangles that would cover the pixel but were removed earlier: by culling, for zero area, or by the triangle slider.";
+        Clipped = "clipped", "Clipped", "Triangles clipped here by the near or far plane, and triangles with a NaN or infinite corner.";
+        Missed = "missed", "Missed", "Triangles near the pixel that do not cover its centre: the nearest 40, nearest first.";
     }
 }
 
 impl Kind {
-    /// The group of a fragment.
+    /// Returns the group of a fragment.
     pub fn of(fragment: &FragmentRecord) -> Self {
         if fragment.outcome.is_written() { Self::Passed } else { Self::Failed }
     }
 
-    /// How many entries of a report belong to the group.
+    /// Returns the number of entries of a report that belong to the group.
     pub fn count(self, report: &PixelReport) -> usize {
         let fragments = report.fragments.iter().filter(|fragment| Self::of(fragment) == self);
         fragments.count() + report.absent.iter().filter(|absent| absent.cause.kind() == self).count()
     }
 }
 
-/// Colour and depth of a sample at one moment.
+/// Colour and depth of a sample after one step of its history.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SampleState {
-    /// Its colour (sRGB codes).
+    /// Colour of the sample (sRGB codes).
     pub color: Rgba8,
-    /// What the depth buffer holds; `None` without one.
+    /// Stored depth; `None` without a depth buffer.
     pub depth: Option<DepthRecord>,
 }
 
-/// Why a triangle has no fragment at a pixel. The order is that of telling: the first is what a person should look at first.
+/// Reason why a triangle has no fragment at a pixel. The order is the order of display, the most relevant cause first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Cause {
-    /// It covers the pixel, turns its back, and back faces are culled.
+    /// The triangle covers the pixel but is back-facing, and back faces are culled.
     BackFacing,
-    /// It covers the pixel, faces the viewer, and front faces are culled.
+    /// The triangle covers the pixel but is front-facing, and front faces are culled.
     FrontFacing,
-    /// It would cover the pixel closer to the eye than the near plane.
+    /// The triangle would cover the pixel closer to the eye than the near plane.
     NearPlane,
-    /// It covers the pixel, and comes after the last triangle that is drawn.
+    /// The triangle covers the pixel but comes after the last drawn triangle.
     NotDrawnYet,
-    /// The pixel's centre lies on an edge, which the fill rule does not give to it.
+    /// The pixel's centre lies on an edge that the fill rule does not assign to the triangle.
     Tie,
-    /// The pixel's centre lies inside, yet the rasterizer, or rounding, leaves it out.
+    /// The pixel's centre lies inside, but the rasterizer or rounding omits it.
     LeftOut,
-    /// It would cover the pixel beyond the far plane.
+    /// The triangle would cover the pixel beyond the far plane.
     FarPlane,
-    /// A corner is not a finite number, so it is never drawn, here or elsewhere.
+    /// A corner of the triangle is not finite, so it is never drawn at any pixel.
     NotFinite,
-    /// It passes the pixel's centre, and its corners fell onto one line when they were snapped.
+    /// The triangle passes through the pixel's centre, but its corners are collinear after snapping.
     ZeroArea,
-    /// The pixel's centre lies outside.
+    /// The pixel's centre lies outside the triangle.
     Missed,
 }
 
 impl Cause {
-    /// What a person calls it, in a word or two.
+    /// Returns the display name, in one to three words.
     pub fn name(self) -> &'static str {
         match self {
             Self::BackFacing => "back-facing",
@@ -95,7 +95,7 @@ impl Cause {
             Self::NearPlane => "near plane",
             Self::NotDrawnYet => "not drawn yet",
             Self::Tie => "edge tie",
-            Self::LeftOut => "left out",
+            Self::LeftOut => "skipped",
             Self::FarPlane => "far plane",
             Self::NotFinite => "not finite",
             Self::ZeroArea => "zero area",
@@ -103,7 +103,7 @@ impl Cause {
         }
     }
 
-    /// The group that it belongs to.
+    /// Returns the group that the cause belongs to.
     pub fn kind(self) -> Kind {
         match self {
             Self::BackFacing | Self::FrontFacing | Self::ZeroArea | Self::NotDrawnYet => Kind::Culled,
@@ -113,31 +113,31 @@ impl Cause {
     }
 }
 
-/// A triangle that has no fragment at a pixel, and why.
+/// A triangle without a fragment at a pixel, and the reason.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Absent {
     /// Triangle of the scene.
     pub triangle: TriangleId,
-    /// Name of the instance that it belongs to.
+    /// Name of the instance of the triangle.
     pub instance: String,
-    /// Position in the list of rasterized triangles, if it got that far.
+    /// Position in the list of rasterized triangles; `None` if it was dropped earlier.
     pub submission: Option<usize>,
-    /// Why, in a word.
+    /// Reason in short form.
     pub cause: Cause,
-    /// Why, in one sentence with the number that decided. It begins with “covers”, “misses” or the like: the triangle is
-    /// the subject.
+    /// Reason as one sentence with the deciding number. The triangle is the subject: the text begins with “covers”,
+    /// “misses” or the like.
     pub reason: String,
-    /// Corners on the screen in px, as coverage was decided or would have been; none where it has no place there.
+    /// Corners in px as used to decide coverage; `None` if the triangle has no position on the screen.
     pub corners_px: Option<[[f32; 2]; 3]>,
-    /// Distance from the pixel's centre to the triangle in px, where that is outside. Between the snapped corners in fixed
-    /// point: then numerator and denominator are exact integers, and only root and quotient are rounded.
+    /// Distance from the pixel's centre to the triangle in px, if the centre is outside. Uses the snapped corners in
+    /// fixed point: numerator and denominator are then exact integers, and only the root and the quotient are rounded.
     pub distance_px: Option<f64>,
-    /// Edge values at the pixel's centre, in the unit of the arithmetic, where the triangle was rasterized.
+    /// Edge values at the pixel's centre, in the unit of the arithmetic; `None` if the triangle was not rasterized.
     pub edges: Option<[f64; 3]>,
 }
 
-/// Replays pixel (x, y) of a frame as [`super::inspect`] does, and tells also which triangles have no fragment there, and
-/// why. `None` outside of the picture. The survey must be of the same frame.
+/// Replays pixel (x, y) of a frame like [`super::inspect`], and adds the triangles without a fragment there, with
+/// reasons. Returns `None` outside the picture. The survey must belong to the same frame.
 pub fn explain(
     scene: &Scene,
     recipe: &Recipe,
@@ -204,7 +204,7 @@ mod tests {
         let (_, reports) = reports("shared-edges", &recipe);
         let tie = reports.iter().find(|r| r.fragments.is_empty() && r.absent.iter().any(|a| a.cause == Cause::Tie));
         let verdict = &tie.unwrap().verdict;
-        assert!(verdict.contains("(value 0), which the fill rule “Exclusive” does not give to it"), "{verdict}");
+        assert!(verdict.contains("(value 0), which the fill rule “Exclusive” does not assign to it"), "{verdict}");
     }
 
     #[test]
@@ -213,7 +213,7 @@ mod tests {
         recipe.pipeline.rasterizer = Rasterizer::BoundingBoxPublished;
         let (_, reports) = reports("triangle", &recipe);
         let left_out = reports.iter().flat_map(|r| &r.absent).find(|a| a.cause == Cause::LeftOut).unwrap();
-        assert!(left_out.reason.contains("left out by “Bounding box (as published)”"), "{}", left_out.reason);
+        assert!(left_out.reason.contains("skipped by “Bounding box (as published)”"), "{}", left_out.reason);
     }
 
     #[test]

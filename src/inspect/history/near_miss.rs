@@ -1,7 +1,7 @@
-//! Rasterized triangles whose edges pass a pixel's centre: by how much, and which edge it was.
+//! Rasterized triangles that narrowly miss a pixel's centre, with the distance and the deciding edge.
 //!
-//! Distances are measured between the corners that decided coverage: the snapped ones in fixed point. Those are multiples of
-//! 1/256 px within ±2¹⁵ px, so that differences, products and cross products are exact in f64; see [`distance_px`].
+//! Distances are measured to the corners that decide coverage: the snapped ones in fixed point. These are multiples of
+//! 1/256 px within ±2¹⁵ px, so differences, products and cross products are exact in f64; see [`distance_px`].
 
 use std::collections::BTreeSet;
 
@@ -14,21 +14,21 @@ use crate::pipeline::settings::{Arithmetic, Choice as _, Settings};
 use crate::pipeline::viewport::ScreenTriangle;
 use crate::scene::{Scene, TriangleId};
 
-/// Triangles are near a pixel if its centre lies in the box around them, or no farther from it than this, px.
+/// Maximum distance in px from a pixel's centre to the bounding box of a triangle that counts as near.
 const NEAR_PX: f64 = 1.0;
 
-/// Most near misses that are told; a corner of a fine mesh may have thousands.
+/// Maximum number of reported near misses; a corner of a fine mesh may have thousands.
 const MOST: usize = 40;
 
-/// A triangle that does not cover the centre.
+/// A triangle that does not cover the pixel's centre.
 #[derive(Clone, Copy)]
 struct Miss {
     place: usize,
     distance_px: f64,
 }
 
-/// Rasterized triangles that are near a drawn pixel and not among those that are `there`, the nearest first. If none is near,
-/// and none there, the nearest of all.
+/// Returns the rasterized triangles near a drawn pixel, except those in `there`, nearest first. Without any near
+/// triangle and with an empty `there`, returns the nearest triangle of all.
 pub(super) fn at(
     scene: &Scene,
     recipe: &Recipe,
@@ -65,7 +65,7 @@ pub(super) fn at(
     near.into_iter().filter_map(|miss| absent(scene, settings, &triangles[miss.place], miss, pixel)).collect()
 }
 
-/// The corners that coverage is decided by, px.
+/// Returns the corners that coverage is decided by, in px.
 fn corners(triangle: &ScreenTriangle, arithmetic: Arithmetic) -> [DVec2; 3] {
     decided_by(triangle, arithmetic).map(|[x, y]| DVec2::new(x.into(), y.into()))
 }
@@ -74,14 +74,14 @@ fn decided_by(triangle: &ScreenTriangle, arithmetic: Arithmetic) -> [[f32; 2]; 3
     if arithmetic == Arithmetic::Fixed { triangle.snapped_px() } else { triangle.corners_px() }
 }
 
-/// Distance from a point to the box around three others; 0 inside.
+/// Returns the distance from a point to the bounding box of three corners, in px; 0 inside.
 fn box_distance_px([a, b, c]: [DVec2; 3], point: DVec2) -> f64 {
     let (low, high) = (a.min(b).min(c), a.max(b).max(c));
     (low - point).max(point - high).max(DVec2::ZERO).length()
 }
 
-/// Distance from a point to a triangle, in the unit of both; 0 inside and on the edges. For corners and points on a grid of
-/// 1/256 within ±2¹⁵ every sign is right, and so is every digit but for the rounding of a root and a quotient.
+/// Returns the distance from a point to a triangle, in the unit of both; 0 inside and on the edges. For corners and
+/// points on a grid of 1/256 within ±2¹⁵ every sign is exact. Only the final root and quotient are rounded.
 pub(super) fn distance_px(corners: [DVec2; 3], point: DVec2) -> f64 {
     let [a, b, c] = corners;
     let edges = [(b, c), (c, a), (a, b)];
@@ -93,7 +93,8 @@ pub(super) fn distance_px(corners: [DVec2; 3], point: DVec2) -> f64 {
     edges.iter().zip(sides).map(|((from, to), side)| segment_distance(*from, *to, side, point)).fold(f64::MAX, f64::min)
 }
 
-/// Distance from a point to a segment, given the cross product of the segment and the way to the point.
+/// Returns the distance from a point to a segment. `side` is the cross product of the segment and the vector from its
+/// start to the point.
 fn segment_distance(from: DVec2, to: DVec2, side: f64, point: DVec2) -> f64 {
     let (along, way) = (to - from, point - from);
     let (reach, length_squared) = (along.dot(way), along.length_squared());
@@ -106,7 +107,8 @@ fn segment_distance(from: DVec2, to: DVec2, side: f64, point: DVec2) -> f64 {
     }
 }
 
-/// A miss in words. Nothing for triangles that have no edges in the recipe's arithmetic: they never were near any pixel.
+/// Describes a miss. Returns `None` for triangles without edges in the recipe's arithmetic, which cannot cover any
+/// pixel.
 fn absent(
     scene: &Scene,
     settings: &Settings,
@@ -120,12 +122,12 @@ fn absent(
         (Cause::Missed, format!("misses by {} px: {}", px(distance_px), failed_edge(edges)))
     } else if let Some(edge) = edges.iter().position(|edge| *edge == 0.0) {
         let rule = settings.fill_rule.name();
-        let given = format!("which the fill rule “{rule}” does not give to it");
+        let given = format!("which the fill rule “{rule}” does not assign to it");
         (Cause::Tie, format!("has the centre exactly on its edge opposite to v{edge} (value 0), {given}"))
     } else {
         let by =
             if settings.rasterizer.is_published() { settings.rasterizer.name() } else { settings.arithmetic.name() };
-        (Cause::LeftOut, format!("has the centre inside, and is left out by “{by}”: {}", failed_edge(edges)))
+        (Cause::LeftOut, format!("has the centre inside, but is skipped by “{by}”: {}", failed_edge(edges)))
     };
     let instance = scene.instances[triangle.instance as usize].name.clone();
     Some(Absent {
@@ -140,14 +142,14 @@ fn absent(
     })
 }
 
-/// The edge that says most clearly that the centre is outside.
+/// Describes the edge with the most negative value, or all edge values if none is negative.
 fn failed_edge(edges: [f64; 3]) -> String {
     let least = (0..3).min_by(|a, b| edges[*a].total_cmp(&edges[*b])).unwrap_or(0);
     let value = edges[least];
     if value < 0.0 { format!("edge opposite to v{least} is {value} < 0") } else { format!("edge values {edges:?}") }
 }
 
-/// A distance with two digits that count, or whole pixels.
+/// Formats a distance in px with about two significant digits, or as whole pixels from 10 px.
 pub(in crate::inspect) fn px(distance: f64) -> String {
     match distance {
         0.0..0.01 => format!("{distance:.4}"),
@@ -167,7 +169,7 @@ mod tests {
         corners.map(|[x, y]| DVec2::new(x as f64 / 256.0, y as f64 / 256.0))
     }
 
-    /// The square of the distance as a fraction of whole numbers in 1/256 px, by integers alone.
+    /// Returns the squared distance as a fraction of integers in (1/256 px)², computed in integer arithmetic only.
     fn exact_squared(corners: [[i64; 2]; 3], [x, y]: [i64; 2]) -> (i128, i128) {
         let edge = |from: usize, to: usize| {
             let [[ax, ay], [bx, by]] = [corners[from], corners[to]].map(|c| c.map(i128::from));

@@ -1,8 +1,8 @@
-//! Where the triangles of a frame came to on the screen and what the geometry stages dropped, kept so that every pixel can be
-//! asked about it.
+//! Screen positions of a frame's triangles, and the triangles that its geometry stages dropped, for lookups at any
+//! pixel.
 //!
-//! The stages are called once more, by the matrices, plans and arithmetic of the frame itself, on all threads. For 100 000
-//! triangles some 5 MB are kept. Another pixel and an earlier moment of the same frame need no other survey.
+//! The stages run again on all threads, with the matrices, plans and arithmetic of the frame. The survey takes some 5
+//! MB for 100 000 triangles. It is valid for every pixel and every earlier moment of the same frame.
 
 use std::sync::Arc;
 
@@ -25,29 +25,29 @@ use crate::pipeline::viewport::Viewport;
 use crate::scene::seams::Seams;
 use crate::scene::{Camera, Projection, Scene, TriangleId};
 
-/// Snapping moves each corner by at most 1/512 px along each axis: a sliver that covered a pixel's centre before lies no
-/// farther from it after, px.
+/// Maximum distance in px from a pixel's centre to a snapped sliver that covered the centre before snapping. Snapping
+/// moves each corner by at most 1/512 px along each axis.
 const SNAPPED_BY_PX: f64 = 1.0 / 256.0;
 
-/// Triangles that one thread goes through at a time.
+/// Minimum number of triangles or vertices that one thread processes at a time.
 const CHUNK: usize = 4096;
 
-/// The triangles of one frame, as far as they may be missed at a pixel.
+/// The triangles of one frame that may be absent at a pixel.
 #[derive(Clone, Debug)]
 pub struct Survey {
     found: Found,
     camera: Camera,
     raster: Viewport,
-    /// Open seams of the scene, once they are known.
+    /// Open seams of the scene; `None` until they are known.
     seams: Option<Arc<Seams>>,
 }
 
-/// What was found, in the order of the triangles.
+/// Surveyed triangles, in scene order.
 #[derive(Clone, Debug, Default)]
 struct Found {
-    /// What reached the screen and was dropped there.
+    /// Triangles that were projected to the screen and then culled.
     dropped: Vec<Placed>,
-    /// What is rasterized, sooner or later.
+    /// Triangles that the full frame rasterizes.
     rasterized: Vec<Placed>,
     crossing: Vec<Crossing>,
     not_finite: Vec<(TriangleId, u32)>,
@@ -62,7 +62,7 @@ impl Found {
     }
 }
 
-/// A triangle, or a piece of one, that reached the screen, and why it may be missed there.
+/// A triangle, or a piece of one, on the screen, with the cause if it is absent at a pixel.
 #[derive(Clone, Copy, Debug)]
 struct Placed {
     id: TriangleId,
@@ -71,7 +71,7 @@ struct Placed {
     cause: Cause,
 }
 
-/// A triangle that is not wholly between the near and the far plane: its corners in clip space.
+/// A triangle that is not entirely between the near and far planes, with its corners in clip space.
 #[derive(Clone, Copy, Debug)]
 struct Crossing {
     id: TriangleId,
@@ -79,7 +79,7 @@ struct Crossing {
     corners: [Vec4; 3],
 }
 
-/// One draw of a frame, whose triangles are gone through.
+/// One draw of a frame whose triangles are surveyed.
 struct Draw<'a> {
     settings: &'a Settings,
     raster: Viewport,
@@ -87,7 +87,7 @@ struct Draw<'a> {
     instance: u32,
     first: TriangleId,
     triangles: &'a [[u32; 3]],
-    /// Whether its vertices are transformed at all.
+    /// Whether the plan transforms its vertices at all.
     runs: bool,
     may_cross: bool,
     vertices: Vec<ClipVertex>,
@@ -125,7 +125,7 @@ impl<'a> Draw<'a> {
         }
     }
 
-    /// All that is found of its triangles.
+    /// Surveys all triangles of the draw, in parallel.
     fn found(&self) -> Found {
         let chunks = self.triangles.par_chunks(CHUNK).enumerate();
         let parts: Vec<Found> = chunks.map(|(chunk, triangles)| self.found_in(chunk * CHUNK, triangles)).collect();
@@ -134,7 +134,7 @@ impl<'a> Draw<'a> {
         all
     }
 
-    /// What is found of some triangles, the first of which has this place in the mesh.
+    /// Surveys a chunk of triangles; `place` is the index of the first one in the mesh.
     fn found_in(&self, place: usize, triangles: &[[u32; 3]]) -> Found {
         let mut found = Found::default();
         for (id, corners) in (self.first.0 + place as u32..).map(TriangleId).zip(triangles) {
@@ -156,7 +156,7 @@ impl<'a> Draw<'a> {
         found
     }
 
-    /// Corners on the screen of what clipping leaves of a triangle.
+    /// Returns the screen corners of the pieces that clipping leaves of a triangle, in px.
     fn clipped(
         &self,
         id: TriangleId,
@@ -168,7 +168,7 @@ impl<'a> Draw<'a> {
         pieces.iter().map(|piece| piece.vertices.each_ref().map(|corner| position_px(self.raster, corner))).collect()
     }
 
-    /// Takes in the pieces of one triangle.
+    /// Adds the pieces of one triangle, sorted by cause.
     fn take_pieces(&self, pieces: &[[[f32; 2]; 3]], id: TriangleId, found: &mut Found) {
         let causes = pieces.iter().map(|corners_px| {
             let (area, _) = doubled_area(self.settings.arithmetic, *corners_px);
@@ -179,7 +179,7 @@ impl<'a> Draw<'a> {
                 Some(_) => Cause::ZeroArea,
             }
         });
-        // A piece without area says nothing where others of its triangle have some.
+        // A zero-area piece is ignored if another piece of the triangle has area.
         let has_area = causes.clone().any(|cause| cause != Cause::ZeroArea);
         for (corners_px, cause) in pieces.iter().zip(causes).filter(|(_, cause)| !has_area || *cause != Cause::ZeroArea)
         {
@@ -189,14 +189,14 @@ impl<'a> Draw<'a> {
     }
 }
 
-/// Where a vertex lies on the screen before snapping, by the steps of [`Viewport::project`].
+/// Returns the screen position of a vertex before snapping, in px, with the operations of [`Viewport::project`].
 fn position_px(raster: Viewport, vertex: &ClipVertex) -> [f32; 2] {
     let inv_w = 1.0 / vertex.position.w;
     raster.pixels_from_ndc(vertex.position.truncate() * inv_w).into()
 }
 
 impl Survey {
-    /// Of a frame that `recipe` made of `scene`.
+    /// Surveys a frame that `recipe` draws of `scene`.
     pub fn of(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Self {
         let camera = frame.drawn_from(recipe);
         let mut found = Found::default();
@@ -206,13 +206,13 @@ impl Survey {
         Self { found, camera, raster: frame.raster, seams: None }
     }
 
-    /// Whether it is of a frame, too, that the same recipe made of the same scene: of the same view, all of it or a moment.
+    /// Whether the survey is also valid for a frame with the same recipe and scene: the view must match, even if the
+    /// frame stops at an earlier moment.
     pub fn fits(&self, recipe: &Recipe, frame: &Frame) -> bool {
         self.camera == frame.drawn_from(recipe) && self.raster == frame.raster
     }
 
-    /// Counts for each packed sample of the frame the triangles that would cover it and that were culled for the side that they
-    /// show.
+    /// Counts, for each packed sample of the frame, the triangles that would cover it but were culled by facing.
     pub fn culled_coverage(&self, settings: &Settings, frame: &Frame) -> Image<u32> {
         let (width, height) = frame.drawn.color.size();
         let mut counts = Image::filled(width, height, 0);
@@ -230,17 +230,18 @@ impl Survey {
         counts
     }
 
-    /// Adds the open seams of the scene, so that cracks at T-junctions and unwelded vertices are explained, too.
+    /// Adds the open seams of the scene, so that cracks at T-junctions and unwelded vertices are explained too.
     pub fn set_seams(&mut self, seams: Arc<Seams>) {
         self.seams = Some(seams);
     }
 
-    /// The open seams of the scene, if they are known.
+    /// Returns the open seams of the scene; `None` until they are known.
     pub(super) fn seams(&self) -> Option<&Seams> {
         self.seams.as_deref()
     }
 
-    /// The triangles that ended before the rasterizer and would have been at a drawn pixel, and those that are nowhere.
+    /// Returns the triangles that would cover a drawn pixel but were dropped before the rasterizer, and all non-finite
+    /// ones.
     pub(super) fn dropped_at(&self, scene: &Scene, recipe: &Recipe, frame: &Frame, pixel: (u32, u32)) -> Vec<Absent> {
         let absent = |triangle, instance: u32, cause, reason| Absent {
             triangle,
@@ -255,7 +256,7 @@ impl Survey {
         let settings = &recipe.pipeline;
         let is_there = |piece: &&Placed| piece.would_cover(settings, frame, pixel);
         let is_drawn = |piece: &&Placed| frame.geometry.triangles.iter().any(|triangle| triangle.id == piece.id);
-        // All that is rasterized is drawn, unless the frame's list was cut short.
+        // All rasterized triangles are drawn unless the frame's list was truncated.
         let is_whole = frame.geometry.triangles.len() >= self.found.rasterized.len();
         let later: &[Placed] = if is_whole { &[] } else { &self.found.rasterized };
         let later = later.iter().filter(is_there).filter(|piece| !is_drawn(piece));
@@ -268,13 +269,14 @@ impl Survey {
             })
             .chain(crossing.map(|(t, (cause, reason))| absent(t.id, t.instance, cause, reason)))
             .chain(self.found.not_finite.iter().map(|(id, instance)| {
-                let reason = "has a corner that is not a finite number in clip space, so it is never drawn".to_owned();
+                let reason = "has a NaN or infinite corner in clip space, so it is never drawn".to_owned();
                 absent(*id, *instance, Cause::NotFinite, reason)
             }))
             .collect()
     }
 
-    /// The plane that cuts a triangle away at a pixel, if one does and the triangle would be seen without.
+    /// Returns the near or far plane that clips a triangle away at a pixel, with the reason. `None` if neither does, or
+    /// if the triangle would be culled anyway.
     fn cut_away(&self, triangle: &Crossing, settings: &Settings, (x, y): (u32, u32)) -> Option<(Cause, String)> {
         let share = |pixel: u32, size: u32| (f64::from(pixel) + 0.5) / f64::from(size);
         let ndc = DVec2::new(share(x, self.raster.width) * 2.0 - 1.0, 1.0 - share(y, self.raster.height) * 2.0);
@@ -288,18 +290,19 @@ impl Survey {
         }
         let is_near = is_before_zero != self.camera.has_zero_at_far(settings.depth_format.mapping());
         let (cause, name, plane, beyond) = if is_near {
-            (Cause::NearPlane, "near", self.camera.near, "before")
+            (Cause::NearPlane, "near", self.camera.near, "in front of")
         } else {
             (Cause::FarPlane, "far", self.camera.far, "beyond")
         };
         let distance = self.distance(met, settings);
         let reason = format!(
-            "would cover it {distance:.4} from the eye, which is {beyond} the {name} plane at {plane}: cut away there"
+            "would cover it {distance:.4} units from the eye, {beyond} the {name} plane at {plane}, and is clipped \
+             there: to show it, move the {name} plane"
         );
         Some((cause, reason))
     }
 
-    /// How far from the eye, along the line of sight, a triangle is met; world units.
+    /// Returns the distance from the eye to the intersection along the line of sight, in world units.
     fn distance(&self, met: Meeting, settings: &Settings) -> f64 {
         let Camera { near, far, .. } = self.camera;
         let (near, far) = (f64::from(near), f64::from(far));
@@ -312,7 +315,8 @@ impl Survey {
 }
 
 impl Placed {
-    /// Whether the recipe's rasterizer would have given the pixel to it; one without area, whether it runs through it.
+    /// Whether the recipe's rasterizer would cover the pixel; for a zero-area piece, whether it passes through the
+    /// centre.
     fn would_cover(&self, settings: &Settings, frame: &Frame, (x, y): (u32, u32)) -> bool {
         let scissor = Scissor::pixel(x, y);
         if !scissor.may_meet(self.corners_px) {
@@ -333,27 +337,31 @@ impl Placed {
         let area = area * scale;
         match facing(area) {
             _ if self.cause == Cause::NotDrawnYet => {
-                "covers it, but comes after the last triangle that the triangle slider lets draw".to_owned()
+                "covers it, but comes after the last triangle drawn; move the triangle slider to show it".to_owned()
             }
             Facing::Front => format!(
-                "covers it and faces the viewer, but culling is {} (doubled area {area} < 0)",
+                "covers it, but is front-facing, and culling is {}: to show it, set culling to none (doubled area \
+                 {area} < 0)",
                 settings.culling.id()
             ),
             Facing::Back => format!(
-                "covers it, but turns its back, and culling is {} (doubled area {area} > 0)",
+                "covers it, but is back-facing, and culling is {}: to show it, set culling to none (doubled area \
+                 {area} > 0)",
                 settings.culling.id()
             ),
-            Facing::Edge => "passes here, but its snapped corners lie on one line: there is no area to draw".to_owned(),
+            Facing::Edge => {
+                "passes through it, but its snapped corners are collinear: it has no area to draw".to_owned()
+            }
         }
     }
 }
 
-/// Whether a corner lies in the view: a triangle of three such corners is neither cut nor dropped.
+/// Whether a corner lies inside the view frustum: a triangle of three such corners is neither clipped nor rejected.
 fn is_inside(position: Vec4) -> bool {
     position.is_finite() && Plane::ALL.iter().all(|plane| plane.distance(position, 1.0) >= 0.0)
 }
 
-/// Notes triangles that have a corner that is not finite.
+/// An observer that records triangles with a non-finite corner.
 struct NotFinite<'a> {
     found: &'a mut Vec<(TriangleId, u32)>,
     instance: u32,

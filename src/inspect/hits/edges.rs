@@ -1,22 +1,22 @@
-//! Which triangles have an edge in common, and which of a triangle's edges runs close to a pixel.
+//! Shared edges of triangles, and the edges of a triangle near a pixel.
 
 use std::collections::HashMap;
 
 use crate::pipeline::raster::{AnyTriangle, doubled_area};
 use crate::pipeline::settings::{Arithmetic, FillRule};
 
-/// No rasterizer moves an edge farther than this, in px: the published ones go by the pixel's corner instead of its centre,
-/// round both ends of a row towards its start, and a corner in the middle to whole pixels.
+/// Maximum distance by which a rasterizer moves an edge, in px. The published ones test the pixel's corner instead of
+/// its centre. They also round both ends of a row towards its start, and a middle corner to whole pixels.
 const REACH_PX: f64 = 2.0;
 
-/// The ends of an edge, bit by bit and in an order that does not depend on the triangle, and the instance that it belongs to.
+/// Bit patterns of an edge's ends, in an order independent of the triangle, and the instance of the edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct Ends {
     instance: u32,
     bits: [[u32; 2]; 2],
 }
 
-/// An edge, and the side of it that its triangle lies on.
+/// An edge, and the side of it on which its triangle lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Edge {
     ends: Ends,
@@ -38,13 +38,13 @@ impl Side {
     }
 }
 
-/// The edges of a triangle, each opposite to the corner of the same number. None if it has no area.
+/// Returns the edges of a triangle, each opposite to the corner with the same index; empty if the triangle has no area.
 pub(super) fn edges_of(instance: u32, corners_px: [[f32; 2]; 3]) -> Vec<Edge> {
     (0..3).filter_map(|opposite| edge(instance, corners_px, opposite)).collect()
 }
 
 fn edge(instance: u32, corners_px: [[f32; 2]; 3], opposite: usize) -> Option<Edge> {
-    // Adding zero turns −0 into 0, which is the same place.
+    // Adding zero turns −0 into 0, which is the same position.
     let bits = |corner: [f32; 2]| corner.map(|c| (c + 0.0).to_bits());
     let (from, to) = (corners_px[(opposite + 1) % 3], corners_px[(opposite + 2) % 3]);
     let [from, to] = if bits(from) <= bits(to) { [from, to] } else { [to, from] };
@@ -53,8 +53,8 @@ fn edge(instance: u32, corners_px: [[f32; 2]; 3], opposite: usize) -> Option<Edg
     Some(Edge { ends: Ends { instance, bits: [bits(from), bits(to)] }, side })
 }
 
-/// The edge that a pixel's centre inside of a triangle is nearest to; two if it lies on a corner. None if all are farther than
-/// any rasterizer's faults reach.
+/// Returns the edge nearest to a pixel's centre inside a triangle; two edges if the centre lies on a corner. Empty if
+/// all are farther away than any rasterizer's faults reach.
 pub(super) fn edges_near(instance: u32, corners_px: [[f32; 2]; 3], pixel: (u32, u32)) -> Vec<Edge> {
     let Some(triangle) = AnyTriangle::new(Arithmetic::Exact, corners_px, FillRule::TopLeft) else { return Vec::new() };
     let sample = triangle.sample(pixel);
@@ -68,35 +68,35 @@ pub(super) fn edges_near(instance: u32, corners_px: [[f32; 2]; 3], pixel: (u32, 
     (0..3).filter(|i| distances_px[*i] <= nearest_px).filter_map(|i| edge(instance, corners_px, i)).collect()
 }
 
-/// Triangles by their edges: for both sides of each the first one.
+/// Triangles by edge: the first one on each side.
 #[derive(Default)]
 pub(super) struct Meetings(HashMap<Ends, [Option<usize>; 2]>);
 
 impl Meetings {
-    /// Whether there is no edge.
+    /// Whether no edge is recorded.
     pub(super) fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// Makes room for the triangles of an edge.
+    /// Adds an edge without triangles.
     pub(super) fn expect(&mut self, edge: Edge) {
         self.0.entry(edge.ends).or_default();
     }
 
-    /// Adds a triangle.
+    /// Adds a triangle on its side of an edge.
     pub(super) fn add(&mut self, edge: Edge, triangle: usize) {
         self.expect(edge);
         self.add_expected(edge, triangle);
     }
 
-    /// Adds a triangle if there is room for its edge.
+    /// Adds a triangle only if its edge is recorded.
     pub(super) fn add_expected(&mut self, edge: Edge, triangle: usize) {
         if let Some(sides) = self.0.get_mut(&edge.ends) {
             sides[edge.side as usize].get_or_insert(triangle);
         }
     }
 
-    /// The first triangle on the other side of an edge.
+    /// Returns the first triangle on the other side of an edge.
     pub(super) fn across(&self, edge: Edge) -> Option<usize> {
         self.0.get(&edge.ends)?[edge.side.opposite() as usize]
     }

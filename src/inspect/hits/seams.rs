@@ -1,8 +1,8 @@
-//! Samples between the two sides of an open seam, which no triangle covers, or both sides do.
+//! Faults along open seams: samples between the two sides that no triangle covers, or that both sides cover.
 //!
-//! Both edges of each seam are placed on the screen by the stages that draw. A sample beyond both of them is a crack; one
-//! on the inner side of both is a double hit. Where the two surfaces lie on the same side, the seam is an outline, and
-//! there is neither. Where more than two surfaces meet, a hole between their corners alone belongs to no edge and is not found.
+//! Both edges of each seam are projected by the same stages as in drawing. A sample outside both edges is a crack; one
+//! inside both is a double hit. If the two surfaces lie on the same side, the seam is an outline without faults. A hole
+//! between the corners of more than two surfaces belongs to no edge and is not found.
 
 use std::collections::BTreeMap;
 
@@ -23,10 +23,10 @@ use crate::pipeline::viewport::{Viewport, divided};
 use crate::scene::seams::{Corner, Junction, Seam, Seams, TriangleEdge};
 use crate::scene::{Camera, Scene, TriangleId};
 
-/// Seams that one thread goes through at a time.
+/// Minimum number of seams that one thread processes at a time.
 const CHUNK: usize = 256;
 
-/// Finds the faults along open seams in a frame, within a rectangle of the picture that was drawn, in reading order.
+/// Finds the faults along open seams in a frame, within a scissor rectangle of the drawn picture, in reading order.
 pub(super) fn faults(scene: &Scene, recipe: &Recipe, frame: &Frame, seams: &Seams, scissor: Scissor) -> Vec<Fault> {
     if seams.seams().is_empty() {
         return Vec::new();
@@ -52,8 +52,8 @@ pub(super) fn faults(scene: &Scene, recipe: &Recipe, frame: &Frame, seams: &Seam
     Search::of(frame, &recipe.pipeline, scissor).seam_faults(found)
 }
 
-/// Returns for each junction the pixel of the full picture that its vertex lies in; `None` if that is outside of the picture or the
-/// triangle of the edge was not rasterized.
+/// Returns for each junction the pixel of the full picture that contains its vertex. `None` if the vertex is outside
+/// the picture or the triangle of the edge was not rasterized.
 pub(in crate::inspect) fn junction_pixels(
     scene: &Scene,
     recipe: &Recipe,
@@ -67,7 +67,7 @@ pub(in crate::inspect) fn junction_pixels(
     seams.junctions().iter().map(pixel).collect()
 }
 
-/// Counts the vertices of open edges of rasterized triangles in the picture.
+/// Counts the vertices of open edges of rasterized triangles within the picture.
 pub(in crate::inspect) fn border_in_picture(scene: &Scene, recipe: &Recipe, frame: &Frame, seams: &Seams) -> usize {
     let wanted = || seams.border().iter().map(|corner| corner.triangle);
     let placing = Placing::new(scene, recipe, frame, (frame.camera, frame.viewport), wanted());
@@ -79,7 +79,7 @@ pub(in crate::inspect) fn border_in_picture(scene: &Scene, recipe: &Recipe, fram
 pub(super) type Found = BTreeMap<(u32, u32), (FaultKind, [TriangleId; 2], Junction)>;
 
 impl Search<'_> {
-    /// Looks up the triangles at faulty samples.
+    /// Adds the triangles that hit each faulty sample, and the triangles that should.
     fn seam_faults(&self, found: Found) -> Vec<Fault> {
         if found.is_empty() {
             return Vec::new();
@@ -106,13 +106,13 @@ impl Search<'_> {
 /// An edge on the screen.
 #[derive(Clone, Copy)]
 struct ScreenEdge {
-    /// Its ends in px as coverage is decided, in the order of the triangle.
+    /// Ends in px as used to decide coverage, in the winding order of the triangle.
     ends_px: [[f32; 2]; 2],
-    /// Facing of its triangle; `Edge` if all that was drawn of it is a line.
+    /// Facing of its triangle; `Edge` if the drawn part of the triangle is a line.
     facing: Facing,
 }
 
-/// Places edges of a frame's triangles on the screen.
+/// Projects edges of a frame's triangles to the screen.
 struct Placing<'a> {
     scene: &'a Scene,
     settings: &'a Settings,
@@ -124,7 +124,7 @@ struct Placing<'a> {
 }
 
 impl<'a> Placing<'a> {
-    /// Prepares to place the `wanted` triangles in the picture that `camera` sees.
+    /// Prepares the projection of the `wanted` triangles to the picture of `camera`.
     fn new(
         scene: &'a Scene,
         recipe: &'a Recipe,
@@ -154,7 +154,7 @@ impl<'a> Placing<'a> {
         self.drawn.binary_search(&triangle).is_ok()
     }
 
-    /// Returns the corners of a triangle in clip space, each with weight 1 for itself.
+    /// Returns the corners of a triangle in clip space, each with its source weight set to 1.
     fn corners(&self, triangle: TriangleId) -> Option<[ClipVertex; 3]> {
         let index = self.first_triangles.partition_point(|first| *first <= triangle).checked_sub(1)?;
         let mesh = self.scene.library.mesh(self.scene.instances.get(index)?.mesh);
@@ -167,7 +167,7 @@ impl<'a> Placing<'a> {
         }))
     }
 
-    /// Returns the pixel that a vertex lies in, if it lies within the picture.
+    /// Returns the pixel that contains a vertex; `None` if the vertex is outside the picture.
     fn pixel(&self, Corner { triangle, corner }: Corner) -> Option<(u32, u32)> {
         let vertex = self.corners(triangle)?[usize::from(corner)];
         if !Outcode::of(vertex.position, false).is_inside() {
@@ -178,8 +178,8 @@ impl<'a> Placing<'a> {
         Some(((x as u32).min(width - 1), (y as u32).min(height - 1)))
     }
 
-    /// Returns what clipping leaves of an edge; `None` if its triangle was not drawn for another reason than its zero area, or
-    /// the edge itself has no length there.
+    /// Returns the part of an edge that clipping leaves. `None` if the part has no length, or if its triangle was not
+    /// drawn for a reason other than zero area.
     fn edge(&self, TriangleEdge { triangle, opposite }: TriangleEdge) -> Option<ScreenEdge> {
         let corners = self.corners(triangle)?;
         let mut polygon = Polygon::default();
@@ -219,27 +219,27 @@ struct Gap {
 /// One edge of a gap.
 struct Side {
     ends_px: [[f64; 2]; 2],
-    /// A triangle whose edge opposite to its last corner it is, on the side that the surface lies on.
+    /// Triangle whose edge opposite to its last corner is this edge, on the side of the surface.
     triangle: AnyTriangle,
 }
 
 impl Side {
     fn new(ends_px: [[f32; 2]; 2], facing: Facing, rule: FillRule) -> Option<Self> {
         let [[ax, ay], [bx, by]] = ends_px;
-        // Across the edge, to the inner side of a triangle that is seen clockwise.
+        // Direction across the edge towards the inner side of a triangle that appears clockwise.
         let (dx, dy) = (ay - by, bx - ax);
         let inner = if facing == Facing::Back { [ax + dx, ay + dy] } else { [ax - dx, ay - dy] };
         let triangle = AnyTriangle::new(Arithmetic::Exact, [ends_px[0], ends_px[1], inner], rule)?;
         Some(Self { ends_px: ends_px.map(|end| end.map(f64::from)), triangle })
     }
 
-    /// Returns whether a pixel's centre lies on the inner side, or on the edge and belongs to its triangle.
+    /// Whether a pixel's centre lies on the inner side, or on the edge and is owned by its triangle.
     fn has(&self, pixel: (u32, u32)) -> bool {
         let value = self.triangle.sample(pixel).edges[2];
         value > 0.0 || value == 0.0 && self.triangle.owned()[2]
     }
 
-    /// Returns the coordinate across the axis at one along it, on the line through the edge.
+    /// Returns the coordinate across `axis` of the point on the edge's line at coordinate `along`, in px.
     fn across(&self, axis: usize, along: f64) -> f64 {
         let [from, to] = self.ends_px;
         let t = (along - from[axis]) / (to[axis] - from[axis]);
@@ -253,21 +253,20 @@ impl Side {
 }
 
 impl Gap {
-    /// Returns the gap between two edges that run along one another, or `None` if both surfaces lie on the same side, as on an
-    /// outline.
+    /// Returns the gap between two adjacent edges; `None` if both surfaces lie on the same side, as on an outline.
     fn between(host: ScreenEdge, guest: ScreenEdge, settings: &Settings) -> Option<Self> {
         let rule = if settings.fill_rule.is_sound() { settings.fill_rule } else { FillRule::TopLeft };
         let run =
             |edge: &ScreenEdge| [0, 1].map(|axis| f64::from(edge.ends_px[1][axis]) - f64::from(edge.ends_px[0][axis]));
         let (a, b) = (run(&host), run(&guest));
         let same_way = a[0] * b[0] + a[1] * b[1] > 0.0;
-        // Opposite sides: edges of triangles that are seen from the same side run in opposite directions.
+        // Opposite sides: edges of triangles with the same facing run in opposite directions.
         let opposite = |facing| match (facing, same_way) {
             (Facing::Front, false) | (Facing::Back, true) => Facing::Front,
             (Facing::Front, true) | (Facing::Back, false) => Facing::Back,
             (Facing::Edge, _) => Facing::Edge,
         };
-        // A triangle that is a line on the screen has no side: its surface goes on where the other one ends.
+        // A triangle that projects to a line has no side: its surface continues where the other one ends.
         let facings = match (host.facing, guest.facing) {
             (Facing::Edge, Facing::Edge) => return None,
             (Facing::Edge, guest) => [opposite(guest), guest],
@@ -287,7 +286,7 @@ impl Gap {
         let ([a, b], [c, d]) = (host.range(axis), guest.range(axis));
         let bounds = [(scissor.left, scissor.right), (scissor.top, scissor.bottom)];
         let clamp = |axis: usize, at: f64| at.clamp(bounds[axis].0.into(), bounds[axis].1.into()) as u32;
-        // Pixels whose centres lie within both edges.
+        // Pixels whose centres lie within the extent of both edges.
         let (first, end) = (clamp(axis, (a.max(c) - 0.5).ceil()), clamp(axis, (b.min(d) - 0.5).floor() + 1.0));
         for along in first..end {
             let centre = f64::from(along) + 0.5;

@@ -1,4 +1,4 @@
-//! Triangles moved apart, so that it is seen which vertices they share and what lies behind.
+//! Exploded view: triangles moved apart to show shared vertices and hidden surfaces.
 
 use glam::Vec3;
 
@@ -6,8 +6,9 @@ use crate::inspect::vertices::corners_of;
 use crate::scene::mesh::MeshData;
 use crate::scene::{Mesh, Scene, TriangleId};
 
-/// A scene whose triangles are moved away from the middle of their mesh, each by `apart` times its own distance from there;
-/// at 0 they only no longer share vertices. Triangles keep their numbers; texture coordinates and colours are left out.
+/// Returns a scene whose triangles are moved away from the centre of their mesh. Each moves by `apart` times its own
+/// distance from there; at 0, triangles stay in place but no longer share vertices. Triangles keep their numbers;
+/// texture coordinates and vertex colours are dropped.
 pub fn exploded(scene: &Scene, apart: f32) -> Scene {
     let library = scene.library.with_meshes(|mesh| {
         let corners = mesh.triangles.iter().flat_map(|corners| moved(mesh, *corners, apart));
@@ -16,13 +17,13 @@ pub fn exploded(scene: &Scene, apart: f32) -> Scene {
         let normals = mesh.triangles.iter().flatten().filter_map(|v| mesh.normals.get(*v as usize)).copied().collect();
         let data =
             MeshData { name: mesh.name.clone(), positions, normals, uvs: Vec::new(), colors: Vec::new(), triangles };
-        // The arrays have the lengths and numbers of a valid mesh.
+        // The arrays have the lengths and indices of a valid mesh.
         Mesh::new(data).unwrap_or_else(|_| mesh.clone())
     });
     Scene { library, ..scene.clone() }
 }
 
-/// Returns the corners of a triangle in the mesh, moved; unmoved if they would leave the range of floats.
+/// Returns the moved corners of a triangle in model space; unmoved if a coordinate would overflow.
 fn moved(mesh: &Mesh, corners: [u32; 3], apart: f32) -> [Vec3; 3] {
     let corners = corners.map(|corner| mesh.positions.get(corner as usize).copied().unwrap_or_default());
     let offset = ((corners[0] + corners[1] + corners[2]) / 3.0 - mesh.bounds().center()) * apart;
@@ -30,7 +31,8 @@ fn moved(mesh: &Mesh, corners: [u32; 3], apart: f32) -> [Vec3; 3] {
     if moved.iter().all(|corner| corner.is_finite()) { moved } else { corners }
 }
 
-/// The corners of a triangle in world space, moved apart as [`exploded`] does; `None` for no triangle of the scene.
+/// Returns the corners of a triangle in world space, moved apart as by [`exploded`]. `None` if the scene has no such
+/// triangle.
 pub fn corners(scene: &Scene, triangle: TriangleId, apart: f32) -> Option<[Vec3; 3]> {
     let (instance, corners) = corners_of(scene, triangle)?;
     let instance = scene.instances.get(instance)?;

@@ -1,14 +1,15 @@
-//! Hatching: parallel lines over one convex polygon, but for what another one covers of it.
+//! Hatching: parallel lines over one convex polygon, except where another one covers it.
 
-/// A point of a picture, px.
+/// A point of a picture, in px.
 pub(super) type Point = [f32; 2];
 
-/// The most lines of one hatching: what is larger than the picture is not filled to its end.
+/// Maximum number of lines of one hatching; a polygon that needs more is not hatched.
 const MOST_LINES: f32 = 600.0;
 
-/// Lines that rise to the right, `step` px apart, over `outer` but not over `inner`. Either may be degenerate.
+/// Returns lines that rise to the right over `outer` but not over `inner`. They cross an axis every `step` px. Either
+/// polygon may be degenerate.
 pub(super) fn hatch(outer: &[Point], inner: &[Point], step: f32) -> Vec<[Point; 2]> {
-    // Along a line x + y is the same.
+    // x + y is constant along a line.
     let along = |p: &Point| p[0] + p[1];
     let finite = outer.iter().map(along).filter(|c| c.is_finite());
     let (low, high) = finite.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), c| (low.min(c), high.max(c)));
@@ -33,7 +34,8 @@ pub(super) fn hatch(outer: &[Point], inner: &[Point], step: f32) -> Vec<[Point; 
     lines
 }
 
-/// From which x to which the line x + y = `c` runs in a convex polygon.
+/// Returns the interval of x in which the line x + y = `c` lies within a convex polygon; `None` if it misses the
+/// polygon.
 fn interval(polygon: &[Point], c: f32) -> Option<[f32; 2]> {
     let mut range: Option<[f32; 2]> = None;
     for (index, a) in polygon.iter().enumerate() {
@@ -61,7 +63,7 @@ mod tests {
 
     #[test]
     fn lines_fill_the_outer_polygon_less_the_inner_one() {
-        // Lines at 45° whose crossings with an axis are `step` apart have the length of the area · √2 / step.
+        // Lines at 45° that cross an axis every `step` have a total length of area · √2 / step.
         let (step, root) = (0.05, std::f32::consts::SQRT_2);
         let area = |lines: &[[Point; 2]]| length(lines) * step / root;
         assert!((area(&hatch(&SQUARE, &[], step)) - 100.0).abs() < 1.0);

@@ -1,8 +1,8 @@
-//! The scene from outside: what a second camera sees of the first one, its view and what the pipeline makes of the triangles.
+//! The mesh view: the scene, the render camera's frustum and the fates of the triangles, as seen by a second camera.
 //!
-//! The triangles themselves are drawn by the pipeline, with the second camera ([`picture`]); what explains them (the view as
-//! a pyramid, the ray through the picked pixel, what was cut away) are few lines and polygons laid over that ([`drawn`]).
-//! Which fate a triangle met and where it was cut is asked of the stages that did it.
+//! The pipeline draws the triangles with the second camera ([`paint`]). The frustum, the ray through the picked pixel
+//! and clipped parts are a few lines and polygons in an overlay ([`drawn`]). The geometry stages themselves report the
+//! fate of each triangle and where it was clipped.
 
 mod explode;
 
@@ -27,36 +27,36 @@ pub use overlay::{Kind, Look, Mark, drawn};
 pub use picture::{MeshNormals, MeshPicture, Painting, paint, shown_at};
 
 choice! {
-    /// How triangles are drawn.
+    /// Style in which triangles are drawn.
     MeshStyle {
-        Flat = "flat", "Flat", "Each triangle in one grey, by how it is turned.";
-        Wire = "wire", "Wire", "Edges alone: light where the render camera sees the front, red where it sees the back.";
-        Facing = "facing", "Facing", "Which side the render camera sees, by the sign of the area on its screen: front or back.";
-        Fate = "fate", "Fate", "What the pipeline made of each triangle: drawn, cut, or rejected, and why.";
+        Flat = "flat", "Flat", "Flat-shaded in grey, by the orientation of each triangle.";
+        Wire = "wire", "Wire", "Edges only: light if the render camera sees the front, red if it sees the back.";
+        Facing = "facing", "Facing", "Side that the render camera sees, by the sign of the area on its screen: front or back.";
+        Fate = "fate", "Fate", "Fate of each triangle in the pipeline: drawn, clipped, or rejected, and why.";
         Object = "object", "Object", "One colour per object.";
     }
 }
 
-/// The first camera and how its picture is drawn: what is looked at from outside.
+/// The render camera and its pipeline, which the second camera looks at.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inner {
     /// The render camera.
     pub camera: Camera,
-    /// Its pipeline.
+    /// Pipeline settings of the render camera.
     pub settings: Settings,
-    /// Size of its picture.
+    /// Size of the render camera's picture, in pixels.
     pub viewport: Viewport,
 }
 
 impl Inner {
-    /// What the render camera's pipeline does to every triangle before the rasterizer, culled in this way: another one than
-    /// that of the settings may be tried.
+    /// Runs the geometry stages of the render camera with this culling mode, and returns the rejected and clipped
+    /// triangles. The mode may differ from the one in the settings.
     pub fn rejections(&self, scene: &Scene, culling: Culling) -> Rejections {
         Rejections::of(scene, &self.camera, &Settings { culling, ..self.settings }, self.viewport)
     }
 }
 
-/// The colour that stands for what a triangle met.
+/// Returns the display colour of a geometry-stage result.
 pub fn met_color(met: Met) -> Rgba8 {
     match met {
         Met::Drawn => [120, 168, 216, 255],
@@ -69,11 +69,11 @@ pub fn met_color(met: Met) -> Rgba8 {
     }
 }
 
-/// What the colours of a style mean; empty where they mean nothing but "another one".
+/// Returns the legend of a style; empty if its colours only distinguish triangles or objects.
 pub fn key(style: MeshStyle) -> Vec<(&'static str, Rgba8)> {
     let fates = [
         ("drawn", Met::Drawn),
-        ("cut, and drawn", Met::Cut),
+        ("clipped, drawn", Met::Cut),
         ("culled", Met::Rejected(Fate::BackFacing)),
         ("outside", Met::Rejected(Fate::Outside)),
         ("clipped away", Met::Rejected(Fate::ClippedAway)),
@@ -89,7 +89,7 @@ pub fn key(style: MeshStyle) -> Vec<(&'static str, Rgba8)> {
     }
 }
 
-/// Whether a number of a triangle stands for one.
+/// Whether an id refers to a triangle.
 fn is_triangle(id: TriangleId) -> bool {
     id != TriangleId::NONE
 }

@@ -1,4 +1,4 @@
-//! The second camera: where it stands at first, and planes that never cut what it looks at.
+//! The second camera: its initial position, and near and far planes that never clip the scene.
 
 use glam::Vec3;
 
@@ -6,18 +6,19 @@ use super::Inner;
 use crate::math::Aabb;
 use crate::scene::{Camera, Scene};
 
-/// Where the second camera stands, seen from what it looks at, in the first one's right, up and back.
+/// Initial direction from the target to the second camera, in the render camera's right, up and backward axes.
 const FROM: Vec3 = Vec3::new(1.0, 0.6, 0.45);
 
-/// The nearest that its near plane comes, as a share of the far one: reversed depth bears it.
+/// Minimum ratio of the near to the far distance; reversed depth has sufficient precision for it.
 const LEAST_NEAR: f32 = 1e-5;
 
-/// The box around the scene and the eye of the render camera.
+/// Returns the bounding box of the scene and the eye of the render camera.
 fn bounds(scene: &Scene, inner: &Camera) -> Aabb {
     scene.bounds().union(Aabb::around(std::iter::once(inner.eye)))
 }
 
-/// A view that shows the whole scene and the render camera, from beside and above it, in a picture of this shape.
+/// Returns a view of the whole scene and the render camera, from beside and above it. `aspect` is width over height of
+/// the picture.
 pub fn first_view(scene: &Scene, inner: &Inner, aspect: f32) -> Camera {
     let (right, forward) = (inner.camera.right(), inner.camera.forward());
     let up = right.cross(forward);
@@ -27,12 +28,12 @@ pub fn first_view(scene: &Scene, inner: &Inner, aspect: f32) -> Camera {
     from.refit(bounds(scene, &inner.camera), aspect)
 }
 
-/// A view in the same direction from which all of that is seen.
+/// Returns a view in the same direction that shows the whole scene and the render camera.
 pub fn fit(view: Camera, scene: &Scene, inner: &Inner, aspect: f32) -> Camera {
     view.refit(bounds(scene, &inner.camera), aspect)
 }
 
-/// The same view with planes in front of and behind everything.
+/// Returns the same view with near and far planes that enclose the scene and the render camera.
 pub fn with_planes(view: Camera, scene: &Scene, inner: &Inner) -> Camera {
     let bounds = bounds(scene, &inner.camera);
     let (distance, radius) = (view.eye.distance(bounds.center()), bounds.radius());

@@ -1,5 +1,5 @@
-//! What explains the triangles: the view of the render camera, the picked pixel's ray, cut and culled triangles, as lines,
-//! polygons and dots in pixels of the picture from outside.
+//! Overlay of the mesh view: lines, polygons and dots for the frustum, the picked pixel's ray, and clipped and culled
+//! triangles, in pixels of the mesh view.
 
 use glam::{DMat4, DVec3, DVec4, Vec3};
 
@@ -12,76 +12,76 @@ use crate::pipeline::vertex::{ClipVertex, DrawMatrices};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, DepthMapping, Projection, Scene, TriangleId};
 
-/// Cut and culled triangles that are marked one by one at most; of more only the selected one is.
+/// Maximum number of clipped or culled triangles that are all marked; with more, only the selected one is.
 const MOST_MARKED: usize = 200;
 
-/// Between the lines of a hatching, along an axis, px.
+/// Distance between the lines of a hatching along an axis, in px.
 const HATCH_PX: f32 = 7.0;
 
-/// The nearest that a point may come to the second camera's eye plane, as a share of its near plane.
+/// Minimum w of a projected point, as a fraction of the second camera's near distance.
 const LEAST_W: f64 = 1e-6;
 
-/// What a mark stands for.
+/// Kind of a mark.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {
-    /// An edge of the view of the render camera.
+    /// An edge of the render camera's frustum.
     Frustum,
-    /// Its near plane, as far as the picture reaches: a polygon.
+    /// The near rectangle of the frustum, as a polygon.
     NearPlane,
-    /// The eye: a dot.
+    /// The eye of the render camera, as a dot.
     Eye,
-    /// From the eye through the picked pixel to what it shows, or to the end of the view.
+    /// The ray from the eye through the picked pixel to the surface that it shows, or to the end of the frustum.
     Ray,
-    /// The ray behind what it hit.
+    /// The part of the ray behind the hit.
     RayBehind,
-    /// Where the ray hits: a dot.
+    /// The hit of the ray, as a dot.
     Hit,
-    /// The selected triangle: a polygon.
+    /// The selected triangle, as a polygon.
     Selected,
-    /// What is left of a triangle that was cut: its outline.
+    /// Outline of the remaining part of a clipped triangle.
     Kept,
-    /// A line over the part of a triangle that was cut away.
+    /// A hatching line over the clipped part of a triangle.
     CutAway,
-    /// A vertex that cutting made, with how far along its edge it lies, in [0, 1]; none if it lies on no edge of the
-    /// triangle: a dot.
+    /// A vertex created by clipping, as a dot. The value is its position along its edge, in [0, 1]; `None` if it lies
+    /// on no edge of the triangle.
     NewVertex(Option<f32>),
-    /// The outline of a triangle that was culled for its facing.
+    /// Outline of a triangle that was culled for its facing.
     Culled,
-    /// A vertex that is followed: a dot.
+    /// The tracked vertex, as a dot.
     Vertex,
 }
 
 /// A dot (one point), a line (two) or a closed polygon (more).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
-    /// What it stands for.
+    /// Kind of the mark.
     pub kind: Kind,
-    /// Its points, px of the picture from outside.
+    /// Points of the mark, in px of the mesh view.
     pub points: Vec<Point>,
 }
 
-/// What of the scene is marked.
+/// Parts of the scene to mark.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Look {
-    /// The picked pixel of the inner picture.
+    /// Picked pixel of the render camera's picture.
     pub pixel: Option<(u32, u32)>,
-    /// How far along the line of sight what it shows is, world units; none for the background.
+    /// Distance along the line of sight to the surface at the picked pixel, in world units; `None` for the background.
     pub hit_distance: Option<f64>,
-    /// The selected triangle.
+    /// Selected triangle.
     pub selected: Option<TriangleId>,
-    /// A vertex that is followed, world space.
+    /// Tracked vertex, in world space.
     pub vertex: Option<DVec3>,
     /// Whether culled triangles are outlined.
     pub culled: bool,
-    /// How far triangles are moved apart.
+    /// Factor by which triangles are moved apart; see [`super::exploded`].
     pub apart: f32,
 }
 
-/// All marks, those that lie above others last.
+/// Returns all marks, bottom to top.
 pub fn drawn(scene: &Scene, inner: &Inner, look: &Look, outside: &Camera, size: Viewport) -> Vec<Mark> {
     let mut canvas = Canvas::new(outside, size);
     let eye = Eye::new(inner, scene);
-    // What was cut or culled belongs to places that exploding leaves.
+    // Clipped and culled triangles are marked at their original positions only.
     if look.apart == 0.0 {
         cut_and_culled(scene, inner, look, &mut canvas);
     }
@@ -96,7 +96,7 @@ pub fn drawn(scene: &Scene, inner: &Inner, look: &Look, outside: &Camera, size: 
     canvas.marks
 }
 
-/// Marks seen by the second camera.
+/// Marks projected by the second camera.
 struct Canvas {
     clip_from_world: DMat4,
     size: Viewport,
@@ -122,7 +122,7 @@ impl Canvas {
         [x as f32, y as f32]
     }
 
-    /// A polygon as far as it lies in front of the second camera, px.
+    /// Returns the part of a polygon in front of the second camera, in px.
     fn projected(&self, points: &[DVec3]) -> Vec<Point> {
         let clip: Vec<DVec4> = points.iter().map(|point| self.clip_from_world * point.extend(1.0)).collect();
         let mut seen = Vec::with_capacity(points.len() + 1);
@@ -149,7 +149,7 @@ impl Canvas {
 
     fn line(&mut self, kind: Kind, from: DVec3, to: DVec3) {
         let mut points = self.projected(&[from, to]);
-        // A line is walked there and back: where it is cut, the cut comes twice.
+        // The line is processed as a two-point polygon in both directions, so a clipped end appears twice.
         points.truncate(2);
         if points.len() == 2 {
             self.marks.push(Mark { kind, points });
@@ -164,10 +164,10 @@ impl Canvas {
     }
 }
 
-/// The render camera as lines in the world.
+/// The render camera's frustum and ray in world space.
 struct Eye<'a> {
     inner: &'a Inner,
-    /// How far the view is drawn: to its far plane, or to the end of the scene if that is nearer.
+    /// Distance at which the drawn frustum ends, in world units: the far plane, or the end of the scene if nearer.
     far: f64,
 }
 
@@ -180,8 +180,8 @@ impl<'a> Eye<'a> {
         Self { inner, far: end.min(f64::from(camera.far)) }
     }
 
-    /// The point of the world that is seen at a place of the picture, in [−1, 1] with y up, at a distance along the line of
-    /// sight.
+    /// Returns the point in world space at a position of the picture, in [−1, 1] with y up, at a distance along the
+    /// line of sight.
     fn at(&self, [x, y]: [f64; 2], distance: f64) -> DVec3 {
         let camera = &self.inner.camera;
         let (right, forward) = (camera.right().as_dvec3(), camera.forward().as_dvec3());
@@ -226,7 +226,7 @@ impl<'a> Eye<'a> {
     }
 }
 
-/// Marks triangles that were cut, and outlines those that were culled.
+/// Marks triangles that were clipped, and outlines triangles that were culled.
 fn cut_and_culled(scene: &Scene, inner: &Inner, look: &Look, canvas: &mut Canvas) {
     let rejections = inner.rejections(scene, inner.settings.culling);
     let that_met = |wanted: fn(Met) -> bool| {
@@ -247,7 +247,7 @@ fn cut_and_culled(scene: &Scene, inner: &Inner, look: &Look, canvas: &mut Canvas
     }
 }
 
-/// Marks one triangle that was cut: what is left, what is gone, and the new vertices.
+/// Marks one clipped triangle: the remaining part, the clipped part, and the new vertices.
 fn cut(scene: &Scene, inner: &Inner, id: TriangleId, canvas: &mut Canvas) {
     let Some((polygon, corners)) = clipped(scene, inner, id) else { return };
     let world = |vertex: &ClipVertex| {
@@ -267,7 +267,8 @@ fn cut(scene: &Scene, inner: &Inner, id: TriangleId, canvas: &mut Canvas) {
     }
 }
 
-/// What clipping leaves of a triangle, by the very function that clips, and its corners in the world.
+/// Returns the polygon that clipping leaves of a triangle, computed by the pipeline's own function, and the corners in
+/// world space.
 fn clipped(scene: &Scene, inner: &Inner, id: TriangleId) -> Option<(Vec<ClipVertex>, [DVec3; 3])> {
     let (instance, indices) = crate::inspect::vertices::corners_of(scene, id)?;
     let instance = scene.instances.get(instance)?;
@@ -289,7 +290,8 @@ fn clipped(scene: &Scene, inner: &Inner, id: TriangleId) -> Option<(Vec<ClipVert
     Some((left, corners))
 }
 
-/// How far along its edge a new vertex lies, from the corner with the lower number; `None` if it lies within the triangle.
+/// Returns the position of a new vertex along its edge, in [0, 1], from the corner with the lower number. `None` if it
+/// lies inside the triangle.
 fn along_edge(weights: Vec3) -> Option<f32> {
     match weights.to_array() {
         [0.0, _, t] | [_, 0.0, t] | [_, t, 0.0] => Some(t),

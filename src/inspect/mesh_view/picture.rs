@@ -1,4 +1,4 @@
-//! The triangles of the scene as the second camera sees them, drawn by the pipeline.
+//! The triangles of the scene as seen by the second camera, drawn by the pipeline.
 
 use glam::Vec3;
 
@@ -20,24 +20,24 @@ use crate::pipeline::wireframe::{edge_pixels, line_pixels};
 use crate::pipeline::{Extent, Geometry, Until, draw, prepare};
 use crate::scene::{Camera, Scene, TriangleId};
 
-/// A picture from outside.
+/// A rendered mesh view.
 #[derive(Clone, Debug)]
 pub struct MeshPicture {
-    /// The picture.
+    /// The rendered image.
     pub image: Image<Rgba8>,
-    /// The triangle that each pixel shows, or [`TriangleId::NONE`].
+    /// Triangle that each pixel shows, or [`TriangleId::NONE`].
     pub owner: Image<TriangleId>,
-    /// Where from.
+    /// Second camera that it was rendered with.
     pub camera: Camera,
 }
 
-/// How dark a triangle gets that is seen edge-on.
+/// Brightness factor of a triangle seen edge-on.
 const LEAST_LIGHT: f32 = 0.38;
 
-/// How bright triangles stay that others are singled out from.
+/// Brightness factor of unselected triangles.
 const DIM: f32 = 0.35;
 
-/// The grey of a triangle that is seen head-on.
+/// Grey of a triangle seen head-on (sRGB codes).
 const FLAT: Rgba8 = [196, 198, 202, 255];
 
 struct Owners(Image<TriangleId>);
@@ -48,7 +48,8 @@ impl Observer for Owners {
     }
 }
 
-/// The pipeline of the second camera: both sides, opaque, and with depths that bear any distance.
+/// Returns the pipeline settings of the second camera: no culling, and reversed depth, which suits any range of
+/// distances.
 fn settings() -> Settings {
     Settings {
         culling: Culling::None,
@@ -59,29 +60,29 @@ fn settings() -> Settings {
     }
 }
 
-/// How the triangles are drawn.
+/// Style of a mesh view.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Painting {
-    /// In which colours.
+    /// Style that determines the colours of the triangles.
     pub style: MeshStyle,
-    /// How far they are moved apart, in distances from the middle of their mesh.
+    /// Factor by which triangles are moved apart, relative to their distance from the centre of their mesh.
     pub apart: f32,
-    /// Triangles that are singled out: all others are dimmed, unless there are none.
+    /// Selected triangles; all others are dimmed. With an empty selection, none are.
     pub selection: TriangleSelection,
-    /// The colour behind everything.
+    /// Background colour (sRGB codes).
     pub backdrop: [u8; 3],
-    /// Kinds of normals that are drawn as lines.
+    /// Kinds of normals to draw as lines.
     pub normals: MeshNormals,
 }
 
-/// Normals that are drawn over the triangles, which do not hide them.
+/// Normals drawn over the triangles, without occlusion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshNormals {
-    /// Whether those of vertices are.
+    /// Whether vertex normals are drawn.
     pub vertices: bool,
-    /// Whether those of triangles are.
+    /// Whether face normals are drawn.
     pub faces: bool,
-    /// Length, as a share of the diagonal of the scene's box.
+    /// Length, as a fraction of the diagonal of the scene's bounding box.
     pub length: f32,
 }
 
@@ -92,14 +93,14 @@ impl Default for MeshNormals {
 }
 
 impl MeshNormals {
-    /// The kinds that are drawn, each with its colour and its name.
+    /// Returns the drawn kinds, each with its colour and display name.
     pub fn kinds(&self) -> impl Iterator<Item = (NormalKind, Rgba8, &'static str)> {
         let faces = self.faces.then_some((NormalKind::Face, FACE_NORMAL, "face normal"));
         faces.into_iter().chain(self.vertices.then_some((NormalKind::Vertex, VERTEX_NORMAL, "vertex normal")))
     }
 }
 
-/// Draws the scene for the second camera `outside`.
+/// Renders the scene for the second camera `outside`.
 pub fn paint(scene: &Scene, inner: &Inner, outside: Camera, size: Viewport, painting: &Painting) -> MeshPicture {
     let Painting { style, apart, selection, backdrop, normals } = painting;
     let (style, apart) = (*style, *apart);
@@ -140,7 +141,7 @@ fn owners(scene: &Scene, geometry: &Geometry, settings: &Settings, size: Viewpor
     owners.0
 }
 
-/// The place that shows a triangle, of those the one nearest to their middle: column and row. `None` if none does.
+/// Returns the most central pixel that shows a triangle, as column and row; `None` if no pixel does.
 pub fn shown_at(owner: &Image<TriangleId>, triangle: TriangleId) -> Option<(u32, u32)> {
     let width = owner.width();
     let places = || {
@@ -153,12 +154,12 @@ pub fn shown_at(owner: &Image<TriangleId>, triangle: TriangleId) -> Option<(u32,
     places().min_by_key(|(x, y)| u64::from(*x).abs_diff(middle.0).pow(2) + u64::from(*y).abs_diff(middle.1).pow(2))
 }
 
-/// The colour of each triangle before light; none where all have the same.
+/// Returns the colour of each triangle before lighting; empty if all have the same colour.
 fn colors(scene: &Scene, inner: &Inner, style: MeshStyle) -> Vec<Rgba8> {
     match style {
         MeshStyle::Flat => Vec::new(),
         MeshStyle::Fate => inner.rejections(scene, inner.settings.culling).met().map(met_color).collect(),
-        // Culling back faces tells the sides apart, whatever the settings do with them.
+        // Culling back faces distinguishes the sides regardless of the render camera's culling mode.
         MeshStyle::Facing | MeshStyle::Wire => {
             let whole = |met| if met == Met::Cut { Met::Drawn } else { met };
             inner.rejections(scene, Culling::Back).met().map(|met| met_color(whole(met))).collect()
@@ -170,7 +171,7 @@ fn colors(scene: &Scene, inner: &Inner, style: MeshStyle) -> Vec<Rgba8> {
     }
 }
 
-/// How brightly each triangle is lit from the eye.
+/// Returns the brightness factor of each triangle, lit from the eye.
 fn lights(scene: &Scene, eye: Vec3) -> Vec<f32> {
     let light = |instance: &crate::scene::Instance| {
         let mesh = scene.library.mesh(instance.mesh);
@@ -193,7 +194,7 @@ fn lit([r, g, b, a]: Rgba8, light: f32) -> Rgba8 {
     [channel(r), channel(g), channel(b), a]
 }
 
-/// The edges of all triangles; fronts over backs.
+/// Draws the edges of all triangles, front-facing ones on top.
 fn wires(geometry: &Geometry, colors: &[Rgba8], is_dim: impl Fn(TriangleId) -> bool, image: &mut Image<Rgba8>) {
     let front = met_color(Met::Drawn);
     let color = |triangle: &ScreenTriangle| colors.get(triangle.id.0 as usize).copied().unwrap_or(FLAT);

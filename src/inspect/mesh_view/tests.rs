@@ -110,7 +110,7 @@ fn the_ray_of_a_pixel_ends_on_what_it_shows() {
             hit_distance: Some(frame.depth_scale().distance_of(hit.depth.value)),
             ..Look::default()
         };
-        // The hit by the weights of the corners, seen from outside.
+        // The hit, interpolated from the corners by their weights and projected by the second camera.
         let corners = corners(&scene, hit.triangle, 0.0).unwrap().map(glam::Vec3::as_dvec3);
         let weights = hit.attribute_weights.map(f64::from);
         let on_surface: DVec3 = corners.iter().zip(weights).map(|(corner, weight)| *corner * weight).sum();

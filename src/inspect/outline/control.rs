@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 /// Progress callback and cancellation flag of a drawing.
 #[derive(Clone, Copy)]
 pub struct OutlineControl<'a> {
-    /// Receives the completed share, from 0 to 1, at most once per percent. Threads may report in another order than they
-    /// complete.
+    /// Receives the progress, in [0, 1], at most once per percent. With several threads, reports may arrive out of
+    /// order.
     pub progress: &'a (dyn Fn(f32) + Sync),
     /// Cancels the drawing once it is `true`.
     pub cancel: &'a AtomicBool,
@@ -27,10 +27,10 @@ impl fmt::Debug for OutlineControl<'_> {
     }
 }
 
-/// A step of a drawing: equal parts that threads complete in any order.
+/// A step of a drawing, divided into equal parts that threads complete in any order.
 pub(super) struct ParallelStep<'a> {
     control: OutlineControl<'a>,
-    /// Completed percent of the whole drawing before and after the step.
+    /// Progress of the whole drawing before and after the step, in percent.
     percent: Range<usize>,
     /// Number of equal parts, at least 1.
     parts: usize,
@@ -38,12 +38,12 @@ pub(super) struct ParallelStep<'a> {
 }
 
 impl<'a> ParallelStep<'a> {
-    /// Begins a step of `parts` parts that takes the drawing through `percent`.
+    /// Begins a step of `parts` parts that covers the range `percent` of the drawing's progress.
     pub(super) fn new(control: OutlineControl<'a>, percent: Range<usize>, parts: usize) -> Self {
         Self { control, percent, parts, completed: AtomicUsize::new(0) }
     }
 
-    /// Reports that one more part is complete. Returns `None` once the drawing is cancelled.
+    /// Reports one more completed part. Returns `None` once the drawing is cancelled.
     pub(super) fn advance(&self) -> Option<()> {
         let before = self.completed.fetch_add(1, Ordering::Relaxed);
         let percent = |completed: usize| self.percent.start + self.percent.len() * completed / self.parts;

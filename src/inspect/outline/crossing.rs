@@ -1,4 +1,4 @@
-//! The place between two neighbouring samples where one visible surface ends and the other begins.
+//! Boundary points between neighbouring samples that show different visible surfaces.
 
 use glam::DVec2;
 
@@ -7,12 +7,12 @@ use crate::pipeline::Geometry;
 use crate::pipeline::settings::{DepthTest, Settings};
 use crate::pipeline::viewport::ScreenTriangle;
 
-/// A place on the boundary of two regions.
+/// A point on the boundary of two regions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Crossing {
-    /// The place, in samples.
+    /// Position, in samples.
     pub(super) place: DVec2,
-    /// Unit normal of the straight line that the boundary follows there; none where it follows no line, as at the border
+    /// Unit normal of the straight line that the boundary follows there. `None` if it follows no line, as at the border
     /// of a texture's transparent part.
     pub(super) normal: Option<DVec2>,
 }
@@ -25,8 +25,8 @@ pub(super) struct Surfaces<'a> {
 }
 
 impl Surfaces<'_> {
-    /// Adds the place between two sample positions, in samples, at which the stacks that they show change; both of them if one
-    /// surface ends at a place and the other begins at another one.
+    /// Adds the point between two sample positions, in samples, at which their stacks change. Adds two points if one
+    /// surface ends and the other begins elsewhere.
     pub(super) fn find_crossings(&self, path: [DVec2; 2], stacks: [StackId; 2], found: &mut Vec<Crossing>) {
         let [first, second] = self.changing(stacks).map(|index| index.map(|index| self.side(index, path)));
         let events = match (first, second) {
@@ -43,8 +43,9 @@ impl Surfaces<'_> {
         found.extend(events.map(|Event { along, normal }| crossing(along.clamp(0.0, 1.0), normal.try_normalize())));
     }
 
-    /// Returns the surface that only the first sample shows and the one that takes its place at the second: the opaque ones if
-    /// they differ, else the first blended one that is not in both and, on the other side, the opaque one below it.
+    /// Returns the surface that only the first sample shows and the surface that replaces it at the second. These are
+    /// the opaque surfaces if they differ. Otherwise they are the first blended surface that is in one stack only, and
+    /// the opaque surface below on the other side.
     fn changing(&self, [first, second]: [StackId; 2]) -> [Option<u32>; 2] {
         let [first, second] = [first, second].map(|stack| self.visibility.surfaces(stack).collect::<Vec<_>>());
         let opaque = |stack: &[u32]| stack.last().copied().filter(|index| !self.is_blended(*index));
@@ -56,7 +57,7 @@ impl Surfaces<'_> {
         match (missing(&first, &second), missing(&second, &first)) {
             (Some(one), other) => [Some(one), other.or(lowest[1])],
             (None, Some(other)) => [lowest[0], Some(other)],
-            // The same surfaces in another order: they pass through each other.
+            // The same surfaces in a different order: they intersect.
             (None, None) => {
                 let differing = first.iter().zip(&second).find(|(one, other)| one != other);
                 differing.map_or([None, None], |(one, other)| [Some(*one), Some(*other)])
@@ -76,13 +77,13 @@ impl Surfaces<'_> {
         Side { enter, exit, gradient: plane.gradient, priority: path.map(|place| plane.at(place)) }
     }
 
-    /// Returns numbers at the corners of a triangle that are affine on the screen, and greater than those of another triangle
-    /// where this one hides it.
+    /// Returns values at the corners of a triangle that are affine on the screen. They exceed the values of another
+    /// triangle where this one occludes it.
     fn priorities(&self, triangle: &ScreenTriangle, index: u32) -> [f64; 3] {
         let toward_viewer = |sign: f64| {
             let sign = if self.settings.reversed() { -sign } else { sign };
             triangle.vertices.each_ref().map(|vertex| {
-                // A depth that is linear in space is not so on the screen, where 1/w is.
+                // A depth that is linear in space is not affine on the screen, but 1/w is.
                 if triangle.depth.is_linear_in_space() { sign * f64::from(vertex.inv_w) } else { -sign * vertex.depth }
             })
         };
@@ -94,40 +95,40 @@ impl Surfaces<'_> {
     }
 }
 
-/// A place on the path between two samples where a triangle's boundary or the intersection of two triangles crosses it.
+/// A point on the path between two samples where it crosses a triangle's boundary or the intersection of two triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Event {
-    /// Share of the path before it.
+    /// Position along the path, in [0, 1].
     along: f64,
-    /// Normal of the line that crosses, of any length.
+    /// Normal of the crossed line, of any length.
     normal: DVec2,
 }
 
 /// A triangle along the path between two samples.
 #[derive(Clone, Copy, Debug)]
 struct Side {
-    /// The place where the path enters the triangle; none if it begins inside.
+    /// Point where the path enters the triangle; `None` if it begins inside.
     enter: Option<Event>,
-    /// The place where the path leaves the triangle; none if it ends inside.
+    /// Point where the path leaves the triangle; `None` if it ends inside.
     exit: Option<Event>,
-    /// Change of the priority per sample.
+    /// Gradient of the priority, per sample.
     gradient: DVec2,
-    /// Priorities at the ends of the path.
+    /// Priorities at the start and end of the path.
     priority: [f64; 2],
 }
 
-/// Returns the place at which `first`, visible where the path begins, gives way to `second`, visible where it ends.
+/// Returns the point at which `first`, visible at the start of the path, is replaced by `second`, visible at the end.
 fn change(first: &Side, second: &Side) -> [Option<Event>; 2] {
     let lead = |along: f64| {
         let at = |side: &Side| side.priority[0] + (side.priority[1] - side.priority[0]) * along;
         at(first) - at(second)
     };
-    // They may overlap from the place where the second begins to the one where the first ends.
+    // The surfaces may overlap from the point where the second begins to the point where the first ends.
     let (begin, end) = (second.enter.map_or(0.0, |event| event.along), first.exit.map_or(1.0, |event| event.along));
     if let (Some(enter), Some(exit)) = (second.enter, first.exit)
         && enter.along >= exit.along
     {
-        // Neighbours on one surface; or a gap between them that no sample shows.
+        // Adjacent triangles of one surface, or a gap between them that no sample shows.
         return [Some(exit), Some(enter)];
     }
     let (at_begin, at_end) = (lead(begin), lead(end));
@@ -144,7 +145,7 @@ fn change(first: &Side, second: &Side) -> [Option<Event>; 2] {
     [(at_begin > 0.0 && at_end < 0.0).then(intersection), None]
 }
 
-/// Returns where a path enters and leaves a triangle. An end of the path on an edge counts as outside.
+/// Returns the points where a path enters and leaves a triangle. An end of the path on an edge counts as outside.
 fn events(corners: [DVec2; 3], [from, to]: [DVec2; 2]) -> [Option<Event>; 2] {
     let turn = (corners[1] - corners[0]).perp_dot(corners[2] - corners[0]).signum();
     let (mut enter, mut exit) = (None::<Event>, None::<Event>);

@@ -1,11 +1,11 @@
-//! A picture of the surfaces that its samples show as polygons that share their boundaries: dual contouring (Ju, Losasso,
-//! Schaefer, Warren, "Dual Contouring of Hermite Data", 2002) with as many materials as there are regions.
+//! Polygons with shared boundaries from the surfaces that samples show: dual contouring (Ju, Losasso, Schaefer, Warren,
+//! "Dual Contouring of Hermite Data", 2002) with as many materials as there are regions.
 //!
-//! Between two neighbouring samples of different regions lies one *crossing*, found exactly with the line that the boundary
-//! follows there. Four samples form a *cell*; a cell with crossings has one *vertex*, at the point of the cell nearest to all
-//! of its lines: anywhere on the line if there is one, at the corner if there are several. Vertices of neighbouring cells are
-//! joined across the crossing between them. Regions therefore meet without gap and without overlap by construction, and
-//! boundaries are as straight as the triangles' edges at any zoom.
+//! Between two neighbouring samples of different regions lies one *crossing*, computed exactly with the line that the
+//! boundary follows there. Four samples form a *cell*. A cell with crossings has one *vertex*, at the point of the cell
+//! nearest to all of its lines: on the line if there is only one, at the corner if there are several. Vertices of
+//! neighbouring cells are connected across the crossing between them. Regions therefore meet without gaps or overlaps
+//! by construction, and boundaries are as straight as the triangles' edges at any zoom.
 
 use std::ops::Range;
 
@@ -17,33 +17,33 @@ use super::crossing::{Crossing, Surfaces};
 use super::visible::{RegionId, StackId};
 use crate::drawing::Region;
 
-/// Greatest distance by which leaving out vertices of nearly straight boundaries moves them, px.
+/// Maximum deviation when vertices of nearly straight boundaries are removed, in px.
 const STRAIGHT_PX: f64 = 0.01;
 
-/// Two lines count as one if the sines of half the angles between them are smaller, squared.
+/// Threshold for the squared sine of half the angle between two lines, below which they count as one line.
 const PARALLEL: f64 = 1e-5;
 
-/// Percent of a drawing that is complete before and after the vertices are found.
+/// Progress of a drawing before and after the vertices are found, in percent.
 const VERTICES_PERCENT: Range<usize> = 50..80;
 
-/// Percent of a drawing that is complete before and after the boundaries are traced.
+/// Progress of a drawing before and after the boundaries are traced, in percent.
 const BOUNDARIES_PERCENT: Range<usize> = 80..100;
 
-/// A vertex on the boundary of regions, in the cell around a corner of four samples.
+/// A vertex on the boundary of regions, in the cell between four samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Vertex {
-    /// Column of the cell: that of the sample right of its middle.
+    /// Column of the cell, equal to the column of the samples on its right.
     column: u32,
-    /// The place, in samples.
+    /// Position, in samples.
     place: DVec2,
     /// Whether more than two boundaries meet here.
     is_junction: bool,
 }
 
-/// All vertices, row by row of cells and from left to right.
+/// All vertices, in reading order of their cells.
 struct Vertices {
     all: Vec<Vertex>,
-    /// Range of each row within them.
+    /// Index range of each row of cells.
     rows: Vec<Range<usize>>,
 }
 
@@ -73,7 +73,8 @@ impl Vertices {
     }
 }
 
-/// Returns the regions of a picture in units of `samples_per_px` samples, each with its boundary; `None` if cancelled.
+/// Returns the regions of a picture with their boundaries; `None` if cancelled. Coordinates are in pixels of
+/// `samples_per_px` samples.
 pub(super) fn partition(
     surfaces: &Surfaces<'_>,
     samples_per_px: u32,
@@ -100,7 +101,7 @@ pub(super) fn partition(
     Some(regions)
 }
 
-/// Returns the stacks of a row of samples; none beyond the picture.
+/// Returns the stacks of a row of samples; `None` outside the picture.
 fn row_of<'a>(surfaces: &Surfaces<'a>, row: Option<u32>) -> Option<&'a [StackId]> {
     row.filter(|row| *row < surfaces.visibility.height).map(|row| surfaces.visibility.row(row))
 }
@@ -123,10 +124,10 @@ fn vertices_of(surfaces: &Surfaces<'_>, row: u32) -> Vec<Vertex> {
     vertices
 }
 
-/// Returns the vertex of a cell, if its samples, which follow each other around it from the left of the upper row, are not
-/// all of one region.
+/// Returns the vertex of a cell; `None` if its samples all belong to one region. The stacks are in clockwise order,
+/// beginning with the upper left sample.
 fn vertex_of(surfaces: &Surfaces<'_>, cell @ [column, row]: [u32; 2], stacks: [Option<StackId>; 4]) -> Option<Vertex> {
-    /// Places of the samples of a cell, from its middle.
+    /// Positions of the samples of a cell, relative to its centre.
     const SAMPLES: [DVec2; 4] =
         [DVec2::new(-0.5, -0.5), DVec2::new(0.5, -0.5), DVec2::new(0.5, 0.5), DVec2::new(-0.5, 0.5)];
     let middle = DVec2::new(column.into(), row.into());
@@ -140,7 +141,7 @@ fn vertex_of(surfaces: &Surfaces<'_>, cell @ [column, row]: [u32; 2], stacks: [O
                 boundaries += 1;
             }
             (Some(_), None) | (None, Some(_)) => {
-                // The edge of the picture lies in the middle between a sample in it and one beyond.
+                // The border of the picture lies halfway between a sample inside and one outside.
                 crossings.push(Crossing { place: (path[0] + path[1]) / 2.0, normal: Some((path[1] - path[0]).abs()) });
                 boundaries += 1;
             }
@@ -154,11 +155,11 @@ fn vertex_of(surfaces: &Surfaces<'_>, cell @ [column, row]: [u32; 2], stacks: [O
     (boundaries > 0).then(|| Vertex { column, place: nearest(&crossings, bounds), is_junction })
 }
 
-/// Returns the point within bounds for which the sum of squared distances to the lines of all crossings is least; of several
-/// the one nearest to the mean of their places.
+/// Returns the point within bounds that minimises the sum of squared distances to the lines of all crossings. If there
+/// are several, returns the one nearest to the mean position of the crossings.
 fn nearest(crossings: &[Crossing], [low, high]: [DVec2; 2]) -> DVec2 {
     let mean = crossings.iter().map(|crossing| crossing.place).sum::<DVec2>() / crossings.len() as f64;
-    // Σ n nᵀ and Σ n (n · c) with places relative to the mean.
+    // Σ n nᵀ and Σ n (n · c), with positions relative to the mean.
     let (mut matrix, mut vector) = (DMat2::ZERO, DVec2::ZERO);
     for Crossing { place, normal } in crossings {
         let Some(normal) = normal else { continue };
@@ -170,7 +171,7 @@ fn nearest(crossings: &[Crossing], [low, high]: [DVec2; 2]) -> DVec2 {
         return mean.clamp(low, high);
     }
     if determinant <= PARALLEL * trace * trace {
-        // One line, whose normal is the longer column.
+        // A single line, whose normal is the longer column.
         let along_x = matrix.x_axis.length_squared() >= matrix.y_axis.length_squared();
         let normal = if along_x { matrix.x_axis } else { matrix.y_axis }.normalize();
         return (mean + normal * normal.dot(vector) / trace).clamp(low, high);
@@ -179,7 +180,8 @@ fn nearest(crossings: &[Crossing], [low, high]: [DVec2; 2]) -> DVec2 {
     if corner.cmpge(low).all() && corner.cmple(high).all() {
         return corner;
     }
-    // On the border of the bounds: on each side where the derivative along it is zero, or at its end.
+    // On the border of the bounds: the point on each side where the derivative along it is zero, or the end of the
+    // side.
     let error = |place: DVec2| {
         let offset = place - mean;
         offset.dot(matrix * offset) - 2.0 * vector.dot(offset)
@@ -202,21 +204,21 @@ struct Outlines<'a> {
     kept: Kept<'a>,
 }
 
-/// A side of a sample, walked with the sample on the right.
+/// A side of a sample, traversed with the sample on the right.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Side {
     sample: [u32; 2],
-    /// Step along the side.
+    /// Unit step along the side.
     step: [i32; 2],
 }
 
 impl Side {
-    /// Step from the sample across the side.
+    /// Returns the unit step from the sample across the side.
     fn outward(self) -> [i32; 2] {
         [self.step[1], -self.step[0]]
     }
 
-    /// Returns the cell at its end.
+    /// Returns the cell at the end of the side.
     fn end_cell(self) -> [u32; 2] {
         let [right, down] = self.step;
         let [x, y] = self.sample;
@@ -225,13 +227,13 @@ impl Side {
 }
 
 impl Outlines<'_> {
-    /// Returns all closed boundaries, each with the region inside, as indices of vertices. Boundaries that nearly vanish are
-    /// left out. Returns `None` if cancelled.
+    /// Returns all closed boundaries as vertex indices, each with the region inside. Boundaries that simplification
+    /// reduces to fewer than three vertices are omitted. Returns `None` if cancelled.
     fn all(&mut self, control: OutlineControl<'_>) -> Option<Vec<(RegionId, Vec<usize>)>> {
         let visibility = self.surfaces.visibility;
         let (width, height) = (visibility.width, visibility.height);
         let mut boundaries = Vec::new();
-        // Every boundary runs along the top of a sample.
+        // Every boundary contains the top side of some sample.
         let mut walked = vec![false; width as usize * height as usize];
         let step = ParallelStep::new(control, BOUNDARIES_PERCENT, height as usize);
         for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
@@ -265,14 +267,14 @@ impl Outlines<'_> {
         Some(boundaries)
     }
 
-    /// Returns the region a step away from a sample; none beyond the picture.
+    /// Returns the region one step away from a sample; `None` outside the picture.
     fn beyond(&self, [x, y]: [u32; 2], [right, down]: [i32; 2]) -> Option<RegionId> {
         let visibility = self.surfaces.visibility;
         let (x, y) = (x.checked_add_signed(right)?, y.checked_add_signed(down)?);
         (x < visibility.width && y < visibility.height).then(|| visibility.region(visibility.stack(x, y)))
     }
 
-    /// Returns the side that follows within the boundary of a region. Samples that touch at a corner alone are not joined.
+    /// Returns the next side on the boundary of a region. Samples that touch only at a corner are not connected.
     fn next(&self, side: Side, region: RegionId) -> Side {
         let Side { sample, step } = side;
         let outward = side.outward();
@@ -288,22 +290,23 @@ impl Outlines<'_> {
     }
 }
 
-/// The vertices that nearly straight boundaries keep (Douglas and Peucker, 1973): decided once for both regions on its sides.
+/// Simplification of nearly straight boundaries (Douglas and Peucker, 1973). Each vertex is decided once, for the
+/// regions on both sides.
 struct Kept<'a> {
     vertices: &'a [Vertex],
-    /// Greatest distance of a vertex that is left out from the boundary, in samples.
+    /// Maximum distance of a removed vertex from the boundary, in samples.
     tolerance: f64,
     decided: Vec<Option<bool>>,
 }
 
 impl Kept<'_> {
-    /// Returns the vertices of a closed boundary that are kept.
+    /// Returns the kept vertices of a closed boundary.
     fn of(&mut self, mut boundary: Vec<usize>) -> Vec<usize> {
         let place = |vertex: &usize| self.vertices[*vertex].place;
         let first_in_place = |a: &usize, b: &usize| {
             place(a).x.total_cmp(&place(b).x).then(place(a).y.total_cmp(&place(b).y)).then(a.cmp(b))
         };
-        // Without a junction a corner of the convex hull is kept, as seen from both sides.
+        // Without a junction, starts at a corner of the convex hull, which is the same for the regions on both sides.
         let start = boundary
             .iter()
             .position(|vertex| self.vertices[*vertex].is_junction)
@@ -323,7 +326,7 @@ impl Kept<'_> {
         boundary
     }
 
-    /// Decides which vertices between the ends of a boundary are kept; the ends are.
+    /// Decides which inner vertices of a chain are kept; its ends always are.
     fn decide(&mut self, chain: &[usize]) {
         let [first, inner @ .., last] = chain else { return };
         self.decided[*first] = Some(true);
@@ -345,7 +348,7 @@ impl Kept<'_> {
     }
 }
 
-/// Returns the squared distance of a point from the straight line between two others, which may coincide.
+/// Returns the squared distance of a point from the segment between two points, which may coincide.
 fn distance_squared(point: DVec2, from: DVec2, to: DVec2) -> f64 {
     let along = to - from;
     let share = ((point - from).dot(along) / along.length_squared()).clamp(0.0, 1.0);

@@ -1,4 +1,4 @@
-//! Drawings compared with pictures that the renderer makes of the same view.
+//! Compares drawings with rendered images of the same view.
 
 use std::collections::HashMap;
 use std::sync::Mutex;
@@ -14,7 +14,7 @@ use crate::scene::obj;
 
 const SIZE: Viewport = Viewport { width: 200, height: 150 };
 
-/// Draws a view to the end.
+/// Draws a view without progress reports or cancellation.
 fn outline(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, viewport: Viewport, kind: OutlineKind) -> Drawing {
     let control = OutlineControl { progress: &|_| {}, cancel: &AtomicBool::new(false) };
     super::outline(&OutlineRequest { scene, camera, recipe, viewport, kind }, control).unwrap()
@@ -25,7 +25,7 @@ fn progress_ends_with_the_whole_and_cancelling_ends_at_the_next_report() {
     let scene = Arc::new(builtin::by_id("cubes").unwrap().build());
     let (camera, recipe) = (&scene.home, &Recipe::default());
     let request = OutlineRequest { scene: &scene, camera, recipe, viewport: SIZE, kind: OutlineKind::Polygons };
-    // One thread reports in the order in which it completes.
+    // A single thread reports in order of completion.
     let single = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     for cancelled_at in [None, Some(0.3), Some(0.6), Some(0.9)] {
         let (reports, cancel) = (Mutex::new(Vec::new()), AtomicBool::new(false));
@@ -88,16 +88,16 @@ fn an_edge_that_reaches_far_outside_is_hidden_to_the_pixel() {
         .collect();
     let [(left, hidden), (shown, right)] = ends[..] else { panic!("{ends:?}") };
     assert!(left.abs() < 1e-6 && (right - 100.0).abs() < 1e-6, "{ends:?}");
-    // A pixel beside what hides it still shows the line.
+    // A pixel next to the occluder still shows the line.
     assert!((hidden - 40.5).abs() <= 1.0 && (shown - 49.5).abs() <= 1.0, "{ends:?}");
 }
 
-/// Looks along −z at the square from −1 to 1.
+/// Returns a camera that looks along −z at the square from −1 to 1.
 fn front() -> Camera {
     Camera::look_at(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO)
 }
 
-/// A scene of quads, each four corners in the order of its outline, that have their own flat material.
+/// Builds a scene of quads with flat materials of their own. Each quad has four corners in outline order.
 fn quads(quads: &[[[f64; 3]; 4]], materials: &[&str]) -> Arc<Scene> {
     let folder = tempfile::tempdir().unwrap();
     let (mut model, mut library) = ("mtllib quads.mtl\n".to_owned(), String::new());
@@ -114,7 +114,7 @@ fn quads(quads: &[[[f64; 3]; 4]], materials: &[&str]) -> Arc<Scene> {
     Arc::new(obj::load(&path).unwrap().scene)
 }
 
-/// A recipe in which every triangle has one colour.
+/// Returns a recipe in which every triangle has a single colour.
 fn flat(shading: &str) -> Recipe {
     let mut recipe = Recipe::default();
     recipe.set_all(&[format!("shading={shading}"), "culling=none".to_owned()]).unwrap();
@@ -126,7 +126,7 @@ fn regions(drawing: &Drawing) -> &[Region] {
     regions
 }
 
-/// Times that pictures are enlarged to find edges between the centres of pixels.
+/// Magnification of the images used to find edges between pixel centres.
 const FINE: u32 = 5;
 
 fn rendered(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, zoom: u32) -> Image<Rgba8> {
@@ -134,8 +134,8 @@ fn rendered(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, zoom: u32) -> 
     Renderer::default().render(scene, camera, recipe, size, KeepDepth::No).image().clone()
 }
 
-/// Counts the pixels of the drawing, enlarged, that differ from those of the rendered picture although no edge is within
-/// `margin` pixels; and all pixels that have none that near. Edges are those of a finer picture.
+/// Counts the pixels of the magnified drawing that differ from the rendered image although no edge is within `margin`
+/// pixels, and all pixels without such an edge. Edges come from a finer image.
 fn differing(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, [zoom, margin]: [u32; 2]) -> [usize; 2] {
     let drawing = outline(scene, camera, recipe, SIZE, OutlineKind::Polygons);
     let drawn = bitmap(&drawing, zoom.into());
@@ -151,7 +151,7 @@ fn differing(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, [zoom, margin
     [inner.iter().filter(|(x, y)| drawn.at(*x, *y) != picture.at(*x, *y)).count(), inner.len()]
 }
 
-/// Checks the drawing but for a pixel beside edges, at its own size and enlarged.
+/// Asserts that the drawing matches the image except within a pixel of edges, at its own size and magnified.
 fn assert_shows_the_picture(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe) {
     for [zoom, margin] in [[1, 1], [FINE, FINE]] {
         let [differing, of] = differing(scene, camera, recipe, [zoom, margin]);
@@ -161,7 +161,7 @@ fn assert_shows_the_picture(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe
 
 #[test]
 fn bars_that_overlap_each_other_in_a_circle_are_drawn_as_they_lie() {
-    // Each bar rises along its length: its far end lies over the next one.
+    // Each bar rises along its length, so its far end lies over the next one.
     let bars: Vec<_> = (0..3)
         .map(|bar| {
             let turn = glam::DVec2::from_angle(f64::from(bar) * std::f64::consts::TAU / 3.0);
@@ -184,10 +184,10 @@ fn surfaces_that_pass_through_each_other_meet_in_a_straight_line() {
             let mut recipe = flat("texture");
             recipe.set_all(&[format!("depth_test={depth_test}"), format!("depth_format={format}")]).unwrap();
             assert_shows_the_picture(&scene, &front(), &recipe);
-            // With `greater` the boundaries are right to a pixel, but not straight.
+            // With `greater`, boundaries are accurate to a pixel, but not straight.
             if depth_test == "less" {
                 let drawing = outline(&scene, &front(), &recipe, SIZE, OutlineKind::Polygons);
-                // The tilted quad bends along its diagonal: each region has few corners if its sides are straight.
+                // The tilted quad bends along its diagonal; each region has few corners if its sides are straight.
                 let corners: Vec<_> = regions(&drawing).iter().map(|region| region.contours.concat().len()).collect();
                 assert!(corners.iter().all(|corners| *corners <= 16), "{format}: {corners:?}");
             }
@@ -245,7 +245,7 @@ fn a_triangle_has_its_own_corners_and_the_background_has_them_as_a_hole() {
     assert_eq!((page.len(), hole.len()), (4, 3));
 }
 
-/// A wall of triangles of one colour with shared edges in many directions.
+/// Builds a wall of triangles of one colour, with shared edges in many directions.
 fn wall() -> Arc<Scene> {
     const SIDE: usize = 12;
     let mut random = fastrand::Rng::with_seed(5);

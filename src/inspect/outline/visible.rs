@@ -1,4 +1,4 @@
-//! The surfaces that each sample of a picture shows, found by the rasterizer itself.
+//! Visible surfaces at each sample of a picture, found by the rasterizer itself.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -18,34 +18,34 @@ use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::pipeline::{Extent, Geometry, Until, draw};
 use crate::scene::{Scene, TriangleId};
 
-/// Rows of samples that are drawn together: enough that most triangles are set up once, and few enough for every thread to
-/// get several.
+/// Number of sample rows drawn together: enough to set up most triangles once, and few enough to give every thread
+/// several bands.
 const ROWS: u32 = 64;
 
-/// Percent of a drawing that is complete before and after the visible surfaces are found.
+/// Progress of a drawing before and after the visible surfaces are found, in percent.
 const VISIBILITY_PERCENT: Range<usize> = 0..50;
 
 /// Index of a stack of surfaces in [`Stacks`].
 pub(super) type StackId = u32;
 
-/// Index of a region: all samples that show the same triangles.
+/// Index of a region, which consists of all samples that show the same triangles.
 pub(super) type RegionId = u32;
 
 /// The stack and the region of samples that no triangle covers.
 pub(super) const BACKGROUND: u32 = 0;
 
-/// A surface and what it was drawn over.
+/// A surface and the stack below it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct Layer<T> {
-    /// The stack below: the background for opaque surfaces, which hide what was there.
+    /// Stack below; the background for opaque surfaces, which hide everything below.
     below: u32,
     surface: T,
 }
 
-/// Stacks of surfaces, each numbered once: an opaque surface and the blended ones that were drawn over it.
+/// Deduplicated stacks of surfaces: an opaque surface and the blended ones drawn over it.
 #[derive(Clone, Debug)]
 struct Stacks<T> {
-    /// The uppermost layer of each stack but the background, which has none.
+    /// Top layer of each stack except the background, which has none.
     layers: Vec<Layer<T>>,
     numbers: HashMap<Layer<T>, u32>,
 }
@@ -55,7 +55,7 @@ impl<T: Copy + Eq + std::hash::Hash> Stacks<T> {
         Self { layers: Vec::new(), numbers: HashMap::new() }
     }
 
-    /// Returns the number of a stack, a new one if there is none.
+    /// Returns the index of a stack, adding it if it is new.
     fn number(&mut self, layer: Layer<T>) -> u32 {
         *self.numbers.entry(layer).or_insert_with(|| {
             self.layers.push(layer);
@@ -63,17 +63,17 @@ impl<T: Copy + Eq + std::hash::Hash> Stacks<T> {
         })
     }
 
-    /// Returns the surfaces of a stack from the uppermost to the lowest.
+    /// Returns the surfaces of a stack, top to bottom.
     fn surfaces(&self, stack: u32) -> impl Iterator<Item = T> {
         let layer = |stack: u32| (stack != BACKGROUND).then(|| self.layers[stack as usize - 1]);
         std::iter::successors(layer(stack), move |above| layer(above.below)).map(|layer| layer.surface)
     }
 }
 
-/// A picture of the surfaces that its samples show.
+/// Visible surfaces of all samples of a picture.
 #[derive(Clone, Debug)]
 pub(super) struct Visibility {
-    /// Samples in a row.
+    /// Number of samples in a row.
     pub(super) width: u32,
     /// Number of rows of samples.
     pub(super) height: u32,
@@ -81,14 +81,14 @@ pub(super) struct Visibility {
     labels: Vec<StackId>,
     /// Stacks of indices into [`Geometry::triangles`].
     stacks: Stacks<u32>,
-    /// The region of each stack: pieces of one clipped triangle belong together.
+    /// Region of each stack; pieces of one clipped triangle belong to the same region.
     regions: Vec<RegionId>,
     /// Mean colour of each region.
     colors: Vec<Rgb>,
 }
 
 impl Visibility {
-    /// Draws `geometry`, which was prepared for a picture of `size`; `None` if cancelled.
+    /// Draws `geometry`, which must be prepared for a picture of `size`; `None` if cancelled.
     pub(super) fn of(
         scene: &Scene,
         geometry: &Geometry,
@@ -151,7 +151,7 @@ impl Visibility {
         &self.colors
     }
 
-    /// Returns the surfaces of a stack from the uppermost to the lowest, as indices into [`Geometry::triangles`].
+    /// Returns the surfaces of a stack, top to bottom, as indices into [`Geometry::triangles`].
     pub(super) fn surfaces(&self, stack: StackId) -> impl Iterator<Item = u32> {
         self.stacks.surfaces(stack)
     }
@@ -170,18 +170,18 @@ impl Sum {
         self.count += other.count;
     }
 
-    /// Returns the mean, rounded to nearest; none of nothing.
+    /// Returns the mean, rounded to nearest; `None` without samples.
     fn mean(&self) -> Option<Rgb> {
         let Self { codes, count } = *self;
         (count > 0).then(|| codes.map(|code| ((code + count / 2) / count) as u8))
     }
 }
 
-/// Some rows of the picture, with stacks numbered for themselves.
+/// A band of rows of the picture, with its own numbering of stacks.
 struct Band {
     labels: Vec<u32>,
     stacks: Stacks<u32>,
-    /// Colours of the samples of each stack.
+    /// Sum of the colours of each stack's samples.
     sums: Vec<Sum>,
 }
 
@@ -206,19 +206,19 @@ impl Band {
     }
 }
 
-/// Records the stack of each sample while rows are drawn.
+/// An observer that records the stack of each sample.
 struct Recorder<'a> {
     geometry: &'a Geometry,
     first_row: u32,
     width: u32,
     labels: Vec<u32>,
     stacks: Stacks<u32>,
-    /// Index of the triangle of the last fragment: many follow each other.
+    /// Index of the triangle of the previous fragment; most fragments have the same triangle.
     last_drawn: usize,
 }
 
 impl Recorder<'_> {
-    /// Returns the index of a triangle in the list of all.
+    /// Returns the index of a triangle in [`Geometry::triangles`].
     fn index_of(&mut self, triangle: &ScreenTriangle) -> u32 {
         let triangles = &self.geometry.triangles;
         if !triangles.get(self.last_drawn).is_some_and(|last| std::ptr::eq(last, triangle)) {

@@ -1,6 +1,6 @@
-//! Colour that straight texture filtering takes from hidden texels.
+//! Colour bleeding: colour that straight-alpha texture filtering takes from transparent texels.
 //!
-//! The samples of the frame are drawn twice more, as the recipe filters textures and with premultiplied filtering.
+//! The frame's samples are drawn twice more, with the recipe's texture filtering and with premultiplied filtering.
 
 use super::sheet::{Key, Scale, Sheet, Total};
 use super::{Context, Overlay};
@@ -11,12 +11,12 @@ use crate::inspect::view::Range;
 use crate::pipeline::Until;
 use crate::pipeline::settings::{AlphaMode, Settings};
 
-/// Returns the greatest difference of a channel in codes.
+/// Returns the greatest difference of any channel, in codes.
 fn difference(a: Rgba8, b: Rgba8) -> u8 {
     a.iter().zip(b).map(|(a, b)| a.abs_diff(b)).max().unwrap_or(0)
 }
 
-/// Differences from premultiplied filtering.
+/// Computes the difference from premultiplied filtering at each pixel, in codes.
 pub(super) fn alpha_bleed(context: &Context<'_>) -> Sheet {
     let Context { scene, recipe, frame, .. } = context;
     let pipeline = Settings { alpha: AlphaMode::Premultiplied, ..recipe.pipeline };

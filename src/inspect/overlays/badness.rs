@@ -1,4 +1,4 @@
-//! Values of the shown quantity that should not be: not numbers, negative, or beyond the range.
+//! Invalid values of the displayed quantity: NaN, infinite, negative, or outside the range.
 
 use super::sheet::{Key, Kind, Sheet, Total};
 use super::{Context, Overlay};
@@ -19,21 +19,21 @@ const CLIPPED: [Kind; 3] = [
     Kind { name: "below and above", color: [210, 60, 220, 255], striped: true },
 ];
 
-/// NaN before infinite before negative, where channels differ.
+/// Returns the index in [`BAD`] of the most severe defect of any channel: NaN, then infinite, then negative.
 fn badness(value: Value) -> Option<usize> {
     let tests: [fn(f32) -> bool; 3] = [f32::is_nan, f32::is_infinite, |number| number < 0.0];
     tests.iter().position(|test| channels(value).any(test))
 }
 
-/// What is no proper number.
+/// Marks NaN, infinite and negative values.
 pub(super) fn bad_numbers(context: &Context<'_>) -> Sheet {
     sheet(Overlay::BadNumbers, context, &BAD, badness)
 }
 
-/// What lies beyond the range.
+/// Marks values outside the displayed range.
 pub(super) fn clipped(context: &Context<'_>) -> Sheet {
     let Some(range) = context.range else {
-        return Sheet::absent(Overlay::Clipped, context.frame.image().size(), "what is shown has no range");
+        return Sheet::absent(Overlay::Clipped, context.frame.image().size(), "the displayed quantity has no range");
     };
     sheet(Overlay::Clipped, context, &CLIPPED, |value| match beyond(value, range) {
         (false, false) => None,

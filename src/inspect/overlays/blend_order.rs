@@ -5,7 +5,7 @@ use super::{Context, Overlay};
 use crate::inspect::blending::{Misordered, misordered};
 
 const KINDS: [Kind; 2] = [
-    Kind { name: "another colour", color: [255, 0, 190, 255], striped: false },
+    Kind { name: "different colour", color: [255, 0, 190, 255], striped: false },
     Kind { name: "same colour", color: [48, 132, 255, 255], striped: false },
 ];
 

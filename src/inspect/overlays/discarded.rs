@@ -1,20 +1,20 @@
-//! Fragments that were discarded at each pixel, and coverage that was culled, by reason.
+//! Discarded fragments and culled coverage at each pixel, by reason.
 //!
-//! Clipping is not counted: what it cuts away has no coverage.
+//! Clipping is not counted: clipped parts have no coverage.
 
 use super::sheet::{Key, Kind, Sheet, Total};
 use super::{Context, Overlay};
 use crate::image::Image;
 use crate::inspect::history::Survey;
 
-/// Reasons, in the order in which ties between them are decided.
+/// Reasons, in the order that resolves ties between them.
 const REASONS: [Kind; 3] = [
     Kind { name: "depth test", color: [230, 60, 50, 255], striped: false },
     Kind { name: "alpha test", color: [250, 200, 40, 255], striped: false },
     Kind { name: "face culling", color: [60, 120, 235, 255], striped: false },
 ];
 
-/// Colours each pixel by the reason that discarded most there.
+/// Colours each pixel by the reason that discarded most fragments there.
 pub(super) fn discarded(context: &Context<'_>) -> Sheet {
     let Context { scene, recipe, frame, .. } = context;
     let watched = context.watched();
@@ -29,13 +29,13 @@ pub(super) fn discarded(context: &Context<'_>) -> Sheet {
     Sheet { counts: of_reasons.into(), ..Sheet::new(Overlay::Discarded, values, Key::Kinds(&REASONS), totals) }
 }
 
-/// The reason that is counted most often, the first one among equals; `None` if nothing is.
+/// Returns the index of the greatest count, the first one in a tie; `None` if all are zero.
 fn most_frequent(counts: [u32; 3]) -> Option<usize> {
     let most = counts.into_iter().max().filter(|most| *most > 0)?;
     counts.iter().position(|count| *count == most)
 }
 
-/// Totals over all packed samples.
+/// Returns the totals over all packed samples.
 fn totals(packed: &Image<u32>, counts: impl Fn(u32, u32) -> [u32; 3]) -> Vec<Total> {
     let (width, height) = packed.size();
     let (mut sums, mut touched) = ([0_u64; 3], 0_u64);

@@ -1,4 +1,4 @@
-//! Edges of triangles as lines, and what the fill rule makes of them.
+//! Triangle edges as lines, and their ownership under the fill rule.
 
 use super::sheet::{Key, Sheet, Total};
 use super::watch::corners_px;
@@ -12,7 +12,7 @@ use crate::pipeline::wireframe::line_pixels;
 use crate::scene::Scene;
 use crate::upscale::Sampling;
 
-/// All edges, exact or snapped.
+/// Draws all edges, between exact or snapped corners.
 pub(super) fn wireframe(overlay: Overlay, context: &Context<'_>) -> Sheet {
     let Context { scene, recipe, frame, .. } = context;
     let size = frame.image().size();
@@ -37,7 +37,7 @@ pub(super) fn wireframe(overlay: Overlay, context: &Context<'_>) -> Sheet {
     Sheet { lines, ..Sheet::new(overlay, values, Key::Lines, totals) }
 }
 
-/// Calls `sink` with every rasterized triangle on the full picture.
+/// Calls `sink` with every rasterized triangle, projected to the full picture.
 pub(super) fn each_triangle(scene: &Scene, recipe: &Recipe, frame: &Frame, sink: impl FnMut(&ScreenTriangle)) {
     match frame.sampling {
         Sampling::Grid(_) => frame.geometry.triangles.iter().for_each(sink),
@@ -48,10 +48,10 @@ pub(super) fn each_triangle(scene: &Scene, recipe: &Recipe, frame: &Frame, sink:
     }
 }
 
-/// An edge with the side that it belongs to.
+/// An edge of a triangle, with its inner side and ownership.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgeMarks {
-    /// Its ends in px, as rasterized.
+    /// Ends in px, as rasterized.
     pub ends_px: [[f32; 2]; 2],
     /// Unit vector from the edge into the triangle, y down.
     pub inward: [f32; 2],
@@ -59,8 +59,9 @@ pub struct EdgeMarks {
     pub owned: bool,
 }
 
-/// The edges of all rasterized triangles whose box meets a rectangle of the picture (left, top, right, bottom in px), at most
-/// `most`. None where samples lie between pixels: there are no edges of the full picture then.
+/// Returns the edges of rasterized triangles whose bounding box meets a rectangle (left, top, right, bottom in px of
+/// the picture). Stops after the triangle that reaches `most` edges. Empty for lattice sampling, which has no edges at
+/// the full resolution.
 pub fn edge_marks(frame: &Frame, recipe: &Recipe, [left, top, right, bottom]: [f32; 4], most: usize) -> Vec<EdgeMarks> {
     if matches!(frame.sampling, Sampling::Lattice(_)) {
         return Vec::new();
@@ -92,7 +93,7 @@ pub fn edge_marks(frame: &Frame, recipe: &Recipe, [left, top, right, bottom]: [f
     marks
 }
 
-/// Unit vector across a line towards a point beside it; zero for a line without length.
+/// Returns the unit vector across a line towards a point beside it; zero for a line of zero length.
 fn inward(from: [f32; 2], to: [f32; 2], inside: [f32; 2]) -> [f32; 2] {
     let (along, down) = (to[0] - from[0], to[1] - from[1]);
     let length = along.hypot(down);

@@ -1,8 +1,8 @@
-//! Where another triangle is seen than exact arithmetic would show.
+//! Pixels that show a triangle other than exact arithmetic would.
 //!
-//! The oracle draws the scene once more with exact predicates on corners that are not snapped, by the plainest rasterizer. It
-//! shares projection and depth with the frame; what differs is rounding of corners and of edges, and the fill rule where that
-//! one is wrong on purpose.
+//! The reference is drawn with exact predicates on unsnapped corners by the bounding-box rasterizer. It shares
+//! projection and depth with the frame. Differences come from rounding of corners and edges, or from a deliberately
+//! wrong fill rule.
 
 use super::sheet::{Key, Kind, Sheet, Total};
 use super::watch::watch;
@@ -18,7 +18,7 @@ const DIFFERENCES: [Kind; 3] = [
     Kind { name: "extra", color: [255, 150, 0, 255], striped: false },
 ];
 
-/// The recipe of the oracle.
+/// Returns the recipe of the reference.
 fn oracle(recipe: &Recipe) -> Recipe {
     let Settings { fill_rule, .. } = recipe.pipeline;
     let pipeline = Settings {
@@ -27,22 +27,22 @@ fn oracle(recipe: &Recipe) -> Recipe {
         fill_rule: if fill_rule.is_sound() { fill_rule } else { FillRule::TopLeft },
         ..recipe.pipeline
     };
-    // Owners are those of the centres of pixels, whatever their colours are made of.
+    // Owners are compared at pixel centres, regardless of anti-aliasing and post filters.
     let (antialias, post) = (Antialiasing::default(), PostFilter::default());
     Recipe { execution: Execution::Classic, pipeline, antialias, post, wireframe: false, ..*recipe }
 }
 
-/// Where owners differ.
+/// Marks pixels whose owner differs from the reference.
 pub(super) fn exact_owner(context: &Context<'_>) -> Sheet {
     let Context { scene, recipe, frame, .. } = context;
     let overlay = Overlay::ExactOwner;
     if !context.is_whole {
-        return Sheet::absent(overlay, frame.image().size(), "only some of the triangles are drawn");
+        return Sheet::absent(overlay, frame.image().size(), "only some triangles are drawn; draw the whole frame");
     }
     let oracle = oracle(recipe);
     let exact = run(scene, &frame.camera, &oracle, frame.viewport, &mut ());
     if exact.sampling != frame.sampling {
-        return Sheet::absent(overlay, frame.image().size(), "this frame's samples depend on the frames before");
+        return Sheet::absent(overlay, frame.image().size(), "the samples of this frame depend on previous frames");
     }
     let (drawn, due) = (&context.watched().owner, watch(scene, &oracle, &exact).owner);
     let kind = |column: u32, row: u32| match (drawn.at(column, row), due.at(column, row)) {

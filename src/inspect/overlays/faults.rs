@@ -12,7 +12,7 @@ const FAULTS: [Kind; 2] = [
     Kind { name: "double hit", color: DOUBLE_HIT, striped: false },
 ];
 
-/// The faults of a frame.
+/// Marks the faults of a frame.
 pub(super) fn faults(context: &Context<'_>) -> Sheet {
     let (width, height) = context.frame.image().size();
     let Context { scene, recipe, frame, .. } = context;

@@ -1,4 +1,4 @@
-//! How many fragments each pixel had: rasterized, passed, visible; and what the depth test said.
+//! Fragment counts of each pixel (rasterized, passed, visible), and outcomes of its depth tests.
 
 use super::sheet::{Key, Kind, Scale, Sheet, Total};
 use super::{Context, Overlay};
@@ -6,14 +6,14 @@ use crate::image::Image;
 use crate::inspect::display::ColorMap;
 use crate::inspect::view::Range;
 
-/// Outcomes of a pixel's depth tests.
+/// Combined outcomes of a pixel's depth tests.
 const OUTCOMES: [Kind; 3] = [
     Kind { name: "all passed", color: [40, 120, 230, 255], striped: false },
     Kind { name: "some rejected", color: [240, 150, 20, 255], striped: false },
     Kind { name: "all rejected", color: [200, 40, 40, 255], striped: false },
 ];
 
-/// One of the three counts.
+/// Shows one of the three fragment counts.
 pub(super) fn count(overlay: Overlay, context: &Context<'_>) -> Sheet {
     let watched = context.watched();
     let counts = match overlay {
@@ -28,7 +28,7 @@ pub(super) fn count(overlay: Overlay, context: &Context<'_>) -> Sheet {
     Sheet::new(overlay, values, Key::Scale(scale), totals_of(counts))
 }
 
-/// A count, or NaN for none.
+/// Converts a count to a number; zero becomes NaN.
 fn positive(count: u32) -> f32 {
     if count > 0 { count as f32 } else { f32::NAN }
 }
@@ -45,7 +45,7 @@ fn totals_of(counts: &Image<u32>) -> Vec<Total> {
     ]
 }
 
-/// What the depth test said.
+/// Shows whether all, some or none of a pixel's fragments passed the depth test.
 pub(super) fn depth_test(context: &Context<'_>) -> Sheet {
     let overlay = Overlay::DepthTest;
     if context.frame.drawn.depth.is_none() {

@@ -1,4 +1,4 @@
-//! T-junctions and unwelded vertices, where they lie in the picture.
+//! T-junctions and unwelded vertices at their positions in the picture.
 
 use super::sheet::{Key, Kind, Sheet, Total};
 use super::{Context, Overlay};
@@ -12,7 +12,7 @@ const KINDS: [Kind; 2] = [
     Kind { name: "unwelded vertex", color: DOUBLE_HIT, striped: false },
 ];
 
-/// Marks the pixel of every such vertex whose triangle was rasterized, hidden or not.
+/// Marks the pixel of every such vertex whose triangle was rasterized, even if occluded.
 pub(super) fn junctions(context: &Context<'_>) -> Sheet {
     let Context { scene, recipe, frame, .. } = context;
     let (width, height) = frame.image().size();

@@ -1,4 +1,4 @@
-//! An overlay of a stack, and how strong it is.
+//! A layer of the overlay stack, and its text form.
 
 use std::str::FromStr;
 
@@ -8,28 +8,29 @@ use super::{Context, Overlay, Sheet, normals};
 use crate::inspect::normals::DEFAULT_LENGTH;
 use crate::pipeline::settings::Choice as _;
 
-/// An overlay of the stack.
+/// An overlay in the stack, with its settings.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
 pub struct Layer {
-    /// Which.
+    /// Overlay of the layer.
     pub overlay: Overlay,
-    /// How strong, in [0, 1].
+    /// Opacity, in [0, 1].
     pub opacity: f32,
-    /// Length of normals, as a share of the diagonal of the scene's box, in [0, 1]; other overlays do not use it.
+    /// Length of normals, in [0, 1], as a fraction of the diagonal of the scene's bounding box; unused by other
+    /// overlays.
     pub length: f32,
 }
 
 impl From<Overlay> for Layer {
-    /// As strong as it is at first.
+    /// Creates a layer with the default opacity and length.
     fn from(overlay: Overlay) -> Self {
         Self { overlay, opacity: overlay.first_opacity(), length: DEFAULT_LENGTH }
     }
 }
 
 impl Layer {
-    /// As a word of the command line: `facing`, or `facing=0.4` if it is not as strong as at first;
-    /// `face-normals=1,length=0.1` if normals are not as long.
+    /// Returns the command-line form: `facing`, or `facing=0.4` if the opacity is not the default. A non-default length
+    /// of normals follows, as in `face-normals=1,length=0.1`.
     pub fn text(&self) -> String {
         let (id, opacity) = (self.overlay.id(), self.opacity);
         match self.drawn_length().filter(|length| *length != DEFAULT_LENGTH) {
@@ -39,17 +40,18 @@ impl Layer {
         }
     }
 
-    /// Length of normals, as a share of the diagonal of the scene's box; `None` for other overlays.
+    /// Returns the length of normals as a fraction of the diagonal of the scene's bounding box; `None` for other
+    /// overlays.
     fn drawn_length(&self) -> Option<f32> {
         self.overlay.has_length().then_some(self.length)
     }
 
-    /// Whether a sheet is what the overlay of this layer makes of the sheet's frame.
+    /// Whether a sheet shows this layer's overlay with its current length.
     pub fn is_of(&self, sheet: &Sheet) -> bool {
         sheet.overlay == self.overlay && sheet.length == self.drawn_length()
     }
 
-    /// Makes the overlay for a frame.
+    /// Computes the sheet of the overlay for a frame.
     pub fn sheet(&self, context: &Context<'_>) -> Sheet {
         match self.drawn_length() {
             Some(length) => normals::normals(self.overlay, length, context),
@@ -61,20 +63,20 @@ impl Layer {
 impl FromStr for Layer {
     type Err = String;
 
-    /// Reads what [`Layer::text`] writes.
+    /// Parses the output of [`Layer::text`].
     fn from_str(text: &str) -> Result<Self, String> {
         let (id, opacity) = text.split_once('=').map_or((text, None), |(id, opacity)| (id, Some(opacity)));
         let known = || Overlay::ALL.iter().map(|overlay| overlay.id()).collect::<Vec<_>>().join(", ");
         let overlay = Overlay::ALL.iter().copied().find(|overlay| overlay.id() == id);
-        let layer = Self::from(overlay.ok_or_else(|| format!("`{id}` is no overlay; there are {}", known()))?);
+        let layer = Self::from(overlay.ok_or_else(|| format!("`{id}` is not an overlay; use one of {}", known()))?);
         let Some(opacity) = opacity else { return Ok(layer) };
         let share = |text: &str, what: &str| {
             let number = text.parse().ok().filter(|number| (0.0..=1.0).contains(number));
-            number.ok_or_else(|| format!("`{text}` is no {what}: a number from 0 to 1"))
+            number.ok_or_else(|| format!("`{text}` is not a valid {what}; use a number from 0 to 1"))
         };
         let (opacity, length) = opacity.split_once(",length=").map_or((opacity, None), |(o, length)| (o, Some(length)));
         if length.is_some() && !layer.overlay.has_length() {
-            return Err(format!("`{id}` has no length: only normals have one"));
+            return Err(format!("`{id}` has no length; only overlays of normals have one"));
         }
         let length = length.map_or(Ok(layer.length), |length| share(length, "length"))?;
         Ok(Self { opacity: share(opacity, "opacity")?, length, ..layer })

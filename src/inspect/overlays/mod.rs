@@ -1,8 +1,8 @@
-//! What can be laid over any picture of a frame: edges, counts, sizes, faults. Overlays stack in any order, each with a
-//! legend, with totals, and with an exact value at every pixel; what lies below is never changed.
+//! Overlays over any picture of a frame: edges, counts, sizes, faults. They stack in any order. Each has a legend,
+//! totals, and an exact value at every pixel; the picture below never changes.
 //!
-//! A file for each group. All that watches the frame being drawn shares one more drawing of it ([`watch`]), which is made
-//! only when it is asked for.
+//! Each group has its own file. All overlays that need an observer share one additional drawing of the frame
+//! ([`watch`]), which is made on demand.
 
 mod alpha_bleed;
 
@@ -51,59 +51,59 @@ use crate::scene::Scene;
 use crate::scene::seams::Seams;
 
 choice! {
-    /// What is laid over the picture.
+    /// An overlay over the picture.
     Overlay {
-        Wireframe = "wireframe", "Wireframe", "Edges of all rasterized triangles where projection put them, before corners were snapped; light on dark and dark on light.";
-        SnappedWireframe = "wireframe-snapped", "Wireframe, snapped", "The same edges between the corners that the rasterizer works with, snapped to 1/256 px in fixed point.";
-        VertexNormals = "vertex-normals", "Vertex normals", "Normals of all vertices of rasterized triangles as lines, which surfaces do not hide.";
-        FaceNormals = "face-normals", "Face normals", "Normals of all rasterized triangles as lines from their centroids, which surfaces do not hide.";
-        Facing = "facing", "Facing", "Whether the triangle that is seen shows its front or its back.";
-        DepthTest = "depth-test", "Depth test", "Whether all fragments of a pixel passed the depth test when they came, or some were rejected.";
-        Discarded = "discarded", "Discarded fragments", "Which reason discarded most fragments of a pixel: depth test, alpha test, or culling of the side that their triangle shows. Hover a pixel for the counts.";
-        Rasterized = "rasterized", "Overdraw: rasterized", "Fragments of each pixel, drawn or not.";
-        Passed = "passed", "Overdraw: passed", "Fragments of each pixel that passed the depth test when they came.";
-        Visible = "visible", "Overdraw: visible", "Fragments that are still seen in the end: one where something opaque is seen, more where panes are looked through.";
-        TriangleSize = "triangle-size", "Triangle size", "Area of the triangle that is seen, in px², from a hundredth of a pixel to the whole picture.";
-        Sliver = "sliver", "Slivers", "Least height of the triangle that is seen, in px: thin ones are where rounding decides.";
-        TexelDensity = "texel-density", "Texel density", "Texels per pixel along a side: above 1 texels are skipped, below 1 they are enlarged.";
-        AlphaBleed = "alpha-bleed", "Colour bleeding", "Codes by which colour differs from what premultiplied filtering gives: straight filtering takes colour from texels with alpha 0.";
-        Faults = "faults", "Cracks and double hits", "Pixels along shared edges, and at T-junctions, that no triangle draws, or two do, without depth test.";
-        Junctions = "t-junctions", "T-junctions", "Vertices within the open edge of another triangle, and vertices that lie close together without being the same.";
-        BadNumbers = "bad-numbers", "NaN, infinite, negative", "Values of the shown quantity that are not a number, not finite, or below zero.";
-        Clipped = "clipped", "Clipped", "Values of the shown quantity beyond the ends of its range; codes of colours at 0 and 255, too.";
-        ExactOwner = "exact-owner", "Owner against exact", "Pixels that show another triangle than exact arithmetic on unsnapped corners would: missing where only that one draws, extra where only this frame does.";
-        BlendOrder = "blend-order", "Wrong blending order", "Pixels where a blended fragment was drawn over a nearer one, and whether the exact order gives another colour there.";
-        TileLoad = "tile-load", "Tile load", "Triangles that each 64-px tile of the tiled way is handed.";
+        Wireframe = "wireframe", "Wireframe", "Edges of all rasterized triangles after projection, before snapping; light on dark and dark on light.";
+        SnappedWireframe = "wireframe-snapped", "Wireframe, snapped", "The same edges between the corners that the rasterizer uses: snapped to 1/256 px in fixed point.";
+        VertexNormals = "vertex-normals", "Vertex normals", "Normals of all vertices of rasterized triangles as lines, not hidden by surfaces.";
+        FaceNormals = "face-normals", "Face normals", "Normals of all rasterized triangles as lines from their centroids, not hidden by surfaces.";
+        Facing = "facing", "Facing", "Whether the visible triangle is front-facing or back-facing.";
+        DepthTest = "depth-test", "Depth test", "Whether all fragments of a pixel passed the depth test when they were drawn, or some or all failed.";
+        Discarded = "discarded", "Discarded fragments", "The most frequent reason for discarding fragments of a pixel: depth test, alpha test, or face culling. Hover a pixel for the counts.";
+        Rasterized = "rasterized", "Overdraw: rasterized", "Number of fragments of each pixel, drawn or not.";
+        Passed = "passed", "Overdraw: passed", "Number of fragments of each pixel that passed the depth test when they were drawn.";
+        Visible = "visible", "Overdraw: visible", "Number of fragments that contribute to the finished picture: one for opaque surfaces, more where blended surfaces lie in front.";
+        TriangleSize = "triangle-size", "Triangle size", "Area of the visible triangle, in px², from a hundredth of a pixel to the whole picture.";
+        Sliver = "sliver", "Slivers", "Smallest height of the visible triangle, in px: rounding decides the coverage of thin triangles.";
+        TexelDensity = "texel-density", "Texel density", "Texels per pixel along a side: above 1 texels are skipped, below 1 they are magnified.";
+        AlphaBleed = "alpha-bleed", "Colour bleeding", "Difference in codes from premultiplied filtering: straight filtering takes colour from texels with alpha 0.";
+        Faults = "faults", "Cracks and double hits", "Pixels along shared edges and at T-junctions that no triangle covers (crack) or more triangles than should (double hit), without depth test.";
+        Junctions = "t-junctions", "T-junctions", "Vertices within the open edge of another triangle, and vertices that lie close together but are not welded.";
+        BadNumbers = "bad-numbers", "NaN, infinite, negative", "Values of the displayed quantity that are NaN, infinite, or negative.";
+        Clipped = "clipped", "Clipped", "Values of the displayed quantity outside its range; for colours also the codes 0 and 255.";
+        ExactOwner = "exact-owner", "Owner vs. exact", "Pixels whose triangle differs from exact arithmetic on unsnapped corners: missing if only exact arithmetic draws one, extra if only this frame does.";
+        BlendOrder = "blend-order", "Wrong blending order", "Pixels where a blended fragment was drawn over a nearer one, and whether the exact order gives a different colour.";
+        TileLoad = "tile-load", "Tile load", "Number of triangles binned to each 64-px tile in tiled execution.";
     }
 }
 
-/// What overlays are made from.
+/// Inputs of overlays.
 pub struct Context<'a> {
-    /// The scene.
+    /// Scene of the frame.
     pub scene: &'a Scene,
-    /// How the frame was drawn.
+    /// Recipe that the frame was drawn with.
     pub recipe: &'a Recipe,
-    /// The frame.
+    /// Frame to overlay.
     pub frame: &'a Frame,
-    /// Whether all of its triangles were drawn.
+    /// Whether all triangles of the frame were drawn.
     pub is_whole: bool,
-    /// The watched drawing, made when it is first needed.
+    /// Data recorded by the observer; computed on first use.
     pub watched: &'a OnceLock<Watched>,
-    /// Open seams of the scene; none while they are searched for.
+    /// Open seams of the scene; `None` until the search for them is complete.
     pub seams: Option<&'a Seams>,
-    /// The quantity that is shown, at a pixel of the full picture.
+    /// Displayed quantity at a pixel of the full picture.
     pub shown: &'a dyn Fn(u32, u32) -> Value,
-    /// The range that it is shown with.
+    /// Range of the displayed quantity, if it has one.
     pub range: Option<Range>,
 }
 
 impl Context<'_> {
-    /// What was seen while the frame was drawn once more.
+    /// Returns the data recorded while drawing the frame again; computes it on first use.
     pub fn watched(&self) -> &Watched {
         self.watched.get_or_init(|| watch::watch(self.scene, self.recipe, self.frame))
     }
 
-    /// A number for each pixel of the full picture from one for each packed sample; NaN where nothing was drawn.
+    /// Expands a number per packed sample to the pixels of the full picture; NaN where nothing was drawn.
     fn spread(&self, number: impl Fn(u32, u32) -> f32) -> Image<f32> {
         let (width, height) = self.frame.image().size();
         let at = |x, y| self.frame.sample_at(x, y).map_or(f32::NAN, |(column, row)| number(column, row));
@@ -112,12 +112,13 @@ impl Context<'_> {
 }
 
 impl Overlay {
-    /// Whether it depends on which quantity is shown and on its range.
+    /// Whether the overlay depends on the displayed quantity and its range.
     pub fn reads_shown(self) -> bool {
         matches!(self, Self::BadNumbers | Self::Clipped)
     }
 
-    /// How strong it is at first, in [0, 1]: lines wholly, areas so that the picture below is still seen.
+    /// Returns the default opacity, in [0, 1]: 1 for lines and marks, less for areas, so that the picture below remains
+    /// visible.
     pub fn first_opacity(self) -> f32 {
         match self {
             Self::Wireframe
@@ -133,32 +134,32 @@ impl Overlay {
         }
     }
 
-    /// Whether it may take longer than a frame should: the scene is drawn once more by slower arithmetic.
+    /// Whether the overlay may take longer than a frame: it draws the scene again with slower arithmetic.
     pub fn is_slow(self) -> bool {
         self == Self::ExactOwner
     }
 
-    /// Whether it is lines of a length that can be set.
+    /// Whether the overlay consists of lines with an adjustable length.
     pub fn has_length(self) -> bool {
         matches!(self, Self::VertexNormals | Self::FaceNormals)
     }
 
-    /// Whether it needs the open seams of the scene.
+    /// Whether the overlay needs the open seams of the scene.
     pub fn reads_seams(self) -> bool {
         matches!(self, Self::Faults | Self::Junctions)
     }
 
-    /// What stands for it while it is being made.
+    /// Returns a placeholder sheet with the reason why the overlay is not ready yet.
     pub fn unmade(self, context: &Context<'_>) -> Sheet {
         let why = if self.reads_seams() {
-            "not yet, as the open edges of the scene are still being searched for T-junctions"
+            "still searching the open edges of the scene for T-junctions"
         } else {
-            "not yet, as the scene is still being drawn once more with exact arithmetic"
+            "still drawing the scene with exact arithmetic"
         };
         Sheet::absent(self, context.frame.image().size(), why)
     }
 
-    /// Makes it for a frame, as it is at first.
+    /// Computes the overlay for a frame with default settings.
     pub fn sheet(self, context: &Context<'_>) -> Sheet {
         match self {
             Self::Wireframe | Self::SnappedWireframe => edges::wireframe(self, context),

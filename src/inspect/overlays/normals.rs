@@ -1,4 +1,4 @@
-//! Normals of vertices and triangles as lines.
+//! Vertex and face normals as lines.
 
 use super::edges::each_triangle;
 use super::sheet::{Key, Kind, Sheet, Total};
@@ -17,7 +17,7 @@ const VERTEX: [Kind; 1] = [Kind { name: "vertex normal", color: VERTEX_NORMAL, s
 
 const FACE: [Kind; 1] = [Kind { name: "face normal", color: FACE_NORMAL, striped: false }];
 
-/// The normals of all rasterized triangles; `length` is a share of the diagonal of the scene's box.
+/// Draws the normals of all rasterized triangles; `length` is a fraction of the diagonal of the scene's bounding box.
 pub(super) fn normals(overlay: Overlay, length: f32, context: &Context<'_>) -> Sheet {
     let Context { scene, recipe, frame, .. } = context;
     let size = frame.image().size();
@@ -27,7 +27,7 @@ pub(super) fn normals(overlay: Overlay, length: f32, context: &Context<'_>) -> S
     };
     let mut triangles = Vec::new();
     each_triangle(scene, recipe, frame, |triangle| triangles.push(triangle.id));
-    // Pieces of one triangle follow one another.
+    // Pieces of one triangle are consecutive.
     triangles.dedup();
     let projector = Projector::new(&frame.camera, frame.viewport);
     let found = normal_lines(scene, kind, world_length(scene, length), triangles.into_iter(), &projector);

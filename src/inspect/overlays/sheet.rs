@@ -1,4 +1,4 @@
-//! One overlay of one frame: its value at every pixel, what colours stand for, and its totals.
+//! Result of one overlay for one frame: its value at every pixel, the legend of its colours, and its totals.
 
 use super::Overlay;
 use crate::image::{Image, Rgba8};
@@ -7,34 +7,34 @@ use crate::inspect::view::Range;
 use crate::pipeline::settings::Choice as _;
 use crate::pipeline::wireframe::line_color;
 
-/// A kind of pixel that an overlay tells apart. Its number is its place in the list.
+/// A kind of pixel in an overlay, identified by its index in the list.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kind {
-    /// What it is called.
+    /// Display name.
     pub name: &'static str,
-    /// Its colour.
+    /// Colour of the kind.
     pub color: Rgba8,
     /// Whether it is drawn as stripes, so that the picture below remains readable.
     pub striped: bool,
 }
 
-/// Colours for numbers.
+/// Mapping of numbers to colours.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale {
-    /// The numbers at both ends.
+    /// Numbers at both ends of the colour map.
     pub range: Range,
-    /// Whether equal factors, not equal steps, are equally far apart.
+    /// Whether the scale is logarithmic.
     pub logarithmic: bool,
-    /// The colours.
+    /// Colour map of the scale.
     pub map: ColorMap,
-    /// Whether they run the other way.
+    /// Whether the colour map is reversed.
     pub reversed: bool,
-    /// What is counted or measured, after the number.
+    /// Unit displayed after the number.
     pub unit: &'static str,
 }
 
 impl Scale {
-    /// Where a number lies between the ends, in [0, 1].
+    /// Returns the position of a number on the colour map, in [0, 1].
     pub fn position(&self, number: f32) -> f32 {
         let position = if self.logarithmic {
             let Range { low, high } = self.range;
@@ -45,81 +45,82 @@ impl Scale {
         if self.reversed { 1.0 - position } else { position }
     }
 
-    /// The number at a place between the ends, 0 to 1.
+    /// Returns the number at a position `share` in [0, 1] of the unreversed scale.
     pub fn number_at(&self, share: f32) -> f32 {
         let Range { low, high } = self.range;
         if self.logarithmic { (low.ln() + (high.ln() - low.ln()) * share).exp() } else { low + (high - low) * share }
     }
 
-    /// The colour of a number.
+    /// Returns the colour of a number.
     pub fn color(&self, number: f32) -> Rgba8 {
         self.map.color(self.position(number))
     }
 }
 
-/// What the colours of an overlay stand for.
+/// Legend of an overlay's colours.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Key {
-    /// Lines, light or dark against what lies below.
+    /// Lines that contrast with the picture below, light on dark and dark on light.
     Lines,
-    /// Kinds of pixels.
+    /// Kinds of pixels, each with its own colour.
     Kinds(&'static [Kind]),
-    /// Numbers.
+    /// Numbers on a colour scale.
     Scale(Scale),
 }
 
 /// A total over the picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Total {
-    /// What it is.
+    /// Display name.
     pub name: &'static str,
-    /// How much.
+    /// Value, in `unit`.
     pub number: f64,
-    /// Of what, after the number.
+    /// Unit displayed after the value; may be empty.
     pub unit: &'static str,
 }
 
-/// An overlay of a frame.
+/// Result of an overlay for a frame.
 #[derive(Clone, Debug)]
 pub struct Sheet {
-    /// Which.
+    /// Overlay that the sheet shows.
     pub overlay: Overlay,
-    /// For each pixel of the full picture a number, or the number of a kind, or 1 on a line; NaN where there is nothing.
+    /// Value at each pixel of the full picture: a number, the index of a kind, or 1 on a line; NaN if there is none.
     pub values: Image<f32>,
-    /// For each kind the number of times that it occurs at each pixel of the full picture, where a pixel has several and
-    /// shows the most frequent; else empty.
+    /// Count of each kind at each pixel of the full picture, if a pixel can have several and shows the most frequent;
+    /// otherwise empty.
     pub counts: Vec<Image<f32>>,
-    /// What colours stand for.
+    /// Legend of the colours.
     pub key: Key,
-    /// Totals over all samples that were drawn.
+    /// Totals over all drawn samples.
     pub totals: Vec<Total>,
-    /// Lines in px, of overlays that are lines: edges, three to a triangle, or normals.
+    /// Lines in px, for overlays that consist of lines: three edges per triangle, or normals.
     pub lines: Vec<[[f32; 2]; 2]>,
-    /// Length of normals, as a share of the diagonal of the scene's box; `None` for other overlays.
+    /// Length of normals as a fraction of the diagonal of the scene's bounding box; `None` for other overlays.
     pub length: Option<f32>,
-    /// Why there is nothing to show, if so.
+    /// Reason why the sheet has no values; `None` if it has some.
     pub absence: Option<String>,
 }
 
-/// Period of stripes, in px across and down.
+/// Period of the stripes along both axes, in px.
 const STRIPES: u32 = 6;
 
-/// How much of their colour the gaps between stripes have, so that a single pixel is never lost.
+/// Relative opacity of the gaps between stripes. It is above 0, so that a single pixel is always visible.
 const GAP_STRENGTH: f32 = 0.3;
 
 impl Sheet {
-    /// One with values and a key.
+    /// Creates a sheet with values, a legend and totals.
     pub(super) fn new(overlay: Overlay, values: Image<f32>, key: Key, totals: Vec<Total>) -> Self {
         Self { overlay, values, counts: Vec::new(), key, totals, lines: Vec::new(), length: None, absence: None }
     }
 
-    /// One that has nothing to show.
+    /// Creates a sheet without values, with the reason.
     pub(super) fn absent(overlay: Overlay, (width, height): (u32, u32), why: impl Into<String>) -> Self {
         let values = Image::filled(width, height, f32::NAN);
         Self { absence: Some(why.into()), ..Self::new(overlay, values, Key::Lines, Vec::new()) }
     }
 
-    /// Colour at a pixel over what lies below, and how much of it there is, in [0, 1]; none where there is nothing.
+    /// Returns the colour at a pixel over the picture below, and its relative opacity in [0, 1]; `None` without a
+    /// value.
     fn color(&self, x: u32, y: u32, below: Rgba8) -> Option<(Rgba8, f32)> {
         let value = self.values.at(x, y);
         if value.is_nan() {
@@ -136,7 +137,7 @@ impl Sheet {
         }
     }
 
-    /// Colour of its lines; `None` if they are light or dark against what lies below.
+    /// Returns the colour of the lines; `None` if they contrast with the picture below.
     pub fn line_color(&self) -> Option<Rgba8> {
         match &self.key {
             Key::Kinds([kind]) => Some(kind.color),
@@ -144,7 +145,7 @@ impl Sheet {
         }
     }
 
-    /// The value at a pixel in words; none where there is nothing.
+    /// Describes the value at a pixel; `None` without a value.
     pub fn text(&self, x: u32, y: u32) -> Option<String> {
         let value = self.values.get(x, y).filter(|value| !value.is_nan())?;
         match &self.key {
@@ -160,7 +161,7 @@ impl Sheet {
         }
     }
 
-    /// The first pixel after another in reading order that shows a value, or the last before it; round the end.
+    /// Returns the next pixel after `from` with a value in reading order, or the previous one; wraps around at the end.
     pub fn beside(&self, from: Option<(u32, u32)>, forwards: bool) -> Option<(u32, u32)> {
         let (width, height) = self.values.size();
         let count = u64::from(width) * u64::from(height);
@@ -176,7 +177,7 @@ impl Sheet {
     }
 }
 
-/// A number with what it counts or measures: whole numbers as they are, others with four digits that count.
+/// Formats a number with its unit: integers exactly, others with about four significant digits.
 fn amount(value: f32, unit: &str) -> String {
     match value.abs() {
         1.0 => format!("{value} {}", unit.trim_end_matches('s')),
@@ -187,7 +188,7 @@ fn amount(value: f32, unit: &str) -> String {
     }
 }
 
-/// Lays sheets over a picture, the first one first, each with an opacity in [0, 1].
+/// Composes sheets over a picture, bottom to top, each with an opacity in [0, 1].
 pub fn compose<'a>(base: &Image<Rgba8>, layers: impl IntoIterator<Item = (&'a Sheet, f32)>) -> Image<Rgba8> {
     let mut picture = base.clone();
     let (width, height) = picture.size();
@@ -202,7 +203,7 @@ pub fn compose<'a>(base: &Image<Rgba8>, layers: impl IntoIterator<Item = (&'a Sh
     picture
 }
 
-/// Codes between two colours: for looking at, not for measuring.
+/// Interpolates sRGB codes: for display, not for measurement.
 fn mixed(below: Rgba8, above: Rgba8, share: f32) -> Rgba8 {
     let mut mixed = below;
     for (code, above) in mixed.iter_mut().zip(above).take(3) {
@@ -211,7 +212,7 @@ fn mixed(below: Rgba8, above: Rgba8, share: f32) -> Rgba8 {
     mixed
 }
 
-/// The totals of sheets as a table with commas.
+/// Returns the totals of sheets as comma-separated values.
 pub fn csv<'a>(sheets: impl IntoIterator<Item = &'a Sheet>) -> String {
     let mut text = "overlay,total,value,unit\n".to_owned();
     for sheet in sheets {

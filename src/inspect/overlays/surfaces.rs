@@ -1,4 +1,4 @@
-//! What the triangle that is seen at a pixel is like: which side it shows, its size, its thinness, its texels.
+//! Properties of the visible triangle at each pixel: facing, area, least height, texel density.
 
 use super::sheet::{Key, Kind, Scale, Sheet, Total};
 use super::watch::{Surface, area_and_height, corners_px};
@@ -7,25 +7,25 @@ use crate::inspect::display::ColorMap;
 use crate::inspect::view::Range;
 use crate::pipeline::viewport::Viewport;
 
-/// The two sides.
+/// The two facings.
 const SIDES: [Kind; 2] = [
     Kind { name: "front", color: [40, 120, 230, 255], striped: false },
     Kind { name: "back", color: [240, 150, 20, 255], striped: false },
 ];
 
-/// Smallest area that has a colour of its own, px².
+/// Area at the low end of the colour scale, in px².
 const LEAST_AREA_PX2: f32 = 0.01;
 
-/// Smallest height that has a colour of its own, px: a quarter of the step that corners are snapped to.
+/// Height at the low end of the colour scale, in px: a quarter of the snapping step.
 const LEAST_HEIGHT_PX: f32 = 1.0 / 1024.0;
 
-/// Triangles below a pixel of area, or thinner than one, are counted as small or thin.
+/// Area (px²) or height (px) below which triangles count as small or thin.
 const ONE_PX: f64 = 1.0;
 
-/// Texel densities at both ends of the colours: as far from 1 on either side.
+/// Texel densities at both ends of the colour scale, by the same factor below and above 1.
 const DENSITIES: Range = Range { low: 1.0 / 16.0, high: 16.0 };
 
-/// Front or back.
+/// Shows whether the visible triangle is front-facing.
 pub(super) fn facing(context: &Context<'_>) -> Sheet {
     let surfaces = &context.watched().surface;
     let values = context.spread(|column, row| {
@@ -41,7 +41,7 @@ pub(super) fn facing(context: &Context<'_>) -> Sheet {
     Sheet::new(Overlay::Facing, values, Key::Kinds(&SIDES), totals)
 }
 
-/// Area.
+/// Shows the area of the visible triangle, in px².
 pub(super) fn size(context: &Context<'_>) -> Sheet {
     let surfaces = &context.watched().surface;
     let values = context.spread(|column, row| surfaces.at(column, row).area_px2);
@@ -51,7 +51,7 @@ pub(super) fn size(context: &Context<'_>) -> Sheet {
     Sheet::new(Overlay::TriangleSize, values, key, triangles(context, 0, "smaller than 1 px²", "px²"))
 }
 
-/// Least height.
+/// Shows the least height of the visible triangle, in px.
 pub(super) fn sliver(context: &Context<'_>) -> Sheet {
     let surfaces = &context.watched().surface;
     let values = context.spread(|column, row| surfaces.at(column, row).height_px);
@@ -61,14 +61,14 @@ pub(super) fn sliver(context: &Context<'_>) -> Sheet {
     Sheet::new(Overlay::Sliver, values, key, triangles(context, 1, "thinner than 1 px", "px"))
 }
 
-/// Texels per pixel.
+/// Shows the texel density of the visible triangle, in texels per pixel.
 pub(super) fn texel_density(context: &Context<'_>) -> Sheet {
     let surfaces = &context.watched().surface;
     let values = context.spread(|column, row| surfaces.at(column, row).texels_per_px);
     let known: Vec<f64> =
         surfaces.pixels().iter().map(|s| f64::from(s.texels_per_px)).filter(|density| !density.is_nan()).collect();
     if known.is_empty() {
-        return Sheet::absent(Overlay::TexelDensity, values.size(), "no texture is seen");
+        return Sheet::absent(Overlay::TexelDensity, values.size(), "no textured surface is visible");
     }
     let skipping = known.iter().filter(|density| **density > 1.0).count();
     let totals = vec![
@@ -84,7 +84,7 @@ fn log_scale(range: Range, map: ColorMap, reversed: bool, unit: &'static str) ->
     Scale { range, logarithmic: true, map, reversed, unit }
 }
 
-/// Totals over all rasterized triangles, seen or not, of their area (0) or least height (1).
+/// Returns totals of the areas (`which` = 0) or least heights (1) of all rasterized triangles, visible or not.
 fn triangles(context: &Context<'_>, which: usize, small: &'static str, unit: &'static str) -> Vec<Total> {
     let arithmetic = context.recipe.pipeline.arithmetic;
     let triangles = &context.frame.geometry.triangles;

@@ -191,7 +191,7 @@ fn sizes_are_those_of_the_snapped_corners_in_whole_numbers() {
     }
     assert!(seen > 100);
     assert_eq!(total(&sizes, "triangles"), bench.frame.geometry.triangles.len() as f64);
-    // One alone is the least, the median and the greatest.
+    // With a single triangle, the least, median and greatest sizes are equal.
     let one = Bench::new("triangle", Recipe::default(), (40, 30)).sheet(Overlay::TriangleSize);
     assert_eq!(total(&one, "triangles"), 1.0);
     assert!(["least", "greatest"].iter().all(|name| total(&one, name) == total(&one, "median")));
@@ -249,7 +249,7 @@ fn texel_density_is_what_neighbours_differ_by() {
         let (along, across) = ([0, 1].map(|i| (right[i] - left[i]) / 2.0), [0, 1].map(|i| (down[i] - up[i]) / 2.0));
         let density = (along[0] * across[1] - along[1] * across[0]).abs().sqrt();
         let found = sheet.values.at(x, y);
-        // Differences over two pixels are only near to the derivative.
+        // Differences over two pixels only approximate the derivative.
         assert!((found - density).abs() < 0.05 * density, "{x}, {y}: {found}, not {density}");
         compared += 1;
     }
@@ -320,7 +320,7 @@ fn tiles_are_handed_what_is_said_of(recipe: Recipe) {
     let counts = bench.frame.tiled.as_ref().unwrap().counts;
     assert_eq!(total(&sheet, "entries"), counts.binned as f64);
     assert_eq!(total(&sheet, "tiles"), 12.0);
-    // A tile is handed all that are seen in it, and every pixel of it says the same.
+    // A tile's bin contains all triangles visible in it, and all its pixels have the same value.
     let owners = &bench.watched.get_or_init(|| watch::watch(&bench.scene, &bench.recipe, &bench.frame)).owner;
     for (column, row) in [(0, 0), (1, 1), (2, 0)] {
         let inside = || bench.pixels().filter(|(x, y)| (x / TILE_SIDE, y / TILE_SIDE) == (column, row));
@@ -392,7 +392,7 @@ fn owners_of_edges_follow_the_fill_rule() {
     let marks = edge_marks(&bench.frame, &bench.recipe, [0.0, 0.0, 32.0, 24.0], 1000);
     assert_eq!(marks.len(), 3 * bench.frame.geometry.triangles.len());
     for EdgeMarks { ends_px: [from, to], inward, owned } in &marks {
-        // Top-left: the inside lies to the right, or straight below.
+        // Top-left rule: the inside lies to the right of the edge, or directly below it.
         let (right, down) = (inward[0], inward[1]);
         assert_eq!(*owned, right > 0.0 || right == 0.0 && down > 0.0, "{from:?} {to:?} {inward:?}");
     }
@@ -425,7 +425,7 @@ fn normals_are_those_of_rasterized_triangles_and_as_long_as_their_layer_says() {
             line_pixels(wide(*from), wide(*to), (120, 90)).for_each(|(x, y)| on_lines.set(x, y, true));
         }
         let differing = bench.pixels().filter(|(x, y)| on_lines.at(*x, *y) == sheet.values.at(*x, *y).is_nan()).count();
-        // Ends are kept in single precision: a line may pass another pixel where it runs between two.
+        // Ends have single precision: a line that runs between two pixels may select the other one.
         assert!(differing < 20, "{differing}");
         let (x, y) = bench.pixels().find(|(x, y)| !sheet.values.at(*x, *y).is_nan()).unwrap();
         assert_eq!(sheet.text(x, y).as_deref(), Some(name));
@@ -465,6 +465,6 @@ fn t_junctions_are_marked_where_their_vertices_lie() {
     assert_eq!(marked, expected);
     assert_eq!(sheet.text(expected[0].0, expected[0].1).as_deref(), Some("T-junction"));
     assert_eq!((total(&sheet, "T-junction"), total(&sheet, "unwelded vertex")), (2.0, 0.0));
-    // While they are searched for, that is said.
+    // These overlays report that the search for seams is still running.
     assert!(Overlay::Junctions.reads_seams() && Overlay::Faults.reads_seams() && !Overlay::Facing.reads_seams());
 }

@@ -1,4 +1,4 @@
-//! How many triangles each tile of the tiled way is handed.
+//! Number of triangles in the bin of each tile of the tiled renderer.
 
 use super::sheet::{Key, Scale, Sheet, Total};
 use super::{Context, Overlay};
@@ -8,7 +8,7 @@ use crate::inspect::view::Range;
 use crate::pipeline::tiled::{self, TILE_SIDE};
 use crate::upscale::Sampling;
 
-/// Triangles per tile.
+/// Shows the number of triangles per tile.
 pub(super) fn load(context: &Context<'_>) -> Sheet {
     let Context { scene, recipe, frame, .. } = context;
     let absent = |why: &str| Sheet::absent(Overlay::TileLoad, frame.image().size(), why);
@@ -16,7 +16,7 @@ pub(super) fn load(context: &Context<'_>) -> Sheet {
         return absent(why);
     }
     let Sampling::Grid(grid) = frame.sampling else {
-        return absent("a smaller picture is drawn whose tiles are not those of this one");
+        return absent("the upscaler draws a smaller picture, whose tiles differ from those of this one");
     };
     let offsets = places_on_grid(frame.antialias).concat();
     let counts = tiled::tile_loads(scene, &frame.camera, &recipe.pipeline, (grid, frame.raster), &offsets);

@@ -1,4 +1,4 @@
-//! The frame drawn once more and watched: what came to every sample, and which triangle is seen there.
+//! Fragment counts and the visible triangle of every sample, recorded while drawing the frame again.
 
 use crate::chain::{Frame, Recipe, redraw};
 use crate::image::{Image, Rgba8};
@@ -12,42 +12,43 @@ use crate::pipeline::shade::Shader;
 use crate::pipeline::viewport::ScreenTriangle;
 use crate::scene::{Scene, TriangleId};
 
-/// What was seen, packed as the framebuffer is.
+/// Recorded data, in the packed layout of the framebuffer.
 #[derive(Clone, Debug)]
 pub struct Watched {
-    /// Fragments of each sample.
+    /// Number of fragments of each sample.
     pub rasterized: Image<u32>,
-    /// Fragments that passed the depth test when they came; without one all.
+    /// Number of fragments that passed the depth test when drawn; all of them without a depth test.
     pub passed: Image<u32>,
-    /// Fragments that passed the depth test and that the alpha test discarded.
+    /// Number of fragments that passed the depth test but were discarded by the alpha test.
     pub cut_out: Image<u32>,
-    /// Fragments that are still seen in the end.
+    /// Number of fragments that are visible in the finished frame.
     pub visible: Image<u32>,
-    /// The triangle that is seen, the nearest where panes are looked through.
+    /// Triangle written last at each sample, or [`TriangleId::NONE`]. Where triangles are blended, this is normally the
+    /// nearest.
     pub owner: Image<TriangleId>,
-    /// Its facts.
+    /// Properties of that triangle.
     pub surface: Image<Surface>,
 }
 
-/// Facts about the triangle that is seen at a sample.
+/// Properties of the visible triangle at a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surface {
-    /// Its area as it was rasterized, px²: of a cut triangle the area of the piece.
+    /// Area as rasterized, in px²; for a clipped triangle, the area of the piece.
     pub area_px2: f32,
-    /// Its least height, px: area over half the longest side.
+    /// Least height in px: doubled area over the longest side.
     pub height_px: f32,
-    /// Which side it shows.
+    /// Whether the triangle is front-facing.
     pub is_front: bool,
-    /// Texels per pixel along a side; NaN without texture.
+    /// Texels per pixel along one axis; NaN without a texture.
     pub texels_per_px: f32,
 }
 
 impl Surface {
-    /// Where nothing is seen.
+    /// Value at samples without a visible triangle.
     pub const NONE: Self = Self { area_px2: f32::NAN, height_px: f32::NAN, is_front: false, texels_per_px: f32::NAN };
 }
 
-/// Draws a frame once more and watches.
+/// Draws a frame again and records the data of its samples.
 pub fn watch(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Watched {
     let (width, height) = frame.drawn.color.size();
     let mut watcher = Watcher {
@@ -76,19 +77,19 @@ struct Watcher<'a> {
     scene: &'a Scene,
     recipe: &'a Recipe,
     frame: &'a Frame,
-    /// The triangle whose samples come in, by its address, and what is the same for all of them.
+    /// Triangle of the previous fragment, by address, and its constant properties.
     current: Option<(*const ScreenTriangle, Whole)>,
     has_depth: bool,
-    /// One for each instance.
+    /// Shaders, one for each instance.
     shaders: Vec<Shader<'a>>,
     seen: Watched,
 }
 
-/// What is the same all over a triangle.
+/// Properties that are constant over a triangle.
 #[derive(Clone, Copy)]
 struct Whole {
     surface: Surface,
-    /// Texels of its texture, width times height; 0 without.
+    /// Number of texels of its texture, width times height; 0 without a texture.
     texels: f32,
     is_blended: bool,
 }
@@ -126,20 +127,20 @@ impl Watcher<'_> {
         }
     }
 
-    /// Whether what lies behind a blended fragment is still seen.
+    /// Whether the surfaces behind a blended fragment remain visible.
     fn is_seen_through(&self, triangle: &ScreenTriangle, fragment: &Fragment) -> bool {
         let shader = self.shaders.get(triangle.instance as usize);
         self.recipe.pipeline.shading.reads_material() && shader.is_some_and(|shader| shader.alpha(fragment) < 1.0)
     }
 
-    /// Texels per pixel along a side: the root of the area that a pixel covers in the texture.
+    /// Returns the texels per pixel along one axis: the square root of the area of a pixel in the texture, in texels.
     fn texels_per_px(&self, triangle: &ScreenTriangle, sample: Sample, texels: f32) -> f32 {
         if texels == 0.0 {
             return f32::NAN;
         }
         let [right, down] = uv_gradient(triangle, &sample, self.recipe.pipeline.arithmetic);
         let density = (right.perp_dot(down).abs() * texels).sqrt();
-        // Texture coordinates that were left out are all the same.
+        // Omitted texture coordinates are constant, so their density is 0.
         if density > 0.0 { density } else { f32::NAN }
     }
 }
@@ -178,7 +179,7 @@ fn increase(counts: &mut Image<u32>, sample: &Sample) {
     counts.set(sample.column, sample.row, counts.at(sample.column, sample.row) + 1);
 }
 
-/// The corners that a triangle is rasterized with, px.
+/// Returns the corners that a triangle is rasterized with, in px.
 pub fn corners_px(triangle: &ScreenTriangle, arithmetic: Arithmetic) -> [[f32; 2]; 3] {
     match arithmetic {
         Arithmetic::Fixed => triangle.snapped_px(),
@@ -186,7 +187,7 @@ pub fn corners_px(triangle: &ScreenTriangle, arithmetic: Arithmetic) -> [[f32; 2
     }
 }
 
-/// Area in px² and least height in px of a triangle.
+/// Returns the area of a triangle in px² and its least height in px.
 pub fn area_and_height(corners_px: &[[f32; 2]; 3]) -> [f64; 2] {
     let [a, b, c] = corners_px.map(|[x, y]| [f64::from(x), f64::from(y)]);
     let doubled = ((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])).abs();

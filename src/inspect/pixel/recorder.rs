@@ -1,4 +1,4 @@
-//! The observer that writes a replay down, fragment by fragment.
+//! The observer that records a replay, fragment by fragment.
 
 use super::{FragmentRecord, Outcome, ShadingRecord, TexelRecord, TextureMap};
 use crate::chain::{Frame, Recipe};
@@ -17,7 +17,7 @@ use crate::pipeline::viewport::ScreenTriangle;
 use crate::scene::material::CUT_OUT_BELOW;
 use crate::scene::{Scene, Transparency};
 
-/// Writes down every fragment of a replay.
+/// Records every fragment of a replay.
 pub(super) struct Recorder<'a> {
     scene: &'a Scene,
     shaders: Vec<Shader<'a>>,
@@ -26,14 +26,14 @@ pub(super) struct Recorder<'a> {
     arithmetic: Arithmetic,
     interpolation: Interpolation,
     records: Vec<FragmentRecord>,
-    /// What the sample held at first.
+    /// State of the sample before the first fragment.
     pub(super) clear: SampleState,
-    /// What has been drawn so far.
+    /// State of the sample after the fragments so far.
     now: SampleState,
 }
 
 impl<'a> Recorder<'a> {
-    /// For a frame that `recipe` made of `scene`.
+    /// Creates a recorder for a frame that `recipe` draws of `scene`.
     pub(super) fn new(scene: &'a Scene, recipe: &'a Recipe, frame: &'a Frame) -> Self {
         let shaders = scene.instances.iter().zip(&frame.plans);
         let [r, g, b] = recipe.pipeline.background.resolve(scene.background);
@@ -53,8 +53,8 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// The fragments with their outcomes: of those that were written, the last one is visible, and those before it are seen
-    /// through it down to the first that covers all.
+    /// Returns the fragments with their outcomes. The last written fragment is visible. Earlier ones remain visible
+    /// through it, down to the first fragment that covers completely.
     pub(super) fn finish(mut self) -> Vec<FragmentRecord> {
         let written: Vec<usize> = (0..self.records.len()).filter(|i| self.records[*i].outcome.is_written()).collect();
         let mut is_covered = false;
@@ -63,7 +63,7 @@ impl<'a> Recorder<'a> {
             is_covered |= next.covers_all();
             let ending = match next.alpha.filter(|_| next.transparency == Transparency::Blended) {
                 Some(alpha) => format!("blended over by triangle {} with alpha {alpha}", next.triangle.0),
-                None => format!("replaced by triangle {} at depth {}", next.triangle.0, next.depth),
+                None => format!("overwritten by triangle {} at depth {}", next.triangle.0, next.depth),
             };
             let previous = &mut self.records[pair[0]];
             previous.outcome = if is_covered { Outcome::Overwritten } else { Outcome::BlendedOver };
@@ -87,7 +87,7 @@ impl Observer for Recorder<'_> {
             submission,
             transparency,
             outcome: Outcome::Visible,
-            reason: format!("{}: there is no depth test", verb(transparency)),
+            reason: format!("{}: the depth test is off", verb(transparency)),
             arithmetic: self.arithmetic,
             corners_px: match self.arithmetic {
                 Arithmetic::Fixed => triangle.snapped_px(),
@@ -116,12 +116,12 @@ impl Observer for Recorder<'_> {
         let (symbol, verb) = (self.comparison.symbol(), verb(record.transparency));
         if outcome.passed {
             record.reason = match self.comparison {
-                Comparison::Always => format!("{verb}: the test lets everything pass ({new} over {stored})"),
+                Comparison::Always => format!("{verb}: the depth test always passes ({new} over {stored})"),
                 _ => format!("{verb}: {new} {symbol} {stored}"),
             };
         } else {
             record.outcome = Outcome::DepthRejected;
-            record.reason = format!("lost the depth test: not {new} {symbol} {stored}");
+            record.reason = format!("failed the depth test: not {new} {symbol} {stored}");
         }
     }
 
@@ -136,7 +136,7 @@ impl Observer for Recorder<'_> {
         let Some(record) = self.records.last_mut() else { return };
         record.alpha = Some(alpha);
         record.outcome = Outcome::CutOut;
-        record.reason = format!("cut out: alpha {alpha} < {CUT_OUT_BELOW}");
+        record.reason = format!("failed the alpha test: alpha {alpha} < {CUT_OUT_BELOW}");
     }
 
     fn shaded(&mut self, triangle: &ScreenTriangle, fragment: &Fragment, color: Rgba8) {
@@ -152,7 +152,7 @@ impl Observer for Recorder<'_> {
     }
 }
 
-/// What is done with a fragment that passes.
+/// Returns the verb for a fragment that passes, in the past tense.
 fn verb(transparency: Transparency) -> &'static str {
     if transparency == Transparency::Blended { "blended" } else { "written" }
 }

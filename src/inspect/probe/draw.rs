@@ -1,4 +1,4 @@
-//! One picture with the owner of every pixel.
+//! A picture with the owner of every pixel, for comparison between runs.
 
 use super::{Probe, Subject, jitter};
 use crate::image::{Image, Rgba8};
@@ -10,13 +10,14 @@ use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::pipeline::{Extent, Until, draw, prepare};
 use crate::scene::{Camera, Scene, TriangleId};
 
-/// A picture in the respects that are compared.
+/// The compared aspects of a picture.
 pub(super) struct Drawn {
-    /// Who won each pixel, the nearest where some are blended, or [`TriangleId::NONE`].
+    /// Triangle shaded last at each pixel, or [`TriangleId::NONE`]. Where triangles are blended, this is normally the
+    /// nearest.
     pub(super) owner: Image<TriangleId>,
     /// Stored depth; `None` without a depth test.
     pub(super) depth: Option<Image<f32>>,
-    /// Colours.
+    /// Colours, as sRGB codes.
     pub(super) color: Image<Rgba8>,
 }
 
@@ -28,12 +29,12 @@ impl Observer for Owners {
     }
 }
 
-/// The subject as it is.
+/// Draws the subject without jitter.
 pub(super) fn still(subject: &Subject) -> Drawn {
     picture(subject, &subject.scene, &subject.camera)
 }
 
-/// The subject as a run of the probe moves it.
+/// Draws the subject with the jitter of one run of the probe.
 pub(super) fn jittered(subject: &Subject, probe: Probe, run: u16) -> Drawn {
     match probe.what {
         super::Jittered::Camera => picture(subject, &subject.scene, &jitter::camera(&subject.camera, probe, run)),

@@ -1,4 +1,4 @@
-//! A result as a picture: bright where something changed, and a dim grey one of the scene elsewhere.
+//! Heat map of a result: bright colours on changed pixels, and a dim grey picture of the scene elsewhere.
 
 use super::ProbeResult;
 use crate::image::color::luma;
@@ -6,29 +6,30 @@ use crate::image::{Image, Rgba8};
 use crate::pipeline::settings::{Choice, choice};
 
 choice! {
-    /// The respect in which pixels are compared.
+    /// The aspect in which pixels are compared.
     Heat {
-        Owner = "owner", "Owner", "In how many runs another triangle won the pixel.";
-        Depth = "depth", "Depth", "In how many runs another depth was stored, be it by one step.";
-        Color = "color", "Colour", "In how many runs the colour was another.";
+        Owner = "owner", "Owner", "Number of runs in which a different triangle won the pixel.";
+        Depth = "depth", "Depth", "Number of runs in which a different depth was stored, even by one step.";
+        Color = "color", "Colour", "Number of runs in which the colour differed.";
     }
 }
 
-/// The darkest part of the map is left out, so that a single change is seen on the dim picture.
+/// Start of the used part of the colour map, in [0, 1]. It excludes the darkest part, so that a single change is
+/// visible on the dim picture.
 const LEAST_POSITION: f64 = 0.25;
 
-/// How bright the picture of the scene is behind the changes.
+/// Brightness factor of the scene's picture behind the changes.
 const DIM: f32 = 0.4;
 
-/// Colour of a position on the map, from nearly none of the runs at 0 to those of the pixel that changed most often at 1.
+/// Returns the colour at a position on the map: 0 for almost no changed runs, 1 for the pixel that changed most often.
 pub fn map_color(position: f32) -> Rgba8 {
     let position = LEAST_POSITION + (1.0 - LEAST_POSITION) * f64::from(position.clamp(0.0, 1.0));
     let [r, g, b] = colorous::INFERNO.eval_continuous(position).as_array();
     [r, g, b, 255]
 }
 
-/// The picture, and the number of runs that the brightest colour stands for: that of the pixel that changed most often.
-/// `None` where there is nothing to compare.
+/// Returns the heat map, and the number of changed runs that the brightest colour represents: the maximum over all
+/// pixels. `None` if the aspect was not compared.
 pub fn picture(result: &ProbeResult, heat: Heat) -> Option<(Image<Rgba8>, u16)> {
     let counts = result.counts(heat)?;
     let most = counts.pixels().iter().copied().max().unwrap_or(0);

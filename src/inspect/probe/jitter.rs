@@ -1,7 +1,7 @@
-//! Positions moved by a few units in the last place.
+//! Jitter of positions by a few units in the last place.
 //!
-//! One unit is that of the largest coordinate of the position: what it is rounded by when it is computed anywhere near
-//! its place. A coordinate that happens to be 0 moves by as much as the others.
+//! The unit belongs to the position's largest coordinate: it is the rounding error of computing the position near its
+//! place. A zero coordinate therefore moves by as much as the others.
 
 use glam::Vec3;
 
@@ -9,26 +9,25 @@ use super::Probe;
 use crate::scene::mesh::MeshData;
 use crate::scene::{Camera, Mesh, Scene};
 
-/// The view as run `run` sees it: eye and target moved independently of each other, by units of the largest coordinate of
-/// both.
+/// Returns the camera of run `run`. Eye and target move independently, by units of the largest coordinate of both.
 pub(super) fn camera(camera: &Camera, probe: Probe, run: u16) -> Camera {
     let mut random = fastrand::Rng::with_seed(mixed(probe.seed, u64::from(run)));
     let unit = unit_of(camera.eye.abs().max(camera.target.abs()));
     let eye = moved(camera.eye, unit, probe.ulps, &mut random);
     let target = moved(camera.target, unit, probe.ulps, &mut random);
     let seen = Camera { eye, target, ..*camera };
-    // At the limits of what a float holds, a view that nothing can be drawn from is not taken.
+    // Near the limits of the float range, a camera that cannot be drawn from is rejected.
     if seen.check().is_ok() { seen } else { *camera }
 }
 
-/// The scene with the vertices of run `run`. Vertices at one place move alike, in whichever mesh they are, so that seams
-/// stay closed.
+/// Returns the scene with the jittered vertices of run `run`. Vertices at the same position move together, even in
+/// different meshes, so seams stay closed.
 pub(super) fn scene(scene: &Scene, probe: Probe, run: u16) -> Scene {
     let seed = mixed(probe.seed, u64::from(run));
     let library = scene.library.with_meshes(|mesh| {
         let positions = mesh.positions.iter().map(|position| vertex(*position, seed, probe.ulps)).collect();
         let data: &MeshData = mesh;
-        // Positions stay finite and nothing else changes: a mesh that was valid stays so.
+        // Positions stay finite and nothing else changes, so a valid mesh stays valid.
         Mesh::new(MeshData { positions, ..data.clone() }).unwrap_or_else(|_| mesh.clone())
     });
     Scene {
@@ -46,21 +45,21 @@ fn vertex(position: Vec3, seed: u64, ulps: u32) -> Vec3 {
     if moved.is_finite() { moved } else { position }
 }
 
-/// One unit in the last place of the largest of these magnitudes.
+/// Returns one unit in the last place of the largest of these magnitudes.
 fn unit_of(magnitudes: Vec3) -> f32 {
     let largest = magnitudes.max_element();
     largest.next_up() - largest
 }
 
-/// Each coordinate moved by a whole number of units, evenly spread over −k … k.
+/// Moves each coordinate by a random integer number of units, uniform in −k … k with k = `ulps`.
 fn moved(position: Vec3, unit: f32, ulps: u32, random: &mut fastrand::Rng) -> Vec3 {
     let most = i64::from(ulps);
-    // In f64, so that the sum is rounded once, and not at all in the largest coordinate.
+    // In f64 the sum is rounded only once, and is exact for the largest coordinate.
     position.as_dvec3().map(|c| c + f64::from(unit) * random.i64(-most..=most) as f64).as_vec3()
 }
 
-/// A seed that depends on both numbers in all its bits (the finalizer of Steele, Lea and Flood, "Fast Splittable
-/// Pseudorandom Number Generators", 2014).
+/// Mixes two numbers into a seed that depends on all their bits (the finalizer of Steele, Lea and Flood, "Fast
+/// Splittable Pseudorandom Number Generators", 2014).
 fn mixed(a: u64, b: u64) -> u64 {
     let mut z = (a ^ b.wrapping_mul(0x9E37_79B9_7F4A_7C15)).wrapping_add(0x9E37_79B9_7F4A_7C15);
     z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);

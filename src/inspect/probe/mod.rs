@@ -1,9 +1,9 @@
-//! How firmly a picture stands: the view is drawn again and again with its camera or its vertices moved by a few units in
-//! the last place, and every pixel is told by how often something else came out.
+//! Stability probe: draws a view repeatedly with its camera or vertices moved by a few units in the last place, and
+//! counts how often each pixel changes.
 //!
-//! What changes under a jitter that small does not depend on the scene but on rounding: surfaces that fight for one depth,
-//! edges that pass through the centres of pixels. Everything is decided by a seed, so a finding can be repeated. What is
-//! drawn is the pipeline's own picture, one sample in the centre of every pixel: no anti-aliasing, no upscaler, no filter.
+//! Changes under such small jitter come from rounding, not from the scene: z-fighting surfaces, or edges through pixel
+//! centres. A seed determines all jitter, so a finding is reproducible. The pipeline draws one sample at the centre of
+//! every pixel, without anti-aliasing, upscaler or post filter.
 
 mod draw;
 
@@ -30,23 +30,23 @@ use crate::scene::{Camera, Scene, TriangleId};
 pub use heat::{Heat, map_color, picture};
 
 choice! {
-    /// What is moved.
+    /// The moved part of a view.
     Jittered {
-        Camera = "camera", "Camera", "Eye and target move, each along x, y and z by up to k units in the last place of their largest coordinate: all of the picture is computed anew.";
-        Vertices = "vertices", "Vertices", "Every vertex moves, along x, y and z by up to k units in the last place of its largest coordinate; vertices at one place stay together.";
+        Camera = "camera", "Camera", "Eye and target move along x, y and z by up to k units in the last place of their largest coordinate: the whole picture is recomputed.";
+        Vertices = "vertices", "Vertices", "Every vertex moves along x, y and z by up to k units in the last place of its largest coordinate; vertices at the same position move together.";
     }
 }
 
-/// A probe: plain data.
+/// Parameters of a probe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Probe {
-    /// What is moved.
+    /// Moved part of the view.
     pub what: Jittered,
-    /// By how many units in the last place at most, k.
+    /// Maximum movement k, in units in the last place.
     pub ulps: u32,
-    /// How many times.
+    /// Number of jittered runs.
     pub runs: u16,
-    /// Equal seeds give equal jitter.
+    /// Seed of the jitter; equal seeds give equal jitter.
     pub seed: u64,
 }
 
@@ -56,87 +56,88 @@ impl Default for Probe {
     }
 }
 
-/// What is probed: all that one picture is drawn from.
+/// The probed view, with all inputs of its picture.
 #[derive(Clone, Debug)]
 pub struct Subject {
-    /// The scene.
+    /// Scene of the view.
     pub scene: Arc<Scene>,
-    /// The view.
+    /// Camera without jitter.
     pub camera: Camera,
-    /// How it is drawn.
+    /// Pipeline settings that it is drawn with.
     pub settings: Settings,
-    /// How large.
+    /// Size of the picture, in pixels.
     pub viewport: Viewport,
 }
 
 impl Subject {
-    /// Whether both give the same picture.
+    /// Whether both subjects give the same picture.
     pub fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.scene, &other.scene)
             && (self.camera, self.settings, self.viewport) == (other.camera, other.settings, other.viewport)
     }
 }
 
-/// A triangle that came or went.
+/// A triangle that gained or lost pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Fragile {
-    /// The triangle.
+    /// Fragile triangle.
     pub triangle: TriangleId,
-    /// Pixels that it lost or gained, added up over all runs.
+    /// Number of pixels that it lost or gained, summed over all runs.
     pub changes: u64,
-    /// The one of these pixels that changed its owner most often: column and row.
+    /// The most often changed of these pixels: column and row.
     pub worst_pixel: (u32, u32),
-    /// In how many runs that pixel had another owner.
+    /// Number of runs in which that pixel had a different owner.
     pub worst_changes: u16,
 }
 
-/// What a probe found. All pictures have the size of the subject's viewport and count runs.
+/// Result of a probe. All images have the size of the subject's viewport; counts are numbers of runs.
 #[derive(Clone, Debug)]
 pub struct ProbeResult {
-    /// What was asked.
+    /// Parameters of the probe.
     pub probe: Probe,
-    /// Of what.
+    /// Probed view.
     pub subject: Subject,
-    /// In how many runs another triangle won the pixel than without jitter, or none at all, or one instead of none.
+    /// Number of runs in which the owner of each pixel differed from the picture without jitter. A missing or
+    /// additional owner counts as a difference.
     pub owner_changes: Image<u16>,
-    /// In how many runs another depth was stored, be it by one step; `None` without a depth test.
+    /// Number of runs in which the stored depth of each pixel differed, even by one step; `None` without a depth test.
     pub depth_changes: Option<Image<u16>>,
-    /// In how many runs the colour was another.
+    /// Number of runs in which the colour of each pixel differed.
     pub color_changes: Image<u16>,
-    /// Who won each pixel without jitter.
+    /// Owner of each pixel without jitter.
     pub owners: Image<TriangleId>,
-    /// The picture without jitter.
+    /// Picture without jitter, as sRGB codes.
     pub picture: Image<Rgba8>,
-    /// Triangles that lost or gained pixels, the most fragile first.
+    /// Triangles that lost or gained pixels, most fragile first.
     pub ranking: Vec<Fragile>,
 }
 
-/// One figure of a [`Summary`].
+/// Changes in one aspect, as part of a [`Summary`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Changed {
-    /// Pixels that changed in one run at least.
+    /// Number of pixels that changed in at least one run.
     pub pixels: u64,
-    /// In how many runs the one did that changed most often.
+    /// Number of changed runs of the pixel that changed most often.
     pub most: u16,
 }
 
-/// A result in few numbers.
+/// Summary of a result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Summary {
-    /// Pixels of the picture.
+    /// Number of pixels of the picture.
     pub pixels: u64,
-    /// Of the owner.
+    /// Changes of the owner.
     pub owner: Changed,
-    /// Of the depth.
+    /// Changes of the depth; `None` without a depth test.
     pub depth: Option<Changed>,
-    /// Of the colour.
+    /// Changes of the colour.
     pub color: Changed,
-    /// Triangles that lost or gained pixels.
+    /// Number of triangles that lost or gained pixels.
     pub fragile_triangles: usize,
 }
 
 impl ProbeResult {
-    /// In few numbers.
+    /// Returns the summary of the result.
     pub fn summary(&self) -> Summary {
         let changed = |counts: &Image<u16>| Changed {
             pixels: counts.pixels().iter().filter(|count| **count > 0).count() as u64,
@@ -151,7 +152,7 @@ impl ProbeResult {
         }
     }
 
-    /// How often the pixels changed in a respect; `None` where there is no depth.
+    /// Returns the number of changed runs of each pixel in one aspect; `None` for depth without a depth test.
     pub fn counts(&self, heat: Heat) -> Option<&Image<u16>> {
         match heat {
             Heat::Owner => Some(&self.owner_changes),
@@ -160,8 +161,8 @@ impl ProbeResult {
         }
     }
 
-    /// A fragile triangle as it is drawn without jitter: of its pieces, if it was cut, the one that covers its worst pixel
-    /// or else the first. `None` if it is not rasterized at all without jitter.
+    /// Returns a fragile triangle as drawn without jitter. Among the pieces of a clipped triangle, returns the one that
+    /// covers its worst pixel, or else the first. `None` if the triangle is not rasterized without jitter.
     pub fn triangle_of(&self, fragile: &Fragile) -> Option<ScreenTriangle> {
         let Subject { scene, camera, settings, viewport } = &self.subject;
         let geometry = prepare(scene, camera, settings, *viewport, &mut ());
@@ -171,7 +172,7 @@ impl ProbeResult {
     }
 }
 
-/// Whether a triangle covers the centre of a pixel, by the very rasterizer that draws it.
+/// Whether a triangle covers the centre of a pixel, decided by the rasterizer that draws it.
 fn covers(triangle: &ScreenTriangle, settings: &Settings, (x, y): (u32, u32)) -> bool {
     let mut spans = Vec::new();
     let how = (settings.rasterizer, settings.arithmetic, settings.fill_rule);
@@ -179,8 +180,8 @@ fn covers(triangle: &ScreenTriangle, settings: &Settings, (x, y): (u32, u32)) ->
     !spans.is_empty()
 }
 
-/// Probes a view on the threads of the present rayon pool. `tell` hears the share of the runs that are done, in [0, 1];
-/// nothing is returned once `stop` is set. Equal probe and equal subject give an equal result on any number of threads.
+/// Probes a view on the threads of the current rayon pool. Calls `tell` with the progress, in [0, 1]. Returns `None`
+/// once `stop` is set. Equal probes of equal subjects give equal results on any number of threads.
 pub fn run(subject: &Subject, probe: Probe, tell: &dyn Fn(f32), stop: &AtomicBool) -> Option<ProbeResult> {
     let mut tally = tally::Tally::new(draw::still(subject), subject.scene.triangle_count());
     let at_once = rayon::current_num_threads().max(1);
@@ -191,7 +192,7 @@ pub fn run(subject: &Subject, probe: Probe, tell: &dyn Fn(f32), stop: &AtomicBoo
         }
         tell((index * at_once) as f32 / runs.len() as f32);
         let drawn: Vec<_> = batch.par_iter().map(|run| draw::jittered(subject, probe, *run)).collect();
-        // In the order of the runs, whoever was done first.
+        // Adds results in the order of the runs, independent of the order in which threads finish.
         drawn.iter().for_each(|drawn| tally.add(drawn));
     }
     Some(tally.finish(subject.clone(), probe))

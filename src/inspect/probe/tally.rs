@@ -1,21 +1,21 @@
-//! Counting what changes from run to run.
+//! Counts of changes between runs.
 
 use super::draw::Drawn;
 use super::{Fragile, Probe, ProbeResult, Subject};
 use crate::image::Image;
 use crate::scene::TriangleId;
 
-/// What was counted so far, against the picture without jitter.
+/// Changes so far, relative to the picture without jitter.
 pub(super) struct Tally {
     still: Drawn,
     owner: Image<u16>,
     depth: Option<Image<u16>>,
     color: Image<u16>,
-    /// By triangle.
+    /// Changes of each triangle, in scene order.
     triangles: Vec<Share>,
 }
 
-/// A triangle's share of the changes.
+/// Changes of one triangle.
 #[derive(Clone, Copy, Default)]
 struct Share {
     changes: u64,
@@ -24,7 +24,7 @@ struct Share {
 }
 
 impl Tally {
-    /// Nothing counted yet, for a scene of so many triangles.
+    /// Creates zeroed counts for a scene of `triangles` triangles.
     pub(super) fn new(still: Drawn, triangles: usize) -> Self {
         let none = Image::filled(still.color.width(), still.color.height(), 0);
         Self {
@@ -36,7 +36,7 @@ impl Tally {
         }
     }
 
-    /// Counts one run.
+    /// Counts the changes of one run.
     pub(super) fn add(&mut self, drawn: &Drawn) {
         count(&mut self.color, &self.still.color, &drawn.color, |a, b| a == b);
         if let (Some(counts), Some(still), Some(new)) = (&mut self.depth, &self.still.depth, &drawn.depth) {
@@ -60,7 +60,7 @@ impl Tally {
         }
     }
 
-    /// The result, with the most fragile triangle first.
+    /// Returns the result, with the most fragile triangle first.
     pub(super) fn finish(self, subject: Subject, probe: Probe) -> ProbeResult {
         let named = self.triangles.iter().zip(0..).filter(|(share, _)| share.changes > 0);
         let mut ranking: Vec<Fragile> = named
@@ -68,7 +68,7 @@ impl Tally {
                 triangle: TriangleId(id),
                 changes: share.changes,
                 worst_pixel: share.worst_pixel,
-                // The pixel may have changed in later runs without this triangle.
+                // The pixel may have changed in later runs without involving this triangle.
                 worst_changes: self.owner.at(share.worst_pixel.0, share.worst_pixel.1),
             })
             .collect();

@@ -17,7 +17,7 @@ const FEW: Probe = Probe { what: Jittered::Camera, ulps: 32, runs: 8, seed: 7 };
 
 #[test]
 fn surfaces_that_fight_are_fragile_and_one_triangle_is_not() {
-    // Depths of the far panels are coarse against what a vertex moves, so fewer pixels change by vertices.
+    // Depth steps on the far panels are coarse relative to the vertex jitter, so fewer pixels change.
     for (what, least) in [(Jittered::Camera, 50), (Jittered::Vertices, 5)] {
         let probe = Probe { what, ..FEW };
         let fighting = found(&subject("z-fighting"), probe);
@@ -25,7 +25,7 @@ fn surfaces_that_fight_are_fragile_and_one_triangle_is_not() {
         assert!(owner.pixels >= least && owner.most >= 2, "{what:?}: {owner:?}");
         assert!(fighting.ranking.len() >= 2);
         let alone = found(&subject("triangle"), probe);
-        // Only an edge that passes through a centre to within a rounding may move a pixel.
+        // Only an edge that passes within rounding of a pixel centre may change a pixel.
         assert!(alone.summary().owner.pixels <= 1, "{what:?}: {:?}", alone.summary());
         assert!(alone.owners.pixels().iter().filter(|id| **id == TriangleId(0)).count() > 500);
     }
@@ -59,7 +59,7 @@ fn equal_seeds_find_the_same_on_any_number_of_threads_and_others_do_not() {
 fn the_ranking_adds_up_and_names_pixels_that_changed() {
     let result = found(&subject("z-fighting"), FEW);
     assert!(result.ranking.is_sorted_by(|a, b| a.changes >= b.changes));
-    // A change has one owner on each side, or the background on one of them.
+    // A change involves an owner on both sides, or the background on one.
     let changes: u64 = result.owner_changes.pixels().iter().map(|count| u64::from(*count)).sum();
     let shares: u64 = result.ranking.iter().map(|fragile| fragile.changes).sum();
     assert!((changes..=2 * changes).contains(&shares), "{shares} of {changes}");

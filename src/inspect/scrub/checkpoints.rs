@@ -1,25 +1,26 @@
-//! Copies of the framebuffer along the way.
+//! Checkpoints: copies of the framebuffer after selected triangles.
 
 use crate::image::Image;
 use crate::pipeline::Geometry;
 use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 
-/// Most copies: with more, the way from one to the next is already shorter than copying takes.
+/// Maximum number of copies: with more, drawing from one to the next takes less time than copying.
 const MOST: usize = 64;
 
-/// What a triangle costs beside its pixels, in pixels.
+/// Estimated fixed cost of a triangle, in units of the cost of one pixel.
 const TRIANGLE_COST_PX: f64 = 60.0;
 
-/// Where copies are made, and those that were.
+/// Positions of the checkpoints, and the copies made so far.
 #[derive(Debug)]
 pub(super) struct Checkpoints {
-    /// After how many triangles, ascending, the first of them none; and the copy once it was made.
+    /// Number of triangles drawn before each checkpoint, ascending from 0, and the copy once it was made.
     copies: Vec<(usize, Option<Framebuffer>)>,
 }
 
 impl Checkpoints {
-    /// Spread so that the work between any two is about the same. `cleared` is the copy before all triangles.
+    /// Distributes checkpoints so that the estimated cost between any two is about equal. `cleared` is the framebuffer
+    /// before the first triangle; `budget` is in bytes.
     pub(super) fn new(geometry: &Geometry, raster: Viewport, cleared: &Framebuffer, budget: usize) -> Self {
         let count = (budget / bytes(cleared).max(1)).clamp(2, MOST);
         let costs = || geometry.triangles.iter().map(|triangle| cost(triangle, raster));
@@ -35,15 +36,15 @@ impl Checkpoints {
         Self { copies }
     }
 
-    /// Puts the last copy before `triangles` into `frame` and returns after how many triangles it was made, if that is nearer
-    /// than what `frame` holds, which is after `at` triangles.
+    /// Restores the last copy at or before `triangles` triangles into `frame`, unless `frame` is closer. `frame`
+    /// contains `at` triangles. Returns the number of triangles of the restored copy.
     pub(super) fn restore_before(&self, triangles: usize, at: usize, frame: &mut Framebuffer) -> Option<usize> {
         let before = &self.copies[..self.copies.partition_point(|(place, _)| *place <= triangles)];
         let (place, copy) = before.iter().rev().find_map(|(place, copy)| Some((*place, copy.as_ref()?)))?;
         if at <= triangles && place <= at {
             return None;
         }
-        // Into memory that is there already.
+        // Copies into the existing buffers to avoid allocations.
         frame.color.pixels_mut().copy_from_slice(copy.color.pixels());
         if let (Some(depth), Some(copy)) = (&mut frame.depth, &copy.depth) {
             depth.pixels_mut().copy_from_slice(copy.pixels());
@@ -51,20 +52,20 @@ impl Checkpoints {
         Some(place)
     }
 
-    /// After how many triangles the next copy is due.
+    /// Returns the position of the next checkpoint after `at` triangles, or `usize::MAX`.
     pub(super) fn next_after(&self, at: usize) -> usize {
         let next = self.copies.partition_point(|(place, _)| *place <= at);
         self.copies.get(next).map_or(usize::MAX, |(place, _)| *place)
     }
 
-    /// Copies `frame` if a copy is due after `at` triangles and there is none.
+    /// Copies `frame` if `at` is the position of a checkpoint without a copy.
     pub(super) fn keep(&mut self, at: usize, frame: &Framebuffer) {
         if let Ok(found) = self.copies.binary_search_by_key(&at, |(place, _)| *place) {
             self.copies[found].1.get_or_insert_with(|| frame.clone());
         }
     }
 
-    /// How many copies were made, and their bytes.
+    /// Returns the number of copies, and their size in bytes.
     pub(super) fn memory(&self) -> (usize, usize) {
         let made = self.copies.iter().filter_map(|(_, copy)| copy.as_ref());
         made.fold((0, 0), |(count, sum), copy| (count + 1, sum + bytes(copy)))
@@ -75,7 +76,7 @@ fn bytes(frame: &Framebuffer) -> usize {
     frame.color.bytes() + frame.depth.as_ref().map_or(0, Image::bytes)
 }
 
-/// About what a triangle costs, in pixels: half the box around it within the picture, and something for itself.
+/// Estimates the cost of a triangle, in pixels: half its bounding box within the picture, plus a fixed cost.
 fn cost(triangle: &ScreenTriangle, Viewport { width, height }: Viewport) -> f64 {
     let corners = triangle.corners_px();
     let side = |axis: usize, length: u32| {

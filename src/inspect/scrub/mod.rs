@@ -1,8 +1,8 @@
-//! A frame at any moment of its making: after any of its triangles, or after any fragment of one.
+//! A frame at any moment of its drawing: after any triangle, or after any fragment of one.
 //!
-//! Triangles are drawn one after the other, in the order in which the frame has them, however the frame itself was drawn.
-//! Copies of the framebuffer along the way make steps back as quick as steps on: drawing begins at the last copy before the
-//! moment that is asked for. What is there then is bit for bit what drawing from the start gives.
+//! Triangles are drawn one by one in the order of the frame, regardless of how the frame itself was drawn. Checkpoints
+//! of the framebuffer make steps backwards as fast as steps forwards: drawing starts at the last checkpoint before the
+//! requested moment. The result is bit-identical to drawing from the start.
 
 pub mod timeline;
 
@@ -26,48 +26,48 @@ use crate::pipeline::{Extent, Geometry, Until, draw, draw_samples, partial};
 use crate::scene::Scene;
 use checkpoints::Checkpoints;
 
-/// Memory for copies of the framebuffer, bytes: fifteen of a full HD picture.
+/// Memory for copies of the framebuffer, in bytes: enough for fifteen of a full HD picture.
 pub const BUDGET: usize = 256 << 20;
 
-/// A moment of a frame.
+/// A moment in the drawing of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Moment {
-    /// How many of the rasterized triangles are drawn.
+    /// Number of rasterized triangles drawn, including a partially drawn last one.
     pub triangles: usize,
-    /// Of the last of them only so many fragments; all if none.
+    /// Number of fragments drawn of the last triangle; `None` for all.
     pub fragments: Option<usize>,
 }
 
 impl Moment {
-    /// After so many whole triangles.
+    /// Returns the moment after this number of complete triangles.
     pub fn after(triangles: usize) -> Self {
         Self { triangles, fragments: None }
     }
 
-    /// Orders moments by time.
+    /// Returns a sort key that orders moments by time.
     pub fn key(self) -> (usize, usize) {
         (self.triangles, self.fragments.unwrap_or(usize::MAX))
     }
 }
 
-/// Goes to moments of one frame.
+/// Draws arbitrary moments of one frame.
 #[derive(Debug)]
 pub struct Scrubber {
     scene: Arc<Scene>,
     recipe: Recipe,
-    /// All triangles.
+    /// All triangles of the frame.
     geometry: Geometry,
     grid: SampleGrid,
     raster: Viewport,
     checkpoints: Checkpoints,
-    /// What is drawn after [`Scrubber::at`] whole triangles.
+    /// Framebuffer after `at` complete triangles.
     now: Framebuffer,
     at: usize,
 }
 
 impl Scrubber {
-    /// For the frame that `recipe` made of `scene`, with one sample for each pixel, keeping copies in at most `budget` bytes,
-    /// or two of them if that is too little.
+    /// Creates a scrubber for the frame that `recipe` draws of `scene`, with one sample per pixel. Checkpoints take at
+    /// most `budget` bytes, or two copies of the framebuffer if that is too little.
     pub fn new(scene: &Arc<Scene>, recipe: &Recipe, frame: &Frame, budget: usize) -> Self {
         let geometry = prepare_again(scene, recipe, frame, &mut ());
         let (grid, raster) = (frame.sampling.grid(), frame.raster);
@@ -85,12 +85,12 @@ impl Scrubber {
         }
     }
 
-    /// All triangles of the frame, in the order in which they are drawn.
+    /// Returns all triangles of the frame, in drawing order.
     pub fn geometry(&self) -> &Geometry {
         &self.geometry
     }
 
-    /// What is drawn at a moment; the last one if it lies beyond.
+    /// Draws the frame at a moment. Moments past the end give the complete frame.
     pub fn go(&mut self, moment: Moment) -> Framebuffer {
         let all = self.geometry.triangles.len();
         let triangles = moment.triangles.min(all);
@@ -109,7 +109,8 @@ impl Scrubber {
         drawn
     }
 
-    /// Draws a moment at which fragments are sorted: those of the triangles from `first` on, as if there were no later ones.
+    /// Draws a moment with depth-sorted fragments: sorts the triangles from `first` to the moment as if there were no
+    /// later ones.
     fn draw_sorted(&mut self, moment: Moment, first: usize) -> Framebuffer {
         self.seek(first);
         let mut drawn = self.now.clone();
@@ -120,19 +121,20 @@ impl Scrubber {
         drawn
     }
 
-    /// The triangles that are drawn at a moment, the last of them in part if need be. They share the memory of all.
+    /// Returns the triangles drawn at a moment, the last one partially if necessary. They share the memory of the full
+    /// list.
     pub fn geometry_at(&self, moment: Moment) -> Geometry {
         let mut first = Geometry { partial: self.first_samples(moment), ..self.geometry.clone() };
         first.triangles.truncate(moment.triangles);
         first
     }
 
-    /// How many fragments a rasterized triangle has; none beyond the last.
+    /// Returns the number of fragments of a rasterized triangle; 0 past the last one.
     pub fn fragments_of(&self, place: usize) -> usize {
         partial::count(&self.samples_of(place))
     }
 
-    /// Copies of the framebuffer that are held, and the bytes of all of them.
+    /// Returns the number of framebuffer copies, and their total size in bytes.
     pub fn memory(&self) -> (usize, usize) {
         self.checkpoints.memory()
     }
@@ -142,14 +144,14 @@ impl Scrubber {
         triangle.map_or_else(Vec::new, |t| partial::samples_of(t, &self.recipe.pipeline, (self.grid, self.raster)))
     }
 
-    /// The samples of the last triangle that are drawn at a moment, if that is not all of them.
+    /// Returns the drawn samples of the last triangle at a moment; `None` if all of them are drawn.
     fn first_samples(&self, Moment { triangles, fragments }: Moment) -> Option<Vec<Span>> {
         let (place, most) = (triangles.checked_sub(1)?, fragments?);
         let samples = self.samples_of(place);
         (most < partial::count(&samples)).then(|| partial::first(&samples, most))
     }
 
-    /// Draws until `triangles` whole triangles are there.
+    /// Draws until exactly `triangles` complete triangles are in the framebuffer.
     fn seek(&mut self, triangles: usize) {
         if let Some(at) = self.checkpoints.restore_before(triangles, self.at, &mut self.now) {
             self.at = at;

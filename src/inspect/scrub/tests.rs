@@ -13,7 +13,7 @@ fn scene(id: &str) -> Arc<Scene> {
     Arc::new(builtin::by_id(id).unwrap().build())
 }
 
-/// The first triangles drawn from the start, by the plain loop.
+/// Draws the first `triangles` triangles from the start in a plain loop.
 fn from_the_start(scene: &Scene, recipe: &Recipe, frame: &Frame, triangles: usize) -> Framebuffer {
     let mut geometry = prepare_again(scene, recipe, frame, &mut ());
     geometry.triangles.truncate(triangles);
@@ -48,7 +48,7 @@ fn every_moment_is_what_drawing_from_the_start_gives_bit_for_bit() {
         let scene = scene(id);
         for recipe in recipes() {
             let frame = run(&scene, &scene.home, &recipe, SIZE, &mut ());
-            // Room for few copies, so that ways between them are long, and for many.
+            // A budget for few checkpoints, far apart, and one for many.
             for budget in [0, BUDGET] {
                 let mut scrubber = Scrubber::new(&scene, &recipe, &frame, budget);
                 let all = scrubber.geometry().triangles.len();
@@ -64,7 +64,7 @@ fn every_moment_is_what_drawing_from_the_start_gives_bit_for_bit() {
     }
 }
 
-/// The samples in which two pictures differ.
+/// Counts the samples at which two framebuffers differ.
 fn differing(a: &Framebuffer, b: &Framebuffer) -> usize {
     a.color.pixels().iter().zip(b.color.pixels()).filter(|(a, b)| a != b).count()
 }
@@ -154,7 +154,8 @@ fn copies_stay_within_their_budget() {
     assert!((3..=5).contains(&count) && bytes <= 5 * one, "{count} copies, {bytes} bytes");
 }
 
-/// Three draws of 2, 3 and 1 triangles with 4 fragments each; triangles 1 and 4 touch the pixel, with their third fragment.
+/// Builds three draws of 2, 3 and 1 triangles with 4 fragments each. Triangles 1 and 4 touch the pixel with their third
+/// fragment.
 fn timeline() -> Timeline {
     let touch = |place: usize| Touch {
         triangle: crate::scene::TriangleId(place as u32),
@@ -164,7 +165,7 @@ fn timeline() -> Timeline {
     Timeline { triangles: 6, draws: vec![(0, 0), (2, 1), (5, 2)], fragments: [4, 4], touches: vec![touch(1), touch(4)] }
 }
 
-/// All moments of a walk from one end to the other.
+/// Returns all moments of a traversal from one end to the other.
 fn walk(unit: Unit, forwards: bool, touching: bool) -> Vec<(usize, Option<usize>)> {
     let timeline = timeline();
     let mut moments = vec![Moment::after(if forwards { 0 } else { timeline.triangles })];
@@ -207,7 +208,7 @@ fn many_steps_at_once_end_where_the_frame_ends() {
     assert_eq!(steps(Moment::after(1), Unit::Triangle, 900), Moment::after(6));
     let partial = Moment { triangles: 2, fragments: Some(1) };
     assert_eq!(steps(partial, Unit::Fragment, 2), Moment { triangles: 2, fragments: Some(3) });
-    // How many fragments the next triangle has is not known yet.
+    // The number of fragments of the next triangle is not yet known.
     assert_eq!(steps(partial, Unit::Fragment, 9).triangles, 3);
     assert_eq!(steps(partial, Unit::Draw, 1), Moment::after(2));
     assert_eq!(steps(partial, Unit::Draw, -1), Moment::after(0));

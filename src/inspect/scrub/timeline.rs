@@ -1,34 +1,34 @@
-//! The moments of a frame in order, and the way from one to the next.
+//! Moments of a frame in order, and the steps between them.
 
 use super::{Moment, Touch};
 use crate::pipeline::Geometry;
 use crate::pipeline::settings::{Choice, choice};
 
 choice! {
-    /// How far a step goes.
+    /// Size of a step.
     Unit {
-        Stage = "stage", "Stage", "To the next stage of the pipeline; the moment stays.";
-        Draw = "draw", "Draw", "To the next object.";
-        Triangle = "triangle", "Triangle", "To the next triangle.";
-        Fragment = "fragment", "Fragment", "To the next fragment, in the order in which the rasterizer finds them.";
+        Stage = "stage", "Stage", "Step to the next stage of the pipeline, at the same point in time.";
+        Draw = "draw", "Draw", "Step to the next object.";
+        Triangle = "triangle", "Triangle", "Step to the next triangle.";
+        Fragment = "fragment", "Fragment", "Step to the next fragment, in rasterization order.";
     }
 }
 
-/// What is known at one moment of a frame about the moments around it.
+/// Data about a frame and the neighbourhood of one moment, as needed for steps.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Timeline {
-    /// Triangles in all.
+    /// Number of all triangles.
     pub triangles: usize,
-    /// Where the triangles of each draw begin, ascending, and its instance.
+    /// Index of the first triangle of each draw, ascending, and its instance.
     pub draws: Vec<(usize, u32)>,
-    /// Fragments of the last triangle that is drawn, in part or whole, and of the one after it.
+    /// Number of fragments of the last drawn triangle (partial or complete) and of the following one.
     pub fragments: [usize; 2],
-    /// The fragments at the picked pixel, in drawing order.
+    /// Fragments at the picked pixel, in drawing order.
     pub touches: Vec<Touch>,
 }
 
 impl Timeline {
-    /// Of a frame with all of its triangles; without fragments and touches.
+    /// Creates the timeline of a frame with all of its triangles, without fragments and touches.
     pub fn new(geometry: &Geometry) -> Self {
         let mut draws: Vec<(usize, u32)> = Vec::new();
         for (place, triangle) in geometry.triangles.iter().enumerate() {
@@ -39,14 +39,15 @@ impl Timeline {
         Self { triangles: geometry.triangles.len(), draws, ..Self::default() }
     }
 
-    /// The instance that the last triangle of a moment belongs to.
+    /// Returns the instance of the last triangle drawn at a moment; `None` before the first triangle.
     pub fn instance_at(&self, moment: Moment) -> Option<u32> {
         let place = moment.triangles.checked_sub(1)?;
         let after = self.draws.partition_point(|(start, _)| *start <= place);
         self.draws[..after].last().map(|(_, instance)| *instance)
     }
 
-    /// The moment one step on, or back: of `touching` alone those that touch the picked pixel. Stages are no moments.
+    /// Returns the moment one step forwards or backwards. With `touching`, only moments that touch the picked pixel
+    /// count. Stages are not moments.
     pub fn step(&self, now: Moment, unit: Unit, forwards: bool, touching: bool) -> Moment {
         let now = if now.triangles > self.triangles { Moment::after(self.triangles) } else { now };
         match unit {
@@ -61,7 +62,8 @@ impl Timeline {
         }
     }
 
-    /// So many steps on, or back; fewer where the way ends or more would have to be known of the frame.
+    /// Returns the moment after this number of steps forwards, or backwards if negative. Stops early at the ends, or
+    /// where the number of fragments is unknown.
     pub fn steps(&self, now: Moment, unit: Unit, steps: i64, touching: bool) -> Moment {
         let forwards = steps > 0;
         if unit == Unit::Triangle && !touching && now.fragments.is_none() {
@@ -80,7 +82,7 @@ impl Timeline {
     }
 
     fn by_draw(&self, now: Moment, forwards: bool) -> Moment {
-        // A triangle drawn in part counts as one that is not there yet.
+        // A partially drawn triangle counts as not yet drawn.
         let whole = now.triangles - usize::from(now.fragments.is_some());
         let starts = || self.draws.iter().map(|(start, _)| *start);
         Moment::after(if forwards {

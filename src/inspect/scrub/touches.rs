@@ -1,4 +1,4 @@
-//! When a pixel was touched: the moments of a frame that concern it.
+//! Moments of a frame at which a pixel was touched.
 
 use super::Moment;
 use crate::chain::Recipe;
@@ -12,30 +12,30 @@ use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::pipeline::{Extent, Geometry, Until, draw, partial};
 use crate::scene::{Scene, TriangleId};
 
-/// How far fragments are counted.
+/// Precision of the moments of touches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Count {
-    /// Not at all: of a touch only the triangle is known.
+    /// Only the triangle of each touch is known.
     Triangles,
-    /// As long as the triangles so far have no more than [`MOST_FRAGMENTS`] together.
+    /// Fragments are counted while the triangles so far have at most [`MOST_FRAGMENTS`] in total.
     Fragments,
 }
 
-/// Fragments that are gone through to count those before a touch: a fraction of a second.
+/// Maximum number of fragments traversed to locate touches; takes a fraction of a second.
 pub const MOST_FRAGMENTS: usize = 8_000_000;
 
-/// A fragment that touched a pixel.
+/// A fragment at a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Touch {
-    /// Its triangle.
+    /// Triangle of the fragment.
     pub triangle: TriangleId,
-    /// Right after it.
+    /// Moment immediately after the fragment.
     pub moment: Moment,
-    /// Whether it was written.
+    /// Whether the fragment was written.
     pub written: bool,
 }
 
-/// Every fragment at a drawn pixel, in drawing order; none if the pixel is not drawn.
+/// Returns every fragment at a drawn pixel, in order of submission; empty if the pixel is not drawn.
 pub fn touches(
     scene: &Scene,
     recipe: &Recipe,
@@ -51,7 +51,7 @@ pub fn touches(
     let mut watch = Watch { geometry, touches: Vec::new() };
     draw(scene, geometry, settings, &extent, Until::Shade, &mut one, &mut watch);
     let mut touches = watch.touches;
-    // Fragments that are sorted by depth come in another order than their triangles.
+    // Depth-sorted fragments are not drawn in the order of their triangles.
     touches.sort_by_key(|touch| touch.moment.key());
     let mut counted = 0;
     for touch in &mut touches {

@@ -1,4 +1,4 @@
-//! What the corners bring along, mixed by the weights.
+//! Trace of the attributes, interpolated from the corners by their weights.
 
 use glam::Vec2;
 
@@ -11,7 +11,7 @@ use crate::pipeline::interpolate::{edge_slopes, weight_gradient};
 use crate::pipeline::settings::Arithmetic;
 use crate::pipeline::vertex::Varyings;
 
-/// Channels of a colour.
+/// Names of the colour channels.
 pub(super) const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
 /// Writes every attribute that the draw interpolates.
@@ -51,7 +51,7 @@ pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) {
     }
 }
 
-/// a₀ + p₁·(a₁ − a₀) + p₂·(a₂ − a₀) of one component.
+/// Returns a₀ + p₁·(a₁ − a₀) + p₂·(a₂ − a₀) for one component.
 fn mixed(subject: &Subject<'_>, component: impl Fn(&Varyings) -> f32) -> Formula {
     let [a, b, c] = subject.triangle.vertices.each_ref().map(|vertex| component(&vertex.varyings));
     let [_, p1, p2] = subject.fragment.weights;
@@ -59,7 +59,7 @@ fn mixed(subject: &Subject<'_>, component: impl Fn(&Varyings) -> f32) -> Formula
     given("a₀", a) + from_first("a₁", b) * given("weight 1", p1) + from_first("a₂", c) * given("weight 2", p2)
 }
 
-/// What weights and texture coordinates change by from pixel to pixel.
+/// Writes the changes of weights and texture coordinates per pixel, to the right and downwards.
 fn gradient(subject: &Subject<'_>, arithmetic: Arithmetic, scribe: &mut Scribe) {
     const DIRECTIONS: [&str; 2] = ["to the right", "downwards"];
     const NAMES: [[&str; 2]; 2] = [["du/dx", "dv/dx"], ["du/dy", "dv/dy"]];
@@ -89,7 +89,8 @@ fn gradient(subject: &Subject<'_>, arithmetic: Arithmetic, scribe: &mut Scribe) 
     }
 }
 
-/// The opposite side, turned by a right angle, in the unit of edge values.
+/// Returns the change of an edge value per pixel: the opposite side rotated by a right angle, in the unit of edge
+/// values.
 fn edge_change(subject: &Subject<'_>, arithmetic: Arithmetic, direction: usize, corner: usize) -> Formula {
     let corners = subject.triangle.corners_in(arithmetic);
     let coordinate = |corner: usize, axis: usize| given(format!("{}{corner}", ["x", "y"][axis]), corners[corner][axis]);
@@ -100,7 +101,7 @@ fn edge_change(subject: &Subject<'_>, arithmetic: Arithmetic, direction: usize, 
     side * (given("doubled area", subject.triangle.doubled_area) / area)
 }
 
-/// (qᵢ′ − pᵢ·Σ qⱼ′) / Σ qⱼ with qᵢ = edgeᵢ·rᵢ and pᵢ = qᵢ / Σ qⱼ, by what edge values change by.
+/// Returns (qᵢ′ − pᵢ·Σ qⱼ′) / Σ qⱼ with qᵢ = edgeᵢ·rᵢ and pᵢ = qᵢ / Σ qⱼ, where ′ denotes the change per pixel.
 fn weight_change(subject: &Subject<'_>, slopes: [f32; 3], corner: usize) -> Formula {
     const EDGES: [&str; 3] = ["edge 0", "edge 1", "edge 2"];
     const CHANGES: [&str; 3] = ["change of edge 0", "change of edge 1", "change of edge 2"];

@@ -1,4 +1,4 @@
-//! Which side of each edge the pixel's centre lies on, and who owns it where it lies on the line.
+//! Trace of coverage: the side of each edge that the pixel's centre lies on, and the owner of centres on an edge.
 
 use super::Number;
 use super::formula::{Formula, given};
@@ -11,10 +11,10 @@ use crate::pipeline::raster::numbers::Inward;
 use crate::pipeline::raster::steps::{EdgeNumbers, EdgeSteps, FloatSteps};
 use crate::pipeline::settings::{Arithmetic, Choice as _};
 
-/// The buffers of the three edge values.
+/// Buffers of the three edge values.
 const EDGE_BUFFERS: [Intermediate; 3] = [Intermediate::Edge0, Intermediate::Edge1, Intermediate::Edge2];
 
-/// Writes area, edges and decisions.
+/// Writes the area, the edge values and the coverage decisions.
 pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) {
     scribe.enter(TraceStage::Coverage);
     area(subject, scribe);
@@ -41,12 +41,12 @@ pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) {
         decide(&name, steps, value, scribe);
     }
     if subject.settings.rasterizer.is_published() {
-        let words = format!("{} decides by itself, as it was published", subject.settings.rasterizer.name());
+        let words = format!("{} uses its own coverage test, as published", subject.settings.rasterizer.name());
         scribe.decide("coverage", words, "covered");
     }
 }
 
-/// The signed doubled area, which tells which side is seen.
+/// Writes the signed doubled area, whose sign decides facing.
 fn area(subject: &Subject<'_>, scribe: &mut Scribe) {
     let arithmetic = subject.settings.arithmetic;
     let (area, scale) = doubled_area(arithmetic, subject.triangle.corners_px());
@@ -69,7 +69,7 @@ fn area(subject: &Subject<'_>, scribe: &mut Scribe) {
     let unit = if arithmetic == Arithmetic::Fixed { "1/2¹⁶ px²" } else { "px² times the scale" };
     scribe.read("unsigned area", format!("in the unit of edge values: {unit}"), subject.triangle.doubled_area);
     if scale != 1.0 {
-        scribe.read("scale of edge values", "the power of two that brings the area near 1", scale);
+        scribe.read("scale of edge values", "the power of two that scales the area to about 1", scale);
     }
 }
 
@@ -81,7 +81,7 @@ fn raw_value(numbers: &EdgeNumbers) -> Number {
     }
 }
 
-/// The value in fixed point: A·x + B·y + C.
+/// Writes an edge value in fixed point: A·x + B·y + C.
 fn fixed<'s>(
     name: &str,
     (a, b, c): (i64, i64, i64),
@@ -92,7 +92,7 @@ fn fixed<'s>(
     let corners = subject.triangle.vertices.each_ref().map(|v| [i64::from(v.x), i64::from(v.y)]);
     let (from, to) = (corners[(edge + 1) % 3], corners[(edge + 2) % 3]);
     let ends = |first: (&'static str, i64), second: (&'static str, i64), product: i64| {
-        // The sign that makes the inside positive.
+        // The sign that makes edge values inside the triangle positive.
         let formula = given(first.0, first.1) - given(second.0, second.1);
         if first.1 - second.1 == product { formula } else { -formula }
     };
@@ -104,7 +104,7 @@ fn fixed<'s>(
     scribe.compute(format!("{name} · value"), value, &formula)
 }
 
-/// The value in floats: the difference of two products.
+/// Writes an edge value in floating point: the difference of two products.
 fn float<'s, F: Copy + Into<Number>>(name: &str, steps: &FloatSteps<F>, scribe: &'s mut Scribe) -> &'s mut TraceLine {
     for axis in 0..2 {
         let part = ["x", "y"][axis];
@@ -128,7 +128,7 @@ fn float<'s, F: Copy + Into<Number>>(name: &str, steps: &FloatSteps<F>, scribe: 
     scribe.compute(format!("{name} · value"), steps.value, &formula)
 }
 
-/// The value by the exact predicate.
+/// Writes an edge value by the exact predicate.
 fn exact<'s>(
     name: &str,
     [from, to, centre]: [[f64; 2]; 3],
@@ -142,32 +142,29 @@ fn exact<'s>(
     scribe.compute(format!("{name} · value"), value, &formula)
 }
 
-/// Inside, outside, or on the line and owned or not.
+/// Writes the decision: inside, outside, or on the edge and owned or not.
 fn decide(name: &str, steps: &EdgeSteps, value: Number, scribe: &mut Scribe) {
     let value = value.to_f64();
     let kind = edge_kind(steps.inward);
     let (words, decision) = if value > 0.0 {
         (format!("{kind}: the value is > 0"), "inside")
     } else if value == 0.0 && steps.owned {
-        (
-            format!("{kind}: the centre is on the line, and the fill rule gives the line to this triangle"),
-            "belongs to it",
-        )
+        (format!("{kind}: the centre is on the edge, and the fill rule assigns the edge to this triangle"), "inside")
     } else if value == 0.0 {
-        (format!("{kind}: the centre is on the line, and the fill rule gives the line to the neighbour"), "not its own")
+        (format!("{kind}: the centre is on the edge, and the fill rule assigns the edge to the neighbour"), "outside")
     } else {
         (format!("{kind}: the value is not > 0"), "outside")
     };
     scribe.decide(format!("{name} · decision"), words, decision).flag(Notable::Tie, value == 0.0);
 }
 
-/// What the sides that an edge can be on are called.
+/// Returns the name of an edge by the direction of its inner side.
 fn edge_kind(inward: Inward) -> &'static str {
     match (inward.right, inward.down) {
         (1.., _) => "left edge",
         (..=-1, _) => "right edge",
         (0, 1..) => "top edge",
         (0, ..=-1) => "bottom edge",
-        (0, 0) => "edge without length",
+        (0, 0) => "zero-length edge",
     }
 }

@@ -1,4 +1,4 @@
-//! Exact numbers as text.
+//! Text form of exact numbers.
 
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -6,16 +6,17 @@ use num_traits::{Signed as _, Zero as _};
 
 use super::exact::Exact;
 
-/// Digits of numerator and denominator together that a fraction is still called short with.
+/// Maximum number of digits, numerator and denominator together, of a short fraction.
 const SHORT_DIGITS: usize = 12;
 
-/// Bits of numerator and denominator beyond which nobody looks whether the fraction can be shortened.
+/// Maximum number of bits, numerator and denominator together, of a fraction that is reduced.
 const SHORT_BITS: u64 = 256;
 
 impl Exact {
-    /// With so many significant digits, and whether that is all of it. What is left of it is cut off.
+    /// Returns the number with this many significant digits, and whether they are complete. Further digits are
+    /// truncated.
     pub fn decimal(&self, significant: u32) -> (String, bool) {
-        /// Exponents beyond these are written out.
+        /// Decimal exponents that are written without exponent notation.
         const PLAIN: std::ops::Range<i64> = -6..22;
         let Some(magnitude) = self.floor_log2() else { return ("0".to_owned(), true) };
         let significant = i64::from(significant);
@@ -28,7 +29,7 @@ impl Exact {
         let sign = if *self < Self::whole(0) { "−" } else { "" };
         let digits = if complete { digits.trim_end_matches('0') } else { &digits };
         let mark = if complete { "" } else { "…" };
-        // Digits that were cut off before the point would have to be made up.
+        // Truncated digits before the decimal point are unknown, so exponent notation is necessary.
         let hides_whole = !complete && exponent >= significant;
         let text = if hides_whole || !PLAIN.contains(&exponent) {
             let (first, rest) = digits.split_at(1);
@@ -46,7 +47,7 @@ impl Exact {
         (format!("{sign}{text}"), complete)
     }
 
-    /// The whole part of the magnitude times 10^`power`, and whether there is nothing behind.
+    /// Returns the integer part of the magnitude times 10^`power`, and whether the remainder is zero.
     fn digits(&self, power: i64) -> (String, bool) {
         let (mut numerator, mut denominator) = self.parts();
         let ten = BigInt::from(10).pow(power.unsigned_abs() as u32);
@@ -61,7 +62,7 @@ impl Exact {
         (whole.to_string(), complete)
     }
 
-    /// As numerator / denominator, if that is short and no whole number.
+    /// Returns numerator / denominator if that is short and not an integer.
     pub fn short_fraction(&self) -> Option<String> {
         let (numerator, denominator) = self.parts();
         if numerator.bits() + denominator.bits() > SHORT_BITS {

@@ -1,4 +1,4 @@
-//! The depth of the fragment, as it is stored, against what the buffer holds.
+//! Trace of the fragment's depth as stored, and of the depth test.
 
 use super::formula::{Formula, given, sum, whole};
 use super::line::{Notable, Scribe, TraceStage};
@@ -8,11 +8,11 @@ use crate::inspect::intermediate::Intermediate;
 use crate::pipeline::depth::{Comparison, TriangleBias, depth_at, unquantised_depth_at};
 use crate::pipeline::settings::DepthBias;
 
-/// Writes depth and test.
+/// Writes the depth and its test.
 pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) {
     scribe.enter(TraceStage::Depth);
     if subject.record.stored_depth.is_none() {
-        scribe.decide("depth test", "off: what is drawn last is seen", "passes");
+        scribe.decide("depth test", "off: the triangle drawn last is visible", "passes");
         return;
     }
     let (triangle, sample) = (subject.triangle, &subject.sample);
@@ -39,12 +39,12 @@ pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) {
     test(subject, &depth, scribe);
 }
 
-/// The depth bias, if one is set: what it is made of, and the least depth that it leads to.
+/// Writes the depth bias, if one is set: its terms, and the resulting least depth.
 fn bias(subject: &Subject<'_>, least: f64, biased_least: f64, scribe: &mut Scribe) {
     let Some(bias) = subject.frame.geometry.depth_scale.bias_of(&subject.triangle.vertices) else { return };
     let TriangleBias { gradient: [along_x, along_y], slope, step, offset } = bias;
-    scribe.read("∂z/∂x", "change of the triangle's depth per px to the right, by its corners", along_x);
-    scribe.read("∂z/∂y", "change of the triangle's depth per px downwards, by its corners", along_y);
+    scribe.read("∂z/∂x", "change of the triangle's depth per px to the right, from its corners", along_x);
+    scribe.read("∂z/∂y", "change of the triangle's depth per px downwards, from its corners", along_y);
     let magnitude = |name: &'static str, value: f64| given(name, value).max(-given(name, value));
     scribe.compute("slope m", slope, &magnitude("∂z/∂x", along_x).max(magnitude("∂z/∂y", along_y)));
     scribe.read("smallest difference r", "one step of the format at the triangle's greatest depth", step);
@@ -70,7 +70,7 @@ fn in_space(subject: &Subject<'_>, least: f64, rises: [f64; 3]) -> Formula {
     given("least", least) + above / sum((0..3).map(weight))
 }
 
-/// The depth in the numbers that the buffer holds.
+/// Writes the depth in the format of the depth buffer.
 fn stored(unquantised: f64, depth: &DepthRecord, subject: &Subject<'_>, scribe: &mut Scribe) {
     let depth64 = || given("depth in f64", unquantised);
     match depth.code.zip(subject.frame.depth_scale().encoding().largest_code()) {
@@ -87,7 +87,7 @@ fn stored(unquantised: f64, depth: &DepthRecord, subject: &Subject<'_>, scribe: 
 
 fn test(subject: &Subject<'_>, depth: &DepthRecord, scribe: &mut Scribe) {
     let Some(stored) = subject.record.stored_depth else { return };
-    scribe.read("depth in the buffer", "what was there before this fragment", stored.value);
+    scribe.read("depth in the buffer", "the stored depth before this fragment", stored.value);
     let comparison = Comparison::of(subject.settings);
     let passes = comparison.passes(depth.value, stored.value);
     let steps = depth.steps_from(&stored);
@@ -95,7 +95,7 @@ fn test(subject: &Subject<'_>, depth: &DepthRecord, scribe: &mut Scribe) {
     let sign = comparison.symbol();
     let words = match comparison {
         Comparison::Always => "every fragment passes".to_owned(),
-        _ => format!("{} {sign} {}? They are {steps} {step} apart", depth.value, stored.value),
+        _ => format!("{} {sign} {}? The difference is {steps} {step}", depth.value, stored.value),
     };
     let line = scribe.decide("depth test", words, if passes { "passes" } else { "fails" });
     line.flag(Notable::DepthEqual, depth.value == stored.value);

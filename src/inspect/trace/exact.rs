@@ -1,5 +1,5 @@
-//! Exact numbers: a fraction of whole numbers times a power of two, never shortened, so that sums and products of floats
-//! cost little. Independent of the pipeline's arithmetic, which it is there to judge.
+//! Exact numbers: a fraction of integers times a power of two. Fractions are never reduced, so sums and products of
+//! floats are cheap. Independent of the pipeline's arithmetic, which they serve to verify.
 
 use std::cmp::Ordering;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -7,22 +7,22 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use num_bigint::BigInt;
 use num_traits::{One as _, Signed as _, ToPrimitive as _, Zero as _};
 
-/// Bits that a root is computed to, far beyond those of an f64. It is the one number here that is not exact.
+/// Number of bits that roots are computed to, far more than in an f64. Roots are the only inexact numbers here.
 const ROOT_BITS: i64 = 160;
 
-/// A number without error: numerator / denominator · 2^exponent.
+/// A number without rounding error: numerator / denominator · 2^exponent.
 #[derive(Clone, Debug)]
 pub struct Exact {
     numerator: BigInt,
-    /// > 0.
+    /// Positive denominator.
     denominator: BigInt,
     exponent: i64,
 }
 
 impl Exact {
-    /// A float; `None` for NaN and the infinities.
+    /// Converts a float; `None` for NaN and the infinities.
     pub fn from_f64(value: f64) -> Option<Self> {
-        /// Bits of the fraction field, and the exponent of its last place in the smallest numbers.
+        /// Bits of the fraction field, and the exponent of the last place of subnormal numbers.
         const FRACTION_BITS: u32 = 52;
         const LEAST_EXPONENT: i64 = -1074;
         if !value.is_finite() {
@@ -35,34 +35,34 @@ impl Exact {
             0 => (fraction, LEAST_EXPONENT),
             _ => (fraction | 1 << FRACTION_BITS, field - 1 + LEAST_EXPONENT),
         };
-        // Without the zeros at its end the number is short, and what is computed of it stays so.
+        // Removing trailing zeros keeps the number and all results computed from it short.
         let zeros = if magnitude == 0 { 0 } else { magnitude.trailing_zeros() };
         let numerator = BigInt::from((magnitude >> zeros) as i64 * if value.is_sign_negative() { -1 } else { 1 });
         let exponent = if magnitude == 0 { 0 } else { exponent + i64::from(zeros) };
         Some(Self { numerator, denominator: BigInt::one(), exponent })
     }
 
-    /// A whole number.
+    /// Converts an integer.
     pub fn whole(value: i64) -> Self {
         Self { numerator: value.into(), denominator: BigInt::one(), exponent: 0 }
     }
 
-    /// A fraction of whole numbers; `None` if it divides by 0.
+    /// Returns a fraction of integers; `None` if the denominator is 0.
     pub fn ratio(numerator: i64, denominator: i64) -> Option<Self> {
         Self::whole(numerator).divided_by(&Self::whole(denominator))
     }
 
-    /// Whether it is 0.
+    /// Whether the number is 0.
     pub fn is_zero(&self) -> bool {
         self.numerator.is_zero()
     }
 
-    /// Its magnitude.
+    /// Returns the absolute value.
     pub fn abs(&self) -> Self {
         Self { numerator: self.numerator.abs(), ..self.clone() }
     }
 
-    /// The quotient; `None` if it divides by 0.
+    /// Returns the quotient; `None` for division by 0.
     pub fn divided_by(&self, other: &Self) -> Option<Self> {
         if other.is_zero() {
             return None;
@@ -73,12 +73,12 @@ impl Exact {
         Some(Self { numerator: numerator * flip, denominator: denominator * flip, exponent })
     }
 
-    /// Times 2^`places`.
+    /// Returns the number times 2^`places`.
     pub fn shifted(&self, places: i64) -> Self {
         Self { exponent: self.exponent + places, ..self.clone() }
     }
 
-    /// Numerator and denominator with the power of two multiplied in.
+    /// Returns numerator and denominator with the power of two multiplied in.
     pub(super) fn parts(&self) -> (BigInt, BigInt) {
         let shift = self.exponent.unsigned_abs();
         if self.exponent >= 0 {
@@ -88,13 +88,13 @@ impl Exact {
         }
     }
 
-    /// The largest whole number not above.
+    /// Returns the largest integer not above the number.
     pub fn floor(&self) -> Self {
         let (numerator, denominator) = self.parts();
         Self { numerator: div_floor(&numerator, &denominator), denominator: BigInt::one(), exponent: 0 }
     }
 
-    /// The nearest whole number, of two as near the even one.
+    /// Returns the nearest integer, ties to even.
     pub fn round_ties_even(&self) -> Self {
         let below = self.floor();
         let twice_rest = (self - &below).shifted(1);
@@ -105,13 +105,14 @@ impl Exact {
         }
     }
 
-    /// The root of this degree of a number that is not negative, cut off after [`ROOT_BITS`]; `None` of a negative one.
+    /// Returns the root of this degree, truncated to about [`ROOT_BITS`] bits; `None` for a negative number.
     pub fn root(&self, degree: u32) -> Option<Self> {
         if self.numerator.is_negative() {
             return None;
         }
         let Some(magnitude) = self.floor_log2() else { return Some(self.clone()) };
-        // So many places that the root has enough bits; a multiple of the degree, as they leave the root divided by it.
+        // Shifts by enough places for the precision of the root. The shift is a multiple of the degree, so the root can
+        // be shifted back.
         let places = (ROOT_BITS - magnitude.div_euclid(i64::from(degree))).max(0);
         let (numerator, denominator) = self.shifted(places * i64::from(degree)).parts();
         Some(Self {
@@ -121,12 +122,12 @@ impl Exact {
         })
     }
 
-    /// To the power of a whole number.
+    /// Returns the number raised to an integer power.
     pub fn power(&self, exponent: u32) -> Self {
         (0..exponent).fold(Self::whole(1), |product, _| &product * self)
     }
 
-    /// e with 2^e ≤ |x| < 2^(e + 1); `None` for 0.
+    /// Returns e with 2^e ≤ |x| < 2^(e + 1); `None` for 0.
     pub fn floor_log2(&self) -> Option<i64> {
         if self.is_zero() {
             return None;
@@ -142,21 +143,21 @@ impl Exact {
         Some(guess - i64::from(is_less) + self.exponent)
     }
 
-    /// A float near it.
+    /// Returns an approximation as a float.
     pub fn approximate(&self) -> f64 {
-        /// Enough that what is cut off does not show.
+        /// Bits kept before the conversion: more than an f64 has, so truncation is negligible.
         const BITS: i64 = 66;
         let Some(magnitude) = self.floor_log2() else { return 0.0 };
         let shift = BITS - magnitude;
         let (numerator, denominator) = self.shifted(shift).parts();
         let whole = (numerator / denominator).to_f64().unwrap_or(f64::NAN);
-        // In two steps, each of a power that there is.
+        // Scales in two steps, because a single power of two could be out of range.
         let half = (-shift / 2) as i32;
         whole * 2.0_f64.powi(half) * 2.0_f64.powi((-shift) as i32 - half)
     }
 }
 
-/// Rounded down, also below 0.
+/// Divides rounding down, for negative numbers too.
 fn div_floor(numerator: &BigInt, denominator: &BigInt) -> BigInt {
     let quotient = numerator / denominator;
     if numerator.is_negative() && &quotient * denominator != *numerator { quotient - 1 } else { quotient }

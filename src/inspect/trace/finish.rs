@@ -1,4 +1,4 @@
-//! From what was drawn to the pixel of the full picture: samples, upscaler, filter, lines.
+//! Trace from the drawn samples to the pixel of the full picture: resolve, upscaler, post filter, wireframe.
 
 use super::attributes::CHANNELS;
 use super::formula::{given, sum, whole};
@@ -12,7 +12,7 @@ use crate::inspect::pixel::PixelReport;
 use crate::pipeline::settings::{Choice as _, ColorSpace};
 use crate::upscale::Light;
 
-/// Writes what came after shading.
+/// Writes the stages after shading.
 pub(super) fn write(recipe: &Recipe, frame: &Frame, report: &PixelReport, scribe: &mut Scribe) {
     scribe.enter(TraceStage::Resolve);
     resolve(frame, report, scribe);
@@ -28,7 +28,7 @@ pub(super) fn write(recipe: &Recipe, frame: &Frame, report: &PixelReport, scribe
         let words = "the pixel lies under a line of the wireframe";
         scribe.decide("wireframe", words, format!("edge of triangle {}", triangle.0));
     }
-    code_lines("pixel", "what the picture shows", report.color, scribe);
+    code_lines("pixel", "the pixel of the picture", report.color, scribe);
 }
 
 fn code_lines(what: &str, words: &str, color: Rgba8, scribe: &mut Scribe) {
@@ -37,14 +37,14 @@ fn code_lines(what: &str, words: &str, color: Rgba8, scribe: &mut Scribe) {
     }
 }
 
-/// The mean of the samples of a drawn pixel.
+/// Writes the mean of the samples of a drawn pixel.
 fn resolve(frame: &Frame, report: &PixelReport, scribe: &mut Scribe) {
     let (count, light) = (report.samples.len(), frame.antialias.light);
     if count == 0 {
         return;
     }
     let words =
-        "the fragment above is that of the pixel's centre; each sample was drawn by the same steps at its own place";
+        "the fragment above lies at the pixel's centre; each sample was computed by the same steps at its own position";
     scribe.decide("samples", words, format!("{count} samples, mean in {}", light.name().to_lowercase()));
     for (index, sample) in report.samples.iter().enumerate() {
         for (channel, name) in CHANNELS.into_iter().enumerate() {
@@ -63,14 +63,14 @@ fn resolve(frame: &Frame, report: &PixelReport, scribe: &mut Scribe) {
         let mean = sum(numbers) / whole("samples", count as i64);
         let formula = if light == ColorSpace::Bytes { mean } else { encoded(&mean, light) };
         let line = scribe.compute(what, drawn.color[channel], &formula);
-        // Written out it would fill a page.
+        // The full formula would fill a page, so it is abbreviated.
         let number = if light == ColorSpace::Bytes { "codes" } else { "linear light, encoded" };
         line.formula = format!("Σ / {count} of the {number}");
         line.numbers = String::new();
     }
 }
 
-/// The samples that the upscaler weighs, and what they come to.
+/// Writes the samples that the upscaler weights, and their weighted sums.
 fn upscale(recipe: &Recipe, frame: &Frame, at: (u32, u32), scribe: &mut Scribe) {
     let Some(mixture) = Mixture::of(frame, recipe.upscaler, at) else { return };
     for source in &mixture.sources {
@@ -87,12 +87,12 @@ fn upscale(recipe: &Recipe, frame: &Frame, at: (u32, u32), scribe: &mut Scribe) 
             let term = |source: &Source| given("weight", source.tap.weight) * given("code", source.color[channel]);
             scribe.aside(what, mixture.sum[channel], &sum(mixture.sources.iter().map(term)));
         } else {
-            scribe.read(what, "of light, encoded again", mixture.sum[channel]);
+            scribe.read(what, "in linear light, then encoded", mixture.sum[channel]);
         }
     }
     if mixture.remembers {
-        scribe.decide("frames before", "a part of the pixel comes from what earlier frames left there", "remembered");
+        scribe.decide("history", "part of the pixel comes from previous frames", "used");
     }
     let upscaler = recipe.upscaler.upscaler();
-    scribe.decide("upscaler", "clamps, rounds, and does what the method does besides weighing", upscaler.name());
+    scribe.decide("upscaler", "clamps, rounds, and applies the method's further steps", upscaler.name());
 }

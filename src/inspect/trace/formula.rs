@@ -1,7 +1,7 @@
-//! What a line computes, as a formula over named numbers: in words, with the numbers put in, and its exact value.
+//! Formulas over named numbers: as text, with the numbers inserted, and evaluated exactly.
 //!
-//! A formula stands beside the pipeline's value, never in its place: the pipeline's own functions compute what is shown, and
-//! the formula says without any error what they should have arrived at from the same inputs.
+//! A formula accompanies the pipeline's value and never replaces it. The pipeline's own functions compute the displayed
+//! value; the formula gives the exact result for the same inputs.
 
 use std::borrow::Cow;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -12,13 +12,13 @@ use super::number::Number;
 /// A formula over named numbers.
 #[derive(Clone, Debug)]
 pub enum Formula {
-    /// A number of the pipeline, and its name.
+    /// A named number of the pipeline.
     Given(Cow<'static, str>, Number),
-    /// A number that is part of the formula itself.
+    /// A constant of the formula, with its text.
     Constant(&'static str, Exact),
-    /// Two parts.
+    /// An operation on two formulas.
     Binary(Op, Box<Self>, Box<Self>),
-    /// Something of one part.
+    /// A function of one formula.
     Unary(Function, Box<Self>),
 }
 
@@ -33,9 +33,9 @@ pub enum Op {
     Multiply,
     /// a / b.
     Divide,
-    /// The larger one.
+    /// The maximum of a and b.
     Max,
-    /// The smaller one.
+    /// The minimum of a and b.
     Min,
     /// a to the power of b, evaluated with the precision of an f64.
     Power,
@@ -54,64 +54,64 @@ pub enum Function {
     SrgbPower,
     /// ⌊x⌋.
     Floor,
-    /// The nearest whole number, ties to even.
+    /// The nearest integer, ties to even.
     Round,
 }
 
-/// What a formula comes to.
+/// Result of a formula.
 #[derive(Clone, Debug)]
 pub struct Evaluated {
-    /// Its exact value.
+    /// Exact value of the formula.
     pub value: Exact,
-    /// The most leading bits that any sum or difference in it cancelled.
+    /// Greatest number of leading bits cancelled by any sum or difference in the formula.
     pub lost_bits: u32,
 }
 
-/// A named number of the pipeline.
+/// Creates a named number of the pipeline.
 pub fn given(name: impl Into<Cow<'static, str>>, number: impl Into<Number>) -> Formula {
     Formula::Given(name.into(), number.into())
 }
 
-/// A whole number that is part of a formula.
+/// Creates an integer constant of a formula.
 pub fn whole(text: &'static str, value: i64) -> Formula {
     Formula::Constant(text, Exact::whole(value))
 }
 
-/// A fraction that is part of a formula, as it is written with a point; the denominator is not 0.
+/// Creates a fractional constant of a formula with its decimal text; the denominator must not be 0.
 pub fn fraction(text: &'static str, numerator: i64, denominator: i64) -> Formula {
     Formula::Constant(text, Exact::ratio(numerator, denominator).unwrap_or_else(|| Exact::whole(0)))
 }
 
-/// The sum of formulas; 0 of none.
+/// Returns the sum of formulas; 0 for none.
 pub fn sum(terms: impl IntoIterator<Item = Formula>) -> Formula {
     terms.into_iter().reduce(|a, b| a + b).unwrap_or_else(|| whole("0", 0))
 }
 
 impl Formula {
-    /// The larger one of two.
+    /// Returns the maximum of two formulas.
     pub fn max(self, other: Self) -> Self {
         Self::Binary(Op::Max, Box::new(self), Box::new(other))
     }
 
-    /// The smaller one of two.
+    /// Returns the minimum of two formulas.
     pub fn min(self, other: Self) -> Self {
         Self::Binary(Op::Min, Box::new(self), Box::new(other))
     }
 
-    /// It to the power of another one; not below 0.
+    /// Raises a formula, whose value must not be negative, to the power of another one.
     pub fn to_power(self, exponent: Self) -> Self {
         Self::Binary(Op::Power, Box::new(self), Box::new(exponent))
     }
 
-    /// A function of it.
+    /// Applies a function to the formula.
     pub fn apply(self, function: Function) -> Self {
         Self::Unary(function, Box::new(self))
     }
 
-    /// In words: names and signs.
+    /// Returns the formula as text with names and operators.
     pub fn words(&self) -> String {
         self.text(&|formula| match formula {
-            // A name with a sign in it would be taken for a formula.
+            // Parentheses keep a name that contains an operator from reading as a formula.
             Self::Given(name, _) if name.contains('/') => format!("({name})"),
             Self::Given(name, _) => name.to_string(),
             _ => String::new(),
@@ -119,7 +119,7 @@ impl Formula {
         .0
     }
 
-    /// The same with the numbers in place of the names.
+    /// Returns the formula as text with numbers instead of names.
     pub fn numbers(&self) -> String {
         self.text(&|formula| match formula {
             Self::Given(_, number) if number.to_f64() < 0.0 => format!("({number})"),
@@ -129,12 +129,12 @@ impl Formula {
         .0
     }
 
-    /// How many operations round, if each is done alone.
+    /// Returns the number of operations that round if each is performed separately.
     pub fn operations(&self) -> usize {
         match self {
             Self::Given(..) | Self::Constant(..) => 0,
             Self::Binary(Op::Max | Op::Min, a, b) => a.operations() + b.operations(),
-            // A power is no operation that rounds correctly.
+            // A power is not correctly rounded, so it counts twice.
             Self::Binary(Op::Power, a, b) => 2 + a.operations() + b.operations(),
             Self::Binary(_, a, b) => 1 + a.operations() + b.operations(),
             Self::Unary(Function::Negate, a) => a.operations(),
@@ -142,7 +142,7 @@ impl Formula {
         }
     }
 
-    /// The types of its inputs, each as often as it occurs.
+    /// Returns the types of the inputs, each as often as it occurs.
     pub fn kinds(&self) -> Vec<&'static str> {
         match self {
             Self::Given(_, number) => vec![number.kind()],
@@ -152,7 +152,7 @@ impl Formula {
         }
     }
 
-    /// Its exact value; `None` where an input is no finite number, or something is divided by 0.
+    /// Returns the exact value; `None` for a non-finite input or a division by 0.
     pub fn evaluate(&self) -> Option<Evaluated> {
         match self {
             Self::Given(_, number) => Some(Evaluated { value: number.exact()?, lost_bits: 0 }),
@@ -189,7 +189,7 @@ impl Formula {
         }
     }
 
-    /// Its text, and how tightly its outermost sign binds.
+    /// Returns the text, and the precedence of its outermost operator.
     fn text(&self, name: &impl Fn(&Self) -> String) -> (String, Binding) {
         let inside = |part: &Self, least: Binding| {
             let (text, binding) = part.text(name);
@@ -228,7 +228,7 @@ impl Formula {
     }
 }
 
-/// How tightly signs bind.
+/// Precedence of operators, from low to high.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Binding {
     Sum,
@@ -236,8 +236,9 @@ enum Binding {
     Atom,
 }
 
-/// How many leading bits a sum or difference of two numbers lost: those that its magnitude is below the larger one's. None
-/// where it is 0, which is no rounding of anything if the numbers are equal.
+/// Returns the number of leading bits that a sum or difference of two numbers cancelled: the difference between the
+/// binary exponents of the larger operand and the result. 0 for a result of 0, where equal numbers cancel without
+/// error.
 fn cancelled_bits(a: &Exact, b: &Exact, result: &Exact) -> u32 {
     let Some(left) = result.floor_log2() else { return 0 };
     let largest = a.floor_log2().max(b.floor_log2()).unwrap_or(left);

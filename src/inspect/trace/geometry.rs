@@ -1,4 +1,4 @@
-//! From the mesh to clip space, and what clipping left: the corners of the one triangle.
+//! Trace from the mesh to clip space and through clipping, for the corners of one triangle.
 
 use glam::{DMat4, DVec4, Vec4};
 
@@ -10,18 +10,19 @@ use crate::pipeline::plan::{Part, Step};
 use crate::pipeline::settings::Shading;
 use crate::pipeline::vertex::{ClipVertex, DrawMatrices};
 
-/// What the components of a vector are called.
+/// Names of the components of a vector.
 pub(super) const AXES: [&str; 4] = ["x", "y", "z", "w"];
 
-/// A vertex in clip space, and what the lines call it.
+/// A vertex in clip space, and its name in trace lines.
 #[derive(Clone, Debug)]
 pub(super) struct NamedVertex {
     pub(super) name: String,
     pub(super) vertex: ClipVertex,
 }
 
-/// Writes the stages from model to clip. Returns the corners of the fragment's triangle in clip space: those of the mesh, or
-/// of the piece that clipping left. Empty if no piece is the fragment's, which cannot be where the frame is the scene's.
+/// Writes the stages from model to clip. Returns the corners of the fragment's triangle in clip space: those of the
+/// mesh, or of a piece that clipping leaves. Empty if no piece matches the fragment, which cannot happen if the frame
+/// belongs to the scene.
 pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) -> Vec<NamedVertex> {
     scribe.enter(TraceStage::Model);
     model(subject, scribe);
@@ -90,7 +91,7 @@ fn part(what: &str, axis: usize) -> &'static str {
     }
 }
 
-/// The entries of clip from model, each rounded once from a product in f64.
+/// Writes the entries of clip from model, each rounded once from an f64 product.
 fn matrix(subject: &Subject<'_>, matrices: &DrawMatrices, scribe: &mut Scribe) {
     let mapping = subject.settings.depth_format.mapping();
     let product =
@@ -104,13 +105,13 @@ fn matrix(subject: &Subject<'_>, matrices: &DrawMatrices, scribe: &mut Scribe) {
     }
 }
 
-/// What an entry of the matrix is called.
+/// Returns the name of a matrix entry.
 fn entry(row: usize, column: usize) -> String {
     format!("m{row}{column}")
 }
 
-/// Where the corners are in the world and in front of the camera: never computed by the pipeline, which multiplies the
-/// matrices first.
+/// Writes the corners in world and view space. The pipeline never computes them, because it multiplies the matrices
+/// first.
 fn asides(subject: &Subject<'_>, scribe: &mut Scribe) {
     let (model, view) = (subject.instance.world_from_model.as_dmat4(), subject.camera.view_from_world_f64());
     for (corner, vertex) in subject.corners.into_iter().enumerate() {
@@ -120,7 +121,7 @@ fn asides(subject: &Subject<'_>, scribe: &mut Scribe) {
     }
 }
 
-/// A point moved by a matrix, and the lines that say so.
+/// Transforms a point by a matrix, and writes the result as asides.
 fn transformed(matrix: &DMat4, point: DVec4, what: &str, scribe: &mut Scribe) -> DVec4 {
     let result = *matrix * point;
     for row in 0..3 {
@@ -131,7 +132,7 @@ fn transformed(matrix: &DMat4, point: DVec4, what: &str, scribe: &mut Scribe) ->
     result
 }
 
-/// A row of a matrix times a point.
+/// Returns the formula of a matrix row times a point.
 fn product_of(entries: impl Fn(usize) -> super::Number, point: [super::Number; 3], row: usize) -> Formula {
     let term = |column: usize| given(entry(row, column), entries(column)) * given(AXES[column], point[column]);
     sum((0..3).map(term)) + given(entry(row, 3), entries(3))
@@ -152,7 +153,7 @@ fn clip_position(
     }
 }
 
-/// A vertex normal in the world: turned, and brought to unit length.
+/// Writes a vertex normal in world space: transformed, then normalised.
 fn normal(
     subject: &Subject<'_>,
     matrices: &DrawMatrices,
@@ -166,7 +167,7 @@ fn normal(
             let entry = matrices.world_from_model_normal.col(column)[row];
             given(format!("n{row}{column}"), entry) * given(AXES[column], of_model[column])
         };
-        scribe.compute(format!("{name} · turned normal {}", AXES[row]), turned, &sum((0..3).map(term)));
+        scribe.compute(format!("{name} · world normal {}", AXES[row]), turned, &sum((0..3).map(term)));
     }
     for (row, unit) in vertex.varyings.normal.to_array().into_iter().enumerate() {
         scribe.compute(format!("{name} · unit normal {}", AXES[row]), unit, &unit_component(raw, row));
@@ -181,17 +182,17 @@ fn normal(
     }
 }
 
-/// A component of a vector at unit length.
+/// Returns the formula of a component of a normalised vector.
 pub(super) fn unit_component(vector: [f32; 3], axis: usize) -> Formula {
     let component = |axis: usize| given(AXES[axis], vector[axis]);
     let square = sum((0..3).map(|axis| component(axis) * component(axis)));
     component(axis) / square.apply(super::formula::Function::SquareRoot)
 }
 
-/// What clipping did; the corners of the fragment's piece.
+/// Writes the clipping steps. Returns the corners of the fragment's piece.
 fn clip(subject: &Subject<'_>, corners: Vec<NamedVertex>, scribe: &mut Scribe) -> Vec<NamedVertex> {
     if let Step::LeftOut(reason) = subject.plan.step(Part::Clipping) {
-        scribe.decide("clipping", reason, "left out");
+        scribe.decide("clipping", reason, "skipped");
         return corners;
     }
     let widening = guard_band_widening(subject.raster.width, subject.raster.height);
@@ -229,11 +230,11 @@ fn clip(subject: &Subject<'_>, corners: Vec<NamedVertex>, scribe: &mut Scribe) -
     let pieces: Vec<_> = polygon.fan().collect();
     let Some(place) = pieces.iter().position(is_the_one) else { return Vec::new() };
     let words = format!("{} triangles around the first corner", pieces.len());
-    scribe.decide("piece of the fragment", words, pieces[place].each_ref().map(name_of).join(", "));
+    scribe.decide("piece with the fragment", words, pieces[place].each_ref().map(name_of).join(", "));
     pieces[place].iter().map(|vertex| NamedVertex { name: name_of(vertex), vertex: *vertex }).collect()
 }
 
-/// The distances of all corners from a plane that they cross.
+/// Writes the distances of all corners from a plane that the triangle crosses.
 fn distances((plane, plane_name): (Plane, &str), widening: f32, corners: &[NamedVertex], scribe: &mut Scribe) {
     for NamedVertex { name, vertex } in corners {
         let formula = distance_formula(plane, vertex.position, widening);
@@ -269,7 +270,7 @@ fn plane_name(plane: Plane) -> &'static str {
     }
 }
 
-/// A new vertex: how far along its edge, and where.
+/// Writes a new vertex: its position along its edge, and in clip space.
 fn write_cut(cut: &EdgeCut, (name, plane, widening): (&str, &str, f32), known: &[NamedVertex], scribe: &mut Scribe) {
     let name_of = |vertex: &ClipVertex| {
         let known = known.iter().rev().find(|known| known.vertex == *vertex);
@@ -290,7 +291,7 @@ fn write_cut(cut: &EdgeCut, (name, plane, widening): (&str, &str, f32), known: &
     }
 }
 
-/// The component that is put exactly onto the plane, if this one is.
+/// Returns the formula of a component that is set exactly onto the plane; `None` for the other components.
 fn pinned(cut: &EdgeCut, axis: usize, widening: f32) -> Option<Formula> {
     let w = || given("w", cut.vertex.position.w);
     let side = || w() * given("guard band", widening);

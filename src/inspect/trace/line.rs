@@ -1,4 +1,4 @@
-//! One line of a trace: what was computed, by which formula, what came out, and what should have.
+//! One line of a trace: the quantity, its formula, the pipeline's value, and the exact value.
 
 use serde::Serialize;
 
@@ -8,47 +8,47 @@ use crate::inspect::intermediate::Intermediate;
 use crate::pipeline::settings::{Choice, choice};
 
 choice! {
-    /// The part of the pipeline that a line belongs to.
+    /// Pipeline stage that a line belongs to.
     TraceStage {
-        Model = "model", "Model", "The corners of the triangle as the mesh holds them.";
-        Transform = "transform", "Transform", "One matrix per draw brings corners from model space through world and view to clip space.";
-        Clip = "clip", "Clip", "What reaches outside of the view is cut off, before anything is divided by w.";
+        Model = "model", "Model", "The corners of the triangle as stored in the mesh.";
+        Transform = "transform", "Transform", "One matrix per draw transforms corners from model space through world and view to clip space.";
+        Clip = "clip", "Clip", "Parts outside the view are clipped away before the division by w.";
         Project = "project", "Project", "Divided by w, scaled to pixels, snapped to the grid.";
-        Coverage = "coverage", "Coverage", "Three edge values say on which side of each edge the pixel's centre lies.";
-        Weights = "weights", "Weights", "From edge values to the shares of the three corners, on the screen and in space.";
-        Depth = "depth", "Depth", "The depth of the fragment against what the depth buffer holds.";
-        Attributes = "attributes", "Attributes", "What the corners bring along, mixed by the weights.";
-        Texture = "texture", "Texture", "Which texels are read, and with which weights.";
-        Light = "light", "Light", "How much light the surface gets.";
-        Colour = "colour", "Colour", "Surface times light, encoded as bytes, and blended where something is seen through.";
+        Coverage = "coverage", "Coverage", "Three edge values decide on which side of each edge the pixel's centre lies.";
+        Weights = "weights", "Weights", "From edge values to the weights of the three corners, on the screen and in space.";
+        Depth = "depth", "Depth", "The depth of the fragment, compared with the stored depth.";
+        Attributes = "attributes", "Attributes", "The attributes of the corners, interpolated by the weights.";
+        Texture = "texture", "Texture", "The texels that are read, and their weights.";
+        Light = "light", "Light", "The light that the surface receives.";
+        Colour = "colour", "Colour", "Surface colour times light, encoded as bytes, and blended for transparency.";
         Resolve = "resolve", "Resolve", "The mean of the samples of the pixel.";
         Upscale = "upscale", "Upscale", "From drawn samples to the pixel of the full picture.";
     }
 }
 
 choice! {
-    /// Something on a line that is worth stopping at.
+    /// A notable property of a line.
     Notable {
-        NotFinite = "not-finite", "NaN or infinite", "The result is no finite number.";
-        Tie = "tie", "Tie", "A value is exactly on the border: a rule decides, not a number.";
-        Cancellation = "cancellation", "Cancellation", "Nearly equal numbers were subtracted: a third of the digits or more are gone, and what was rounded before weighs that much more.";
-        DepthEqual = "depth-equal", "Equal depth", "The fragment has exactly the depth that is stored already.";
-        Subnormal = "subnormal", "Subnormal", "The result is so small that its type has fewer digits for it.";
+        NotFinite = "not-finite", "NaN or infinite", "The result is NaN or infinite.";
+        Tie = "tie", "Tie", "A value lies exactly on a border: a rule decides.";
+        Cancellation = "cancellation", "Cancellation", "Nearly equal numbers were subtracted: at least a third of the digits are lost, and earlier rounding errors grow accordingly.";
+        DepthEqual = "depth-equal", "Equal depth", "The fragment has exactly the stored depth.";
+        Subnormal = "subnormal", "Subnormal", "The result is so small that it has fewer significant digits than its type normally holds.";
     }
 }
 
-/// A flag on a line.
+/// A notable property of a line, with details.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Flag {
-    /// What it says.
+    /// Kind of the property.
     pub kind: Notable,
-    /// How many leading bits were lost to a cancellation.
+    /// Number of leading bits lost to cancellation; `None` for other kinds.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lost_bits: Option<u32>,
 }
 
 impl Flag {
-    /// In a few words.
+    /// Returns a short description.
     pub fn words(self) -> String {
         match self.lost_bits {
             Some(bits) => format!("{} of {bits} bits", self.kind.name()),
@@ -57,7 +57,7 @@ impl Flag {
     }
 }
 
-/// What a line arrives at.
+/// Result of a line.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Outcome {
@@ -70,57 +70,57 @@ pub enum Outcome {
 /// An exact number as text.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct ExactText {
-    /// Its digits; those that are cut off are marked.
+    /// Decimal digits; truncation is marked with “…”.
     pub decimal: String,
-    /// As a fraction, if that is short.
+    /// The number as a fraction, if that is short.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fraction: Option<String>,
 }
 
-/// One line.
+/// One line of a trace.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TraceLine {
-    /// Where in the pipeline.
+    /// Pipeline stage of the line.
     pub stage: TraceStage,
-    /// What it is.
+    /// Name of the computed quantity.
     pub what: String,
-    /// How it is computed, in names and signs, or where it comes from.
+    /// Formula with names and operators, or the source of the value.
     pub formula: String,
-    /// The formula with the numbers in place of the names; empty for what is read.
+    /// Formula with numbers instead of names; empty for values that are read.
     pub numbers: String,
-    /// What the pipeline arrived at.
+    /// Result of the pipeline.
     pub value: Outcome,
-    /// The type of the number; empty for decisions.
+    /// Type of the number; empty for decisions.
     pub kind: &'static str,
-    /// Its bits; empty for decisions.
+    /// Bit pattern of the number; empty for decisions.
     pub bits: String,
-    /// What the formula comes to without any rounding, from the very inputs of this line.
+    /// Exact result of the formula for the inputs of this line.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub exact: Option<ExactText>,
-    /// How far the value lies above the exact one, in units of the last place of its type.
+    /// Value minus exact value, in units in the last place of the value's type.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rounding_ulp: Option<f64>,
-    /// Whether it is the result of one operation that rounds correctly: at most half an ulp.
+    /// Whether the value results from at most one correctly rounded operation, with an error of at most half an ulp.
     pub rounded_once: bool,
-    /// The most leading bits that any sum or difference in the formula cancelled.
+    /// Greatest number of leading bits cancelled by any sum or difference in the formula.
     #[serde(skip_serializing_if = "is_zero")]
     pub lost_bits: u32,
-    /// Whether the pipeline does not compute it: it only helps to read the rest.
+    /// Whether the line is only explanatory and not computed by the pipeline.
     pub aside: bool,
-    /// What is worth stopping at.
+    /// Notable properties of the line.
     pub flags: Vec<Flag>,
-    /// The buffer that shows it all over the picture.
+    /// Buffer that shows the quantity over the whole picture.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub buffer: Option<Intermediate>,
 }
 
 impl TraceLine {
-    /// Whether it has this flag.
+    /// Whether the line has a flag of this kind.
     pub fn has(&self, kind: Notable) -> bool {
         self.flags.iter().any(|flag| flag.kind == kind)
     }
 
-    /// Its number, if it is no decision.
+    /// Returns the number; `None` for a decision.
     pub fn number(&self) -> Option<Number> {
         match &self.value {
             Outcome::Number(number) => Some(*number),
@@ -128,7 +128,7 @@ impl TraceLine {
         }
     }
 
-    /// The rounding in words; empty where none is known.
+    /// Returns the rounding error as text; empty if unknown.
     pub fn rounding(&self) -> String {
         let Some(ulps) = self.rounding_ulp else { return String::new() };
         let unit = if self.number().is_some_and(Number::is_float) { "ulp" } else { "steps" };
@@ -144,7 +144,7 @@ impl TraceLine {
         }
     }
 
-    /// Its value as text.
+    /// Returns the value as text.
     pub fn value_text(&self) -> String {
         match &self.value {
             Outcome::Number(number) => number.to_string(),
@@ -153,7 +153,7 @@ impl TraceLine {
     }
 }
 
-/// Writes lines, stage by stage.
+/// Records trace lines, stage by stage.
 #[derive(Debug)]
 pub(super) struct Scribe {
     stage: TraceStage,
@@ -161,27 +161,27 @@ pub(super) struct Scribe {
 }
 
 impl Scribe {
-    /// Nothing written yet.
+    /// Creates an empty record.
     pub(super) fn new() -> Self {
         Self { stage: TraceStage::Model, lines: Vec::new() }
     }
 
-    /// Goes on to a stage.
+    /// Sets the stage of the following lines.
     pub(super) fn enter(&mut self, stage: TraceStage) {
         self.stage = stage;
     }
 
-    /// Everything that was written.
+    /// Returns all recorded lines.
     pub(super) fn finish(self) -> Vec<TraceLine> {
         self.lines
     }
 
-    /// A number that is read, not computed; `words` say where from.
+    /// Records a number that is read, not computed; `words` names its source.
     pub(super) fn read(&mut self, what: impl Into<String>, words: impl Into<String>, number: impl Into<Number>) {
         self.number(what.into(), words.into(), number.into());
     }
 
-    /// A number that the pipeline computed, and what it should be.
+    /// Records a number that the pipeline computed, with the formula for its exact value.
     pub(super) fn compute(
         &mut self,
         what: impl Into<String>,
@@ -208,7 +208,7 @@ impl Scribe {
         line
     }
 
-    /// What is no part of the pipeline's arithmetic, but helps to read it.
+    /// Records a number that the pipeline does not compute, but that explains its arithmetic.
     pub(super) fn aside(
         &mut self,
         what: impl Into<String>,
@@ -221,7 +221,7 @@ impl Scribe {
         line
     }
 
-    /// A decision, with the numbers that decided.
+    /// Records a decision, with the deciding numbers.
     pub(super) fn decide(
         &mut self,
         what: impl Into<String>,
@@ -267,7 +267,7 @@ impl Scribe {
 }
 
 impl TraceLine {
-    /// Marks what is exactly on the border.
+    /// Adds a flag of this kind if `holds`.
     pub(super) fn flag(&mut self, kind: Notable, holds: bool) -> &mut Self {
         if holds {
             self.flags.push(Flag { kind, lost_bits: None });
@@ -275,7 +275,7 @@ impl TraceLine {
         self
     }
 
-    /// Names the buffer that shows it all over the picture.
+    /// Sets the buffer that shows the quantity over the whole picture.
     pub(super) fn shown_by(&mut self, buffer: Intermediate) -> &mut Self {
         self.buffer = Some(buffer);
         self
@@ -287,13 +287,13 @@ fn is_zero(bits: &u32) -> bool {
     *bits == 0
 }
 
-/// Digits of exact numbers that are written: more than a double has.
+/// Number of significant digits of exact numbers: more than an f64 has.
 const EXACT_DIGITS: u32 = 20;
 
-/// A cancellation is worth telling when one in so many of the digits is lost.
+/// Denominator of the fraction of its type's bits that a cancellation must lose to be flagged.
 const WORTH_TELLING: u32 = 3;
 
-/// Whether a number is the result of one operation at most on inputs of its own type, or of one conversion.
+/// Whether a number results from at most one operation on inputs of its own type, or from one conversion.
 fn rounds_once(number: Number, formula: &Formula) -> bool {
     match formula.operations() {
         0 => true,

@@ -1,11 +1,10 @@
-//! The arithmetic of one fragment, written out line by line: from the corners of its triangle to the pixel that it is part of.
+//! Trace of the arithmetic of one fragment, line by line: from the corners of its triangle to the final pixel.
 //!
-//! Every value is the pipeline's own: its functions are called again on the same inputs, and where they keep a step to
-//! themselves they were split, so that the drawing and the trace run the same code. Beside each value stands what the formula
-//! comes to without any rounding ([`exact`]), computed from the very inputs of that line: what a line is off by is what that
-//! line rounded, and nothing that was rounded before.
+//! Every value is the pipeline's own: its functions are called again on the same inputs, and drawing and trace share
+//! the code of intermediate steps. Next to each value is the exact result of its formula ([`exact`]) for the inputs of
+//! that line. The difference is therefore the rounding error of that line alone, without earlier errors.
 //!
-//! Geometry is replayed for the one triangle alone, so that a trace costs the same in a scene of a million.
+//! Geometry is replayed for one triangle only, so the cost of a trace does not depend on the size of the scene.
 
 pub mod exact;
 
@@ -38,28 +37,28 @@ use super::pixel::PixelReport;
 use crate::chain::{Frame, Recipe};
 use crate::scene::{Scene, TriangleId};
 
-/// The whole chain of one fragment.
+/// Complete trace of one fragment.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Trace {
-    /// The questioned pixel.
+    /// Inspected pixel, in the full picture.
     pub pixel: [u32; 2],
-    /// The drawn pixel that the fragment lies at: the questioned one if it was drawn itself.
+    /// Drawn pixel that contains the fragment; equal to the inspected one if that was drawn itself.
     pub drawn_at: [u32; 2],
-    /// Which of the fragments there, in drawing order; `None` where there is none.
+    /// Index of the fragment among those of the drawn pixel, in drawing order; `None` if there are none.
     pub fragment: Option<usize>,
-    /// How many there are.
+    /// Number of fragments at the drawn pixel.
     pub fragments: usize,
-    /// The fragment's triangle.
+    /// Triangle of the fragment.
     pub triangle: Option<TriangleId>,
-    /// Name of the instance that it belongs to.
+    /// Name of the instance of the triangle.
     pub instance: String,
-    /// All lines, in the order of the pipeline.
+    /// All lines, in pipeline order.
     pub lines: Vec<TraceLine>,
 }
 
 impl Trace {
-    /// Of a fragment of a replayed pixel, by its place among [`PixelReport::fragments`]; of the one that the pixel shows if none
-    /// is named. Where no fragment is, the trace only tells how the pixel came about from what was drawn.
+    /// Traces a fragment of a replayed pixel. `fragment` is an index into [`PixelReport::fragments`]; by default it is
+    /// the visible one. Without any fragment, the trace contains only the steps from drawn samples to the pixel.
     pub fn of(scene: &Scene, recipe: &Recipe, frame: &Frame, report: &PixelReport, fragment: Option<usize>) -> Self {
         let fragment = fragment.filter(|index| *index < report.fragments.len()).or_else(|| main_fragment(report));
         let mut scribe = Scribe::new();
@@ -89,13 +88,13 @@ impl Trace {
         }
     }
 
-    /// The next line after `from`, or the one before, that has a flag of this kind, or any flag if none is named. Asides are
-    /// no part of the pipeline and are passed over.
+    /// Returns the next or previous line after `from` with a flag of this kind, or with any flag for `None`. Skips
+    /// asides, which are not part of the pipeline.
     pub fn next(&self, from: usize, kind: Option<Notable>, direction: Direction) -> Option<usize> {
         self.find(from, direction, |line| !line.aside && kind.map_or(!line.flags.is_empty(), |kind| line.has(kind)))
     }
 
-    /// The first line of the next stage after that of `from`, or of the one before.
+    /// Returns the first line of the next or previous stage relative to the line `from`.
     pub fn next_stage(&self, from: usize, direction: Direction) -> Option<usize> {
         let stage = self.lines.get(from)?.stage;
         let place = self.find(from, direction, |line| line.stage != stage)?;
@@ -111,22 +110,22 @@ impl Trace {
         }
     }
 
-    /// The lines of each stage that has any, in order.
+    /// Returns the lines of each non-empty stage, in order.
     pub fn stages(&self) -> impl Iterator<Item = (TraceStage, &[TraceLine])> {
         self.lines.chunk_by(|a, b| a.stage == b.stage).filter_map(|lines| Some((lines.first()?.stage, lines)))
     }
 }
 
-/// Which way to step.
+/// Direction of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
-    /// Towards the pixel.
+    /// Towards the final pixel.
     Forward,
     /// Towards the mesh.
     Back,
 }
 
-/// The fragment that the pixel shows, or the last one there is.
+/// Returns the index of the visible fragment, or else of the last one.
 fn main_fragment(report: &PixelReport) -> Option<usize> {
     let visible = report.visible();
     let place = visible.and_then(|visible| report.fragments.iter().position(|record| std::ptr::eq(record, visible)));

@@ -1,4 +1,4 @@
-//! A number as the pipeline holds it: its value, its type, its bits, and how far it is from an exact one.
+//! A number as the pipeline stores it: value, type, bit pattern, and rounding error relative to an exact number.
 
 use std::fmt;
 
@@ -6,23 +6,23 @@ use serde::{Serialize, Serializer};
 
 use super::exact::Exact;
 
-/// A number of the pipeline.
+/// A number of the pipeline, with its type.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Number {
-    /// Single precision.
+    /// Single-precision float.
     F32(f32),
-    /// Double precision.
+    /// Double-precision float.
     F64(f64),
-    /// A whole number of 64 bits.
+    /// Signed 64-bit integer.
     I64(i64),
-    /// A whole number of 32 bits.
+    /// Unsigned 32-bit integer.
     U32(u32),
-    /// A code of a colour.
+    /// 8-bit colour code.
     U8(u8),
 }
 
 impl Number {
-    /// What its type is called.
+    /// Returns the name of the type.
     pub fn kind(self) -> &'static str {
         match self {
             Self::F32(_) => "f32",
@@ -33,7 +33,7 @@ impl Number {
         }
     }
 
-    /// As a double; whole numbers beyond 2⁵³ are rounded.
+    /// Converts the number to f64; integers beyond 2⁵³ are rounded.
     pub fn to_f64(self) -> f64 {
         match self {
             Self::F32(value) => value.into(),
@@ -44,12 +44,12 @@ impl Number {
         }
     }
 
-    /// Whether its type rounds every result.
+    /// Whether the type is a floating-point type.
     pub fn is_float(self) -> bool {
         matches!(self, Self::F32(_) | Self::F64(_))
     }
 
-    /// Without error; `None` for NaN and the infinities.
+    /// Converts the number without error; `None` for NaN and the infinities.
     pub fn exact(self) -> Option<Exact> {
         match self {
             Self::I64(value) => Some(Exact::whole(value)),
@@ -57,7 +57,7 @@ impl Number {
         }
     }
 
-    /// Digits that its type has, in bits; `None` for whole numbers, which lose none.
+    /// Returns the precision of the type in bits; `None` for integers, which never lose digits.
     pub fn precision(self) -> Option<u32> {
         match self {
             Self::F32(_) => Some(f32::MANTISSA_DIGITS),
@@ -66,7 +66,7 @@ impl Number {
         }
     }
 
-    /// Whether it is smaller than the numbers of full precision, and not 0.
+    /// Whether the number is a subnormal float.
     pub fn is_subnormal(self) -> bool {
         match self {
             Self::F32(value) => value.is_subnormal(),
@@ -75,7 +75,7 @@ impl Number {
         }
     }
 
-    /// Whether two numbers are of one type and have the same bits.
+    /// Whether two numbers have the same type and bit pattern.
     pub fn same_bits(self, other: Self) -> bool {
         match (self, other) {
             (Self::F32(a), Self::F32(b)) => a.to_bits() == b.to_bits(),
@@ -84,7 +84,7 @@ impl Number {
         }
     }
 
-    /// Its bits as hexadecimal digits.
+    /// Returns the bit pattern in hexadecimal.
     pub fn bits(self) -> String {
         match self {
             Self::F32(value) => format!("0x{:08X}", value.to_bits()),
@@ -95,16 +95,16 @@ impl Number {
         }
     }
 
-    /// How far it lies above an exact result, in units of the last place that its type has at that magnitude: of whole
-    /// numbers, ones. `None` if it is no finite number.
+    /// Returns the number minus an exact result, in units in the last place of the type at that magnitude (1 for
+    /// integers). `None` if the number is not finite.
     pub fn rounding_ulp(self, exact: &Exact) -> Option<f64> {
         let error = &self.exact()? - exact;
         Some(error.shifted(-self.last_place(exact)).approximate())
     }
 
-    /// The exponent of the last place that its type has for a number of this magnitude.
+    /// Returns the binary exponent of the last place of the type for a number of this magnitude.
     fn last_place(self, exact: &Exact) -> i64 {
-        /// Exponents of the smallest numbers that there are.
+        /// Binary exponents of the smallest positive subnormal numbers.
         const LEAST_F32: i64 = -149;
         const LEAST_F64: i64 = -1074;
         let least = match self {
@@ -117,7 +117,7 @@ impl Number {
     }
 }
 
-/// With every digit that tells it apart.
+/// Writes the shortest decimal that identifies the number.
 impl fmt::Display for Number {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let text = match self {
@@ -139,7 +139,7 @@ fn special(value: f64) -> Option<String> {
     })
 }
 
-/// As a JSON number; null where it is none.
+/// Serialises the value as a JSON number; null if it is not finite.
 impl Serialize for Number {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {

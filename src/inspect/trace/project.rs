@@ -1,4 +1,5 @@
-//! From clip space to the snapped corners on the screen: divide, scale, snap; and the depth of each corner.
+//! Trace from clip space to the snapped corners on the screen: division, viewport, snapping, and the depth of each
+//! corner.
 
 use super::formula::{Formula, Function, fraction, given, whole};
 use super::geometry::NamedVertex;
@@ -54,7 +55,7 @@ fn position(subject: &Subject<'_>, (name, vertex): (&str, &ClipVertex), screen: 
     }
 }
 
-/// Depth in [0, 1] as it follows from the distance.
+/// Returns the formula of the depth in [0, 1] from the distance.
 fn depth_formula(subject: &Subject<'_>, vertex: &ClipVertex, screen: &ScreenVertex) -> Formula {
     let scale = &subject.frame.geometry.depth_scale;
     let [near, far, factor] = scale.planes_and_factor();
@@ -74,7 +75,7 @@ fn depth_formula(subject: &Subject<'_>, vertex: &ClipVertex, screen: &ScreenVert
     depth.max(whole("0", 0)).min(whole("1", 1))
 }
 
-/// 1/w relative to the largest, which the weights are made of.
+/// Writes 1/w of each corner relative to the largest, from which the weights are computed.
 fn relative(subject: &Subject<'_>, corners: &[NamedVertex], scribe: &mut Scribe) {
     if let Step::LeftOut(reason) = subject.plan.step(Part::PerspectiveDivision) {
         scribe.decide("relative 1/w", reason, "1 at all corners");

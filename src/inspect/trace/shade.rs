@@ -1,4 +1,4 @@
-//! Light and colour of a fragment, and what blending makes of it.
+//! Trace of the light, colour and blending of a fragment.
 
 use glam::Vec3;
 
@@ -17,7 +17,7 @@ use crate::pipeline::shade::{CEL_THRESHOLD, Highlight, NormalMap};
 use crate::scene::Transparency;
 use crate::scene::material::CUT_OUT_BELOW;
 
-/// Writes light and colour.
+/// Writes the light and the colour.
 pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) {
     scribe.enter(TraceStage::Light);
     if subject.runs(Part::Normals) && subject.settings.shading != Shading::Gouraud {
@@ -54,7 +54,7 @@ fn unit_normal(subject: &Subject<'_>, scribe: &mut Scribe) {
     }
 }
 
-/// The normal that a normal map puts in place of the interpolated one.
+/// Writes the normal-mapped normal that replaces the interpolated one.
 fn mapped_normal(subject: &Subject<'_>, map: &NormalMap<'_>, smooth: Vec3, scribe: &mut Scribe) {
     let fragment = &subject.fragment;
     let vector = map.vector(fragment);
@@ -88,7 +88,7 @@ fn mapped_normal(subject: &Subject<'_>, map: &NormalMap<'_>, smooth: Vec3, scrib
     }
 }
 
-/// N·L, and the light that follows from it.
+/// Writes N·L and the light factor.
 fn light(subject: &Subject<'_>, scribe: &mut Scribe) {
     let (shader, fragment) = (&subject.shader, &subject.fragment);
     let factor = shader.light(fragment);
@@ -107,7 +107,7 @@ fn light(subject: &Subject<'_>, scribe: &mut Scribe) {
         let words = format!("N·L > {CEL_THRESHOLD}: the light texture, else the dark one");
         let line = scribe.decide("side of the threshold", words, if is_lit { "light" } else { "dark" });
         line.flag(Notable::Tie, cosine == CEL_THRESHOLD);
-        scribe.read("light", "1 where a texture tells the side", factor);
+        scribe.read("light", "1, because the choice of texture represents the light", factor);
         return;
     }
     let formula = lambert_formula(normal, direction, subject.settings.light.ambient);
@@ -117,7 +117,7 @@ fn light(subject: &Subject<'_>, scribe: &mut Scribe) {
     }
 }
 
-/// H, N·H and the factor of the specular colour.
+/// Writes H, N·H and the factor of the specular colour.
 fn write_highlight(subject: &Subject<'_>, highlight: &Highlight<'_>, cosine: f32, scribe: &mut Scribe) {
     let (shader, fragment) = (&subject.shader, &subject.fragment);
     let factor = shader.highlight_factor(fragment);
@@ -153,13 +153,13 @@ fn dot(normal: [f32; 3], direction: [f32; 3]) -> Formula {
         .map(|axis| given(["nx", "ny", "nz"][axis], normal[axis]) * given(["lx", "ly", "lz"][axis], direction[axis])))
 }
 
-/// ambient + (1 − ambient)·max(0, N·L).
+/// Returns the formula ambient + (1 − ambient)·max(0, N·L).
 pub(super) fn lambert_formula(normal: [f32; 3], direction: [f32; 3], ambient: f32) -> Formula {
     let share = || given("ambient", ambient);
     share() + (whole("1", 1) - share()) * dot(normal, direction).max(whole("0", 0))
 }
 
-/// How much the fragment covers, and whether it is there at all.
+/// Writes the alpha of the fragment, and the alpha test.
 fn opacity(subject: &Subject<'_>, alpha: f32, scribe: &mut Scribe) {
     let own = given("opacity", subject.shader.opacity());
     let formula = match subject.shader.texture_for(&subject.fragment) {
@@ -188,13 +188,13 @@ fn opacity(subject: &Subject<'_>, alpha: f32, scribe: &mut Scribe) {
     };
     scribe.compute("alpha", alpha, &formula).shown_by(Intermediate::Alpha);
     if subject.record.transparency == Transparency::CutOut {
-        let words = format!("alpha < {CUT_OUT_BELOW}: cut out");
-        let line = scribe.decide("cut-out", words, if alpha < CUT_OUT_BELOW { "not there" } else { "there" });
+        let words = format!("alpha < {CUT_OUT_BELOW}: discarded");
+        let line = scribe.decide("alpha test", words, if alpha < CUT_OUT_BELOW { "fails" } else { "passes" });
         line.flag(Notable::Tie, alpha == CUT_OUT_BELOW);
     }
 }
 
-/// Colour of a surface: material × texture × light, blended where it is seen through.
+/// Writes the surface colour: material × texture × light, blended with the colour below if the material is transparent.
 fn material(subject: &Subject<'_>, below: Option<Rgba8>, code: Rgba8, scribe: &mut Scribe) {
     let (shader, fragment) = (&subject.shader, &subject.fragment);
     let (plain, albedo, light) = (shader.plain_albedo(fragment), shader.albedo(fragment), shader.light(fragment));
@@ -226,7 +226,7 @@ fn material(subject: &Subject<'_>, below: Option<Rgba8>, code: Rgba8, scribe: &m
             let share = || given("alpha", alpha);
             let own = if is_diffuse { lit } else { given("sum", reflected[channel]) };
             let formula = own * share() + given("behind", behind) * (whole("1", 1) - share());
-            scribe.read(format!("behind {name}"), "what was drawn there before", below[channel]);
+            scribe.read(format!("behind {name}"), "colour drawn there before", below[channel]);
             scribe.compute(format!("behind {name} as light"), behind, &behind_formula(subject, below[channel]));
             scribe.compute(format!("blended {name}"), last, &formula);
         }
@@ -235,7 +235,7 @@ fn material(subject: &Subject<'_>, below: Option<Rgba8>, code: Rgba8, scribe: &m
     }
 }
 
-/// Diffuse light with highlight and emission, each in a line of its own.
+/// Returns the sum of diffuse light, highlight and emission, and writes a line for each of the latter two.
 fn added(subject: &Subject<'_>, channel: usize, diffuse: Formula, scribe: &mut Scribe) -> Formula {
     let (shader, fragment, name) = (&subject.shader, &subject.fragment, CHANNELS[channel]);
     let mut all = diffuse;
@@ -266,7 +266,7 @@ fn behind_formula(subject: &Subject<'_>, code: u8) -> Formula {
     }
 }
 
-/// The mixed colour of the texture by channel, if one is read.
+/// Returns the formula of the filtered texture colour by channel; `None` if no texture is read.
 fn texture_color<'a>(subject: &'a Subject<'_>) -> Option<impl Fn(usize) -> Formula + 'a> {
     let texture = subject.shader.texture_for(&subject.fragment)?;
     let (levels, count) = texture.levels(&subject.fragment);
@@ -298,14 +298,14 @@ fn texture_color<'a>(subject: &'a Subject<'_>) -> Option<impl Fn(usize) -> Formu
     })
 }
 
-/// The code of a value by the curve of sRGB, or by 255 steps.
+/// Returns the formula of the code of a value: the sRGB curve in linear light, or else 255 equal steps.
 fn code_formula(value: f32, space: ColorSpace) -> Formula {
     encoded(&given("value", value), space)
 }
 
-/// The code of a formula's value.
+/// Returns the formula of the code of another formula's value.
 pub(super) fn encoded(value: &Formula, space: ColorSpace) -> Formula {
-    /// Where the straight part of the curve ends.
+    /// End of the linear segment of the sRGB curve.
     const STRAIGHT: f64 = 0.003_130_8;
     let is_straight = value.evaluate().is_none_or(|exact| exact.value.approximate() <= STRAIGHT);
     let within = value.clone().max(whole("0", 0)).min(whole("1", 1));
@@ -320,7 +320,7 @@ pub(super) fn encoded(value: &Formula, space: ColorSpace) -> Formula {
     }
 }
 
-/// The views of single quantities, which know no light.
+/// Writes the colours of shading modes that show a single quantity without lighting.
 fn quantity(subject: &Subject<'_>, code: Rgba8, scribe: &mut Scribe) {
     let fragment = &subject.fragment;
     let bytes = |value: f32| code_formula(value, ColorSpace::Bytes);

@@ -1,4 +1,4 @@
-//! What a trace is of: a fragment with everything that it was drawn from, found without preparing the scene again.
+//! Subject of a trace: a fragment with all inputs of its drawing, found without preparing the scene again.
 
 use crate::chain::{Frame, Recipe};
 use crate::inspect::pixel::{FragmentRecord, PixelReport};
@@ -13,21 +13,21 @@ use crate::pipeline::vertex::{DrawMatrices, Transformer};
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::scene::{Camera, Instance, Mesh, Scene};
 
-/// A fragment and what it was drawn from.
+/// A fragment and the inputs that it was drawn from.
 pub(super) struct Subject<'a> {
     pub(super) settings: &'a Settings,
     pub(super) record: &'a FragmentRecord,
     pub(super) triangle: &'a ScreenTriangle,
     pub(super) instance: &'a Instance,
     pub(super) mesh: &'a Mesh,
-    /// The vertices of the triangle, by their place in the mesh.
+    /// Vertices of the triangle, as indices into the mesh.
     pub(super) corners: [usize; 3],
     pub(super) plan: &'a DrawPlan,
     pub(super) shader: Shader<'a>,
     pub(super) frame: &'a Frame,
-    /// The view that was drawn, which is not quite the frame's where samples lie between pixels.
+    /// Camera that was drawn with. It differs slightly from the frame's if samples lie between pixels.
     pub(super) camera: Camera,
-    /// Size of the picture that was drawn.
+    /// Size of the drawn picture, in pixels.
     pub(super) raster: Viewport,
     pub(super) steps: [EdgeSteps; 3],
     pub(super) sample: Sample,
@@ -35,7 +35,7 @@ pub(super) struct Subject<'a> {
 }
 
 impl<'a> Subject<'a> {
-    /// `None` if the frame is not the one that the record is of.
+    /// Collects the inputs of a fragment; `None` if the record belongs to another frame.
     pub(super) fn of(
         scene: &'a Scene,
         recipe: &'a Recipe,
@@ -73,23 +73,23 @@ impl<'a> Subject<'a> {
         })
     }
 
-    /// The matrices of its draw.
+    /// Returns the matrices of the fragment's draw.
     pub(super) fn matrices(&self) -> DrawMatrices {
         let mapping = self.settings.depth_format.mapping();
         DrawMatrices::new(self.instance, self.camera.clip_from_world_f64(self.raster.aspect(), mapping))
     }
 
-    /// The plane of the view that a plane of clip space is.
+    /// Returns the plane of the view that a clip-space plane corresponds to.
     pub(super) fn plane_of_view(&self, plane: Plane) -> Plane {
         plane.of_view(self.camera.has_zero_at_far(self.settings.depth_format.mapping()))
     }
 
-    /// What is done with the vertices of its mesh.
+    /// Returns the vertex transformer of the mesh.
     pub(super) fn transformer<'b>(&'b self, matrices: &'b DrawMatrices) -> Transformer<'b> {
         Transformer::new(self.mesh, matrices, self.settings, self.plan)
     }
 
-    /// Whether a part of the work is done for its draw.
+    /// Whether the plan of the fragment's draw runs a part.
     pub(super) fn runs(&self, part: Part) -> bool {
         self.plan.runs(part)
     }

@@ -9,7 +9,7 @@ use crate::scene::builtin;
 
 const VIEW: Viewport = Viewport { width: 12, height: 9 };
 
-/// All pixels of a small picture by a recipe, traced.
+/// Traces all fragments of a small picture drawn with a recipe.
 fn all(id: &str, recipe: &Recipe, mut check: impl FnMut(&PixelReport, &Frame, &Trace)) {
     let scene = builtin::by_id(id).unwrap().build();
     let frame = run(&scene, &scene.home, recipe, VIEW, &mut ());
@@ -24,7 +24,7 @@ fn all(id: &str, recipe: &Recipe, mut check: impl FnMut(&PixelReport, &Frame, &T
     }
 }
 
-/// The recipes that between them take every way through the pipeline.
+/// Returns recipes that together cover every path through the pipeline.
 fn recipes() -> Vec<Recipe> {
     let with = |change: fn(&mut Recipe)| {
         let mut recipe = Recipe::default();
@@ -81,7 +81,7 @@ fn every_trace_is_true() {
     }
 }
 
-/// Lines that frame and report know, too, say the same, bit for bit.
+/// Asserts that lines with a counterpart in the frame or the report match it bit for bit.
 fn agrees(report: &PixelReport, frame: &Frame, trace: &Trace) {
     for (channel, name) in attributes::CHANNELS.into_iter().enumerate() {
         let code = f64s(trace, &format!("pixel {name}"));
@@ -120,7 +120,7 @@ fn is_same(trace: &Trace, what: &str, expected: f32) {
     assert!(told.is_some_and(|told| told.same_bits(expected.into())), "{what}: {told:?}, not {expected}");
 }
 
-/// Whether a line is one correctly rounded operation; if it is, it is off by half an ulp at most.
+/// Whether a line is one correctly rounded operation. Asserts that its error is then at most half an ulp.
 fn single_operation(line: &TraceLine) -> bool {
     if line.rounded_once {
         assert!(line.rounding_ulp.is_some_and(|ulps| ulps.abs() <= 0.5), "{line:#?}");
@@ -128,8 +128,9 @@ fn single_operation(line: &TraceLine) -> bool {
     line.rounded_once
 }
 
-/// Rounding adds up over the operations of a line, and doubles with each leading bit that cancels; a formula that is another
-/// one than the pipeline's is off by far more. What cancels to nothing has no last place to measure by.
+/// Asserts that a line is near its formula. Errors add up over operations and double with each cancelled leading bit,
+/// but a formula that differs from the pipeline's has far larger errors. Exact results of 0 have no last place to
+/// measure by.
 fn is_near_its_formula(line: &TraceLine) {
     const MOST_ULP: f64 = 16.0;
     let Some(ulps) = line.rounding_ulp.filter(|_| line.exact.as_ref().is_some_and(|exact| exact.decimal != "0")) else {
@@ -142,7 +143,7 @@ fn is_near_its_formula(line: &TraceLine) {
 fn clipped_triangles_show_the_polygon_and_where_edges_were_cut() {
     let mut cut = 0;
     all("near-plane", &Recipe::default(), |_, _, trace| {
-        let pieces = trace.lines.iter().filter(|line| line.what == "piece of the fragment").count();
+        let pieces = trace.lines.iter().filter(|line| line.what == "piece with the fragment").count();
         let shares: Vec<_> = trace.lines.iter().filter(|line| line.what.ends_with(" · t")).collect();
         assert_eq!(pieces > 0, !shares.is_empty());
         assert!(shares.iter().all(|line| (0.0..=1.0).contains(&line.number().unwrap().to_f64())));

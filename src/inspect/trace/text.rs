@@ -1,4 +1,4 @@
-//! A trace as plain text: for the command line and the clipboard.
+//! Plain-text form of a trace, for the command line and the clipboard.
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use super::Trace;
 use super::line::TraceLine;
 use crate::pipeline::settings::Choice as _;
 
-/// Stage by stage, one line each, with the numbers that were put in on a line of their own.
+/// Writes the trace stage by stage: each line, then its formula with numbers, then its exact value.
 impl fmt::Display for Trace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [x, y] = self.pixel;
@@ -51,8 +51,8 @@ fn write_line(line: &TraceLine, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     let Some(exact) = &line.exact else { return Ok(()) };
     let fraction = exact.fraction.as_ref().map_or_else(String::new, |fraction| format!(" = {fraction}"));
     match line.rounding_ulp {
-        Some(0.0) => writeln!(f, "      exactly {}{fraction}: nothing is rounded", exact.decimal),
+        Some(0.0) => writeln!(f, "      exactly {}{fraction}: no rounding error", exact.decimal),
         Some(_) => writeln!(f, "      exactly {}{fraction}: off by {}", exact.decimal, line.rounding()),
-        None => writeln!(f, "      exactly {}{fraction}: it should be finite", exact.decimal),
+        None => writeln!(f, "      exactly {}{fraction}: the exact result is finite", exact.decimal),
     }
 }

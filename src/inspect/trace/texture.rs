@@ -1,4 +1,4 @@
-//! Which texels a fragment reads, with which weights, and what they come to.
+//! Trace of the texels that a fragment reads, with their weights and mean.
 
 use super::attributes::CHANNELS;
 use super::formula::{Formula, Function, fraction, given, sum, whole};
@@ -8,7 +8,7 @@ use crate::image::{Image, Rgba8};
 use crate::pipeline::sample::TexelTap;
 use crate::pipeline::settings::{Address, Choice as _, ColorSpace, Filter};
 
-/// Writes the texels of every copy of the texture that is read; nothing if none is.
+/// Writes the texels of every mip level that is read; nothing without a texture.
 pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) {
     scribe.enter(TraceStage::Texture);
     let Some(texture) = subject.shader.texture_for(&subject.fragment) else { return };
@@ -17,15 +17,15 @@ pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) {
         let image = texture.level(level);
         if count > 1 {
             let words =
-                "by the length of a pixel in texels: the longer side, its logarithm to the base 2 to five digits";
-            scribe.read(format!("share of copy {level}"), words, share);
+                "from the base-2 logarithm, to five digits, of the longer side of a pixel's footprint in texels";
+            scribe.read(format!("share of mip level {level}"), words, share);
         }
-        let name = if count > 1 { format!("copy {level} · ") } else { String::new() };
+        let name = if count > 1 { format!("mip level {level} · ") } else { String::new() };
         read(subject, (image, texture.is_premultiplied()), &name, scribe);
     }
 }
 
-/// The texels of one image.
+/// Writes the texels of one image.
 fn read(subject: &Subject<'_>, (image, is_premultiplied): (&Image<Rgba8>, bool), name: &str, scribe: &mut Scribe) {
     let (sampler, uv, size) = (subject.shader.sampler(), subject.fragment.uv, image.size());
     let unit = sampler.unit(uv);
@@ -54,7 +54,7 @@ fn read(subject: &Subject<'_>, (image, is_premultiplied): (&Image<Rgba8>, bool),
     colors(subject, (image, is_premultiplied), &taps[..count], name, scribe);
 }
 
-/// A coordinate as addressing brings it into [0, 1].
+/// Returns the formula that addressing uses to map a coordinate into [0, 1].
 fn in_unit(coordinate: f32, part: &'static str, address: Address) -> Formula {
     let given_part = || given(part, coordinate);
     match address {
@@ -69,7 +69,7 @@ fn in_unit(coordinate: f32, part: &'static str, address: Address) -> Formula {
     }
 }
 
-/// The one texel of the point filter.
+/// Writes the single texel of the point filter.
 fn nearest(tap: &TexelTap, (unit, lengths): ([f64; 2], [u32; 2]), name: &str, scribe: &mut Scribe) {
     for (axis, value) in [tap.x, tap.y].into_iter().enumerate() {
         let texels = given(["u", "v"][axis], unit[axis]) * given(["width", "height"][axis], lengths[axis]);
@@ -97,7 +97,7 @@ fn weight(tap: &TexelTap, place: usize, (shares, count): ([f32; 2], usize), name
     scribe.compute(what, tap.weight, &(part(0, place % 2 == 1) * part(1, place / 2 == 1)));
 }
 
-/// The codes of the texels, the numbers that stand for them, and their mean.
+/// Writes the codes of the texels, the numbers that they represent, and the weighted mean.
 fn colors(
     subject: &Subject<'_>,
     (image, is_premultiplied): (&Image<Rgba8>, bool),
@@ -151,9 +151,9 @@ fn colors(
     }
 }
 
-/// The number that stands for a code: linear light by the curve of sRGB, or the code itself.
+/// Returns the formula of the number that a code represents: linear light by the sRGB curve, or the code itself.
 pub(super) fn number_formula(code: u8, space: ColorSpace) -> Formula {
-    /// Codes up to here lie on the straight part of the curve: 0.04045 · 255 = 10.3.
+    /// Last code on the linear segment of the curve: 0.04045 · 255 = 10.3.
     const LAST_STRAIGHT: u8 = 10;
     let share = || given("code", code) / whole("255", 255);
     match space {

@@ -1,4 +1,4 @@
-//! From edge values to weights: on the screen, and in space.
+//! Trace from edge values to screen-space and perspective-correct weights.
 
 use super::formula::{Formula, given, sum, whole};
 use super::line::{Scribe, TraceStage};
@@ -36,7 +36,7 @@ pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) {
     asides(subject, lambda, scribe);
 }
 
-/// Weights of the attributes: of the edge values times 1/w.
+/// Writes the attribute weights, computed from edge values times relative 1/w.
 fn in_space(subject: &Subject<'_>, (edges, weights): ([f32; 3], [f32; 3]), scribe: &mut Scribe) {
     let WeightTerms { q, sum: total, inverse_sum } = weight_terms(subject.triangle, &subject.sample);
     let relative = subject.triangle.relative_inv_w;
@@ -53,7 +53,7 @@ fn in_space(subject: &Subject<'_>, (edges, weights): ([f32; 3], [f32; 3]), scrib
     }
 }
 
-/// The published formula, which divides by the width of one edge.
+/// Writes the published formula, which divides by the width of one edge.
 fn published(subject: &Subject<'_>, weights: [f32; 3], scribe: &mut Scribe) {
     let corners = subject.triangle.corners_px();
     let coordinate = |corner: usize, axis: usize| given(format!("{}{corner}", ["x", "y"][axis]), corners[corner][axis]);
@@ -69,7 +69,7 @@ fn published(subject: &Subject<'_>, weights: [f32; 3], scribe: &mut Scribe) {
     scribe.compute("weight 0", first, &rest).shown_by(WEIGHTS[0]);
 }
 
-/// How far the surface is: the pipeline needs it nowhere.
+/// Writes the distance of the surface, which the pipeline does not compute.
 fn asides(subject: &Subject<'_>, lambda: [f32; 3], scribe: &mut Scribe) {
     let inv_w = subject.triangle.vertices.each_ref().map(|vertex| vertex.inv_w);
     let at_sample = inv_w_at(subject.triangle, &subject.sample);

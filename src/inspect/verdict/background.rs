@@ -1,33 +1,33 @@
-//! Why a pixel shows the background: what was there and lost, what would have been there, or what came nearest.
+//! Explanation of a pixel that shows the background: fragments that lost, absent triangles, or the nearest miss.
 
 use super::count_triangles;
 use crate::inspect::history::{Absent, Cause, px};
 use crate::inspect::pixel::{FragmentRecord, Outcome};
 
-/// What is told about a pixel that shows none of its fragments, and, as far as they are known, of its absent triangles the
-/// one that matters most.
+/// Explains a pixel that shows none of its fragments. Without any fragment, names the most relevant absent triangle, if
+/// known.
 pub(super) fn verdict(fragments: &[FragmentRecord], absent: &[Absent]) -> String {
     let with = |outcome| count_triangles(fragments.iter().filter(|f| f.outcome == outcome));
     match (with(Outcome::DepthRejected), with(Outcome::CutOut)) {
         (0, 0) => absence(absent),
-        (1, 0) => "Background: the one triangle here lost the depth test.".to_owned(),
-        (lost, 0) => format!("Background: all {lost} triangles here lost the depth test."),
-        (0, 1) => "Background: the one triangle here is cut out.".to_owned(),
-        (0, gone) => format!("Background: all {gone} triangles here are cut out."),
+        (1, 0) => "Background: the only triangle here failed the depth test.".to_owned(),
+        (lost, 0) => format!("Background: all {lost} triangles here failed the depth test."),
+        (0, 1) => "Background: the only triangle here failed the alpha test.".to_owned(),
+        (0, gone) => format!("Background: all {gone} triangles here failed the alpha test."),
         (lost, gone) => {
-            format!("Background: of the triangles here {lost} lost the depth test, and {gone} by alpha are not there.")
+            format!("Background: of the triangles here, {lost} failed the depth test and {gone} the alpha test.")
         }
     }
 }
 
-/// Why no triangle has a fragment here. `absent` stands in the order of [`Cause`].
+/// Explains the absence of fragments. `absent` must be in the order of [`Cause`].
 fn absence(absent: &[Absent]) -> String {
     let there = absent.iter().filter(|a| !matches!(a.cause, Cause::NotFinite | Cause::Missed));
     let nearest = absent.iter().find(|a| a.cause == Cause::Missed);
     if let Some(first) = there.clone().next() {
         let more = match there.filter(|a| a.cause == first.cause).count() - 1 {
             0 => String::new(),
-            count => format!(" And {count} more of that kind."),
+            count => format!(" And {count} more for the same reason."),
         };
         return format!("Background: {} {}.{more}", name(first), without_area(&first.reason));
     }
@@ -36,7 +36,7 @@ fn absence(absent: &[Absent]) -> String {
         [] => String::new(),
         [only] => format!(" But {} {}.", name(only), only.reason),
         [first, ..] => format!(
-            " But {} triangles have a corner that is not a finite number and are never drawn, {} first.",
+            " But {} triangles have a NaN or infinite corner and are never drawn, {} first.",
             never.len(),
             name(first)
         ),
@@ -53,7 +53,7 @@ fn absence(absent: &[Absent]) -> String {
     }
 }
 
-/// A reason without the area in brackets at its end: a number that the history has, and that explains nothing here.
+/// Returns a reason without the trailing area in parentheses, which only matters in the history.
 fn without_area(reason: &str) -> &str {
     reason.split_once(" (doubled area").map_or(reason, |(words, _)| words)
 }
@@ -83,13 +83,13 @@ mod tests {
     #[test]
     fn what_would_be_there_is_told_before_what_is_near() {
         let near = absent(9, Cause::Missed, "misses", Some(0.0039));
-        let back = absent(12, Cause::BackFacing, "covers it, but turns its back (doubled area 7 > 0)", None);
+        let back = absent(12, Cause::BackFacing, "covers it, but is back-facing (doubled area 7 > 0)", None);
         assert_eq!(
             absence(&[back.clone(), near.clone()]),
-            "Background: triangle 12 of “wall” covers it, but turns its back."
+            "Background: triangle 12 of “wall” covers it, but is back-facing."
         );
         let both = [back.clone(), absent(13, Cause::BackFacing, "", None), absent(2, Cause::NearPlane, "", None)];
-        assert!(absence(&both).ends_with("turns its back. And 1 more of that kind."));
+        assert!(absence(&both).ends_with("is back-facing. And 1 more for the same reason."));
         assert_eq!(absence(&[near]), "Background: the nearest triangle, 9 of “wall”, misses by 0.0039 px.");
     }
 
@@ -100,6 +100,6 @@ mod tests {
             absence(std::slice::from_ref(&never)),
             "Background: no triangle covers this pixel's centre. But triangle 3 of “wall” has a NaN corner."
         );
-        assert!(absence(&[never.clone(), never]).contains("2 triangles have a corner that is not a finite number"));
+        assert!(absence(&[never.clone(), never]).contains("2 triangles have a NaN or infinite corner"));
     }
 }

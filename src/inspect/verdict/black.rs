@@ -1,4 +1,4 @@
-//! Why a pixel that a triangle covers is black: which of the factors that its colour is the product of is next to nothing.
+//! Explanation of a black pixel: the factors of its colour that are close to zero.
 
 use glam::Vec3;
 
@@ -12,7 +12,7 @@ use crate::pipeline::settings::{ColorSpace, Settings, Shading};
 use crate::pipeline::shade::{CEL_THRESHOLD, to_working_space};
 use crate::scene::{Instance, Scene};
 
-/// Why the pixel is black, if it is and a triangle that hides all behind it made it so.
+/// Explains a black pixel; `None` if it is not black, or not due to a completely covering fragment.
 pub(super) fn why(report: &PixelReport, scene: &Scene, recipe: &Recipe) -> Option<String> {
     let visible = report.visible().filter(|fragment| fragment.covers_all())?;
     let shading = visible.shading.as_ref().filter(|shading| is_black(shading.color))?;
@@ -29,14 +29,14 @@ pub(super) fn why(report: &PixelReport, scene: &Scene, recipe: &Recipe) -> Optio
     Some(format!("Black: {why}."))
 }
 
-/// Whether a factor alone makes what it multiplies black, in the numbers of the recipe.
+/// Whether a factor alone makes a product black, in the colour space of the recipe.
 fn is_nothing(factor: f32, settings: &Settings) -> bool {
     let code = f32::from(BLACK_CODE) / 255.0;
     let limit = if settings.color_space == ColorSpace::Linear { decode_rgb(Vec3::splat(code)).x } else { code };
     factor <= limit
 }
 
-/// The factors that are black by themselves, each with its number.
+/// Describes the factors that are black by themselves, each with its value.
 fn factors(
     scene: &Scene,
     settings: &Settings,
@@ -53,10 +53,7 @@ fn factors(
         let color = format!("the colour of its material “{}”{whose}", material.name);
         found.push(match &material.missing_texture {
             Some(file) => {
-                format!(
-                    "the texture “{file}” could not be read, and {color}, which stands in for it, is {}",
-                    numbers(own)
-                )
+                format!("the texture “{file}” could not be read, and the fallback, {color}, is {}", numbers(own))
             }
             None => format!("{color} is {}", numbers(own)),
         });
@@ -75,33 +72,34 @@ fn factors(
     found
 }
 
-/// Why no light arrives at a fragment whose triangle has no normals at these corners.
+/// Explains the missing light on a fragment. `lost` names the corners of its triangle without a valid normal.
 fn darkness(settings: &Settings, shading: &ShadingRecord, lost: &[&str]) -> String {
     let ambient = settings.light.ambient;
     let has_none = shading.normal == Some([0.0; 3]) || settings.shading == Shading::Gouraud;
     match (settings.shading, shading.cosine) {
         _ if has_none && lost.len() == 3 => {
             format!(
-                "the normal at its corners {LOST_NORMALS}, so no direct light falls on it, and the ambient share is {ambient}"
+                "the normal at its corners {LOST_NORMALS}, so it receives no direct light, and light.ambient is \
+                 {ambient}"
             )
         }
         (Shading::Gouraud, _) => {
             format!(
-                "the light at its corners is next to 0: they face away from the light, and the ambient share is {ambient}"
+                "the light at its corners is close to 0: they face away from the light, and light.ambient is {ambient}"
             )
         }
         _ if shading.normal == Some([0.0; 3]) => {
-            format!("it has no normal, so no direct light falls on it, and the ambient share is {ambient}")
+            format!("it has no normal, so it receives no direct light, and light.ambient is {ambient}")
         }
         (Shading::Cel, Some(cosine)) => format!("N·L is {cosine:.3}, not above {CEL_THRESHOLD}: the dark side"),
         (_, Some(cosine)) => {
-            format!("N·L is {cosine:.3}: it faces away from the light, and the ambient share is {ambient}")
+            format!("N·L is {cosine:.3}: it faces away from the light, and light.ambient is {ambient}")
         }
-        (_, None) => format!("no light arrives, and the ambient share is {ambient}"),
+        (_, None) => format!("it receives no light, and light.ambient is {ambient}"),
     }
 }
 
-/// What multiplies to black where no factor is black by itself.
+/// Describes a product that is black although no single factor is.
 fn product(scene: &Scene, settings: &Settings, instance: &Instance, shading: &ShadingRecord) -> String {
     let material = scene.library.material(instance.material);
     let mut factors = vec![format!("material {}", numbers(material.diffuse * instance.tint))];
@@ -117,15 +115,15 @@ fn product(scene: &Scene, settings: &Settings, instance: &Instance, shading: &Sh
     format!("a product of dark factors: {}", factors.join(" × "))
 }
 
-/// For shadings that show a number as a colour.
+/// Explains a black pixel of a shading mode that shows a quantity as a colour.
 fn number_shown(settings: &Settings, visible: &FragmentRecord) -> String {
     match settings.shading {
         Shading::Depth => format!("Black: the shading shows depth, which is {} here.", visible.depth),
-        _ => "Black: the shading shows a quantity as a colour, and here it is next to 0.".to_owned(),
+        _ => "Black: the shading shows a quantity as a colour, and here it is close to 0.".to_owned(),
     }
 }
 
-/// Three numbers as a person writes a colour.
+/// Formats a colour as three numbers, rounded to three decimals.
 fn numbers(color: Vec3) -> String {
     let [r, g, b] = color.to_array().map(|c| (c * 1000.0).round() / 1000.0);
     format!("({r}, {g}, {b})")
@@ -142,7 +140,7 @@ mod tests {
 
     const VIEW: Viewport = Viewport { width: 9, height: 9 };
 
-    /// The verdict in the middle of one triangle that faces the eye, of this material.
+    /// Returns the verdict at the centre of one front-facing triangle with this material.
     fn verdict(material: impl FnOnce(&mut Library) -> Material, colors: Vec<Vec3>, settings: &[&str]) -> String {
         let mut recipe = Recipe::default();
         recipe.set_all(settings).unwrap();
@@ -177,9 +175,9 @@ mod tests {
     fn each_black_factor_is_named_with_its_number() {
         let away = ["light.direction=0,0,-1", "light.ambient=0"];
         let dark = verdict(white, Vec::new(), &away);
-        assert_eq!(after_black(&dark), "N·L is -1.000: it faces away from the light, and the ambient share is 0.");
+        assert_eq!(after_black(&dark), "N·L is -1.000: it faces away from the light, and light.ambient is 0.");
         let gouraud = verdict(white, Vec::new(), &[away[0], away[1], "shading=gouraud"]);
-        assert!(after_black(&gouraud).starts_with("the light at its corners is next to 0"), "{gouraud}");
+        assert!(after_black(&gouraud).starts_with("the light at its corners is close to 0"), "{gouraud}");
         let soot = verdict(|_| Material::plain("soot", Vec3::new(0.0, 0.01, 0.0)), Vec::new(), &[]);
         assert_eq!(after_black(&soot), "the colour of its material “soot” is (0, 0.01, 0).");
         let painted = verdict(white, vec![Vec3::ZERO; 3], &[]);

@@ -1,4 +1,4 @@
-//! What was wrong with the scene as it was given, and shows at a pixel: the loader made it drawable, the cause remains.
+//! Flaws of the input scene that affect a pixel: the loader repaired them, but the cause remains.
 
 use glam::Vec3;
 
@@ -8,10 +8,10 @@ use crate::inspect::pixel::{FragmentRecord, PixelReport};
 use crate::pipeline::plan::Part;
 use crate::scene::Scene;
 
-/// What is said of a normal that the loader put aside.
-pub(super) const LOST_NORMALS: &str = "was not a finite number (NaN) as it was given";
+/// Phrase for a normal that the loader discarded.
+pub(super) const LOST_NORMALS: &str = "is not finite (NaN) in the model";
 
-/// The corners of the fragment's triangle whose normals were no finite numbers as they were given.
+/// Returns the corners of the fragment's triangle whose input normals were not finite.
 pub(super) fn lost_normals(visible: &FragmentRecord, scene: &Scene) -> Vec<&'static str> {
     const CORNERS: [&str; 3] = ["v0", "v1", "v2"];
     let lost = || {
@@ -25,8 +25,8 @@ pub(super) fn lost_normals(visible: &FragmentRecord, scene: &Scene) -> Vec<&'sta
     lost().unwrap_or_default()
 }
 
-/// What was repaired or left out of the surface that the pixel shows, if anything was, the shading would have read it, and
-/// `said` does not tell it already.
+/// Describes repaired or missing parts of the visible surface that the shading would have read. `None` if there are
+/// none, or if `said` mentions them already.
 pub(super) fn told(report: &PixelReport, scene: &Scene, recipe: &Recipe, frame: &Frame, said: &str) -> Option<String> {
     let visible = report.visible()?;
     let (index, instance) = instance_of(scene, visible.triangle)?;
@@ -36,7 +36,8 @@ pub(super) fn told(report: &PixelReport, scene: &Scene, recipe: &Recipe, frame: 
     if let Some(file) = material.missing_texture.as_ref().filter(|file| reads_material && !said.contains(file.as_str()))
     {
         told.push(format!(
-            "The texture “{file}” of its material “{}” could not be read: the plain colour stands in for it.",
+            "The texture “{file}” of its material “{}” could not be read; the plain material colour is used. Put the \
+             file where the model expects it.",
             material.name
         ));
     }
@@ -44,7 +45,8 @@ pub(super) fn told(report: &PixelReport, scene: &Scene, recipe: &Recipe, frame: 
     let lost = lost_normals(visible, scene);
     if reads_normals && !lost.is_empty() && !said.contains(LOST_NORMALS) {
         told.push(format!(
-            "The normal at {} {LOST_NORMALS}, one of {} in this mesh: it counts as none, and no direct light falls on it.",
+            "The normal at {} {LOST_NORMALS}, one of {} in this mesh: it is treated as missing, and the surface \
+             receives no direct light. Export the normals again.",
             lost.join(", "),
             scene.library.mesh(instance.mesh).lost_normals()
         ));

@@ -1,11 +1,11 @@
-//! Why a pixel of blended fragments has the wrong colour: they were not blended from far to near.
+//! Explanation of a pixel with a wrong colour because its fragments were not blended from far to near.
 
 use crate::chain::{Frame, Recipe};
 use crate::inspect::blending::{is_nearer, sorted};
 use crate::inspect::pixel::{FragmentRecord, PixelReport, centre_color};
 use crate::scene::{Scene, Transparency};
 
-/// Names a fragment that was blended over a nearer one, the colour that the exact order gives, and the remedy.
+/// Names a fragment that was blended over a nearer one, the colour in the exact order, and the remedy.
 pub(super) fn verdict(report: &PixelReport, scene: &Scene, recipe: &Recipe, frame: &Frame) -> Option<String> {
     let blended = |f: &&FragmentRecord| f.transparency == Transparency::Blended && f.outcome.is_written();
     let blended: Vec<_> = report.fragments.iter().filter(blended).collect();
@@ -16,7 +16,7 @@ pub(super) fn verdict(report: &PixelReport, scene: &Scene, recipe: &Recipe, fram
     let [x, y] = report.drawn_at;
     let [red, green, blue, _] = centre_color(scene, &sorted(recipe), frame, (x, y))?;
     Some(format!(
-        "Blended in the wrong order: {far} was blended over {near}, which is nearer; from far to near the colour is \
-         ({red}, {green}, {blue}). Set blending.order to exact."
+        "Blended in the wrong order: {far} was blended over {near}, which is nearer; sorted from far to near the \
+         colour is ({red}, {green}, {blue}). Set blending.order to exact."
     ))
 }

@@ -1,4 +1,4 @@
-//! Depth bias: an offset of all depths of a triangle, as by Vulkan's `vkCmdSetDepthBias` and by `glPolygonOffset`.
+//! Depth bias: an offset of all depths of a triangle, like Vulkan's `vkCmdSetDepthBias` and OpenGL's `glPolygonOffset`.
 //!
 //! ```text
 //! offset = m · slope + r · constant
@@ -7,10 +7,10 @@
 //! r = 2^(e − 23)              where they are floats; e is the exponent of the greatest depth of a corner
 //! ```
 //!
-//! The offset is added to the depth that the format stores, so a positive one moves a triangle away from the viewer, and
-//! towards the viewer where depth is reversed. The sum is clamped to [0, 1], then quantised and tested. The pieces of a
-//! clipped triangle are triangles of their own. A w-buffer, whose depth has no constant slope on the screen, takes the slope
-//! of the plane through the corners, too.
+//! The offset is added to the depth that the format stores: a positive offset moves a triangle away from the viewer, or
+//! towards the viewer if depth is reversed. The sum is clamped to [0, 1], then quantised and tested. Each piece of a
+//! clipped triangle has its own bias. A w-buffer also uses the slope of the plane through the corners, although its
+//! depth has no constant slope on the screen.
 
 use super::DepthEncoding;
 use crate::math::fixed::SUBPIXELS;
@@ -21,20 +21,20 @@ use crate::pipeline::viewport::ScreenVertex;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct BiasRule {
     factors: DepthBias,
-    /// Whether slopes are those of the snapped corners.
+    /// Whether slopes are computed from the snapped corners.
     is_snapped: bool,
 }
 
-/// Depth bias of one triangle, with the numbers that it is made of.
+/// Depth bias of one triangle, with its intermediate values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct TriangleBias {
-    /// ∂z/∂x and ∂z/∂y, per px; 0 if the corners lie on a line.
+    /// ∂z/∂x and ∂z/∂y, per px; 0 if the corners are collinear.
     pub(crate) gradient: [f64; 2],
-    /// The larger magnitude of the two: m.
+    /// Slope m: the larger magnitude of the two gradient components.
     pub(crate) slope: f64,
-    /// Smallest resolvable difference of depths: r.
+    /// Smallest resolvable difference r of depths.
     pub(crate) step: f64,
-    /// Offset of every depth.
+    /// Offset added to every depth of the triangle.
     pub(crate) offset: f64,
 }
 
@@ -42,18 +42,18 @@ impl BiasRule {
     /// No bias.
     pub(super) const OFF: Self = Self { factors: DepthBias { constant: 0.0, slope: 0.0 }, is_snapped: true };
 
-    /// The bias that the settings ask for.
+    /// Returns the bias that the settings select.
     pub(super) fn new(settings: &Settings) -> Self {
         Self { factors: settings.depth_bias, is_snapped: settings.arithmetic == Arithmetic::Fixed }
     }
 
-    /// Whether nothing is added to any depth.
+    /// Whether the bias is zero for every triangle.
     #[inline(always)]
     pub(super) fn is_off(&self) -> bool {
         self.factors.constant == 0.0 && self.factors.slope == 0.0
     }
 
-    /// Positions of corners that slopes are computed from, px.
+    /// Returns the corner positions from which slopes are computed, in px.
     #[inline(always)]
     pub(super) fn positions_px(&self, corners: &[ScreenVertex; 3]) -> [[f64; 2]; 3] {
         corners.each_ref().map(|corner| {
@@ -65,7 +65,7 @@ impl BiasRule {
         })
     }
 
-    /// Computes the bias of a triangle by its corners' positions and depths.
+    /// Computes the bias of a triangle from the positions, in px, and depths of its corners.
     pub(super) fn of(&self, positions_px: [[f64; 2]; 3], depths: [f64; 3], encoding: DepthEncoding) -> TriangleBias {
         let gradient = gradient(positions_px, depths);
         let slope = gradient[0].abs().max(gradient[1].abs());
@@ -75,7 +75,7 @@ impl BiasRule {
     }
 }
 
-/// ∂z/∂x and ∂z/∂y of the plane through three corners; 0 if they lie on a line.
+/// Returns ∂z/∂x and ∂z/∂y of the plane through three corners; 0 if they are collinear.
 fn gradient([origin, first, second]: [[f64; 2]; 3], [z, z1, z2]: [f64; 3]) -> [f64; 2] {
     let [x1, y1] = [first[0] - origin[0], first[1] - origin[1]];
     let [x2, y2] = [second[0] - origin[0], second[1] - origin[1]];
@@ -83,7 +83,8 @@ fn gradient([origin, first, second]: [[f64; 2]; 3], [z, z1, z2]: [f64; 3]) -> [f
     if area == 0.0 { [0.0; 2] } else { [(z1 * y2 - z2 * y1) / area, (x1 * z2 - x2 * z1) / area] }
 }
 
-/// Smallest resolvable difference of depths in a triangle with this greatest depth of a corner, in [0, 1].
+/// Returns the smallest resolvable difference of depths in a triangle whose greatest corner depth is `greatest`, in [0,
+/// 1].
 fn smallest_step(greatest: f64, encoding: DepthEncoding) -> f64 {
     match encoding.largest_code() {
         Some(largest) => 1.0 / f64::from(largest),

@@ -1,20 +1,20 @@
-//! In which numbers the depth buffer holds a depth of [0, 1].
+//! Number formats in which the depth buffer stores a depth in [0, 1].
 
 use crate::math::lanes::{F32, F64, Simd, SimdFloat as _, widen};
 
-/// The numbers that a depth buffer holds.
+/// Number format of a depth buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DepthEncoding {
-    /// Floats: relative steps, ever finer towards 0.
+    /// 32-bit float: steps are relative, ever finer towards 0.
     F32,
-    /// Whole numbers of 24 bits: even steps of 1/(2²⁴ − 1).
+    /// 24-bit unsigned normalised integer: uniform steps of 1/(2²⁴ − 1).
     Unorm24,
-    /// Whole numbers of 16 bits: even steps of 1/65535.
+    /// 16-bit unsigned normalised integer: uniform steps of 1/65535.
     Unorm16,
 }
 
 impl DepthEncoding {
-    /// The code that stands for 1, where depths are codes.
+    /// Returns the integer code of depth 1; `None` for floats.
     #[inline]
     pub fn largest_code(self) -> Option<u32> {
         match self {
@@ -24,24 +24,25 @@ impl DepthEncoding {
         }
     }
 
-    /// What is stored for a depth in [0, 1]: the nearest float, or that of code/(2ⁿ − 1) with code = ⌊depth·(2ⁿ − 1) + ½⌋.
-    /// Distinct codes are distinct floats.
+    /// Returns the stored value of a depth in [0, 1]. For floats it is the nearest f32; else the f32 nearest to
+    /// code/(2ⁿ − 1) with code = ⌊depth·(2ⁿ − 1) + ½⌋. Distinct codes give distinct floats.
     #[inline]
     pub fn quantize(self, depth: f64) -> f32 {
         match self.largest_code() {
             None => depth as f32,
-            // Converting to an integer drops the fraction.
+            // The cast to an integer truncates.
             Some(largest) => (f64::from((depth * f64::from(largest) + 0.5) as u32) / f64::from(largest)) as f32,
         }
     }
 
-    /// The code of a stored value.
+    /// Returns the integer code of a stored value; `None` for floats.
     pub fn code(self, stored: f32) -> Option<u32> {
-        // A float is less than half a step from the code that it stands for.
+        // A stored float is less than half a step away from the exact value of its code.
         self.largest_code().map(|largest| (f64::from(stored) * f64::from(largest) + 0.5) as u32)
     }
 
-    /// The depth that a stored value stands for, and the next one that can be stored: upwards, but for the last one, 1.
+    /// Returns the depth of a stored value, and the next storable depth: the next larger one, or the next smaller one
+    /// for depth 1.
     pub fn with_next(self, stored: f32) -> [f64; 2] {
         match self.largest_code().zip(self.code(stored)) {
             None => [stored, if stored < 1.0 { stored.next_up() } else { stored.next_down() }].map(f64::from),
@@ -51,7 +52,7 @@ impl DepthEncoding {
         }
     }
 
-    /// The depths that eight stored values stand for.
+    /// Returns the depths of eight stored values.
     #[inline(always)]
     pub(super) fn depths_of<S: Simd>(self, simd: S, stored: F32<S>) -> F64<S> {
         let stored = widen(simd, stored);
@@ -61,7 +62,7 @@ impl DepthEncoding {
         }
     }
 
-    /// How many steps lie between two stored values: codes, or floats.
+    /// Returns the number of steps between two stored values: codes, or representable floats.
     pub fn steps_between(self, a: f32, b: f32) -> u32 {
         match self.code(a).zip(self.code(b)) {
             None => a.to_bits().abs_diff(b.to_bits()),
@@ -74,7 +75,8 @@ impl DepthEncoding {
 mod tests {
     use super::*;
 
-    /// All codes of 16 bits; of 24 bits both ends of the range and of every power of two, and every 97th.
+    /// Returns all codes of 16 bits. For 24 bits, returns the codes within 500 of either end or of a power of two, and
+    /// every 97th code.
     fn codes(encoding: DepthEncoding) -> Vec<u32> {
         let Some(largest) = encoding.largest_code() else { return Vec::new() };
         let around = |code: u32| code.saturating_sub(500)..=(code + 500).min(largest);
@@ -100,7 +102,7 @@ mod tests {
                 assert_eq!(encoding.code(stored), Some(code));
                 assert_eq!(stored, exact as f32, "the nearest float");
                 assert!(stored > before, "{code}");
-                // Storing what is stored changes nothing.
+                // Quantising is idempotent.
                 assert_eq!(encoding.quantize(f64::from(stored)), stored);
                 before = stored;
             }

@@ -1,48 +1,50 @@
 //! Depth as a function of the sample, set up once per triangle.
 //!
-//! z/w is an affine function of the screen, so it is interpolated with the edge values themselves, never with the
-//! perspective-correct weights. A depth that is linear in space is interpolated with just those. Both take the form of the
-//! least depth plus what lies above it at the corners, each with a weight that is not negative: nothing cancels, a constant
-//! depth is returned exactly, and no sample inside leaves the range of the corners. A depth bias is added to the least depth. It is computed in f64 and rounded once.
+//! z/w is an affine function of the screen, so it is interpolated with the edge values themselves, never with
+//! perspective-correct weights. A depth that is linear in space is interpolated with perspective-correct weights. Both
+//! are computed as the least corner depth plus each corner's rise above it, weighted by a non-negative weight. So
+//! nothing cancels, a constant depth is returned exactly, and no sample inside leaves the range of the corners. A depth
+//! bias is added to the least depth. Depth is computed in f64 and rounded once.
 
 use super::DepthEncoding;
 use crate::pipeline::raster::Sample;
 use crate::pipeline::viewport::ScreenTriangle;
 
-/// Depth over the samples of one triangle.
+/// Depth as a function over the samples of one triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepthFunction {
     course: Course,
     encoding: DepthEncoding,
-    /// The least of the corners' depths, after the depth bias.
+    /// Least of the corner depths, after the depth bias.
     least: f64,
-    /// Depth of each corner above the least; per unit of its edge value where depth is affine on the screen.
+    /// Rise of each corner's depth above the least; per unit of its edge value if depth is affine on the screen.
     rises: [f64; 3],
 }
 
-/// What depth is linear in.
+/// Domain in which depth is linear.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Course {
-    /// The screen.
+    /// Screen space, as for z/w.
     Screen,
-    /// Space.
+    /// World space, as for a w-buffer.
     Space,
 }
 
 impl DepthFunction {
-    /// From depths at the corners of a triangle of this doubled area, in the unit of edge values.
+    /// Returns the function of a triangle with these corner depths. `doubled_area` is in the unit of edge values.
     pub fn affine_on_screen(corners: [f64; 3], doubled_area: f64, encoding: DepthEncoding) -> Self {
         let (least, rises) = rises(corners);
         Self { course: Course::Screen, encoding, least, rises: rises.map(|rise| rise / doubled_area) }
     }
 
-    /// From depths at corners at any distances.
+    /// Returns the function of a triangle with these corner depths, linear in space whatever the distances of the
+    /// corners.
     pub fn linear_in_space(corners: [f64; 3], encoding: DepthEncoding) -> Self {
         let (least, rises) = rises(corners);
         Self { course: Course::Space, encoding, least, rises }
     }
 
-    /// The same with an offset added to all depths.
+    /// Returns the function with an offset added to all depths.
     #[inline(always)]
     pub(super) fn offset_by(self, offset: f64) -> Self {
         Self { least: self.least + offset, ..self }
@@ -53,26 +55,27 @@ impl DepthFunction {
         self.course == Course::Space
     }
 
-    /// The least depth, and per corner what multiplies its edge value (or, where depth is linear in space, its weight).
+    /// Returns the least depth, and one factor per corner. Each factor multiplies the corner's edge value or, if depth
+    /// is linear in space, its weight.
     #[inline(always)]
     pub(crate) fn terms(&self) -> (f64, [f64; 3]) {
         (self.least, self.rises)
     }
 }
 
-/// The least depth, and each above it.
+/// Returns the least depth, and the rise of each corner above it.
 fn rises(corners: [f64; 3]) -> (f64, [f64; 3]) {
     let least = corners[0].min(corners[1]).min(corners[2]);
     (least, corners.map(|depth| depth - least))
 }
 
-/// Depth of a covered sample, as it is stored.
+/// Returns the quantised depth of a covered sample, as it is stored.
 #[inline]
 pub fn depth_at(triangle: &ScreenTriangle, sample: &Sample) -> f32 {
     triangle.depth.encoding.quantize(unquantised_depth_at(triangle, sample))
 }
 
-/// Depth of a covered sample before it is quantised, in [0, 1].
+/// Returns the depth of a covered sample in [0, 1], before it is quantised.
 #[inline]
 pub(crate) fn unquantised_depth_at(triangle: &ScreenTriangle, sample: &Sample) -> f64 {
     let DepthFunction { course, least, rises, .. } = triangle.depth;
@@ -81,11 +84,11 @@ pub(crate) fn unquantised_depth_at(triangle: &ScreenTriangle, sample: &Sample) -
         Course::Screen => weighted(sample.edges),
         Course::Space => {
             let [a, b, c] = triangle.vertices.each_ref().map(|v| f64::from(v.inv_w));
-            // Beyond an edge, where arithmetic that is not exact finds samples too, distances would run to infinity and back.
+            // Inexact arithmetic also covers samples beyond an edge, where distances would run to infinity and back.
             let [e0, e1, e2] = sample.edges.map(|edge| edge.max(0.0));
             let weights = [e0 * a, e1 * b, e2 * c];
             let sum = weights[0] + weights[1] + weights[2];
-            // Floats may see no edge value above 0 at all.
+            // In floats, no edge value may be above 0.
             if sum > 0.0 { weighted(weights) / sum } else { 0.0 }
         }
     };

@@ -1,10 +1,11 @@
-//! Depth: from the distance of a vertex to the number of a fragment, and the test against what is stored.
+//! Depth: from the distance of a vertex to the stored depth of a fragment, and the depth test.
 //!
 //! ```text
-//! vertex ── DepthScale ──► depth in f64 ── DepthFunction ──► depth of a sample ── DepthEncoding ──► what is stored
+//! vertex ── DepthScale ──► depth in f64 ── DepthFunction ──► depth of a sample ── DepthEncoding ──► stored value
 //! ```
 //!
-//! A [depth bias](bias) is added to all depths of a triangle. A depth is quantised before it is tested, so that the test sees exactly what the buffer will hold.
+//! A [depth bias](bias) is added to all depths of a triangle. A depth is quantised before it is tested, so that the
+//! test sees exactly what the buffer will hold.
 
 mod bias;
 
@@ -23,23 +24,23 @@ pub(crate) use scale::Law;
 
 use super::settings::{DepthTest, Settings};
 
-/// The comparison that is made on stored numbers.
+/// Comparison of stored depth values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Comparison {
-    /// Everything passes.
+    /// Always passes.
     Always,
-    /// new < stored.
+    /// Passes if new < stored.
     Less,
-    /// new ≤ stored.
+    /// Passes if new ≤ stored.
     LessEqual,
-    /// new > stored.
+    /// Passes if new > stored.
     Greater,
-    /// new ≥ stored.
+    /// Passes if new ≥ stored.
     GreaterEqual,
 }
 
 impl Comparison {
-    /// What a setting means for the numbers that its depth format stores: reversed depth mirrors the comparison.
+    /// Returns the comparison of stored values for the settings' depth test; reversed depth mirrors it.
     pub fn of(settings: &Settings) -> Self {
         match (settings.depth_test, settings.reversed()) {
             (DepthTest::Off | DepthTest::Always, _) => Self::Always,
@@ -50,7 +51,7 @@ impl Comparison {
         }
     }
 
-    /// Whether a fragment passes.
+    /// Whether a fragment of depth `new` passes the test against `stored`.
     #[inline]
     pub fn passes(self, new: f32, stored: f32) -> bool {
         match self {
@@ -62,7 +63,7 @@ impl Comparison {
         }
     }
 
-    /// The sign between the new and the stored value of a fragment that passed, for people.
+    /// Returns the symbol to display between the new and the stored value of a fragment that passed.
     pub fn symbol(self) -> &'static str {
         match self {
             Self::Always => "always",
@@ -74,7 +75,7 @@ impl Comparison {
     }
 }
 
-/// What the buffer holds before anything is drawn: the value that loses against everything.
+/// Returns the clear value of the depth buffer, against which every depth inside (0, 1) passes the test.
 pub fn clear_value(settings: &Settings) -> f32 {
     match Comparison::of(settings) {
         Comparison::Greater | Comparison::GreaterEqual => 0.0,

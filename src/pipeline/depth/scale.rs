@@ -1,17 +1,20 @@
-//! From distances to depths and back: which depth a vertex has, and how far apart two depths are in the world.
+//! Conversion between distances and depths: the depth of a vertex, and the world-space distance between two depths.
 //!
-//! In perspective the depth of a point follows from its distance alone, which is w. So it is computed from w, in f64, and
-//! not as the quotient of a z and a w that were both rounded to f32. As f32 the result is the nearest float, but for one in
-//! some hundred million.
+//! In perspective the depth of a point depends on its distance alone, which is w. So it is computed from w, in f64, and
+//! not as the quotient of a z and a w that were both rounded to f32. Rounded to f32, the result is the nearest float in
+//! all but about one case in a hundred million.
 //!
-//! Of two vertices in perspective the one with the larger w is never stored nearer. Difference, quotient and product with a
-//! constant are each rounded correctly, and so keep the order where they are of exact numbers. Only the difference of w and
-//! a plane more than 2²⁹ times as far, or as near, may itself be rounded; there neighbouring w are stored far more than that
-//! apart where depth is reversed, and all as the far end where it is not.
+//! Depth preserves order: of two vertices in perspective, the one with the larger w is never stored as nearer.
+//! Difference, quotient and product with a constant are each correctly rounded, so they are monotonic in exact
+//! operands. Only the difference of w and a plane more than 2²⁹ times as far, or as near, may itself be rounded. With
+//! reversed depth, neighbouring values of w then differ in stored depth by far more than that rounding. Otherwise all
+//! of them are stored as the far end.
 //!
-//! No more than that holds. w is a sum that was rounded, so points closer than its rounding may have changed places before;
-//! vertices that clipping made get what it left them; inside of triangles depth is interpolated, in each by its own corners;
-//! and without perspective it is the z that the matrix gave, with all of its rounding.
+//! This guarantee has limits:
+//! - w is a rounded sum, so points closer together than its rounding error may already have changed places.
+//! - Vertices made by clipping get the depth that clipping gives them.
+//! - Inside triangles depth is interpolated, in each triangle from its own corners.
+//! - Without perspective, depth is the z that the matrix gave, with all of its rounding.
 
 use super::DepthEncoding;
 use super::bias::{BiasRule, TriangleBias};
@@ -23,28 +26,28 @@ use crate::pipeline::vertex::ClipVertex;
 use crate::pipeline::viewport::ScreenVertex;
 use crate::scene::{Camera, DepthMapping, Projection};
 
-/// What the depth buffer of one view stores for which distance. Distances are measured from the eye along the line of
+/// Mapping between distances and stored depths for one view. Distances are measured from the eye along the line of
 /// sight, in world units.
 ///
-/// The default is for vertices that no camera made: depth is z/w, stored as a float. Distances and depths of vertices are
-/// without depth bias, which is a matter of triangles.
+/// The default is for vertices without a camera: depth is z/w, stored as a float. Distances and depths of vertices
+/// exclude depth bias, which is computed per triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepthScale {
     law: Law,
     encoding: DepthEncoding,
     near: f64,
     far: f64,
-    /// What the formulas of [`DepthScale::depth`] multiply with: the part that is the same for all vertices.
+    /// Factor of the formulas in [`DepthScale::depth`], the same for all vertices.
     factor: f64,
     bias: BiasRule,
 }
 
-/// How depth follows from the distance, and the vertex from its clip position.
+/// Relation between distance and depth, and the source of a vertex's depth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Law {
-    /// In perspective, where the distance is w.
+    /// Perspective projection: the distance is w, and depth is computed from it.
     Perspective(DepthMapping),
-    /// Without, where depth is linear and simply z; mirrored where it is reversed.
+    /// Orthographic projection: depth is z/w, linear in the distance and decreasing with it if `reversed`.
     Orthographic { reversed: bool },
 }
 
@@ -55,12 +58,12 @@ impl Default for DepthScale {
 }
 
 impl DepthScale {
-    /// For a view drawn with these settings.
+    /// Returns the mapping of a view drawn with these settings.
     pub fn of(settings: &Settings, camera: &Camera) -> Self {
         Self { bias: BiasRule::new(settings), ..Self::new(settings.depth_format, camera) }
     }
 
-    /// For a view drawn with this format and without depth bias.
+    /// Returns the mapping of a view drawn with this format and without depth bias.
     pub fn new(format: DepthFormat, camera: &Camera) -> Self {
         let law = match camera.projection {
             Projection::Perspective { .. } => Law::Perspective(format.mapping()),
@@ -69,7 +72,8 @@ impl DepthScale {
         Self::with_law(law, format.encoding(), [camera.near, camera.far])
     }
 
-    /// For a perspective view with these planes, 0 < `near` < `far`. [`DepthMapping::ReversedInfinite`] does not read `far`.
+    /// Returns the mapping of a perspective view with these planes, 0 < `near` < `far`.
+    /// [`DepthMapping::ReversedInfinite`] ignores `far`.
     pub fn perspective(mapping: DepthMapping, encoding: DepthEncoding, near: f32, far: f32) -> Self {
         Self::with_law(Law::Perspective(mapping), encoding, [near, far])
     }
@@ -85,27 +89,30 @@ impl DepthScale {
         Self { law, encoding, near, far, factor, bias: BiasRule::OFF }
     }
 
-    /// How depth follows from the distance.
+    /// Returns the relation between distance and depth.
     pub(crate) fn law(&self) -> Law {
         self.law
     }
 
-    /// Distances of the near and the far plane, and the factor of [`DepthScale::depth`], which is set up once for a view.
+    /// Returns the distances of the near and the far plane, and the factor of [`DepthScale::depth`], which is computed
+    /// once per view.
     pub(crate) fn planes_and_factor(&self) -> [f64; 3] {
         [self.near, self.far, self.factor]
     }
 
-    /// In which numbers depths are stored.
+    /// Returns the number format of stored depths.
     pub fn encoding(&self) -> DepthEncoding {
         self.encoding
     }
 
-    /// What is stored for a point at `distance` > 0, by the arithmetic that the pipeline has for vertices in perspective.
+    /// Returns the stored depth of a point at `distance` > 0, with the arithmetic that the pipeline uses for vertices
+    /// in perspective.
     pub fn stored(&self, distance: f32) -> f32 {
         self.encoding.quantize(self.depth(distance.into()).clamp(0.0, 1.0))
     }
 
-    /// The distance that a stored depth stands for, but for rounding; infinite where it stands for what is infinitely far.
+    /// Returns the distance that a stored depth represents, up to rounding; infinite for the depth of points at
+    /// infinity.
     pub fn distance_of(&self, stored: f32) -> f64 {
         let Self { near, far, factor, .. } = *self;
         let [depth, _] = self.encoding.with_next(stored);
@@ -118,7 +125,7 @@ impl DepthScale {
         }
     }
 
-    /// Replaces stored depths by [`DepthScale::distance_of`] each, rounded to the nearest float.
+    /// Replaces each stored depth by its [`DepthScale::distance_of`], rounded to the nearest float.
     pub(crate) fn replace_by_distances(&self, lanes: Lanes, depths: &mut [f32]) {
         let (eights, rest) = depths.as_chunks_mut();
         on_lanes!(lanes, simd => {
@@ -146,13 +153,13 @@ impl DepthScale {
         }
     }
 
-    /// The distance between a stored depth and the next that can be stored: surfaces closer than that may tie. Infinite
-    /// where the next one is infinitely far.
+    /// Returns the distance between a stored depth and the next storable one; surfaces closer than that may tie.
+    /// Infinite if the next depth represents infinity.
     pub fn resolution(&self, stored: f32) -> f64 {
         let Self { near, far, .. } = *self;
         let [a, b] = self.encoding.with_next(stored);
         let step = (b - a).abs();
-        // In closed form, as the two distances may agree in all digits.
+        // The closed form avoids cancellation, because the two distances may agree in all digits.
         let hyperbolic = |factor: fn(f64, [f64; 2]) -> f64| {
             let planes = [near, far];
             near * far * (far - near) * step / (factor(a, planes) * factor(b, planes))
@@ -165,7 +172,7 @@ impl DepthScale {
         }
     }
 
-    /// Depth in [0, 1] of a vertex, before it is quantised.
+    /// Returns the depth of a vertex in [0, 1], before it is quantised.
     #[inline]
     pub(crate) fn of_vertex(&self, vertex: &ClipVertex) -> f64 {
         let (z, w) = (f64::from(vertex.position.z), f64::from(vertex.position.w));
@@ -174,11 +181,11 @@ impl DepthScale {
             (None, Law::Perspective(_)) => self.depth(w),
             (None, Law::Orthographic { .. }) => z / w,
         };
-        // Adding 0 leaves no −0, whose bits are far from those of its neighbours.
+        // Adding 0 turns −0, whose bits are far from those of its neighbours, into +0.
         depth.clamp(0.0, 1.0) + 0.0
     }
 
-    /// [`DepthScale::of_vertex`] for eight vertices that no plane cut, by their z and w.
+    /// [`DepthScale::of_vertex`] for eight unclipped vertices, from their z and w.
     #[inline(always)]
     pub(crate) fn of_lanes<S: Simd>(&self, simd: S, z: F32<S>, w: F32<S>) -> F64<S> {
         let Self { near, far, factor, .. } = *self;
@@ -198,7 +205,7 @@ impl DepthScale {
         self.law == Law::Perspective(DepthMapping::Linear)
     }
 
-    /// How far a corner is: w in perspective; else what follows from its depth.
+    /// Returns the distance of a corner: w in perspective, else the distance that corresponds to its depth.
     pub(crate) fn distance(&self, corner: &ScreenVertex) -> f64 {
         let range = self.far - self.near;
         match self.law {
@@ -214,20 +221,21 @@ impl DepthScale {
         !self.bias.is_off()
     }
 
-    /// Depth bias of a triangle; `None` if none is set.
+    /// Returns the depth bias of a triangle; `None` if no bias is set.
     pub(crate) fn bias_of(&self, corners: &[ScreenVertex; 3]) -> Option<TriangleBias> {
         let depths = corners.each_ref().map(|v| v.depth);
         self.is_biased().then(|| self.bias.of(self.bias.positions_px(corners), depths, self.encoding))
     }
 
-    /// Offset by the depth bias of all depths of a triangle whose corners are snapped to these positions, px, and have these
-    /// depths; 0 without a bias.
+    /// Returns the depth offset of a triangle's bias, from its snapped corner positions in px and its corner depths; 0
+    /// without a bias.
     #[inline(always)]
     pub(in crate::pipeline) fn offset(&self, snapped_px: [[f64; 2]; 3], depths: [f64; 3]) -> f64 {
         if self.is_biased() { self.bias.of(snapped_px, depths, self.encoding).offset } else { 0.0 }
     }
 
-    /// Depth over the samples of a triangle of this doubled area, in the unit of edge values, with the depth bias.
+    /// Returns depth as a function over the samples of a triangle, with depth bias. `doubled_area` is in the unit of
+    /// edge values.
     pub(crate) fn over(&self, corners: &[ScreenVertex; 3], doubled_area: f64) -> DepthFunction {
         let function = self.function(corners.each_ref().map(|v| v.depth), doubled_area);
         match self.bias_of(corners) {
@@ -236,8 +244,8 @@ impl DepthScale {
         }
     }
 
-    /// The least depth of a triangle, and per corner what multiplies its edge value (or, where depth is linear in space, its
-    /// weight). Without the depth bias.
+    /// Returns the least corner depth of a triangle, and one factor per corner, both without depth bias. Each factor
+    /// multiplies the corner's edge value or, if depth is linear in space, its weight.
     #[inline(always)]
     pub(in crate::pipeline) fn terms(&self, depths: [f64; 3], doubled_area: f64) -> (f64, [f64; 3]) {
         self.function(depths, doubled_area).terms()
@@ -251,7 +259,7 @@ impl DepthScale {
         }
     }
 
-    /// Depth at a distance, beyond [0, 1] outside of the planes.
+    /// Returns the depth at a distance; outside [0, 1] for distances beyond the planes.
     #[inline]
     fn depth(&self, distance: f64) -> f64 {
         let Self { near, far, factor, .. } = *self;
@@ -266,9 +274,9 @@ impl DepthScale {
         }
     }
 
-    /// Depth of a vertex that was put onto the plane z = 0 (near) or z = w (far) of clip space.
+    /// Returns the depth of a vertex that clipping placed on the plane z = 0 (near) or z = w (far) of clip space.
     fn of_plane(&self, plane: Plane) -> f64 {
-        // The z of a linear depth is the reversed one.
+        // With linear depth, clip-space z is reversed.
         let mirrored = self.law == Law::Perspective(DepthMapping::Linear);
         f64::from(u8::from((plane == Plane::Far) != mirrored))
     }

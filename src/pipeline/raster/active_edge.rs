@@ -1,28 +1,28 @@
-//! The active edge list (Wylie, Romney, Evans and Erdahl, "Half-tone perspective drawings by computer", 1967): edges wait
-//! in a table sorted by their first row; those that the present row crosses are active, each steps to the next row by its
-//! slope, and the row is filled between pairs of them.
+//! The active edge list (Wylie, Romney, Evans and Erdahl, "Half-tone perspective drawings by computer", 1967). Edges
+//! are kept in a table by their first row. Edges that the current row crosses are active: each steps to the next row by
+//! its slope, and the row is filled between pairs of them.
 //!
-//! Made for polygons of any number of edges; a triangle has two active ones at a time. In integers the step is
-//! Bresenham's and exact. In floats it adds the slope again and again, which drifts.
+//! Designed for polygons with any number of edges; a triangle has two active ones at a time. In integers the step is
+//! Bresenham's and exact. In floats it accumulates the slope, which drifts.
 
 use super::numbers::{Edge, Numbers, Walk};
 use super::{Canvas, PixelRange, Triangle};
 
-/// An edge in the table: the rows that it counts on.
+/// An edge in the table, with the rows on which it is active.
 #[derive(Clone, Copy)]
 struct Entry<E> {
     edge: E,
     rows: PixelRange,
 }
 
-/// An active edge.
+/// An active edge: its walk, its side and its last row.
 struct Active<W> {
     walk: W,
     is_left: bool,
     last: i64,
 }
 
-/// Finds the samples of a triangle, row by row.
+/// Emits the covered samples of a triangle, row by row.
 pub(super) fn cover<N: Numbers>(triangle: &Triangle<N>, canvas: &mut Canvas<'_>) {
     let sides = triangle.sides();
     let rows = sides.rows;
@@ -35,7 +35,7 @@ pub(super) fn cover<N: Numbers>(triangle: &Triangle<N>, canvas: &mut Canvas<'_>)
     let mut present = None;
     for row in canvas.rows(rows) {
         let y = canvas.pixel_row(row);
-        // A grid may skip rows; edges step through all of them.
+        // A grid may skip rows, but edges step through all of them.
         let from = present.map_or(y, |before: i64| before + 1);
         for passed in from..=y {
             active.retain(|edge| edge.last >= passed);
@@ -52,7 +52,7 @@ pub(super) fn cover<N: Numbers>(triangle: &Triangle<N>, canvas: &mut Canvas<'_>)
         }
         active.sort_by_key(|edge| edge.walk.boundary());
         let [left, right] = &active[..] else { continue };
-        // Edges that have crossed between two columns enclose nothing.
+        // Edges that cross between two columns enclose nothing.
         let (left, right) = match (left.is_left, left.walk.boundary(), right.walk.boundary()) {
             (true, left, right) => (left, right),
             (false, at, _) => (at, at),

@@ -1,12 +1,12 @@
-//! The bounding-box rasterizer: every sample of the box around a triangle is tested against its three edges.
+//! The bounding-box rasterizer: tests every sample of a triangle's bounding box against the three edges.
 //!
-//! The plainest algorithm, and the reference for all others. It visits two samples for each covered one of a large
-//! triangle, and many more for slivers that lie across; the clamp to the scissor bounds it by the picture's size.
+//! The simplest algorithm, and the reference for all others. It visits two samples for each covered one of a large
+//! triangle, and many more for diagonal slivers. Clamping to the scissor bounds the work by the picture's size.
 
 use super::numbers::Numbers;
 use super::{Canvas, Triangle};
 
-/// Finds the samples of a triangle, row by row.
+/// Emits the covered samples of a triangle, row by row.
 pub(super) fn cover<N: Numbers>(triangle: &Triangle<N>, canvas: &mut Canvas<'_>) {
     let [columns, rows] = triangle.bounds();
     for row in canvas.rows(rows) {
@@ -18,7 +18,7 @@ pub(super) fn cover<N: Numbers>(triangle: &Triangle<N>, canvas: &mut Canvas<'_>)
             if triangle.contains(x.into(), y.into()) {
                 run = if run.end == column { run.start..column + 1 } else { column..column + 1 };
             } else if !run.is_empty() {
-                // The inside of a row is one run.
+                // Covered samples of a row are contiguous.
                 break;
             }
         }

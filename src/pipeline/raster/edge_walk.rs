@@ -1,13 +1,13 @@
-//! Edge walking: down the longest edge, and on every row from there towards the other two until the triangle ends.
+//! Edge walking: follows the longest edge down and scans every row from there towards the other two edges.
 //!
-//! The simple form walks the *pixels* of the long edge as a line; a flat one has several on a row, so rows are filled
-//! again and again, and a rounded start may lie outside. Here it walks rows, and starts each at the first pixel inside the
-//! long edge. Where the row ends is not computed but met: one sample beyond the triangle is looked at per row.
+//! The simple form walks the *pixels* of the long edge as a line. A flat edge has several pixels on a row, so rows are
+//! filled repeatedly, and a rounded start may lie outside. This version walks rows, and starts each at the first pixel
+//! inside the long edge. The end of a row is found by testing: one sample beyond the triangle is visited per row.
 
 use super::numbers::{Edge, Numbers};
 use super::{Canvas, Triangle};
 
-/// Finds the samples of a triangle, row by row.
+/// Emits the covered samples of a triangle, row by row.
 pub(super) fn cover<N: Numbers>(triangle: &Triangle<N>, canvas: &mut Canvas<'_>) {
     let sides = triangle.sides();
     for row in canvas.rows(sides.rows) {

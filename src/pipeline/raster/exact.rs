@@ -1,10 +1,10 @@
-//! Exact decisions on corners as they are, without snapping: Shewchuk, "Adaptive Precision Floating-Point Arithmetic and
-//! Fast Robust Geometric Predicates" (1997), from the crate `robust`.
+//! Exact decisions on unsnapped vertices: Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust
+//! Geometric Predicates" (1997), from the crate `robust`.
 //!
-//! Corners are f32, so neither an overflow nor an underflow touches the expansions, and every sign is right. Most signs are
-//! certain without them: each edge knows how far f64 can be from the truth anywhere in a picture (a static filter, as in
-//! Shewchuk's chapter 4), and only a smaller value is decided exactly. A row's crossing is found by an estimate in f64 that
-//! the exact sign then corrects, column by column.
+//! Vertices are f32, so expansions neither overflow nor underflow, and every sign is right. Most signs are certain
+//! without expansions: each edge has a bound of the f64 rounding error anywhere in a picture (a static filter, as in
+//! Shewchuk's chapter 4). Only a smaller value is decided exactly. The crossing of a row is estimated in f64 and then
+//! corrected by exact signs, in doubling steps and by bisection.
 
 use robust::{Coord, orient2d};
 
@@ -14,18 +14,18 @@ use super::steps::{EdgeNumbers, EdgeSteps};
 use crate::pipeline::settings::FillRule;
 use crate::pipeline::viewport::MAX_SIDE_PX;
 
-/// Adaptive exact predicates on coordinates in px.
+/// Adaptive exact predicates on coordinates in pixels.
 #[derive(Clone, Copy, Debug)]
 pub struct Exact;
 
-/// An edge by its ends.
+/// An edge by its ends in pixels.
 #[derive(Clone, Copy, Debug)]
 pub struct ExactEdge {
     from: [f64; 2],
     to: [f64; 2],
-    /// From one end to the other, rounded.
+    /// Vector from one end to the other, rounded.
     along: [f64; 2],
-    /// Values of a larger magnitude, computed in f64, have the right sign at every pixel of a picture.
+    /// Magnitude above which a value computed in f64 has the right sign at every pixel of a picture.
     certain_beyond: f64,
     sign: f64,
     scale: f64,
@@ -64,24 +64,24 @@ impl Numbers for Exact {
     }
 }
 
-/// (b − a) × (c − a): the sign is exact; the magnitude has all digits of an f64 unless coordinates differ by more than 2²⁹
-/// in size.
+/// Returns (b − a) × (c − a). The sign is exact. The magnitude has full f64 precision unless coordinates differ by more
+/// than a factor of 2²⁹ in size.
 fn oriented(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     let exact_sign = orient2d(coord(a), coord(b), coord(c));
     let magnitude = difference_of_products([b[0] - a[0], c[1] - a[1]], [c[0] - a[0], b[1] - a[1]]);
     if magnitude * exact_sign > 0.0 { magnitude } else { exact_sign }
 }
 
-/// How far along × (p − from), computed in f64, may be from the truth where p is a pixel's centre in a picture. Each of the
-/// two products is of two factors that are rounded once; with its own rounding and that of the difference its error is at
-/// most 4 half ulps of its magnitude, and as much again is added to be safe.
+/// Returns a bound of the error of along × (p − from), computed in f64, for every pixel centre p in a picture. Each
+/// product has two factors that are rounded once. With the rounding of the products and of their difference the error
+/// is at most 4 half ulps of the magnitude. The bound is twice that, for safety.
 fn rounding_bound(from: [f64; 2], along: [f64; 2]) -> f64 {
     let farthest = from.map(|c| c.abs() + f64::from(MAX_SIDE_PX));
     4.0 * f64::EPSILON * (along[0].abs() * farthest[1] + along[1].abs() * farthest[0])
 }
 
-/// p₀·p₁ − q₀·q₁ to within 1.5 ulp, by Kahan's algorithm (Jeannerod, Louvet and Muller, "Further analysis of Kahan's
-/// algorithm for the accurate computation of 2×2 determinants", 2013).
+/// Returns p₀·p₁ − q₀·q₁ to within 1.5 ulp, by Kahan's algorithm (Jeannerod, Louvet and Muller, "Further analysis of
+/// Kahan's algorithm for the accurate computation of 2×2 determinants", 2013).
 fn difference_of_products(p: [f64; 2], q: [f64; 2]) -> f64 {
     let product = q[0] * q[1];
     let rounding = (-q[0]).mul_add(q[1], product);
@@ -97,7 +97,7 @@ fn centre(column: i64, row: i64) -> [f64; 2] {
 }
 
 impl ExactEdge {
-    /// The exact sign of the value at the centre of a picture's pixel, as a number of unreliable magnitude.
+    /// Returns a number with the exact sign of the edge function at a pixel's centre; its magnitude is unreliable.
     #[inline]
     fn sign_at(&self, column: i64, row: i64) -> f64 {
         let centre = centre(column, row);
@@ -106,7 +106,7 @@ impl ExactEdge {
         sign * self.sign
     }
 
-    /// The slow way, which is always right.
+    /// Returns the exact sign by the slow path: adaptive predicates.
     #[cold]
     #[inline(never)]
     fn exact_sign(&self, centre: [f64; 2]) -> f64 {
@@ -118,7 +118,7 @@ impl ExactEdge {
         self.contains(column, row) == (self.inward.right > 0)
     }
 
-    /// About where a row crosses, in px.
+    /// Returns an estimate of the x in pixels at which a row crosses the edge.
     fn estimate(&self, row: i64) -> f64 {
         let t = (row as f64 + 0.5 - self.from[1]) / (self.to[1] - self.from[1]);
         self.from[0] * (1.0 - t) + self.to[0] * t
@@ -155,7 +155,8 @@ impl Edge for ExactEdge {
     fn boundary(&self, row: i64) -> i64 {
         let last = i64::from(MAX_SIDE_PX);
         let estimate = (self.estimate(row).clamp(0.0, last as f64) as i64).clamp(0, last);
-        // Columns below `outer` are not beyond, `inner` and all after it are; steps double until they enclose the boundary.
+        // Columns up to `before` are not beyond, columns from `beyond` on are; steps double until the two enclose the
+        // boundary.
         let (mut before, mut beyond) = (estimate, estimate);
         let mut step = 1;
         if self.is_beyond(estimate, row) {
@@ -189,7 +190,7 @@ impl Edge for ExactEdge {
     }
 }
 
-/// There is no exact step: every row is found anew.
+/// Walk that finds the boundary of every row anew, because there is no exact incremental step.
 #[derive(Clone, Copy, Debug)]
 pub struct ExactWalk {
     edge: ExactEdge,
@@ -216,18 +217,18 @@ mod tests {
         let side = f64::from(MAX_SIDE_PX);
         let (mut filtered, mut tied, mut all) = (0, 0, 0);
         for round in 0..4000 {
-            // From within the picture to as far as floats reach.
+            // Distances from within the picture up to the range of f32.
             let reach = 10.0_f64.powf(rng.f64() * 38.0);
             let mut far = || (((rng.f64() - 0.5) * reach + side * 0.5) as f32).into();
             let (from, mut to): ([f64; 2], [f64; 2]) = ([far(), far()], [far(), far()]);
             if round % 4 == 0 {
-                // Through centres of pixels, at which the value is zero.
+                // The edge passes through pixel centres, where the value is zero.
                 to = [from[0] + f64::from(rng.i32(-9..9)), from[1] + f64::from(rng.i32(-9..9))]
                     .map(|c| f64::from(c as f32));
             }
             let edge = Exact::edge([from, to], 1.0, 1.0, FillRule::TopLeft);
             for _ in 0..50 {
-                // As close to the line as there is a pixel, or anywhere.
+                // As close to the line as pixel centres get, or anywhere.
                 let row = rng.i64(0..i64::from(MAX_SIDE_PX));
                 let crossing = edge.estimate(row).clamp(0.0, side - 1.0) as i64 + rng.i64(-1..=1);
                 let column = if rng.bool() { crossing } else { rng.i64(0..i64::from(MAX_SIDE_PX)) };
@@ -241,7 +242,7 @@ mod tests {
                 all += 1;
             }
         }
-        // What lies on the line is zero, which no filter is certain of; of the rest hardly anything may be left.
+        // Values on the line are zero, which no filter can decide; of the rest hardly any may remain undecided.
         let decided = f64::from(filtered) / f64::from(all - tied);
         assert!(decided > 0.99 && tied > 1000, "{filtered} of {all}, {tied} on the line");
     }

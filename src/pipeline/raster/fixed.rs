@@ -1,8 +1,8 @@
-//! 24.8 fixed point: corners are snapped to 1/256 px, and everything after is exact integers.
+//! 24.8 fixed point: vertices are snapped to 1/256 px, and all later arithmetic is in exact integers.
 //!
-//! Edge functions are Pineda's, "A Parallel Algorithm for Polygon Rasterization" (SIGGRAPH 1988):
-//! e(p) = (b − a) × (p − a) for the edge a → b, with the sign chosen so that the inside is positive whichever way the
-//! triangle winds. The two triangles of a shared edge compute exactly opposite values, so nothing can crack.
+//! Edge functions are Pineda's, "A Parallel Algorithm for Polygon Rasterization" (SIGGRAPH 1988): e(p) = (b − a) × (p −
+//! a) for the edge a → b. The sign is chosen so that the inside is positive for either winding. The two triangles of a
+//! shared edge compute exactly opposite values, so no cracks appear.
 //!
 //! ```text
 //!   A > 0  the inside lies to the right: a left edge        e(x, y) = A·x + B·y + C
@@ -10,17 +10,17 @@
 //! ```
 //!
 //! Range: with coordinates within ±2²⁸ grid steps ([`LIMIT_PX`]) differences need 30 bits, products 59, sums 61. In the
-//! pipeline's guard band (±2²⁴ grid steps) values stay below 2⁵³, so that they are exact as f64, too.
+//! pipeline's guard band (±2²⁴ grid steps) values stay below 2⁵³, so they are exact as f64 as well.
 
 use super::numbers::{Edge, Inward, Numbers, Walk};
 use super::steps::{EdgeNumbers, EdgeSteps};
 use crate::math::fixed::{HALF_PIXEL, SUBPIXELS, snap};
 use crate::pipeline::settings::FillRule;
 
-/// Coordinates up to this far from the origin, in px, keep all integers within 64 bits.
+/// Largest magnitude of a coordinate in pixels for which all integers fit into 64 bits.
 pub(super) const LIMIT_PX: f32 = 1_048_576.0;
 
-/// Grid steps of 1/256 px.
+/// Arithmetic in grid steps of 1/256 px.
 #[derive(Clone, Copy, Debug)]
 pub struct Fixed;
 
@@ -69,7 +69,7 @@ impl FixedEdge {
         self.a * centre(column) + self.b * centre(row) + self.c
     }
 
-    /// The quotient whose ceiling is the boundary on a row: A·x ≥ −(B·y + C), or > where a tie is not beyond.
+    /// Returns the quotient whose ceiling is the boundary on a row: A·x ≥ −(B·y + C), or > where a tie is not beyond.
     fn crossing(&self, row: i64) -> Ratio {
         let tie = i64::from(!self.inward().tie_is_beyond(self.owned));
         let numerator = -(self.b * centre(row) + self.c) * self.a.signum() + tie - HALF_PIXEL * self.a.abs();
@@ -77,7 +77,7 @@ impl FixedEdge {
     }
 }
 
-/// The centre of a pixel in grid steps.
+/// Returns the centre of a pixel in grid steps.
 #[inline]
 fn centre(pixel: i64) -> i64 {
     pixel * SUBPIXELS + HALF_PIXEL
@@ -136,11 +136,11 @@ impl Edge for FixedEdge {
     }
 }
 
-/// Bresenham's way down an edge: whole columns and an exact rest, so that nothing drifts.
+/// Bresenham's walk down an edge: integer columns and an exact remainder, without drift.
 #[derive(Clone, Copy, Debug)]
 pub struct FixedWalk {
     boundary: i64,
-    /// How far, in 1/denominator of a column, the crossing lies before the boundary: 0 ≤ shortfall < denominator.
+    /// Distance of the crossing before the boundary, in 1/denominator of a column: 0 ≤ shortfall < denominator.
     shortfall: i64,
     denominator: i64,
     whole_step: i64,

@@ -1,9 +1,9 @@
-//! Floating point, f32 or f64, on corners as they are: what most tutorials do, made as robust as it gets.
+//! Floating point, f32 or f64, on unsnapped vertices: the arithmetic of most tutorials, made as robust as possible.
 //!
-//! Both triangles of a shared edge compute from its upper end, so they see exactly opposite values and agree on its side,
-//! right or wrong. Where a row crosses an edge is a weighted mean of the ends, which neither divides by a vanishing height
-//! nor leaves their range. What remains is rounding: a pixel centre closer to a line than the numbers resolve may fall on
-//! the wrong side, and a walk that adds the slope row by row drifts.
+//! Both triangles of a shared edge compute from its upper end. They get exactly opposite values and agree on the side,
+//! even where rounding makes it wrong. The crossing of a row is a weighted mean of the edge's ends, so it stays within
+//! their range even for a vanishing height. Rounding remains: a pixel centre closer to a line than the numbers resolve
+//! may fall on the wrong side. A walk that adds the slope row by row drifts.
 
 use num_traits::Float;
 
@@ -11,11 +11,11 @@ use super::numbers::{Edge, Inward, Numbers, Walk};
 use super::steps::{EdgeNumbers, EdgeSteps, FloatSteps};
 use crate::pipeline::settings::FillRule;
 
-/// IEEE floats of type `F`.
+/// Arithmetic in IEEE floats of type `F`.
 #[derive(Clone, Copy, Debug)]
 pub struct Floating<F>(std::marker::PhantomData<F>);
 
-/// An edge by its ends, the upper one first (of two at one height, the left one).
+/// An edge by its ends in pixels, the upper one first (of two at one height, the left one).
 #[derive(Clone, Copy, Debug)]
 pub struct FloatEdge<F> {
     upper: [F; 2],
@@ -26,9 +26,9 @@ pub struct FloatEdge<F> {
     scale: f64,
 }
 
-/// A float that explanations can tell from the other one.
+/// A float type with a variant of its own in [`EdgeNumbers`].
 pub trait Explained: Sized {
-    /// The numbers of an edge as those of an arithmetic.
+    /// Wraps the intermediate values of an edge in the variant of this type.
     fn numbers(steps: FloatSteps<Self>) -> EdgeNumbers;
 }
 
@@ -49,7 +49,7 @@ impl<F: Float + Default + Into<f64> + Explained> Numbers for Floating<F> {
     type Edge = FloatEdge<F>;
 
     fn coordinate(px: f32) -> F {
-        // Every f32 is an f32 and an f64.
+        // Every f32 converts to f32 and f64 without rounding.
         F::from(px).unwrap_or_else(F::nan)
     }
 
@@ -74,12 +74,13 @@ impl<F: Float + Default + Into<f64> + Explained> Numbers for Floating<F> {
     }
 }
 
-/// The power of two that brings the magnitude of `area` into [1, 2), so that weights neither overflow nor vanish in f32.
+/// Returns the power of two that brings the magnitude of `area` into [1, 2), so that weights neither overflow nor
+/// underflow in f32.
 pub(super) fn unit_scale(area: f64) -> f64 {
     if area.is_normal() { 2.0_f64.powi(-(area.abs().log2().floor() as i32)) } else { 1.0 }
 }
 
-/// Farther than any picture, and far from overflowing when a pixel more or less is added.
+/// Bound of pixel coordinates: outside any picture, and far from overflow when a pixel is added or subtracted.
 const FARTHEST_PIXEL: f64 = 1e9;
 
 fn to_pixel<F: Into<f64>>(whole: F) -> i64 {
@@ -90,7 +91,7 @@ fn half<F: Float>() -> F {
     F::one() / (F::one() + F::one())
 }
 
-/// The centre of a pixel in px. Exact: pixels of pictures are small numbers.
+/// Returns the centre of a pixel in pixels. Exact, because pixel coordinates of pictures are small integers.
 #[inline]
 fn centre<F: Float>(pixel: i64) -> F {
     F::from(pixel).unwrap_or_else(F::nan) + half()
@@ -114,13 +115,13 @@ impl<F: Float + Default + Into<f64> + Explained> FloatEdge<F> {
         FloatSteps { upper, lower, centre, along, to_centre, products, negated, value }
     }
 
-    /// The x at which the centre line of a row crosses.
+    /// Returns the x in pixels at which the centre line of a row crosses the edge.
     fn crossing(&self, row: i64) -> F {
         let t = (centre::<F>(row) - self.upper[1]) / (self.lower[1] - self.upper[1]);
         self.upper[0] * (F::one() - t) + self.lower[0] * t
     }
 
-    /// The first column whose centre is beyond `x`.
+    /// Returns the first column whose centre is beyond `x`.
     fn column_beyond(&self, x: F) -> i64 {
         let before = x - half();
         if self.inward().tie_is_beyond(self.owned) { to_pixel(before.ceil()) } else { to_pixel(before.floor()) + 1 }
@@ -131,7 +132,7 @@ impl<F: Float + Default + Into<f64> + Explained> Edge for FloatEdge<F> {
     type Walk = FloatWalk<F>;
 
     fn inward(&self) -> Inward {
-        // Compared, not subtracted: a difference may overflow.
+        // Compared, not subtracted, because a difference may overflow.
         let order = |a: F, b: F| i8::from(a < b) - i8::from(b < a);
         let along = order(self.upper[0], self.lower[0]);
         let down = order(self.upper[1], self.lower[1]);
@@ -167,8 +168,8 @@ impl<F: Float + Default + Into<f64> + Explained> Edge for FloatEdge<F> {
         self.column_beyond(self.crossing(row))
     }
 
-    /// Starts with the crossing of the edge's first row within the picture and adds the slope for every row from there, even
-    /// if `row` lies below: what a row shows must not depend on which rows were asked for.
+    /// Starts with the crossing of the edge's first row within the picture and adds the slope for every row from there,
+    /// even if `row` lies below. The result for a row must not depend on which rows are visited.
     fn walk(&self, row: i64) -> FloatWalk<F> {
         let first = Floating::<F>::first_centre(self.upper[1]).max(0).min(row);
         let slope = (self.lower[0] - self.upper[0]) / (self.lower[1] - self.upper[1]);
@@ -180,7 +181,7 @@ impl<F: Float + Default + Into<f64> + Explained> Edge for FloatEdge<F> {
     }
 }
 
-/// The textbook's way down an edge: x += dx/dy for every row.
+/// The textbook walk down an edge: x += dx/dy for every row.
 #[derive(Clone, Copy, Debug)]
 pub struct FloatWalk<F> {
     edge: FloatEdge<F>,

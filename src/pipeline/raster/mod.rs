@@ -1,8 +1,8 @@
-//! Rasterization: which samples lie inside a triangle.
+//! Rasterization: finds the samples that lie inside a triangle.
 //!
-//! A rasterizer knows nothing of depth or colour. It takes a [`Triangle`] and emits the covered samples as [`Span`]s. Five
-//! algorithms, a file each, run in four arithmetics ([`numbers`]). In fixed point and in exact arithmetic all five find
-//! the same samples, to the last one; in floats they differ by rounding.
+//! A rasterizer knows nothing of depth or colour. It takes a [`Triangle`] and emits the covered samples as [`Span`]s.
+//! Five algorithms, one file each, run in four arithmetics ([`numbers`]). In fixed point and in exact arithmetic all
+//! five find exactly the same samples; in floats they differ by rounding.
 
 pub mod numbers;
 
@@ -44,7 +44,7 @@ use super::triangle_list::{PixelBox, box_around};
 use super::viewport::Viewport;
 use crate::math::fixed::{snap, to_pixels};
 
-/// A covered sample: where it is, and the three edge values there.
+/// A covered sample: its position and its three edge values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// Column in the packed picture.
@@ -55,15 +55,16 @@ pub struct Sample {
     pub x: u32,
     /// Row of its pixel in the full picture.
     pub y: u32,
-    /// Edge values, each belonging to the vertex opposite; they sum to the doubled area but for rounding. In fixed point they
-    /// are integers in units of 1/2¹⁶ px²; else px² times a power of two that brings the doubled area near 1.
+    /// Values of the edge functions, each belonging to the vertex opposite the edge. Up to rounding they sum to the
+    /// doubled area. In fixed point they are integers in units of 1/2¹⁶ px². Otherwise they are in px² times a power of
+    /// two that brings the doubled area near 1.
     pub edges: [f64; 3],
 }
 
-/// Covered samples side by side on a row of the packed picture, half open.
+/// A run of adjacent covered samples on a row of the packed picture, half open.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Span {
-    /// Row.
+    /// Row in the packed picture.
     pub row: u32,
     /// First column.
     pub left: u32,
@@ -71,7 +72,7 @@ pub struct Span {
     pub right: u32,
 }
 
-/// A rectangle of full-picture pixels, half open. Nothing outside of it is visited.
+/// A rectangle of full-picture pixels, half open. Pixels outside of it are not visited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Scissor {
     /// First column.
@@ -85,25 +86,25 @@ pub struct Scissor {
 }
 
 impl Scissor {
-    /// A whole picture.
+    /// Returns the scissor of a whole picture.
     pub fn full(width: u32, height: u32) -> Self {
         Self { left: 0, top: 0, right: width, bottom: height }
     }
 
-    /// One pixel.
+    /// Returns the scissor of one pixel.
     pub fn pixel(x: u32, y: u32) -> Self {
         Self { left: x, top: y, right: x + 1, bottom: y + 1 }
     }
 
-    /// Whether the box around a triangle comes near enough for any rasterizer to find samples within. Spares setting up what
-    /// is far away, which is nearly everything when a single pixel is drawn.
+    /// Whether the bounding box of a triangle is near enough for any rasterizer to find samples within. Avoids the
+    /// setup of distant triangles, which are nearly all of them when a single pixel is drawn.
     pub(crate) fn may_meet(&self, corners_px: [[f32; 2]; 3]) -> bool {
         self.may_meet_box(box_around(corners_px))
     }
 
-    /// The same for the box around a triangle.
+    /// [`Scissor::may_meet`] for the bounding box of a triangle.
     pub(crate) fn may_meet_box(&self, [left, right, top, bottom]: PixelBox) -> bool {
-        /// Snapping moves corners by a fraction of a pixel, published rasterizers by a whole one.
+        /// Margin in pixels: snapping moves vertices by a fraction of a pixel, published rasterizers by a whole one.
         const MARGIN_PX: f32 = 2.0;
         let meets = |[least, greatest]: [f32; 2], first: u32, end: u32| {
             greatest >= first as f32 - MARGIN_PX && least <= end as f32 + MARGIN_PX
@@ -112,7 +113,7 @@ impl Scissor {
     }
 }
 
-/// Columns or rows of pixels, both ends included; empty if the last is before the first.
+/// Range of pixel columns or rows, both ends included; empty if the last is before the first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct PixelRange {
     first: i64,
@@ -133,7 +134,7 @@ impl PixelRange {
     }
 }
 
-/// What a rasterizer works on: the samples that may be covered, and the list of those that are.
+/// Input and output of a rasterizer: the samples that may be covered, and the list of covered spans.
 #[derive(Debug)]
 pub(crate) struct Canvas<'a> {
     grid: SampleGrid,
@@ -143,37 +144,38 @@ pub(crate) struct Canvas<'a> {
 }
 
 impl Canvas<'_> {
-    /// The packed rows whose samples lie in a range of pixel rows.
+    /// Returns the packed rows whose samples lie in a range of pixel rows, clamped to the scissor.
     fn rows(&self, rows: PixelRange) -> std::ops::Range<u32> {
         let (top, bottom) = (self.scissor.top, self.scissor.bottom);
         let clamp = |row: i64| row.clamp(top.into(), bottom.into()) as u32;
         self.grid.rows(clamp(rows.first), clamp(rows.last.saturating_add(1)))
     }
 
-    /// The pixel row of a packed row.
+    /// Returns the pixel row of a packed row.
     fn pixel_row(&self, row: u32) -> i64 {
         self.grid.pixel(0, row).1.into()
     }
 
-    /// The packed columns of a packed row whose samples lie in the pixel columns `left..right`.
+    /// Returns the packed columns of a packed row whose samples lie in the pixel columns `left..right`, clamped to the
+    /// scissor.
     fn columns(&self, row: u32, left: i64, right: i64) -> std::ops::Range<u32> {
         let clamp = |column: i64| column.clamp(self.scissor.left.into(), self.scissor.right.into()) as u32;
         let (left, right) = (clamp(left), clamp(right));
         self.grid.columns(row, left, right.max(left))
     }
 
-    /// The pixels that are drawn at all, columns and rows.
+    /// Returns the columns and the rows of the scissor.
     fn scissor(&self) -> [PixelRange; 2] {
         let Scissor { left, top, right, bottom } = self.scissor;
         [(left, right), (top, bottom)].map(|(first, end)| PixelRange { first: first.into(), last: i64::from(end) - 1 })
     }
 
-    /// Counts samples that were looked at.
+    /// Adds to the number of visited samples.
     fn visit(&mut self, samples: usize) {
         self.visited += samples as u64;
     }
 
-    /// Adds covered samples.
+    /// Appends a span of covered samples; no-op if it is empty.
     fn emit(&mut self, row: u32, columns: std::ops::Range<u32>) {
         if !columns.is_empty() {
             self.spans.push(Span { row, left: columns.start, right: columns.end });
@@ -181,8 +183,8 @@ impl Canvas<'_> {
     }
 }
 
-/// Adds every sample of `grid` within `scissor` that belongs to the triangle to `spans`, each once. Returns how many samples
-/// were looked at. Spans come in the algorithm's own order.
+/// Appends every sample of `grid` within `scissor` that the triangle covers to `spans`, each once. Returns the number
+/// of visited samples. Spans come in the algorithm's own order.
 pub(super) fn cover_samples<N: Numbers>(
     rasterizer: Rasterizer,
     triangle: &Triangle<N>,
@@ -203,7 +205,7 @@ pub(super) fn cover_samples<N: Numbers>(
     canvas.visited
 }
 
-/// Calls `$body` with `$numbers` standing for the type that computes as the setting `$chosen` says.
+/// Runs `$body` with `$numbers` bound to the arithmetic type of the setting `$chosen`.
 macro_rules! with_arithmetic {
     ($chosen:expr, $numbers:ident => $body:expr) => {
         match $chosen {
@@ -229,14 +231,14 @@ macro_rules! with_arithmetic {
 
 pub(crate) use with_arithmetic;
 
-/// Doubled signed area of a triangle as an arithmetic sees it, positive if clockwise for the viewer (y down), and what its
-/// edge values are scaled by. No area where a corner is not finite.
+/// Returns the doubled signed area of a triangle in an arithmetic, and the scale of its edge values. The area is
+/// positive if the triangle is clockwise for the viewer (y down), and 0 if a vertex is not finite.
 pub fn doubled_area(arithmetic: settings::Arithmetic, corners_px: [[f32; 2]; 3]) -> (f64, f64) {
     with_arithmetic!(arithmetic, N => triangle::doubled_area::<N>(corners_px)).unwrap_or((0.0, 1.0))
 }
 
-/// The pixels of a picture that one triangle covers, given by its corners in px and drawn from both sides: what case files
-/// and reports ask. Corners may lie anywhere, to the largest f32; a corner that is not finite covers nothing.
+/// Returns the pixels of a picture that one triangle covers, for case files and reports. Vertices are in pixels and may
+/// lie anywhere in the range of f32; a vertex that is not finite covers nothing. Both facings are drawn.
 pub fn cover(
     rasterizer: Rasterizer,
     arithmetic: settings::Arithmetic,
@@ -250,11 +252,11 @@ pub fn cover(
     spans
 }
 
-/// Height of a band of [`cover_in_bands`], rows: a whole number of the largest squares of the tiled rasterizer.
+/// Height of a band of [`cover_in_bands`] in rows: a multiple of the largest square side of the tiled rasterizer.
 const BAND_ROWS: u32 = 64;
 
-/// [`cover`] in bands of rows from the top, with the same spans in the same order. `take` gets the spans of each band and the
-/// first row below it. Ends with the first error of `take`; bands far from the triangle are passed over.
+/// [`cover`] in bands of rows from the top, with the same spans in the same order. `take` receives the spans of each
+/// band and the first row below it. Stops at the first error of `take`. Bands far from the triangle are skipped.
 pub(crate) fn cover_in_bands<E>(
     how: (Rasterizer, settings::Arithmetic, FillRule),
     corners_px: [[f32; 2]; 3],
@@ -263,7 +265,7 @@ pub(crate) fn cover_in_bands<E>(
 ) -> Result<(), E> {
     let Viewport { width, height } = viewport;
     let [.., top, bottom] = box_around(corners_px);
-    // Casts saturate. A band more on each side leaves room for what `may_meet` allows for.
+    // Casts saturate. One more band on each side allows for the margin of `may_meet`.
     let row = |px: f32| (px.max(0.0) as u32).min(height);
     let (first, end) = (row(top - BAND_ROWS as f32) / BAND_ROWS * BAND_ROWS, row(bottom + BAND_ROWS as f32));
     let mut spans = Vec::new();
@@ -278,7 +280,7 @@ pub(crate) fn cover_in_bands<E>(
     Ok(())
 }
 
-/// [`cover`] for the samples of a grid within a rectangle, added to `spans`.
+/// [`cover`] for the samples of a grid within a rectangle, appended to `spans`.
 pub(crate) fn cover_within(
     (rasterizer, arithmetic, rule): (Rasterizer, settings::Arithmetic, FillRule),
     corners_px: [[f32; 2]; 3],
@@ -293,8 +295,8 @@ pub(crate) fn cover_within(
     });
 }
 
-/// What decides a triangle of these corners the same way: beyond the reach of 64-bit integers, the exact predicates on the
-/// snapped corners take the place of fixed point.
+/// Returns vertices and an arithmetic that decide the triangle in the same way. Beyond the range of 64-bit integers,
+/// exact predicates on the snapped vertices replace fixed point.
 fn within_fixed_point(
     corners_px: [[f32; 2]; 3],
     arithmetic: settings::Arithmetic,
@@ -303,7 +305,7 @@ fn within_fixed_point(
     if arithmetic != settings::Arithmetic::Fixed || reach {
         return (corners_px, arithmetic);
     }
-    // Numbers this large are whole multiples of the grid step already.
+    // Floats this large are multiples of the grid step already.
     let snapped = |px: f32| if px.abs() <= fixed::LIMIT_PX { to_pixels(snap(px)) } else { px };
     (corners_px.map(|corner| corner.map(snapped)), settings::Arithmetic::Exact)
 }

@@ -1,70 +1,72 @@
-//! What the rasterizers ask of numbers, so that each is written once and runs in every arithmetic.
+//! Arithmetic interface of the rasterizers: each algorithm is written once and runs in every arithmetic.
 //!
-//! A rasterizer knows columns and rows of pixels, and edges that answer three questions: on which side of you does this
-//! pixel's centre lie; at which column does this row cross you; and what is your value there. How corners are held, and
-//! whether the answers are exact, is the arithmetic's business.
+//! A rasterizer knows columns and rows of pixels, and three operations of an edge: whether a pixel's centre is inside,
+//! at which column a row crosses the edge, and the edge value at a pixel's centre. The arithmetic decides how vertices
+//! are represented and whether results are exact.
 
 use super::steps::EdgeSteps;
 use crate::pipeline::settings::FillRule;
 
-/// Numbers to rasterize with.
+/// An arithmetic to rasterize with.
 pub trait Numbers: Copy {
-    /// A coordinate of a corner.
+    /// Coordinate of a vertex.
     type Coordinate: Copy + PartialOrd;
-    /// An edge between two corners.
+    /// Edge between two vertices.
     type Edge: Edge;
 
-    /// A screen coordinate in px, which must be finite, as this arithmetic holds it.
+    /// Converts a finite screen coordinate in pixels to this arithmetic.
     fn coordinate(px: f32) -> Self::Coordinate;
 
-    /// Doubled signed area of a triangle, positive if clockwise for the viewer (y down), and the power of two that brings
-    /// it near 1 where the arithmetic has no unit of its own. NaN if the numbers do not suffice to tell.
+    /// Returns the doubled signed area of a triangle, positive if clockwise for the viewer (y down), and the scale of
+    /// edge values. The scale is a power of two that brings the area near 1, or 1 if the arithmetic has its own unit.
+    /// The area is NaN if the arithmetic cannot decide it.
     fn doubled_area(corners: [[Self::Coordinate; 2]; 3]) -> (f64, f64);
 
-    /// The edge from one corner to the next of a triangle of this sign of the area. `scale` multiplies its values.
+    /// Returns the edge between two consecutive vertices of a triangle. `sign` is the sign of its area; `scale`
+    /// multiplies edge values.
     fn edge(ends: [[Self::Coordinate; 2]; 2], sign: f64, scale: f64, rule: FillRule) -> Self::Edge;
 
-    /// The first pixel whose centre is not before a coordinate.
+    /// Returns the first pixel whose centre is not before a coordinate.
     fn first_centre(coordinate: Self::Coordinate) -> i64;
 
-    /// The last pixel whose centre is not after a coordinate.
+    /// Returns the last pixel whose centre is not after a coordinate.
     fn last_centre(coordinate: Self::Coordinate) -> i64;
 }
 
-/// One edge of a triangle. Values are positive inside the triangle and zero on the line.
+/// One edge of a triangle. Edge values are positive inside the triangle and zero on the line.
 pub trait Edge: Copy {
-    /// Steps along the rows that the edge crosses.
+    /// Walk down the rows that the edge crosses.
     type Walk: Walk;
 
-    /// Where the inside lies.
+    /// Returns the direction from the edge to the inside.
     fn inward(&self) -> Inward;
 
     /// Whether pixel centres on the line belong to the triangle.
     fn owned(&self) -> bool;
 
-    /// The value at the centre of a pixel, scaled as the doubled area is.
+    /// Returns the edge value at the centre of a pixel, scaled as the doubled area is.
     fn value(&self, column: i64, row: i64) -> f64;
 
     /// Whether the centre of a pixel is inside, or on the line and owned.
     fn contains(&self, column: i64, row: i64) -> bool;
 
-    /// How the value at the centre of a pixel comes about.
+    /// Returns the intermediate values of the edge function at the centre of a pixel.
     fn steps(&self, column: i64, row: i64) -> EdgeSteps;
 
-    /// The first column of a row that lies beyond the edge: inside for a left edge, outside for a right one. Not for
-    /// horizontal edges. Exact arithmetic clamps it to the columns that a picture can have.
+    /// Returns the first column of a row that lies beyond the edge: inside for a left edge, outside for a right one.
+    /// Not defined for horizontal edges. Exact arithmetic clamps it to the columns that a picture can have.
     fn boundary(&self, row: i64) -> i64;
 
-    /// A walk down the edge, starting on `row`.
+    /// Starts a walk down the edge on `row`.
     fn walk(&self, row: i64) -> Self::Walk;
 }
 
-/// The boundary of an edge, row after row.
+/// Boundary of an edge, row by row.
 pub trait Walk {
-    /// [`Edge::boundary`] of the present row.
+    /// [`Edge::boundary`] of the current row.
     fn boundary(&self) -> i64;
 
-    /// Goes on to the next row.
+    /// Advances to the next row.
     fn step(&mut self);
 }
 
@@ -78,13 +80,13 @@ pub struct Inward {
 }
 
 impl Inward {
-    /// From the signs of the edge function's derivatives.
+    /// Creates the direction from the signs of the edge function's derivatives by x and y.
     pub fn new<T: PartialOrd + Default>(by_x: T, by_y: T) -> Self {
         let sign = |v: T| i8::from(v > T::default()) - i8::from(v < T::default());
         Self { right: sign(by_x), down: sign(by_y) }
     }
 
-    /// Whether the fill rule gives pixel centres on such an edge to the triangle.
+    /// Whether the fill rule assigns pixel centres on such an edge to the triangle.
     pub fn owned(self, rule: FillRule) -> bool {
         let Self { right, down } = self;
         match rule {
@@ -97,8 +99,8 @@ impl Inward {
         }
     }
 
-    /// Whether a pixel centre that lies exactly where a row crosses the edge is already beyond it: it is for a left edge
-    /// that owns it, and for a right edge that does not.
+    /// Whether a pixel centre exactly on the edge counts as beyond it. This holds for a left edge that owns it, and for
+    /// a right edge that does not.
     pub fn tie_is_beyond(self, owned: bool) -> bool {
         (self.right > 0) == owned
     }

@@ -1,14 +1,14 @@
-//! Two rasterizers as tutorials commonly publish them, with their faults: to see what the faults do. Nothing else uses them.
+//! Two rasterizers as tutorials commonly publish them, kept to demonstrate their faults. Nothing else uses them.
 //!
-//! They compute in f64 whatever the arithmetic, so that what shows is the method's fault and not the numbers'.
+//! They compute in f64 whatever the arithmetic, so that visible errors are faults of the method and not of rounding.
 
 use super::{Canvas, PixelRange};
 
-/// Heights below this are taken for none, px.
+/// Height in pixels below which a side counts as horizontal.
 const FLAT_PX: f64 = 1e-6;
 
-/// The bounding-box test with its samples at the pixels' top-left corners (a shift by half a pixel), with centres on an edge
-/// drawn by both neighbours, and blind for triangles that wind clockwise.
+/// The bounding-box test with three faults. Samples lie at the pixels' top-left corners, which shifts the triangle by
+/// half a pixel. Samples on a shared edge are drawn by both triangles. Clockwise triangles are not drawn.
 pub(super) fn bounding_box(corners_px: [[f32; 2]; 3], canvas: &mut Canvas<'_>) {
     let [a, b, c] = corners_px.map(|corner| corner.map(f64::from));
     let range = |axis: usize| PixelRange {
@@ -32,8 +32,8 @@ pub(super) fn bounding_box(corners_px: [[f32; 2]; 3], canvas: &mut Canvas<'_>) {
     }
 }
 
-/// Scan conversion with a rounded fourth corner (the long edge bends there), with sides that start at the corner instead of at
-/// the first row's centre (rows are shifted by up to a pixel times the slope), and with both ends of a row drawn.
+/// Scan conversion with three faults. A rounded fourth vertex bends the long edge. Sides start at the vertex instead of
+/// at the first row's centre, which shifts rows by up to a pixel times the slope. Both ends of a row are drawn.
 pub(super) fn scanline(corners_px: [[f32; 2]; 3], canvas: &mut Canvas<'_>) {
     let mut corners = corners_px.map(|corner| corner.map(f64::from));
     corners.sort_by(|a, b| a[1].total_cmp(&b[1]));

@@ -1,15 +1,14 @@
-//! Scan conversion: a triangle is split at its middle corner, and on each row the columns between its two sides are
-//! covered.
+//! Scan conversion: splits a triangle at its middle vertex and covers the columns between its two sides on each row.
 //!
-//! The textbook splits by constructing a fourth corner on the long edge and steps both sides from corner to corner. The
-//! constructed corner is rounded, so the long edge bends and neighbours crack; and stepping from the corner instead of
-//! from the first row's centre shifts every row. Here the long edge stays whole, every row asks both edges where it
-//! crosses them, and a flat edge is never divided by.
+//! The textbook version constructs a fourth vertex on the long edge and steps both sides from vertex to vertex. The
+//! constructed vertex is rounded, so the long edge bends and adjacent triangles crack. Stepping from the vertex instead
+//! of from the first row's centre shifts every row. In this version the long edge stays whole and both crossings are
+//! computed for every row. The height of a horizontal edge is never a divisor.
 
 use super::numbers::{Edge, Numbers};
 use super::{Canvas, Triangle};
 
-/// Finds the samples of a triangle, row by row.
+/// Emits the covered samples of a triangle, row by row.
 pub(super) fn cover<N: Numbers>(triangle: &Triangle<N>, canvas: &mut Canvas<'_>) {
     let sides = triangle.sides();
     for row in canvas.rows(sides.rows) {

@@ -1,75 +1,76 @@
-//! How an edge comes to its value at one pixel's centre, number by number: for whoever explains it. The value of a step is
-//! the one that coverage was decided by.
+//! Intermediate values of an edge function at one pixel's centre, for explanations. The final value is the one that
+//! decides coverage.
 
 use super::numbers::Inward;
 
-/// An edge at one pixel's centre.
+/// An edge function evaluated at one pixel's centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgeSteps {
     /// Direction from the edge to the inside.
     pub inward: Inward,
-    /// Whether centres on the line belong to the triangle.
+    /// Whether pixel centres on the line belong to the triangle.
     pub owned: bool,
-    /// Whether this centre does.
+    /// Whether this pixel centre is inside, or on the line and owned.
     pub contains: bool,
-    /// What each edge value is scaled by at last.
+    /// Factor that turns the value into an edge value.
     pub scale: f64,
-    /// The numbers.
+    /// Intermediate values in the edge's arithmetic.
     pub numbers: EdgeNumbers,
 }
 
-/// The numbers of an edge in its arithmetic.
+/// Intermediate values of an edge function, by arithmetic.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum EdgeNumbers {
-    /// In fixed point: A·x + B·y + C in grid steps.
+    /// Fixed point: A·x + B·y + C in grid steps.
     Fixed {
-        /// Factor of x.
+        /// Coefficient A of x.
         a: i64,
-        /// Factor of y.
+        /// Coefficient B of y.
         b: i64,
-        /// What is added.
+        /// Constant term C.
         c: i64,
-        /// The pixel's centre.
+        /// Pixel centre in grid steps.
         centre: [i64; 2],
-        /// The value.
+        /// Edge value in units of 1/2¹⁶ px².
         value: i64,
     },
-    /// In single precision.
+    /// Single precision.
     F32(FloatSteps<f32>),
-    /// In double precision.
+    /// Double precision.
     F64(FloatSteps<f64>),
-    /// By the exact predicate.
+    /// Exact predicate.
     Exact {
-        /// Where the edge starts, px.
+        /// Start of the edge, px.
         from: [f64; 2],
-        /// Where it ends.
+        /// End of the edge, px.
         to: [f64; 2],
-        /// The pixel's centre.
+        /// Pixel centre, px.
         centre: [f64; 2],
-        /// 1 or −1: the sign of the triangle's area.
+        /// Sign of the triangle's area: 1 or −1.
         sign: f64,
-        /// The value before it is scaled. Its sign is exact.
+        /// Value before scaling, px². Its sign is exact.
         value: f64,
     },
 }
 
-/// The numbers of a float edge: `along` × (`centre` − `upper`), negated where the inside lies on the other side.
+/// Intermediate values of a float edge: `along` × (`centre` − `upper`), negated where the inside lies on the other
+/// side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FloatSteps<F> {
-    /// The upper end, px.
+    /// Upper end, px.
     pub upper: [F; 2],
-    /// The lower end.
+    /// Lower end, px.
     pub lower: [F; 2],
-    /// The pixel's centre.
+    /// Pixel centre, px.
     pub centre: [F; 2],
-    /// From the upper end to the lower.
+    /// Vector from the upper end to the lower, px.
     pub along: [F; 2],
-    /// From the upper end to the centre.
+    /// Vector from the upper end to the centre, px.
     pub to_centre: [F; 2],
-    /// The two products whose difference the value is.
+    /// The two products whose difference is the value, px².
     pub products: [F; 2],
-    /// Whether that difference is negated.
+    /// Whether the difference is negated.
     pub negated: bool,
-    /// The value before it is scaled.
+    /// Value before scaling, px².
     pub value: F,
 }

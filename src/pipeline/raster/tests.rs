@@ -4,10 +4,10 @@ use crate::pipeline::settings::{Arithmetic, Choice as _};
 const SIDE: u32 = 48;
 const PICTURE: Viewport = Viewport { width: SIDE, height: SIDE };
 
-/// Grid steps per pixel of the oracle: fine enough for all corners of these tests, and for pixel centres.
+/// Grid steps per pixel of the oracle: fine enough for all vertices of these tests, and for pixel centres.
 const STEPS: f32 = 65_536.0;
 
-/// Covered pixels by three cross products of whole numbers per pixel.
+/// Returns the covered pixels by three integer cross products per pixel.
 fn truth(corners_px: [[f32; 2]; 3], rule: FillRule) -> Vec<(u32, u32)> {
     let corners = corners_px.map(|corner| corner.map(|c| (c * STEPS) as i128));
     let cross =
@@ -34,7 +34,7 @@ fn truth(corners_px: [[f32; 2]; 3], rule: FillRule) -> Vec<(u32, u32)> {
     if area == 0 { Vec::new() } else { all.filter(|(x, y)| inside(*x, *y)).collect() }
 }
 
-/// Covered pixels in reading order; panics if one is covered twice.
+/// Returns the covered pixels in reading order. Panics if one is covered twice.
 fn pixels(spans: &[Span]) -> Vec<(u32, u32)> {
     let mut pixels: Vec<_> = spans.iter().flat_map(|s| (s.left..s.right).map(|x| (x, s.row))).collect();
     pixels.sort_unstable_by_key(|(x, y)| (*y, *x));
@@ -44,13 +44,13 @@ fn pixels(spans: &[Span]) -> Vec<(u32, u32)> {
     pixels
 }
 
-/// Triangles whose corners lie on a grid of `step` px: the coarser, the more centres lie on edges.
+/// Returns triangles whose vertices lie on a grid of `step` px: the coarser it is, the more centres lie on edges.
 fn triangles(seed: u64, count: usize, step: f32) -> impl Iterator<Item = [[f32; 2]; 3]> {
     let mut random = fastrand::Rng::with_seed(seed);
     std::iter::repeat_with(move || {
         let mut coordinate = || (random.f32() * 96.0 - 24.0) / step;
         let corners = [[0; 2]; 3].map(|corner| corner.map(|_: i32| coordinate().round() * step));
-        // Half of them slivers.
+        // Half of them are slivers.
         let [a, b, c] = corners;
         if random.bool() { [a, b, c] } else { [a, b, [b[0] + (a[0] - c[0]).signum() * step, b[1]]] }
     })
@@ -87,8 +87,8 @@ fn exact_arithmetic_needs_no_grid() {
 
 #[test]
 fn floats_are_right_where_they_resolve_the_numbers() {
-    // On half pixels every product is small and exact; what is left is what the algorithms do with it. Stepping by a rounded
-    // slope is the one that drifts.
+    // On half pixels every product is small and exact, so only errors of the algorithms remain. Algorithms that step by
+    // a rounded slope drift and are not tested.
     for corners in triangles(7, 300, 0.5) {
         let expected = truth(corners, FillRule::TopLeft);
         for rasterizer in [Rasterizer::BoundingBox, Rasterizer::Tiled] {
@@ -104,7 +104,7 @@ fn floats_are_right_where_they_resolve_the_numbers() {
 fn two_triangles_of_a_shared_edge_draw_each_pixel_once_in_every_arithmetic() {
     let mut random = fastrand::Rng::with_seed(13);
     for _ in 0..100 {
-        // Around a pin inside of the picture's square, four triangles that reach beyond it.
+        // Four triangles around a pin inside the picture that reach beyond it.
         let pin = [[0; 2]; 1].map(|p| p.map(|_: i32| random.f32() * SIDE as f32))[0];
         let (low, high) = (-50.0 - random.f32(), SIDE as f32 + 50.0 + random.f32());
         let around = [[low, low], [high, low], [high, high], [low, high]];
@@ -180,7 +180,7 @@ fn bands_of_rows_give_the_spans_of_the_whole_picture_in_the_same_order() {
             }
         }
     }
-    assert!(several > 100, "only {several} in several bands");
+    assert!(several > 100, "only {several} drawn in several bands");
 }
 
 #[test]
@@ -191,7 +191,7 @@ fn edge_values_sum_to_the_doubled_area_everywhere() {
                 let Some(triangle) = Triangle::<N>::new(corners, FillRule::TopLeft) else { continue };
                 for pixel in [(0, 0), (17, 31), (47, 5)] {
                     let sum: f64 = triangle.sample(pixel, pixel).edges.iter().sum();
-                    // Rounding of products of coordinates of up to 2⁷ px, relative to the doubled area.
+                    // Bound of the rounding of products of coordinates of up to 2⁷ px, relative to the doubled area.
                     let (area, scale) = super::doubled_area(*arithmetic, corners);
                     let unit = if *arithmetic == Arithmetic::F32 { f64::from(f32::EPSILON) } else { f64::EPSILON };
                     let slack = if *arithmetic == Arithmetic::Fixed { 0.0 } else { 3.0 * unit * scale * 32_768.0 };
@@ -226,8 +226,8 @@ fn no_corner_is_too_hostile() {
 
 #[test]
 fn large_triangles_are_the_same_in_fixed_point_and_beyond_its_reach() {
-    // Two edges under 45° from (24, 24) to corners at 2³⁰ px, far beyond what edge functions of 64 bits hold. Both are left
-    // edges and own their centres.
+    // Two edges at 45° from (24, 24) to vertices at 2³⁰ px, far beyond the range of 64-bit edge functions. Both are
+    // left edges and own their centres.
     let far = 1_073_741_824.0;
     let corners = [[24.0, 24.0], [far, far], [far, -far]];
     let inside = |x: u32, y: u32| (2 * i64::from(x) - 47) >= (2 * i64::from(y) - 47).abs();

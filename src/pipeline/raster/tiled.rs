@@ -1,18 +1,18 @@
-//! Hierarchical traversal: squares of pixels are accepted or rejected as a whole by testing each edge at two corners, and
-//! only those that an edge runs through are cut into smaller ones (Greene, "Hierarchical Polygon Tiling with Coverage
-//! Masks", SIGGRAPH 1996).
+//! Hierarchical traversal: accepts or rejects squares of pixels as a whole by testing each edge at two corners. Only
+//! squares that an edge crosses are subdivided (Greene, "Hierarchical Polygon Tiling with Coverage Masks", SIGGRAPH
+//! 1996).
 //!
-//! An edge function grows in one direction, so a square is outside an edge if its innermost pixel is, and inside if its
-//! outermost one is. Squares lie on a fixed lattice and are never cut at the scissor: what a pixel shows does not depend on
-//! what else is drawn.
+//! An edge function grows in one direction. A square is therefore outside an edge if its innermost pixel is, and inside
+//! if its outermost one is. Squares lie on a fixed lattice and are never cut at the scissor, so a pixel's coverage does
+//! not depend on what else is drawn.
 
 use super::numbers::{Edge, Numbers};
 use super::{Canvas, PixelRange, Triangle};
 
-/// Sides of the squares in px, from coarse to fine.
+/// Sides of the squares in pixels, from coarse to fine.
 const SIDES_PX: [i64; 2] = [64, 8];
 
-/// A square of pixels.
+/// A square of pixels, by its top-left pixel.
 #[derive(Clone, Copy)]
 struct Square {
     column: i64,
@@ -20,7 +20,7 @@ struct Square {
     side: i64,
 }
 
-/// Where a square lies.
+/// Position of a square relative to a triangle.
 #[derive(PartialEq)]
 enum Place {
     Outside,
@@ -28,7 +28,7 @@ enum Place {
     Across,
 }
 
-/// Finds the samples of a triangle, square by square.
+/// Emits the covered samples of a triangle, square by square.
 pub(super) fn cover<N: Numbers>(triangle: &Triangle<N>, canvas: &mut Canvas<'_>) {
     let [columns, rows] = triangle.bounds();
     let visible = canvas.scissor();
@@ -75,7 +75,7 @@ fn descend<N: Numbers>(
     }
 }
 
-/// The squares of the lattice that a rectangle touches.
+/// Returns the squares of the lattice that overlap a rectangle.
 fn squares(columns: PixelRange, rows: PixelRange, side: i64) -> impl Iterator<Item = Square> {
     let along =
         move |range: PixelRange| (range.first.div_euclid(side)..=range.last.div_euclid(side)).map(move |i| i * side);
@@ -109,7 +109,7 @@ impl Square {
         PixelRange { first: self.row, last: self.row + self.side - 1 }
     }
 
-    /// The pixel farthest in a direction.
+    /// Returns the column and row of the pixel farthest in a direction.
     fn extreme(self, right: i8, down: i8) -> (i64, i64) {
         let pick = |range: PixelRange, direction: i8| if direction > 0 { range.last } else { range.first };
         (pick(self.columns(), right), pick(self.rows(), down))

@@ -1,20 +1,21 @@
-//! A triangle as rasterizers see it: three edges, and the rows and columns that they enclose.
+//! A triangle as rasterizers use it: three edges, and the rows and columns that they enclose.
 
 use super::numbers::{Edge, Numbers};
 use super::{PixelRange, Sample};
 use crate::pipeline::settings::FillRule;
 
-/// A triangle with an inside, in some arithmetic.
+/// A triangle of nonzero area in one of the arithmetics.
 #[derive(Clone, Copy, Debug)]
 pub struct Triangle<N: Numbers> {
     corners: [[N::Coordinate; 2]; 3],
-    /// Each opposite to the corner of the same number.
+    /// Edges, each opposite to the vertex of the same index.
     edges: [N::Edge; 3],
     doubled_area: f64,
 }
 
 impl<N: Numbers> Triangle<N> {
-    /// Sets up the edges of a triangle by its corners in px; `None` if a coordinate is not finite or there is no area.
+    /// Sets up the edges of a triangle from its vertices in pixels; `None` if a coordinate is not finite or there is no
+    /// area.
     pub fn new(corners_px: [[f32; 2]; 3], rule: FillRule) -> Option<Self> {
         let (area, scale) = doubled_area::<N>(corners_px)?;
         let corners = corners_px.map(|corner| corner.map(N::coordinate));
@@ -23,30 +24,30 @@ impl<N: Numbers> Triangle<N> {
         Some(Self { corners, edges, doubled_area: (area * scale).abs() })
     }
 
-    /// Doubled area, > 0, in the unit of edge values.
+    /// Returns the doubled area, > 0, in the unit of edge values.
     pub fn doubled_area(&self) -> f64 {
         self.doubled_area
     }
 
-    /// Whether the centre of a pixel belongs to the triangle.
+    /// Whether the triangle covers the centre of a pixel, by its fill rule.
     #[inline]
     pub fn contains(&self, column: i64, row: i64) -> bool {
         self.edges.iter().all(|edge| edge.contains(column, row))
     }
 
-    /// The packed sample at a pixel, with its edge values.
+    /// Returns the packed sample at a pixel with its edge values, covered or not.
     #[inline]
     pub fn sample(&self, packed: (u32, u32), (x, y): (u32, u32)) -> Sample {
         let edges = self.edges.each_ref().map(|edge| edge.value(x.into(), y.into()));
         Sample { column: packed.0, row: packed.1, x, y, edges }
     }
 
-    /// The three edges.
+    /// Returns the three edges, each opposite to the vertex of the same index.
     pub(super) fn edges(&self) -> &[N::Edge; 3] {
         &self.edges
     }
 
-    /// The pixels whose centres lie within the box around the triangle.
+    /// Returns the columns and rows of pixels whose centres lie within the bounding box.
     pub(super) fn bounds(&self) -> [PixelRange; 2] {
         [0, 1].map(|axis| {
             let [a, b, c] = self.corners.map(|corner| corner[axis]);
@@ -59,7 +60,7 @@ impl<N: Numbers> Triangle<N> {
         })
     }
 
-    /// The triangle as two sides that rows run between.
+    /// Returns the triangle as two sides, between which rows are filled.
     pub(super) fn sides(&self) -> Sides<N::Edge> {
         let mut order = [0, 1, 2];
         let y = |corner: usize| self.corners[corner][1];
@@ -76,7 +77,8 @@ impl<N: Numbers> Triangle<N> {
         let (upper, lower) = (self.edges[bottom], self.edges[top]);
         let (above, below) = (N::last_centre, N::first_centre);
         let long = self.edges[middle];
-        // Rows whose centres lie exactly on a horizontal edge belong to whoever owns it; those on a tip are found empty.
+        // Rows whose centres lie exactly on a horizontal edge belong to the triangle that owns it; rows at a tip turn
+        // out empty.
         let first = if y(top) == y(middle) && !upper.owned() { above(y(top)) + 1 } else { below(y(top)) };
         let last = if y(middle) == y(bottom) && !lower.owned() { below(y(bottom)) - 1 } else { above(y(bottom)) };
         let last_upper = if y(middle) == y(bottom) { last } else { below(y(middle)) - 1 };
@@ -84,7 +86,8 @@ impl<N: Numbers> Triangle<N> {
     }
 }
 
-/// Doubled signed area, positive if clockwise for the viewer (y down), and its scale; `None` without area.
+/// Returns the doubled signed area, positive if clockwise for the viewer (y down), and the scale of edge values; `None`
+/// without area.
 pub(super) fn doubled_area<N: Numbers>(corners_px: [[f32; 2]; 3]) -> Option<(f64, f64)> {
     if !corners_px.as_flattened().iter().all(|c| c.is_finite()) {
         return None;
@@ -93,28 +96,28 @@ pub(super) fn doubled_area<N: Numbers>(corners_px: [[f32; 2]; 3]) -> Option<(f64
     (area != 0.0 && !area.is_nan()).then_some((area, scale))
 }
 
-/// The long edge of a triangle, which runs over all of its rows, and the two short ones on the other side.
+/// The long edge of a triangle, which spans all of its rows, and the two short edges on the other side.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sides<E> {
-    /// From the top to the bottom corner.
+    /// Edge from the top to the bottom vertex.
     pub(super) long: E,
-    /// From the top to the middle corner; horizontal if no row belongs to it.
+    /// Edge from the top to the middle vertex; horizontal if no row belongs to it.
     pub(super) upper: E,
-    /// From the middle to the bottom corner; horizontal if no row belongs to it.
+    /// Edge from the middle to the bottom vertex; horizontal if no row belongs to it.
     pub(super) lower: E,
-    /// Rows that may belong to the triangle.
+    /// Rows that may contain covered samples.
     pub(super) rows: PixelRange,
-    /// The last row on which the upper short edge counts.
+    /// Last row that is bounded by the upper short edge.
     pub(super) last_upper: i64,
 }
 
 impl<E: Edge> Sides<E> {
-    /// The short edge that a row crosses.
+    /// Returns the short edge that a row crosses.
     pub(super) fn short(&self, row: i64) -> E {
         if row <= self.last_upper { self.upper } else { self.lower }
     }
 
-    /// Whether the long edge is the left one.
+    /// Whether the long edge is the left side.
     pub(super) fn long_is_left(&self) -> bool {
         self.long.inward().right > 0
     }

@@ -1,8 +1,9 @@
 //! The highlight of Blinn–Phong shading: Ks·max(0, N·H)^Ns (Blinn, "Models of Light Reflection for Computer Synthesized
 //! Pictures", 1977).
 //!
-//! H is the unit vector halfway between the directions to the light and to the eye. There is no highlight where N·L ≤ 0, as in
-//! OpenGL's fixed function pipeline. The power comes from `libm`, so that it has the same bits on every platform.
+//! H is the unit vector halfway between the directions to the light and to the eye. There is no highlight where N·L ≤
+//! 0, as in OpenGL's fixed-function pipeline. The power is computed by `libm`, so it has the same bits on every
+//! platform.
 
 use glam::Vec3;
 use serde::Serialize;
@@ -12,7 +13,7 @@ use crate::math::unit_or;
 use crate::pipeline::interpolate::Fragment;
 use crate::scene::{Camera, Projection};
 
-/// The place that a scene is seen from.
+/// Viewpoint of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub enum Eye {
     /// World-space position of the eye.
@@ -39,12 +40,12 @@ impl Eye {
     }
 }
 
-/// The highlight of a draw.
+/// Highlight of a draw.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Highlight<'a> {
-    /// Ks, in the numbers of the colour space.
+    /// Specular colour Ks, in the working colour space.
     pub(crate) specular: Vec3,
-    /// Ns.
+    /// Exponent Ns.
     pub(crate) shininess: f32,
     pub(crate) eye: Eye,
     pub(crate) mesh: PlacedMesh<'a>,

@@ -1,9 +1,10 @@
 //! Tangent-space normal maps.
 //!
-//! A texel (r, g, b) is the vector 2·(r, g, b) − 1 in the frame of tangent, bitangent and normal: x along growing u, y up the
-//! picture (OpenGL; along falling v, which runs down here), z along the interpolated normal. The tangent of the fragment's
-//! triangle is orthogonalised against that normal (Gram–Schmidt), and the bitangent is their cross product with the sign of
-//! the texture coordinates, so that mirrored ones work. Texels are data, not light: codes are filtered as they are.
+//! A texel (r, g, b) encodes the vector 2·(r, g, b) − 1 in the frame of tangent, bitangent and normal. x points along
+//! growing u, y points up the picture (OpenGL convention; along falling v, which runs down here), and z along the
+//! interpolated normal. The tangent of the fragment's triangle is orthogonalised against that normal (Gram–Schmidt).
+//! The bitangent is their cross product with the sign of the texture coordinates, so mirrored coordinates work. Texels
+//! are data, not light, so codes are filtered without decoding.
 
 use glam::{Vec2, Vec3};
 
@@ -12,30 +13,30 @@ use super::surface::PlacedMesh;
 use crate::pipeline::interpolate::Fragment;
 use crate::pipeline::sample::Sampler;
 
-/// The normal map of a draw.
+/// Normal map of a draw.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NormalMap<'a> {
     pub(super) texture: Readable<'a>,
     pub(super) sampler: Sampler,
-    /// Factor of x and y.
+    /// Factor of the x and y components.
     pub(super) scale: f32,
     pub(super) uv_scale: Vec2,
     pub(super) mesh: PlacedMesh<'a>,
 }
 
 impl<'a> NormalMap<'a> {
-    /// Returns the texture, and how it is sampled.
+    /// Returns the texture and its sampler.
     pub(crate) fn texture(&self) -> (Readable<'a>, Sampler) {
         (self.texture, self.sampler)
     }
 
-    /// Returns the vector that the map holds at a fragment, scaled, in tangent space.
+    /// Returns the scaled tangent-space vector of the map at a fragment.
     pub(crate) fn vector(&self, fragment: &Fragment) -> Vec3 {
         let [x, y, z] = (self.texture.color(self.sampler, fragment) * 2.0 - 1.0).to_array();
         Vec3::new(x * self.scale, y * self.scale, z)
     }
 
-    /// Returns tangent and bitangent of a fragment: unit vectors perpendicular to its unit `normal`. `None` where its
+    /// Returns tangent and bitangent of a fragment: unit vectors perpendicular to its unit `normal`. `None` if its
     /// triangle has no tangent.
     pub(crate) fn frame(&self, normal: Vec3, fragment: &Fragment) -> Option<[Vec3; 2]> {
         let [along_u, along_v] = self.mesh.tangents(fragment.triangle, self.uv_scale)?;
@@ -45,7 +46,7 @@ impl<'a> NormalMap<'a> {
         Some([tangent, bitangent * up])
     }
 
-    /// Returns the unit normal that replaces the interpolated unit `normal`; that normal itself where there is no tangent.
+    /// Returns the unit normal that replaces the interpolated unit `normal`; `normal` itself where there is no tangent.
     pub(crate) fn apply(&self, normal: Vec3, fragment: &Fragment) -> Vec3 {
         let Some([tangent, bitangent]) = self.frame(normal, fragment) else { return normal };
         let vector = self.vector(fragment);

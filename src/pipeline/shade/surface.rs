@@ -1,7 +1,7 @@
-//! Data of the mesh that shading needs besides interpolated attributes: positions in the world and tangents.
+//! Mesh data that shading needs besides interpolated attributes: world-space positions and tangents.
 //!
-//! Both are recomputed from the mesh of a fragment's triangle, so that draws that do not need them pay nothing: neither
-//! vertices nor triangles carry them.
+//! Both are recomputed from the mesh of a fragment's triangle. Neither vertices nor triangles carry them, so draws that
+//! do not need them pay nothing.
 
 use glam::{Mat4, Vec2, Vec3};
 
@@ -9,7 +9,7 @@ use crate::pipeline::interpolate::Fragment;
 use crate::pipeline::plan::DrawPlan;
 use crate::scene::{Instance, Library, Mesh, TriangleId};
 
-/// A mesh at the place of its instance.
+/// Mesh with the transform of its instance.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PlacedMesh<'a> {
     mesh: &'a Mesh,
@@ -23,7 +23,7 @@ impl<'a> PlacedMesh<'a> {
         Self { mesh, world_from_model: instance.world_from_model, first: plan.first_triangle() }
     }
 
-    /// Returns the vertices of a triangle by their index in the mesh.
+    /// Returns the mesh indices of a triangle's vertices.
     fn corners(&self, triangle: TriangleId) -> Option<[usize; 3]> {
         let index = triangle.0.checked_sub(self.first.0)?;
         Some(self.mesh.triangles.get(index as usize)?.map(|vertex| vertex as usize))
@@ -41,8 +41,8 @@ impl<'a> PlacedMesh<'a> {
         Some(a + (b - a) * fragment.source_weights.y + (c - a) * fragment.source_weights.z)
     }
 
-    /// Returns the directions in which u and v grow on a triangle, in world space and of any length. `None` if its texture
-    /// coordinates, times `uv_scale`, have no area.
+    /// Returns the directions in which u and v grow on a triangle, in world space and of any length. `None` if its
+    /// texture coordinates, times `uv_scale`, have no area.
     ///
     /// Source: Lengyel, "Computing Tangent Space Basis Vectors for an Arbitrary Mesh", 2001.
     pub(crate) fn tangents(&self, triangle: TriangleId, uv_scale: Vec2) -> Option<[Vec3; 2]> {

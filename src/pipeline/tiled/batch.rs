@@ -1,4 +1,4 @@
-//! Eight triangles of a tile that are set up together, as doubles and as integers.
+//! Batches of eight triangles of a tile that are set up together, as doubles and as integers.
 
 use super::edge_number::EdgeNumber;
 use super::geometry::Vertex;
@@ -9,14 +9,14 @@ use crate::math::lanes::*;
 use crate::pipeline::depth::DepthScale;
 use crate::pipeline::settings::FillRule;
 
-/// The edges of eight triangles.
+/// Edge functions of eight triangles.
 #[derive(Clone, Debug, Default)]
 #[repr(align(32))]
 struct EdgeArrays<E> {
     a: [[E; LANES]; 3],
     b: [[E; LANES]; 3],
     c: [[E; LANES]; 3],
-    /// The least value that is inside.
+    /// Least edge value that is inside.
     inside: [[E; LANES]; 3],
 }
 
@@ -26,39 +26,39 @@ struct EdgeArrays<E> {
 pub(super) struct Batch {
     doubles: EdgeArrays<f64>,
     integers: EdgeArrays<i32>,
-    /// A bit for each triangle for which integers hold the edge values of the whole tile.
+    /// Bit mask of the triangles whose edge values fit into 32-bit integers over the whole tile.
     fit: u64,
-    /// The least and the greatest depth of a corner, with the depth bias.
+    /// Least depth of a vertex, with the depth bias; `greatest` is the greatest depth.
     least: [f64; LANES],
     greatest: [f64; LANES],
-    /// What depth rises by, in the order of the doubles and in that of the integers.
+    /// Depth terms per edge (see [`Setup::rises`]), in the edge order of the doubles and in that of the integers.
     rises: [[[f64; LANES]; 3]; 2],
     inv_w: [[f64; LANES]; 3],
     columns: [[i32; LANES]; 2],
     rows: [[i32; LANES]; 2],
-    /// A bit for each triangle that covers all samples of the tile.
+    /// Bit mask of the triangles that cover all samples of the tile.
     cover_tile: u64,
-    /// The least and the greatest coordinate along each axis, in grid steps; only known if pixels have several samples.
+    /// Least and greatest coordinate along each axis, in grid steps; only valid if pixels have several samples.
     boxes: [[[f32; LANES]; 2]; 2],
 }
 
-/// Triangles that are set up.
+/// A batch of triangles after setup.
 pub(super) trait Triangles {
-    /// Whether integers of 32 bits hold the edge values of one of them at all samples of the tile.
+    /// Whether 32-bit integers hold the edge values of a triangle at all samples of the tile.
     fn fits(&self, lane: usize) -> bool;
 
-    /// One of them; with integers only if those fit.
+    /// Returns the setup of one triangle; as integers only if these fit.
     fn triangle<E: EdgeNumber>(&self, lane: usize, slot: Slot) -> Setup<E>;
 }
 
 impl Batch {
-    /// Sets up eight triangles by their corners as [`Setup::new`] does, as doubles and as integers, fills their records, and says by bits which of them
-    /// may have a sample in the tile, and which of those have edge values of more than 32 bits at samples of pixels that they
-    /// cover another sample of.
+    /// Sets up eight triangles as [`Setup::new`] does, as doubles and as integers, and fills their records. Returns two
+    /// bit masks. The first has the triangles that may have a sample in the tile. The second has those of them whose
+    /// edge values exceed 32 bits at samples of pixels in which they cover another sample.
     #[inline(never)]
     #[expect(
         clippy::too_many_arguments,
-        reason = "eight triangles, their records, and what is the same for all triangles"
+        reason = "eight triangles, their records, and the data common to all triangles"
     )]
     pub(super) fn set_up<S: Simd>(
         &mut self,
@@ -92,7 +92,7 @@ impl Batch {
                 let turned = area.simd_lt(0.0);
                 let doubled_area = area.abs();
                 let zero_and_one = [F64::splat(simd, 0.0), F64::splat(simd, 1.0)];
-                // Sums of magnitudes, so that no partial sum overflows either, in whatever order.
+                // Sums of magnitudes also bound every partial sum, in any order.
                 let (mut greatest_value, mut greatest_in_tile) = (doubled_area, zero_and_one[0]);
                 for (i, (from, to)) in [(1, 2), (2, 0), (0, 1)].into_iter().enumerate() {
                     let (a, b) = (p[from][1] - p[to][1], p[to][0] - p[from][0]);
@@ -162,14 +162,14 @@ impl Batch {
         }
     }
 
-    /// How many of the triangles that have a bit reach over so many columns of the tile, or rows.
+    /// Returns the number of triangles in `alive` whose last column or row is at least `least` beyond the first.
     pub(super) fn count_large(&self, alive: u64, least: i32) -> u32 {
         let reaches = |range: &[[i32; LANES]; 2], lane: usize| range[1][lane] - range[0][lane] >= least;
         let is_large = |lane: &usize| reaches(&self.columns, *lane) || reaches(&self.rows, *lane);
         (0..LANES).filter(|lane| alive >> lane & 1 != 0).filter(is_large).count() as u32
     }
 
-    /// Whether the box of one of the triangles is the whole tile.
+    /// Whether the bounding box of any triangle contains the whole tile.
     #[inline(always)]
     fn fill_a_box<S: Simd>(&self, simd: S) -> bool {
         let [columns, rows] = each!(ranges in [&self.columns, &self.rows] => each!(end in [0, 1] => i32x8::load_array(simd, ranges[end])));
@@ -177,8 +177,8 @@ impl Batch {
         (columns[0].max(rows[0]).simd_eq(0) & last.simd_eq((TILE - 1) as i32)).any_true()
     }
 
-    /// The same triangles for the samples of another lattice, that are moved from those of the first one, and bits of those
-    /// which may have one in the tile. What differs is where edges and boxes stand.
+    /// Returns the same triangles for the samples of a moved lattice, and the bit mask of those that may have a sample
+    /// in the tile. Only the constant terms of the edge functions and the sample ranges differ.
     #[inline(always)]
     pub(super) fn moved<S: Simd>(&self, simd: S, lattice: &Lattice, first: [f32; 2]) -> (u64, MovedBatch<'_>) {
         let boxes = each!(axis in [0, 1] => each!(end in [0, 1] => F32::load_array_ref(simd, &self.boxes[axis][end])));
@@ -219,7 +219,8 @@ impl Triangles for Batch {
 }
 
 impl EdgeArrays<f64> {
-    /// Bits of the triangles that may have a sample in the tile, and of those that have them all, of those of all pixels.
+    /// Returns bit masks of the triangles that may have a sample in the tile, and of those that cover all samples of
+    /// all its pixels.
     #[inline(always)]
     fn in_tile<S: Simd>(&self, simd: S, lattice: &Lattice) -> [u64; 2] {
         let [width, height] = lattice.tile_extent();
@@ -238,7 +239,7 @@ impl EdgeArrays<f64> {
 }
 
 impl EdgeArrays<i32> {
-    /// From a, b and c, each of all edges.
+    /// Stores the edge functions, given as a, b and c of all three edges, and their least inside values.
     #[inline(always)]
     fn fill<S: Simd>(&mut self, simd: S, [a, b, c]: [[i32x8<S>; 3]; 3], rule: FillRule) {
         let zero_and_one = [i32x8::splat(simd, 0), i32x8::splat(simd, 1)];
@@ -252,7 +253,7 @@ impl EdgeArrays<i32> {
 }
 
 impl<E: EdgeNumber> EdgeArrays<E> {
-    /// c for the samples of a lattice that is moved.
+    /// Returns the constant terms c for the samples of a moved lattice.
     #[inline(always)]
     fn moved<S: Simd>(&self, simd: S, lattice: &Lattice) -> [[E; LANES]; 3] {
         let [right, down] = lattice.offset().map(E::of);
@@ -263,7 +264,7 @@ impl<E: EdgeNumber> EdgeArrays<E> {
     }
 }
 
-/// The triangles of a batch as another sample sees them.
+/// A batch of triangles for the samples of a moved lattice.
 #[derive(Debug)]
 #[repr(align(32))]
 pub(super) struct MovedBatch<'a> {
@@ -289,14 +290,14 @@ impl Triangles for MovedBatch<'_> {
     }
 }
 
-/// What belongs to the corners of one of eight triangles.
+/// Returns the three values of one of eight triangles.
 #[inline(always)]
 fn of_lane<T: Copy>(values: &[[T; LANES]; 3], lane: usize) -> [T; 3] {
     each!(i in [0, 1, 2] => values[i][lane])
 }
 
-/// What belongs to three corners, turned so that the first comes last where there is a bit for it, else the second where there is
-/// one for that, else as it is.
+/// Rotates three values per lane: the first moves to the end in lanes of the first mask, otherwise the second does in
+/// lanes of the second mask. Other lanes stay as they are.
 #[inline(always)]
 fn rotated<S: Simd, V: SimdBase<S>>([first, second]: [V::Mask; 2], [a, b, c]: [V; 3]) -> [V; 3] {
     each!((of_first, of_second, of_third) in [(b, c, a), (c, a, b), (a, b, c)] => {
@@ -304,14 +305,14 @@ fn rotated<S: Simd, V: SimdBase<S>>([first, second]: [V::Mask; 2], [a, b, c]: [V
     })
 }
 
-/// First and last column or row of one of eight triangles.
+/// Returns the first and last column or row of one of eight triangles.
 #[inline(always)]
 fn range_of(ranges: &[[i32; LANES]; 2], lane: usize) -> [usize; 2] {
     [ranges[0][lane] as usize, ranges[1][lane] as usize]
 }
 
-/// Finds the first and last columns and rows of the samples in a tile that eight triangles may cover, by the triangles' boxes in
-/// grid steps. Gives bits of those that have any.
+/// Computes the first and last columns and rows of the samples in a tile that eight triangles may cover, from bounding
+/// boxes in grid steps. Returns the bit mask of the triangles that have any.
 #[inline(always)]
 fn ranges_lanes<S: Simd>(
     simd: S,
@@ -331,7 +332,8 @@ fn ranges_lanes<S: Simd>(
     alive
 }
 
-/// a, b and c of the edges of eight triangles, and their doubled areas, by positions in grid steps: low 32 bits.
+/// Returns a, b and c of the edges of eight triangles, and their doubled areas: low 32 bits. Positions are in grid
+/// steps.
 #[inline(always)]
 fn integer_edges<S: Simd>(
     simd: S,
@@ -350,7 +352,7 @@ fn integer_edges<S: Simd>(
     });
     let area = (p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) - (p[2][0] - p[0][0]) * (p[1][1] - p[0][1]);
     let area = turned.select(-area, area);
-    // Edge values add up to the doubled area everywhere.
+    // Edge values sum to the doubled area everywhere, so the third edge follows from the other two.
     let zero = i32x8::splat(simd, 0);
     let third = each!((of_all, i) in [(zero, 0), (zero, 1), (area, 2)] => of_all - first[i] - second[i]);
     ([first, second, third], area)
@@ -364,7 +366,8 @@ mod tests {
     use crate::pipeline::settings::Choice as _;
     use crate::scene::DepthMapping;
 
-    /// Three corners that lie so many grid steps from each other at most, somewhere around a place. Often some are equally deep.
+    /// Returns three vertices at most `extent` grid steps apart on each axis, near a position. Often some have equal
+    /// depths.
     fn corners(random: &mut fastrand::Rng, around: [f64; 2], extent: i32) -> [Vertex; 3] {
         let place = around.map(|along| along as i32 + random.i32(-8192..8192));
         [(); 3].map(|()| {
@@ -374,7 +377,7 @@ mod tests {
         })
     }
 
-    /// Edge values at a place from the tile's first sample on, without rounding.
+    /// Returns the edge values at an offset from the tile's first sample, without rounding.
     fn values<E: EdgeNumber>(triangle: &Setup<E>, [x, y]: [i64; 2]) -> [i64; 3] {
         let Edges { a, b, c } = triangle.edges;
         std::array::from_fn(|i| a[i].double() as i64 * x + b[i].double() as i64 * y + c[i].double() as i64)
@@ -392,7 +395,8 @@ mod tests {
             let centres = Lattice::new(grid);
             let (lattice, sample) = (centres.with_samples(&offsets), centres.moved(offsets[1]));
             let (origin, first) = (lattice.origin((3, 2)), [3.0 * TILE as f32, 2.0 * TILE as f32]);
-            // The last samples that eight of a row and two rows take in, and as far beyond as samples lie from each other, twice.
+            // Corners of the region that steps of eight columns and two rows reach, enlarged by at least the distance
+            // of the samples.
             let [right, _] = lattice.place((TILE + LANES - 3, 2));
             let [_, below] = lattice.place((0, TILE));
             let [left, right, below] = [-192, right + 384, below + 384].map(i64::from);
@@ -480,11 +484,11 @@ mod tests {
                                 .flat_map(|[x, y]| offsets.iter().map(move |[right, down]| [x + right, y + down]))
                         };
                         let is_alive = alive >> lane & 1 != 0;
-                        assert!(is_alive || !samples().any(covers), "it has a sample in the tile");
+                        assert!(is_alive || !samples().any(covers), "the triangle has a sample in the tile");
                         missing += usize::from(!is_alive);
                         if is_alive && batch.triangle::<f64>(lane, Slot::NONE).covers_tile {
                             covering += 1;
-                            assert!(samples().all(covers), "it has not all samples of the tile");
+                            assert!(samples().all(covers), "the triangle does not cover all samples of the tile");
                         }
                     }
                 }

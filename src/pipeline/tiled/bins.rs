@@ -1,7 +1,7 @@
-//! Culling and binning: which triangles may show, and which tiles each of them touches.
+//! Culling and binning: finds the triangles that may be visible, and the tiles that each of them overlaps.
 //!
-//! Triangles are taken in chunks of their submission order. A chunk culls eight at a time and sorts what is left by tile, so
-//! chunks run in parallel, and a tile that walks them in turn meets its triangles in submission order.
+//! Triangles are processed in chunks of their submission order. A chunk culls eight at a time and sorts the survivors
+//! by tile. Chunks run in parallel, and a tile that reads them in order gets its triangles in submission order.
 
 use rayon::prelude::*;
 
@@ -17,20 +17,20 @@ use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::pipeline::{ClipSpaceDraw, Geometry, finish_draw};
 use crate::scene::TriangleId;
 
-/// Names a triangle within a frame: its identifier, or, with the highest bit set, a piece that clipping made.
+/// Key of a triangle within a frame: its identifier, or, with the highest bit set, a piece made by clipping.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Key(pub(super) u32);
 
 impl Key {
     const PIECE: u32 = 1 << 31;
-    /// Bits for the number of a piece within its chunk: a triangle gives at most eight.
+    /// Bits for the index of a piece within its chunk. Clipping gives at most eight pieces per triangle.
     const PIECE_BITS: u32 = 17;
 
     fn piece(chunk: usize, index: usize) -> Self {
         Self(Self::PIECE | (chunk as u32) << Self::PIECE_BITS | index as u32)
     }
 
-    /// Chunk and position of a piece.
+    /// Returns the chunk and the index of a piece; `None` for a whole triangle.
     #[inline(always)]
     pub(super) fn as_piece(self) -> Option<(usize, usize)> {
         let index = self.0 & !Self::PIECE;
@@ -39,32 +39,32 @@ impl Key {
     }
 }
 
-/// Triangles per chunk: few enough that chunks keep all threads busy, so many that a tile finds its triangles in few places.
-/// Eight pieces of each can be numbered with [`Key::PIECE_BITS`].
+/// Triangles per chunk: few enough to keep all threads busy, and enough that a tile reads its triangles from few
+/// places. [`Key::PIECE_BITS`] can number eight pieces of each triangle.
 const CHUNK: usize = 16_384;
 
-/// Most triangles of a frame: chunks must be numbered with the bits that a [`Key`] of a piece has left.
+/// Largest number of triangles in a frame: chunk numbers must fit into the remaining bits of a piece's [`Key`].
 pub(super) const MOST_TRIANGLES: usize = CHUNK * ((1 << (31 - Key::PIECE_BITS)) - 1);
 
-/// Some triangles in submission order, and those of them that may show, by tile.
+/// A chunk of triangles in submission order, with those that may be visible sorted by tile.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Chunk {
-    /// Positions in the list of draws, each with a range of identifiers.
+    /// Ranges of triangle identifiers (first, end), each with the index of its draw.
     parts: Vec<(usize, u32, u32)>,
     survivors: Survivors,
-    /// For each tile where its keys begin; one more at the end.
+    /// Start of each tile's keys, and the end of the last.
     starts: Vec<u32>,
     keys: Vec<Key>,
-    /// What clipping made.
+    /// Pieces made by clipping.
     pub(super) pieces: Vec<ScreenTriangle>,
-    /// The corners of each piece as lanes read them.
+    /// Vertices of each piece, in the layout that lanes read.
     pub(super) corners: Vec<[(Vertex, Surface); 3]>,
-    /// Triangles and pieces that face the right way, whether they have a sample or not.
+    /// Number of triangles and pieces that pass facing culling, with or without samples.
     pub(super) rasterized: usize,
 }
 
-/// The tiles that the box of a triangle touches: the number of the first one in the lower half of the bits, how many columns
-/// the last one is to the right of it in the next eight, and how many rows below it in the highest.
+/// Tiles that a triangle's bounding box overlaps. Bits 0 to 15 hold the number of the first tile. Bits 16 to 23 hold
+/// the number of columns to the last tile, bits 24 to 31 the number of rows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Tiles(u32);
 
@@ -72,7 +72,7 @@ impl Tiles {
     const COLUMNS: u32 = 16;
     const ROWS: u32 = 24;
 
-    /// From a first to a last tile, given as column and row, of a picture with `row` tiles in a row.
+    /// Packs a first and a last tile, given as column and row, of a picture with `row` tiles in a row.
     fn new([x0, y0]: [u32; 2], [x1, y1]: [u32; 2], row: usize) -> Self {
         Self((y0 * row as u32 + x0) | (x1 - x0) << Self::COLUMNS | (y1 - y0) << Self::ROWS)
     }
@@ -83,12 +83,12 @@ impl Tiles {
         (y0 * row as i32 + x0) | (x1 - x0) << Self::COLUMNS | (y1 - y0) << Self::ROWS
     }
 
-    /// Calls `visit` with the number of each.
+    /// Calls `visit` with the number of each tile.
     #[inline(always)]
     fn for_each(self, row: usize, mut visit: impl FnMut(usize)) {
         let first = (self.0 & ((1 << Self::COLUMNS) - 1)) as usize;
         if self.0 < 1 << Self::COLUMNS {
-            // As most small triangles have it.
+            // A single tile: the case of most small triangles.
             return visit(first);
         }
         let (columns, rows) = ((self.0 >> Self::COLUMNS & 0xff) as usize, (self.0 >> Self::ROWS) as usize);
@@ -100,17 +100,17 @@ impl Tiles {
     }
 }
 
-/// Triangles that may show, in submission order, and the tiles that each of them touches.
+/// Triangles that may be visible, in submission order, and the tiles that each of them overlaps.
 #[derive(Clone, Debug, Default)]
 struct Survivors {
-    /// Longer than what is used, so that eight entries can be written at once; as is the next.
+    /// Longer than `used`, so that eight entries can be stored at once; likewise `tiles`.
     keys: Vec<u32>,
     tiles: Vec<u32>,
     used: usize,
 }
 
 impl Survivors {
-    /// Makes room for eight more.
+    /// Makes room for eight more entries.
     #[inline(always)]
     fn reserve(&mut self) {
         if self.keys.len() < self.used + LANES {
@@ -126,7 +126,7 @@ impl Survivors {
         self.used += 1;
     }
 
-    /// Those of eight, of which there are `count`, that `mask` chooses.
+    /// Appends the lanes selected by `mask`, of which there are `count`.
     #[inline(always)]
     fn push_lanes<S: Simd>(&mut self, keys: i32x8<S>, tiles: i32x8<S>, mask: mask32x8<S>, count: u32) {
         self.reserve();
@@ -144,23 +144,23 @@ impl Survivors {
 }
 
 impl Chunk {
-    /// Triangles that touch a tile, in submission order.
+    /// Returns the triangles that overlap a tile, in submission order.
     #[inline(always)]
     pub(super) fn keys(&self, tile: usize) -> &[Key] {
         &self.keys[self.starts[tile] as usize..self.starts[tile + 1] as usize]
     }
 
-    /// Triangles that may show.
+    /// Returns the number of triangles that may be visible.
     pub(super) fn kept(&self) -> usize {
         self.survivors.used
     }
 
-    /// Entries over all tiles.
+    /// Returns the number of bin entries over all tiles.
     pub(super) fn binned(&self) -> usize {
         self.keys.len()
     }
 
-    /// Bytes held.
+    /// Returns the number of bytes held.
     pub(super) fn bytes(&self) -> usize {
         let Survivors { keys, tiles, .. } = &self.survivors;
         (keys.capacity() + tiles.capacity() + self.starts.capacity() + self.keys.capacity()) * size_of::<u32>()
@@ -169,7 +169,7 @@ impl Chunk {
     }
 }
 
-/// What is the same for all triangles of a frame.
+/// Inputs of binning that are the same for all triangles of a frame.
 pub(super) struct Binning<'a> {
     pub(super) draws: &'a [Draw<'a>],
     pub(super) arrays: &'a Arrays,
@@ -177,14 +177,14 @@ pub(super) struct Binning<'a> {
     pub(super) viewport: Viewport,
     pub(super) scale: DepthScale,
     pub(super) lattice: Lattice,
-    /// Size of the packed picture.
+    /// Width and height of the packed picture.
     pub(super) packed: (u32, u32),
-    /// Tiles in a row and in a column.
+    /// Number of tiles in a row and in a column.
     pub(super) tiles: (usize, usize),
 }
 
 impl Binning<'_> {
-    /// Fills `chunks`, whose memory is used again.
+    /// Culls and bins all triangles into `chunks`, whose memory is reused.
     pub(super) fn run(&self, lanes: Lanes, chunks: &mut Vec<Chunk>) {
         self.share_out(chunks);
         chunks.par_iter_mut().enumerate().with_max_len(1).for_each(|(number, chunk)| {
@@ -196,7 +196,7 @@ impl Binning<'_> {
         });
     }
 
-    /// Cuts the list of all triangles that are not left out into chunks.
+    /// Divides the triangles that remain after cluster culling into chunks.
     fn share_out(&self, chunks: &mut Vec<Chunk>) {
         for chunk in chunks.iter_mut() {
             chunk.parts.clear();
@@ -227,7 +227,7 @@ impl Binning<'_> {
         chunks.truncate(number + usize::from(room < CHUNK as u32));
     }
 
-    /// Culls some triangles of a draw, and keeps those that may show.
+    /// Culls triangles of a draw, and appends those that may be visible to a chunk.
     #[inline(always)]
     fn cull<S: Simd>(&self, simd: S, draw: usize, ids: std::ops::Range<u32>, chunk_number: usize, chunk: &mut Chunk) {
         let leaves_frustum = self.arrays.leaves_frustum[draw];
@@ -253,7 +253,8 @@ impl Binning<'_> {
                     continue;
                 }
             }
-            // Not those of `padded`: without a place on the screen, not even they are sure to have no area.
+            // Excludes the padding lanes: a vertex without a position on the screen (NaN) may give even these a nonzero
+            // area.
             whole &= u64::from(u32::MAX) >> (u32::BITS as usize - group.len());
             let (shown, alive, tiles) = self.cull_lanes(simd, vertices, corners, whole);
             chunk.rasterized += shown.count_ones() as usize;
@@ -275,8 +276,8 @@ impl Binning<'_> {
         }
     }
 
-    /// Which of eight triangles, of those that `whole` has, face the right way, which of them may show, both as bits, and the
-    /// tiles that they touch.
+    /// Culls the triangles selected by `whole`, of eight. Returns two bit masks, and the tiles that each triangle
+    /// overlaps. The masks select triangles that pass facing culling, and those among them that may be visible.
     #[inline(always)]
     fn cull_lanes<S: Simd>(
         &self,
@@ -315,7 +316,7 @@ impl Binning<'_> {
         (shown, shown & has_samples.to_bitmask(), Tiles::of_lanes(first, last, self.tiles.0))
     }
 
-    /// Clips one triangle as the classic way does, and bins what is left.
+    /// Clips one triangle as the classic path does, and bins its pieces.
     fn cut(&self, draw: &Draw<'_>, id: u32, corners: [u32; 3], chunk_number: usize, chunk: &mut Chunk) {
         let vertices = corners.map(|corner| draw.clip_vertex(draw.first_vertex + corner as usize, self.arrays));
         let one = ClipSpaceDraw {
@@ -354,7 +355,7 @@ impl Binning<'_> {
         }
     }
 
-    /// Sorts the survivors of a chunk by tile, keeping their order.
+    /// Sorts the survivors of a chunk by tile. The sort is stable.
     fn sort(&self, chunk: &mut Chunk) {
         let Chunk { survivors, starts, keys, .. } = chunk;
         let tiles = self.tiles.0 * self.tiles.1;
@@ -375,13 +376,13 @@ impl Binning<'_> {
                 starts[tile] += 1;
             });
         }
-        // Every start has moved on to the next one.
+        // Each start has advanced to the start of the next tile.
         starts.rotate_right(1);
         starts[0] = 0;
     }
 }
 
-/// Bits of the triangles that lie whole within the guard band, and of those that must be cut.
+/// Returns bit masks of the triangles entirely within the guard band, and of those that must be clipped.
 #[inline(always)]
 fn crossings(outcodes: &[Outcode], triangles: &[[u32; 3]]) -> (u64, u64) {
     let codes = triangles.as_flattened().iter().map(|corner| outcodes[*corner as usize]);
@@ -408,7 +409,7 @@ mod tests {
 
     #[test]
     fn a_box_touches_the_same_tiles_however_it_is_kept() {
-        /// Columns of the widest picture.
+        /// Number of tile columns of the widest picture.
         const ROW: usize = 256;
         let mut random = fastrand::Rng::with_seed(3);
         for _ in 0..2000 {

@@ -1,33 +1,37 @@
-//! Which clusters of a mesh show nothing as a whole, and what of the mesh is left without them: those outside the view, and
-//! those that are turned away.
+//! Cluster culling: finds the clusters of a mesh that are entirely invisible, and the ranges of the mesh that remain. A
+//! cluster is culled if it is outside the view or back-facing. With front-face culling, “back-facing” means the culled
+//! side.
 //!
-//! A cluster is left out only if every triangle of it is dropped by the classic way too: *by the numbers that the pipeline
-//! computes*. A vertex that overflows is no matter: its triangles are dropped because of it, whatever cluster they are in.
+//! A cluster is culled only if the classic path drops every triangle of it as well, *by the numbers that the pipeline
+//! computes*. Vertices that overflow do not matter: their triangles are dropped for that reason, whatever cluster they
+//! are in.
 //!
-//! **Outside**: all three corners beyond the same plane. Computed coordinates are off from the exact ones by rounding. With
-//! u = 2⁻²⁴, half of a float's last place, a component of a vertex v in clip space is a sum of four terms, each rounded once as a
-//! product and at most three times in sums: it is off by at most 4u (1 + O(u)) · M, where M = Σ |mᵢ| |vᵢ| is that sum with every
-//! term positive, and where products underflow by 3 · 2⁻¹⁵⁰ more. The distance from a plane is the difference of two
-//! components, or a single one, in doubles: its sign is that of the exact difference. So if the exact distance is less than
-//! −(8u · max M + 2⁻¹⁴⁷) for every point of a box, no vertex in it is found inside. [`ROUNDING`] and [`UNDERFLOW`] are more than
-//! that by a factor of four and more, which covers the roundings of the test itself: it is computed in doubles. Over a box, an
-//! affine function is greatest at a corner, which the signs of its coefficients name, and M is greatest at the largest
-//! magnitudes on each axis.
+//! **Outside**: all three vertices are beyond the same plane. Computed coordinates differ from the exact ones by
+//! rounding. Let u = 2⁻²⁴, half of a float's last place. A clip-space component of a vertex v is a sum of four terms.
+//! Each term is rounded once as a product and at most three times in sums. The component is off by at most 4u (1 +
+//! O(u)) · M, where M = Σ |mᵢ| |vᵢ| is that sum with every term positive. Where products underflow, it is off by 3 ·
+//! 2⁻¹⁵⁰ more. The distance from a plane is the difference of two components, or a single one, in doubles: its sign is
+//! that of the exact difference. So if the exact distance is less than −(8u · max M + 2⁻¹⁴⁷) for every point of a box,
+//! the pipeline finds no vertex in it inside. [`ROUNDING`] and [`UNDERFLOW`] exceed these terms by a factor of four and
+//! more. This covers the rounding of the test itself, which is computed in doubles. Over a box, an affine function is
+//! greatest at the corner that the signs of its coefficients select. M is greatest at the largest magnitudes on each
+//! axis.
 //!
-//! **Turned away**: the doubled area of the snapped corners has the sign of the side that is culled, or is zero. The exact doubled
-//! area on the screen, before snapping, is S = −(W·H/4) · D / (w₀ w₁ w₂), D being the determinant of the x, y and w of the three
-//! corners in clip space. By Cauchy and Binet, D = 2A · (n·e + d·f) for a triangle of area A in the plane n·p = d, where (e, f) are
-//! the minors of the three rows of the matrix: the eye, if there is one. A lower bound of |n·e + d·f| over a cluster comes
-//! from the bounds of n and d. Snapped corners are off from the exact ones by δ at most on each axis: half a step of the grid, and
-//! what rounding adds. That changes S by √2 δ times the circumference and 8δ² at most. An edge of length ℓ is at most κℓ/w px
-//! long on the screen. So with the longest edge ℓ and the altitude h = 2A/ℓ the sign is certain where
+//! **Back-facing**: the doubled area of the snapped vertices has the sign of the culled side, or is zero. The exact
+//! doubled area on the screen, before snapping, is S = −(W·H/4) · D / (w₀ w₁ w₂). D is the determinant of the
+//! clip-space x, y and w of the three vertices. By Cauchy and Binet, D = 2A · (n·e + d·f) for a triangle of area A in
+//! the plane n·p = d. Here (e, f) are the minors of the three rows of the matrix: the eye, if there is one. Bounds of n
+//! and d give a lower bound of |n·e + d·f| over a cluster. Snapped vertices are off from the exact ones by at most δ on
+//! each axis: half a grid step plus rounding. This changes S by at most √2 δ times the perimeter and 8δ². An edge of
+//! length ℓ is at most κℓ/w px long on the screen. With the longest edge ℓ and the altitude h = 2A/ℓ the sign is
+//! certain where
 //!
 //! ```text
 //! (W·H/4) · h · |n·e + d·f| / w_max³  >  3 √2 δ κ / w_min + 8δ² / h
 //! ```
 //!
-//! which asks for altitudes of about a hundredth of a pixel. Triangles must not be cut at that, as pieces are snapped anew:
-//! the box must be between the planes of depth, and within the guard band.
+//! This requires altitudes of about a hundredth of a pixel. The triangles must not be clipped, because pieces are
+//! snapped anew: the box must be between the depth planes and within the guard band.
 
 use std::ops::Range;
 
@@ -43,7 +47,7 @@ use crate::math::lanes::*;
 use crate::scene::Mesh;
 use crate::scene::clusters::{BLOCK, Boxes, Clusters, Planes};
 
-/// Ranges in ascending order with gaps between them: mostly one.
+/// Ranges in ascending order with gaps between them; in most cases a single one.
 #[derive(Clone, Debug)]
 pub(super) enum Ranges {
     One(Range<usize>),
@@ -51,7 +55,7 @@ pub(super) enum Ranges {
 }
 
 impl Ranges {
-    /// All of them.
+    /// Returns all ranges.
     pub(super) fn as_slice(&self) -> &[Range<usize>] {
         match self {
             Self::One(range) => std::slice::from_ref(range),
@@ -59,27 +63,27 @@ impl Ranges {
         }
     }
 
-    /// Numbers in all of them.
+    /// Returns the total length of the ranges.
     pub(super) fn count(&self) -> usize {
         self.as_slice().iter().map(Range::len).sum()
     }
 }
 
-/// What of a mesh is drawn.
+/// Parts of a mesh that are drawn.
 #[derive(Clone, Debug)]
 pub(super) struct Kept {
     pub(super) triangles: Ranges,
-    /// All that these refer to, and perhaps others.
+    /// Vertices that the triangles refer to, and perhaps others.
     pub(super) vertices: Ranges,
 }
 
 impl Kept {
-    /// All of a mesh.
+    /// Returns all of a mesh.
     pub(super) fn all(mesh: &Mesh) -> Self {
         Self { triangles: Ranges::One(0..mesh.triangles.len()), vertices: Ranges::One(0..mesh.positions.len()) }
     }
 
-    /// A mesh without the clusters that show nothing, and how many those are.
+    /// Returns a mesh without its invisible clusters, and the count of clusters culled for each reason.
     pub(super) fn without_unseen(mesh: &Mesh, view: &View, lanes: Lanes) -> (Self, Unseen) {
         let clusters = mesh.clusters();
         let fates = fates(clusters, view, lanes);
@@ -102,21 +106,21 @@ impl Kept {
     }
 }
 
-/// What becomes of a cluster.
+/// Result of culling a cluster.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Fate {
-    /// Its triangles are looked at.
+    /// The cluster may be visible: its triangles are processed.
     Kept,
-    /// All of it is beyond a plane.
+    /// All of the cluster is beyond one plane.
     Outside,
-    /// All its triangles show the side that is culled.
+    /// All triangles of the cluster show the culled side.
     TurnedAway,
 }
 
-/// Ranges of `len` vertices that hold all of some blocks, given as ranges that may overlap. In time that grows with the number
-/// of ranges and of blocks, however long they are.
+/// Returns ranges of `len` vertices that contain all of the given blocks, whose ranges may overlap. The time grows with
+/// the number of ranges and of blocks, not with the lengths of the ranges.
 fn union(ranges: impl Iterator<Item = Range<usize>>, len: usize) -> Vec<Range<usize>> {
-    // How many ranges begin at a block, less those that end before it.
+    // Number of ranges that begin at a block, minus the number of those that end before it.
     let mut changes = vec![0_i32; len.div_ceil(BLOCK) + 1];
     for range in ranges {
         changes[range.start] += 1;
@@ -140,7 +144,7 @@ fn union(ranges: impl Iterator<Item = Range<usize>>, len: usize) -> Vec<Range<us
     out
 }
 
-/// An affine function of model space, such as the distance from a plane, and what its terms may be as large as.
+/// An affine function of model space, such as the distance from a plane, with magnitudes that bound its rounding error.
 #[derive(Clone, Copy, Debug)]
 struct Affine {
     coefficients: [f64; 4],
@@ -148,7 +152,7 @@ struct Affine {
 }
 
 impl Affine {
-    /// The distance from a plane whose sides are moved out by a power of two.
+    /// Returns the distance from a plane. `widening`, a power of two, moves the sides of the view out.
     fn distance(plane: Plane, clip_from_model: Mat4, widening: f32) -> Self {
         let columns: [Vec4; 4] = std::array::from_fn(|column| clip_from_model.col(column));
         let factor = f64::from(widening);
@@ -158,13 +162,13 @@ impl Affine {
         }
     }
 
-    /// A component of clip space.
+    /// Returns a component of clip space.
     fn component(axis: usize, clip_from_model: Mat4) -> Self {
         let row = clip_from_model.row(axis).as_dvec4();
         Self { coefficients: row.to_array(), magnitudes: row.abs().to_array() }
     }
 
-    /// The exact greatest value over eight boxes.
+    /// Returns the exact greatest value over eight boxes.
     #[inline(always)]
     fn greatest<S: Simd>(&self, simd: S, [least, greatest]: &[[F64<S>; 3]; 2]) -> F64<S> {
         let mut most = F64::splat(simd, self.coefficients[3]);
@@ -175,13 +179,13 @@ impl Affine {
         most
     }
 
-    /// The exact least value.
+    /// Returns the exact least value over eight boxes.
     #[inline(always)]
     fn least<S: Simd>(&self, simd: S, [least, greatest]: &[[F64<S>; 3]; 2]) -> F64<S> {
         self.greatest(simd, &[*greatest, *least])
     }
 
-    /// The sum of the magnitudes of all terms, by the largest magnitudes on each axis.
+    /// Returns the sum of the magnitudes of all terms, at the largest magnitudes on each axis.
     #[inline(always)]
     fn magnitude<S: Simd>(&self, simd: S, farthest: &[F64<S>; 3]) -> F64<S> {
         let [x, y, z, one] = self.magnitudes;
@@ -189,24 +193,24 @@ impl Affine {
         far_x * x + far_y * y + far_z * z + F64::splat(simd, one)
     }
 
-    /// What the pipeline's value may differ from the exact one by.
+    /// Returns a bound of the difference between the pipeline's value and the exact one.
     #[inline(always)]
     fn slack<S: Simd>(&self, simd: S, farthest: &[F64<S>; 3]) -> F64<S> {
         self.magnitude(simd, farthest) * ROUNDING + UNDERFLOW
     }
 }
 
-/// The planes that clusters are looked at from. That of the eye would tell nothing which those of depth do not: where w < 0,
-/// z ≥ 0 and w ≥ z are not both met.
+/// Planes that clusters are tested against. The plane of the eye adds nothing to those of depth: where w < 0, z ≥ 0 and
+/// w ≥ z do not both hold.
 const PLANES: [Plane; 6] = [Plane::Near, Plane::Far, Plane::Left, Plane::Right, Plane::Bottom, Plane::Top];
 
-/// What tells clusters apart in a view of one mesh.
+/// Cluster culling tests for a view of one mesh.
 #[derive(Clone, Debug)]
 pub(super) struct View {
-    /// All of the mesh is inside the view: no cluster is outside, and no triangle is cut.
+    /// Whether all of the mesh is inside the view: no cluster is outside, and no triangle is clipped.
     all_inside: bool,
     distances: [Affine; PLANES.len()],
-    /// None where nothing is culled.
+    /// Back-facing test; `None` if nothing is culled.
     side: Option<Side>,
 }
 
@@ -224,37 +228,38 @@ impl View {
     }
 }
 
-/// Sides of the view are moved out by this factor for clusters that may be turned away: within the guard band, wherever that is.
+/// Factor by which the sides of the view are moved out for the back-facing test. The moved sides lie within the guard
+/// band of every picture size.
 const BAND: f32 = 2.0;
 const _: () = assert!(BAND * MAX_SIDE_PX as f32 <= 2.0 * GUARD_BAND_PX);
 
-/// Rounding errors of an affine function computed in doubles, relative to its magnitude: far more than there are.
+/// Rounding error of an affine function computed in doubles, relative to its magnitude: a generous bound.
 const DOUBLE_ROUNDING: f64 = 1e-12;
 
-/// What is needed to tell that triangles show the side that is culled.
+/// Data of the back-facing test.
 #[derive(Clone, Debug)]
 struct Side {
-    /// Of planes within which no triangle is cut.
+    /// Distances from the planes within which no triangle is clipped.
     distances: [Affine; PLANES.len()],
     x: Affine,
     y: Affine,
     w: Affine,
-    /// D / 2A as a function of n and d, and the sum of the magnitudes it is the sum of: positive where the side is culled.
+    /// D / 2A as a function of n and d, positive on the culled side, and the sums of the magnitudes of its terms.
     seen_from: ([f64; 4], [f64; 4]),
-    /// κ.
+    /// The factor κ: an edge of length ℓ is at most κℓ/w px long on the screen.
     stretch: f64,
     /// Longer side of the picture, px.
     longer_px: f64,
-    /// W·H/4.
+    /// W·H/4, in px².
     quarter: f64,
 }
 
 impl Side {
-    /// `sign` is that of D where triangles are culled.
+    /// Creates the test. `sign` is the sign of D for culled triangles.
     fn new(clip_from_model: Mat4, Viewport { width, height }: Viewport, sign: f64) -> Self {
         let (width, height) = (f64::from(width), f64::from(height));
         let rows = [0, 1, 3].map(|row| clip_from_model.row(row).as_dvec4().to_array());
-        // The determinant of the columns but one, and the sum of the magnitudes of its terms.
+        // Determinant of all columns except `without`, and the sum of the magnitudes of its terms.
         let minor = |without: usize| {
             let [i, j, k] = [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]][without];
             let [x, y, w] = &rows;
@@ -269,7 +274,7 @@ impl Side {
             (products.iter().sum::<f64>(), products.iter().map(|product| product.abs()).sum::<f64>())
         };
         let [x, y, z, one] = [0, 1, 2, 3].map(minor);
-        // What one row may stretch an edge by; at the same time w changes the other components.
+        // Largest stretch of an edge by one row, including the effect of the change of w on the other components.
         let length = |row: usize| clip_from_model.row(row).xyz().as_dvec3().length();
         let along = |row: usize, size: f64| 0.5 * size * (length(row) + f64::from(BAND) * length(3));
         Self {
@@ -284,7 +289,7 @@ impl Side {
         }
     }
 
-    /// Bits of those of eight clusters all of whose triangles show the side that is culled.
+    /// Returns the bit mask of the clusters, of eight, all of whose triangles show the culled side.
     #[inline(always)]
     fn turned_away<S: Simd>(
         &self,
@@ -316,12 +321,12 @@ impl Side {
         }
         let slack = self.w.slack(simd, farthest);
         let (w_min, w_max) = (self.w.least(simd, bounds) - slack, self.w.greatest(simd, bounds) + slack);
-        // Within these floats do neither underflow nor overflow.
+        // Within these limits floats neither underflow nor overflow.
         bits &= (w_min.simd_gt(LEAST_W) & w_max.simd_lt(GREATEST_W)).to_bitmask();
         if bits == 0 {
             return 0;
         }
-        // x/w ± 1 is off by 4u (M_x + 2 M_w) / w, the quotient and what follows by less than 6u.
+        // x/w ± 1 is off by 4u (M_x + 2 M_w) / w, the quotient and later steps by less than 6u.
         let of_x = self.x.magnitude(simd, farthest).max(self.y.magnitude(simd, farthest));
         let relative = (of_x + self.w.magnitude(simd, farthest) * 2.0) / w_min + 1.0;
         let off_px = relative * (SCREEN_ROUNDING * self.longer_px) + 0.5 / SUBPIXELS as f64;
@@ -333,16 +338,16 @@ impl Side {
     }
 }
 
-/// Least w of a cluster that may be turned away.
+/// Least w of a cluster that the back-facing test may cull.
 const LEAST_W: f64 = 1e-20;
 
-/// Greatest w.
+/// Greatest w of a cluster that the back-facing test may cull.
 const GREATEST_W: f64 = 1e20;
 
-/// Rounding errors of a position on the screen, relative to the longer side and to the magnitudes that it comes from: 8u.
+/// Rounding error of a screen position, relative to the longer side and to the magnitudes that it is computed from: 8u.
 const SCREEN_ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
 
-/// What becomes of each cluster.
+/// Returns the fate of each cluster.
 fn fates(clusters: &Clusters, view: &View, lanes: Lanes) -> Vec<Fate> {
     let mut out = vec![Fate::Kept; clusters.len()];
     on_lanes!(lanes, simd => {
@@ -363,8 +368,8 @@ fn fates(clusters: &Clusters, view: &View, lanes: Lanes) -> Vec<Fate> {
     out
 }
 
-/// Bits of those of eight clusters all of whose vertices the pipeline finds beyond one of the planes, and of those that are
-/// turned away.
+/// Returns two bit masks of eight clusters: those whose vertices the pipeline all finds beyond one of the planes, and
+/// those that are back-facing.
 #[inline(always)]
 fn eight_fates<S: Simd>(simd: S, boxes: &Boxes, planes: &Planes, view: &View) -> [u64; 2] {
     let bounds = each!(end in [0, 1] => {
@@ -383,7 +388,7 @@ fn eight_fates<S: Simd>(simd: S, boxes: &Boxes, planes: &Planes, view: &View) ->
     [outside, turned_away]
 }
 
-/// All of eight.
+/// Bit mask of all eight clusters.
 const ALL: u64 = (1 << LANES) - 1;
 
 #[cfg(test)]
@@ -401,7 +406,7 @@ mod tests {
 
     const VIEWPORT: Viewport = Viewport { width: 640, height: 360 };
 
-    /// Eight boxes of two corners each.
+    /// Returns eight boxes, each from two opposite corners.
     fn boxes(corners: &[[Vec3; 2]; LANES]) -> Boxes {
         let end = |end: fn(Vec3, Vec3) -> Vec3| -> [[f32; LANES]; 3] {
             std::array::from_fn(|axis| corners.map(|[a, b]| end(a, b)[axis]))
@@ -418,14 +423,14 @@ mod tests {
         outside
     }
 
-    /// Whether the pipeline finds some vertices beyond one plane.
+    /// Whether the pipeline finds all `vertices` beyond one plane.
     fn is_outside(vertices: &[Vec3], matrix: Mat4) -> bool {
         let clip = || vertices.iter().map(|vertex| matrix * vertex.extend(1.0));
         Plane::ALL.iter().any(|plane| clip().all(|position| plane.distance(position, 1.0) < 0.0))
     }
 
-    /// Matrices and boxes next to a plane: made so that the exact distance is zero or nearly so, at scales from where products
-    /// underflow to where they are huge.
+    /// Tests matrices and boxes next to a plane. The exact distance is zero or nearly so, at scales from underflowing
+    /// products to huge ones.
     #[test]
     fn what_is_left_out_has_all_its_vertices_beyond_a_plane() {
         let mut random = fastrand::Rng::with_seed(21);
@@ -440,7 +445,7 @@ mod tests {
                 let edge = Vec3::from_array(std::array::from_fn(|_| number())) * 1e-6;
                 [a, a + edge]
             });
-            // The plane goes through the first box, as nearly as floats can tell.
+            // The plane goes through the first box, as nearly as floats allow.
             let at = matrix * corners[0][0].extend(1.0);
             let off = plane.distance(at, 1.0) as f32 * [1.0, 1.000_001, 0.999_999][round / 36 % 3];
             match plane {
@@ -467,11 +472,12 @@ mod tests {
                 }
             }
         }
-        // Of boxes next to a plane, and where all numbers underflow, some are kept; far fewer than are left out.
+        // Some boxes next to a plane, or with underflowing numbers, are kept; far fewer than are culled.
         assert!(left_out > 3 * kept_though_outside && kept_though_outside > 0, "{left_out} {kept_though_outside}");
     }
 
-    /// Sheets of many sizes, bent, creased and squeezed, down to far less than a pixel, in views that mirror and shear them.
+    /// Tests sheets of many sizes, bent, creased and squeezed to far less than a pixel, in views that mirror and shear
+    /// them.
     #[test]
     fn what_is_turned_away_is_culled_triangle_by_triangle() {
         let mut random = fastrand::Rng::with_seed(22);
@@ -522,12 +528,13 @@ mod tests {
                 }
             }
         }
-        // Triangles of less than a pixel are among them, and there are many that are not certain.
+        // Some culled triangles are smaller than a pixel, and many clusters remain uncertain.
         assert!(turned_away > 1000 && kept_though_culled > 200, "{turned_away} {kept_though_culled}");
         assert!(smallest < 0.25, "{smallest}");
     }
 
-    /// The doubled area in px² of a triangle that is culled, as the classic way has it; nothing if it is not, or is cut.
+    /// Returns the doubled area in px² of a triangle that the classic path culls; `None` if it is not culled, or is
+    /// clipped.
     fn fate_of(corners: [Vec3; 3], matrix: Mat4, culling: Culling) -> Option<f64> {
         let widening = guard_band_widening(VIEWPORT.width, VIEWPORT.height);
         let corners = corners.map(|corner| ClipVertex::at(matrix * corner.extend(1.0)));
@@ -551,7 +558,7 @@ mod tests {
 
     #[test]
     fn blocks_are_joined() {
-        /// Both by their ends.
+        /// Returns the union of blocks; ranges are pairs of start and end.
         fn joined<const N: usize>(ranges: [[usize; 2]; N], len: usize) -> Vec<[usize; 2]> {
             let joined = union(ranges.into_iter().map(|[start, end]| start..end), len);
             joined.into_iter().map(|range| [range.start, range.end]).collect()

@@ -1,4 +1,5 @@
-//! Depths of samples on lanes, and their bounds: by the operations of [`crate::pipeline::depth`], in their order.
+//! Depths of samples on lanes, and their bounds. The operations and their order are those of
+//! [`crate::pipeline::depth`].
 
 use super::edge_number::EdgeNumber;
 use super::setup::{Edges, Setup};
@@ -6,23 +7,23 @@ use crate::math::lanes::*;
 use crate::pipeline::depth::{Comparison, DepthEncoding, DepthScale, clear_value};
 use crate::pipeline::settings::Settings;
 
-/// How depths are stored and compared in all tiles of a frame.
+/// Rules for storing and comparing depths, the same in all tiles of a frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DepthRules {
     pub(super) comparison: Comparison,
     pub(super) encoding: DepthEncoding,
-    /// Depth is linear in space rather than on the screen.
+    /// Whether depth is linear in space instead of on the screen.
     pub(super) linear_in_space: bool,
-    /// A depth bias may move depths below 0 or above 1, to which they are clamped.
+    /// Whether a depth bias may move depths below 0 or above 1, to which they are then clamped.
     pub(super) biased: bool,
-    /// What samples hold before anything is drawn.
+    /// Depth of samples before anything is drawn.
     pub(super) clear: f32,
-    /// Depths are computed and kept at all.
+    /// Whether depths are computed and stored at all.
     pub(super) stored: bool,
 }
 
 impl DepthRules {
-    /// Of a frame whose depths are asked for when it is done, or not.
+    /// Creates the rules of a frame. `asked_for` is whether the caller reads its depths.
     pub(super) fn new(settings: &Settings, scale: &DepthScale, asked_for: bool) -> Self {
         let comparison = Comparison::of(settings);
         Self {
@@ -35,7 +36,8 @@ impl DepthRules {
         }
     }
 
-    /// What most frames have: with `COMMON`, of rules that are, the compiler knows it.
+    /// Returns the rules of most frames as compile-time constants if `COMMON`, which requires
+    /// [`DepthRules::are_common`].
     #[inline(always)]
     pub(super) fn known<const COMMON: bool>(self) -> Self {
         if COMMON {
@@ -52,7 +54,7 @@ impl DepthRules {
         }
     }
 
-    /// Whether these rules are those.
+    /// Whether these are the rules of most frames.
     #[inline(always)]
     pub(super) fn are_common(&self) -> bool {
         let Self { comparison, encoding, linear_in_space, biased, stored, .. } = *self;
@@ -60,7 +62,7 @@ impl DepthRules {
     }
 }
 
-/// The depths that pass.
+/// Returns the mask of the lanes that pass the depth test.
 #[inline(always)]
 pub(super) fn passes<S: Simd>(new: F32<S>, stored: F32<S>, comparison: Comparison) -> mask32x8<S> {
     match comparison {
@@ -72,7 +74,8 @@ pub(super) fn passes<S: Simd>(new: F32<S>, stored: F32<S>, comparison: Compariso
     }
 }
 
-/// Depths as they are stored: [`crate::pipeline::depth::depth_at`] for eight samples. Right only where the triangle covers them.
+/// Returns depths as they are stored: [`crate::pipeline::depth::depth_at`] for eight samples. Valid only where the
+/// triangle covers them.
 #[inline(always)]
 pub(super) fn depth<S: Simd, E: EdgeNumber>(
     simd: S,
@@ -89,11 +92,11 @@ pub(super) fn depth<S: Simd, E: EdgeNumber>(
         sum.simd_gt(0.0).select(weighted / sum, zero)
     } else {
         let [first, second] = each!(i in [0, 1] => E::doubles(simd, e[i]) * rises[i]);
-        // Without the one that is zero, the sum of three is that of the other two, whatever their order.
+        // The third term is zero, so the sum of the other two is the same in any order.
         if E::LAST_IS_LEAST { first + second } else { first + second + E::doubles(simd, e[2]) * rises[2] }
     };
     let depth = (rise + *least).min(1.0);
-    // Where the triangle covers the sample only a bias makes a depth negative.
+    // Where the triangle covers the sample, only a bias makes a depth negative.
     quantize(simd, if rules.biased { depth.max(0.0) } else { depth }, rules.encoding)
 }
 
@@ -109,18 +112,19 @@ fn quantize<S: Simd>(simd: S, depth: F64<S>, encoding: DepthEncoding) -> F32<S> 
     }
 }
 
-/// Rounding errors of a depth and of its bounds, relative to the sum of the magnitudes that they are sums of: some 23 operations
+/// Rounding error of a depth and of its bounds, relative to the sum of the magnitudes of its terms: about 23 operations
 /// of 2⁻⁵³ each.
 const ROUNDING: f64 = 1.0 / (1_u64 << 48) as f64;
 
 /// Depth of a triangle as a plane over the samples of a tile, without rounding.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DepthPlane {
-    /// At the tile's first sample.
+    /// Depth at the tile's first sample.
     at_first: f64,
-    /// What it rises by in a grid step to the right, and in one downwards.
+    /// Change of depth per grid step to the right, and per grid step down.
     rise: [f64; 2],
-    /// How far stored depths may be from it before they are quantised. Infinite if depths are linear in space, and no plane.
+    /// Largest distance of stored depths from the plane before quantisation. Infinite if depths are linear in space,
+    /// because they are then no plane.
     slack: f64,
     /// Bounds of the triangle's depths anywhere.
     least: f64,
@@ -128,7 +132,7 @@ pub(super) struct DepthPlane {
 }
 
 impl DepthPlane {
-    /// Of a triangle in a tile that reaches so far from its first sample.
+    /// Creates the plane of a triangle in a tile of this width and height from its first sample, in grid steps.
     #[inline(always)]
     pub(super) fn new<E: EdgeNumber>(triangle: &Setup<E>, [width, height]: [f64; 2], rules: &DepthRules) -> Self {
         let Setup { edges: Edges { a, b, c }, rises, .. } = triangle;
@@ -141,14 +145,15 @@ impl DepthPlane {
         Self { at_first: at_first + triangle.least, rise: [across, down], slack, least, greatest }
     }
 
-    /// Depth at the tile's first sample; nothing that means anything if depths are linear in space.
+    /// Returns the depth at the tile's first sample; meaningless if depths are linear in space.
     #[inline(always)]
     pub(super) fn at_first(&self) -> f64 {
         self.at_first
     }
 
-    /// Bounds of the stored depths in rectangles, from the places of their first samples and the way from those to their last
-    /// samples. Where the triangle covers nothing of a rectangle they may be beyond all depths.
+    /// Returns bounds of the stored depths in eight rectangles. They are given by the positions of their first samples
+    /// and the distance to their last ones, in grid steps. Where the triangle covers nothing of a rectangle, the bounds
+    /// may lie beyond all depths.
     #[inline(always)]
     pub(super) fn bounds<S: Simd>(
         &self,
@@ -170,7 +175,8 @@ impl DepthPlane {
     }
 }
 
-/// Bits of the rectangles in which no depth within some bounds passes against those stored, and of those in which all do.
+/// Returns bit masks of the rectangles in which no depth within the bounds passes against the stored ones, and in which
+/// all do.
 #[inline(always)]
 pub(super) fn compare_bounds<S: Simd>(
     [low, high]: [F32<S>; 2],
@@ -187,13 +193,13 @@ pub(super) fn compare_bounds<S: Simd>(
     }
 }
 
-/// Sum of the magnitudes of the least and the greatest depth, which no term of a depth exceeds.
+/// Returns the sum of the magnitudes of the least and the greatest depth, which no term of a depth exceeds.
 #[inline(always)]
 fn magnitude<E>(triangle: &Setup<E>) -> f64 {
     triangle.least.abs() + triangle.greatest.abs()
 }
 
-/// Bounds of the stored depths of a triangle anywhere.
+/// Returns bounds of all stored depths of a triangle.
 #[inline(always)]
 pub(super) fn whole_depths<E: EdgeNumber>(triangle: &Setup<E>, rules: &DepthRules) -> [f32; 2] {
     let slack = ROUNDING * magnitude(triangle);
@@ -210,7 +216,7 @@ mod tests {
     use crate::pipeline::grid::SampleGrid;
     use crate::pipeline::settings::FillRule;
 
-    /// Depths at eight samples from a place on, and bits of those that the triangle covers.
+    /// Returns the depths at eight sample positions, and the bit mask of those that the triangle covers.
     #[inline(always)]
     fn depths_at<S: Simd>(
         simd: S,

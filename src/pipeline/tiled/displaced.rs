@@ -1,7 +1,7 @@
-//! Shading of samples that lie elsewhere in each pixel, where they belong to one triangle.
+//! Shading of jittered samples that belong to one triangle.
 //!
-//! The edge values of eight in a row differ by other steps each: they are computed from the samples' places. All else is as for
-//! samples on a lattice.
+//! The edge values of adjacent samples differ by varying steps, so they are computed from the samples' positions.
+//! Everything else is as for samples on a lattice.
 
 use super::Frame;
 use super::kernel::{EdgeRows, Patch, exact_at, one_by_one, shade_rows};
@@ -12,7 +12,7 @@ use super::setup::Edges;
 use super::target::Picture;
 use crate::math::lanes::*;
 
-/// Shades some rows of samples.
+/// Shades rows of jittered samples.
 #[inline(never)]
 pub(super) fn shade_displaced<S: Simd>(
     simd: S,
@@ -42,11 +42,11 @@ pub(super) fn shade_displaced<S: Simd>(
     );
 }
 
-/// The edge values of samples by where they lie.
+/// Edge values computed from the samples' positions.
 struct PlacedRows<'a, L> {
     subject: &'a Subject<'a>,
     locations: L,
-    /// First column and row of a block.
+    /// First column and row of the current block.
     first: (usize, usize),
 }
 
@@ -68,7 +68,7 @@ impl<S: Simd, L: Locations> EdgeRows<S> for PlacedRows<'_, L> {
     }
 }
 
-/// The edge values of eight samples, the first of some places.
+/// Returns the edge values of eight samples, at the first eight of the given positions.
 fn edges_of_row(edges: &Edges, [x, y]: [[i32; WIDE]; 2]) -> [[f64; LANES]; 3] {
     let mut of_row = [[0.0; LANES]; 3];
     for lane in 0..LANES {

@@ -1,14 +1,14 @@
-//! In which numbers the edge values of a triangle are computed within a tile. All of them are whole: doubles hold those of every
-//! triangle, integers of 32 bits those of most, and of integers twice as many fit a register.
+//! Number types for a triangle's edge values within a tile. All edge values are integers. Doubles hold those of every
+//! triangle, 32-bit integers those of most, and a register holds twice as many integers.
 
 use std::ops::{Add, Mul, Sub};
 
 use super::lattice::{Lattice, Steps};
 use crate::math::lanes::*;
 
-/// A kind of numbers, one or eight at a time.
+/// A number type for edge values, one or eight at a time.
 pub(super) trait EdgeNumber: Copy + Add<Output = Self> + Mul<Output = Self> {
-    /// Eight of them.
+    /// Eight numbers in lanes.
     type Eight<S: Simd>: Copy
         + Add<Output = Self::Eight<S>>
         + Sub<Output = Self::Eight<S>>
@@ -16,44 +16,44 @@ pub(super) trait EdgeNumber: Copy + Add<Output = Self> + Mul<Output = Self> {
         + Mul<Output = Self::Eight<S>>
         + Mul<Self, Output = Self::Eight<S>>;
 
-    /// Edges are given in such an order that the last one is opposite a corner of least depth, which depth does not rise to. Not
-    /// so if depths are linear in space.
+    /// Whether the last edge is opposite a vertex of least depth, so that its depth term is zero. Depths that are
+    /// linear in space are an exception.
     const LAST_IS_LEAST: bool;
 
-    /// An integer as such a number.
+    /// Converts an integer to this type.
     fn of(number: i32) -> Self;
 
-    /// The same number.
+    /// Converts to a double, without rounding.
     fn double(self) -> f64;
 
-    /// The least and the greatest of a·x + b·y for x from 0 to a width and y from 0 to a height.
+    /// Returns the least and the greatest a·x + b·y for x from 0 to `width` and y from 0 to `height`.
     fn reach(a: Self, b: Self, width: Self, height: Self) -> [Self; 2];
 
-    /// Places of samples.
+    /// Returns the sample distances of a lattice in this type.
     fn steps(lattice: &Lattice) -> &Steps<Self>;
 
-    /// Of the numbers of eight triangles those that are of this kind.
+    /// Returns the numbers of eight triangles that have this type.
     fn pick<'a>(doubles: &'a [[f64; LANES]; 3], integers: &'a [[i32; LANES]; 3]) -> &'a [[Self; LANES]; 3];
 
-    /// Eight numbers.
+    /// Loads eight numbers.
     fn load<S: Simd>(simd: S, numbers: &[Self; LANES]) -> Self::Eight<S>;
 
-    /// The same as an array.
+    /// Returns eight numbers as an array.
     fn store<S: Simd>(numbers: Self::Eight<S>) -> [Self; LANES];
 
-    /// Eight times the same number.
+    /// Returns a number in all eight lanes.
     fn repeat<S: Simd>(simd: S, number: Self) -> Self::Eight<S>;
 
-    /// Floats that are whole numbers.
+    /// Converts floats with integer values.
     fn of_floats<S: Simd>(simd: S, floats: F32<S>) -> Self::Eight<S>;
 
-    /// The same numbers.
+    /// Converts eight numbers to doubles, without rounding.
     fn doubles<S: Simd>(simd: S, numbers: Self::Eight<S>) -> F64<S>;
 
-    /// The places where no edge value is below the least one that is inside.
+    /// Returns the mask of the lanes in which no edge value is below the least one that is inside.
     fn inside<S: Simd>(values: [Self::Eight<S>; 3], least: [Self::Eight<S>; 3]) -> mask32x8<S>;
 
-    /// Their bits.
+    /// Returns the mask of [`EdgeNumber::inside`] as bits.
     fn inside_bits<S: Simd>(values: [Self::Eight<S>; 3], least: [Self::Eight<S>; 3]) -> u64;
 }
 
@@ -181,7 +181,7 @@ impl EdgeNumber for i32 {
 
     #[inline(always)]
     fn inside<S: Simd>(values: [i32x8<S>; 3], least: [i32x8<S>; 3]) -> mask32x8<S> {
-        // Whether one is greater is an instruction, whether it is greater or equal is none.
+        // Integer “greater” is an instruction, “greater or equal” is not.
         let outside = least[0].simd_gt(values[0]) | least[1].simd_gt(values[1]) | least[2].simd_gt(values[2]);
         !outside
     }

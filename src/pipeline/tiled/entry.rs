@@ -1,4 +1,4 @@
-//! Which triangles enter a tile, and how they are set up.
+//! Gathers the triangles of a tile's bin and sets them up.
 
 use super::Frame;
 use super::batch::Batch;
@@ -9,14 +9,14 @@ use super::setup::Origin;
 use crate::math::lanes::*;
 use crate::math::prefetch::prefetch;
 
-/// Batches of triangles of a tile whose corners are looked for together.
+/// Batches of a tile's triangles whose vertices are fetched together.
 pub(super) const BATCHES: usize = 4;
 
-/// Triangles of so many batches.
+/// Triangles in [`BATCHES`] batches.
 pub(super) const GROUP: usize = BATCHES * LANES;
 
 impl Frame<'_> {
-    /// Lists the triangles of a tile.
+    /// Gathers the triangles of a tile's bin from all chunks.
     #[inline(always)]
     pub(super) fn let_enter(&self, number: usize, entrants: &mut Entrants) {
         entrants.clear();
@@ -35,8 +35,9 @@ impl Frame<'_> {
         }
     }
 
-    /// Sets up a group of triangles of a tile before the first of them is drawn, as results come late, and says by bits which
-    /// of each eight may have a sample in the tile, and which of those have edge values of more than 32 bits.
+    /// Sets up a group of a tile's triangles before the first of them is drawn, which hides the latency of the setup.
+    /// Returns two bit masks per batch: triangles that may have a sample in the tile, and triangles among them whose
+    /// edge values exceed 32 bits.
     #[inline(always)]
     pub(super) fn set_up_group<S: Simd>(
         &self,
@@ -74,8 +75,9 @@ impl Frame<'_> {
         (alive, large)
     }
 
-    /// Finds the corners of a group of triangles of a tile, and a bit for each that is divided by w. They lie all over the
-    /// memory: all indices are asked for before the first is read, and then all vertices.
+    /// Finds the vertices of a group of a tile's triangles, and sets a bit of `divides_by_w` for each with perspective
+    /// division. Vertices are scattered in memory. All vertex indices are therefore prefetched before the first is
+    /// read, and each vertex as soon as it is found.
     #[inline(always)]
     fn find_vertices<'a>(
         &'a self,
@@ -108,7 +110,7 @@ impl Frame<'_> {
         }
     }
 
-    /// Records what shading reads besides of some triangles of a tile from `first` on, eight at most.
+    /// Fills the surface records of up to eight triangles of a tile, from `first` on.
     #[inline(always)]
     fn fill_surfaces<S: Simd>(&self, simd: S, entrants: &mut Entrants, first: usize, count: usize) {
         let nothing = Surface::default();
@@ -125,21 +127,21 @@ impl Frame<'_> {
     }
 }
 
-/// Triangles of a tile from which on bounds of its blocks are not worth their keep, unless they are large.
+/// Triangle count of a tile from which hierarchical Z is disabled, unless most of the triangles are large.
 const CROWDED: usize = 96;
 
-/// Columns, or rows, from which on a triangle is large: it reaches over more than two blocks.
+/// Extent in columns or rows from which a triangle is large: it then spans more than two blocks.
 const LARGE: i32 = 2 * BLOCK as i32;
 
-/// Whether a tile of so many triangles keeps bounds of its blocks, by the first of them that were set up, of which those count that
-/// have a bit.
+/// Whether a tile with this number of triangles keeps depth bounds of its blocks (hierarchical Z). Judged by the first
+/// triangles that were set up; `alive` has a bit for each of these that may have a sample in the tile.
 #[inline(always)]
 pub(super) fn keeps_bounds(triangles: usize, first: &[Batch; BATCHES], alive: &[u64; BATCHES]) -> bool {
     let large = || first.iter().zip(alive).map(|(batch, alive)| batch.count_large(*alive, LARGE)).sum::<u32>();
     triangles < CROWDED || 2 * large() > alive.iter().map(|alive| alive.count_ones()).sum()
 }
 
-/// The parts of eight records that are read.
+/// Fills the parts of eight surface records that the frame reads.
 #[inline(never)]
 fn fill_parts<S: Simd>(
     simd: S,

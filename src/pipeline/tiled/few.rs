@@ -1,12 +1,12 @@
-//! Sixteen samples that are of a few triangles: what is read of each triangle is loaded once, and dealt out to its samples.
+//! Sixteen samples of a few triangles: the data of each triangle is loaded once and permuted to its samples.
 
 use super::record::{Entrants, Record, Slot, Source};
 use crate::math::lanes::*;
 
-/// How many triangles are few.
+/// Largest number of triangles that count as few.
 const FEW: usize = LANES;
 
-/// Each sample is of one of a few triangles.
+/// Source of the triangle data for 16 samples of at most [`FEW`] triangles.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Few<'a> {
     records: [&'a Record; FEW],
@@ -15,14 +15,14 @@ pub(super) struct Few<'a> {
     which: Which,
 }
 
-/// Which of the triangles each sample is of.
+/// Index of each sample's triangle among the few.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 struct Which([u32; WIDE]);
 
 impl<'a> Few<'a> {
-    /// The triangles of those of sixteen samples that have a bit; the others are given any of these. None if there are more than a
-    /// few, or no instructions to deal with.
+    /// Finds the triangles of the samples selected by `mine`; the other samples get any of them. `None` if there are
+    /// more than [`FEW`], or if the processor has no AVX-512.
     #[inline(always)]
     pub(super) fn find<S: Simd>(simd: S, entrants: &'a Entrants, slots: &[u32; WIDE], mine: u32) -> Option<Self> {
         let (slots, which) = distinct(simd, slots, mine)?;
@@ -30,7 +30,7 @@ impl<'a> Few<'a> {
         Some(Self { records, entrants, slots, which })
     }
 
-    /// To each sample the numbers of its triangle, by those of all triangles.
+    /// Returns the numbers of each sample's triangle, from the numbers of all triangles.
     #[inline(always)]
     fn deal<S: Simd>(self, rows: [f32x4<S>; FEW]) -> [f32x16<S>; 4] {
         let simd = rows[0].simd;
@@ -53,7 +53,8 @@ impl<'a> Few<'a> {
 }
 
 impl Source for Few<'_> {
-    /// Texels of few triangles lie so close that to ask for all takes longer than to wait for them.
+    /// Texels of few triangles lie close together: prefetching them for all samples takes longer than the misses it
+    /// avoids.
     const PREFETCH_STEP: Option<usize> = Some(5);
 
     #[inline(always)]
@@ -69,8 +70,8 @@ impl Source for Few<'_> {
     }
 }
 
-/// The different slots of those of sixteen samples that have a bit, and which of them each sample has; of the other samples, any. None
-/// if there are more than a few, or without instructions for it.
+/// Returns the distinct slots of the samples selected by `mine`, and the index of each sample's slot among them; other
+/// samples get any index. `None` if there are more than [`FEW`], or without AVX-512.
 #[inline(always)]
 fn distinct<S: Simd>(simd: S, slots: &[u32; WIDE], mine: u32) -> Option<([u32; FEW], Which)> {
     #[cfg(target_arch = "x86_64")]
@@ -97,7 +98,7 @@ mod x86 {
     use fearless_simd::kernel;
 
     kernel! {
-        /// A bit for each number that no earlier one is equal to, and for each number bits of the earlier ones that are.
+        /// Returns a bit mask of the first occurrences, and for each number a bit mask of the equal numbers before it.
         #[inline]
         pub(super) fn firsts(avx512: Avx512, numbers: __m512i) -> (u16, __m512i) {
             let earlier = _mm512_conflict_epi32(numbers);
@@ -106,14 +107,14 @@ mod x86 {
     }
 
     kernel! {
-        /// The different numbers, in their order, and which of them each number is.
+        /// Returns the distinct numbers in order, and the index of each number among them.
         #[inline]
         pub(super) fn distinct(avx512: Avx512, numbers: __m512i, firsts: u16, earlier: __m512i) -> (__m512i, __m512i) {
             let own = _mm512_setr_epi32(
                 1, 1 << 1, 1 << 2, 1 << 3, 1 << 4, 1 << 5, 1 << 6, 1 << 7,
                 1 << 8, 1 << 9, 1 << 10, 1 << 11, 1 << 12, 1 << 13, 1 << 14, 1 << 15,
             );
-            // As many of them come before a number as before the first that is equal to it, which the lowest bit stands for.
+            // The lowest bit is the first occurrence. The index is the number of first occurrences before it.
             let equal = _mm512_or_si512(earlier, own);
             let before = _mm512_andnot_si512(equal, _mm512_sub_epi32(equal, _mm512_set1_epi32(1)));
             let before = _mm512_and_si512(before, _mm512_set1_epi32(firsts.into()));
@@ -122,7 +123,7 @@ mod x86 {
     }
 
     kernel! {
-        /// Of eight rows of four numbers, four in each register, the columns of sixteen of them.
+        /// Returns four columns of sixteen lanes, permuted from eight rows of four numbers, four rows in each register.
         #[inline]
         pub(super) fn deal(avx512: Avx512, rows: [__m512; 2], which: __m512i) -> [__m512; 4] {
             let first = _mm512_slli_epi32::<2>(which);
@@ -142,12 +143,12 @@ mod tests {
     use super::super::record::{Quad, SurfaceRecord};
     use super::*;
 
-    /// Numbers from `first` on.
+    /// Returns quads with consecutive numbers from `first` on.
     fn numbered<const N: usize>(first: usize) -> [Quad; N] {
         std::array::from_fn(|quad| std::array::from_fn(|i| (first + 4 * quad + i) as f32))
     }
 
-    /// Some triangles, no two numbers of which are equal.
+    /// Returns triangles whose numbers are all different.
     fn entrants(count: usize) -> Entrants {
         let mut entrants = Entrants::default();
         for first in (0..count).step_by(LANES) {

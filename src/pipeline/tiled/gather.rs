@@ -1,21 +1,22 @@
-//! Texels at several places at once: by the instructions for that where the processor has quick ones, else one after the other.
+//! Texel loads from several places at once: by hardware gathers where these are fast, otherwise by scalar loads.
 
 use crate::math::lanes::*;
 
-/// Which texels sixteen samples read, and how near each sample is to the right and to the lower ones.
+/// Texels that sixteen samples read, and the weights of the right and of the lower ones.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(64))]
 pub(super) struct Taps {
-    /// Places of texels; of quads that of the first texel alone.
+    /// Places of the texels; of quads only that of the upper left texel.
     pub(super) index: [[u32; WIDE]; 4],
     pub(super) right: [f32; WIDE],
     pub(super) down: [f32; WIDE],
 }
 
-/// The texels at as many places as a register holds; `by_gathers`, where there are instructions for that, or one by one.
+/// Returns the texels at as many places as a register holds. Uses hardware gathers if `by_gathers` and available, else
+/// scalar loads.
 ///
 /// # Panics
-/// If one of the places lies outside of the texels, or there are fewer.
+/// If a place lies outside of the texels, or there are fewer places than lanes.
 #[inline(always)]
 pub(super) fn gather<S: Simd>(simd: S, by_gathers: bool, texels: &[u32], places: &[u32]) -> S::u32s {
     let places = &places[..S::u32s::LEN];
@@ -28,17 +29,17 @@ pub(super) fn gather<S: Simd>(simd: S, by_gathers: bool, texels: &[u32], places:
     S::u32s::from_fn(simd, |lane| texels[places[lane] as usize])
 }
 
-/// The upper left, upper right, lower left and lower right texels of as many quads as a register holds, from rows of texels and
-/// the rows below those, by the places of the left ones.
+/// Returns the upper left, upper right, lower left and lower right texels of as many quads as a register holds. `upper`
+/// and `lower` are rows of texels and the rows below them; `places` are the indices of the left texels.
 ///
-/// They are read `by_gathers` or one by one. AVX2 has an instruction for it, too, but many processors take as long for that as
-/// for single reads, and those that had to be kept from leaking what they gather (CVE-2022-40982) several times as long.
+/// Uses hardware gathers if `by_gathers`, else scalar loads. AVX2 has a gather as well. On many processors it is as
+/// slow as scalar loads, and several times slower on those with the mitigation for CVE-2022-40982.
 ///
 /// # Panics
 /// If a quad lies outside of the texels.
 #[inline(always)]
 pub(super) fn quads<S: Simd>(simd: S, by_gathers: bool, [upper, lower]: [&[u32]; 2], places: &[u32]) -> [S::u32s; 4] {
-    // Of one length, so that one test is enough for both.
+    // Equal lengths, so that one bounds check covers both.
     let rows = [&upper[..lower.len()], lower];
     #[cfg(target_arch = "x86_64")]
     if by_gathers && let Some(avx512) = simd.level().as_avx512() {
@@ -80,8 +81,8 @@ pub(super) fn quads<S: Simd>(simd: S, by_gathers: bool, [upper, lower]: [&[u32];
     each!(corner in [0, 1, 2, 3] => S::u32s::from_slice(simd, &corners[corner][..S::u32s::LEN]))
 }
 
-/// Two texels of a row and the two below. Each place is tested by itself: to test eight of them in a register, and to take them
-/// out of it, takes longer.
+/// Returns two texels of a row and the two below. Each place is checked on its own: checking eight in a register and
+/// extracting them takes longer.
 #[inline(always)]
 fn quad_at([upper, lower]: [&[u32]; 2], place: u32) -> [u32; 4] {
     let place = place as usize;
@@ -97,25 +98,25 @@ mod x86 {
 
     kernel! {
         #[inline]
-        #[expect(unsafe_code, reason = "one test and one instruction for sixteen reads")]
+        #[expect(unsafe_code, reason = "one bounds check and one instruction for 16 reads")]
         pub(super) fn gather(avx512: Avx512, texels: &[u32], places: __m512i) -> __m512i {
             let end = _mm512_set1_epi32(texels.len().min(i32::MAX as usize) as i32);
             assert!(_mm512_cmpge_epu32_mask(places, end) == 0, "all texels are within the texture");
-            // SAFETY: every place is less than the number of texels, as was just made sure, and not negative as an i32.
+            // SAFETY: every place is less than the number of texels, as asserted above, and not negative as an i32.
             unsafe { _mm512_i32gather_epi32::<4>(places, texels.as_ptr().cast()) }
         }
     }
 
     kernel! {
-        /// The texels at some places of a row, and those to the right of them.
+        /// Returns the texels at some places of a row, and their right neighbours.
         #[inline]
-        #[expect(unsafe_code, reason = "one test for sixteen reads, and an instruction for eight: of pairs, fills were shaded a fifth faster than eight by eight")]
+        #[expect(unsafe_code, reason = "one bounds check for 16 reads: fills are shaded a fifth faster than eight at a time")]
         pub(super) fn gather_pairs(avx512: Avx512, texels: &[u32], places: __m512i) -> [__m512i; 2] {
             let end = _mm512_set1_epi32(texels.len().saturating_sub(1).min(i32::MAX as usize) as i32);
             assert!(_mm512_cmpge_epu32_mask(places, end) == 0, "all texels are within the texture");
             let (low, high) = (_mm512_castsi512_si256(places), _mm512_extracti64x4_epi64::<1>(places));
-            // SAFETY: every place is less than the last one, as was just made sure, and not negative as an i32, so that it and the
-            // one after it lie within the slice; the instruction asks for no alignment.
+            // SAFETY: every place is less than the last one, as asserted above, and not negative as an i32. It and the
+            // next one therefore lie within the slice; the instruction requires no alignment.
             let (low, high) = unsafe {
                 let texels = texels.as_ptr().cast();
                 (_mm512_i32gather_epi64::<4>(low, texels), _mm512_i32gather_epi64::<4>(high, texels))
@@ -131,20 +132,20 @@ mod x86 {
 mod tests {
     use super::*;
 
-    /// From one row to the next.
+    /// Distance from one row to the next, in texels.
     const STRIDE: usize = 100;
 
     fn texels() -> Vec<u32> {
         (0..1000_u32).map(|i| i.wrapping_mul(2_654_435_761)).collect()
     }
 
-    /// The quads at as many places as a register holds, the way these lanes read them.
+    /// Returns the quads at as many places as a register holds.
     #[inline(always)]
     fn quads_at<S: Simd>(simd: S, by_gathers: bool, texels: &[u32], places: &[u32]) -> [Vec<u32>; 4] {
         quads(simd, by_gathers, [texels, &texels[STRIDE..]], places).map(|texels| texels.as_slice().to_vec())
     }
 
-    /// The last of the places that these lanes read at once.
+    /// Returns the last lane that is loaded at once.
     fn last_lane(lanes: Lanes) -> usize {
         #[inline(always)]
         fn last<S: Simd>(_: S) -> usize {

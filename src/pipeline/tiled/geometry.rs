@@ -1,4 +1,4 @@
-//! Vertices of the tiled way: each mesh vertex once, eight at a time, straight to the screen.
+//! Vertex processing of the tiled path: each mesh vertex once, eight at a time, straight to the screen.
 //!
 //! The arithmetic is that of the classic stages ([`super::super::vertex`], [`super::super::viewport`],
 //! [`super::super::depth::DepthScale`]), operation by operation, so every bit agrees.
@@ -20,7 +20,8 @@ use crate::pipeline::vertex::{ClipVertex, DrawMatrices, Varyings};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Mesh, TriangleId};
 
-/// A vertex on the screen with what most shading reads, in half a cache line. One array, so that lanes can load it whole.
+/// A vertex on the screen with the attributes of most shading, in half a cache line. A single array, so that lanes can
+/// load it whole.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C, align(32))]
 pub(super) struct Vertex {
@@ -28,17 +29,17 @@ pub(super) struct Vertex {
 }
 
 impl Vertex {
-    /// Snapped position in grid steps, x right: a whole number below 2²⁴.
+    /// Index of the snapped x in grid steps, to the right: an integer below 2²⁴.
     pub(super) const X: usize = 0;
-    /// Snapped position in grid steps, y down.
+    /// Index of the snapped y in grid steps, down.
     pub(super) const Y: usize = 1;
-    /// The lower half of the bits of the depth, and after it the upper one.
+    /// Index of the lower half of the depth's bits; the upper half follows.
     const DEPTH: usize = 2;
-    /// 1/w.
+    /// Index of 1/w.
     pub(super) const INV_W: usize = 4;
-    /// Light (Gouraud only).
+    /// Index of the light (Gouraud only).
     pub(super) const LIGHT: usize = 5;
-    /// Texture coordinates, v down.
+    /// Indices of the texture coordinates, v down.
     pub(super) const UV: [usize; 2] = [6, 7];
 
     pub(super) fn new([x, y]: [f32; 2], depth: f64, inv_w: f32, light: f32, [u, v]: [f32; 2]) -> Self {
@@ -47,39 +48,39 @@ impl Vertex {
         Self { numbers: [x, y, low, high, inv_w, light, u, v] }
     }
 
-    /// The bits of the snapped position, x in the lower half.
+    /// Returns the bits of the snapped position, x in the lower half.
     #[inline(always)]
     pub(super) fn position_bits(&self) -> u64 {
         let [x, y] = self.position().map(f32::to_bits);
         u64::from(x) | u64::from(y) << 32
     }
 
-    /// Snapped position in grid steps.
+    /// Returns the snapped position in grid steps.
     #[inline(always)]
     pub(super) fn position(&self) -> [f32; 2] {
         [self.numbers[Self::X], self.numbers[Self::Y]]
     }
 
-    /// Depth in [0, 1], before it is quantised.
+    /// Returns the depth in [0, 1], before quantisation.
     #[inline(always)]
     pub(super) fn depth(&self) -> f64 {
         let half = |i: usize| u64::from(self.numbers[Self::DEPTH + i].to_bits());
         f64::from_bits(half(0) | half(1) << 32)
     }
 
-    /// 1/w.
+    /// Returns 1/w.
     #[inline(always)]
     pub(super) fn inv_w(&self) -> f32 {
         self.numbers[Self::INV_W]
     }
 
-    /// 1/w, light and texture coordinates of eight vertices.
+    /// Returns 1/w, light and texture coordinates of eight vertices.
     #[inline(always)]
     pub(super) fn attributes<S: Simd>(simd: S, vertices: &[&Self; LANES]) -> [F32<S>; 4] {
         transpose_quads(each!(i in [0, 1, 2, 3, 4, 5, 6, 7] => f32x4::from_slice(simd, &vertices[i].numbers[4..])))
     }
 
-    /// Positions and depths of eight vertices.
+    /// Returns positions in grid steps and depths of eight vertices.
     #[inline(always)]
     pub(super) fn positions_and_depths<S: Simd>(simd: S, vertices: &[&Self; LANES]) -> ([F32<S>; 2], F64<S>) {
         let rows = each!(i in [0, 1, 2, 3, 4, 5, 6, 7] => f32x4::from_slice(simd, &vertices[i].numbers[..4]));
@@ -89,7 +90,7 @@ impl Vertex {
     }
 }
 
-/// What further attributes a vertex has.
+/// Further attributes of a vertex: normal and colour.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C, align(32))]
 pub(super) struct Surface {
@@ -97,9 +98,9 @@ pub(super) struct Surface {
 }
 
 impl Surface {
-    /// Where the components of the world-space normal stand.
+    /// Indices of the components of the world-space normal.
     pub(super) const NORMAL: [usize; 3] = [0, 1, 2];
-    /// Where those of the colour stand.
+    /// Indices of the channels of the colour.
     pub(super) const COLOR: [usize; 3] = [4, 5, 6];
 
     pub(super) fn new(normal: Vec3, color: Vec3) -> Self {
@@ -115,16 +116,16 @@ impl Surface {
 /// One instance that is drawn.
 #[derive(Clone, Debug)]
 pub(super) struct Draw<'a> {
-    /// Its number in the scene.
+    /// Index of the instance in the scene.
     pub(super) instance: u32,
     pub(super) mesh: &'a Mesh,
     pub(super) plan: DrawPlan,
     matrices: DrawMatrices,
-    /// Identifier of its first triangle.
+    /// Identifier of the first triangle.
     pub(super) first: TriangleId,
-    /// Position of its first vertex in the arrays of all draws.
+    /// Index of the first vertex in the arrays of all draws.
     pub(super) first_vertex: usize,
-    /// What is left without the clusters that show nothing: nothing else is transformed or looked at.
+    /// Ranges that remain after cluster culling; nothing else is transformed or processed.
     pub(super) kept: Kept,
 }
 
@@ -145,26 +146,26 @@ impl<'a> Draw<'a> {
         self.plan.runs(Part::Clipping)
     }
 
-    /// The corners of one of its triangles as positions in the arrays of all draws.
+    /// Returns the vertices of a triangle as indices into the arrays of all draws.
     #[inline(always)]
     pub(super) fn corners(&self, id: u32) -> [usize; 3] {
         let [a, b, c] = self.mesh.triangles[(id - self.first.0) as usize];
         [a as usize + self.first_vertex, b as usize + self.first_vertex, c as usize + self.first_vertex]
     }
 
-    /// Asks for the corners of one of its triangles.
+    /// Prefetches the vertex indices of a triangle.
     #[inline(always)]
     pub(super) fn prefetch(&self, id: u32) {
         prefetch(&self.mesh.triangles, (id - self.first.0) as usize);
     }
 
-    /// A vertex in clip space as the classic way has it.
+    /// Returns a vertex in clip space as the classic path computes it.
     pub(super) fn clip_vertex(&self, index: usize, arrays: &Arrays) -> ClipVertex {
         let position = self.matrices.clip_from_model * self.mesh.positions[index - self.first_vertex].extend(1.0);
         ClipVertex { position, cut_at: None, varyings: self.varyings(index, arrays) }
     }
 
-    /// What comes along with a vertex, as the classic way has it.
+    /// Returns the varyings of a vertex as the classic path computes them.
     pub(super) fn varyings(&self, index: usize, arrays: &Arrays) -> Varyings {
         let vertex = &arrays.vertices[index];
         let surface = arrays.surfaces.get(index);
@@ -181,21 +182,21 @@ impl<'a> Draw<'a> {
     }
 }
 
-/// What all draws write and later stages read, one entry per vertex; memory is kept from frame to frame. Vertices that no
-/// triangle which is kept refers to have an entry that says nothing.
+/// Vertex data that all draws write and later stages read, one entry per vertex; memory is reused from frame to frame.
+/// Entries of vertices that no remaining triangle refers to are meaningless.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Arrays {
     pub(super) vertices: Vec<Vertex>,
     /// World-space normals and vertex colours; empty if no draw of the frame reads them in pixels.
     pub(super) surfaces: Vec<Surface>,
-    /// On which sides of the frustum a vertex lies; empty if no triangle may cross it.
+    /// Frustum planes that each vertex is beyond; empty if no triangle may cross the frustum.
     pub(super) outcodes: Vec<Outcode>,
-    /// For each draw whether any of its vertices that are transformed lies outside the frustum.
+    /// Whether any transformed vertex of a draw lies outside the frustum, for each draw.
     pub(super) leaves_frustum: Vec<bool>,
 }
 
 impl Arrays {
-    /// Bytes held.
+    /// Returns the number of bytes held.
     pub(super) fn bytes(&self) -> usize {
         self.vertices.capacity() * size_of::<Vertex>()
             + self.surfaces.capacity() * size_of::<Surface>()
@@ -206,17 +207,17 @@ impl Arrays {
 
 /// Vertices of a draw that are transformed together.
 struct Batch<'a, 'b> {
-    /// Position in the list of draws.
+    /// Index in the list of draws.
     number: usize,
     draw: &'b Draw<'a>,
-    /// Position of the first in the mesh.
+    /// Index of the first vertex in the mesh.
     first: usize,
     vertices: &'b mut [Vertex],
     surfaces: &'b mut [Surface],
     outcodes: &'b mut [Outcode],
 }
 
-/// Vertices per batch: enough to be worth handing to a thread, few enough to share out evenly.
+/// Vertices per batch: enough to outweigh the cost of a task, and few enough to balance the threads.
 const BATCH: usize = 4096;
 
 /// Transforms the vertices of all draws.
@@ -276,7 +277,7 @@ fn batches<'a, 'b>(draws: &'b [Draw<'a>], arrays: &'b mut Arrays) -> Vec<Batch<'
     batches
 }
 
-/// Splits off the first `len` entries; none of an array that is not kept.
+/// Splits off the first `len` entries, or all if there are fewer.
 fn take_front<'b, T>(slice: &mut &'b mut [T], len: usize) -> &'b mut [T] {
     let len = len.min(slice.len());
     let (front, rest) = std::mem::take(slice).split_at_mut(len);
@@ -284,7 +285,7 @@ fn take_front<'b, T>(slice: &mut &'b mut [T], len: usize) -> &'b mut [T] {
     front
 }
 
-/// What is the same for all vertices of a frame.
+/// Inputs that are the same for all vertices of a frame.
 struct Job<'a> {
     settings: &'a Settings,
     viewport: Viewport,
@@ -293,7 +294,7 @@ struct Job<'a> {
     light_direction: Vec3,
 }
 
-/// What a mesh has of eight vertices; attributes that the draw does not read are left out.
+/// Mesh data of eight vertices; `None` for attributes that the draw does not read.
 #[derive(Clone, Copy)]
 struct Group<'a> {
     positions: &'a [Vec3; LANES],
@@ -301,7 +302,7 @@ struct Group<'a> {
     uvs: Option<&'a [Vec2; LANES]>,
 }
 
-/// Eight items from `first` on. Where there are fewer, the last one stands for the rest, in `padded`.
+/// Returns eight items from `first` on. If there are fewer, the last one is repeated, in `padded`.
 #[inline(always)]
 fn eight<'a, T: Copy + Default>(items: &'a [T], first: usize, padded: &'a mut [T; LANES]) -> &'a [T; LANES] {
     let items = items.get(first..).unwrap_or_default();
@@ -315,7 +316,7 @@ fn eight<'a, T: Copy + Default>(items: &'a [T], first: usize, padded: &'a mut [T
     padded
 }
 
-/// Puts the first of eight items, as many as there is room for, where `out` begins.
+/// Stores the first of eight items at the start of `out`, as many as it holds.
 #[inline(always)]
 fn put<T: Copy>(out: &mut [T], items: &[T; LANES]) {
     match out.first_chunk_mut() {
@@ -324,13 +325,13 @@ fn put<T: Copy>(out: &mut [T], items: &[T; LANES]) {
     }
 }
 
-/// Eight vertices as they are stored, column by column.
+/// Eight vertices before they are stored, column by column.
 struct Columns<S: Simd> {
     position: [F32<S>; 2],
     depth: F64<S>,
     inv_w: F32<S>,
     light: F32<S>,
-    /// Both texture coordinates of a vertex in the bits of one number.
+    /// Texture coordinates: both of a vertex in the bits of one double.
     uv: F64<S>,
 }
 
@@ -349,14 +350,14 @@ impl<S: Simd> Columns<S> {
     }
 }
 
-/// Two columns of floats as one of pairs, in the bits of a double each.
+/// Interleaves two columns of floats into pairs, each in the bits of a double.
 #[inline(always)]
 fn pairs<S: Simd>(simd: S, a: F32<S>, b: F32<S>) -> F64<S> {
     let (first, last) = a.interleave(b);
     simd.combine_f64x4(first.bitcast(), last.bitcast())
 }
 
-/// The four pairs of pairs of floats in the bits of eight doubles.
+/// Returns the bits of eight doubles as four vectors of two pairs of floats.
 #[inline(always)]
 fn quads<S: Simd>(simd: S, doubles: F64<S>) -> [f32x4<S>; 4] {
     let (first, last) = simd.split_f64x8(doubles);
@@ -365,7 +366,7 @@ fn quads<S: Simd>(simd: S, doubles: F64<S>) -> [f32x4<S>; 4] {
 }
 
 impl Job<'_> {
-    /// Transforms a batch and says whether any vertex lies outside the frustum.
+    /// Transforms a batch. Returns whether any vertex lies outside the frustum.
     #[inline(always)]
     fn run<S: Simd>(&self, simd: S, batch: Batch<'_, '_>) -> bool {
         let Batch { draw, first, vertices, surfaces, outcodes, .. } = batch;
@@ -408,7 +409,7 @@ impl Job<'_> {
         leaves_frustum
     }
 
-    /// Further attributes of up to eight vertices with these world-space normals.
+    /// Stores further attributes of up to eight vertices with these world-space normals.
     fn surfaces(&self, draw: &Draw<'_>, first: usize, normals: [[f32; LANES]; 3], out: &mut [Surface]) {
         let reads_colors = draw.plan.runs(Part::VertexColors);
         for (i, surface) in out.iter_mut().enumerate() {
@@ -421,7 +422,8 @@ impl Job<'_> {
         }
     }
 
-    /// Eight vertices, with their positions in clip space and their world-space unit normals: zero if none are read.
+    /// Returns eight vertices, their clip-space positions and their world-space unit normals, which are zero if none
+    /// are read.
     #[inline(always)]
     fn vertices<S: Simd>(&self, simd: S, draw: &Draw<'_>, group: Group<'_>) -> (Columns<S>, [F32<S>; 4], [F32<S>; 3]) {
         let zero = F32::splat(simd, 0.0);
@@ -448,11 +450,11 @@ impl Job<'_> {
         (Columns { position, depth, inv_w, light, uv }, clip, normal)
     }
 
-    /// Clip space to the screen: snapped position, depth and 1/w.
+    /// Projects clip space to the screen: returns the snapped position in grid steps, depth and 1/w.
     #[inline(always)]
     fn project<S: Simd>(&self, simd: S, [x, y, z, w]: [F32<S>; 4]) -> ([F32<S>; 2], F64<S>, F32<S>) {
         let inv_w = F32::splat(simd, 1.0) / w;
-        // The number of grid steps in a pixel is a power of two: it multiplies without rounding.
+        // The number of grid steps per pixel is a power of two, so the product is not rounded.
         let Viewport { width, height } = self.viewport;
         let [width, height] = [width, height].map(|pixels| pixels as f32 * SUBPIXELS as f32);
         let x = ((x * inv_w * 0.5 + 0.5) * width).round_ties_even();
@@ -461,7 +463,7 @@ impl Job<'_> {
     }
 }
 
-/// Model space to clip space, by component.
+/// Transforms positions from model space to clip space, by component.
 #[inline(always)]
 fn clip_positions<S: Simd>(simd: S, draw: &Draw<'_>, positions: &[Vec3; LANES]) -> [F32<S>; 4] {
     let [x, y, z] = split(simd, positions);
@@ -482,10 +484,10 @@ pub(super) fn lambert_lanes<S: Simd, V: SimdFloat<S> + SimdBase<S, Element = f32
     cosine.max(0.0) * (1.0 - ambient) + ambient
 }
 
-/// Eight vectors by component.
+/// Splits eight vectors into components.
 #[inline(always)]
 fn split<S: Simd>(simd: S, vectors: &[Vec3; LANES]) -> [F32<S>; 3] {
-    // Four floats in a row each, the last of which is of the next vector: one load.
+    // Loads four adjacent floats each, the last of which belongs to the next vector: one load.
     let rows = each!(i in [0, 1, 2, 3, 4, 5, 6, 7] => {
         let Vec3 { x, y, z } = vectors[i];
         f32x4::load_array(simd, [x, y, z, vectors[(i + 1) % LANES].x])

@@ -1,8 +1,8 @@
-//! Jittered supersampling: several samples of each pixel, elsewhere in each, all of them shaded.
+//! Jittered supersampling: several samples at different positions in each pixel, all of them shaded.
 //!
-//! The triangles of a tile are set up once for all samples. Then one sample of every pixel after the other is drawn and shaded as
-//! if it were the only one, and added to what the pixels have: a tile and the sums of its pixels are all the memory that any
-//! number of samples takes.
+//! The triangles of a tile are set up once for all samples. The samples are then drawn and shaded one after the other,
+//! each as if it were the only one, and added to the sums of the pixels. A tile and the sums of its pixels are enough
+//! memory for any number of samples.
 
 use std::time::{Duration, Instant};
 
@@ -18,47 +18,49 @@ use crate::image::Rgba8;
 use crate::math::lanes::*;
 use crate::pipeline::grid::SampleGrid;
 
-/// Places that a sample has to choose from.
+/// Number of positions from which a sample's position is chosen.
 pub const PLACES: usize = 16;
 
-/// Sums over the samples of sixteen pixels, channel by channel.
+/// Sums of colours over the samples of sixteen pixels, channel by channel.
 pub type Sums = [[f32; WIDE]; 3];
 
-/// Which of its places a sample, given by number, has in some pixels, given by their columns in the full picture and their row.
+/// Chooses positions of a sample, given by number, for pixels, given by their columns in the full picture and their
+/// row. Writes the index of the chosen position for each pixel.
 pub type ChosenPlaces<'a> = &'a (dyn Fn(usize, (&[u32], u32), &mut [u8]) + Sync);
 
-/// From samples to pixels, sixteen by sixteen.
+/// Functions that combine samples into pixels, sixteen at a time.
 #[derive(Clone, Copy)]
 pub struct SumOfSamples<'a> {
-    /// Adds one sample of each pixel.
+    /// Adds one sample of each pixel to the sums.
     pub add: &'a (dyn Fn(&[Rgba8], &mut [Sums]) + Sync),
-    /// What the pixels are when all samples are added. If all have one colour, that is the pixel's.
+    /// Computes the pixels when all samples are added. If all samples of a pixel have one colour, the pixel has it as
+    /// well.
     pub mean: &'a (dyn Fn(&[Sums], &mut [Rgba8]) + Sync),
 }
 
-/// Several samples of each pixel, and the colour that they have together.
+/// Several samples of each pixel, and their combination into one colour.
 #[derive(Clone, Copy)]
 pub struct Jittering<'a> {
-    /// Where each sample may lie, in grid steps of 1/256 px right of and below the centre of its pixel.
+    /// Possible positions of each sample, in grid steps of 1/256 px right of and below the centre of its pixel.
     pub places: &'a [[[i32; 2]; PLACES]],
-    /// Where it does.
+    /// Choice among these positions.
     pub chosen: ChosenPlaces<'a>,
-    /// What pixels become.
+    /// Combination of samples into pixels.
     pub sum: SumOfSamples<'a>,
 }
 
-/// What tiles read.
+/// Jittering, prepared for tiles.
 pub(super) struct Jittered<'a> {
     jittering: Jittering<'a>,
-    /// Of each sample.
+    /// The samples of each pixel.
     samples: Vec<JitteredSample>,
 }
 
-/// One of the samples of all pixels.
+/// One sample of every pixel.
 struct JitteredSample {
-    /// Points from which it lies to the right and below in every pixel.
+    /// Points; the sample lies to the right of and below its point in every pixel.
     lattice: Lattice,
-    /// How far it may, in grid steps along each axis.
+    /// Possible offsets from the points along each axis, in grid steps.
     offsets: [[f32; PLACES]; 2],
 }
 
@@ -77,7 +79,7 @@ impl<'a> Jittered<'a> {
         Self { jittering, samples: jittering.places.iter().map(sample).collect() }
     }
 
-    /// Finds where a sample lies in the pixels of a tile.
+    /// Finds the positions of a sample in the pixels of a tile, as offsets from the lattice points.
     fn place(&self, number: usize, grid: SampleGrid, tile: (usize, usize), offsets: &mut Offsets) {
         let [across, down] = &self.samples[number].offsets;
         let mut chosen = [0; TILE];
@@ -95,7 +97,7 @@ impl<'a> Jittered<'a> {
     }
 }
 
-/// Memory that is kept from tile to tile.
+/// Memory that is reused from tile to tile.
 #[derive(Clone, Debug, Default)]
 pub(super) struct JitterMemory {
     groups: Vec<Group>,
@@ -103,29 +105,29 @@ pub(super) struct JitterMemory {
     sums: Vec<Sums>,
 }
 
-/// Triangles of a tile that are set up.
+/// A group of a tile's triangles after setup.
 #[derive(Clone, Debug, Default)]
 struct Group {
     batches: [Batch; BATCHES],
-    /// A bit for each triangle that may have a sample in the tile.
+    /// Bit masks of the triangles that may have a sample in the tile, one per batch.
     alive: [u64; BATCHES],
-    /// A bit for each whose edge values have more than 32 bits.
+    /// Bit masks of the triangles whose edge values exceed 32 bits, one per batch.
     large: [u64; BATCHES],
 }
 
 impl JitterMemory {
-    /// Bytes held.
+    /// Returns the number of bytes held.
     pub(super) fn bytes(&self) -> usize {
         self.groups.capacity() * size_of::<Group>() + self.offsets.bytes() + self.sums.capacity() * size_of::<Sums>()
     }
 }
 
-/// Sums of sixteen pixels in a row of a tile.
+/// Number of [`Sums`], of sixteen pixels each, in a row of a tile.
 const SUMS_PER_ROW: usize = TILE / WIDE;
 
 impl Frame<'_> {
-    /// Draws and shades a tile of the picture whose pixels have samples elsewhere in each. While there are samples left, the
-    /// picture holds the last one.
+    /// Draws and shades a tile of a picture with jittered samples. Until all samples are added, the picture holds the
+    /// current one.
     #[inline(always)]
     pub(super) fn draw_jittered<S: Simd>(
         &self,
@@ -185,7 +187,7 @@ impl Frame<'_> {
         work.add((times[0], times[1]), [counts], shaded);
     }
 
-    /// Draws triangles that are set up into a tile, and lists those that are blended.
+    /// Draws triangles after setup into a tile, and lists those that are blended.
     #[inline(always)]
     fn draw_groups<S: Simd>(
         &self,

@@ -1,7 +1,7 @@
-//! Shading sixteen samples at a time, eight of each of two rows: once per visible sample.
+//! Shading of sixteen samples at a time, eight of each of two rows: once per visible sample.
 //!
-//! The arithmetic is that of [`crate::pipeline::interpolate`] and [`crate::pipeline::shade`], operation by operation. Shadings
-//! that show a single quantity are left to those functions themselves.
+//! The arithmetic is that of [`crate::pipeline::interpolate`] and [`crate::pipeline::shade`], operation by operation.
+//! Shadings that show a single quantity call those functions themselves.
 
 use glam::Vec3;
 
@@ -21,34 +21,34 @@ use crate::pipeline::interpolate::interpolate;
 use crate::pipeline::raster::Sample;
 use crate::pipeline::viewport::ScreenTriangle;
 
-/// Some rows of samples of a block, or of blocks side by side.
+/// Rows of samples of a block, or of adjacent blocks.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Patch {
     pub(super) tile: (usize, usize),
     /// First column, within the tile.
     pub(super) column: usize,
-    /// Columns that lie within the picture.
+    /// Number of columns that lie within the picture.
     pub(super) count: usize,
     /// First row, within the tile.
     pub(super) first: usize,
     /// One past the last row.
     pub(super) end: usize,
-    /// A bit for each sample of a block's row that is shaded.
+    /// Bit mask of the samples of a block's row that are shaded.
     pub(super) mine: u32,
 }
 
 impl Patch {
-    /// Block by block.
+    /// Splits the patch into blocks.
     pub(super) fn blocks(self) -> impl Iterator<Item = Self> {
         let columns = (self.column..self.column + self.count).step_by(BLOCK);
         columns.map(move |column| Self { column, count: (self.column + self.count - column).min(BLOCK), ..self })
     }
 }
 
-/// All samples of a row.
+/// Bit mask of all samples of a row.
 pub(super) const ALL: u32 = (1 << LANES) - 1;
 
-/// Samples that belong to one triangle and lie on the lattice.
+/// Shades samples that belong to one triangle and lie on the lattice.
 #[inline(never)]
 pub(super) fn shade_uniform<S: Simd>(
     simd: S,
@@ -82,16 +82,16 @@ pub(super) fn shade_uniform<S: Simd>(
     );
 }
 
-/// The edge values of a patch's samples.
+/// Source of the edge values of a patch's samples.
 pub(super) trait EdgeRows<S: Simd> {
-    /// Goes to one of its blocks.
+    /// Moves to one of the patch's blocks.
     fn begin(&mut self, simd: S, block: &Patch);
 
-    /// Of eight samples of each of two rows of the block, counted from the patch's first.
+    /// Returns the edge values of eight samples of each of two rows of the block, counted from the patch's first.
     fn at(&self, simd: S, rows: [usize; 2]) -> [f32x16<S>; 3];
 }
 
-/// Rows of samples that belong to one triangle.
+/// Shades rows of samples that belong to one triangle.
 #[inline(always)]
 pub(super) fn shade_rows<S: Simd>(
     simd: S,
@@ -107,7 +107,7 @@ pub(super) fn shade_rows<S: Simd>(
     }
 }
 
-/// [`shade_rows`] for a plan that is known beforehand.
+/// [`shade_rows`] for a plan that may be a compile-time constant.
 #[inline(always)]
 fn shade_blocks<S: Simd>(
     simd: S,
@@ -129,9 +129,9 @@ fn shade_blocks<S: Simd>(
     }
 }
 
-/// Everything that is interpolated for the rows of a block, the first of which is written from a place on and each other one from a
-/// stride after. Weights are found for all rows first: each is a chain of steps that wait for one another, a division among them,
-/// and those of other rows fill the time.
+/// Interpolates all attributes of the rows of a block. The first row is written at `start`, each other one a `stride`
+/// after the one before. Weights of all rows are computed first: each is a dependency chain with a division, and the
+/// chains of several rows overlap.
 #[inline(always)]
 fn interpolate_rows<S: Simd>(
     simd: S,
@@ -144,7 +144,7 @@ fn interpolate_rows<S: Simd>(
     let (rows, relative_inv_w) = (patch.end - patch.first, one.relative_inv_w(simd));
     let mut row = QueuedRow::new(start, patch.count, patch.mine);
     for (i, (pair, weights)) in pairs.iter_mut().zip(ahead.iter_mut()).enumerate() {
-        // A last row that has no other beside it is computed twice, and written once.
+        // A last row without a second one is computed twice and written once.
         let (upper, lower) = (2 * i, (2 * i + 1).min(rows - 1));
         weights.store(plan, corner_weights(simd, edges.at(simd, [upper, lower]), relative_inv_w));
         pair.rows = [row, if lower > upper { row.after(stride) } else { row.none() }];
@@ -157,15 +157,15 @@ fn interpolate_rows<S: Simd>(
     }
 }
 
-/// Edge values of up to eight rows of a triangle for which 32 bits are enough: sums that wrap around, and are right where
-/// the triangle covers the sample.
+/// Edge values of up to eight rows of a triangle whose edge values fit into 32 bits. Sums wrap around, and are correct
+/// where the triangle covers the sample.
 struct IntegerRows<'a, S: Simd> {
     lattice: &'a Lattice,
-    /// Growth per grid step to the right.
+    /// Change of the edge values per grid step to the right.
     a: [i32; 2],
-    /// Of the eight samples of a block's row, from its start, twice.
+    /// Edge values of the eight samples of a block's row, relative to its start, twice.
     along: [i32x16<S>; 2],
-    /// Of the starts of the rows.
+    /// Edge values at the starts of the rows.
     down: [[i32; LANES]; 2],
     doubled_area: i32,
 }
@@ -201,14 +201,14 @@ impl<S: Simd> EdgeRows<S> for IntegerRows<'_, S> {
     }
 }
 
-/// Edge values of up to eight rows of any triangle.
+/// Edge values of up to eight rows of any triangle, in doubles.
 struct ExactRows<'a, S: Simd> {
     lattice: &'a Lattice,
-    /// Growth per grid step to the right.
+    /// Change of the edge values per grid step to the right.
     a: [f64; 3],
-    /// Of the eight samples of a block's row, from its start.
+    /// Edge values of the eight samples of a block's row, relative to its start.
     along: [F64<S>; 3],
-    /// Of the starts of the rows.
+    /// Edge values at the starts of the rows.
     down: [[f64; LANES]; 3],
 }
 
@@ -241,7 +241,7 @@ impl<S: Simd> EdgeRows<S> for ExactRows<'_, S> {
     }
 }
 
-/// Shades a row by the classic way's own functions. Never a part of the code on lanes around it, which would spill registers.
+/// Shades a row by the functions of the classic path. Not inlined into lane code, where it would spill registers.
 #[inline(never)]
 pub(super) fn one_by_one(
     frame: &Frame<'_>,
@@ -262,10 +262,11 @@ pub(super) fn one_by_one(
     }
 }
 
-/// Edge values of any triangle at places right of and below the centre of the tile's first pixel.
+/// Returns the edge values of any triangle at positions right of and below the centre of the tile's first pixel, in
+/// grid steps.
 #[inline(always)]
 pub(super) fn exact_at<S: Simd>(simd: S, edges: &Edges, places: [i32x16<S>; 2]) -> [f32x16<S>; 3] {
-    // Offsets are small enough for floats.
+    // Offsets are small enough for floats to hold them exactly.
     let [(x0, x1), (y0, y1)] = each!(axis in [0, 1] => places[axis].to_float::<f32x16<S>>().split());
     let [first, last] = each!((x, y) in [(x0, y0), (x1, y1)] => {
         let (x, y) = (widen(simd, x), widen(simd, y));
@@ -274,12 +275,12 @@ pub(super) fn exact_at<S: Simd>(simd: S, edges: &Edges, places: [i32x16<S>; 2]) 
     each!(i in [0, 1, 2] => first[i].combine(last[i]))
 }
 
-/// Weights for attributes at sixteen samples.
+/// Interpolation weights of attributes at sixteen samples.
 #[derive(Clone, Copy)]
 pub(super) struct Weights<S: Simd> {
-    /// Those of the second and the third corner.
+    /// Weights of the second and the third vertex.
     pub(super) of_corners: [f32x16<S>; 2],
-    /// 1 over the sum of the edge values, each times the relative 1/w of its corner.
+    /// Reciprocal of the sum of the edge values, each times the relative 1/w of its vertex.
     inverse_sum: f32x16<S>,
 }
 
@@ -288,7 +289,7 @@ pub(super) struct Weights<S: Simd> {
 #[repr(align(64))]
 pub(super) struct StoredWeights {
     of_corners: [[f32; WIDE]; 2],
-    /// Only known if smaller copies of a texture are read.
+    /// Only valid if mip levels of a texture are read.
     inverse_sum: [f32; WIDE],
 }
 
@@ -314,14 +315,14 @@ impl StoredWeights {
 }
 
 impl<S: Simd> Weights<S> {
-    /// The first corner stands for samples without a bit: what is computed there must not lead astray.
+    /// Moves samples outside `mine` to the first vertex, so that meaningless values there do no harm.
     #[inline(always)]
     pub(super) fn of_some(self, simd: S, mine: u32) -> Self {
         let (wanted, nothing) = (mask32x16::from_bitmask(simd, mine.into()), f32x16::splat(simd, 0.0));
         Self { of_corners: each!(i in [0, 1] => wanted.select(self.of_corners[i], nothing)), ..self }
     }
 
-    /// What they change by in a pixel to the right, and in one downwards.
+    /// Returns the change of the weights per pixel to the right, and per pixel down.
     #[inline(always)]
     pub(super) fn gradient(&self, simd: S, source: impl Source) -> [[f32x16<S>; 2]; 2] {
         let (slopes, relative_inv_w) = (source.edge_slopes(simd), source.relative_inv_w(simd));
@@ -333,7 +334,7 @@ impl<S: Simd> Weights<S> {
     }
 }
 
-/// Weights by edge values.
+/// Computes weights from edge values.
 #[inline(always)]
 pub(super) fn corner_weights<S: Simd>(simd: S, e: [f32x16<S>; 3], relative_inv_w: [f32x16<S>; 3]) -> Weights<S> {
     let q = each!(i in [0, 1, 2] => e[i] * relative_inv_w[i]);
@@ -341,7 +342,7 @@ pub(super) fn corner_weights<S: Simd>(simd: S, e: [f32x16<S>; 3], relative_inv_w
     Weights { of_corners: [q[1] * inverse_sum, q[2] * inverse_sum], inverse_sum }
 }
 
-/// Finds out which texels are read, if any are.
+/// Finds the texels that are read, if any are.
 #[inline(always)]
 pub(super) fn locate_texels<S: Simd, O: Source>(
     simd: S,
@@ -369,7 +370,7 @@ pub(super) fn locate_texels<S: Simd, O: Source>(
     }
 }
 
-/// From weights to everything that is interpolated.
+/// Interpolates all attributes from weights.
 #[inline(always)]
 pub(super) fn interpolate_pair<S: Simd>(
     simd: S,
@@ -397,11 +398,11 @@ pub(super) fn interpolate_pair<S: Simd>(
             color.store_array(&mut pair.color[channel]);
         }
     }
-    // Last, as it needs the most registers.
+    // Last, because it needs the most registers.
     locate_texels(simd, shader, plan, source, weights, taps);
 }
 
-/// Light on normals that are not of unit length; no direct light on those of none.
+/// Returns the light on normals of any length; without direct light where the length is zero.
 #[inline(always)]
 fn lambert<S: Simd>(simd: S, normal: [f32x16<S>; 3], direction: Vec3, ambient: f32) -> f32x16<S> {
     let [x, y, z] = normal;

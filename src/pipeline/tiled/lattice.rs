@@ -1,4 +1,4 @@
-//! Where the samples of a tile lie: the packed samples of a [`SampleGrid`] in steps that lanes can take.
+//! Lattice of a tile's samples: the packed samples of a [`SampleGrid`] as steps for lanes.
 
 use super::edge_number::EdgeNumber;
 use crate::math::fixed::{HALF_PIXEL, SUBPIXELS};
@@ -8,55 +8,56 @@ use crate::pipeline::grid::SampleGrid;
 /// Side of a tile in packed samples.
 pub(super) const TILE: usize = 64;
 
-/// Samples of a tile.
+/// Number of samples of a tile.
 pub(super) const TILE_SAMPLES: usize = TILE * TILE;
 
-/// Side of a block in packed samples: as many as there are lanes.
+/// Side of a block in packed samples: the number of lanes.
 pub(super) const BLOCK: usize = LANES;
 
-/// Blocks along a side of a tile.
+/// Number of blocks along a side of a tile.
 pub(super) const BLOCKS: usize = TILE / BLOCK;
 
-/// Rows after which shifts repeat.
+/// Number of rows after which row shifts repeat.
 const SHIFTS: usize = 4;
 
-/// Samples by their distance from a tile's first one, in grid steps of 1/256 px.
+/// Sample positions relative to a tile's first sample, in grid steps of 1/256 px.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lattice {
     grid: SampleGrid,
-    /// Distances as doubles and as integers.
+    /// Distances as doubles; `integers` holds the same as integers.
     pub(super) doubles: Steps<f64>,
     pub(super) integers: Steps<i32>,
-    /// Whether what lies between rows is a power of two.
+    /// Whether the distance between rows is a power of two.
     has_exact_reciprocal: bool,
-    /// Where samples, or the points that they lie near, are from the centres of their pixels.
+    /// Offset of the samples, or of the points that they are jittered around, from the pixel centres, in grid steps.
     offset: [i32; 2],
-    /// Along each axis how far before and behind that others of the same pixel lie: the least and the greatest offset.
+    /// Least and greatest offset of any sample of a pixel along each axis, in grid steps.
     reach: [[f32; 2]; 2],
 }
 
-/// Distances of samples from a tile's first one. All numbers are whole.
+/// Distances of samples from a tile's first one, in grid steps. All numbers are integers.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Steps<T> {
-    /// From one row to the next.
+    /// Distance from one row to the next.
     row_step: T,
-    /// The same, and that to the row after the next, eight times: loaded as they are, for products on lanes.
+    /// Distance to the next row in all lanes, loaded as is for products. `row_after_next` is that to the row after the
+    /// next.
     pub(super) next_row: [T; LANES],
     pub(super) row_after_next: [T; LANES],
-    /// Whether samples stand below each other.
+    /// Whether samples of different rows are vertically aligned.
     pub(super) are_straight: bool,
-    /// Of the eight samples of a block's row, from the first.
+    /// Distances of the eight samples of a block's row from the first.
     pub(super) lanes: [T; LANES],
-    /// Of the eight rows of a block, from the first.
+    /// Distances of the eight rows of a block from the first.
     pub(super) rows: [T; LANES],
-    /// How far the samples of eight rows stand to the right of those of a tile's first row, by the first of the rows.
+    /// Shifts of eight rows to the right of a tile's first row, indexed by the first of these rows.
     shifts: [[T; LANES]; SHIFTS],
-    /// Of four samples of a row and the four below: columns, rows.
+    /// Distances of four samples of a row and of the four below: columns, then rows.
     pub(super) two_rows: [[T; LANES]; 2],
-    /// Of the first samples of the blocks of a row.
+    /// Distances of the first samples of a row's blocks.
     pub(super) blocks: [T; BLOCKS],
-    /// From the first sample of a block's row to the last one, what shifts rows against each other, and how far samples may lie
-    /// from their points; and from the first row of a block to the last one, and how far samples may lie from their points.
+    /// Width and height of a block: from the first to the last sample of a row, plus the shift between rows, and from
+    /// the first to the last row. Both include the distance of samples from their points.
     pub(super) block: [T; 2],
 }
 
@@ -81,27 +82,27 @@ impl<T: EdgeNumber> Steps<T> {
         }
     }
 
-    /// Of a column of rows that are not shifted.
+    /// Returns the distance of a column, in rows that are not shifted.
     #[inline(always)]
     pub(super) fn column(&self, column: usize) -> T {
-        // Of four pixels in a row a checkerboard samples two; both ways steps are as long as those between rows.
+        // A checkerboard samples two of four pixels in a row; on both grids column steps are as long as row steps.
         let pixel = if self.are_straight { column } else { column / 2 * 4 + column % 2 };
         T::of(pixel as i32) * self.row_step
     }
 
-    /// Of a row.
+    /// Returns the distance of a row.
     #[inline(always)]
     pub(super) fn row(&self, row: usize) -> T {
         T::of(row as i32) * self.row_step
     }
 
-    /// How far the samples of a row stand to the right of those of a tile's first row.
+    /// Returns the shift of a row's samples to the right of a tile's first row.
     #[inline(always)]
     pub(super) fn shift(&self, row: usize) -> T {
         self.shifts[0][row % SHIFTS]
     }
 
-    /// The shifts of eight rows.
+    /// Returns the shifts of eight rows from `first` on.
     #[inline(always)]
     pub(super) fn shifts(&self, first: usize) -> &[T; LANES] {
         &self.shifts[first % SHIFTS]
@@ -112,13 +113,13 @@ impl<T: EdgeNumber> Steps<T> {
 fn shift_of(grid: SampleGrid, row: usize) -> i64 {
     match grid {
         SampleGrid::Block { .. } => 0,
-        // Columns count from where the rows that begin farthest to the left do; tiles begin on a row of the first kind.
+        // Columns count from the start of the leftmost rows; tiles begin on a row of the first kind.
         SampleGrid::Checkerboard | SampleGrid::OddCheckerboard => i64::from(grid.first_drawn(row as u32)) * SUBPIXELS,
     }
 }
 
 impl Lattice {
-    /// The centres of pixels.
+    /// Creates the lattice of pixel centres.
     pub(super) fn new(grid: SampleGrid) -> Self {
         let doubles = Steps::<f64>::new(grid);
         Self {
@@ -131,13 +132,13 @@ impl Lattice {
         }
     }
 
-    /// The same pixels, each with its sample at an offset from the centre.
+    /// Returns the lattice of the same pixels with each sample at an offset from the centre, in grid steps.
     pub(super) fn moved(self, offset: [i32; 2]) -> Self {
         Self { offset, reach: offset.map(|along| [along as f32; 2]), ..self }
     }
 
-    /// The same pixels, each with samples at all of these offsets from the centre, which stands for them: ranges are those of
-    /// any of the samples.
+    /// Returns the lattice of the same pixels with samples at all of these offsets from the centre, in grid steps. Its
+    /// points are the centres; its ranges cover all samples.
     pub(super) fn with_samples(self, offsets: &[[i32; 2]]) -> Self {
         let reach = [0, 1].map(|axis| {
             let along = || offsets.iter().map(|offset| offset[axis]);
@@ -146,8 +147,8 @@ impl Lattice {
         Self { reach, ..self }
     }
 
-    /// The same pixels, each with its sample somewhere from a least to a greatest offset from the centre. The points of the
-    /// lattice are those of the least offset; its blocks reach to the greatest.
+    /// Returns the lattice of the same pixels with each sample between a least and a greatest offset from the centre,
+    /// in grid steps. Its points are at the least offset; its blocks extend to the greatest.
     pub(super) fn spread(mut self, [least, greatest]: [[i32; 2]; 2]) -> Self {
         for axis in 0..2 {
             let spread = greatest[axis] - least[axis];
@@ -157,18 +158,18 @@ impl Lattice {
         Self { offset: least, reach: [0, 1].map(|axis| [least[axis] as f32, greatest[axis] as f32]), ..self }
     }
 
-    /// From the centres of pixels to their samples.
+    /// Returns the offset of the samples from the pixel centres, in grid steps.
     pub(super) fn offset(&self) -> [i32; 2] {
         self.offset
     }
 
-    /// The greatest distance along an axis between places of one pixel that are sampled.
+    /// Returns the greatest distance along an axis between sample positions of one pixel, in grid steps.
     pub(super) fn extent(&self) -> f64 {
         let [across, down] = self.reach.map(|[least, greatest]| greatest - least);
         across.max(down).into()
     }
 
-    /// Position of a tile's first sample, in grid steps.
+    /// Returns the position of a tile's first sample, in grid steps.
     pub(super) fn origin(&self, tile: (usize, usize)) -> [f64; 2] {
         let (x, y) = self.grid.pixel((tile.0 * TILE) as u32, (tile.1 * TILE) as u32);
         let x = x - self.grid.pixel(0, 0).0;
@@ -176,43 +177,44 @@ impl Lattice {
         [step(x) + f64::from(self.offset[0]), step(y) + f64::from(self.offset[1])]
     }
 
-    /// From the first sample of a tile to the last one, along both axes.
+    /// Returns the distance from the first sample of a tile to the last one along both axes, in grid steps.
     #[inline(always)]
     pub(super) fn tile_extent(&self) -> [f64; 2] {
         let Steps { blocks, block: [width, height], .. } = &self.doubles;
         [blocks[BLOCKS - 1] + width, self.doubles.row((BLOCKS - 1) * BLOCK) + height]
     }
 
-    /// Farther than any sample of a tile lies from the tile's first pixel along either axis, and any beyond that which eight at a
-    /// time or two rows at a time take in. Of a lattice that reaches to all samples of its pixels.
+    /// Returns a bound of the distance of a tile's samples from its first pixel along either axis, in grid steps. It
+    /// includes samples beyond the tile that are computed eight at a time or two rows at a time. The lattice must cover
+    /// all samples of its pixels.
     #[inline(always)]
     pub(super) fn farthest(&self) -> f64 {
         let (columns, rows) = (self.doubles.column(TILE + LANES), self.doubles.row(TILE + LANES));
         columns.max(rows) + 2.0 * self.extent()
     }
 
-    /// Eight columns of a row from `column` on, not shifted, as integers.
+    /// Returns eight columns of a row from `column` on, without shift, as integers.
     #[inline(always)]
     pub(super) fn columns_i32<S: Simd>(&self, simd: S, column: usize) -> i32x8<S> {
         i32x8::load_array(simd, self.integers.lanes) + self.integers.column(column)
     }
 
-    /// Eight rows from `first` on, and how far their samples are shifted to the right, as integers.
+    /// Returns eight rows from `first` on, and the shifts of their samples to the right, as integers.
     #[inline(always)]
     pub(super) fn rows_i32<S: Simd>(&self, simd: S, first: usize) -> [i32x8<S>; 2] {
         let rows = i32x8::load_array(simd, self.integers.rows) + self.integers.row(first);
         [rows, i32x8::load_array_ref(simd, self.integers.shifts(first))]
     }
 
-    /// Distance of a sample from the tile's first one, by its column and row.
+    /// Returns the distance of a sample from the tile's first one, by its column and row.
     #[inline(always)]
     pub(super) fn place(&self, (column, row): (usize, usize)) -> [i32; 2] {
         let steps = &self.integers;
         [steps.column(column) + steps.shift(row), steps.row(row)]
     }
 
-    /// Packed columns or rows from the first to the last that may lie within a range of grid steps; both may be beyond the
-    /// picture. Never too few, seldom too many.
+    /// Returns the first and the last packed column or row that may lie within a range of grid steps; both may be
+    /// beyond the picture. The result is never too small and seldom too large.
     #[inline(always)]
     pub(super) fn range(&self, axis: usize, least: f32, greatest: f32) -> [f32; 2] {
         let half = HALF_PIXEL as f32;
@@ -233,7 +235,8 @@ impl Lattice {
 }
 
 impl Lattice {
-    /// Grid steps divided by those between rows. Where that is a power of two its reciprocal is exact, and multiplies faster.
+    /// Divides grid steps by the row step. The reciprocal of a power of two is exact, and a product is faster than a
+    /// quotient.
     #[inline(always)]
     fn per_row<S: Simd>(&self, steps: F32<S>) -> F32<S> {
         let step = self.doubles.row_step as f32;

@@ -1,7 +1,7 @@
-//! Where the samples of a tile lie: on a lattice, or near the points of one, elsewhere in each pixel.
+//! Sample positions of a tile: on a lattice, or jittered around the points of one.
 //!
-//! In fixed point a triangle that is moved against the offset of a sample has the same edges as where it stood, elsewhere; so a
-//! sample off the lattice is found by what the offset changes edge values by, which are whole numbers still.
+//! In fixed point, a sample's offset from its lattice point changes each edge value by an integer. Edge values of
+//! samples off the lattice therefore stay exact.
 
 use super::edge_number::EdgeNumber;
 use super::lattice::{Lattice, TILE};
@@ -9,15 +9,16 @@ use super::setup::Edges;
 use super::tile::{ROWS, STRIDE};
 use crate::math::lanes::*;
 
-/// One sample for each point of a lattice.
+/// Sample positions, one for each point of a lattice.
 pub(super) trait Locations: Copy {
-    /// Whether all samples are the points themselves.
+    /// Whether all samples are the lattice points themselves.
     const ON_LATTICE: bool;
 
-    /// The lattice, whose blocks reach as far as any of their samples do.
+    /// Returns the lattice, whose blocks extend as far as any of their samples.
     fn lattice(&self) -> &Lattice;
 
-    /// Edge values at eight samples of a row, whose first one is given by column and row, from those at the points.
+    /// Returns the edge values at eight samples of a row from those at the points. `first` is the column and row of the
+    /// first.
     fn displaced<S: Simd, E: EdgeNumber>(
         self,
         simd: S,
@@ -26,7 +27,7 @@ pub(super) trait Locations: Copy {
         first: (usize, usize),
     ) -> [E::Eight<S>; 3];
 
-    /// The same for four samples of a row and the four below.
+    /// [`Locations::displaced`] for four samples of a row and the four below.
     fn displaced_in_two_rows<S: Simd, E: EdgeNumber>(
         self,
         simd: S,
@@ -35,8 +36,8 @@ pub(super) trait Locations: Copy {
         first: (usize, usize),
     ) -> [E::Eight<S>; 3];
 
-    /// Eight samples of each of two rows, from a column on: how far right of and below the centre of the tile's first pixel they
-    /// lie, in grid steps.
+    /// Returns the positions of eight samples of each of two rows, from a column on: right of and below the centre of
+    /// the tile's first pixel, in grid steps.
     fn places<S: Simd>(self, simd: S, column: usize, rows: [usize; 2]) -> [i32x16<S>; 2];
 }
 
@@ -81,16 +82,16 @@ impl Locations for &Lattice {
     }
 }
 
-/// How far the samples of a tile lie right of and below the points of a lattice, in grid steps. Memory is kept from tile to
+/// Offsets of a tile's samples right of and below the points of a lattice, in grid steps. Memory is reused from tile to
 /// tile.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Offsets {
-    /// By row and column, as in a [`super::tile::Tile`].
+    /// Offsets along each axis, by row and column as in a [`super::tile::Tile`].
     along: [Vec<f32>; 2],
 }
 
 impl Offsets {
-    /// Bytes held.
+    /// Returns the number of bytes held.
     pub(super) fn bytes(&self) -> usize {
         self.along.iter().map(|offsets| offsets.capacity() * size_of::<f32>()).sum()
     }
@@ -102,7 +103,7 @@ impl Offsets {
         }
     }
 
-    /// The offsets of a row, to be filled.
+    /// Returns the offsets of a row, to be filled.
     pub(super) fn row_mut(&mut self, row: usize) -> [&mut [f32]; 2] {
         self.along.each_mut().map(|offsets| &mut offsets[row * STRIDE..][..TILE])
     }
@@ -122,11 +123,11 @@ impl Offsets {
     }
 }
 
-/// Samples that lie elsewhere in each pixel.
+/// Jittered samples, at a different position in each pixel.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Displaced<'a> {
     pub(super) lattice: &'a Lattice,
-    /// From its points to the samples.
+    /// Offsets from the lattice points to the samples.
     pub(super) offsets: &'a Offsets,
 }
 
@@ -168,7 +169,7 @@ impl Locations for Displaced<'_> {
     }
 }
 
-/// Edge values at offsets from where they are known. Their sum, which is the doubled area, stays.
+/// Returns edge values at offsets from where they are known. Their sum, the doubled area, is unchanged.
 #[inline(always)]
 fn moved<S: Simd, E: EdgeNumber>(
     simd: S,
@@ -181,17 +182,17 @@ fn moved<S: Simd, E: EdgeNumber>(
     [e[0] + first, e[1] + second, e[2] - (first + second)]
 }
 
-/// Edge values at eight points of one row after the other. They are whole numbers, so that steps add no error.
+/// Edge values at eight points, row by row. They are integers, so stepping adds no error.
 pub(super) struct Rows<S: Simd, E: EdgeNumber> {
-    /// Of the next row, but for its shift.
+    /// Edge values of the next row, without its shift.
     next: [E::Eight<S>; 3],
-    /// From row to row.
+    /// Change of the edge values from row to row.
     step: [E::Eight<S>; 3],
     are_straight: bool,
 }
 
 impl<S: Simd, E: EdgeNumber> Rows<S, E> {
-    /// Begins with row `first`, whose points lie in columns `x` of a row that is not shifted.
+    /// Starts at row `first`, whose points lie at `x`, in grid steps, in a row that is not shifted.
     #[inline(always)]
     pub(super) fn new(simd: S, edges: &Edges<E>, x: E::Eight<S>, first: usize, lattice: &Lattice) -> Self {
         let (steps, Edges { a, b, c }) = (E::steps(lattice), edges);
@@ -203,7 +204,7 @@ impl<S: Simd, E: EdgeNumber> Rows<S, E> {
         }
     }
 
-    /// Edge values of the next row, which is `row`.
+    /// Returns the edge values of the next row, which is `row`, and advances.
     #[inline(always)]
     pub(super) fn next(&mut self, edges: &Edges<E>, row: usize, lattice: &Lattice) -> [E::Eight<S>; 3] {
         let e = self.next;
@@ -216,7 +217,7 @@ impl<S: Simd, E: EdgeNumber> Rows<S, E> {
     }
 }
 
-/// Edge values at eight samples of a row.
+/// Returns the edge values at eight samples of a row.
 #[inline(always)]
 pub(super) fn edge_values<S: Simd>(
     simd: S,

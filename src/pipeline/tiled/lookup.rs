@@ -1,4 +1,4 @@
-//! Triangles of a frame by their keys: as lanes read them, and as the classic way has them.
+//! Lookup of a frame's triangles by key, in the layout for lanes and in that of the classic path.
 
 use super::Frame;
 use super::bins::Key;
@@ -13,7 +13,7 @@ use crate::scene::TriangleId;
 use crate::scene::material::Transparency;
 
 impl Frame<'_> {
-    /// Whether samples can be shaded together whatever draws they are of.
+    /// Whether samples can be shaded together whatever draws they belong to.
     pub(super) fn are_all_alike(&self) -> bool {
         self.shader_of_draw.iter().all(|first| *first == 0) && self.shaders.iter().all(|shader| shader.on_lanes)
     }
@@ -23,13 +23,13 @@ impl Frame<'_> {
         &self.shaders[draw]
     }
 
-    /// How a triangle meets what lies behind.
+    /// Returns the transparency of a triangle's material.
     #[inline(always)]
     pub(super) fn transparency(&self, entrant: Entrant) -> Transparency {
         self.shader(entrant.draw as usize).shader.transparency()
     }
 
-    /// The triangle of the scene that a key stands for.
+    /// Returns the scene's triangle for a key.
     #[inline(always)]
     pub(super) fn id_of(&self, key: Key) -> TriangleId {
         match key.as_piece() {
@@ -38,7 +38,7 @@ impl Frame<'_> {
         }
     }
 
-    /// The draw that a triangle belongs to.
+    /// Returns the index of the draw that a triangle belongs to.
     #[inline(always)]
     pub(super) fn draw_of(&self, key: Key) -> usize {
         let id = self.id_of(key);
@@ -70,7 +70,7 @@ impl Frame<'_> {
         [a.0, b.0, c.0]
     }
 
-    /// What lanes read of the corners of a triangle.
+    /// Returns the vertices of a triangle in the layout for lanes, with further attributes if the frame has any.
     #[inline(always)]
     pub(super) fn records(&self, key: Key, draw: usize) -> [(&Vertex, Option<&Surface>); 3] {
         match key.as_piece() {
@@ -86,7 +86,7 @@ impl Frame<'_> {
         }
     }
 
-    /// A triangle as the classic way has it.
+    /// Returns a triangle in the layout of the classic path.
     pub(super) fn screen_triangle(&self, key: Key, draw: usize) -> ScreenTriangle {
         if let Some((chunk, index)) = key.as_piece() {
             return self.chunks[chunk].pieces[index];

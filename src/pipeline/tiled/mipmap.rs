@@ -1,5 +1,6 @@
-//! Mip-mapped textures for sixteen samples: which two levels each of them reads, and where in those. The arithmetic is that of
-//! [`weight_gradient`], [`uv_gradient`] and [`Sampler::levels`], operation by operation.
+//! Mip-mapped texture reads for sixteen samples: the two mip levels that each of them reads, and the texels within
+//! these. The arithmetic is that of [`weight_gradient`], [`uv_gradient`] and [`Sampler::levels`], operation by
+//! operation.
 //!
 //! [`weight_gradient`]: crate::pipeline::interpolate::weight_gradient
 //! [`uv_gradient`]: crate::pipeline::interpolate::uv_gradient
@@ -13,27 +14,27 @@ use super::texture::{Images, Layout, TextureReader};
 use crate::math::lanes::*;
 use crate::math::log2::log2_lanes;
 
-/// Which texels sixteen samples read of the smaller one of their two levels.
+/// Texels that sixteen samples read of the coarser of their two mip levels.
 #[derive(Clone, Debug, Default)]
 #[repr(align(64))]
 pub(super) struct CoarseTaps {
     taps: Taps,
-    /// The share of that level.
+    /// Weight of the coarser mip level.
     share: [f32; WIDE],
-    /// Whether it has one in any sample. If not, no texel is known.
+    /// Whether the weight is nonzero for any sample. If not, the texels are not valid.
     pub(super) is_read: bool,
 }
 
-/// A level of the texture for each of sixteen samples.
+/// A mip level of the texture for each of sixteen samples.
 struct LevelOfEach<S: Simd> {
-    /// Position of its first texel.
+    /// Index of the level's first texel.
     first: i32x16<S>,
-    /// Width and height.
+    /// Width and height in texels.
     size: [i32x16<S>; 2],
 }
 
 impl CoarseTaps {
-    /// Asks for texels that will be read, as [`TextureReader::prefetch`].
+    /// Prefetches texels that will be read, as [`TextureReader::prefetch`].
     #[inline(always)]
     pub(super) fn prefetch(&self, texture: &TextureReader<'_>, step: usize) {
         if self.is_read {
@@ -43,8 +44,8 @@ impl CoarseTaps {
 }
 
 impl TextureReader<'_> {
-    /// Which texels sixteen samples read, as [`TextureReader::locate`], of two levels. Not for inlining: what textures without
-    /// levels are read by shall stay small.
+    /// Finds the texels that sixteen samples read of two mip levels, as [`TextureReader::locate`]. Not inlined, so that
+    /// the code for textures without mip levels stays small.
     #[inline(never)]
     pub(super) fn locate_in_levels<S: Simd>(
         &self,
@@ -67,7 +68,8 @@ impl TextureReader<'_> {
                 let share = level - finer.to_float::<f32x16<S>>();
                 let [of_fine, of_coarse] = self.two_levels(simd, finer);
                 self.locate_in_level(simd, layout, uv, &of_fine, fine);
-                // A texel times nothing adds nothing: texels are finite, and none is negative, so that not even a sign is lost.
+                // A texel with weight zero adds nothing: texels are finite, and none is negative, so not even a sign
+                // changes.
                 coarse.is_read = !share.simd_eq(0.0).all_true();
                 if coarse.is_read {
                     share.store_array(&mut coarse.share);
@@ -77,7 +79,7 @@ impl TextureReader<'_> {
         );
     }
 
-    /// From 0, the texture itself, to the number of its smallest copy.
+    /// Returns the level of detail (LOD), from 0, the full texture, to the index of the coarsest mip level.
     #[inline(always)]
     fn level<S: Simd>(&self, simd: S, gradient: [[f32x16<S>; 2]; 2]) -> f32x16<S> {
         let [right, down] = each!([u, v] in [gradient[0], gradient[1]] => {
@@ -86,12 +88,12 @@ impl TextureReader<'_> {
         });
         let longest = down.simd_gt(right).select(down, right);
         let one = f32x16::splat(simd, 1.0);
-        // The logarithm of one is exactly nothing.
+        // The logarithm of one is exactly zero.
         let longest = longest.simd_gt(one).select(longest, one);
         (log2_lanes(longest) * 0.5).min((self.levels.len() - 1) as f32)
     }
 
-    /// The levels of these numbers, and the next smaller ones. The smallest one is followed by itself.
+    /// Returns the mip levels with these indices, and the next coarser ones. The coarsest level is its own successor.
     #[inline(always)]
     fn two_levels<S: Simd>(&self, simd: S, finer: i32x16<S>) -> [LevelOfEach<S>; 2] {
         let finer = finer.to_array();
@@ -138,7 +140,7 @@ impl TextureReader<'_> {
         }
     }
 
-    /// [`TextureReader::read_bytes`] of two levels, mixed; of one without mip-mapping.
+    /// [`TextureReader::read_bytes`] of two mip levels, mixed; of a single one without mip-mapping.
     #[inline(always)]
     pub(super) fn read_levels_bytes<S: Simd>(
         &self,
@@ -153,7 +155,7 @@ impl TextureReader<'_> {
         mix(simd, finer, coarser, S::f32s::from_slice(simd, &coarse.share[first..first + S::f32s::LEN]))
     }
 
-    /// Alpha alone.
+    /// Reads the alpha channel of two mip levels, mixed; of a single one without mip-mapping.
     #[inline(always)]
     pub(super) fn read_levels_alpha<S: Simd>(
         &self,
@@ -173,7 +175,7 @@ impl TextureReader<'_> {
         f32x16::load_array(simd, sixteen)
     }
 
-    /// [`TextureReader::read_linear`] of two levels, mixed; of one without mip-mapping.
+    /// [`TextureReader::read_linear`] of two mip levels, mixed; of a single one without mip-mapping.
     #[inline(always)]
     pub(super) fn read_levels_linear<S: Simd>(
         &self,
@@ -188,7 +190,7 @@ impl TextureReader<'_> {
     }
 }
 
-/// Two colours with their alpha, the second with a share.
+/// Mixes two colours with alpha; `share` is the weight of the second.
 #[inline(always)]
 fn mix<S: Simd, F: SimdFloat<S, Element = f32>>(simd: S, finer: [F; 4], coarser: [F; 4], share: F) -> [F; 4] {
     let rest = F::splat(simd, 1.0) - share;

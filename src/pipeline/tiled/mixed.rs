@@ -1,8 +1,8 @@
-//! Pixels in whose samples more than one triangle shows, or a triangle and the background: what edges look like.
+//! Mixed pixels: their samples see several triangles, or a triangle and the background, as at edges.
 //!
-//! Each of the triangles is a *fragment* of the pixel. It is shaded once: at the centre of the pixel if the triangle covers that,
-//! else at the first sample that it covers, whether or not it is seen there. Fragments are shaded sixteen at a time, whatever
-//! pixels they are of.
+//! Each of the triangles is a *fragment* of the pixel. It is shaded once: at the centre of the pixel if the triangle
+//! covers it, otherwise at the first sample that it covers, visible there or not. Fragments are shaded sixteen at a
+//! time, whatever pixels they belong to.
 
 use super::Frame;
 use super::kernel::ALL;
@@ -19,29 +19,29 @@ use crate::image::Rgba8;
 use crate::math::lanes::*;
 use crate::pipeline::settings::FillRule;
 
-/// The mixed pixels of a tile. Memory is kept from tile to tile.
+/// The mixed pixels of a tile. Memory is reused from tile to tile.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MixedPixels {
-    /// Columns and rows within the tile.
+    /// Columns and rows of the pixels within the tile.
     places: Vec<(usize, usize)>,
-    /// Of each sample of sixteen pixels which of the colours it has.
+    /// Indices into `colors` of each sample of sixteen pixels.
     picks: Vec<Picks>,
     fragments: Fragments,
-    /// The background's, and from [`FIRST`] on those of the fragments.
+    /// The background colour, and from [`FIRST`] on the colours of the fragments.
     colors: Vec<Rgba8>,
     means: Vec<Rgba8>,
-    /// Of each sample the triangles of eight pixels.
+    /// Triangles of eight pixels, for each sample.
     seen: Vec<[u32; LANES]>,
 }
 
-/// Position of the colour of the background.
+/// Index of the background colour.
 const BACKGROUND: u32 = 0;
 
-/// Position of the colour of the first fragment.
+/// Index of the first fragment's colour.
 const FIRST: usize = WIDE;
 
 impl MixedPixels {
-    /// Bytes held.
+    /// Returns the number of bytes held.
     pub(super) fn bytes(&self) -> usize {
         self.places.capacity() * size_of::<(usize, usize)>()
             + self.picks.capacity() * size_of::<Picks>()
@@ -50,8 +50,8 @@ impl MixedPixels {
             + self.seen.capacity() * size_of::<[u32; LANES]>()
     }
 
-    /// Parts the pixels of a tile: those whose samples all see the same go to `agreed`, where there is nothing at others, and
-    /// the others are listed. `columns` and `rows` lie within the picture.
+    /// Separates the pixels of a tile. Pixels whose samples all see the same triangle go to `agreed`, which holds no
+    /// triangle at other pixels. The others are listed. `columns` and `rows` lie within the picture.
     #[inline(always)]
     pub(super) fn find<S: Simd>(
         &mut self,
@@ -91,7 +91,7 @@ impl MixedPixels {
         }
     }
 
-    /// Lists those of eight pixels of a row that have a bit.
+    /// Lists the pixels selected by `mixed`, of eight pixels of a row.
     #[inline(always)]
     fn list<S: Simd>(
         &mut self,
@@ -113,7 +113,8 @@ impl MixedPixels {
         }
     }
 
-    /// Lists a pixel: its column and row, its centre from the tile's first one on, in grid steps, and its number of eight.
+    /// Lists a pixel: its column and row, its centre relative to the tile's first one in grid steps, and its lane of
+    /// eight.
     fn push(&mut self, place: (usize, usize), centre: [i32; 2], lane: usize) {
         let Self { places, picks, fragments, seen, .. } = self;
         let (sixteen, pixel) = (places.len() / WIDE, places.len() % WIDE);
@@ -133,7 +134,7 @@ impl MixedPixels {
         }
     }
 
-    /// Shades the fragments, and finds the colours of the pixels.
+    /// Shades the fragments and computes the colours of the pixels.
     #[inline(always)]
     pub(super) fn shade<S: Simd>(
         &mut self,
@@ -160,7 +161,7 @@ impl MixedPixels {
         shaded
     }
 
-    /// Gives each sample of the pixels its colour, sample by sample.
+    /// Writes the colour of each sample of the mixed pixels, sample by sample.
     pub(super) fn spread(&self, samples: &mut [Rgba8]) {
         let count = samples.len() / TILE_SAMPLES;
         for (pixel, (column, row)) in self.places.iter().enumerate() {
@@ -171,7 +172,7 @@ impl MixedPixels {
         }
     }
 
-    /// Writes the colours of the pixels.
+    /// Writes the colours of the mixed pixels.
     pub(super) fn write(&self, picture: &mut Picture<'_>) {
         for ((column, row), color) in self.places.iter().zip(&self.means) {
             picture.values[row * picture.stride + picture.left + column] = *color;
@@ -179,7 +180,7 @@ impl MixedPixels {
     }
 }
 
-/// Triangles in pixels.
+/// Fragments: pairs of a triangle and a pixel.
 #[derive(Clone, Debug, Default)]
 struct Fragments {
     list: Vec<Sixteen>,
@@ -190,11 +191,11 @@ struct Fragments {
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub(super) struct Sixteen {
-    /// The first triangle stands where there is none.
+    /// Slots of the triangles; the first triangle in unused lanes.
     slots: [u32; WIDE],
     /// Columns and rows of the pixels within the tile.
     pixels: [(u8, u8); WIDE],
-    /// The centres of the pixels right of and below the tile's first one, in grid steps.
+    /// Pixel centres right of and below the tile's first one, in grid steps.
     centres: [[i32; WIDE]; 2],
 }
 
@@ -204,7 +205,8 @@ impl Fragments {
         self.len = 0;
     }
 
-    /// Where the colour of a triangle will be that shows in a pixel whose fragments begin with `first`.
+    /// Returns the colour index of a triangle in a pixel whose fragments begin with `first`. Adds the fragment if it is
+    /// new.
     fn pick(&mut self, first: usize, slot: u32, (column, row): (usize, usize), [x, y]: [i32; 2]) -> u32 {
         let known = (first..self.len).find(|place| self.list[place / WIDE].slots[place % WIDE] == slot);
         let place = known.unwrap_or_else(|| {
@@ -224,8 +226,8 @@ impl Fragments {
 }
 
 impl Job<'_, &Lattice> {
-    /// Shades the fragments that have a bit, each at the first of some places of its pixel that its triangle covers; their colours
-    /// go to `start` and on.
+    /// Shades the fragments selected by `open`, each at the first of the `offsets` in its pixel that its triangle
+    /// covers. Colours are written from `start` on.
     #[inline(always)]
     fn fragments<S: Simd>(
         &mut self,
@@ -258,7 +260,7 @@ impl Job<'_, &Lattice> {
         }
     }
 
-    /// Where fragments are shaded, right of and below the tile's first pixel.
+    /// Returns the shading positions of fragments, right of and below the tile's first pixel, in grid steps.
     #[inline(always)]
     fn shading_places<S: Simd>(
         &mut self,
@@ -282,7 +284,7 @@ impl Job<'_, &Lattice> {
         places
     }
 
-    /// The colour of one fragment by the classic way's own functions.
+    /// Shades one fragment by the functions of the classic path.
     fn by_itself(&mut self, slot: Slot, pixel: (usize, usize), place: [i32; 2]) -> Rgba8 {
         let Entrant { key, draw } = self.entrants.get(slot);
         let frame = self.frame;
@@ -298,7 +300,7 @@ impl Job<'_, &Lattice> {
     }
 }
 
-/// [`Edges::first_covered`] for sixteen triangles whose edge values 32 bits hold, those that have a bit.
+/// [`Edges::first_covered`] for the triangles selected by `open`, of sixteen, whose edge values fit into 32 bits.
 ///
 /// [`Edges::first_covered`]: super::setup::Edges::first_covered
 #[inline(always)]
@@ -315,7 +317,7 @@ fn first_covered<S: Simd>(
     let (e0, e1) = (a0 * x + b0 * y + c0, a1 * x + b1 * y + c1);
     let (zero, one) = (i32x16::splat(simd, 0), i32x16::splat(simd, 1));
     let edges = [(a0, b0, e0), (a1, b1, e1), (zero - a0 - a1, zero - b0 - b1, area - e0 - e1)];
-    // Inside of an edge no value is below zero.
+    // Inside of an edge, no value is negative.
     let edges = each!((a, b, e) in [edges[0], edges[1], edges[2]] => (a, b, e - least_inside([zero, one], a, b, rule)));
     let mut moved = [zero; 2];
     for [right, down] in offsets {

@@ -1,4 +1,5 @@
-//! The fast way to execute the pipeline: tile by tile, eight samples at a time, sixteen where they are shaded, on all threads.
+//! The fast execution path of the pipeline: tile by tile, on all threads. It draws eight samples at a time and shades
+//! sixteen.
 //!
 //! ```text
 //! transform ─► cull and bin ─┬─► tile: coverage and depth ─► shade ─┐
@@ -6,13 +7,13 @@
 //!                            └─► tile …                             ┘
 //! ```
 //!
-//! A tile first finds which triangle is seen at each of its samples, and only then shades, each sample once: what is hidden
-//! costs no shading, however much of it there is. Vertices are snapped, edges are whole numbers, depth and attributes are
-//! computed by the same operations in the same order as in the classic way, so the picture is the same bit for bit, whatever
-//! the number of threads and whatever the instructions of the processor.
+//! A tile first finds the visible triangle of each of its samples and only then shades, each sample once. Hidden
+//! surfaces therefore cost no shading. Vertices are snapped and edge functions are integers. Depth and attributes are
+//! computed by the same operations in the same order as on the classic path. The picture is therefore the same bit for
+//! bit, whatever the number of threads and the instruction set.
 //!
-//! Several samples for each pixel, with one shading for each triangle that they see, are several tiles at once:
-//! [`Multisampling`]. Samples that are elsewhere in each pixel are drawn and shaded one after the other: [`Jittering`].
+//! Multisampling shades once for each triangle visible in a pixel, and draws one tile per sample: [`Multisampling`].
+//! Jittered samples, at a different position in each pixel, are drawn and shaded one after the other: [`Jittering`].
 
 mod axis;
 mod batch;
@@ -95,22 +96,22 @@ use crate::math::lanes::*;
 use crate::scene::material::Transparency;
 use crate::scene::{Camera, Scene};
 
-/// Why a frame cannot be drawn tile by tile, if so.
+/// Returns the reason why a frame cannot be drawn tile by tile; `None` if it can.
 pub fn obstacle(scene: &Scene, settings: &Settings) -> Option<&'static str> {
     if settings.arithmetic != Arithmetic::Fixed {
-        Some("only fixed point runs tile by tile")
+        Some("tiled execution requires fixed-point arithmetic")
     } else if settings.rasterizer.is_published() {
-        Some("published rasterizers have an order of their own")
+        Some("the rasterizers kept as published run in classic execution only")
     } else if settings.interpolation == Interpolation::Published {
-        Some("the published weights are computed one by one")
+        Some("the interpolation kept as published runs in classic execution only")
     } else if scene.triangle_count() > MOST_TRIANGLES {
-        Some("there are more triangles than tiles can number")
+        Some("the scene has more triangles than a tile can number")
     } else {
         None
     }
 }
 
-/// Memory that is kept from frame to frame.
+/// Memory that is reused from frame to frame.
 #[derive(Debug, Default)]
 pub struct Memory {
     arrays: Arrays,
@@ -119,20 +120,20 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// Bytes held.
+    /// Returns the number of bytes held.
     pub fn bytes(&self) -> usize {
         let workspaces = self.workspaces.lock().map_or(0, |all| all.iter().map(Workspace::bytes).sum());
         self.arrays.bytes() + self.chunks.iter().map(Chunk::bytes).sum::<usize>() + workspaces
     }
 }
 
-/// What a thread draws and shades a tile with.
+/// Memory in which a thread draws and shades a tile.
 #[derive(Clone, Debug)]
 struct Workspace {
     tile: Tile,
-    /// For pictures that have few rows of tiles for each thread.
+    /// Private memory of a tile, for pictures that have few rows of tiles per thread.
     memory: Option<Box<TileMemory>>,
-    /// Of multisampled frames one tile for each sample of the pixels.
+    /// Tiles of a multisampled frame, one for each sample of the pixels.
     planes: Vec<Tile>,
     mixed: MixedPixels,
     seen_through: SeenThrough,
@@ -173,7 +174,7 @@ impl Workspace {
     }
 }
 
-/// Everything that tiles read.
+/// Data of a frame that all its tiles read.
 struct Frame<'a> {
     settings: &'a Settings,
     grid: SampleGrid,
@@ -184,20 +185,20 @@ struct Frame<'a> {
     draws: &'a [Draw<'a>],
     arrays: &'a Arrays,
     chunks: &'a [Chunk],
-    /// Nothing is cut out or blended.
+    /// Whether no draw is alpha-tested or blended.
     all_opaque: bool,
-    /// Some draw reads normals in pixels.
+    /// Whether any draw reads normals per pixel.
     reads_normals: bool,
-    /// Some draw reads colours of vertices.
+    /// Whether any draw reads vertex colours.
     reads_colors: bool,
-    /// One for each draw.
+    /// Shaders, one per draw.
     shaders: Vec<DrawShader<'a>>,
-    /// For each draw the first one that is shaded alike.
+    /// Index, for each draw, of the first draw that is shaded alike.
     shader_of_draw: Vec<usize>,
     samples: Samples<'a>,
 }
 
-/// Draws a scene into a framebuffer, all of which it overwrites. [`obstacle`] must have found none.
+/// Draws a scene into a framebuffer and overwrites all of it. [`obstacle`] must return `None` for the scene.
 pub fn draw(
     scene: &Scene,
     camera: &Camera,
@@ -261,9 +262,9 @@ pub fn draw(
 /// Side of a tile in samples.
 pub const TILE_SIDE: u32 = TILE as u32;
 
-/// How many triangles each tile is handed: those whose boxes touch it, before they are set up. One value for each tile of
-/// [`TILE_SIDE`] samples a side, whose pixels are sampled at their centres or, if there are any, at offsets from them, in grid
-/// steps of 1/256 px. [`obstacle`] must have found none.
+/// Returns the load of each tile: the number of triangles whose bounding boxes overlap it, before setup. The image has
+/// one value per tile of [`TILE_SIDE`] samples a side. Pixels are sampled at `offsets` from their centres, in grid
+/// steps of 1/256 px, or at their centres if there are none. [`obstacle`] must return `None` for the scene.
 pub fn tile_loads(
     scene: &Scene,
     camera: &Camera,
@@ -287,7 +288,7 @@ pub fn tile_loads(
     })
 }
 
-/// What all threads add to.
+/// Counters that all threads add to.
 #[derive(Debug, Default)]
 struct Work {
     rasterize_ns: AtomicU64,
@@ -299,7 +300,7 @@ struct Work {
 }
 
 impl Work {
-    /// A tile's times of rasterizing and of shading, and what was done in it.
+    /// Adds the rasterization and shading times of a tile, and its counts.
     fn add(
         &self,
         (rasterize, shade): (Duration, Duration),
@@ -323,12 +324,12 @@ impl Work {
     }
 }
 
-/// The plans of all instances.
+/// Returns the plans of all instances.
 pub fn plans(scene: &Scene, camera: &Camera, settings: &Settings, viewport: Viewport) -> Vec<DrawPlan> {
     plan(scene, camera, settings, viewport, Lanes::best()).1
 }
 
-/// The draws that are not outside, and the plans of all instances.
+/// Returns the draws that are not outside the view, and the plans of all instances.
 fn plan<'a>(
     scene: &'a Scene,
     camera: &Camera,
@@ -374,7 +375,7 @@ fn shaders<'a>(scene: &'a Scene, settings: &'a Settings, draws: &[Draw<'_>]) -> 
 }
 
 impl Frame<'_> {
-    /// Draws all tiles into rows of them, on all threads.
+    /// Draws all tiles into the rows of the picture, on all threads.
     fn draw_tiles(
         &self,
         lanes: Lanes,
@@ -403,7 +404,7 @@ impl Frame<'_> {
         });
     }
 
-    /// Draws some tiles of a row that has `columns` of them.
+    /// Draws a run of tiles in a row of `columns` tiles.
     fn draw_run(
         &self,
         lanes: Lanes,
@@ -446,7 +447,7 @@ impl Frame<'_> {
         }
     }
 
-    /// What was counted on the way from `triangles_in` to pixels.
+    /// Returns the counts of the frame; `triangles_in` is the number of triangles in the scene.
     fn counts(&self, triangles_in: u64, work: Work) -> TiledCounts {
         TiledCounts {
             triangles_in,
@@ -505,7 +506,7 @@ impl Frame<'_> {
         work.add((rasterized - start, rasterized.elapsed()), [tile.counts], shaded);
     }
 
-    /// Draws one of some triangles into a tile, or lists it if it is blended.
+    /// Draws one triangle of a batch into a tile, or lists it if it is blended.
     #[inline(always)]
     fn draw_triangle<S: Simd>(
         &self,
@@ -527,7 +528,7 @@ impl Frame<'_> {
         }
     }
 
-    /// Draws one of some triangles that nothing shows through.
+    /// Draws one opaque triangle of a batch into a tile.
     #[inline(always)]
     fn draw_opaque<S: Simd>(
         &self,
@@ -543,13 +544,13 @@ impl Frame<'_> {
         }
     }
 
-    /// Position of the first sample of a tile, in grid steps, and its packed column and row.
+    /// Returns the position of a tile's first sample in grid steps, and its packed column and row.
     #[inline(always)]
     fn origin(&self, lattice: &Lattice, place: (usize, usize)) -> Origin {
         (lattice.origin(place), [(place.0 * TILE) as f32, (place.1 * TILE) as f32])
     }
 
-    /// Sets up triangles that a tile was asked to draw before.
+    /// Returns a function that sets up a triangle of the tile's bin again.
     #[inline(always)]
     fn owner(&self, entrants: &Entrants, lattice: &Lattice, place: (usize, usize)) -> impl Fn(Slot) -> Option<Setup> {
         let origin = self.origin(lattice, place);
@@ -560,7 +561,7 @@ impl Frame<'_> {
         }
     }
 
-    /// Copies the depths of the centres of pixels to where they are kept.
+    /// Copies the depths at pixel centres to the target.
     #[inline(always)]
     fn write_depths<S: Simd>(&self, simd: S, tile: &mut Tile, entrants: &Entrants, target: &mut Target<'_>) {
         let owner = self.owner(entrants, &self.lattice, target.place);

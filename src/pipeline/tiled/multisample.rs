@@ -1,9 +1,10 @@
-//! Multisampling: coverage and depth at several samples of each pixel, one colour for each triangle that shows in it.
+//! Multisampling: coverage and depth at several samples of each pixel, one colour for each triangle visible in it.
 //!
-//! Every sample of the pixels has a tile of its own, whose lattice is moved from the centres by the sample's offset. Corners
-//! and samples stand on one grid, so to all samples a triangle has the same edges, elsewhere: it is set up once, and then drawn
-//! into each tile. A pixel whose samples all see the same triangle is shaded as if it were sampled at its centre alone, which
-//! lies among the samples and so within the triangle. What other pixels take is in [`super::mixed`].
+//! Every sample of the pixels has its own tile, whose lattice is moved from the centres by the sample's offset.
+//! Vertices and samples lie on one grid, so a triangle has the same edges for all samples, merely translated. It is set
+//! up once and then drawn into each tile. A pixel whose samples all see the same triangle is shaded as if it were
+//! sampled at its centre alone. The centre lies among the samples and therefore within the triangle. All other pixels
+//! are handled in [`super::mixed`].
 
 use std::time::Instant;
 
@@ -19,29 +20,29 @@ use crate::math::lanes::*;
 use crate::pipeline::grid::SampleGrid;
 use crate::scene::material::Transparency;
 
-/// Of sixteen pixels where among some colours that of one sample is.
+/// Indices into a list of colours, of one sample for each of sixteen pixels.
 pub type Picks = [u32; WIDE];
 
-/// The colours of pixels, sixteen by sixteen, from those of their samples, which are picked sample by sample. If all samples of
-/// a pixel have one colour, that is the pixel's.
+/// Computes the colours of pixels, sixteen at a time, from a list of colours and the picks of each sample. If all
+/// samples of a pixel have one colour, the pixel has it as well.
 pub type MeanOfSamples<'a> = &'a (dyn Fn(&[Rgba8], &[Picks], &mut [Rgba8]) + Sync);
 
-/// Several samples of each pixel, and the colour that they have together.
+/// Several samples of each pixel, and their combination into one colour.
 #[derive(Clone, Copy)]
 pub struct Multisampling<'a> {
-    /// Where samples lie, in grid steps of 1/256 px right of and below the centre of their pixel. Their mean is the centre, and
-    /// they do not all lie on one line.
+    /// Sample positions, in grid steps of 1/256 px right of and below the centre of their pixel. Their mean is the
+    /// centre, and they are not collinear.
     pub offsets: &'a [[i32; 2]],
-    /// From samples to pixels.
+    /// Combination of samples into pixels.
     pub mean: MeanOfSamples<'a>,
 }
 
-/// What tiles are drawn for each tile of the picture.
+/// Sample planes: the tiles that are drawn for each tile of the picture.
 pub(super) struct Planes<'a> {
     pub(super) samples: Multisampling<'a>,
-    /// One for each sample, and one more for the centres of pixels if their depths are kept.
+    /// Lattices, one for each sample, and one more for the pixel centres if their depths are kept.
     pub(super) lattices: Vec<Lattice>,
-    /// Where a triangle may be shaded in a pixel, in the order of preference: at the centre, or at one of the samples.
+    /// Possible shading positions of a triangle in a pixel, in order of preference: the centre, then the samples.
     pub(super) shading_places: Vec<[i32; 2]>,
 }
 
@@ -58,7 +59,7 @@ impl<'a> Planes<'a> {
 }
 
 impl Frame<'_> {
-    /// Draws and shades a tile of the picture whose pixels have several samples.
+    /// Draws and shades a tile of a multisampled picture.
     #[inline(always)]
     pub(super) fn draw_samples<S: Simd>(
         &self,
@@ -98,7 +99,7 @@ impl Frame<'_> {
         work.add((rasterized - start, rasterized.elapsed()), tiles.iter().map(|tile| tile.counts), shaded);
     }
 
-    /// Draws the triangles of a tile of the picture into the tiles of all samples, and lists those that are blended.
+    /// Draws a tile's triangles into the tiles of all samples, and lists those that are blended.
     #[inline(always)]
     fn draw_planes<S: Simd>(
         &self,

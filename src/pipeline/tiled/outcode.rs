@@ -1,5 +1,4 @@
-//! On which sides of the frustum vertices lie, and what that leaves of triangles: the questions of [`clip`] for eight
-//! vertices at a time.
+//! Outcodes of vertices, and the clipping verdicts of triangles: the tests of [`clip`] for eight vertices at a time.
 //!
 //! [`clip`]: crate::pipeline::clip
 
@@ -8,19 +7,19 @@ use std::ops::{BitAnd, BitOr};
 use crate::math::lanes::*;
 use crate::pipeline::clip::{LEAST_W, Plane};
 
-/// Where a vertex lies: a bit for each plane of the frustum that it is beyond.
+/// Outcode of a vertex: a bit for each plane of the frustum that it is beyond.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Outcode(u16);
 
 impl Outcode {
     const NOT_FINITE: u16 = 1 << 14;
     const CROSSES: u16 = 1 << 15;
-    /// Every bit: what others can be joined with by `&`.
+    /// Outcode with every bit: the neutral element of `&`.
     pub(super) const ALL: Self = Self(u16::MAX);
     const PLANES: u16 = (1 << Plane::ALL.len()) - 1;
 
-    /// Of eight vertices in clip space, by component, and whether any is not all zero. The sides of the frustum are moved out
-    /// by the factor `widening` where what crosses them must be cut.
+    /// Returns the outcodes of eight vertices in clip space, by component, and whether any is nonzero. Triangles are
+    /// clipped only beyond the sides of the frustum moved out by the factor `widening`, the guard band.
     #[inline(always)]
     pub(super) fn of_lanes<S: Simd>(simd: S, [x, y, z, w]: [F32<S>; 4], widening: f32) -> ([Self; LANES], bool) {
         let between_sides = w.simd_ge(x.abs()) & w.simd_ge(y.abs());
@@ -28,7 +27,7 @@ impl Outcode {
         if (between_sides & in_depth).all_true() {
             return ([Self::default(); LANES], false);
         }
-        // Distances are differences of floats, whose signs are those of comparisons.
+        // Distances are differences of floats, so their signs are those of comparisons.
         let depth = each!(beyond in [z.simd_lt(0.0), w.simd_lt(LEAST_W), w.simd_lt(z)] => beyond.to_bitmask());
         let offsets = [-x, x, -y, y];
         let sides = each!(i in [0, 1, 2, 3] => w.simd_lt(offsets[i]).to_bitmask());
@@ -49,7 +48,7 @@ impl Outcode {
         (codes, true)
     }
 
-    /// What becomes of a triangle with these corners.
+    /// Returns the clipping verdict of a triangle with these vertices.
     #[inline(always)]
     pub(super) fn verdict(corners: [Self; 3]) -> Crossing {
         let [a, b, c] = corners;
@@ -63,13 +62,13 @@ impl Outcode {
         }
     }
 
-    /// Whether it lies beyond a plane of the frustum.
+    /// Whether the outcode has a bit for a plane of the frustum.
     #[inline(always)]
     pub(super) fn is_beyond(self) -> bool {
         self.0 & Self::PLANES != 0
     }
 
-    /// Whether it lies within the frustum.
+    /// Whether the vertex lies within the frustum.
     #[inline(always)]
     pub(super) fn is_inside(self) -> bool {
         self.0 == 0
@@ -92,14 +91,14 @@ impl BitOr for Outcode {
     }
 }
 
-/// What the frustum leaves of a triangle.
+/// Clipping verdict of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Crossing {
-    /// Nothing.
+    /// No part is visible, or a vertex is not finite: the triangle is dropped.
     Gone,
-    /// A part.
+    /// The triangle must be clipped.
     Cut,
-    /// All of it.
+    /// The triangle is drawn without clipping.
     Whole,
 }
 
@@ -109,7 +108,7 @@ mod tests {
 
     use super::*;
 
-    /// By the distances that clipping computes.
+    /// Returns the outcode from the distances that clipping computes.
     fn expected(position: Vec4, widening: f32) -> Outcode {
         if !position.is_finite() {
             return Outcode(Outcode::NOT_FINITE | Outcode::CROSSES);

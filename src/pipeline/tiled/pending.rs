@@ -1,8 +1,8 @@
-//! Shading samples of several triangles, sixteen at a time.
+//! Shading of samples of several triangles, sixteen at a time.
 //!
-//! Each sixteen are a long chain of steps that wait for one another: finding what is read of their triangles, a division, the places of
-//! texels. So they are left pending until there are four times sixteen, and each step is taken for all of those before the next one
-//! is: what one waits for, another one does not.
+//! Shading sixteen samples is a long dependency chain: loads of their triangles' data, a division, the places of
+//! texels. Samples are therefore kept pending until there are four times sixteen. Each step is taken for all of them
+//! before the next one, so that their latencies overlap.
 
 use super::Frame;
 use super::few::Few;
@@ -17,12 +17,12 @@ use super::shader::{DrawShader, Plan};
 use super::target::Picture;
 use crate::math::lanes::*;
 
-/// Where sixteen samples lie, and where their colours go.
+/// Positions of sixteen samples, and the destinations of their colours.
 pub(super) trait Spots: Copy {
-    /// Right of and below the centre of the tile's first pixel, in grid steps.
+    /// Returns the positions right of and below the centre of the tile's first pixel, in grid steps.
     fn places<S: Simd>(self, simd: S) -> [i32x16<S>; 2];
 
-    /// Of the samples that have a bit, eight by eight.
+    /// Returns the destinations of the samples selected by `mine`, eight at a time.
     fn rows(self, mine: u32, picture: &Picture<'_>) -> [QueuedRow; 2];
 }
 
@@ -49,12 +49,12 @@ impl<L: Locations> Spots for RowPair<'_, L> {
     }
 }
 
-/// Samples anywhere, whose colours go side by side.
+/// Samples at arbitrary positions, whose colours are stored side by side.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scattered<'a> {
-    /// Right of and below the centre of the tile's first pixel, in grid steps.
+    /// Positions right of and below the centre of the tile's first pixel, in grid steps.
     pub(super) places: [&'a [i32; WIDE]; 2],
-    /// Where the first colour goes.
+    /// Index of the first colour's destination.
     pub(super) start: usize,
 }
 
@@ -71,47 +71,47 @@ impl Spots for Scattered<'_> {
     }
 }
 
-/// How many times sixteen samples are shaded together.
+/// Groups of sixteen samples that are shaded together.
 const MOST: usize = 4;
 
-/// Samples that wait to be shaded, all by one shader. Memory is kept from tile to tile.
+/// Samples that are pending for shading, all by one shader. Memory is reused from tile to tile.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pending {
     sixteens: [Sixteen; MOST],
     len: usize,
-    /// Position of the shader.
+    /// Index of the shader.
     shader: usize,
-    /// Edges of triangles that 32 bits are not enough for: which sixteen have them, and a bit for each of those.
+    /// Edges of triangles whose edge values exceed 32 bits: index of the group, bit mask of its samples, edges.
     large: Vec<(usize, u32, Edges)>,
 }
 
-/// Sixteen samples.
+/// A group of sixteen samples.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(64))]
 struct Sixteen {
-    /// Their triangles.
+    /// Slots of the samples' triangles.
     slots: [u32; WIDE],
-    /// Where they lie right of and below the centre of the tile's first pixel, in grid steps.
+    /// Positions right of and below the centre of the tile's first pixel, in grid steps.
     places: [[i32; WIDE]; 2],
-    /// A bit for each that is shaded.
+    /// Bit mask of the samples that are shaded.
     mine: u32,
     rows: [QueuedRow; 2],
 }
 
 impl Pending {
-    /// Bytes held.
+    /// Returns the number of bytes held.
     pub(super) fn bytes(&self) -> usize {
         size_of::<Self>() + self.large.capacity() * size_of::<(usize, u32, Edges)>()
     }
 
-    /// Whether there is no room for sixteen more samples that a shader is for.
+    /// Whether there is no room for sixteen more samples of a shader.
     #[inline(always)]
     pub(super) fn is_full(&self, shader: usize) -> bool {
         self.len == MOST || self.len > 0 && self.shader != shader
     }
 
-    /// Adds samples that a shader is for, with a bit for each that is shaded. Edges are given of triangles that 32 bits are not
-    /// enough for, each with its samples.
+    /// Adds sixteen samples of a shader; `mine` selects those that are shaded. `large` has the edges of triangles whose
+    /// edge values exceed 32 bits, each with the bit mask of its samples.
     #[inline(always)]
     pub(super) fn push<S: Simd>(
         &mut self,
@@ -132,7 +132,7 @@ impl Pending {
         self.len += 1;
     }
 
-    /// Shades them.
+    /// Shades the pending samples.
     #[inline(never)]
     pub(super) fn shade<S: Simd>(
         &mut self,
@@ -160,7 +160,7 @@ impl Pending {
         );
     }
 
-    /// Finds everything that is interpolated.
+    /// Interpolates all attributes of the pending samples.
     #[inline(always)]
     fn interpolate<S: Simd>(
         &self,
@@ -193,7 +193,7 @@ impl Pending {
         }
     }
 
-    /// Weights of one of the sixteens.
+    /// Returns the weights of one group.
     #[inline(always)]
     fn weights<S: Simd>(&self, simd: S, number: usize, source: impl Source) -> Weights<S> {
         let Sixteen { places, mine, .. } = &self.sixteens[number];

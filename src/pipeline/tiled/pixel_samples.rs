@@ -1,22 +1,22 @@
-//! How often pixels are sampled, and where.
+//! Sampling modes: the number and the positions of a pixel's samples.
 
 use super::jitter::{Jittered, Jittering};
 use super::multisample::{Multisampling, Planes};
 use crate::pipeline::grid::SampleGrid;
 
-/// How pixels are sampled.
+/// Sampling mode of a frame's pixels.
 #[derive(Clone, Copy)]
 pub enum PixelSamples<'a> {
-    /// Once, at their centres.
+    /// One sample at each pixel's centre.
     Centre,
-    /// Several times, all together.
+    /// Multisampling: several samples of each pixel, drawn together.
     Multisampled(Multisampling<'a>),
-    /// Several times, elsewhere in each, one sample after the other.
+    /// Jittered supersampling: several samples at different positions in each pixel, one after the other.
     Jittered(Jittering<'a>),
 }
 
 impl PixelSamples<'_> {
-    /// Where samples may lie, in grid steps from the centres of their pixels; none if there is but the centre.
+    /// Returns the possible sample offsets from the pixel centres, in grid steps; empty if only centres are sampled.
     pub(super) fn offsets(&self) -> Vec<[i32; 2]> {
         match self {
             Self::Centre => Vec::new(),
@@ -26,7 +26,7 @@ impl PixelSamples<'_> {
     }
 }
 
-/// The same, ready for tiles.
+/// Sampling mode, prepared for tiles.
 pub(super) enum Samples<'a> {
     Centre,
     Multisampled(Planes<'a>),

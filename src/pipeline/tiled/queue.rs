@@ -1,4 +1,5 @@
-//! Rows of samples that wait for their texels, and what becomes of them: colour × texture × light, encoded and written.
+//! Queue of rows of samples that wait for their texels, and their final colour: colour × texture × light, encoded and
+//! written.
 
 use std::ops::Range;
 
@@ -14,30 +15,30 @@ use crate::image::color::Tables;
 use crate::math::lanes::*;
 use crate::pipeline::settings::ColorSpace;
 
-/// Rows of samples that wait for their texels, two by two. Where texels lie is found out for all of them before the first
-/// texel is read, so that what one read waits for, another one does not.
+/// Rows of samples that wait for their texels, in pairs. The places of all texels are computed before the first texel
+/// is read, so that cache misses overlap.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Queue {
     pairs: [QueuedPair; QUEUED],
-    /// Which texels those of the pairs are.
+    /// Texels of the pairs.
     taps: [Taps; QUEUED],
-    /// Those of the smaller levels. Memory is only taken in mip-mapped frames.
+    /// Texels of the coarser mip levels; memory is only allocated in mip-mapped frames.
     coarse: Vec<CoarseTaps>,
-    /// Texels of smaller levels that were read.
+    /// Number of texels read from coarser mip levels.
     pub(super) coarse_texels: u64,
     len: usize,
-    /// Position of the shader of all rows.
+    /// Index of the shader of all rows.
     shader: usize,
 }
 
 impl Queue {
-    /// Bytes held.
+    /// Returns the number of bytes held.
     pub(super) fn bytes(&self) -> usize {
         size_of::<Self>() + self.coarse.capacity() * size_of::<CoarseTaps>()
     }
 }
 
-/// Pairs of rows that wait together: those of four blocks, so that texels are there when the first of them is read.
+/// Capacity in pairs of rows: four blocks, so that texels have arrived in the cache when the first of them is read.
 const QUEUED: usize = 4 * BLOCK / 2;
 
 /// Eight samples of each of two rows.
@@ -45,56 +46,58 @@ const QUEUED: usize = 4 * BLOCK / 2;
 #[repr(align(64))]
 pub(super) struct QueuedPair {
     pub(super) light: [f32; WIDE],
-    /// The surface's colour without the texture, where it varies.
+    /// Colour of the surface without the texture, if it varies.
     pub(super) color: [[f32; WIDE]; 3],
     pub(super) rows: [QueuedRow; 2],
 }
 
-/// Where eight colours go.
+/// Destination of eight colours.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct QueuedRow {
-    /// Position of the first sample in the rows that the tile is drawn into.
+    /// Index of the first sample in the rows that the tile is drawn into.
     start: u32,
-    /// Samples that lie within the picture.
+    /// Number of samples that lie within the picture.
     count: u16,
-    /// A bit for each sample that is written.
+    /// Bit mask of the samples that are written.
     mine: u16,
 }
 
 impl QueuedRow {
-    /// Of `count` samples that lie within the picture, one to eight, those are written that have a bit.
+    /// Creates a row of `count` samples that lie within the picture, one to eight. Those selected by `mine` are
+    /// written.
     #[inline(always)]
     pub(super) fn new(start: usize, count: usize, mine: u32) -> Self {
         Self { start: start as u32, count: count as u16, mine: (mine & (ALL >> (LANES - count))) as u16 }
     }
 
-    /// The same samples of a row that lies farther on by so many pixels.
+    /// Returns the same samples of a row that lies `pixels` pixels farther on.
     #[inline(always)]
     pub(super) fn after(self, pixels: usize) -> Self {
         Self { start: self.start + pixels as u32, ..self }
     }
 
-    /// None of the samples.
+    /// Returns the row without any sample that is written.
     #[inline(always)]
     pub(super) fn none(self) -> Self {
         Self { mine: 0, ..self }
     }
 
-    /// Where the samples lie in the rows that the tile is drawn into.
+    /// Returns the indices of the samples in the rows that the tile is drawn into.
     #[inline(always)]
     fn pixels(&self) -> Range<usize> {
         let start = self.start as usize;
         start..start + usize::from(self.count)
     }
 
-    /// Samples that are written.
+    /// Returns the number of samples that are written.
     #[inline(always)]
     fn written(&self) -> u32 {
         self.mine.count_ones()
     }
 }
 
-/// Places in the queue for some pairs of rows that a shader is for.
+/// Returns room in the queue for pairs of rows of a shader. Flushes the queue first if it is full or holds rows of
+/// another shader.
 #[inline(always)]
 pub(super) fn make_room<'q, S: Simd>(
     simd: S,
@@ -119,7 +122,7 @@ pub(super) fn make_room<'q, S: Simd>(
     (&mut queue.pairs[from..queue.len], &mut queue.taps[from..queue.len], coarse)
 }
 
-/// Reads the texels of all rows of the queue, finishes their colours, and writes those.
+/// Reads the texels of all rows of the queue, finishes their colours and writes them.
 #[inline(never)]
 pub(super) fn flush<S: Simd>(simd: S, frame: &Frame<'_>, queue: &mut Queue, pixels: &mut [Rgba8]) {
     simd.vectorize(
@@ -132,7 +135,8 @@ pub(super) fn flush<S: Simd>(simd: S, frame: &Frame<'_>, queue: &mut Queue, pixe
             let shader = &frame.shaders[queue.shader];
             let Queue { pairs: all, taps, coarse, coarse_texels, .. } = queue;
             let (pairs, taps) = (&all[..pairs], &taps[..pairs]);
-            // Loops, as the closure of `for_each` may fail to be compiled for the chosen instructions.
+            // A loop, because the compiler may fail to compile a closure of `for_each` for the selected instruction
+            // set.
             match shader.plan {
                 Plan::COMMON => {
                     let Some(texture) = shader.texture else { return };
@@ -158,8 +162,8 @@ pub(super) fn flush<S: Simd>(simd: S, frame: &Frame<'_>, queue: &mut Queue, pixe
     );
 }
 
-/// [`finish_pair`] for pairs of rows of the most common plan. Shader and texture are copies, which nothing that is written can be
-/// part of, so that they are read once for all pairs, and it is known before whether texels are gathered.
+/// [`finish_pair`] for pairs of rows of the most common plan. The shader and the texture are copies that stores cannot
+/// alias, so they are loaded once for all pairs. Whether texels are gathered is decided before the loop.
 #[inline(always)]
 fn finish_common<S: Simd>(
     simd: S,
@@ -193,7 +197,7 @@ fn finish_blended<S: Simd>(
     );
 }
 
-/// [`finish_pair`] for pairs of rows of a mip-mapped draw. Gives the number of texels of smaller levels.
+/// [`finish_pair`] for pairs of rows of a mip-mapped draw. Returns the number of texels read from coarser mip levels.
 #[inline(never)]
 fn finish_mipmapped<S: Simd>(
     simd: S,
@@ -216,7 +220,7 @@ fn finish_mipmapped<S: Simd>(
     )
 }
 
-/// Multiplies colour, texture and light, and writes the codes.
+/// Multiplies colour, texture and light, and writes the encoded pixels.
 #[inline(always)]
 fn finish_pair<S: Simd>(
     simd: S,
@@ -233,7 +237,7 @@ fn finish_pair<S: Simd>(
     }
     match plan.space {
         ColorSpace::Bytes => {
-            // Row by row and register by register: what all sixteen read would not fit where registers are narrower.
+            // Row by row and register by register: narrower registers cannot hold the data of all sixteen samples.
             for start in (0..WIDE).step_by(LANES.max(S::f32s::LEN)) {
                 let rows = start..start + LANES.max(S::f32s::LEN);
                 for first in rows.clone().step_by(S::f32s::LEN) {
@@ -281,7 +285,7 @@ fn finish_pair<S: Simd>(
     }
 }
 
-/// The surface's own colour at some samples, from `first` on, and how opaque it is, both without the texture.
+/// Returns the colour and the opacity of the surface, without the texture, at samples from `first` on.
 #[inline(always)]
 fn surface_color<S: Simd, F: SimdFloat<S, Element = f32>>(
     simd: S,
@@ -300,7 +304,7 @@ fn surface_color<S: Simd, F: SimdFloat<S, Element = f32>>(
     [r, g, b, alpha]
 }
 
-/// Times the texture. What is multiplied by one stays as it is.
+/// Multiplies colours by the texture. Factors of one are skipped.
 #[inline(always)]
 fn textured<S: Simd, F: SimdFloat<S>>(plan: Plan, [r, g, b, alpha]: [F; 4], texel: [F; 4]) -> [F; 4] {
     let white = !plan.tinted && !plan.colored;
@@ -309,7 +313,7 @@ fn textured<S: Simd, F: SimdFloat<S>>(plan: Plan, [r, g, b, alpha]: [F; 4], texe
     [red, green, blue, alpha * texel[3]]
 }
 
-/// Times the light, of some samples from `first` on.
+/// Multiplies colours by the light, at samples from `first` on.
 #[inline(always)]
 fn lit<S: Simd, F: SimdFloat<S, Element = f32>>(
     simd: S,
@@ -325,7 +329,7 @@ fn lit<S: Simd, F: SimdFloat<S, Element = f32>>(
     [r * light, g * light, b * light, alpha]
 }
 
-/// Colours over those of what lies behind.
+/// Blends colours over those behind them.
 #[inline(always)]
 fn over<S: Simd, F: SimdFloat<S, Element = f32>>(simd: S, [r, g, b, alpha]: [F; 4], below: [F; 3]) -> [F; 4] {
     let rest = F::splat(simd, 1.0) - alpha;
@@ -334,7 +338,7 @@ fn over<S: Simd, F: SimdFloat<S, Element = f32>>(simd: S, [r, g, b, alpha]: [F; 
     [red, green, blue, alpha]
 }
 
-/// The codes of eight pixels, as far as they lie within the picture; of none if none is written.
+/// Reads the codes of eight pixels, as far as they lie within the picture; no-op if none is written.
 fn read_row(row: &QueuedRow, pixels: &[Rgba8], codes: &mut [u32]) {
     if row.mine == 0 {
         return;
@@ -401,11 +405,11 @@ mod x86 {
     use crate::math::lanes::each;
 
     kernel! {
-        /// Red, green and blue without their broken parts, from 0 to 255, as eight opaque pixels.
+        /// Truncates red, green and blue toward zero, clamps them to [0, 255] and packs them into eight opaque pixels.
         #[inline]
         pub(super) fn opaque(avx2: Avx2, channels: [__m256; 3]) -> __m256i {
             let largest = _mm256_set1_ps(255.0);
-            // In this order NaN stays, which then becomes the least integer, and 0.
+            // This operand order preserves NaN, which converts to the least integer and then saturates to 0.
             let [r, g, b] = each!(c in [0, 1, 2] => _mm256_cvttps_epi32(_mm256_min_ps(largest, channels[c])));
             let (red_green, blue_alpha) =
                 (_mm256_packs_epi32(r, g), _mm256_packs_epi32(b, _mm256_set1_epi32(255)));
@@ -415,7 +419,7 @@ mod x86 {
     }
 
     kernel! {
-        /// The same as sixteen opaque pixels.
+        /// Truncates, clamps and packs red, green and blue into sixteen opaque pixels.
         #[inline]
         pub(super) fn sixteen_opaque(avx512: Avx512, channels: [__m512; 3]) -> __m512i {
             let largest = _mm512_set1_ps(255.0);
@@ -428,7 +432,7 @@ mod x86 {
     }
 }
 
-/// Colours in linear light, encoded and packed.
+/// Encodes colours in linear light as sRGB and packs them.
 #[inline(always)]
 fn encode<S: Simd>(simd: S, color: [f32x16<S>; 4]) -> u32x16<S> {
     let tables = Tables::get();

@@ -1,4 +1,4 @@
-//! What the tiles' shading reads of a triangle, in the order in which lanes load it.
+//! Triangle data that tile shading reads, in the order in which lanes load it.
 
 use super::bins::Key;
 use super::geometry::Surface;
@@ -9,7 +9,7 @@ use crate::math::lanes::*;
 /// Four numbers that are loaded together.
 pub(super) type Quad = [f32; 4];
 
-/// A triangle as one tile sees it.
+/// Triangle data for one tile.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(16))]
 pub(super) struct Record {
@@ -17,19 +17,19 @@ pub(super) struct Record {
 }
 
 impl Record {
-    /// a, b and c of the first edge and the doubled area, as the low 32 bits of integers.
+    /// Quad of a, b and c of the first edge and the doubled area, as the low 32 bits of integers.
     const FIRST_EDGE: usize = 0;
-    /// The same of the second edge, and the relative 1/w of the first corner as a float.
+    /// Quad of a, b and c of the second edge, likewise, and the relative 1/w of the first vertex as a float.
     const SECOND_EDGE: usize = 1;
-    /// The relative 1/w of the other corners, and the texture coordinates of the first.
+    /// Quad of the relative 1/w of the other vertices, and the texture coordinates of the first.
     const INV_W_AND_UV: usize = 2;
-    /// What u changes by from the first corner to each of the others, and the same of v.
+    /// Quad of the changes of u from the first vertex to each of the others, and of those of v.
     const UV_DELTAS: usize = 3;
-    /// Light at the first corner, and what it changes by to each of the others.
+    /// Quad of the light at the first vertex, and its changes to each of the others.
     const LIGHT: usize = 4;
     const QUADS: usize = 5;
 
-    /// a, b and c of the first two edges, and the doubled area: low 32 bits.
+    /// Returns a, b and c of the first two edges, and the doubled area: low 32 bits.
     #[inline(always)]
     pub(super) fn integer_edges(&self) -> ([i32; 3], [i32; 3], i32) {
         let [a0, b0, c0, area] = self.quads[Self::FIRST_EDGE].map(|bits| bits.to_bits() as i32);
@@ -37,8 +37,9 @@ impl Record {
         ([a0, b0, c0], [a1, b1, c1], area)
     }
 
-    /// Fills the records of eight triangles: two edges (a, b, c) and the doubled area as low 32 bits, and the corners' 1/w,
-    /// light and texture coordinates. A bit for each triangle says whether its attributes are divided by w.
+    /// Fills the records of eight triangles: two edges (a, b, c) and the doubled area as low 32 bits, and the vertices'
+    /// 1/w, light and texture coordinates. `divides_by_w` has a bit for each triangle whose attributes are divided by
+    /// w.
     #[inline(always)]
     pub(super) fn fill_eight<S: Simd>(
         simd: S,
@@ -74,7 +75,7 @@ impl Record {
     }
 }
 
-/// As [`crate::pipeline::viewport::relative_inv_w`]; 1 where there is no bit.
+/// Returns [`crate::pipeline::viewport::relative_inv_w`] of eight triangles; 1 for triangles without a bit.
 #[inline(always)]
 fn relative_inv_w<S: Simd>(simd: S, inv_w: [F32<S>; 3], divides_by_w: u64) -> [F32<S>; 3] {
     let largest = inv_w[0].max(inv_w[1]).max(inv_w[2]);
@@ -82,7 +83,7 @@ fn relative_inv_w<S: Simd>(simd: S, inv_w: [F32<S>; 3], divides_by_w: u64) -> [F
     each!(i in [0, 1, 2] => divides.select((inv_w[i] / largest).max(f32::MIN_POSITIVE), F32::splat(simd, 1.0)))
 }
 
-/// What shading reads of a triangle's corners besides, where a draw of the frame asks for it.
+/// Further triangle data that shading reads, normals and colours, in frames with a draw that needs it.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(16))]
 pub(super) struct SurfaceRecord {
@@ -90,9 +91,10 @@ pub(super) struct SurfaceRecord {
 }
 
 impl SurfaceRecord {
-    /// The components of the normal at the first corner, and what they change by to each of the others.
+    /// First of three quads: each has a component of the normal at the first vertex, and its changes to each of the
+    /// others.
     const NORMAL: usize = 0;
-    /// The same of the channels of the colour.
+    /// First of three quads: each has a channel of the colour, likewise.
     const COLOR: usize = 3;
     const QUADS: usize = 6;
 
@@ -121,55 +123,56 @@ impl SurfaceRecord {
     }
 }
 
-/// What a [`SurfaceRecord`] is made of.
+/// Part of a [`SurfaceRecord`].
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Part {
     Normal,
     Color,
 }
 
-/// One triangle that samples are shaded for.
+/// One triangle for which samples are shaded.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Subject<'a> {
     pub(super) one: One<'a>,
     pub(super) key: Key,
-    /// Position in the list of draws.
+    /// Index in the list of draws.
     pub(super) draw: usize,
-    /// Its edges, if 32 bits don't hold their values, or its samples are not shaded on lanes.
+    /// Edges as doubles, if edge values exceed 32 bits or the samples are not shaded on lanes.
     pub(super) edges: Option<&'a Edges>,
 }
 
-/// An attribute at the first corner, and what it changes by from there to each of the others.
+/// An attribute at the first vertex, and its changes to each of the others.
 #[derive(Clone, Copy)]
 pub(super) struct Attribute<S: Simd>(f32x16<S>, f32x16<S>, f32x16<S>);
 
 impl<S: Simd> Attribute<S> {
-    /// At samples with these weights of the second and the third corner.
+    /// Returns the attribute at samples with these weights of the second and the third vertex.
     #[inline(always)]
     pub(super) fn at(self, weights: [f32x16<S>; 2]) -> f32x16<S> {
         self.0 + self.1 * weights[0] + self.2 * weights[1]
     }
 
-    /// What it changes by where the weights change by these.
+    /// Returns the change of the attribute for a change of the weights.
     #[inline(always)]
     pub(super) fn change(self, weights: [f32x16<S>; 2]) -> f32x16<S> {
         self.1 * weights[0] + self.2 * weights[1]
     }
 }
 
-/// Where sixteen samples have what is read of their triangles from.
+/// Source of the triangle data for 16 samples.
 pub(super) trait Source: Copy {
-    /// Of the first sample, and of each that comes so many after it, texels are asked for before they are read, as they may lie far
-    /// apart. None if that takes longer than to wait for them.
+    /// Step between the samples whose texels are prefetched, from the first sample on, as texels may lie far apart.
+    /// `None` if prefetches take longer than the cache misses that they avoid.
     const PREFETCH_STEP: Option<usize>;
 
-    /// Four numbers of the [`Record`] of each sample's triangle.
+    /// Returns a quad of the [`Record`] of each sample's triangle.
     fn quad<S: Simd>(self, simd: S, quad: usize) -> [f32x16<S>; 4];
 
-    /// Four numbers of the [`SurfaceRecord`] of each sample's triangle.
+    /// Returns a quad of the [`SurfaceRecord`] of each sample's triangle.
     fn surface_quad<S: Simd>(self, simd: S, quad: usize) -> [f32x16<S>; 4];
 
-    /// a, b and c of the first two edges of triangles whose values 32 bits hold, and the doubled areas.
+    /// Returns a, b and c of the first two edges and the doubled areas, for triangles whose edge values fit into 32
+    /// bits.
     #[inline(always)]
     fn integer_edges<S: Simd>(self, simd: S) -> ([[i32x16<S>; 3]; 2], i32x16<S>) {
         let (first, second) = (self.quad(simd, Record::FIRST_EDGE), self.quad(simd, Record::SECOND_EDGE));
@@ -177,8 +180,8 @@ pub(super) trait Source: Copy {
         (edges, first[3].bitcast::<i32x16<S>>())
     }
 
-    /// Edge values of such triangles at offsets from the tile's first sample. They are right where a triangle covers its sample;
-    /// elsewhere they may be any.
+    /// Returns the edge values of such triangles at offsets from the tile's first sample, in grid steps. Valid only
+    /// where a triangle covers its sample.
     #[inline(always)]
     fn edge_values<S: Simd>(self, simd: S, [x, y]: [i32x16<S>; 2]) -> [i32x16<S>; 3] {
         let (edges, area) = self.integer_edges(simd);
@@ -186,7 +189,7 @@ pub(super) trait Source: Copy {
         [first, second, area - first - second]
     }
 
-    /// 1/w of the corners relative to the largest.
+    /// Returns 1/w of the vertices relative to the largest.
     #[inline(always)]
     fn relative_inv_w<S: Simd>(self, simd: S) -> [f32x16<S>; 3] {
         let [_, _, _, r0] = self.quad(simd, Record::SECOND_EDGE);
@@ -194,7 +197,7 @@ pub(super) trait Source: Copy {
         [r0, r1, r2]
     }
 
-    /// What edge values change by in a pixel to the right, and in one downwards.
+    /// Returns the change of the edge values per pixel to the right, and per pixel down.
     #[inline(always)]
     fn edge_slopes<S: Simd>(self, simd: S) -> [[f32x16<S>; 3]; 2] {
         let (first, second) = (self.quad(simd, Record::FIRST_EDGE), self.quad(simd, Record::SECOND_EDGE));
@@ -205,7 +208,7 @@ pub(super) trait Source: Copy {
         })
     }
 
-    /// Texture coordinates.
+    /// Returns the texture coordinates, v down.
     #[inline(always)]
     fn uv<S: Simd>(self, simd: S) -> [Attribute<S>; 2] {
         let [_, _, u, v] = self.quad(simd, Record::INV_W_AND_UV);
@@ -213,26 +216,26 @@ pub(super) trait Source: Copy {
         [Attribute(u, du1, du2), Attribute(v, dv1, dv2)]
     }
 
-    /// Light.
+    /// Returns the light of Gouraud shading.
     #[inline(always)]
     fn light<S: Simd>(self, simd: S) -> Attribute<S> {
         let [base, first, second, _] = self.quad(simd, Record::LIGHT);
         Attribute(base, first, second)
     }
 
-    /// Normal.
+    /// Returns the world-space normal, by component.
     #[inline(always)]
     fn normal<S: Simd>(self, simd: S) -> [Attribute<S>; 3] {
         each!(axis in [0, 1, 2] => self.surface_attribute(simd, SurfaceRecord::NORMAL + axis))
     }
 
-    /// Colour.
+    /// Returns the vertex colour, by channel.
     #[inline(always)]
     fn color<S: Simd>(self, simd: S) -> [Attribute<S>; 3] {
         each!(channel in [0, 1, 2] => self.surface_attribute(simd, SurfaceRecord::COLOR + channel))
     }
 
-    /// An attribute of the surface.
+    /// Returns the attribute in a quad of the [`SurfaceRecord`].
     #[inline(always)]
     fn surface_attribute<S: Simd>(self, simd: S, quad: usize) -> Attribute<S> {
         let [base, first, second, _] = self.surface_quad(simd, quad);
@@ -240,7 +243,7 @@ pub(super) trait Source: Copy {
     }
 }
 
-/// All samples are of one triangle.
+/// Source of samples that all belong to one triangle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct One<'a> {
     pub(super) record: &'a Record,
@@ -261,7 +264,7 @@ impl Source for One<'_> {
     }
 }
 
-/// Each sample is of a triangle of its own.
+/// Source of samples that each belong to a triangle of their own.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Many<'a> {
     records: [&'a Record; WIDE],
@@ -287,22 +290,22 @@ impl Source for Many<'_> {
     }
 }
 
-/// A triangle that a tile was asked to draw.
+/// A triangle in a tile's bin.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Entrant {
     pub(super) key: Key,
-    /// Position in the list of draws.
+    /// Index in the list of draws.
     pub(super) draw: u32,
 }
 
-/// Names an [`Entrant`] of a tile, and tells whether 32 bits hold its edge values.
+/// Index of an [`Entrant`] of a tile, with a bit for edge values that exceed 32 bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Slot(pub(super) u32);
 
 impl Slot {
     /// No triangle: the background.
     pub(super) const NONE: Self = Self(u32::MAX);
-    /// The bit of triangles with edge values of more than 32 bits.
+    /// Bit of triangles whose edge values exceed 32 bits.
     pub(super) const LARGE: u32 = 1 << 31;
 
     #[inline(always)]
@@ -310,104 +313,104 @@ impl Slot {
         Self(place as u32 | if is_large { Self::LARGE } else { 0 })
     }
 
-    /// Position in the list of entrants.
+    /// Returns the index in the tile's bin.
     #[inline(always)]
     pub(super) fn place(self) -> usize {
         (self.0 & !Self::LARGE) as usize
     }
 
-    /// Whether edge values have more than 32 bits.
+    /// Whether edge values exceed 32 bits.
     #[inline(always)]
     pub(super) fn is_large(self) -> bool {
         self.0 & Self::LARGE != 0
     }
 }
 
-/// The triangles that a tile was asked to draw, in their order, with what shading reads of them.
+/// A tile's bin: its triangles in order, with the data that shading reads.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Entrants {
     list: Vec<Entrant>,
-    /// One for each triangle, and some that are not in use.
+    /// Records, one per triangle, and some unused ones.
     records: Vec<Record>,
-    /// The same, in frames that read them.
+    /// Surface records, likewise, in frames that read them.
     surfaces: Vec<SurfaceRecord>,
 }
 
 impl Entrants {
-    /// Forgets all.
+    /// Removes all triangles.
     pub(super) fn clear(&mut self) {
         self.list.clear();
     }
 
-    /// Bytes held.
+    /// Returns the number of bytes held.
     pub(super) fn bytes(&self) -> usize {
         self.list.capacity() * size_of::<Entrant>()
             + self.records.capacity() * size_of::<Record>()
             + self.surfaces.capacity() * size_of::<SurfaceRecord>()
     }
 
-    /// Adds some of one draw.
+    /// Appends triangles of one draw.
     #[inline(always)]
     pub(super) fn extend(&mut self, keys: &[Key], draw: usize) {
         self.list.extend(keys.iter().map(|key| Entrant { key: *key, draw: draw as u32 }));
     }
 
-    /// The record of one triangle.
+    /// Returns the record of a triangle.
     #[inline(always)]
     pub(super) fn record(&self, slot: Slot) -> &Record {
         &self.records[slot.place()]
     }
 
-    /// The record of one triangle's surface; of zeros in frames that read none.
+    /// Returns the surface record of a triangle; zeros in frames that read none.
     #[inline(always)]
     pub(super) fn surface(&self, slot: Slot) -> &SurfaceRecord {
         self.surfaces.get(slot.place()).unwrap_or(const { &SurfaceRecord { quads: [[0.0; 4]; SurfaceRecord::QUADS] } })
     }
 
-    /// How many there are; the next one's slot.
+    /// Returns the number of triangles.
     #[inline(always)]
     pub(super) fn len(&self) -> usize {
         self.list.len()
     }
 
-    /// One of them.
+    /// Returns a triangle of the bin.
     #[inline(always)]
     pub(super) fn get(&self, slot: Slot) -> Entrant {
         self.list[slot.place()]
     }
 
-    /// Some of them, from `first` on.
+    /// Returns up to `most` triangles from `first` on.
     #[inline(always)]
     pub(super) fn group(&self, first: usize, most: usize) -> &[Entrant] {
         &self.list[first..(first + most).min(self.list.len())]
     }
 
-    /// The records of eight triangles from `first` on, to be filled.
+    /// Returns the records of eight triangles from `first` on, to be filled.
     #[inline(always)]
     pub(super) fn eight_records(&mut self, first: usize) -> Option<&mut [Record; LANES]> {
         eight(&mut self.records, first)
     }
 
-    /// The same of what else is read.
+    /// Returns the surface records of eight triangles from `first` on, to be filled.
     #[inline(always)]
     pub(super) fn eight_surfaces(&mut self, first: usize) -> Option<&mut [SurfaceRecord; LANES]> {
         eight(&mut self.surfaces, first)
     }
 
-    /// A triangle whose samples are found by its edges elsewhere.
+    /// Returns a triangle to shade samples for, without edges as doubles.
     #[inline(always)]
     pub(super) fn subject(&self, slot: Slot) -> Subject<'_> {
         let Entrant { key, draw } = self.get(slot);
         Subject { one: self.one(slot), key, draw: draw as usize, edges: None }
     }
 
-    /// What is read of one triangle.
+    /// Returns the source of samples of one triangle.
     #[inline(always)]
     pub(super) fn one(&self, slot: Slot) -> One<'_> {
         One { record: self.record(slot), surface: self.surface(slot) }
     }
 
-    /// What is read of sixteen triangles.
+    /// Returns the source of samples of sixteen triangles.
     #[inline(always)]
     pub(super) fn many<'a>(&'a self, slots: &'a [u32; WIDE]) -> Many<'a> {
         let records = each!(i in [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15] => self.record(Slot(slots[i])));
@@ -415,7 +418,7 @@ impl Entrants {
     }
 }
 
-/// Eight items from `first` on of a list that grows to hold them.
+/// Returns eight items from `first` on of a list that grows as needed.
 #[inline(always)]
 fn eight<T: Clone + Default>(list: &mut Vec<T>, first: usize) -> Option<&mut [T; LANES]> {
     if list.len() < first + LANES {

@@ -1,17 +1,17 @@
-//! What drawing a frame was.
+//! Report of a frame drawn by tiles.
 
 use std::ops::AddAssign;
 use std::time::Duration;
 
 use crate::pipeline::plan::DrawPlan;
 
-/// Wall-clock time of each stage. Tiles are drawn and shaded in turn by all threads: the time of both is shared out by the
-/// time that the threads spent on either.
+/// Wall-clock time of each stage. All threads draw and shade tiles in turn: the time of both is divided in proportion
+/// to the thread time spent on each.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TiledTimes {
-    /// Planning, and vertices to the screen.
+    /// Planning and vertex processing.
     pub transform: Duration,
-    /// Culling, clipping, binning.
+    /// Culling, clipping and binning.
     pub cull: Duration,
     /// Coverage and depth.
     pub rasterize: Duration,
@@ -29,22 +29,22 @@ impl AddAssign for TiledTimes {
     }
 }
 
-/// What was done.
+/// Counts of triangles, vertices, samples and texels of a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TiledCounts {
-    /// Triangles of the scene.
+    /// Triangles in the scene.
     pub triangles_in: u64,
-    /// Triangles of draws that are not outside as a whole.
+    /// Triangles in draws that are not entirely outside the view.
     pub considered: u64,
-    /// Triangles, and pieces of cut ones, that face the right way.
+    /// Triangles, and pieces of clipped ones, that pass facing culling.
     pub rasterized: u64,
-    /// Those of them that may hold a sample.
+    /// Rasterized triangles that may contain a sample.
     pub kept: u64,
-    /// Entries of triangles in tiles.
+    /// Bin entries: pairs of a triangle and a tile.
     pub binned: u64,
-    /// Samples that were tested one by one.
+    /// Samples tested individually.
     pub visited: u64,
-    /// Samples that were taken in blocks.
+    /// Samples accepted in whole blocks.
     pub plain: u64,
     /// Vertices transformed.
     pub vertices: u64,
@@ -54,13 +54,13 @@ pub struct TiledCounts {
     pub texels: u64,
 }
 
-/// What is left when a frame is drawn.
+/// Report of a finished frame.
 #[derive(Clone, Debug, Default)]
 pub struct TiledReport {
     /// One plan per instance.
     pub plans: Vec<DrawPlan>,
-    /// Where the time went.
+    /// Time of each stage.
     pub times: TiledTimes,
-    /// What was done.
+    /// Counts of the frame.
     pub counts: TiledCounts,
 }

@@ -1,31 +1,31 @@
-//! Which thread draws which tiles.
+//! Distribution of tiles over threads.
 //!
-//! Where a picture has many rows of tiles for each thread, a thread takes a row and draws straight into the picture. Otherwise
-//! some threads would wait for the last rows of others: then a thread takes a few tiles of a row, draws each in memory of its
-//! own, and copies it. One thread waits for nobody, and takes rows.
+//! If a picture has many rows of tiles per thread, a thread takes a row and draws straight into the picture. Otherwise
+//! some threads would wait for the last rows of others. A thread then takes a few tiles of a row, draws each in private
+//! memory and copies it. A single thread never waits, and takes rows.
 
 use std::cmp::Reverse;
 use std::ops::Range;
 
 use super::bins::Chunk;
 
-/// So many rows of tiles for each thread let all be done at about the same time: what shorter runs would gain, copies would
+/// Rows of tiles per thread from which whole rows balance the load. Shorter runs would then gain less than their copies
 /// cost.
 const ROWS_PER_THREAD: usize = 8;
 
-/// Shorter runs for each thread, if there are fewer rows.
+/// Runs per thread if there are fewer rows.
 const RUNS_PER_THREAD: usize = 16;
 
-/// Tiles side by side that a thread draws one after the other, as the same triangles often lie in them.
+/// Adjacent tiles that one thread draws in sequence, because they often share triangles.
 pub(super) struct Run {
     pub(super) row: usize,
     pub(super) columns: Range<usize>,
-    /// Triangles that the tiles are handed.
+    /// Number of triangles in the bins of the tiles.
     pub(super) load: usize,
 }
 
-/// All tiles, of so many columns and rows, in runs for so many threads: whole rows, or shorter ones. Those with the most work
-/// come first, so that no thread begins with it when the others are done.
+/// Divides all tiles, given as columns and rows, into runs: whole rows, or shorter ones. Runs with the most work come
+/// first, so that no thread starts one when the others are done.
 pub(super) fn share_out(chunks: &[Chunk], (columns, rows): (usize, usize), threads: usize) -> Vec<Run> {
     let runs_per_row = if rows >= threads * ROWS_PER_THREAD || threads == 1 {
         1
@@ -45,7 +45,7 @@ pub(super) fn share_out(chunks: &[Chunk], (columns, rows): (usize, usize), threa
     runs
 }
 
-/// How many triangles a tile is handed.
+/// Returns the number of triangles in a tile's bin.
 pub(super) fn load(chunks: &[Chunk], number: usize) -> usize {
     chunks.iter().map(|chunk| chunk.keys(number).len()).sum()
 }

@@ -1,8 +1,9 @@
-//! Triangles that are seen through: cut out where texels say so, or blended over what lies behind.
+//! Transparency: alpha-tested and blended triangles.
 //!
-//! Cut-out triangles are drawn among the opaque ones, as what is cut out neither hides nor stores anything. Blended ones come
-//! over the shaded tile, in the order of the setting. Both are shaded on lanes, two rows at a time, if there is code on lanes for their
-//! shading, else sample by sample by the classic way's own functions. Fragments that are sorted one by one are always blended that way.
+//! Alpha-tested triangles are drawn among the opaque ones, because samples that fail the test neither hide nor store
+//! anything. Blended triangles are drawn over the shaded tile, in the order of the setting. Both are shaded on lanes,
+//! two rows at a time, if there is lane code for their shading. Otherwise the functions of the classic path shade them
+//! sample by sample. Fragments that are sorted individually are always blended by these functions.
 
 use super::Frame;
 use super::lattice::TILE;
@@ -24,7 +25,7 @@ use crate::pipeline::settings::BlendingOrder;
 use crate::pipeline::viewport::ScreenTriangle;
 
 impl Frame<'_> {
-    /// A sample as the classic way interpolates it.
+    /// Interpolates a sample as the classic path does.
     pub(super) fn fragment(
         &self,
         triangle: &ScreenTriangle,
@@ -38,7 +39,7 @@ impl Frame<'_> {
         interpolate(triangle, Sample { column, row, x, y, edges }, self.shader(draw).shader.attributes())
     }
 
-    /// Draws a cut-out triangle into a tile.
+    /// Draws an alpha-tested triangle into a tile.
     #[inline(always)]
     pub(super) fn draw_what_is_there<S: Simd>(
         &self,
@@ -52,7 +53,8 @@ impl Frame<'_> {
         tile.draw_kept(simd, triangle, locations, &self.rules, owner, keep);
     }
 
-    /// Tells by bits which samples of a cut-out triangle that passed are not cut out.
+    /// Returns the alpha test of a triangle: a function from samples that passed the depth test to the bit mask of
+    /// those that remain.
     pub(super) fn what_is_there<'a, S: Simd>(
         &'a self,
         simd: S,
@@ -71,8 +73,8 @@ impl Frame<'_> {
         }
     }
 
-    /// Returns some triangles of a tile, given in submission order, in the order in which they are blended; in submission
-    /// order if their fragments are sorted one by one.
+    /// Returns triangles of a tile, given in submission order, in blending order. If their fragments are sorted
+    /// individually, that is the submission order.
     pub(super) fn in_order(&self, entrants: &Entrants, blended: &[Slot]) -> Vec<(Slot, ScreenTriangle)> {
         let measured = |slot: &Slot| {
             let Entrant { key, draw } = entrants.get(*slot);
@@ -86,8 +88,7 @@ impl Frame<'_> {
         sorted.into_iter().map(|(_, slot, triangle)| (slot, triangle)).collect()
     }
 
-    /// Blends some triangles of a tile, given in the order in which they were submitted, over its picture. Says how much
-    /// that was.
+    /// Blends triangles of a tile, given in submission order, over its picture. Returns the shading work.
     pub(super) fn blend<S: Simd>(
         &self,
         simd: S,
@@ -108,13 +109,13 @@ impl Frame<'_> {
             let subject = entrants.subject(slot);
             let shader = self.shader(subject.draw);
             let mut samples = 0;
-            // What is blended hides nothing: none is kept.
+            // Blended samples hide nothing, so none is stored.
             if shader.on_lanes {
                 tile.draw_kept(simd, &setup, locations, &self.rules, &owner, |tested| {
                     samples += shade_tested(simd, self, &subject, (place, tested), queue, picture);
                     0
                 });
-                // The next triangle may lie over this one.
+                // The next triangle may overlap this one.
                 flush(simd, self, queue, picture.values);
                 shaded.add(shader, samples);
                 shaded.texels += std::mem::take(&mut queue.coarse_texels);
@@ -130,7 +131,7 @@ impl Frame<'_> {
         shaded
     }
 
-    /// Blends triangles of a tile over its picture with their fragments sorted. Returns how much that was.
+    /// Blends triangles of a tile over its picture with their fragments sorted. Returns the shading work.
     fn blend_sorted<S: Simd>(
         &self,
         simd: S,
@@ -144,7 +145,7 @@ impl Frame<'_> {
         for (number, (slot, triangle)) in triangles.iter().enumerate() {
             let Some(setup) = owner(*slot) else { continue };
             let before = list.len();
-            // A blended fragment hides nothing: none is kept.
+            // A blended fragment hides nothing, so none is stored.
             tile.draw_kept(simd, &setup, locations, &self.rules, &owner, |tested| {
                 let within = TestedRows { passed: tested.within(picture.size), ..*tested };
                 list.add(self.settings, (triangle, number), (0, &within), &within);
@@ -164,7 +165,7 @@ impl Frame<'_> {
         shaded
     }
 
-    /// Blends samples that passed over their colours by the classic way's own functions; how many.
+    /// Blends samples that passed over their colours by the functions of the classic path. Returns their number.
     pub(super) fn blend_one_by_one(
         &self,
         (triangle, draw): (&ScreenTriangle, usize),

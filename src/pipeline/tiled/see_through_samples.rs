@@ -1,8 +1,9 @@
-//! Triangles that are seen through, where pixels have several samples.
+//! Transparency with multisampling.
 //!
-//! In a pixel a triangle has one fragment, as everywhere. What that cuts out is cut out of all samples; what it blends goes over
-//! the colour of each sample by itself, so that tiles with blended triangles keep the colours of all samples until the last of
-//! them. A fragment is computed anew for each sample that it shows in: sixteen at a time that takes less than to look for it.
+//! A triangle has one fragment per pixel, as without transparency. If it fails the alpha test, it is dropped from all
+//! samples. If it is blended, it is blended over the colour of each sample separately. Tiles with blended triangles
+//! therefore keep the colours of all samples until the last of these triangles. A fragment is recomputed for each
+//! sample in which it is visible: sixteen at a time this is faster than a lookup.
 
 use super::Frame;
 use super::lattice::{Lattice, TILE, TILE_SAMPLES};
@@ -21,26 +22,26 @@ use crate::math::lanes::*;
 use crate::pipeline::settings::BlendingOrder;
 use crate::pipeline::viewport::ScreenTriangle;
 
-/// Memory for triangles that are seen through, kept from tile to tile.
+/// Memory for transparency, reused from tile to tile.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SeenThrough {
-    /// The blended triangles of the tile.
+    /// Blended triangles of the tile.
     pub(super) blended: Vec<Slot>,
-    /// The colours of all samples of the tile, sample by sample.
+    /// Colours of all samples of the tile, sample by sample.
     colors: Vec<Rgba8>,
-    /// Where among them those of sixteen pixels are.
+    /// Indices into `colors` of the samples of sixteen pixels.
     picks: Vec<Picks>,
 }
 
 impl SeenThrough {
-    /// Bytes held.
+    /// Returns the number of bytes held.
     pub(super) fn bytes(&self) -> usize {
         self.blended.capacity() * size_of::<Slot>()
             + self.colors.capacity() * size_of::<Rgba8>()
             + self.picks.capacity() * size_of::<Picks>()
     }
 
-    /// Writes the colours of all pixels of a tile.
+    /// Resolves the samples to the colours of all pixels of a tile.
     fn resolve(&mut self, mean: MeanOfSamples<'_>, picture: &mut Picture<'_>) {
         let Self { colors, picks, .. } = self;
         for (row, pixels) in picture.rows().enumerate() {
@@ -56,7 +57,7 @@ impl SeenThrough {
 }
 
 impl Frame<'_> {
-    /// Draws a cut-out triangle into the tile of one of the samples, whose lattice is given.
+    /// Draws an alpha-tested triangle into the tile of one of the samples, whose lattice is given.
     #[inline(always)]
     pub(super) fn draw_cut_out<S: Simd>(
         &self,
@@ -72,7 +73,8 @@ impl Frame<'_> {
         });
     }
 
-    /// Blends the blended triangles of a tile over its picture, whose mixed pixels are known. Says how much that was.
+    /// Blends the blended triangles of a tile over its picture, once its mixed pixels are found. Returns the shading
+    /// work.
     #[inline(always)]
     pub(super) fn blend_samples<S: Simd>(
         &self,
@@ -111,7 +113,7 @@ impl Frame<'_> {
                     let mut tested = tested.at_first_covered(simd, &setup, lattice.offset(), &planes.shading_places);
                     tested.passed = tested.within(size);
                     samples += if shader.on_lanes {
-                        // One below the other, so that the queue need not be empty before the next sample.
+                        // The samples' rows are stacked, so that the queue need not be flushed between samples.
                         tested.place.1 += number * TILE;
                         let size = (TILE, colors.len() / TILE);
                         let mut below = TileRows { values: colors, stride: TILE, left: 0, size };
@@ -121,11 +123,11 @@ impl Frame<'_> {
                         let mut below = TileRows { values, stride: TILE, left: 0, size };
                         self.blend_one_by_one((&triangle, subject.draw), (place, &tested), &mut below)
                     };
-                    // What is blended hides nothing.
+                    // Blended samples hide nothing, so none is stored.
                     0
                 });
             }
-            // The next triangle may lie over this one.
+            // The next triangle may overlap this one.
             flush(simd, self, queue, colors);
             shaded.add(shader, samples);
             shaded.texels += std::mem::take(&mut queue.coarse_texels);
@@ -134,8 +136,8 @@ impl Frame<'_> {
         shaded
     }
 
-    /// Blends triangles of a tile over the colours of all samples with their fragments sorted, and returns how much that was.
-    /// The tile is given by its place and by how many of its pixels are in the picture.
+    /// Blends triangles of a tile over the colours of all samples with their fragments sorted. Returns the shading
+    /// work. `place` is the column and row of the tile, `size` its columns and rows within the picture.
     fn blend_sorted_samples<S: Simd>(
         &self,
         simd: S,
@@ -154,7 +156,7 @@ impl Frame<'_> {
                     let mut shading = tested.at_first_covered(simd, &setup, lattice.offset(), &planes.shading_places);
                     shading.passed = shading.within(size);
                     list.add(self.settings, (triangle, number), (sample * TILE_SAMPLES, tested), &shading);
-                    // A blended fragment hides nothing.
+                    // A blended fragment hides nothing, so none is stored.
                     0
                 });
             }

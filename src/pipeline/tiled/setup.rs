@@ -1,4 +1,4 @@
-//! A triangle as one tile sees it: edge functions and depth from the tile's first sample on.
+//! Setup of a triangle in one tile: edge functions and depth, relative to the tile's first sample.
 
 use super::edge_number::EdgeNumber;
 use super::geometry::Vertex;
@@ -11,19 +11,19 @@ use crate::pipeline::raster::numbers::Inward;
 use crate::pipeline::settings::FillRule;
 use crate::pipeline::viewport::ScreenVertex;
 
-/// A corner of a triangle.
+/// A vertex of a triangle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Corner {
     /// Snapped position in grid steps.
     pub(super) position: [f64; 2],
-    /// Depth before it is quantised.
+    /// Depth before quantisation.
     pub(super) depth: f64,
     /// 1/w.
     pub(super) inv_w: f32,
 }
 
 impl Corner {
-    /// Snapped position in px.
+    /// Returns the snapped position in pixels.
     #[inline(always)]
     pub(super) fn position_px(&self) -> [f64; 2] {
         self.position.map(|steps| steps / SUBPIXELS as f64)
@@ -44,12 +44,13 @@ impl From<&ScreenVertex> for Corner {
     }
 }
 
-/// Position of the first sample of a tile, in grid steps, and its column and row in the packed picture.
+/// Position of a tile's first sample in grid steps, and its column and row in the packed picture.
 pub(super) type Origin = ([f64; 2], [f32; 2]);
 
-/// Edge functions of a triangle, each belonging to the corner opposite: e(x, y) = a·x + b·y + c, in units of 1/2¹⁶ px², for
-/// (x, y) in grid steps from an origin. As doubles they are in the order of the corners, and whole numbers below 2⁵³, so that f64
-/// holds them and their sums exactly; as integers they may begin with another corner: [`EdgeNumber::LAST_IS_LEAST`].
+/// Edge functions of a triangle, each belonging to the vertex opposite: e(x, y) = a·x + b·y + c, in units of 1/2¹⁶ px²,
+/// for (x, y) in grid steps from an origin. As doubles they are in the order of the vertices, and integers below 2⁵³,
+/// so f64 holds them and their sums exactly. As integers they may begin with another vertex:
+/// [`EdgeNumber::LAST_IS_LEAST`].
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Edges<E = f64> {
     pub(super) a: [E; 3],
@@ -58,7 +59,7 @@ pub(super) struct Edges<E = f64> {
 }
 
 impl Edges {
-    /// Those of a triangle, and its doubled area, which is above 0. `None` without area.
+    /// Returns the edge functions of a triangle and its doubled area, > 0; `None` without area.
     #[inline(always)]
     pub(super) fn new(corners: &[Corner; 3], origin: [f64; 2]) -> Option<(Self, f64)> {
         let p = each!(i in [0, 1, 2] => [corners[i].position[0] - origin[0], corners[i].position[1] - origin[1]]);
@@ -77,14 +78,14 @@ impl Edges {
         Some((Self { a, b, c }, area.abs()))
     }
 
-    /// Values at an offset from the origin, in grid steps.
+    /// Returns the edge values at an offset from the origin, in grid steps.
     pub(super) fn at(&self, place: [i32; 2]) -> [f64; 3] {
         let [x, y] = place.map(f64::from);
         each!(i in [0, 1, 2] => self.a[i] * x + self.b[i] * y + self.c[i])
     }
 
-    /// The first of some places of a pixel that the triangle covers, of which there must be one. Places are given by their offsets
-    /// from the pixel's centre, which is given from the origin on, as is what is found.
+    /// Returns the first candidate position of a pixel that the triangle covers; there must be one. `offsets` are the
+    /// candidates, relative to the pixel's centre. The centre and the result are relative to the origin, in grid steps.
     pub(super) fn first_covered(&self, [x, y]: [i32; 2], offsets: &[[i32; 2]], rule: FillRule) -> [i32; 2] {
         let inside = self.inside(rule);
         let covers = |place: &[i32; 2]| self.at(*place).iter().zip(inside).all(|(value, least)| *value >= least);
@@ -92,7 +93,8 @@ impl Edges {
         offsets.iter().map(moved).find(covers).unwrap_or([x, y])
     }
 
-    /// The least value of each that is inside: 0 where the fill rule gives the edge to the triangle, else 1.
+    /// Returns the least value of each edge that is inside: 0 where the fill rule gives the edge to the triangle, else
+    /// 1.
     #[inline(always)]
     pub(super) fn inside(&self, rule: FillRule) -> [f64; 3] {
         each!(i in [0, 1, 2] => {
@@ -102,30 +104,31 @@ impl Edges {
     }
 }
 
-/// A triangle within a tile. What belongs to corners is in the order of the edges.
+/// A triangle within a tile. Values of vertices are in the order of the edges.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Setup<E = f64> {
     pub(super) slot: Slot,
     pub(super) edges: Edges<E>,
-    /// The least edge value that is inside: 0 where the fill rule gives the edge to the triangle, else 1.
+    /// Least edge value that is inside: 0 where the fill rule gives the edge to the triangle, else 1.
     pub(super) inside: [E; 3],
-    /// Depth: the least one, with the depth bias, and what multiplies edge values (or weights).
+    /// Least depth of a vertex, with the depth bias. A depth is this plus the sum of edge values (or weights) times
+    /// `rises`.
     pub(super) least: f64,
     pub(super) rises: [f64; 3],
-    /// The greatest depth of a corner, with the depth bias.
+    /// Greatest depth of a vertex, with the depth bias.
     pub(super) greatest: f64,
-    /// 1/w of the corners, for depths that are linear in space.
+    /// 1/w of the vertices, for depths that are linear in space.
     pub(super) inv_w: [f64; 3],
     /// First and last column of samples that may be covered.
     pub(super) columns: [usize; 2],
-    /// First and last row.
+    /// First and last row of samples that may be covered.
     pub(super) rows: [usize; 2],
-    /// Whether it is known to cover all samples of the tile.
+    /// Whether the triangle is known to cover all samples of the tile.
     pub(super) covers_tile: bool,
 }
 
 impl<E: EdgeNumber> Setup<E> {
-    /// The least edge values that are inside, for eight samples.
+    /// Returns the least edge values that are inside, in all lanes.
     #[inline(always)]
     pub(super) fn least_inside<S: Simd>(&self, simd: S) -> [E::Eight<S>; 3] {
         each!(i in [0, 1, 2] => E::repeat(simd, self.inside[i]))
@@ -133,8 +136,8 @@ impl<E: EdgeNumber> Setup<E> {
 }
 
 impl Setup {
-    /// `None` if it has no sample in the tile at `origin`, whose first sample is column `first.0` and row `first.1` of the
-    /// packed picture.
+    /// Sets up a triangle in the tile at `origin`, whose first sample is column `first[0]` and row `first[1]` of the
+    /// packed picture. Returns `None` if its bounding box contains no sample of the tile, or it has no area.
     #[inline(always)]
     pub(super) fn new(
         slot: Slot,
@@ -172,7 +175,8 @@ impl Setup {
     }
 }
 
-/// Zero where the rule gives the edge to the triangle, else one: [`Inward::owned`] for as many edges as there are lanes.
+/// Returns zero where the rule gives the edge to the triangle, else one: [`Inward::owned`] for as many edges as there
+/// are lanes.
 #[inline(always)]
 pub(super) fn least_inside<S: Simd, V: SimdBase<S>>([zero, one]: [V; 2], a: V, b: V, rule: FillRule) -> V {
     let upright = a.simd_eq(zero);

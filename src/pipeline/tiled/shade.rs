@@ -1,7 +1,7 @@
-//! Shading a tile: which samples belong together.
+//! Shading of a tile: groups the samples that are shaded together.
 //!
-//! Blocks and rows that one triangle covers are shaded as such; of other rows, two by two, the samples whose triangles are
-//! shaded alike are taken together, each with its own triangle.
+//! Blocks and rows that one triangle covers are shaded as such. Other rows are taken in pairs: samples whose triangles
+//! are shaded alike are shaded together, each with its own triangle.
 
 use std::ops::AddAssign;
 
@@ -20,7 +20,7 @@ use super::tile::Tile;
 use crate::image::Rgba8;
 use crate::math::lanes::*;
 
-/// How much shading a tile was.
+/// Amount of shading work.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Shaded {
     pub(super) samples: u64,
@@ -42,7 +42,7 @@ impl AddAssign for Shaded {
     }
 }
 
-/// A tile of the picture that is shaded, and the memory for it.
+/// A tile of the picture to be shaded, and memory for it.
 pub(super) struct Canvas<'a, L> {
     pub(super) tile: &'a Tile,
     pub(super) locations: L,
@@ -67,7 +67,7 @@ pub(super) fn shade_tile<S: Simd>(simd: S, frame: &Frame<'_>, canvas: Canvas<'_,
         while bx < blocks {
             let owner = tile.owner(by * BLOCKS + bx);
             let mut next = bx + 1;
-            // Blocks of one triangle side by side have much in common.
+            // Adjacent blocks of one triangle share most of the work.
             while owner.is_some() && next < blocks && tile.owner(by * BLOCKS + next) == owner {
                 next += 1;
             }
@@ -84,14 +84,14 @@ pub(super) fn shade_tile<S: Simd>(simd: S, frame: &Frame<'_>, canvas: Canvas<'_,
     job.finish(simd)
 }
 
-/// The triangle of all sixteen samples, if it is one.
+/// Returns the triangle of all sixteen samples; `None` if they differ.
 #[inline(always)]
 fn uniform_slot<S: Simd>(slots: u32x16<S>) -> Option<Slot> {
     let first = slots[0];
     (slots.simd_eq(first).to_bitmask() == 0xFFFF).then_some(Slot(first))
 }
 
-/// The shading of a tile.
+/// Shading job of one tile.
 pub(super) struct Job<'a, L> {
     pub(super) frame: &'a Frame<'a>,
     locations: L,
@@ -100,11 +100,12 @@ pub(super) struct Job<'a, L> {
     queue: &'a mut Queue,
     /// Column and row among the tiles.
     pub(super) tile: (usize, usize),
-    /// All samples are shaded together, whatever triangles they are of.
+    /// Whether all samples are shaded together, whatever triangles they belong to.
     pub(super) alike: bool,
-    /// The edges of triangles that 32 bits were not enough for, or that are not shaded on lanes, as far as they were asked for.
+    /// Cache of edges as doubles, for triangles whose edge values exceed 32 bits or that are not shaded on lanes.
     exact: Vec<(Slot, Edges)>,
-    /// Of the samples that are shaded together those of such triangles: a bit for each, and the edges.
+    /// Triangles with edge values over 32 bits among the samples that are shaded together: bit mask of the samples,
+    /// edges.
     pub(super) large: Vec<(u32, Edges)>,
     pub(super) picture: Picture<'a>,
     pub(super) shaded: Shaded,
@@ -133,7 +134,7 @@ impl<'a, L: Locations> Job<'a, L> {
         }
     }
 
-    /// Shades what is still pending, and writes what still waits for its texels.
+    /// Shades the pending samples, and flushes the queue.
     #[inline(always)]
     pub(super) fn finish<S: Simd>(mut self, simd: S) -> Shaded {
         self.pending.shade(simd, self.frame, self.entrants, self.queue, &mut self.picture);
@@ -142,7 +143,7 @@ impl<'a, L: Locations> Job<'a, L> {
         self.shaded
     }
 
-    /// A block that is not of one triangle: two rows at a time, as they are shaded.
+    /// Shades a block that is not covered by one triangle, two rows at a time.
     #[inline(always)]
     fn rows<S: Simd>(&mut self, simd: S, tile: &Tile, block: &Patch) {
         let mut row = block.first;
@@ -161,7 +162,7 @@ impl<'a, L: Locations> Job<'a, L> {
         }
     }
 
-    /// Rows of samples that all belong to one triangle, or to none.
+    /// Shades rows of samples that all belong to one triangle; no-op if they show the background.
     #[inline(always)]
     fn one_triangle<S: Simd>(&mut self, simd: S, slot: Slot, patch: &Patch) {
         if slot == Slot::NONE {
@@ -184,9 +185,9 @@ impl<'a, L: Locations> Job<'a, L> {
         }
     }
 
-    /// The edges of a triangle; none if it has no area, in which case it is never seen.
+    /// Returns the edges of a triangle as doubles; `None` if it has no area, in which case it is never visible.
     pub(super) fn exact_edges(&mut self, slot: Slot) -> Option<Edges> {
-        // Mostly those that were asked for last.
+        // Searched from the back, because most requests repeat the last one.
         if let Some((_, edges)) = self.exact.iter().rev().find(|(known, _)| *known == slot) {
             return Some(*edges);
         }
@@ -196,7 +197,7 @@ impl<'a, L: Locations> Job<'a, L> {
         Some(edges)
     }
 
-    /// One colour for the samples of some rows that are shaded.
+    /// Fills the samples of a patch that are shaded with one colour.
     fn fill(&mut self, patch: &Patch, color: Rgba8) {
         for row in patch.first..patch.end {
             let row = self.picture.row(patch, row);
@@ -210,7 +211,8 @@ impl<'a, L: Locations> Job<'a, L> {
         }
     }
 
-    /// Samples of two rows that belong to different triangles, or to none; there may be no second row.
+    /// Shades samples of two rows that belong to different triangles or to the background; the second row may be
+    /// missing.
     #[inline(always)]
     fn mixed_rows<S: Simd>(&mut self, simd: S, slots: u32x16<S>, patch: &Patch) {
         let within = ALL >> (LANES - patch.count);
@@ -243,7 +245,7 @@ impl<'a, L: Locations> Job<'a, L> {
         }
     }
 
-    /// Some of sixteen samples that one shader is for.
+    /// Adds the samples selected by `mine`, of sixteen, to the pending ones of a shader.
     #[inline(always)]
     pub(super) fn together<S: Simd>(
         &mut self,
@@ -261,7 +263,7 @@ impl<'a, L: Locations> Job<'a, L> {
         self.pending.push(simd, shader, (slots, &self.large), (spots, mine), &self.picture);
     }
 
-    /// Those of some samples that a shader is for.
+    /// Returns the bit mask of the samples in `open` that belong to a shader.
     pub(super) fn shaded_by(&self, shader: usize, mut open: u32, slots: &[u32; WIDE]) -> u32 {
         let mut mine = 0;
         while open != 0 {
@@ -273,7 +275,7 @@ impl<'a, L: Locations> Job<'a, L> {
         mine
     }
 
-    /// Lists triangles that 32 bits are not enough for.
+    /// Lists the triangles of samples in `mine` whose edge values exceed 32 bits.
     #[inline(always)]
     pub(super) fn find_large<S: Simd>(&mut self, simd: S, mut mine: u32, slots: &[u32; WIDE]) {
         self.large.clear();
@@ -289,13 +291,13 @@ impl<'a, L: Locations> Job<'a, L> {
     }
 }
 
-/// Bits of the samples that are of one triangle.
+/// Returns the bit mask of the samples that belong to one triangle.
 #[inline(always)]
 fn same<S: Simd>(simd: S, slots: &[u32; WIDE], slot: Slot) -> u32 {
     u32x16::load_array_ref(simd, slots).simd_eq(slot.0).to_bitmask() as u32
 }
 
-/// Bits of the first row and of the second.
+/// Splits a bit mask into those of the first row and of the second.
 fn halves_of(lanes: u32) -> [u32; 2] {
     [lanes & ALL, lanes >> LANES]
 }

@@ -1,4 +1,4 @@
-//! How the samples of a draw are shaded, found out once per frame.
+//! Shading state of a draw's samples, prepared once per frame.
 
 use std::collections::HashMap;
 
@@ -9,27 +9,27 @@ use crate::pipeline::settings::{ColorSpace, Filter, Shading};
 use crate::pipeline::shade::Shader;
 use crate::scene::{Texture, Transparency};
 
-/// What shading a draw consists of.
+/// Shading features of a draw, by which its kernel is selected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Plan {
-    /// How texels are found, if any are read.
+    /// Layout of the texels, if any are read.
     pub(super) texture: Option<Layout>,
-    /// They are read from two levels.
+    /// Whether texels are read from two mip levels.
     pub(super) mipmapped: bool,
     pub(super) light: Light,
-    /// The material's own colour is other than white.
+    /// Whether the material's own colour is not white.
     pub(super) tinted: bool,
-    /// Vertices have colours.
+    /// Whether vertices have colours.
     pub(super) colored: bool,
     pub(super) space: ColorSpace,
-    /// What lies behind shows through.
+    /// Whether the draw is blended over what lies behind.
     pub(super) blended: bool,
 }
 
-/// Where light comes from.
+/// Source of the light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Light {
-    /// There is none.
+    /// No light.
     None,
     /// Interpolated from the vertices.
     Vertices,
@@ -38,7 +38,7 @@ pub(super) enum Light {
 }
 
 impl Plan {
-    /// What most fast scenes need. There is code for it that asks nothing.
+    /// Plan of most fast scenes. Has a branch-free kernel.
     pub(super) const COMMON: Self = Self {
         texture: Some(Layout::PowerOfTwoQuads),
         mipmapped: false,
@@ -50,24 +50,24 @@ impl Plan {
     };
 }
 
-/// Texels that are read around a place of one level.
+/// Number of texels read around a position in one mip level.
 pub(super) const TEXELS_AROUND: u64 = 4;
 
-/// How the samples of one draw are shaded.
+/// Shading state of one draw.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DrawShader<'a> {
     pub(super) shader: Shader<'a>,
     pub(super) divides_by_w: bool,
     pub(super) texture: Option<TextureReader<'a>>,
     pub(super) plan: Plan,
-    /// There is code on lanes for it.
+    /// Whether there is lane code for the shading.
     pub(super) on_lanes: bool,
-    /// Of what is shaded on lanes those of the larger level alone.
+    /// Texels read per sample. For mip-mapped shading on lanes, only those of the finer level.
     pub(super) texels_per_sample: u64,
 }
 
 impl<'a> DrawShader<'a> {
-    /// `texture` is the material's.
+    /// Creates the shading state; `texture` is the material's.
     pub(super) fn new(shader: Shader<'a>, texture: Option<&'a Texture>, divides_by_w: bool) -> Self {
         let settings = shader.settings;
         // Without a highlight, Blinn–Phong is Lambert.
@@ -101,8 +101,8 @@ impl<'a> DrawShader<'a> {
         Self { shader, divides_by_w, texture, plan, on_lanes, texels_per_sample }
     }
 
-    /// For each of some shaders the first one whose samples can be shaded together with its own. Perspective division makes
-    /// no difference: it is done per triangle.
+    /// Returns for each shader the index of the first one whose samples can be shaded together with its own.
+    /// Perspective division makes no difference: it is done per triangle.
     pub(super) fn first_alike(shaders: &[Self]) -> Vec<usize> {
         let mut firsts = HashMap::new();
         let first = |(number, shader): (usize, &Self)| {

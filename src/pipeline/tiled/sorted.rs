@@ -10,12 +10,12 @@ use crate::pipeline::viewport::ScreenTriangle;
 /// A fragment that passed the depth test and is not yet blended.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SortedFragment {
-    /// Index of its sample in the tile.
+    /// Index of the fragment's sample in the tile.
     pub(super) at: usize,
     nearness: f32,
-    /// Number of its triangle.
+    /// Number of the fragment's triangle.
     pub(super) triangle: usize,
-    /// Edge values at the place where it is shaded.
+    /// Edge values at the shading position.
     pub(super) edges: [f64; 3],
 }
 
@@ -26,13 +26,13 @@ pub(super) struct SortedFragments {
 }
 
 impl SortedFragments {
-    /// Number of fragments.
+    /// Returns the number of fragments.
     pub(super) fn len(&self) -> usize {
         self.fragments.len()
     }
 
-    /// Adds the samples of a numbered triangle that pass in `shading`, which holds edge values of the places where they are
-    /// shaded. `tested` holds those of the samples themselves, whose indices begin at `first`.
+    /// Adds the samples of a numbered triangle that pass in `shading`, which has the edge values at the shading
+    /// positions. `tested` has the edge values at the samples themselves, whose indices begin at `first`.
     pub(super) fn add(
         &mut self,
         settings: &Settings,
@@ -53,7 +53,8 @@ impl SortedFragments {
         }
     }
 
-    /// Returns all fragments sample by sample, from far to near, those of equal depth by the numbers of their triangles.
+    /// Returns all fragments sample by sample, from far to near; fragments of equal depth by the numbers of their
+    /// triangles.
     pub(super) fn sorted(mut self) -> impl Iterator<Item = SortedFragment> {
         let key = |one: &SortedFragment| (one.at, one.triangle);
         self.fragments

@@ -1,4 +1,4 @@
-//! Where the colours and depths of a tile go: straight into rows of the picture, or into memory of its own that is copied.
+//! Destination of a tile's colours and depths: rows of the picture, or private memory that is copied afterwards.
 
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -8,73 +8,73 @@ use super::lattice::{TILE, TILE_SAMPLES};
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 
-/// Rows that the rows of a tile are parts of: of the picture, or of memory of its own.
+/// Rows that contain the rows of a tile: those of the picture, or of private memory.
 pub(super) struct TileRows<'a, T> {
     pub(super) values: &'a mut [T],
-    /// From one row to the next.
+    /// Distance from one row to the next.
     pub(super) stride: usize,
-    /// Where in the first row the tile begins.
+    /// Index in the first row at which the tile begins.
     pub(super) left: usize,
-    /// Columns and rows that are drawn: those of the tile that lie within the picture.
+    /// Number of columns and rows of the tile that lie within the picture.
     pub(super) size: (usize, usize),
 }
 
-/// Colours.
+/// Rows of colours.
 pub(super) type Picture<'a> = TileRows<'a, Rgba8>;
 
 impl<T> TileRows<'_, T> {
-    /// The same for a while.
+    /// Borrows the rows for a shorter lifetime.
     #[inline(always)]
     pub(super) fn reborrow(&mut self) -> TileRows<'_, T> {
         TileRows { values: self.values, ..*self }
     }
 
-    /// Where a row of a patch begins.
+    /// Returns the index at which a row of a patch begins.
     #[inline(always)]
     pub(super) fn start(&self, patch: &Patch, row: usize) -> usize {
         row * self.stride + self.left + patch.column
     }
 
-    /// The samples of a row of a patch.
+    /// Returns the samples of a row of a patch.
     #[inline(always)]
     pub(super) fn row(&mut self, patch: &Patch, row: usize) -> &mut [T] {
         let start = self.start(patch, row);
         &mut self.values[start..start + patch.count]
     }
 
-    /// The part of each row that lies in the tile.
+    /// Returns the part of each row that lies in the tile.
     pub(super) fn rows(&mut self) -> impl Iterator<Item = &mut [T]> {
         let (left, (columns, rows)) = (self.left, self.size);
         self.values.chunks_mut(self.stride).take(rows).map(move |row| &mut row[left..left + columns])
     }
 }
 
-/// A tile of the picture that is drawn.
+/// Destination of a tile of the picture.
 pub(super) struct Target<'a> {
     /// Column and row among the tiles.
     pub(super) place: (usize, usize),
     pub(super) number: usize,
-    /// Filled with the background.
+    /// Colours, filled with the background beforehand.
     pub(super) picture: Picture<'a>,
     /// Stored depths, if they are kept.
     pub(super) depths: Option<TileRows<'a, f32>>,
 }
 
 impl Target<'_> {
-    /// Depths where nothing is.
+    /// Fills the depths with the clear value.
     pub(super) fn clear_depths(&mut self, clear: f32) {
         self.depths.iter_mut().flat_map(TileRows::rows).for_each(|row| row.fill(clear));
     }
 }
 
-/// As many rows of the packed picture, and of its depths, as a tile has, or what is left of them at the bottom.
+/// One row of tiles of the packed picture, and of its depths; the bottom one may have fewer pixel rows.
 pub(super) struct PictureRows<'p> {
     width: usize,
     colors: &'p mut [Rgba8],
     depths: Option<&'p mut [f32]>,
 }
 
-/// A picture, and its depths if they are kept, as rows of tiles.
+/// Splits a picture, and its depths if they are kept, into rows of tiles.
 pub(super) fn picture_rows<'p>(
     colors: &'p mut Image<Rgba8>,
     depths: Option<&'p mut Image<f32>>,
@@ -89,19 +89,19 @@ pub(super) fn picture_rows<'p>(
         .collect()
 }
 
-/// Rows that no other thread has.
+/// Locks rows of the picture, even if another thread panicked while it held them.
 pub(super) fn lock<'a, 'p>(rows: &'a Mutex<PictureRows<'p>>) -> MutexGuard<'a, PictureRows<'p>> {
     rows.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl PictureRows<'_> {
-    /// Fills all colours at once, so that what samples are written over is near by then.
+    /// Fills all colours at once, which brings the pixels into the cache before samples are written.
     #[inline(always)]
     pub(super) fn fill<S: Simd>(&mut self, simd: S, background: Rgba8) {
         fill(simd, self.colors, background);
     }
 
-    /// The background and the depth where nothing is, in some columns of tiles.
+    /// Fills some columns of tiles with the background and the clear depth.
     #[inline(always)]
     pub(super) fn clear<S: Simd>(&mut self, simd: S, columns: &Range<usize>, (background, depth): (Rgba8, f32)) {
         let part = columns.start * TILE..self.width.min(columns.end * TILE);
@@ -117,19 +117,19 @@ impl PictureRows<'_> {
         }
     }
 
-    /// Where one of the tiles is.
+    /// Returns one of the tiles as a destination.
     pub(super) fn target(&mut self, place: (usize, usize), number: usize) -> Target<'_> {
         let (stride, left, size) = (self.width, place.0 * TILE, self.size(place.0));
         let depths = self.depths.as_deref_mut().map(|values| TileRows { values, stride, left, size });
         Target { place, number, picture: TileRows { values: self.colors, stride, left, size }, depths }
     }
 
-    /// Columns and rows of a tile that lie within the picture.
+    /// Returns the columns and rows of a tile that lie within the picture.
     fn size(&self, column: usize) -> (usize, usize) {
         ((self.width - column * TILE).min(TILE), self.colors.len() / self.width)
     }
 
-    /// Copies what was drawn elsewhere to where it belongs.
+    /// Copies a tile from private memory to its place in the picture.
     #[inline(always)]
     fn put<S: Simd>(&mut self, simd: S, column: usize, memory: &TileMemory) {
         let ((columns, _), left) = (self.size(column), column * TILE);
@@ -150,7 +150,7 @@ impl PictureRows<'_> {
     }
 }
 
-/// Memory for one tile of the picture, from the start of a line of the cache on.
+/// Private memory for one tile of the picture, aligned to a cache line.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(super) struct TileMemory {
@@ -163,7 +163,7 @@ impl TileMemory {
         Box::new(Self { colors: [[0; 4]; TILE_SAMPLES], depths: [0.0; TILE_SAMPLES] })
     }
 
-    /// Has a tile drawn, and copied into the picture.
+    /// Draws a tile in private memory and copies it into the picture.
     pub(super) fn draw(
         &mut self,
         lanes: Lanes,
@@ -184,7 +184,7 @@ impl TileMemory {
     }
 }
 
-/// Fills pixels with one colour: whole cache lines, which are written without being read.
+/// Fills pixels with one colour, by stores of whole cache lines, which need not be read first.
 #[inline(always)]
 fn fill<S: Simd>(simd: S, pixels: &mut [Rgba8], color: Rgba8) {
     let line = u32x16::splat(simd, u32::from_le_bytes(color));
@@ -203,7 +203,7 @@ mod tests {
     use super::super::runs::{Run, share_out};
     use super::*;
 
-    /// Draws a tile, its number everywhere, and one more there than was; and counts it.
+    /// Draws a tile: writes its number to every pixel and increments their third channel. Counts the tile in `drawn`.
     fn draw(target: Target<'_>, drawn: &mut [usize]) {
         let [low, high, ..] = target.number.to_le_bytes();
         drawn[target.number] += 1;

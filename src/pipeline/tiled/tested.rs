@@ -1,5 +1,5 @@
-//! Samples of a triangle that passed the depth test, eight of a row and eight of the row below, before it is known which of them
-//! are kept.
+//! Samples of a triangle that passed the depth test, eight of a row and eight of the row below, before it is known
+//! which are stored.
 
 use super::Frame;
 use super::edge_number::EdgeNumber as _;
@@ -14,26 +14,26 @@ use super::target::Picture;
 use crate::math::lanes::*;
 use crate::scene::material::CUT_OUT_BELOW;
 
-/// Numbers of the bits that are set, of the lowest [`WIDE`].
+/// Returns the indices of the set bits among the lowest [`WIDE`].
 pub(super) fn set_bits(bits: u64) -> impl Iterator<Item = usize> {
     (0..WIDE).filter(move |bit| bits >> bit & 1 != 0)
 }
 
-/// Two rows of eight samples.
+/// Depth test results of two rows of eight samples.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct TestedRows {
-    /// Column of the first sample of both, and the upper row, within the tile.
+    /// Column of the first sample of both rows, and the upper row, within the tile.
     pub(super) place: (usize, usize),
-    /// Edge values, row by row.
+    /// Edge values by row, edge and lane.
     pub(super) edges: [[[f64; LANES]; 3]; 2],
-    /// A bit for each sample that passed, those of the lower row from [`LANES`] on.
+    /// Bit mask of the samples that passed; bits of the lower row begin at [`LANES`].
     pub(super) passed: u64,
 }
 
-/// A sample that passed.
+/// A sample that passed the depth test.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TestedSample {
-    /// Its bit.
+    /// Bit of the sample in [`TestedRows::passed`].
     pub(super) bit: u64,
     /// Column and row within the tile.
     pub(super) place: (usize, usize),
@@ -41,7 +41,7 @@ pub(super) struct TestedSample {
 }
 
 impl TestedRows {
-    /// Those that passed, one by one.
+    /// Returns the samples that passed, one by one.
     pub(super) fn samples(&self) -> impl Iterator<Item = TestedSample> {
         let (column, row) = self.place;
         set_bits(self.passed).map(move |i| {
@@ -54,7 +54,7 @@ impl TestedRows {
         })
     }
 
-    /// Bits of those that passed and lie among so many columns and rows.
+    /// Returns the bit mask of the samples that passed and lie within this number of columns and rows.
     pub(super) fn within(&self, (columns, rows): (usize, usize)) -> u64 {
         let (column, first) = self.place;
         let of_row = (1 << columns.saturating_sub(column).min(LANES)) - 1;
@@ -63,8 +63,9 @@ impl TestedRows {
         self.passed & inside
     }
 
-    /// The same with edge values from where their pixels are shaded: the first of some places that the triangle covers. Places
-    /// are given by their offsets from the pixel's centre, as is that of the samples, which is among them.
+    /// Returns the samples with edge values at their shading positions: for each, the first of `places` that the
+    /// triangle covers. `places` and `sample`, the position of the samples, are offsets from the pixel's centre in grid
+    /// steps. `sample` must be among `places`.
     #[inline(never)]
     pub(super) fn at_first_covered<S: Simd>(
         &self,
@@ -99,8 +100,8 @@ impl TestedRows {
         )
     }
 
-    /// Weights of the corners. Those of samples without a bit stand for the first corner: what is computed there must not lead
-    /// astray.
+    /// Computes interpolation weights. Samples that did not pass are moved to the first vertex, so that meaningless
+    /// values there do no harm.
     #[inline(always)]
     fn weights<S: Simd>(&self, simd: S, subject: &Subject<'_>) -> Weights<S> {
         let e = each!(i in [0, 1, 2] => {
@@ -111,7 +112,7 @@ impl TestedRows {
     }
 }
 
-/// Shades samples that passed, into the queue; how many. For shaders that are on lanes.
+/// Shades samples that passed, into the queue. Returns their number. Only for shaders with lane code.
 #[inline(never)]
 pub(super) fn shade_tested<S: Simd>(
     simd: S,
@@ -141,7 +142,7 @@ pub(super) fn shade_tested<S: Simd>(
     )
 }
 
-/// Bits of the samples that passed and are not cut out. For shaders that are on lanes.
+/// Returns the bit mask of the samples that passed and also pass the alpha test. Only for shaders with lane code.
 #[inline(never)]
 pub(super) fn keep_tested<S: Simd>(simd: S, frame: &Frame<'_>, subject: &Subject<'_>, tested: &TestedRows) -> u64 {
     simd.vectorize(

@@ -8,44 +8,44 @@ use crate::pipeline::sample::{ALPHA_SCALE, Sampler};
 use crate::pipeline::settings::{Address, ColorSpace, Filter};
 use crate::scene::{Level, Texture};
 
-/// How texels are found in memory.
+/// Arrangement of the texels of a sample in memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Layout {
-    /// One texel for each sample.
+    /// One texel per sample.
     Single,
-    /// Four texels.
+    /// Four texels per sample, each with its own place.
     Four,
-    /// Two by two texels of the repeated texture.
+    /// A quad of 2 × 2 adjacent texels of the repeated texture per sample.
     Quads,
-    /// The same, and both sides are powers of two.
+    /// Quads of a texture whose sides are both powers of two.
     PowerOfTwoQuads,
 }
 
-/// A texture with how it is read.
+/// A texture with its sampler, prepared for reads on lanes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TextureReader<'a> {
     pub(super) layout: Layout,
-    /// Texels; of mip-mapped textures those of all levels. None if light is what is mixed.
+    /// Texels; of mip-mapped textures those of all levels. Empty if texels are mixed in linear light.
     texels: Rows<'a, u32>,
-    /// Texels in linear light, likewise, if that is what is mixed.
+    /// Texels in linear light, likewise. Empty unless texels are mixed in linear light.
     linear: Rows<'a, [f32; 4]>,
-    /// Where each level lies among the texels that are mixed; none without mip-mapping.
+    /// Places of the mip levels among the texels; empty without mip-mapping.
     pub(super) levels: &'a [Level],
-    /// Numbers from one row to the next.
+    /// Texels from one row to the next.
     stride: i32,
     size: (u32, u32),
-    /// The same as floats.
+    /// Width and height as floats.
     pub(super) extent: [f32; 2],
     pub(super) sampler: Sampler,
-    /// Texels are read by the instructions that gather.
+    /// Whether texels are read by hardware gathers.
     pub(super) gathers: bool,
 }
 
-/// Rows of texels, each with one more at its end, and one more row after the last.
+/// Rows of texels, with one extra texel at the end of each, and one extra row after the last.
 #[derive(Clone, Copy, Debug)]
 struct Rows<'a, T> {
     all: &'a [T],
-    /// From the second one on: the texel below another one has the same place here.
+    /// Texels from the second row on: a texel's lower neighbour has the same index here.
     below: &'a [T],
 }
 
@@ -55,11 +55,11 @@ impl<'a, T> Rows<'a, T> {
     }
 }
 
-/// The images that eight samples are read from.
+/// Images that eight samples are read from.
 pub(super) struct Images<S: Simd> {
-    /// Position of their first texels.
+    /// Index of each image's first texel.
     pub(super) first: i32x8<S>,
-    /// Columns and rows.
+    /// Axes of columns and rows.
     pub(super) axes: [Axis<S>; 2],
 }
 
@@ -100,13 +100,13 @@ impl<'a> TextureReader<'a> {
         }
     }
 
-    /// The same, with texels read by the instructions that gather or one by one.
+    /// Returns the reader with hardware gathers on or off.
     #[inline(always)]
     pub(super) fn that_gathers(self, gathers: bool) -> Self {
         Self { gathers, ..self }
     }
 
-    /// Tells textures apart.
+    /// Returns an address that identifies the texture.
     pub(super) fn address(&self) -> usize {
         if self.mixes_light() { self.linear.all.as_ptr().addr() } else { self.texels.all.as_ptr().addr() }
     }
@@ -117,7 +117,8 @@ impl<'a> TextureReader<'a> {
         !self.linear.all.is_empty()
     }
 
-    /// Which texels sixteen samples read (v down). Told apart from reading them, so that many reads can be under way.
+    /// Finds the texels that sixteen samples read (v down). Separate from reading them, so that many cache misses
+    /// overlap.
     #[inline(always)]
     pub(super) fn locate<S: Simd>(&self, simd: S, layout: Layout, [u, v]: [f32x16<S>; 2], taps: &mut Taps) {
         if layout == Layout::PowerOfTwoQuads {
@@ -143,7 +144,7 @@ impl<'a> TextureReader<'a> {
         }
     }
 
-    /// Coordinates that few scenes have: apart, so that it does not stand in the way of the others.
+    /// Handles rare coordinates. Kept out of line, so that it does not slow down the common path.
     #[cold]
     #[inline(never)]
     fn locate_unusual<S: Simd>(&self, simd: S, uv: [f32x16<S>; 2], taps: &mut Taps) {
@@ -168,14 +169,14 @@ impl<'a> TextureReader<'a> {
         down.store_array(&mut taps.down);
     }
 
-    /// Places of texels by column and row, in a texture whose sides are powers of two.
+    /// Returns the places of texels by column and row, in a texture whose sides are powers of two.
     #[inline(always)]
     pub(super) fn place<S: Simd>(&self, x: i32x16<S>, y: i32x16<S>) -> i32x16<S> {
-        // Rows are one longer than a power of two: quicker by a shift and a sum than by a product.
+        // Rows have one texel more than a power of two: a shift and a sum are faster than a product.
         (y << self.size.0.trailing_zeros()) + (y + x)
     }
 
-    /// The one texel of each of eight of the samples, from `first` on.
+    /// Finds the single texel of each of eight samples, from `first` on.
     #[inline(always)]
     fn locate_nearest<S: Simd>(&self, simd: S, [u, v]: [F32<S>; 2], taps: &mut Taps, first: usize) {
         let Sampler { address, .. } = self.sampler;
@@ -184,7 +185,7 @@ impl<'a> TextureReader<'a> {
         (y * self.stride + x).bitcast::<u32x8<S>>().store_slice(&mut taps.index[0][first..first + LANES]);
     }
 
-    /// The four texels of each of eight of the samples, from `first` on.
+    /// Finds the four texels of each of eight samples, from `first` on.
     #[inline(always)]
     pub(super) fn locate_eight<S: Simd>(
         &self,
@@ -209,7 +210,7 @@ impl<'a> TextureReader<'a> {
         }
     }
 
-    /// Asks for texels that every `step`th of sixteen samples will read.
+    /// Prefetches the texels that every `step`th of sixteen samples will read.
     #[inline(always)]
     pub(super) fn prefetch(&self, taps: &Taps, step: usize) {
         for place in taps.index[0].into_iter().step_by(step) {
@@ -224,7 +225,7 @@ impl<'a> TextureReader<'a> {
         }
     }
 
-    /// Red, green, blue and alpha from texels in codes: of as many samples as a register holds, from `first` on.
+    /// Reads red, green, blue and alpha from 8-bit texels, for as many samples as a register holds, from `first` on.
     #[inline(always)]
     pub(super) fn read_bytes<S: Simd>(&self, simd: S, layout: Layout, taps: &Taps, first: usize) -> [S::f32s; 4] {
         let places = |tap: usize| &taps.index[tap][first..first + S::u32s::LEN];
@@ -254,7 +255,7 @@ impl<'a> TextureReader<'a> {
         })
     }
 
-    /// Red, green and blue from texels in linear light, and alpha.
+    /// Reads red, green, blue and alpha from texels in linear light.
     #[inline(always)]
     pub(super) fn read_linear<S: Simd>(&self, simd: S, layout: Layout, taps: &Taps) -> [f32x16<S>; 4] {
         let scales = self.scales();
@@ -278,15 +279,15 @@ impl<'a> TextureReader<'a> {
         each!(channel in [0, 1, 2, 3] => low[channel].combine(high[channel]) * scales[channel])
     }
 
-    /// What brings mixed channels into [0, 1].
+    /// Returns the factors that bring mixed channels into [0, 1].
     #[inline(always)]
     fn scales(&self) -> [f32; 4] {
         let Sampler { scale, .. } = self.sampler;
         [scale, scale, scale, ALPHA_SCALE]
     }
 
-    /// Four texels of each of eight samples from `first` on in linear light, weighed and added: two samples at a time with all
-    /// their channels, as looking up twelve channels for each would take longer.
+    /// Mixes four texels in linear light for each of eight samples, from `first` on. Takes two samples at a time with
+    /// all their channels, because looking up twelve channels per sample takes longer.
     #[inline(always)]
     fn mix_linear<S: Simd>(
         &self,
@@ -325,7 +326,7 @@ impl<'a> TextureReader<'a> {
     }
 }
 
-/// Shares of the upper left, upper right, lower left and lower right texels.
+/// Returns the bilinear weights of the upper left, upper right, lower left and lower right texels.
 #[inline(always)]
 fn weights<S: Simd, F: SimdFloat<S, Element = f32>>(simd: S, right: F, down: F) -> [F; 4] {
     let one = F::splat(simd, 1.0);
@@ -333,20 +334,20 @@ fn weights<S: Simd, F: SimdFloat<S, Element = f32>>(simd: S, right: F, down: F) 
     [left * up, right * up, left * down, right * down]
 }
 
-/// Red, green, blue and alpha codes of texels.
+/// Returns the red, green, blue and alpha codes of texels.
 #[inline(always)]
 pub(super) fn codes<S: Simd>(texels: S::u32s) -> [S::f32s; 4] {
     each!(shift in [0, 8, 16, 24] => ((texels >> shift) & 255).bitcast::<S::i32s>().to_float::<S::f32s>())
 }
 
-/// Of a row of texels those at eight places, each with its right neighbour.
+/// Returns the texels at eight places of a row, each with its right neighbour.
 ///
 /// # Panics
-/// If one of the places, or its neighbour, lies outside of the row.
+/// If a place, or its right neighbour, lies outside of the row.
 #[inline(always)]
 #[expect(
     unsafe_code,
-    reason = "one test for eight reads: a picture that is all texture is drawn an eighth faster than with a test for each"
+    reason = "one bounds check for eight reads: a fully textured picture is drawn an eighth faster than with one each"
 )]
 fn neighbours_at<S: Simd, T: Copy>(_: S, texels: &[T], index: u32x8<S>) -> [[T; 2]; LANES] {
     // Lengths are below 2³²: texture sizes are limited.
@@ -354,8 +355,8 @@ fn neighbours_at<S: Simd, T: Copy>(_: S, texels: &[T], index: u32x8<S>) -> [[T; 
     assert!(index.simd_lt(last).to_bitmask() == 0xFF, "all texels are within the texture");
     let index = index.to_array();
     each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => {
-        // SAFETY: `index[lane]` is less than the place of the last texel, as was just made sure, so that it and the texel
-        // after it lie within the slice; an array asks for no other alignment than its items do.
+        // SAFETY: `index[lane]` is less than the place of the last texel, as asserted above. It and the next texel
+        // therefore lie within the slice, and an array has the alignment of its items.
         unsafe { texels.as_ptr().add(index[lane] as usize).cast::<[T; 2]>().read() }
     })
 }
@@ -366,7 +367,7 @@ mod tests {
     use super::*;
     use crate::image::Image;
 
-    /// Coordinates everywhere, and near to where texels meet or the ways to find them change.
+    /// Returns coordinates everywhere, and near texel boundaries and the limits of the fast paths.
     fn coordinate(random: &mut fastrand::Rng, size: u32) -> f32 {
         let least_below_zero = LEAST_BELOW_ZERO / size as f32;
         let u = match random.u32(..6) {
@@ -382,8 +383,8 @@ mod tests {
         (0..steps.abs()).fold(u, |u, _| if steps < 0 { u.next_down() } else { u.next_up() })
     }
 
-    /// Column and row of the first of the four texels of a sample, and the bits of the weights of the second ones. Of two texels
-    /// of which the second one has all the weight, that one is the first.
+    /// Returns the column and row of the first of a sample's four texels, each with the bits of the second texel's
+    /// weight. If the second of two texels has all the weight, it is returned as the first.
     fn first_with_weight(taps: &Taps, lane: usize, (width, height): (u32, u32)) -> [(u32, u32); 2] {
         let (x, y) = (taps.index[0][lane] % (width + 1), taps.index[0][lane] / (width + 1));
         let along =
@@ -400,7 +401,7 @@ mod tests {
             let reader = TextureReader::new(&texture, sampler, ColorSpace::Bytes);
             assert_eq!(reader.layout, Layout::PowerOfTwoQuads);
             for round in 0..2000 {
-                // Mostly of one kind, so that all ways are gone.
+                // Most rounds use coordinates of one kind, so that all paths are taken.
                 let [u, v] = [size.0, size.1].map(|size| -> [f32; WIDE] {
                     std::array::from_fn(|_| {
                         loop {

@@ -1,10 +1,11 @@
-//! One tile of the picture while its triangles are drawn: which triangle is seen at each sample, and how deep it lies.
+//! One tile of the picture while its triangles are drawn: the visible triangle of each sample, and its depth.
 //!
-//! Samples stand in blocks of 8 × 8. A block that one triangle covers whole, in front of everything that was there, is *plain*:
-//! its samples are neither written nor cleared, the block names the triangle alone. Samples are written out when a
-//! triangle first covers a plain block in part. Of every block the least and greatest stored depth are known, so that a
-//! triangle that lies behind all of it is not looked at there (Greene, Kass and Miller, "Hierarchical Z-buffer visibility",
-//! SIGGRAPH 1993). As long as all blocks show one triangle, or nothing, that is known of the tile alone.
+//! Samples are grouped in blocks of 8 × 8. A block is *uniform* if one triangle covers all of it, in front of
+//! everything drawn before. Its samples are then neither written nor cleared; the block stores the triangle alone. The
+//! samples are written when another triangle first covers the block in part. The least and greatest stored depth of
+//! every block are known, so a triangle behind all of it is skipped there (Greene, Kass and Miller, "Hierarchical
+//! Z-buffer visibility", SIGGRAPH 1993). As long as all blocks show one triangle, or nothing, these bounds are kept for
+//! the whole tile.
 
 mod bounds;
 
@@ -21,18 +22,19 @@ use super::setup::{Edges, Setup};
 use super::tested::TestedRows;
 use crate::math::lanes::*;
 
-/// From one row of samples to the next in memory: rows may be read and written eight samples beyond the last block.
+/// Distance from one row of samples to the next in memory. Rows may be read and written eight samples beyond the last
+/// block.
 pub(super) const STRIDE: usize = TILE + LANES;
 
-/// Rows of samples in memory: narrow triangles are drawn two rows at a time, the second of which may be one too many.
+/// Rows of samples in memory. Narrow triangles are drawn two rows at a time, and the second may be one too many.
 pub(super) const ROWS: usize = TILE + 1;
 
-/// How much work a tile was.
+/// Amount of drawing work for a tile.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct TileCounts {
-    /// Samples that were tested.
+    /// Samples tested individually.
     pub(super) visited: u64,
-    /// Samples of blocks that were taken as a whole.
+    /// Samples of blocks accepted as a whole.
     pub(super) plain: u64,
 }
 
@@ -43,23 +45,23 @@ impl AddAssign for TileCounts {
     }
 }
 
-/// A tile. Memory is kept from tile to tile.
+/// A tile while it is drawn. Memory is reused from tile to tile.
 #[derive(Clone, Debug)]
 pub(super) struct Tile {
-    /// Triangles by row and column.
+    /// Slots of the visible triangles, by row and column.
     ids: Vec<u32>,
-    /// Stored depths.
+    /// Stored depths, by row and column.
     depths: Vec<f32>,
-    /// The triangle of each plain block.
+    /// Triangle of each uniform block.
     owners: [u32; BLOCKS * BLOCKS],
-    /// Bounds of the stored depths of each block, unless there is a backdrop.
+    /// Least stored depth of each block; `greatest` is the greatest. Not valid while there is a full-tile occluder.
     least: [f32; BLOCKS * BLOCKS],
     greatest: [f32; BLOCKS * BLOCKS],
-    /// What all samples show: bounds of blocks are only found when a triangle is drawn into some of them.
+    /// Full-tile occluder. Depth bounds of blocks are computed only when a triangle is drawn into some of them.
     backdrop: Option<Backdrop>,
-    /// A bit for each plain block.
+    /// Bit mask of the uniform blocks.
     plain: u64,
-    /// Bounds are kept. They cost more than they save where triangles are as small as blocks.
+    /// Whether depth bounds are kept. They cost more than they save if triangles are as small as blocks.
     bounded: bool,
     pub(super) counts: TileCounts,
 }
@@ -79,12 +81,12 @@ impl Tile {
         }
     }
 
-    /// Bytes of one tile.
+    /// Returns the number of bytes held.
     pub(super) fn bytes(&self) -> usize {
         self.ids.capacity() * size_of::<u32>() + self.depths.capacity() * size_of::<f32>() + size_of::<Self>()
     }
 
-    /// Forgets everything. With `bounded` false all samples are cleared at once and no bounds are kept.
+    /// Clears the tile. If `bounded` is false, all samples are cleared at once and no depth bounds are kept.
     pub(super) fn clear(&mut self, rules: &DepthRules, bounded: bool) {
         self.bounded = bounded;
         self.counts = TileCounts::default();
@@ -104,32 +106,32 @@ impl Tile {
         }
     }
 
-    /// The triangle of a plain block.
+    /// Returns the triangle of a block; `None` if the block is not uniform.
     #[inline(always)]
     pub(super) fn owner(&self, block: usize) -> Option<Slot> {
         (self.plain >> block & 1 != 0).then(|| Slot(self.owners[block]))
     }
 
-    /// The plain blocks that wait for their samples to be written.
+    /// Returns the uniform blocks, whose samples are not yet written, with their triangles.
     pub(super) fn plain_blocks(&self) -> impl Iterator<Item = (usize, Slot)> + use<> {
         let (plain, owners) = (self.plain, self.owners);
         (0..BLOCKS * BLOCKS).filter(move |block| plain >> block & 1 != 0).map(move |block| (block, Slot(owners[block])))
     }
 
-    /// The triangles of eight samples of a row; the samples must have been written.
+    /// Returns the triangles of eight samples of a row, which must have been written.
     #[inline(always)]
     pub(super) fn slots(&self, column: usize, row: usize) -> &[u32] {
         &self.ids[row * STRIDE + column..][..LANES]
     }
 
-    /// The same of eight samples of a row, and of the eight below.
+    /// Returns the triangles of eight samples of a row and of the eight below, which must have been written.
     #[inline(always)]
     pub(super) fn slots_of_two_rows<S: Simd>(&self, simd: S, column: usize, row: usize) -> u32x16<S> {
         let [upper, lower] = each!(y in [row, row + 1] => u32x8::from_slice(simd, self.slots(column, y)));
         upper.combine(lower)
     }
 
-    /// The triangles of eight samples of a row, written or not.
+    /// Returns the triangles of eight samples of a row, written or not.
     #[inline(always)]
     pub(super) fn seen<S: Simd>(&self, simd: S, column: usize, row: usize) -> u32x8<S> {
         match self.owner(row / BLOCK * BLOCKS + column / BLOCK) {
@@ -138,7 +140,7 @@ impl Tile {
         }
     }
 
-    /// Gives a block to one triangle, or leaves it to its samples.
+    /// Makes a block uniform with one triangle, or leaves it to its samples.
     pub(super) fn set_owner(&mut self, block: usize, owner: Option<Slot>) {
         match owner {
             Some(slot) => {
@@ -149,19 +151,20 @@ impl Tile {
         }
     }
 
-    /// Gives eight samples of a row to their triangles.
+    /// Stores the triangles of eight samples of a row.
     #[inline(always)]
     pub(super) fn set_seen<S: Simd>(&mut self, column: usize, row: usize, slots: u32x8<S>) {
         slots.store_slice(&mut self.ids[row * STRIDE + column..][..LANES]);
     }
 
-    /// Stored depths of a row.
+    /// Returns the stored depths of a row.
     pub(super) fn depths(&self, row: usize) -> &[f32] {
         &self.depths[row * STRIDE..][..TILE]
     }
 
-    /// Draws a triangle. `owner` sets up the triangle of a plain block that is no longer plain. What draws is compiled once more for
-    /// [common rules](DepthRules::are_common): what is asked in every row is a tenth of its work.
+    /// Draws a triangle. `owner` sets up the triangle of a uniform block that must be expanded. The drawing code is
+    /// compiled separately for [common rules](DepthRules::are_common): the branches in every row are a tenth of its
+    /// work.
     #[inline(always)]
     pub(super) fn draw<S: Simd, E: EdgeNumber>(
         &mut self,
@@ -182,7 +185,7 @@ impl Tile {
         }
     }
 
-    /// A triangle at most sixteen samples wide: eight columns, row by row, and the next eight.
+    /// Draws a triangle at most sixteen samples wide: eight columns, row by row, then the next eight.
     #[inline(never)]
     fn draw_small<S: Simd, E: EdgeNumber, const COMMON: bool>(
         &mut self,
@@ -211,7 +214,7 @@ impl Tile {
                     if !in_sight {
                         return;
                     }
-                    // A row of eight may reach into one more block than the triangle does.
+                    // Eight columns may extend into one more block than the triangle does.
                     for by in top / BLOCK..=bottom / BLOCK {
                         for bx in columns[0]..=((end - 1) / BLOCK).min(BLOCKS - 1) {
                             let block = by * BLOCKS + bx;
@@ -245,7 +248,7 @@ impl Tile {
         );
     }
 
-    /// A triangle at most four samples wide: two of its rows at once.
+    /// Draws a triangle at most four samples wide, two rows at a time.
     #[inline(always)]
     fn draw_narrow<S: Simd, E: EdgeNumber>(
         &mut self,
@@ -311,7 +314,7 @@ impl Tile {
         high.store_slice(&mut ids[STRIDE..]);
     }
 
-    /// A larger triangle: block by block.
+    /// Draws a larger triangle block by block.
     #[inline(never)]
     fn draw_large<S: Simd, E: EdgeNumber, const COMMON: bool>(
         &mut self,
@@ -384,8 +387,8 @@ impl Tile {
         );
     }
 
-    /// Draws those samples of a triangle that `keep` wants: it is told which pass the depth test, of two rows at a time, and says
-    /// by bits which of those are stored.
+    /// Draws the samples of a triangle that `keep` selects. It receives the samples that pass the depth test, two rows
+    /// at a time, and returns the bit mask of those to store.
     #[inline(never)]
     pub(super) fn draw_kept<S: Simd>(
         &mut self,
@@ -433,7 +436,8 @@ impl Tile {
         );
     }
 
-    /// Finds the edge values at eight samples of a row, and gives bits of those that are covered and pass the depth test.
+    /// Computes the edge values at eight samples of a row. Returns the bit mask of the samples that are covered and
+    /// pass the depth test.
     #[inline(never)]
     fn test<S: Simd>(
         &self,
@@ -459,7 +463,7 @@ impl Tile {
         )
     }
 
-    /// The samples of one block.
+    /// Draws the samples of one block.
     #[inline(always)]
     fn draw_block<S: Simd, E: EdgeNumber>(
         &mut self,
@@ -488,7 +492,7 @@ impl Tile {
         }
     }
 
-    /// Tests the covered samples of eight in a row, and stores those that pass. Whether there are any.
+    /// Tests the covered samples of eight in a row, and stores those that pass. Returns whether there are any.
     #[inline(always)]
     fn write<S: Simd, E: EdgeNumber>(
         &mut self,
@@ -517,7 +521,7 @@ impl Tile {
         passed.any_true()
     }
 
-    /// Writes the samples of a plain block.
+    /// Expands a uniform block: writes its samples. No-op for other blocks.
     #[inline(never)]
     pub(super) fn write_out<S: Simd>(
         &mut self,
@@ -556,20 +560,21 @@ impl Tile {
     }
 }
 
-/// Whether eight samples are gone on with, those of them that have a bit: if there are any, or where lanes are stored by masks. There
-/// it takes less time to store none than to find out whether there are any, as whoever guesses that wrong waits for twice as long.
+/// Whether a masked store of the selected lanes is worthwhile: if there are any, or if lanes are stored by masks
+/// (AVX-512). There an empty store costs less than the branch that would skip it, because a misprediction takes twice
+/// as long.
 #[inline(always)]
 fn is_worth_storing<S: Simd>(some: mask32x8<S>) -> bool {
     S::f32s::LEN >= WIDE || some.any_true()
 }
 
-/// Columns and rows of the blocks that a triangle may touch.
+/// Returns the columns and rows of the blocks that a triangle may touch.
 fn blocks(triangle: &Setup) -> impl Iterator<Item = (usize, usize)> + use<> {
     let Setup { columns: [left, right], rows: [top, bottom], .. } = *triangle;
     (top / BLOCK..=bottom / BLOCK).flat_map(move |by| (left / BLOCK..=right / BLOCK).map(move |bx| (bx, by)))
 }
 
-/// The rows of a triangle that lie in a row of blocks.
+/// Returns the rows of a triangle that lie in a row of blocks.
 fn rows_in<E>(triangle: &Setup<E>, by: usize) -> Range<usize> {
     let [top, bottom] = triangle.rows;
     top.max(by * BLOCK)..(bottom + 1).min((by + 1) * BLOCK)

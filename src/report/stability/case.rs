@@ -1,9 +1,9 @@
-//! One test case as plain data, in the format of case files, so that whatever a report found can be written down and
-//! opened again.
+//! Test case as plain data, in the format of case files, so that every finding of a report can be saved and opened
+//! again.
 //!
-//! A case file is one JSON object: `id`, `class`, `note`, `kind`, and what the kind asks for. Every number is the exact
-//! value of an f32, printed with all its digits, so that readers who compute in exact arithmetic see what was drawn. NaN and
-//! the infinities, which JSON does not know, are the strings `"NaN"`, `"Infinity"` and `"-Infinity"`.
+//! A case file is one JSON object: `id`, `class`, `note`, `kind`, and the data that this kind requires. Every number is
+//! the exact value of an f32, printed with all digits, so that readers with exact arithmetic see what was drawn. NaN
+//! and infinities, which JSON does not support, are the strings `"NaN"`, `"Infinity"` and `"-Infinity"`.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,124 +12,124 @@ use super::wire;
 use crate::pipeline::settings::FillRule;
 use crate::pipeline::viewport::Viewport;
 
-/// A case.
+/// A test case.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Case {
-    /// Unique name.
+    /// Unique id.
     pub id: String,
-    /// The class of cases that it belongs to.
+    /// Id of the class that the case belongs to.
     pub class: String,
-    /// What is special about it.
+    /// Description of the special property of the case.
     #[serde(default)]
     pub note: String,
-    /// The question.
+    /// Kind of the case and its data.
     #[serde(flatten)]
     pub body: Body,
 }
 
-/// What a case asks.
+/// Kind of a case and its data.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Body {
-    /// Which pixels each of several triangles on the screen covers.
+    /// Coverage of each of several screen-space triangles.
     TriCoverage(Coverage),
-    /// Weights, depth and attributes at some pixels of a triangle on the screen.
+    /// Weights, depth and attributes at some pixels of a screen-space triangle.
     TriAttr(Attributes),
-    /// The same for two triangles of one plane that cover the same pixels.
+    /// Depths of two coplanar triangles that cover the same pixels.
     CoplanarPair(CoplanarPair),
-    /// Which pixels each of several triangles in clip space covers, with weights and depth there.
+    /// Coverage of each of several clip-space triangles, with weights and depth.
     ClipTri(ClipSpace),
-    /// What a depth buffer stores for ascending distances.
+    /// Depth buffer values of ascending distances.
     Depth(Depth),
-    /// How many pairs of near distances a depth buffer confuses.
+    /// Number of pairs of close distances whose order a depth buffer loses.
     DepthPairs(DepthPairs),
 }
 
-/// Triangles on the screen.
+/// Screen-space triangles.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Coverage {
-    /// Picture width in px.
+    /// Image width, in pixels.
     pub width: u32,
-    /// Picture height in px.
+    /// Image height, in pixels.
     pub height: u32,
-    /// Who owns centres on edges.
+    /// Fill rule for pixel centres on edges.
     #[serde(with = "crate::case::rule")]
     pub rule: FillRule,
-    /// Corners in px, x right and y down; each triangle for itself.
+    /// Vertices in pixels, x right and y down; every triangle is drawn separately.
     #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
     pub triangles: Vec<[[f32; 2]; 3]>,
-    /// Whether together they cover every pixel of the picture exactly once.
+    /// Whether the triangles together cover every pixel of the image exactly once.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub exactly_once: bool,
 }
 
-/// A triangle on the screen with something to interpolate.
+/// A screen-space triangle with attributes to interpolate.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Attributes {
-    /// Picture width in px.
+    /// Image width, in pixels.
     pub width: u32,
-    /// Picture height in px.
+    /// Image height, in pixels.
     pub height: u32,
-    /// The corners.
+    /// Vertices of the triangle.
     #[serde(with = "wire::corners")]
     pub vertices: [ScreenCorner; 3],
-    /// Pixels asked for, column and row; their centres lie inside.
+    /// Columns and rows of the pixels to evaluate; their centres lie inside the triangle.
     pub eval: Vec<[u32; 2]>,
 }
 
-/// Two triangles of one plane.
+/// Two coplanar triangles.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CoplanarPair {
-    /// Picture width in px.
+    /// Image width, in pixels.
     pub width: u32,
-    /// Picture height in px.
+    /// Image height, in pixels.
     pub height: u32,
-    /// Corners of the first.
+    /// Vertices of the first triangle.
     #[serde(with = "wire::corners")]
     pub first: [ScreenCorner; 3],
-    /// Corners of the second.
+    /// Vertices of the second triangle.
     #[serde(with = "wire::corners")]
     pub second: [ScreenCorner; 3],
-    /// Pixels whose centres lie inside of both, column and row.
+    /// Columns and rows of the pixels to evaluate; their centres lie inside both triangles.
     pub eval: Vec<[u32; 2]>,
 }
 
-/// Triangles in clip space: 0 ≤ z ≤ w inside, y up.
+/// Clip-space triangles, with 0 ≤ z ≤ w inside the view and y up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ClipSpace {
-    /// Picture width in px.
+    /// Image width, in pixels.
     pub width: u32,
-    /// Picture height in px.
+    /// Image height, in pixels.
     pub height: u32,
-    /// Corners x, y, z, w; each triangle for itself.
+    /// Clip-space vertices (x, y, z, w); every triangle is drawn separately.
     #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
     pub triangles: Vec<[[f32; 4]; 3]>,
 }
 
-/// Distances before the eye, and how they are stored.
+/// View-space distances and the depth buffer that stores them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Depth {
-    /// How a distance becomes a number in 0…1.
+    /// Mapping from a distance to a depth in [0, 1].
     pub mapping: DepthMapping,
-    /// In what it is stored.
+    /// Storage format of the depth buffer.
     pub format: DepthStorage,
     /// Distance of the near plane.
     #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
     pub near: f32,
-    /// Distance of the far plane; none means infinitely far.
+    /// Distance of the far plane; `None` for infinity.
     #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
     pub far: Option<f32>,
-    /// Distances, ascending.
+    /// Distances, in ascending order.
     #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
     pub z: Vec<f32>,
 }
 
-/// Random pairs of distances z and z · (1 + gap), z log-uniform between the planes, seen through random views.
+/// Random pairs of distances z and z · (1 + gap), with z log-uniform between the planes, seen through random views.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DepthPairs {
-    /// How a distance becomes a number in 0…1.
+    /// Mapping from a distance to a depth in [0, 1].
     pub mapping: DepthMapping,
-    /// In what it is stored.
+    /// Storage format of the depth buffer.
     pub format: DepthStorage,
     /// Distance of the near plane.
     #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
@@ -137,16 +137,16 @@ pub struct DepthPairs {
     /// Distance of the far plane.
     #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
     pub far: f32,
-    /// Relative distance between the two of a pair.
+    /// Relative difference between the two distances of a pair.
     pub gap: f64,
     /// Number of pairs.
     pub pairs: u32,
-    /// Seed of the random numbers.
+    /// Seed of the random number generator.
     pub seed: u64,
 }
 
 impl Case {
-    /// The picture that the case is about, where it is about one.
+    /// Returns the image size of the case; `None` for cases without an image.
     pub fn viewport(&self) -> Option<Viewport> {
         let (width, height) = match &self.body {
             Body::TriCoverage(c) => (c.width, c.height),
@@ -158,7 +158,7 @@ impl Case {
         Some(Viewport { width, height })
     }
 
-    /// How many triangles it has.
+    /// Returns the number of triangles.
     pub fn triangle_count(&self) -> usize {
         match &self.body {
             Body::TriCoverage(c) => c.triangles.len(),
@@ -169,7 +169,7 @@ impl Case {
         }
     }
 
-    /// The same case for another way to store depth; cases that are not about that stay as they are.
+    /// Returns the same case with another depth mapping and format; other kinds of cases are returned unchanged.
     pub fn stored_as(mut self, mapping: DepthMapping, format: DepthStorage) -> Self {
         match &mut self.body {
             Body::Depth(depth) => {
@@ -182,8 +182,8 @@ impl Case {
         self
     }
 
-    /// The same case with only some of its parts, named by number: triangles, pixels asked for, or distances. A part of a
-    /// mesh no longer covers the picture.
+    /// Returns the case with only some of its parts, given by index: triangles, evaluated pixels, or distances. A part
+    /// of a mesh is no longer expected to cover the image.
     pub fn only(&self, parts: &[usize]) -> Self {
         let mut case = Self { id: format!("{}-part", self.id), ..self.clone() };
         match &mut case.body {
@@ -200,9 +200,9 @@ impl Case {
         case
     }
 
-    /// The case as a file.
+    /// Serialises the case as JSON.
     pub fn to_json(&self) -> String {
-        // Nothing in a case can fail to be written: its maps have names, and its numbers are finite or strings.
+        // Serialisation of a case cannot fail: map keys are strings, and numbers are finite or written as strings.
         serde_json::to_string(self).unwrap_or_default()
     }
 }

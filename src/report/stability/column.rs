@@ -1,4 +1,4 @@
-//! The columns of the report: everything that can be switched and that a class is about.
+//! Columns of the report: all configurations of the engine that a class can measure.
 
 use serde::Serialize;
 
@@ -6,15 +6,15 @@ use super::catalogue::Family;
 use super::subject::{Configuration, Weighting, depth_formats, is_published};
 use crate::pipeline::settings::{Choice as _, DepthFormat};
 
-/// One way to do it.
+/// A configuration of the engine, one column of the report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(untagged)]
 pub enum Column {
     /// A rasterizer and its arithmetic.
     Coverage(Configuration),
-    /// A formula for weights and its arithmetic.
+    /// An interpolation formula and its arithmetic.
     Weights(Weighting),
-    /// What the depth buffer stores.
+    /// A depth buffer format.
     Depth(#[serde(serialize_with = "depth_format")] DepthFormat),
 }
 
@@ -23,7 +23,7 @@ fn depth_format<S: serde::Serializer>(format: &DepthFormat, to: S) -> Result<S::
 }
 
 impl Column {
-    /// All columns for classes of a family.
+    /// Returns all columns for the classes of a family.
     pub fn of(family: Family) -> Vec<Self> {
         match family {
             Family::Coverage | Family::Mesh | Family::ClipSpace | Family::Throughput => {
@@ -34,7 +34,7 @@ impl Column {
         }
     }
 
-    /// What is done: the rasterizer, formula or format, by its word in files.
+    /// Returns the id of the rasterizer, formula or format.
     pub fn method(self) -> &'static str {
         match self {
             Self::Coverage(by) => by.rasterizer.id(),
@@ -43,7 +43,7 @@ impl Column {
         }
     }
 
-    /// What a person calls that.
+    /// Returns the display name of the rasterizer, formula or format.
     pub fn method_name(self) -> &'static str {
         match self {
             Self::Coverage(by) => by.rasterizer.name(),
@@ -52,7 +52,7 @@ impl Column {
         }
     }
 
-    /// The arithmetic's word in files, where there is a choice.
+    /// Returns the id of the arithmetic; `None` for depth formats.
     pub fn arithmetic(self) -> Option<&'static str> {
         match self {
             Self::Coverage(by) => Some(by.arithmetic.id()),
@@ -61,7 +61,7 @@ impl Column {
         }
     }
 
-    /// What a person calls that.
+    /// Returns the display name of the arithmetic; `None` for depth formats.
     pub fn arithmetic_name(self) -> Option<&'static str> {
         match self {
             Self::Coverage(by) => Some(by.arithmetic.name()),
@@ -70,7 +70,7 @@ impl Column {
         }
     }
 
-    /// Whether it is commonly published with faults, and kept so.
+    /// Whether the method is kept as commonly published, with its faults.
     pub fn is_published(self) -> bool {
         match self {
             Self::Coverage(by) => by.rasterizer.is_published(),
@@ -79,7 +79,7 @@ impl Column {
         }
     }
 
-    /// Both words.
+    /// Returns the ids of the method and the arithmetic.
     pub fn label(self) -> String {
         self.arithmetic().map_or_else(|| self.method().to_owned(), |numbers| format!("{} · {numbers}", self.method()))
     }

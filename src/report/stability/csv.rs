@@ -1,18 +1,18 @@
-//! The report as comma-separated values: one line per cell, one column per measure.
+//! Stability report as comma-separated values: one line per cell, one column per metric.
 
 use super::metric::Metric;
 use super::sweep::{Cell, ClassReport, Report};
 use crate::pipeline::settings::Choice as _;
 use crate::report::PARTIAL;
 
-/// Columns before the measures.
+/// Headings of the columns before the metrics.
 const KEYS: [&str; 10] =
     ["family", "class", "method", "arithmetic", "verdict", "cases", "refused", "triangles", "worst_case", "seed"];
 
-/// Columns after the measures.
+/// Headings of the columns after the metrics.
 const TIMES: [&str; 5] = ["ns_per_pixel", "ns_per_pixel_p10", "ns_per_pixel_p90", "ns_per_triangle", "rounds"];
 
-/// The whole table with its head. What was not measured is left empty.
+/// Formats the whole table with its header. Values that were not measured are left empty.
 pub fn csv(report: &Report) -> String {
     let metrics = Metric::ALL.iter().map(|metric| metric.id().replace('-', "_"));
     let head: Vec<String> =
@@ -23,7 +23,8 @@ pub fn csv(report: &Report) -> String {
     std::iter::once(head.join(",")).chain(lines).chain(mark).map(|line| line + "\n").collect()
 }
 
-/// No word in it has a comma or a quotation mark: they are all names that this program gives.
+/// Formats one line. Quoting is unnecessary: every field is a name or number from this program, without commas or
+/// quotation marks.
 fn line(report: &Report, class: &ClassReport, cell: &Cell) -> String {
     let keys = [
         class.class.family.id().to_owned(),

@@ -1,4 +1,4 @@
-//! What is measured, and how measures of several cases become one.
+//! Metrics of the report, and rules for combining their values over several cases.
 
 use std::fmt::{self, Display, Formatter};
 
@@ -8,45 +8,50 @@ use serde::{Serialize, Serializer};
 use crate::pipeline::settings::{Choice, choice};
 
 choice! {
-    /// A number that says how wrong something is, or how slow.
+    /// Metric of error, cost or quantity.
     Metric {
         Pixels = "pixels", "pixels", "Pixels that the exact answer covers.";
-        Wrong = "wrong", "wrong", "Pixels drawn that should not be, or the other way round, given where corners are declared to be.";
-        WrongUnsnapped = "wrong-unsnapped", "wrong unsnapped", "The same against corners where they were given: also counts what snapping moved.";
-        WrongStrict = "wrong-strict", "clearly wrong", "Wrong pixels whose centres are more than 1/128 px from every edge in question.";
+        Wrong = "wrong", "wrong",
+            "Pixels drawn that should not be, and the reverse, relative to the corners that the configuration declares.";
+        WrongUnsnapped = "wrong-unsnapped", "wrong unsnapped",
+            "Wrong pixels relative to the corners as given, which includes the effect of snapping.";
+        WrongStrict = "wrong-strict", "clearly wrong",
+            "Wrong pixels whose centres are more than 1/128 px from every relevant edge.";
         Seams = "seams", "seams", "Pixels of a mesh that were not drawn exactly once: cracks and double hits.";
         Cracks = "cracks", "cracks", "Pixels of a mesh that were not drawn at all.";
         Doubles = "doubles", "double hits", "Pixels of a mesh that were drawn more than once.";
-        Samples = "samples", "samples", "Pixel centres at which weights and depth were looked at.";
+        Samples = "samples", "samples", "Pixel centres at which weights and depth were checked.";
         AffineError = "affine-error", "screen weight error", "Largest error of a weight on the screen.";
-        WeightError = "weight-error", "weight error", "Largest error of a weight for attributes, against perspective-correct ones.";
+        WeightError = "weight-error", "weight error",
+            "Largest error of a weight for attributes, relative to perspective-correct weights.";
         SumError = "sum-error", "sum error", "Largest distance of the sum of three weights from 1.";
         NegativeWeights = "negative-weights", "negative weights", "Samples inside the triangle with a weight below 0.";
         UvTexels = "uv-texels", "texels off", "Largest error of a texture coordinate, in texels of a texture 1024 wide.";
         DepthError = "depth-error", "depth error", "Largest error of a depth.";
-        DepthUlp = "depth-ulp", "depth ulp", "Largest error of a depth in units of the last place that is stored; up to 0.5 is as good as it gets.";
-        Flips = "flips", "flips", "Samples where two triangles of one plane have different depths.";
+        DepthUlp = "depth-ulp", "depth ulp",
+            "Largest error of a depth in units in the last place of the stored format; up to 0.5 is the best possible.";
+        Flips = "flips", "flips", "Samples where two triangles in one plane have different depths.";
         Pairs = "pairs", "pairs", "Neighbouring distances compared.";
         Ties = "ties", "ties", "Pairs with the same stored depth.";
         IdealTies = "ideal-ties", "ideal ties", "Pairs that would have the same stored depth even if it were rounded only once.";
         Inversions = "inversions", "inversions", "Pairs whose stored depths are in the wrong order.";
         Lost = "lost", "lost pairs", "Share of pairs that are tied or inverted, in per cent.";
-        OutOfRange = "out-of-range", "out of range", "Stored depths outside of 0…1.";
-        NotFinite = "not-finite", "NaN or ∞", "Answers that are no number.";
-        Stiffness = "stiffness", "stiffness", "Time as a multiple of what a compact triangle of as many pixels takes.";
+        OutOfRange = "out-of-range", "out of range", "Stored depths outside 0…1.";
+        NotFinite = "not-finite", "NaN or ∞", "Answers that are NaN or infinite.";
+        Stiffness = "stiffness", "stiffness", "Time as a multiple of the time of a compact triangle of as many pixels.";
     }
 }
 
-/// How measures of several cases are joined.
+/// Rule for combining a metric over several cases.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Join {
     Sum,
     Largest,
-    /// Follows from others.
+    /// Computed from other metrics.
     Derived,
 }
 
-/// Levels of [`Measures::severity`] beyond 0.
+/// Number of [`Measures::severity`] levels above 0.
 pub const LEVELS: usize = 6;
 
 impl Metric {
@@ -64,17 +69,17 @@ impl Metric {
         }
     }
 
-    /// Whether it is a number of things.
+    /// Whether the metric is a count.
     pub fn is_count(self) -> bool {
         self.join() == Join::Sum
     }
 
-    /// Whether it tells that something is wrong, and not how much was looked at or how long it took.
+    /// Whether the metric indicates a fault, as opposed to a quantity or a time.
     pub fn is_fault(self) -> bool {
         !matches!(self, Self::Pixels | Self::Samples | Self::Pairs | Self::IdealTies | Self::Stiffness)
     }
 
-    /// What a count is a part of.
+    /// Returns the metric of the total that a count is a part of.
     fn whole(self) -> Option<Self> {
         match self {
             Self::Wrong | Self::WrongUnsnapped | Self::WrongStrict | Self::Seams | Self::Cracks | Self::Doubles => {
@@ -86,7 +91,7 @@ impl Metric {
         }
     }
 
-    /// Values, or shares of the whole, above which things are one level worse.
+    /// Returns the thresholds between severity levels: values, or fractions of the total for partial counts.
     pub fn thresholds(self) -> [f64; LEVELS] {
         match self {
             Self::AffineError | Self::WeightError | Self::SumError | Self::DepthError => {
@@ -101,7 +106,7 @@ impl Metric {
         }
     }
 
-    /// The value in a few characters.
+    /// Formats a value in a few characters.
     pub fn format(self, value: f64) -> String {
         match self {
             Self::Lost => format!("{} %", short(value)),
@@ -112,7 +117,7 @@ impl Metric {
     }
 }
 
-/// A whole number with thin spaces between groups of three digits.
+/// Formats an integer with thin spaces between groups of three digits if it has more than four digits.
 fn grouped(value: f64) -> String {
     let digits = format!("{value:.0}");
     let mut text = String::new();
@@ -125,7 +130,7 @@ fn grouped(value: f64) -> String {
     text
 }
 
-/// Two or three significant digits, with an exponent where the number is large or small.
+/// Formats a number in a few characters, in scientific notation if it is very large or small.
 pub fn short(value: f64) -> String {
     match value.abs() {
         0.0 => "0".to_owned(),
@@ -137,17 +142,17 @@ pub fn short(value: f64) -> String {
     }
 }
 
-/// Measures of one or several cases. What does not apply is not there.
+/// Measured values of one or more cases; metrics that do not apply are absent.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measures([Option<f64>; Metric::ALL.len()]);
 
 impl Measures {
-    /// A value, if it applies.
+    /// Returns a value, or `None` if the metric does not apply.
     pub fn get(&self, metric: Metric) -> Option<f64> {
         self.0[metric as usize]
     }
 
-    /// The same with a value put in.
+    /// Returns the measures with a value set.
     pub fn with(mut self, metric: Metric, value: f64) -> Self {
         self.0[metric as usize] = Some(value);
         self
@@ -163,7 +168,7 @@ impl Measures {
         });
     }
 
-    /// Takes in the measures of more cases.
+    /// Adds the measures of more cases, and updates derived metrics.
     pub fn join(&mut self, more: &Self) {
         for (metric, value) in more.iter() {
             if metric.join() != Join::Derived {
@@ -177,12 +182,12 @@ impl Measures {
         }
     }
 
-    /// All that apply.
+    /// Returns all metrics that apply, with their values.
     pub fn iter(&self) -> impl Iterator<Item = (Metric, f64)> {
         Metric::ALL.iter().filter_map(|metric| Some((*metric, self.get(*metric)?)))
     }
 
-    /// How bad a measure is, from 0 (nothing wrong) to [`LEVELS`]; `None` if it does not apply.
+    /// Returns the severity of a metric, from 0 (no fault) to [`LEVELS`]; `None` if it does not apply.
     pub fn severity(&self, metric: Metric) -> Option<usize> {
         let value = self.get(metric)?;
         let whole = metric.whole().and_then(|whole| self.get(whole)).map_or(1.0, |whole| whole.max(1.0));
@@ -200,27 +205,27 @@ impl Serialize for Measures {
     }
 }
 
-/// What must hold for a class to be passed: no measure above its bound.
+/// Upper bound of a metric; a class passes if all its bounds hold.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Bound {
-    /// The measure.
+    /// Bounded metric.
     pub metric: Metric,
-    /// The most that passes.
+    /// Largest value that passes.
     pub most: f64,
 }
 
 impl Bound {
-    /// At most `most`.
+    /// Creates a bound of at most `most`.
     pub const fn new(metric: Metric, most: f64) -> Self {
         Self { metric, most }
     }
 
-    /// None at all.
+    /// Creates a bound of zero.
     pub const fn none(metric: Metric) -> Self {
         Self { metric, most: 0.0 }
     }
 
-    /// Whether the measures stay below.
+    /// Whether the measures are within the bound; `true` if the metric does not apply.
     pub fn holds(&self, measures: &Measures) -> bool {
         measures.get(self.metric).is_none_or(|value| value <= self.most)
     }
@@ -233,20 +238,20 @@ impl Display for Bound {
     }
 }
 
-/// What a cell says in one word.
+/// Verdict of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "UPPERCASE")]
 pub enum Verdict {
     /// All bounds of the class hold.
     Pass,
-    /// Some do not; the numbers say by how much.
+    /// Some bounds do not hold; the numbers show by how much.
     Measured,
-    /// There are cases that were not answered.
+    /// Some cases were not answered.
     Refused,
 }
 
 impl Verdict {
-    /// The word.
+    /// Returns the verdict as a word.
     pub fn name(self) -> &'static str {
         match self {
             Self::Pass => "PASS",

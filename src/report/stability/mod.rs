@@ -1,15 +1,16 @@
-//! The stability report: how wrong the engine is where it is hard to be right, and what being right costs.
+//! Stability report: the error of the engine on numerically hard cases, and the cost of being correct.
 //!
 //! ```text
-//! catalogue ── cases ──┬── oracle ── what is right ──┐
-//!   (by a seed)        │                             ├── measure ── sweep ── text, csv, html, JSON
-//!                      └── subject ── what is given ─┘               │
-//!                           (by column)                  timing ─────┘── tradeoff
+//! catalogue ── cases ──┬── oracle ─── expected answers ──┐
+//!   (by a seed)        │                                 ├── measure ── sweep ── text, csv, html, JSON
+//!                      └── subject ── actual answers ────┘               │
+//!                           (by column)                      timing ─────┘── tradeoff
 //! ```
 //!
-//! [`catalogue`] makes classes of stiff and extreme [`case`]s; [`oracle`] decides them in exact arithmetic; [`subject`] asks
-//! the engine, and is the only part that calls it; [`measure`] compares; [`sweep`] runs classes against every [`mod@column`] and
-//! has them timed. The report is plain data: [`mod@text`], [`mod@csv`] and [`mod@html`] write it, and the window shows it.
+//! [`catalogue`] generates classes of stiff and extreme [`case`]s, and [`oracle`] solves them in exact arithmetic.
+//! [`subject`] runs the engine and is the only part that calls it; [`measure`] compares. [`sweep`] runs and times
+//! classes against every [`mod@column`]. The report is plain data, which [`mod@text`], [`mod@csv`] and [`mod@html`]
+//! format and the window shows.
 
 pub mod case;
 

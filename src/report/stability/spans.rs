@@ -1,4 +1,4 @@
-//! Runs of pixels, and how two sets of them differ.
+//! Spans of pixels, and differences between sets of them.
 
 use crate::pipeline::raster::Span;
 use crate::pipeline::viewport::Viewport;
@@ -7,12 +7,12 @@ fn length(span: &Span) -> u64 {
     span.right.saturating_sub(span.left).into()
 }
 
-/// How many pixels spans have, each counted as often as it occurs.
+/// Returns the number of pixels in spans; pixels that occur several times are counted as often.
 pub fn pixel_count(spans: &[Span]) -> u64 {
     spans.iter().map(length).sum()
 }
 
-/// The same set of pixels, in order, without overlaps and without empty spans.
+/// Returns the same set of pixels as sorted, disjoint, non-empty spans.
 pub fn normalized(spans: &[Span]) -> Vec<Span> {
     let mut sorted: Vec<Span> = spans.iter().copied().filter(|s| s.left < s.right).collect();
     sorted.sort_unstable_by_key(|s| (s.row, s.left, s.right));
@@ -26,10 +26,10 @@ pub fn normalized(spans: &[Span]) -> Vec<Span> {
     merged
 }
 
-/// The pixels that are in exactly one of two sets, in order.
+/// Returns the pixels that are in exactly one of two sets, in order.
 pub fn difference(a: &[Span], b: &[Span]) -> Vec<Span> {
     let (a, b) = (normalized(a), normalized(b));
-    // Each pixel run starts and ends where membership of one set changes; a change of both leaves the result as it is.
+    // A resulting span starts and ends where membership in one set changes; simultaneous changes in both cancel out.
     let mut ends: Vec<(u32, u32)> = a.iter().chain(&b).flat_map(|s| [(s.row, s.left), (s.row, s.right)]).collect();
     ends.sort_unstable();
     let mut result: Vec<Span> = Vec::new();
@@ -46,7 +46,7 @@ pub fn difference(a: &[Span], b: &[Span]) -> Vec<Span> {
     normalized(&result)
 }
 
-/// How often each pixel of a picture was hit, row by row.
+/// Number of hits of each pixel in an image, in row-major order.
 #[derive(Clone, Debug)]
 pub struct Hits {
     viewport: Viewport,
@@ -54,12 +54,12 @@ pub struct Hits {
 }
 
 impl Hits {
-    /// No hit anywhere.
+    /// Creates counters without hits.
     pub fn none(viewport: Viewport) -> Self {
         Self { viewport, counts: vec![0; viewport.width as usize * viewport.height as usize] }
     }
 
-    /// Adds spans; what lies outside of the picture is not counted.
+    /// Adds spans; pixels outside the image are ignored.
     pub fn add(&mut self, spans: &[Span]) {
         let width = self.viewport.width as usize;
         for span in spans.iter().filter(|s| s.row < self.viewport.height) {
@@ -71,17 +71,17 @@ impl Hits {
         }
     }
 
-    /// Pixels that were never hit.
+    /// Returns the number of pixels that were never hit.
     pub fn cracks(&self) -> u64 {
         self.counts.iter().filter(|count| **count == 0).count() as u64
     }
 
-    /// Pixels that were hit more than once.
+    /// Returns the number of pixels that were hit more than once.
     pub fn doubles(&self) -> u64 {
         self.counts.iter().filter(|count| **count > 1).count() as u64
     }
 
-    /// The first pixel, column and row, that was not hit exactly once.
+    /// Returns the column and row of the first pixel that was not hit exactly once.
     pub fn first_fault(&self) -> Option<(u32, u32)> {
         let at = self.counts.iter().position(|count| *count != 1)?;
         let width = self.viewport.width as usize;

@@ -1,6 +1,6 @@
-//! What is judged: every question that the report asks the engine, and nothing else of it.
+//! System under test: the only calls from the stability report into the engine.
 //!
-//! Answers are numbers of the report's own kinds. Whether they are right is decided elsewhere.
+//! Results use the report's own types; other modules decide whether they are correct.
 
 use glam::{Mat4, Vec3};
 use serde::Serialize;
@@ -15,20 +15,21 @@ use crate::pipeline::vertex::{ClipVertex, Varyings};
 use crate::pipeline::viewport::{ScreenTriangle, ScreenVertex, Viewport};
 use crate::scene::TriangleId;
 
-/// The rule that decides about centres on edges where a case does not say.
+/// Fill rule for pixel centres on edges, where a case does not specify one.
 const RULE: FillRule = FillRule::TopLeft;
 
-/// A way to find the pixels of a triangle.
+/// Configuration of triangle rasterization.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 pub struct Configuration {
-    /// The algorithm.
+    /// Rasterization algorithm.
     pub rasterizer: Rasterizer,
-    /// The numbers that it computes in.
+    /// Number type of its arithmetic.
     pub arithmetic: Arithmetic,
 }
 
 impl Configuration {
-    /// All that there are, arithmetic by arithmetic. The published rasterizers have one of their own and stand at the end.
+    /// Returns all configurations, grouped by arithmetic. Published rasterizers have their own arithmetic and come
+    /// last.
     pub fn all() -> Vec<Self> {
         let of = |arithmetic: Arithmetic| Rasterizer::sound().map(move |rasterizer| Self { rasterizer, arithmetic });
         let sound = Arithmetic::ALL.iter().copied().flat_map(of);
@@ -36,23 +37,24 @@ impl Configuration {
         sound.chain(published.map(|rasterizer| Self { rasterizer: *rasterizer, arithmetic: Arithmetic::F64 })).collect()
     }
 
-    /// Where it takes corners to be, as it declares.
+    /// Returns the vertex snapping that the configuration declares.
     pub fn declared_snap(self) -> Snap {
         if self.arithmetic == Arithmetic::Fixed { Snap::Grid256 } else { Snap::Unsnapped }
     }
 }
 
-/// A way to compute weights.
+/// Configuration of attribute interpolation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 pub struct Weighting {
-    /// The formula.
+    /// Interpolation formula.
     pub interpolation: Interpolation,
-    /// The numbers that edges are evaluated in.
+    /// Number type in which edges are evaluated.
     pub arithmetic: Arithmetic,
 }
 
 impl Weighting {
-    /// All that there are, formula by formula. The published one computes in f32 and does not look at edges at all.
+    /// Returns all configurations, grouped by formula. The published formula computes in f32 and does not use edge
+    /// functions.
     pub fn all() -> Vec<Self> {
         let of = |interpolation: Interpolation| {
             let arithmetics = Arithmetic::ALL.iter().copied();
@@ -63,37 +65,37 @@ impl Weighting {
     }
 }
 
-/// Whether a formula for weights is commonly published with faults, and kept so.
+/// Whether a formula is kept as commonly published, with its faults.
 pub fn is_published(interpolation: Interpolation) -> bool {
     interpolation == Interpolation::Published
 }
 
-/// The pixels that a triangle covers, corners in px.
+/// Returns the pixels covered by a screen-space triangle with vertices in pixels.
 pub fn cover(by: Configuration, corners_px: [[f32; 2]; 3], rule: FillRule, viewport: Viewport) -> Vec<Span> {
     raster::cover(by.rasterizer, by.arithmetic, corners_px, rule, viewport)
 }
 
-/// Everything that is interpolated at one pixel.
+/// Interpolated values at one pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sampled {
-    /// Weights of the corners on the screen.
+    /// Screen-space (affine) weights of the vertices.
     pub affine: [f64; 3],
-    /// Weights of the corners for attributes.
+    /// Weights of the vertices for attributes.
     pub weights: [f64; 3],
-    /// Depth.
+    /// Interpolated depth.
     pub depth: f64,
-    /// Texture coordinates.
+    /// Interpolated texture coordinates.
     pub uv: [f64; 2],
 }
 
 impl Sampled {
-    /// Every number in it.
+    /// Returns all values.
     pub fn numbers(&self) -> impl Iterator<Item = f64> {
         self.affine.into_iter().chain(self.weights).chain([self.depth]).chain(self.uv)
     }
 }
 
-/// A triangle to be asked at many pixels.
+/// A triangle prepared for interpolation at many pixels.
 #[derive(Clone, Copy, Debug)]
 pub struct Interpolator {
     triangle: ScreenTriangle,
@@ -102,7 +104,7 @@ pub struct Interpolator {
 }
 
 impl Interpolator {
-    /// From its corners on the screen; `None` if the engine sees no area.
+    /// Prepares a screen-space triangle. Returns `None` if the engine finds no area.
     pub fn new(by: Weighting, corners: &[ScreenCorner; 3]) -> Option<Self> {
         let vertices = corners.map(|c| {
             let varyings = Varyings { uv: c.uv.into(), ..Varyings::default() };
@@ -115,12 +117,12 @@ impl Interpolator {
         Some(Self { triangle, edges, interpolation: by.interpolation })
     }
 
-    /// The weights for attributes at the centre of a pixel: what is timed.
+    /// Returns the attribute weights at a pixel centre; this is the timed operation.
     pub fn weights(&self, column: u32, row: u32) -> [f32; 3] {
         attribute_weights(&self.triangle, &self.edges.sample((column, row)), self.interpolation)
     }
 
-    /// What the engine has at the centre of a pixel.
+    /// Returns the engine's values at a pixel centre.
     pub fn at(&self, column: u32, row: u32) -> Sampled {
         let sample = self.edges.sample((column, row));
         let fragment = interpolate(&self.triangle, sample, Attributes::all(self.interpolation));
@@ -133,18 +135,18 @@ impl Interpolator {
     }
 }
 
-/// A covered pixel of a triangle in clip space.
+/// A covered pixel of a clip-space triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClipFragment {
-    /// Column and row.
+    /// Column and row of the pixel.
     pub pixel: [u32; 2],
-    /// Weights of the triangle's own corners, before clipping.
+    /// Weights of the original vertices, before clipping.
     pub weights: [f64; 3],
-    /// Depth.
+    /// Interpolated depth.
     pub depth: f64,
 }
 
-/// Clips, projects and rasterizes a triangle in clip space, and interpolates at every pixel covered.
+/// Clips, projects and rasterizes a clip-space triangle, and interpolates at every covered pixel.
 pub fn draw(by: Configuration, corners: [[f32; 4]; 3], viewport: Viewport) -> Vec<ClipFragment> {
     let vertices = corners.map(|position| ClipVertex::at(position.into()));
     let interpolation = Interpolation::Perspective;
@@ -171,12 +173,12 @@ impl Interpolator {
     }
 }
 
-/// All formats of the depth buffer.
+/// Returns all depth buffer formats.
 pub fn depth_formats() -> &'static [DepthFormat] {
     DepthFormat::ALL
 }
 
-/// What a depth format means: how a distance becomes a number, and in what that is stored.
+/// Returns the depth mapping and storage of a format.
 pub fn meaning(format: DepthFormat) -> (DepthMapping, DepthStorage) {
     match format {
         DepthFormat::F32 => (DepthMapping::Standard, DepthStorage::F32),
@@ -188,25 +190,25 @@ pub fn meaning(format: DepthFormat) -> (DepthMapping, DepthStorage) {
     }
 }
 
-/// What depth buffers of one view store.
+/// Depth buffer encoding of one view.
 #[derive(Clone, Copy, Debug)]
 pub struct DepthBuffer {
     scale: DepthScale,
 }
 
 impl DepthBuffer {
-    /// For a perspective view with these planes.
+    /// Creates the encoding for a perspective view with these near and far planes.
     pub fn new(format: DepthFormat, near: f32, far: f32) -> Self {
         Self { scale: DepthScale::perspective(format.mapping(), format.encoding(), near, far) }
     }
 
-    /// What is stored for a point at this distance.
+    /// Returns the stored depth of a point at this distance.
     pub fn stored(&self, distance: f32) -> f64 {
         self.scale.stored(distance).into()
     }
 }
 
-/// The distance of a point in the world along the line of sight, by the matrix row that makes w.
+/// Computes the distance of a world-space point along the view axis, from the matrix row of w.
 pub fn distance(w_from_world: [f32; 4], point: [f32; 3]) -> f32 {
     let mut clip_from_world = Mat4::IDENTITY;
     for (axis, factor) in w_from_world.into_iter().enumerate() {

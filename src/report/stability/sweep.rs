@@ -1,7 +1,7 @@
-//! Runs classes of cases against everything that can be switched.
+//! Runs classes of cases against all configurations.
 //!
-//! First all cases are judged, on all processors; then the classes are timed one after the other with nothing else going
-//! on. The engine's answers do not depend on the time or on the number of threads, and neither do the errors.
+//! First, all cases are judged in parallel. Then the classes are timed one after the other, with nothing else running.
+//! The engine's answers, and therefore the errors, do not depend on timing or on the number of threads.
 
 use std::collections::HashSet;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -20,22 +20,22 @@ use crate::measure::machine::Machine;
 use crate::measure::noise::{Noise, Pairs};
 use crate::pipeline::settings::{Arithmetic, Choice as _, Rasterizer};
 
-/// What to run.
+/// Selection of what to run.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// Classes of cases, in this order.
+    /// Classes to run, in this order.
     pub classes: Vec<&'static Class>,
-    /// Rasterizers, for classes that are about them.
+    /// Rasterizers to run, in classes that vary them.
     pub rasterizers: Vec<Rasterizer>,
-    /// Arithmetics, for classes that are about them.
+    /// Arithmetics to run, in classes that vary them.
     pub arithmetics: Vec<Arithmetic>,
-    /// What the cases depend on.
+    /// Seed of the random cases.
     pub seed: u64,
-    /// Whether times are taken as well.
+    /// Whether to measure times as well.
     pub timed: bool,
 }
 
-/// The seed if nothing is said.
+/// Default seed of the random cases.
 pub const DEFAULT_SEED: u64 = 1;
 
 impl Default for Plan {
@@ -51,7 +51,7 @@ impl Default for Plan {
 }
 
 impl Plan {
-    /// The columns of a class that were asked for.
+    /// Returns the selected columns of a class.
     fn columns(&self, class: &Class) -> Vec<Column> {
         let wanted = |column: &Column| match column {
             Column::Coverage(by) => {
@@ -64,51 +64,51 @@ impl Plan {
     }
 }
 
-/// How far a run has come.
+/// Progress of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
-    /// What is being done.
+    /// Current stage.
     pub stage: Stage,
-    /// Steps done of this stage.
+    /// Number of completed steps in this stage.
     pub done: usize,
-    /// Steps of this stage.
+    /// Total number of steps in this stage.
     pub of: usize,
 }
 
-/// The two parts of a run.
+/// Stages of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
-    /// Cases are judged.
+    /// Judging the cases.
     Judging,
-    /// Classes are timed.
+    /// Timing the classes.
     Timing,
 }
 
 impl Stage {
-    /// What a person calls it.
+    /// Returns the display name.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Judging => "judging cases",
+            Self::Judging => "checking cases",
             Self::Timing => "timing classes",
         }
     }
 }
 
-/// The whole report.
+/// Complete stability report.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
-    /// What the cases depend on.
+    /// Seed of the random cases.
     pub seed: u64,
-    /// Where it was made.
+    /// Machine that ran the report.
     pub machine: Machine,
-    /// How long it took.
+    /// Duration of the run.
     #[serde(serialize_with = "seconds")]
     pub duration: Duration,
-    /// Noise floor, from the first configuration of each class timed against itself; `None` without times.
+    /// Noise floor, from timing the first configuration of each class against itself; `None` without times.
     pub timing_noise: Option<Noise>,
-    /// Class by class.
+    /// Results per class.
     pub classes: Vec<ClassReport>,
-    /// Whether it was cancelled before all classes were judged and timed.
+    /// Whether the run was cancelled before all classes were judged and timed.
     pub partial: bool,
 }
 
@@ -116,69 +116,69 @@ fn seconds<S: serde::Serializer>(duration: &Duration, to: S) -> Result<S::Ok, S:
     to.serialize_f64(duration.as_secs_f64())
 }
 
-/// What came of one class.
+/// Results of one class.
 #[derive(Clone, Debug, Serialize)]
 pub struct ClassReport {
-    /// The class.
+    /// Class of the cases.
     #[serde(flatten)]
     pub class: &'static Class,
     /// Number of cases.
     pub cases: usize,
-    /// Triangles in all of them.
+    /// Total number of triangles in the cases.
     pub triangles: usize,
-    /// Pixels, samples or depths in all of them.
+    /// Total number of pixels, samples or depths in the cases.
     pub units: u64,
-    /// Column by column.
+    /// Results per column.
     pub cells: Vec<Cell>,
-    /// Complete cases that [`Worst::of`] names, each once: what the counts of the cells can be recomputed from.
+    /// Complete cases named by [`Worst::of`], without duplicates; the counts of the cells can be recomputed from them.
     pub worst_cases: Vec<Case>,
 }
 
-/// What came of one class in one configuration.
+/// Results of one class in one configuration.
 #[derive(Clone, Debug, Serialize)]
 pub struct Cell {
-    /// The configuration.
+    /// Configuration of the engine.
     #[serde(flatten)]
     pub column: Column,
-    /// In one word.
+    /// Summary as one word.
     pub verdict: Verdict,
-    /// Cases without an answer.
+    /// Number of cases without an answer.
     pub refused: usize,
-    /// In numbers, over all cases.
+    /// Measures over all cases.
     pub measures: Measures,
-    /// What it costs.
+    /// Time measured for the cell; `None` without timing.
     pub time: Option<Time>,
-    /// The case that went worst, if anything was wrong at all.
+    /// Worst case, if there was any fault.
     pub worst: Option<Worst>,
-    /// Case by case, for classes whose cases are an experiment each: those about depth.
+    /// Results per case, for depth classes, whose cases are separate experiments.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub by_case: Vec<CaseMeasures>,
 }
 
-/// What came of one case.
+/// Results of one case.
 #[derive(Clone, Debug, Serialize)]
 pub struct CaseMeasures {
-    /// Its name.
+    /// Id of the case.
     pub id: String,
-    /// What is special about it.
+    /// Description of the special property of the case.
     pub note: String,
-    /// In numbers; nothing if it was not answered.
+    /// Measures of the case; `None` if it was not answered.
     pub measures: Option<Measures>,
 }
 
-/// The case that went worst, cut down to the part that shows it.
+/// Worst case, reduced to the part that shows the fault.
 #[derive(Clone, Debug, Serialize)]
 pub struct Worst {
-    /// The case that it is a part of.
+    /// Id of the complete case.
     pub of: String,
-    /// How wrong all of that case is; nothing if it was not answered.
+    /// Measures of the complete case; `None` if it was not answered.
     pub measures: Option<Measures>,
-    /// What to open to see it.
+    /// Reduced case to open.
     pub case: Case,
 }
 
-/// Runs a plan. `progress` hears of every step, from several threads. If `cancel` becomes true meanwhile,
-/// returns the classes that were judged, or `None` if there are none.
+/// Runs a plan. Calls `progress` after every step, from several threads. If `cancel` becomes `true`, returns the
+/// classes judged so far, or `None` if there are none.
 pub fn run(plan: &Plan, progress: &(dyn Fn(Progress) + Sync), cancel: &AtomicBool) -> Option<Report> {
     let start = Instant::now();
     let machine = Machine::at_start();
@@ -210,8 +210,8 @@ pub fn run(plan: &Plan, progress: &(dyn Fn(Progress) + Sync), cancel: &AtomicBoo
     Some(Report { seed: plan.seed, machine, duration: start.elapsed(), timing_noise, classes, partial })
 }
 
-/// Judges all cases in all columns. With each class comes how many pixels, samples or depths each of its cases has. Classes
-/// that were not complete when it was cancelled are `None`.
+/// Judges all cases in all columns. Returns the report of each class, and the number of pixels, samples or depths of
+/// each of its cases. Classes that were incomplete on cancellation are `None`.
 fn judge(
     plan: &Plan,
     cases: &[Vec<Case>],
@@ -263,7 +263,7 @@ fn judge(
     reports.collect()
 }
 
-/// Joins what came of all cases of a class in one column.
+/// Combines the outcomes of all cases of a class in one column.
 fn join(class: &Class, column: Column, outcomes: &[(&Case, &Outcome)]) -> Cell {
     let mut measures = Measures::default();
     outcomes.iter().filter_map(|(_, outcome)| outcome.measures.as_ref()).for_each(|one| measures.join(one));
@@ -286,14 +286,14 @@ fn join(class: &Class, column: Column, outcomes: &[(&Case, &Outcome)]) -> Cell {
     Cell { column, verdict: Verdict::Measured, refused, measures, time: None, worst, by_case }
 }
 
-/// How bad a case is, most important number first.
+/// Returns the severity of a case as numbers in order of importance.
 fn rank(class: &Class, outcome: &Outcome) -> [f64; 7] {
     use Metric::{DepthUlp, Doubles, NotFinite, WeightError, Wrong, WrongUnsnapped};
     let value = |metric| outcome.measures.map_or(f64::INFINITY, |measures| measures.get(metric).unwrap_or(0.0));
     [class.headline, NotFinite, Wrong, Doubles, WrongUnsnapped, WeightError, DepthUlp].map(value)
 }
 
-/// The part of a case that shows what went wrong, as the column stores it.
+/// Returns the part of a case that shows the fault, with the depth format of the column.
 fn shown(case: &Case, culprits: &[usize], column: Column) -> Case {
     let part = match (&case.body, culprits) {
         (_, []) => case.clone(),

@@ -1,4 +1,4 @@
-//! The report as text for people: family by family a table of its classes, arithmetic by arithmetic.
+//! Stability report as plain text: one table of classes per family and arithmetic.
 
 use super::catalogue::Family;
 use super::column::Column;
@@ -6,18 +6,22 @@ use super::metric::{Verdict, short};
 use super::sweep::{Cell, ClassReport, Report};
 use crate::report::PARTIAL;
 
-/// Width of the column of classes.
+/// Width of the class column, in characters.
 const CLASS_WIDTH: usize = 17;
 
-/// Width of the others.
+/// Width of the other columns, in characters.
 const CELL_WIDTH: usize = 22;
 
-/// The whole report, many lines.
+/// Formats the whole report.
 pub fn text(report: &Report) -> String {
     let mut lines = vec![
-        format!("Stability report, seed {}, {:.1} s on {}", report.seed, report.duration.as_secs_f64(), report.machine.summary()),
-        "Each cell: the measure that the table is named for, then nanoseconds per pixel; * stands for PASS, ! for REFUSED."
-            .to_owned(),
+        format!(
+            "Stability report, seed {}, {:.1} s on {}",
+            report.seed,
+            report.duration.as_secs_f64(),
+            report.machine.summary()
+        ),
+        "Each cell: main measure of the class, then nanoseconds per pixel; * is PASS, ! is REFUSED.".to_owned(),
     ];
     for family in Family::ALL {
         let classes: Vec<&ClassReport> = report.classes.iter().filter(|c| c.class.family == family).collect();
@@ -33,7 +37,7 @@ pub fn text(report: &Report) -> String {
     lines.join("\n") + "\n"
 }
 
-/// Columns by what their table is headed with: the arithmetic, where there is a choice.
+/// Groups columns by the heading of their table: the arithmetic, if there is a choice.
 fn groups(classes: &[&ClassReport]) -> Vec<(Option<&'static str>, Vec<Column>)> {
     let mut groups: Vec<(Option<&'static str>, Vec<Column>)> = Vec::new();
     for cell in classes.first().map(|class| &class.cells).into_iter().flatten() {
@@ -75,6 +79,6 @@ fn totals(report: &Report) -> String {
         report.classes.iter().flat_map(|class| &class.cells).map(|cell| cell.verdict).collect();
     let count = |verdict: Verdict| verdicts.iter().filter(|v| **v == verdict).count();
     let [pass, measured, refused] = [Verdict::Pass, Verdict::Measured, Verdict::Refused].map(count);
-    let noise = report.timing_noise.map(|noise| format!("; noise floor of times {}", noise.words()));
+    let noise = report.timing_noise.map(|noise| format!("; noise floor of the times {}", noise.words()));
     format!("{pass} PASS, {measured} MEASURED, {refused} REFUSED{}", noise.unwrap_or_default())
 }

@@ -1,8 +1,8 @@
-//! What a pixel costs.
+//! Time per pixel of every configuration.
 //!
-//! All configurations of a class run in turn, round after round, in another order each time, so that whatever disturbs the
-//! machine disturbs all of them. Short ones are repeated until the clock can tell. The first configuration runs twice per
-//! round, as if it were two, for the noise floor.
+//! All configurations of a class run in turn, round after round, in a shuffled order, so that disturbances of the
+//! machine affect all of them. Short runs are repeated until the clock resolution suffices. For the noise floor, the
+//! first configuration runs twice per round.
 
 use std::hint::black_box;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -21,53 +21,53 @@ use crate::measure::timing::summarize;
 use crate::pipeline::settings::FillRule;
 use crate::pipeline::viewport::Viewport;
 
-/// Least time between two looks at the clock.
+/// Minimum time between two clock reads.
 const LEAST_SPELL: Duration = Duration::from_micros(100);
 
-/// Time that a class may take for all its configurations.
+/// Time budget of a class for all its configurations.
 const CLASS_BUDGET: Duration = Duration::from_millis(900);
 
-/// Rounds at least, however long they take.
+/// Minimum number of rounds, however long they take.
 const FEWEST_ROUNDS: usize = 5;
 
-/// Rounds at most.
+/// Maximum number of rounds.
 const MOST_ROUNDS: usize = 31;
 
-/// Distances that stand for a case of random pairs.
+/// Number of distances timed in place of a case of random pairs.
 const DISTANCES: usize = 2000;
 
-/// Middle and spread of a number over the rounds.
+/// Median and spread of a quantity over the rounds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Spread {
-    /// Half of the rounds were below.
+    /// 50th percentile.
     pub median: f64,
-    /// One in ten was below.
+    /// 10th percentile.
     pub p10: f64,
-    /// One in ten was above.
+    /// 90th percentile.
     pub p90: f64,
 }
 
-/// What one configuration costs on the cases of a class.
+/// Cost of one configuration on the cases of a class.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Time {
-    /// Nanoseconds per pixel that the exact answer covers, per sample, or per depth stored; nothing where there is none.
+    /// Nanoseconds per pixel of the exact answer, per sample, or per stored depth; `None` if there are none.
     pub ns_per_pixel: Option<Spread>,
-    /// Nanoseconds per triangle.
+    /// Median nanoseconds per triangle.
     pub ns_per_triangle: Option<f64>,
-    /// Time per pixel as a multiple of what a compact triangle of as many pixels takes.
+    /// Time per pixel relative to that of compact triangles with as many pixels.
     pub stiffness: Option<f64>,
-    /// Rounds that this rests on.
+    /// Number of rounds measured.
     pub rounds: usize,
 }
 
-/// Something to be timed: runs all cases of a class once, or fewer if it is cancelled meanwhile.
+/// Timed work: runs all cases of a class once, or fewer if cancelled meanwhile.
 type Work<'a> = Box<dyn Fn(&AtomicBool) + 'a>;
 
-/// Work of one case that is timed.
+/// Timed work of one case.
 type Part<'a> = Box<dyn Fn() + 'a>;
 
-/// Times every column of a class, of which there is at least one. `units` is how many pixels, samples or depths each case
-/// has. Also returns the A/A pairs of the first column. `None` if it was cancelled.
+/// Times every column of a class with at least one column. `units` holds the number of pixels, samples or depths of
+/// each case. Also returns the A/A pairs of the first column. Returns `None` if cancelled.
 pub(super) fn time_class(
     class: &Class,
     cases: &[Case],
@@ -104,16 +104,16 @@ pub(super) fn time_class(
     Some((times.collect(), pairs))
 }
 
-/// Seconds as nanoseconds per unit.
+/// Converts seconds to nanoseconds per unit.
 fn spread(seconds: &[f64], units: u64) -> Option<Spread> {
     let per_unit: Vec<f64> = seconds.iter().map(|s| s * 1e9 / units as f64).collect();
     let summary = summarize(&per_unit).filter(|_| units > 0)?;
     Some(Spread { median: summary.median, p10: summary.p10, p90: summary.p90 })
 }
 
-/// Seconds per run of each work, one entry per round.
+/// Returns the seconds per run of each work, one entry per round, or `None` if cancelled.
 fn interleaved(works: &[Work<'_>], cancel: &AtomicBool) -> Option<Vec<Vec<f64>>> {
-    // The first run warms up, and tells how often to run.
+    // The first run warms up; the second determines the number of repetitions.
     let mut repeats = Vec::new();
     let mut round = Duration::ZERO;
     for work in works {
@@ -141,7 +141,7 @@ fn interleaved(works: &[Work<'_>], cancel: &AtomicBool) -> Option<Vec<Vec<f64>>>
             seconds[*index].push(spent.as_secs_f64() / f64::from(repeats[*index]));
         }
     }
-    // The last time is none if it was cancelled meanwhile.
+    // If cancelled meanwhile, the last time is invalid.
     (!cancel.load(Ordering::Relaxed)).then_some(seconds)
 }
 
@@ -153,7 +153,7 @@ fn timed(work: &Work<'_>, repeats: u32, cancel: &AtomicBool) -> Duration {
     start.elapsed()
 }
 
-/// Asks the engine about all cases.
+/// Returns the work of running the engine on all cases.
 fn work(cases: &[Case], column: Column) -> Work<'_> {
     let parts: Vec<Part<'_>> = cases.iter().filter_map(|case| case_work(case, column)).collect();
     Box::new(move |cancel| parts.iter().take_while(|_| !cancel.load(Ordering::Relaxed)).for_each(|part| part()))
@@ -196,7 +196,7 @@ fn case_work(case: &Case, column: Column) -> Option<Part<'_>> {
     })
 }
 
-/// Weights at every pixel; setting up the triangles is not part of it.
+/// Returns the work of computing weights at every pixel; triangle setup is not included.
 fn sampling<const N: usize>(triangles: [Option<Interpolator>; N], eval: &[[u32; 2]]) -> Part<'_> {
     Box::new(move || {
         for triangle in triangles.iter().flatten() {
@@ -215,12 +215,13 @@ fn storing<'a>(buffer: DepthBuffer, distances: Vec<f32>) -> Part<'a> {
     })
 }
 
-/// How many depths, pixels or samples a run of [`work`] has, where that is not what the case says.
+/// Returns the number of pixels, samples or depths in a run of [`work`], which differs from that of the case for random
+/// pairs.
 fn timed_units(case: &Case, units: u64) -> u64 {
     if matches!(case.body, Body::DepthPairs(_)) { DISTANCES as u64 } else { units }
 }
 
-/// Compact triangles in a picture, all the same: the benign counterpart of a case.
+/// Identical compact triangles in an image: the benign counterpart of a case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Twin {
     corners_px: [[f32; 2]; 3],
@@ -229,9 +230,9 @@ struct Twin {
 }
 
 impl Twin {
-    /// Of about as many pixels as asked for: right triangles with equal legs, as large as the picture takes.
+    /// Creates right isosceles triangles with about `pixels` pixels in total, each as large as the image allows.
     fn new(pixels: u64, viewport: Viewport) -> Self {
-        /// Off the corner of the pixel, so that no centre lies on an edge.
+        /// Offset from the pixel corner, so that no pixel centre lies on an edge.
         const AT: f32 = 0.3;
         let room = f64::from(viewport.width.min(viewport.height)) - 1.0;
         let leg = (2.0 * pixels as f64).sqrt().min(room).max(1.0) as f32;
@@ -246,7 +247,7 @@ impl Twin {
     }
 }
 
-/// One twin per case that covers anything, for families of triangles on the screen.
+/// Returns one twin per case that covers any pixel, for families of screen-space triangles.
 fn twins(class: &Class, cases: &[Case], pixels: &[u64]) -> Vec<Twin> {
     if !matches!(class.family, Family::Coverage | Family::Mesh | Family::Throughput) {
         return Vec::new();
@@ -292,7 +293,7 @@ mod tests {
         assert!((FEWEST_ROUNDS..=MOST_ROUNDS).contains(&rounds));
         for (seconds, runs) in seconds.iter().zip(&runs) {
             assert_eq!(seconds.len(), rounds);
-            // Once to warm up, and once to find how often.
+            // One warm-up run, and one to determine the repetitions.
             let counted = runs.get() - 2;
             assert!(counted >= rounds && counted.is_multiple_of(rounds), "{counted} in {rounds}");
         }
@@ -317,7 +318,7 @@ mod tests {
             Case { id: id.to_owned(), class: String::new(), note: String::new(), body }
         };
         work(&vec![case("a"); 100], first)(&AtomicBool::new(true));
-        // All of them would take minutes.
+        // Running all of them would take minutes.
         assert!(begun.elapsed() < Duration::from_secs(5), "{:?}", begun.elapsed());
     }
 

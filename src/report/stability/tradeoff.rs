@@ -1,7 +1,8 @@
-//! Error against time: what being right costs.
+//! Trade-off of error against time.
 //!
-//! One point per configuration. Its time is the geometric mean over classes of the time per pixel, so that no class counts
-//! more because its pixels are dear; its error is the mean share of wrong pixels, or the largest error of a weight.
+//! There is one point per configuration. Its time is the geometric mean over classes of the time per pixel, so that
+//! classes with expensive pixels have no more weight. Its error is the mean fraction of wrong pixels, or the largest
+//! error of a weight.
 
 use super::catalogue::Family;
 use super::column::Column;
@@ -11,25 +12,25 @@ use super::timing::Spread;
 use crate::measure::noise::Noise;
 use crate::report::upscaling::tradeoff::{Standing, standings};
 
-/// A configuration by its time and its error.
+/// Time and error of a configuration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Point {
-    /// The configuration.
+    /// Configuration of the engine.
     pub column: Column,
     /// Nanoseconds per pixel or sample.
     pub ns: Spread,
-    /// The error; 0 is none.
+    /// Error; 0 if every answer is correct.
     pub error: f64,
-    /// Answers that were no number, which no error counts.
+    /// Number of non-finite answers, which the error does not include.
     pub not_finite: f64,
     /// Whether the point is on the Pareto front; a lead in time within noise does not count.
     pub optimal: bool,
-    /// Class by class: its name, nanoseconds, and error.
+    /// Class id, nanoseconds and error per class.
     pub by_class: Vec<(&'static str, f64, f64)>,
 }
 
-/// Rasterizers × arithmetics: the error is the share of pixels that are wrong where corners were given, averaged over the
-/// classes of single triangles and meshes.
+/// Returns the points of rasterizers × arithmetics. The error is the fraction of wrong pixels for unsnapped vertices,
+/// averaged over the classes of single triangles and meshes.
 pub fn coverage(report: &Report) -> Vec<Point> {
     let share = |cell: &Cell| {
         let pixels = cell.measures.get(Metric::Pixels).filter(|pixels| *pixels > 0.0)?;
@@ -39,14 +40,15 @@ pub fn coverage(report: &Report) -> Vec<Point> {
     points(report, &[Family::Coverage, Family::Mesh], share, mean)
 }
 
-/// Formulas for weights × arithmetics: the error is the largest one of a weight.
+/// Returns the points of interpolation formulas × arithmetics. The error is the largest error of a weight.
 pub fn weights(report: &Report) -> Vec<Point> {
     let error = |cell: &Cell| cell.measures.get(Metric::WeightError);
     let largest = |errors: &[f64]| errors.iter().copied().fold(0.0, f64::max);
     points(report, &[Family::Weights], error, largest)
 }
 
-/// Points of all columns that were timed. `error` is that of a cell, `join` that of all classes.
+/// Returns the points of all timed columns. `error` returns the error of a cell, `join` combines the errors of all
+/// classes.
 fn points(
     report: &Report,
     families: &[Family],
@@ -85,7 +87,7 @@ fn mark_optimal(points: &mut [Point], noise: &Noise) {
     }
 }
 
-/// Nothing for no numbers, or for one that is not positive.
+/// Computes the geometric mean. Returns `None` for an empty sequence or if a value is not positive.
 fn geometric_mean(values: impl Iterator<Item = f64>) -> Option<f64> {
     let logarithms: Vec<f64> = values.map(f64::ln).collect();
     let mean = logarithms.iter().sum::<f64>() / logarithms.len() as f64;

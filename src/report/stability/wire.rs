@@ -1,4 +1,4 @@
-//! How cases write and read numbers: exact values of f32 with all digits, and words for what JSON has no number for.
+//! Number format of case files: exact f32 values with all digits, and strings for values that JSON cannot represent.
 
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -6,18 +6,18 @@ use serde_json::Value;
 
 use crate::case::Float;
 
-/// Numbers and lists of numbers.
+/// Conversion between numbers or lists of numbers and JSON.
 pub(super) trait Wire: Sized {
-    /// As JSON.
+    /// Converts to JSON.
     fn write(&self) -> Value;
 
-    /// From JSON, or what is wrong with it.
+    /// Converts from JSON, or returns a description of the error.
     fn read(value: &Value) -> Result<Self, String>;
 }
 
 impl Wire for f32 {
     fn write(&self) -> Value {
-        // Neither a number nor a word can fail to become a value.
+        // Serialising a number or string cannot fail.
         serde_json::to_value(Float(*self)).unwrap_or_default()
     }
 
@@ -42,7 +42,7 @@ impl<T: Wire> Wire for Vec<T> {
     }
 
     fn read(value: &Value) -> Result<Self, String> {
-        value.as_array().ok_or_else(|| format!("{value} is no list"))?.iter().map(T::read).collect()
+        value.as_array().ok_or_else(|| format!("{value} is not a list"))?.iter().map(T::read).collect()
     }
 }
 
@@ -52,21 +52,21 @@ impl<T: Wire, const N: usize> Wire for [T; N] {
     }
 
     fn read(value: &Value) -> Result<Self, String> {
-        Vec::read(value)?.try_into().map_err(|list: Vec<T>| format!("{N} entries are needed, not {}", list.len()))
+        Vec::read(value)?.try_into().map_err(|list: Vec<T>| format!("expected {N} entries, found {}", list.len()))
     }
 }
 
-/// For `serialize_with`.
+/// Serialises a value; for `serialize_with`.
 pub(super) fn serialize<T: Wire, S: Serializer>(value: &T, serializer: S) -> Result<S::Ok, S::Error> {
     value.write().serialize(serializer)
 }
 
-/// For `deserialize_with`.
+/// Deserialises a value; for `deserialize_with`.
 pub(super) fn deserialize<'de, T: Wire, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
     T::read(&Value::deserialize(deserializer)?).map_err(D::Error::custom)
 }
 
-/// Corners with attributes: objects of x, y, z, w, u, v.
+/// Serialisation of vertices with attributes as objects with x, y, z, w, u and v.
 pub(super) mod corners {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 

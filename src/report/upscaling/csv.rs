@@ -1,16 +1,16 @@
-//! The report as comma-separated values: one line per scene and recipe.
+//! Upscaling report as comma-separated values: one line per scene and recipe.
 
 use super::sweep::{Report, Row, SceneReport};
 use crate::pipeline::settings::Choice as _;
 use crate::report::PARTIAL;
 
-/// The columns.
+/// Header line.
 const HEAD: &str = "scene,triangles,width,height,threads,reference,method,scale,anchor,light,label,drawn,rounds,frame_ms,\
     frame_ms_p10,frame_ms_p90,frame_ms_max,geometry_ms,pixels_ms,upscale_ms,mse,psnr_db,ssim,flip,max_abs,differing_pixels,\
     turn_degrees,motion_frames,motion_mse,motion_psnr_db,motion_ssim,motion_flip,worst_psnr_db,worst_flip,dominated_by,within_noise_of,\
     native_within_noise,noise,noise_pairs";
 
-/// The whole table with its head. Text is quoted; what does not apply is left empty.
+/// Formats the whole table with its header. Text is quoted; values that do not apply are left empty.
 pub fn csv(report: &Report) -> String {
     let rows = report.scenes.iter().flat_map(|scene| scene.rows.iter().map(move |row| (scene, row)));
     let lines = rows.map(|(scene, row)| line(report, scene, row));

@@ -1,14 +1,14 @@
-//! Error against run time: what every way to draw fewer samples saves, and what it costs the picture.
+//! Upscaling report, error against run time: the savings of drawing fewer samples, and the loss of image quality.
 //!
 //! ```text
 //! recipes × scenes ── sweep ──┬── errors against a named reference ──┐
 //!                             ├── times in interleaved rounds ───────┼── tradeoff ── page, csv, JSON
-//!                             └── skipping: passing over ────────────┘
+//!                             └── skipping: skipped pixels ──────────┘
 //! ```
 //!
-//! [`sweep`] draws each recipe over a sequence of frames, for its error and for its time; [`tradeoff`] finds out which are beaten by
-//! another in both; [`skipping`] draws fewer pixels the simple way, by passing them over inside the loop, so that
-//! its cost can be set beside that of visiting fewer. The report is plain data; [`page`] and [`csv`] write it.
+//! [`sweep`] draws each recipe over a sequence of frames, and measures errors and times. [`tradeoff`] finds the recipes
+//! that are dominated in both. [`skipping`] draws fewer pixels in the naive way, by skipping them inside the loop, for
+//! comparison with visiting fewer. The report is plain data, which [`page`] and [`csv`] format.
 
 pub mod csv;
 

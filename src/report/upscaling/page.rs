@@ -1,4 +1,4 @@
-//! The report as one page for the browser: no scripts, nothing loaded from elsewhere, light or dark as the reader's system.
+//! Upscaling report as a self-contained HTML page, without scripts, in the light or dark theme of the reader's system.
 
 use std::io;
 
@@ -15,10 +15,14 @@ use crate::pipeline::settings::Choice as _;
 use crate::report::html::{document, escaped, partial, tiles};
 use crate::upscale::Anchor;
 
-/// What this page has of its own.
+/// Styles specific to this page.
 const STYLE: &str = include_str!("page.css");
 
-/// The whole page. Fails only where a crop cannot be encoded.
+/// Formats the whole page.
+///
+/// # Errors
+///
+/// Fails if a crop cannot be encoded as PNG.
 pub fn page(report: &Report) -> io::Result<String> {
     let mut body = head(report);
     for scene in &report.scenes {
@@ -33,14 +37,14 @@ fn head(report: &Report) -> String {
     let methods = report.scenes.first().map_or(0, |scene| scene.rows.len());
     let figures = [
         (report.scenes.len().to_string(), if report.scenes.len() == 1 { "scene" } else { "scenes" }),
-        (methods.to_string(), "ways to draw each"),
+        (methods.to_string(), "upscalers and scales"),
         (format!("{width} × {height}"), "pixels"),
         (report.rounds.to_string(), "interleaved rounds"),
         (report.threads.to_string(), "threads"),
     ];
     format!(
-        "<h1>Error against run time</h1>\n<p class=\"soft\">What drawing fewer samples and filling in the rest saves, and what \
-         it costs the picture. Every error is against one named reference: <b>{}</b>. Rasterscope {}.</p>\n{}{}",
+        "<h1>Error against run time</h1>\n<p class=\"soft\">Time saved by drawing fewer samples and upscaling, and \
+         the resulting error. Every error is relative to one reference: <b>{}</b>. Rasterscope {}.</p>\n{}{}",
         escaped(report.reference),
         escaped(report.machine.version),
         partial(report.partial),
@@ -52,11 +56,12 @@ fn section(report: &Report, scene: &SceneReport) -> io::Result<String> {
     let native = scene.rows.iter().find(|row| row.recipe.upscaler.is_native());
     let best = scene.rows.iter().filter(|row| row.is_on_front()).count();
     Ok(format!(
-        "<section>\n<h2>{}</h2>\n<p class=\"soft\">{} triangles. Down and to the left is better; {best} of {} ways are beaten by no \
-         other in both, and the dashed line joins them. Grey ones are beaten, or faster than a better one by a difference within \
-         noise. Bars run from the 10th to the 90th percentile, thin lines join one method's enlargements. Noise floor of the \
-         times: {}. {}</p>\n<div class=\"panels\"><figure>{}</figure>{}</div>\n{}<h3>In numbers</h3>\n{}<h3>Where they differ most</h3>\n\
-         <p class=\"soft\">{} × {} px from column {}, row {}, as they are, enlarged without smoothing.</p>\n{}</section>\n",
+        "<section>\n<h2>{}</h2>\n<p class=\"soft\">{} triangles. Down and to the left is better; {best} of {} points \
+         are on the Pareto front, joined by the dashed line. Grey points are dominated, or faster than a better one \
+         only by a difference within noise. Bars extend from the 10th to the 90th percentile; thin lines join the \
+         scales of one method. Noise floor of the times: {}. {}</p>\n<div \
+         class=\"panels\"><figure>{}</figure>{}</div>\n{}<h3>Table</h3>\n{}<h3>Region of the largest differences</h3>\n\
+         <p class=\"soft\">{} × {} px from column {}, row {}, enlarged without filtering.</p>\n{}</section>\n",
         escaped(&scene.scene),
         scene.triangles,
         scene.rows.len(),
@@ -74,7 +79,7 @@ fn section(report: &Report, scene: &SceneReport) -> io::Result<String> {
     ))
 }
 
-/// Returns a sentence that names the methods by their anchor if these differ; nothing otherwise.
+/// Returns a sentence that lists the methods by anchor if their anchors differ; empty otherwise.
 fn anchors(rows: &[Row]) -> String {
     let names = |anchor: Anchor| {
         let mut names: Vec<_> = Vec::new();
@@ -91,23 +96,24 @@ fn anchors(rows: &[Row]) -> String {
     }
     let parts: Vec<_> =
         anchored.iter().map(|(anchor, names)| format!("{}: {}", escaped(anchor), escaped(names))).collect();
-    format!("Anchors differ: a sample lies at another place of its block. {}.", parts.join("; "))
+    format!("Anchors differ: the position of the sample in its block depends on the method. {}.", parts.join("; "))
 }
 
 fn shares(shares: &[Share]) -> String {
     format!(
-        "<figure>{}<div class=\"legend key\"><span class=\"skip\"><i></i>passing pixels over inside the loop</span>\
-         <span class=\"visit\"><i></i>visiting the wanted pixels alone</span><span class=\"dashed\"><i></i>of these the raster \
-         part; what lies above is shading</span></div><figcaption>Both ways draw the same samples, triangle after triangle on one \
-         thread, by the same edge functions, depth test and shading. Passing over saves shading only: every pixel is still come \
-         by, so that the dashed line stays up.</figcaption></figure>",
+        "<figure>{}<div class=\"legend key\"><span class=\"skip\"><i></i>skipping pixels inside the loop</span><span \
+         class=\"visit\"><i></i>visiting only the wanted pixels</span><span class=\"dashed\"><i></i>time of \
+         rasterization; the rest is shading</span></div><figcaption>Both loops draw the same samples, triangle by \
+         triangle on one thread, with the same edge functions, depth test and shading. Skipping inside the loop saves \
+         only shading: the loop still visits every pixel, so the dashed line hardly falls.</figcaption></figure>",
         plot::shares(shares)
     )
 }
 
-/// What the fewest pixels that are offered save of a whole frame, and what they cost; nothing if none was measured.
+/// Compares the rows that draw at most 1/16 of the pixels with native rendering; empty if there are none.
 fn sixteenth(rows: &[Row], native: &Row) -> String {
-    /// Block sizes that do not divide the picture draw a little more.
+    /// Largest fraction of drawn pixels that counts as 1/16. The tolerance covers block sizes that do not divide the
+    /// image and therefore draw slightly more.
     const AT_MOST: f64 = 1.05 / 16.0;
     let mut few: Vec<&Row> = rows.iter().filter(|row| row.drawn <= AT_MOST).collect();
     if few.is_empty() {
@@ -132,10 +138,11 @@ fn sixteenth(rows: &[Row], native: &Row) -> String {
         })
         .collect();
     format!(
-        "<h3>A sixteenth of the pixels</h3>\n<p class=\"soft\">A whole frame against the native one of {:.3} ms. Geometry costs the \
-         same however few pixels there are, and filling in costs more: what a scene gains hangs on how much of its time goes into \
-         pixels, {:.0} % here.</p>\n<div class=\"scroll\"><table class=\"rows\">\n<thead><tr><th>upscaler</th><th>median ms</th>\
-         <th>frame, times faster</th><th>pixels alone, times faster</th><th>upscale ms</th><th>FLIP in motion</th><th>PSNR in motion, dB</th></tr></thead>\n\
+        "<h3>A sixteenth of the pixels</h3>\n<p class=\"soft\">Compared with the native frame of {:.3} ms. The cost of \
+         geometry does not depend on the number of pixels, and upscaling adds cost, so the gain depends on the share \
+         of the frame time that is spent on pixels, {:.0} % here.</p>\n<div class=\"scroll\"><table \
+         class=\"rows\">\n<thead><tr><th>upscaler</th><th>median ms</th><th>speed-up, frame</th><th>speed-up, \
+         pixels</th><th>upscale ms</th><th>FLIP in motion</th><th>PSNR in motion, dB</th></tr></thead>\n\
          <tbody>\n{lines}</tbody></table></div>\n",
         native.frame_ms.median,
         100.0 * native.parts_ms.pixels / native.frame_ms.median.max(f64::MIN_POSITIVE)
@@ -147,23 +154,25 @@ fn table(report: &Report, rows: &[Row], native: Option<&Row>) -> String {
     order.sort_by(|a, b| a.frame_ms.median.total_cmp(&b.frame_ms.median));
     let lines: String = order.into_iter().map(|row| line(row, native)).collect();
     format!(
-        "<p class=\"soft\">{} Errors of the still view follow.</p>\n<div class=\"scroll\"><table class=\"rows\">\n<thead><tr>\
-         <th>upscaler</th><th>anchor</th><th>light</th><th>drawn</th><th>median ms</th><th>p10</th>\
-         <th>p90</th><th>times native</th><th>geometry</th><th>pixels</th><th>upscale</th><th>FLIP in motion</th><th>worst frame</th>\
-         <th>PSNR in motion, dB</th><th>FLIP</th><th>PSNR dB</th><th>SSIM</th><th>MSE</th><th>max</th><th>differing px</th><th class=\"words\">beaten by</th></tr></thead>\n<tbody>\n{lines}</tbody></table></div>\n",
+        "<p class=\"soft\">{} The columns after them show errors of the still view.</p>\n<div class=\"scroll\"><table \
+         class=\"rows\">\n<thead><tr><th>upscaler</th><th>anchor</th><th>light</th><th>drawn</th><th>median \
+         ms</th><th>p10</th><th>p90</th><th>speed-up</th><th>geometry</th><th>pixels</th><th>upscale</th><th>FLIP in \
+         motion</th><th>worst frame</th><th>PSNR in motion, dB</th><th>FLIP</th><th>PSNR \
+         dB</th><th>SSIM</th><th>MSE</th><th>max</th><th>differing px</th><th class=\"words\">dominated \
+         by</th></tr></thead>\n<tbody>\n{lines}</tbody></table></div>\n",
         motion(report)
     )
 }
 
-/// Returns how the camera moves while errors are measured.
+/// Describes the camera motion during the error measurement.
 fn motion(report: &Report) -> String {
     let Turn { degrees, frames } = report.turn;
     if report.turn.is_still() {
         return "The view is still: errors in motion equal those of the still view.".to_owned();
     }
     format!(
-        "Errors in motion are means over {frames} frames while the camera orbits by {degrees}° per frame, each against the \
-         reference of the same frame; methods that read earlier frames see {} frames before.",
+        "Errors in motion are means over {frames} frames while the camera orbits by {degrees}° per frame, each against \
+         the reference of the same frame; methods with a history get {} frames to warm up.",
         Turn::WARM_UP
     )
 }
@@ -178,7 +187,7 @@ fn line(row: &Row, native: Option<&Row>) -> String {
     let (style, by) = match (&row.dominated_by, &row.within_noise_of) {
         (Some(by), _) => ("beaten", escaped(by)),
         (None, Some(of)) => ("beaten", format!("{WITHIN} of {}", escaped(of))),
-        (None, None) => ("best", "nobody".to_owned()),
+        (None, None) => ("best", "none".to_owned()),
     };
     let cells = [
         row.recipe.upscaler.anchor().id().to_owned(),
@@ -210,13 +219,13 @@ fn line(row: &Row, native: Option<&Row>) -> String {
     )
 }
 
-/// Returns how many times as fast as native a row is; greyed out and labelled where the difference is within noise.
+/// Returns the speed-up relative to native; greyed out and labelled if the difference is within noise.
 fn faster(native: &Row, row: &Row) -> String {
     let text = format!("{:.2}×", native.frame_ms.median / row.frame_ms.median.max(f64::MIN_POSITIVE));
     if row.native_within_noise { format!("<span class=\"noise\">{text} {WITHIN}</span>") } else { text }
 }
 
-/// Native, and every other method at its greatest enlargement.
+/// Returns the crops of native and of every other method at its largest scale.
 fn crops(rows: &[Row]) -> io::Result<String> {
     let mut figures = String::new();
     for family in rows.chunk_by(|a, b| a.recipe.upscaler.method() == b.recipe.upscaler.method()) {
@@ -233,12 +242,12 @@ fn crops(rows: &[Row]) -> io::Result<String> {
     Ok(format!("<div class=\"crops\">\n{figures}</div>\n"))
 }
 
-/// A picture as a PNG in base 64.
+/// Encodes an image as PNG in base64.
 fn png(picture: &Image<Rgba8>) -> io::Result<String> {
     Ok(base64(&encode_png(picture)?))
 }
 
-/// Bytes in base 64, padded (RFC 4648).
+/// Encodes bytes in padded base64 (RFC 4648).
 fn base64(bytes: &[u8]) -> String {
     const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
@@ -254,14 +263,15 @@ fn base64(bytes: &[u8]) -> String {
 
 fn method(report: &Report) -> String {
     format!(
-        "<section>\n<h2>How it was measured</h2>\n<p>{}; {} threads draw.</p>\n<p>Each round draws one frame of the sequence by every \
-         recipe, in an order that is shuffled anew, after {WARM_UP_ROUNDS} rounds that do not count; all in one process. Medians over {} \
-         rounds, which go through the frames whose error is measured, with the same history. Recipes spread over the list are \
-         drawn twice per round as if they were two; the noise floor is the 90th percentile of the relative differences of such \
-         pairs, each of medians over a block of rounds. {} Reading files and measuring errors is not timed.</p>\n<p>FLIP is \
-         the mean over all pixels, at 67 pixels per degree: 0 is equal, 1 black against white. PSNR and MSE count sRGB codes. \
-         SSIM has a Gaussian window of 11 × 11 px, σ 1.5, on luma. A reference of one sample per pixel is aliased itself: a \
-         method that smooths is charged for that.</p>\n</section>\n",
+        "<section>\n<h2>How it was measured</h2>\n<p>{}; {} threads draw.</p>\n<p>Each round draws one frame of the \
+         sequence by every recipe, in a newly shuffled order, after {WARM_UP_ROUNDS} warm-up rounds; all in one \
+         process. Times are medians over {} rounds, which draw the frames whose error is measured, with the same \
+         history. Recipes spread over the list are drawn twice per round as A/A pairs; the noise floor is the 90th \
+         percentile of the relative differences of such pairs, each of medians over a block of rounds. {} Reading \
+         files and measuring errors are not timed.</p>\n<p>FLIP is the mean over all pixels, at 67 pixels per degree: \
+         0 is equal, 1 black against white. PSNR and MSE count sRGB codes. SSIM has a Gaussian window of 11 × 11 px, σ \
+         1.5, on luma. A reference of one sample per pixel is aliased itself, so a method that smooths has an error \
+         against it.</p>\n</section>\n",
         escaped(&report.machine.summary()),
         report.threads,
         report.rounds,

@@ -1,4 +1,4 @@
-//! The report's drawings: error against time, and time against the share of pixels that are drawn.
+//! Plots of the upscaling report: error against time, and time against the fraction of pixels drawn.
 
 use std::fmt::Write as _;
 
@@ -11,20 +11,20 @@ use crate::report::plot::{
 };
 use crate::upscale;
 
-/// Number of the colour of a row's method.
+/// Returns the colour index of a row's method.
 pub(super) fn color(row: &Row) -> usize {
     let method = row.recipe.upscaler.method();
     upscale::ALL.iter().position(|upscaler| upscaler.id() == method).unwrap_or(0)
 }
 
-/// Error against time; nothing without rows.
+/// Plots error against time; empty without rows.
 pub(super) fn tradeoff(scene: &SceneReport) -> String {
     let times = scene.rows.iter().flat_map(|row| [row.frame_ms.p10, row.frame_ms.median, row.frame_ms.p90]);
     let Some(x) = Axis::log(times) else { return String::new() };
     let y = Axis::log(scene.rows.iter().map(|row| row.motion.mean.flip));
     let y = y.unwrap_or(Axis { low: -3.0, high: 0.0, is_log: true });
     let plot = Plot { x, y, lane: ZERO_LANE };
-    let y_name = "error in motion: mean of FLIP";
+    let y_name = "error in motion: mean FLIP";
     let mut content = plot.axes("median time of a frame, ms", y_name, tick);
     for rows in scene.rows.chunk_by(|a, b| a.recipe.upscaler.method() == b.recipe.upscaler.method()) {
         let points: Vec<String> =
@@ -41,7 +41,7 @@ fn place(plot: &Plot, row: &Row) -> (f64, f64) {
     (plot.x(row.frame_ms.median), plot.y(row.motion.mean.flip))
 }
 
-/// The Pareto front.
+/// Returns the Pareto front as a step line.
 fn front(plot: &Plot, rows: &[Row]) -> String {
     let mut best: Vec<&Row> = rows.iter().filter(|row| row.is_on_front()).collect();
     best.sort_by(|a, b| a.frame_ms.median.total_cmp(&b.frame_ms.median));
@@ -58,12 +58,12 @@ fn front(plot: &Plot, rows: &[Row]) -> String {
     if path.is_empty() { path } else { format!("<path class=\"front\" d=\"{path}\"/>") }
 }
 
-/// A point with its bar from the 10th to the 90th percentile.
+/// Returns a point with its bar from the 10th to the 90th percentile.
 fn drawn(plot: &Plot, row: &Row) -> String {
     let ((x, y), color) = (place(plot, row), color(row));
     let style = if row.is_on_front() { "" } else { "beaten" };
     let by = match (&row.dominated_by, &row.within_noise_of) {
-        (Some(by), _) => format!(", beaten by {by}"),
+        (Some(by), _) => format!(", dominated by {by}"),
         (None, Some(of)) => format!(", {WITHIN} of {of}"),
         (None, None) => String::new(),
     };
@@ -77,7 +77,7 @@ fn drawn(plot: &Plot, row: &Row) -> String {
     )
 }
 
-/// Names beside marks, as far as there is room; those on the Pareto front first.
+/// Returns labels beside the markers where they fit; those on the Pareto front come first.
 fn labels(plot: &Plot, rows: &[Row]) -> String {
     let mut taken: Vec<[f64; 4]> = Vec::new();
     for row in rows {
@@ -110,16 +110,16 @@ fn labels(plot: &Plot, rows: &[Row]) -> String {
     svg
 }
 
-/// A way to draw fewer pixels: the class of its marks, and its times.
+/// A way to draw fewer pixels: CSS class and times.
 type Way = (&'static str, fn(&Share) -> Split);
 
-/// Time against the share of pixels that are drawn, for both ways, split into raster and shade.
+/// Plots time against the fraction of pixels drawn, for both ways, split into rasterization and shading.
 pub(super) fn shares(shares: &[Share]) -> String {
     let x = Axis { low: 0.0, high: 1.04, is_log: false };
     let y = Axis::from_zero(shares.iter().flat_map(|share| [share.skipping.whole.p90, share.visiting.whole.p90]));
     let plot = Plot { x, y, lane: 0.0 };
     let percent = |value: f64| format!("{:.0} %", value * 100.0);
-    let mut content = plot.axes("share of the pixels that are drawn", "median time of a frame, ms", percent);
+    let mut content = plot.axes("share of pixels drawn", "median time of a frame, ms", percent);
     let ways: [Way; 2] = [("skip", |share| share.skipping), ("visit", |share| share.visiting)];
     for (class, of) in ways {
         let line = |value: fn(Split) -> f64| {
@@ -140,7 +140,7 @@ pub(super) fn shares(shares: &[Share]) -> String {
             let split = of(share);
             let (x, y) = (plot.x(share.drawn), plot.y(split.whole.median));
             let title = format!(
-                "{:.1} % of the pixels: {:.2} ms, of these raster {:.2} and shade {:.2}",
+                "{:.1} % of the pixels: {:.2} ms, of which raster {:.2} and shade {:.2}",
                 share.drawn * 100.0,
                 split.whole.median,
                 split.raster.median,

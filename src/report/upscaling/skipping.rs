@@ -1,8 +1,9 @@
-//! Fewer pixels, two ways: visited and passed over inside the loop, as simple renderers do, or not visited at all.
+//! Comparison of two ways to draw fewer pixels: skipping them inside the loop, as naive renderers do, or not visiting
+//! them.
 //!
-//! The simple loop walks the box around a triangle pixel by pixel and passes over those that are not wanted; it saves
-//! their shading, but rasterization still comes by every pixel. A [`SampleGrid`] walks the wanted samples alone. Both give the
-//! same samples, and here both are timed on one thread, with the same edge functions, depth test and shading.
+//! The naive loop iterates over the bounding box of a triangle pixel by pixel and skips unwanted ones. That saves their
+//! shading, but rasterization still visits every pixel. A [`SampleGrid`] iterates over the wanted samples only. Both
+//! give the same samples. Here both are timed on one thread, with the same edge functions, depth test and shading.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -22,7 +23,7 @@ use crate::pipeline::viewport::Viewport;
 use crate::pipeline::{Extent, Geometry, Until, draw, prepare};
 use crate::scene::{Camera, Scene, Transparency};
 
-/// Shares of the pixels that are drawn: every pixel, half, a quarter, a ninth, a sixteenth.
+/// Sample grids to measure: every pixel, ½, ¼, 1/9 and 1/16 of the pixels.
 const GRIDS: [SampleGrid; 5] = [
     SampleGrid::FULL,
     SampleGrid::Checkerboard,
@@ -31,45 +32,45 @@ const GRIDS: [SampleGrid; 5] = [
     SampleGrid::Block { step: 4 },
 ];
 
-/// Times at one share of the pixels, ms.
+/// Times at one fraction of the pixels, in milliseconds.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Share {
-    /// Share of the pixels that are drawn, in (0, 1].
+    /// Fraction of the pixels that are drawn, in (0, 1].
     pub drawn: f64,
-    /// Passing pixels over inside the loop.
+    /// Times of skipping pixels inside the loop.
     pub skipping: Split,
-    /// Visiting the wanted ones alone.
+    /// Times of visiting only the wanted pixels.
     pub visiting: Split,
 }
 
-/// A time in two parts, ms.
+/// Frame time split into rasterization and shading, in milliseconds.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Split {
-    /// Finding samples and testing their depth, with clearing the framebuffer.
+    /// Time to clear the framebuffer, find samples and test their depth.
     pub raster: Summary,
-    /// Everything, to shaded samples. What it takes longer than `raster` is shading.
+    /// Time of the whole frame, up to shaded samples. The difference from `raster` is shading.
     pub whole: Summary,
 }
 
 impl Split {
-    /// Median of what shading takes; 0 if it is too short to tell.
+    /// Returns the median shading time in milliseconds; 0 if it is too short to measure.
     pub fn shade_ms(&self) -> f64 {
         (self.whole.median - self.raster.median).max(0.0)
     }
 }
 
-/// Whether this scene can be drawn by the loop here: it knows no triangles that are seen through.
+/// Whether the naive loop can draw this scene: it does not support transparency.
 pub fn applies(scene: &Scene, recipe: &Recipe, camera: &Camera, viewport: Viewport) -> bool {
     let geometry = prepare(scene, camera, &settings(recipe), viewport, &mut ());
     geometry.plans.iter().all(|plan| plan.transparency() == Transparency::Opaque)
 }
 
-/// The settings that both ways are drawn by: the published loop here knows this arithmetic alone.
+/// Returns the settings for both ways; the naive loop supports only this rasterizer and arithmetic.
 fn settings(recipe: &Recipe) -> Settings {
     Settings { rasterizer: Rasterizer::BoundingBox, arithmetic: Arithmetic::Fixed, ..recipe.pipeline }
 }
 
-/// Times both ways at every share, in rounds that run everything once, after one that does not count. `None` if it was
+/// Times both ways at every fraction, in rounds that run everything once, after one warm-up round. Returns `None` if
 /// cancelled.
 pub fn measure(
     scene: &Scene,
@@ -124,7 +125,7 @@ fn draw_visiting(
     frame
 }
 
-/// The simple loop: every pixel of the box around every triangle is visited, and those that are not wanted are passed over.
+/// Draws with the naive loop, which visits every pixel in the bounding box of every triangle and skips unwanted ones.
 fn draw_skipping(
     scene: &Scene,
     geometry: &Geometry,
@@ -180,7 +181,7 @@ mod tests {
     use crate::image::Image;
     use crate::scene::builtin;
 
-    /// The wanted pixels of a full picture, packed.
+    /// Returns the wanted pixels of a full image, packed.
     fn packed<T: Copy>(full: &Image<T>, grid: SampleGrid) -> Image<T> {
         let (width, height) = grid.packed_size(full.width(), full.height());
         Image::from_fn(width, height, |column, row| {

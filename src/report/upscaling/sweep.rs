@@ -1,7 +1,7 @@
-//! Draws every recipe of every scene: for its error at rest and in motion, then in rounds for its time.
+//! Draws every recipe on every scene: first for its errors at rest and in motion, then in rounds for its time.
 //!
-//! The rounds time the very frames whose error in motion is measured: see [`crate::measure::rounds`]. Files and measures are
-//! not timed.
+//! The rounds time the same frames whose error in motion is measured; see [`crate::measure::rounds`]. File access and
+//! error metrics are not timed.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -25,116 +25,117 @@ use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
 use crate::upscale::Upscaling;
 
-/// A scene and a view.
+/// A scene and its view.
 #[derive(Clone, Debug)]
 pub struct Subject {
-    /// What it is called.
+    /// Display name.
     pub name: String,
-    /// The scene.
+    /// Scene to draw.
     pub scene: Arc<Scene>,
-    /// The view.
+    /// Camera of the view.
     pub camera: Camera,
 }
 
-/// Scenes, recipes and size of a report, and how they are measured.
+/// Scenes, recipes, image size and measurement parameters of a report.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// Scenes.
+    /// Scenes to measure.
     pub subjects: Vec<Subject>,
-    /// Recipes.
+    /// Recipes to measure.
     pub recipes: Vec<Recipe>,
-    /// Size of the full picture.
+    /// Size of the full image, in pixels.
     pub viewport: Viewport,
-    /// Rounds that count, ≥ 1.
+    /// Number of measured rounds, at least 1.
     pub rounds: usize,
     /// Reference that errors are computed against.
     pub reference: Reference,
-    /// Motion of the camera over the frames that are judged and timed.
+    /// Camera motion over the frames that are measured for error and time.
     pub turn: Turn,
 }
 
-/// A recipe with every upscaler and every enlargement.
+/// Returns the recipe with every upscaler at every scale.
 pub fn every_upscaler(recipe: Recipe) -> Vec<Recipe> {
     Upscaling::every().map(|upscaler| Recipe { upscaler, ..recipe }).collect()
 }
 
-/// How far a sweep has come.
+/// Progress of a sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Progress {
-    /// Which scene.
+    /// Name of the current scene.
     pub scene: String,
-    /// What is done.
+    /// Name of the current stage.
     pub stage: &'static str,
-    /// Steps done of this stage …
+    /// Number of completed steps in this stage.
     pub done: usize,
-    /// … of so many.
+    /// Total number of steps in this stage.
     pub of: usize,
 }
 
-/// Everything that was measured.
+/// Complete upscaling report.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
     /// Machine and build, with the load at the start and at the end.
     pub machine: Machine,
-    /// Threads that drew.
+    /// Number of render threads.
     pub threads: usize,
-    /// Size of the full picture, px.
+    /// Width and height of the full image, in pixels.
     pub size: [u32; 2],
-    /// Rounds that count.
+    /// Number of measured rounds.
     pub rounds: usize,
-    /// Name of what errors are against.
+    /// Name of the reference for errors.
     pub reference: &'static str,
-    /// Motion of the camera over the frames that are judged and timed.
+    /// Camera motion over the frames that are measured for error and time.
     pub turn: Turn,
-    /// Scene by scene.
+    /// Results per scene.
     pub scenes: Vec<SceneReport>,
-    /// Whether it was cancelled before all scenes and rounds were complete.
+    /// Whether the sweep was cancelled before all scenes and rounds were complete.
     pub partial: bool,
 }
 
-/// What was measured on one scene.
+/// Results of one scene.
 #[derive(Clone, Debug, Serialize)]
 pub struct SceneReport {
-    /// Its name.
+    /// Name of the scene.
     pub scene: String,
-    /// Triangles in it.
+    /// Number of triangles.
     pub triangles: usize,
     /// Noise floor of the times.
     pub noise: Noise,
-    /// One for each recipe.
+    /// Results per recipe.
     pub rows: Vec<Row>,
-    /// Fewer pixels two ways; `None` if the scene is seen through somewhere.
+    /// Comparison of two ways to draw fewer pixels; `None` if the scene has transparency.
     pub shares: Option<Vec<Share>>,
-    /// The part of the picture that methods differ in most.
+    /// Part of the image where the methods' errors are largest.
     pub crop: Region,
 }
 
-/// One recipe on one scene.
+/// Results of one recipe on one scene.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
-    /// Name of the upscaler with what was chosen about it.
+    /// Name of the upscaler with its options.
     pub label: String,
-    /// How it was drawn.
+    /// Recipe of the frames.
     pub recipe: Recipe,
-    /// Share of the pixels that were drawn, in (0, 1].
+    /// Fraction of the pixels that were drawn, in (0, 1].
     pub drawn: f64,
-    /// Times of whole frames, ms.
+    /// Times of whole frames, in milliseconds.
     pub frame_ms: Summary,
-    /// Median times of the parts of a frame, ms.
+    /// Median times of the parts of a frame, in milliseconds.
     pub parts_ms: Parts,
     /// Error of the still view.
     pub error: Figures,
-    /// Error over the frames of the moving view; ranks the methods. Equal to that of the still view without motion.
+    /// Error over the frames of the moving view, by which methods are ranked. Equal to that of the still view if there
+    /// is no motion.
     pub motion: MotionError,
-    /// Label of a recipe that is as good in time and in FLIP in motion and better in one, clearly so if that is time; `None` if
-    /// there is none.
+    /// Label of a recipe that dominates this one in time and FLIP in motion; a lead in time counts only beyond noise.
+    /// `None` if there is none.
     pub dominated_by: Option<String>,
-    /// Label of a recipe that is better in one of the two, with times too close to be told apart, for rows that none clearly
-    /// beats.
+    /// Label of a recipe with a smaller error, or an equal error and a shorter time, whose time differs within noise.
+    /// Set only if no recipe clearly dominates this one.
     pub within_noise_of: Option<String>,
     /// Whether the difference from the native time is within noise.
     pub native_within_noise: bool,
-    /// The cropped picture.
+    /// Cropped image.
     #[serde(skip)]
     pub crop: Image<Rgba8>,
 }
@@ -146,21 +147,21 @@ impl Row {
     }
 }
 
-/// Where the time of a frame goes, ms.
+/// Times of the parts of a frame, in milliseconds.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Parts {
-    /// Plan to cull.
+    /// Geometry, from planning to culling.
     pub geometry: f64,
-    /// Rasterize to shade.
+    /// Pixels, from rasterization to shading.
     pub pixels: f64,
-    /// Filling in.
+    /// Upscaling.
     pub upscale: f64,
 }
 
-/// Sides of a crop in px, at most.
+/// Maximum width and height of a crop, in pixels.
 const CROP: (u32, u32) = (160, 110);
 
-/// Measures everything. If cancelled, returns the complete scenes, the last one with the rounds that were complete, or `None`
+/// Runs all measurements. If cancelled, returns the complete scenes, the last one with its complete rounds, or `None`
 /// if there are none.
 pub fn run(plan: &Plan, tell: &dyn Fn(Progress), cancelled: &dyn Fn() -> bool) -> Option<Report> {
     let machine = Machine::at_start();
@@ -188,7 +189,7 @@ pub fn run(plan: &Plan, tell: &dyn Fn(Progress), cancelled: &dyn Fn() -> bool) -
     })
 }
 
-/// One recipe's picture at rest with its error.
+/// Image of one recipe at rest, with its FLIP error.
 struct Judged {
     picture: Image<Rgba8>,
     flip: Image<f32>,
@@ -249,10 +250,11 @@ fn of_scene(
     })
 }
 
-/// Rounds of the comparison of two ways to draw fewer pixels, at most: each draws twenty pictures on one thread.
+/// Maximum number of rounds for the comparison of two ways to draw fewer pixels; each draws 20 images on one thread.
 const SHARE_ROUNDS: usize = 9;
 
-/// Judges all recipes over a sequence; `look` sees each frame with every pixel's FLIP. `None` if it was cancelled.
+/// Measures the error of all recipes over a sequence. `look` receives each frame with the FLIP error of every pixel.
+/// Returns `None` if cancelled.
 fn judge(
     plan: &Plan,
     shot: &Shot<'_>,
@@ -273,7 +275,7 @@ fn judge(
     Some(judge)
 }
 
-/// Times all recipes. If cancelled, returns the rounds that were complete; `None` if there is none.
+/// Times all recipes. If cancelled, returns the complete rounds, or `None` if there are none.
 fn time(plan: &Plan, shot: &Shot<'_>, say: &dyn Fn(usize, usize), cancelled: &dyn Fn() -> bool) -> Option<RoundTimer> {
     let mut timer = RoundTimer::new(&plan.recipes, plan.rounds);
     let mut told = None;
@@ -320,7 +322,7 @@ fn row(
     })
 }
 
-/// Finds out which rows others beat, and which differences of times are within noise.
+/// Determines which rows are dominated, and which time differences are within noise.
 fn rank(rows: &mut [Row], noise: &Noise) {
     let points: Vec<_> = rows.iter().map(|row| (row.frame_ms.median, row.motion.mean.flip)).collect();
     let labels: Vec<_> = rows.iter().map(|row| row.label.clone()).collect();
@@ -336,7 +338,7 @@ fn rank(rows: &mut [Row], noise: &Noise) {
     }
 }
 
-/// The rectangle in which the error of all together is greatest, on a raster of half its size.
+/// Returns the rectangle with the largest total error over all recipes, among positions in steps of half its size.
 fn crop_of(judged: &[Judged]) -> Region {
     let (width, height) = judged.first().map_or((1, 1), |judged| judged.picture.size());
     let (across, down) = (CROP.0.min(width), CROP.1.min(height));
@@ -388,7 +390,7 @@ mod tests {
         let nearest = scene.rows.iter().find(|row| row.label == "Nearest ×4").unwrap();
         assert!(nearest.error.flip > 0.0 && (nearest.drawn - 1.0 / 16.0).abs() < 1e-9);
         assert!(scene.rows.iter().any(|row| row.dominated_by.is_none()), "somebody is best");
-        // Two rounds are one block of each of five twins.
+        // Two rounds form one block for each of five twins.
         assert_eq!(scene.noise.pairs, 5);
         assert_eq!(report.machine.load_at_start.is_some(), report.machine.load_at_end.is_some());
     }

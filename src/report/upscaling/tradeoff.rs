@@ -1,4 +1,4 @@
-//! Which methods are beaten by another one in time and in error, and where the noise of the times forbids a verdict.
+//! Dominance of methods in time and error, with the noise of the times taken into account.
 
 use crate::measure::noise::Noise;
 
@@ -7,14 +7,15 @@ use crate::measure::noise::Noise;
 pub enum Standing<M> {
     /// On the Pareto front: every other method has a clearly longer time or a larger error.
     Front,
-    /// This other method has less error, or as much and a shorter time, and the difference of both times is within noise.
+    /// The other method has a smaller error, or an equal error and a shorter time, and the times differ within noise.
     WithinNoise(M),
-    /// This other method is at least as good in both respects and better in one, clearly so if that is time.
+    /// The other method is at least as good in both time and error, and better in one; a lead in time counts only
+    /// beyond noise.
     Beaten(M),
 }
 
 impl<M> Standing<M> {
-    /// Returns the same standing with the other method named in another way.
+    /// Converts the identification of the other method.
     pub fn map<N>(self, name: impl FnOnce(M) -> N) -> Standing<N> {
         match self {
             Self::Front => Standing::Front,
@@ -24,8 +25,8 @@ impl<M> Standing<M> {
     }
 }
 
-/// Returns how each method stands, given as (time in ms, error), with the numbers of other methods. Of several methods that beat one, the one with the least
-/// error is named.
+/// Returns the standing of each method, given as (time in ms, error); other methods are identified by index. If several
+/// methods beat one, the one with the smallest error is reported.
 pub fn standings(points: &[(f64, f64)], noise: &Noise) -> Vec<Standing<usize>> {
     let beats = |(time, error): (f64, f64), (other_time, other_error): (f64, f64)| {
         let is_faster = time < other_time && !noise.covers(time, other_time);
@@ -64,10 +65,10 @@ mod tests {
     #[test]
     fn a_lead_in_time_within_noise_does_not_count() {
         let noise = Noise { pairs: 10, p90: 0.02 };
-        // The first is faster than the second by 0.5 %, which has less error: nothing speaks clearly for the first.
+        // The first is 0.5 % faster, but the second has less error: the first has no clear advantage.
         assert_eq!(standings(&[(1.0, 9.0), (1.005, 4.0)], &noise), [WithinNoise(1), Front]);
         assert_eq!(standings(&[(1.0, 9.0), (1.005, 4.0)], &QUIET), [Front, Front]);
-        // Equal errors: the slower one by 0.5 % is not beaten, the one by 20 % is.
+        // Equal errors: a method 0.5 % slower is within noise, one 20 % slower is beaten.
         assert_eq!(standings(&[(1.0, 4.0), (1.005, 4.0), (1.2, 4.0)], &noise), [Front, WithinNoise(0), Beaten(0)]);
         assert_eq!(standings(&[(1.0, 9.0), (1.2, 4.0)], &noise), [Front, Front]);
     }

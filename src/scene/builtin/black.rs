@@ -1,7 +1,7 @@
-//! Five scenes with a black spot, each for another reason: to learn to ask a pixel why it is black.
+//! Five scenes with a black spot, each with a different cause: practice for finding out why a pixel is black.
 //!
-//! Each is as small as it can be and looks like the report of a user: a panel that is not there, a floor that ends too early,
-//! stripes on a poster, a dark patch on a ball, a crate without its picture.
+//! Each is minimal and resembles a user's bug report: a missing panel, a floor that ends too early, stripes on a
+//! poster, a dark patch on a ball, and a crate without its picture.
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
@@ -15,43 +15,48 @@ use textures::srgb;
 
 pub(super) const BACK_FACING: Builtin = Builtin {
     id: "back-facing",
-    title: "Black: a panel that is not there",
-    summary: "Three panels of one mesh, the middle one turned round by mistake: shows that culling drops what turns its back.",
+    title: "Black: a missing panel",
+    summary: "Three panels of one mesh, the middle one reversed by mistake: shows that culling removes back-facing \
+              triangles.",
     draft: draft_back_facing,
 };
 
 pub(super) const NEAR_CLIPPED: Builtin = Builtin {
     id: "near-clipped",
     title: "Black: a floor that ends too early",
-    summary: "A floor that begins under the eye, and a near plane three units ahead: shows what the near plane cuts away.",
+    summary: "A floor that begins below the eye, and a near plane three units ahead: shows what the near plane clips \
+              away.",
     draft: draft_near_clipped,
 };
 
 pub(super) const Z_FOUGHT: Builtin = Builtin {
     id: "z-fought",
     title: "Black: stripes on a poster",
-    summary: "A white poster a little in front of a black wall, and a near plane all too near: shows two surfaces that the depth buffer cannot tell apart.",
+    summary: "A white poster slightly in front of a black wall, and a near plane too close to the eye: shows two \
+              surfaces that the depth buffer cannot separate.",
     draft: draft_z_fought,
 };
 
 pub(super) const NAN_NORMAL: Builtin = Builtin {
     id: "nan-normal",
     title: "Black: a dark patch on a ball",
-    summary: "A ball some of whose normals are not numbers, as if a vector of length zero had been normalised: no direct light reaches them.",
+    summary: "A ball some of whose normals are NaN, as if a zero-length vector had been normalised: they receive no \
+              direct light.",
     draft: draft_nan_normal,
 };
 
 pub(super) const MISSING_TEXTURE: Builtin = Builtin {
     id: "missing-texture",
-    title: "Black: a crate without its picture",
-    summary: "Two crates, the texture of one of which cannot be read: what is left is the colour of its material, and that is black.",
+    title: "Black: a crate without its texture",
+    summary: "Two crates, one with a texture that cannot be read: the fallback is the colour of its material, which is \
+              black.",
     draft: draft_missing_texture,
 };
 
-/// Behind the scenes whose black spot is a hole.
+/// Background of the scenes whose black spot is a hole; sRGB codes.
 const NIGHT: [u8; 3] = [0, 0, 0];
 
-/// Behind the others.
+/// Background of the other scenes; sRGB codes.
 const DUSK: [u8; 3] = [30, 32, 36];
 
 fn draft_back_facing() -> Draft {
@@ -84,10 +89,11 @@ fn draft_near_clipped() -> Draft {
 
 fn draft_z_fought() -> Draft {
     const DISTANCE: f32 = 10.0;
-    /// So near that a step of the depth buffer, 2⁻²⁴ · distance² / near, stands for 0.3 units at the poster:
-    /// the stripes are wide enough to be clicked.
+    /// Near-plane distance, world units. It makes a step of the depth buffer, 2⁻²⁴ · distance² / near, 0.3 units wide
+    /// at the poster, so that the stripes are wide enough to click.
     const NEAR: f32 = 2e-5;
-    /// The poster before the wall: a third of such a step, so that they share a depth about as often as not.
+    /// Distance of the poster from the wall, world units. At a third of a depth step, both have the same depth about
+    /// half of the time.
     const GAP: f32 = 0.1;
     let home = Camera { near: NEAR, far: 1e5, ..Camera::look_at(Vec3::ZERO, Vec3::Z * -DISTANCE) };
     let mut draft = Draft::new(DUSK, home);
@@ -99,7 +105,7 @@ fn draft_z_fought() -> Draft {
         let place = Vec3::Z * -DISTANCE + plane * Vec3::Y * before;
         Mat4::from_scale_rotation_translation(Vec3::splat(edge), plane * Quat::from_rotation_y(turn), place)
     };
-    // The wall comes first, so that it stays where both have the same depth.
+    // The wall is drawn first, so it wins where both have the same depth.
     draft.place("wall", sheet, black, at(7.5, 0.0, 0.0));
     draft.place("poster", sheet, paper, at(4.5, 0.6, GAP));
     draft
@@ -125,7 +131,7 @@ fn draft_missing_texture() -> Draft {
     let mut draft = Draft::new(DUSK, Camera::look_at(Vec3::new(0.0, 1.4, 4.6), Vec3::ZERO));
     let cube = draft.mesh(shapes::cube());
     let wood = draft.textured("wood", textures::crate_side(128, srgb(0xC0_90_58)));
-    // The exporter wrote the colour as black, since the texture was to replace it.
+    // Some exporters write a black colour because the texture is meant to replace it.
     let lost = draft.without_texture("lost wood", Vec3::ZERO, "crate-side.png");
     for (name, material, x, turn) in [("left crate", wood, -1.1, 0.5), ("right crate", lost, 1.1, -0.4)] {
         let place = Mat4::from_translation(Vec3::X * x) * Mat4::from_rotation_y(turn);

@@ -1,5 +1,5 @@
-//! A snowman and two firs in the manner of cel animation: every material has a picture for its lit side and another
-//! for its unlit side, and the boundary between them is a hard line.
+//! A snowman and two firs in cel-animation style. Every material has one picture for its lit side and another for its
+//! unlit side, with a hard boundary between them.
 
 use std::f32::consts::FRAC_PI_2;
 
@@ -16,7 +16,7 @@ pub(super) const CEL: Builtin = Builtin {
     id: "cel",
     title: "Cel-shaded snowman",
     summary: "A snowman whose materials have a light and a dark texture: shows cel shading, which picks one of the \
-              two by the light and draws no gradient.",
+              two by the light and has no gradient.",
     draft,
 };
 
@@ -47,7 +47,7 @@ fn add_body(draft: &mut Draft, snow: MaterialId, coal: MaterialId) {
     for (name, y, radius) in [("bottom", 0.85, 1.0), ("middle", 2.05, 0.74), ("head", 3.0, 0.54)] {
         draft.place(name, ball, snow, at(Vec3::Y * y, Vec3::splat(radius)));
     }
-    // Angles on the ball that they sit on, degrees to the right and upwards.
+    // Angles on the supporting ball, in degrees to the right and upwards.
     let head = [("left eye", -20.0, 12.0, 0.065), ("right eye", 20.0, 12.0, 0.065)];
     for (name, right, up, radius) in head {
         draft.place(name, small_ball, coal, at(Vec3::Y * 3.0 + on_ball(0.54, right, up), Vec3::splat(radius)));
@@ -95,7 +95,7 @@ fn add_limbs(draft: &mut Draft) {
     let mitten = draft.mesh(shapes::sphere(20));
     let wool = draft.cel("mitten", cel_pair(16, |_| srgb(0x2E_8C_8C)));
     for (side, name) in [(-1.0, "left"), (1.0, "right")] {
-        // One arm waves, the other hangs.
+        // One arm is raised, the other hangs down.
         let lift: f32 = if side < 0.0 { 0.75 } else { -0.35 };
         let along = Vec3::new(side * lift.cos(), lift.sin(), 0.12).normalize();
         let shoulder = Vec3::new(side * 0.6, 2.25, 0.0);
@@ -106,7 +106,7 @@ fn add_limbs(draft: &mut Draft) {
     }
 }
 
-/// A top hat on y = 0.
+/// Returns a top hat that stands on y = 0.
 fn hat() -> MeshData {
     Profile::from(0.0, 0.66)
         .line_to(0.34, 0.62)
@@ -117,7 +117,7 @@ fn hat() -> MeshData {
         .revolve("hat", 32)
 }
 
-/// A fir of three cones over a trunk, standing on y = 0.
+/// Returns a fir of three cones over a trunk, standing on y = 0.
 fn fir() -> MeshData {
     Profile::from(0.0, 3.0)
         .line_to(0.55, 2.1)
@@ -131,7 +131,7 @@ fn fir() -> MeshData {
         .revolve("fir", 24)
 }
 
-/// Green with snow on the tips of a fir; `v` runs down its profile.
+/// Returns the colour of a fir: green with a snowy top and a brown trunk. `v` runs down its profile from 0 to 1.
 fn fir_color(v: f32) -> Vec3 {
     match v {
         0.0..0.08 => srgb(0xF4_F7_FB),
@@ -140,18 +140,19 @@ fn fir_color(v: f32) -> Vec3 {
     }
 }
 
-/// `main` crossed by one stripe of `other` per unit, `share` wide.
+/// Returns `main` crossed by one stripe of `other` per unit; `share` is the fraction of the unit that the stripe
+/// covers.
 fn stripes(along: f32, main: Vec3, other: Vec3, share: f32) -> Vec3 {
     if along.fract() < share { other } else { main }
 }
 
-/// A place on a ball around the origin, by degrees to the right and upwards of its front.
+/// Returns a position on a ball around the origin, from angles in degrees to the right of and above its front.
 fn on_ball(radius: f32, right: f32, up: f32) -> Vec3 {
     let (right, up) = (right.to_radians(), up.to_radians());
     Vec3::new(right.sin() * up.cos(), up.sin(), right.cos() * up.cos()) * radius
 }
 
-/// Placement without a turn.
+/// Returns a placement without rotation.
 fn at(place: Vec3, scale: Vec3) -> Mat4 {
     Mat4::from_scale_rotation_translation(scale, Quat::IDENTITY, place)
 }

@@ -1,8 +1,9 @@
-//! The default scene: solids and pawns on a chess floor that runs to the horizon.
+//! The default scene: solids and pawns on a chess floor that extends to the horizon.
 //!
-//! The floor is four by four large cells under a repeated texture, so that wrapping, filtering and above all
-//! interpolation without perspective show at once; the solids bring textures, plain and vertex colours, and hide each
-//! other. The floor begins behind the bottom of the picture and ahead of the near plane: nothing is cut.
+//! The floor has four by four large cells under a repeated texture. It shows errors of wrapping, filtering and
+//! especially interpolation without perspective immediately. The solids have textures, plain colours and vertex
+//! colours, and occlude each other. The floor begins below the bottom edge of the picture and beyond the near plane, so
+//! nothing is clipped.
 
 use glam::{Mat4, Quat, Vec2, Vec3, Vec3Swizzles as _};
 
@@ -23,17 +24,18 @@ pub(super) const CHESS: Builtin = Builtin {
 
 const BACKGROUND: [u8; 3] = [62, 68, 78];
 
-/// Edges of the floor along x and z, world units: as wide at the horizon as a wide picture sees.
+/// Size of the floor along x and z, world units. It spans a wide picture at the horizon.
 const FLOOR_SIZE: Vec2 = Vec2::new(104.0, 62.0);
 
-/// Where the floor begins: between the eye's foot and the bottom of the picture, and ahead of the near plane.
+/// Front edge of the floor in z: between the point below the eye and the bottom of the picture, and beyond the near
+/// plane.
 const FLOOR_FRONT_Z: f32 = 6.9;
 
-/// Edge of one tile, world units, and how many a texture holds along u and along v.
+/// Edge of one tile in world units, and the number of tiles per texture repeat along u and v.
 const TILE: f32 = 1.5;
 const TILES_PER_TEXTURE: f32 = 4.0;
 
-/// By how much rows of tiles are turned against the picture, radians.
+/// Rotation of the rows of tiles relative to the picture, radians.
 const TILE_TURN: f32 = -0.2;
 
 fn draft() -> Draft {
@@ -55,12 +57,13 @@ fn add_floor(draft: &mut Draft) {
     draft.place("floor", mesh, stone, world_from_model);
 }
 
-/// Texture coordinates of the floor; the middle of a texture lies at the world's origin.
+/// Returns the texture coordinates of the floor at a world position. The world origin is at the centre of a texture
+/// repeat.
 fn floor_uv(world: Vec3) -> Vec2 {
     Vec2::from_angle(-TILE_TURN).rotate(world.xz()) / (TILE * TILES_PER_TEXTURE) + 0.5
 }
 
-/// World position of the middle of a tile, counted from the origin.
+/// Returns the world position of the centre of a tile, with column and row counted from the origin.
 fn on_tile(column: i32, row: i32) -> Vec3 {
     let middle = (Vec2::new(column as f32, row as f32) + 0.5) * TILE;
     let turned = Vec2::from_angle(TILE_TURN).rotate(middle);
@@ -90,7 +93,7 @@ fn add_solids(draft: &mut Draft) {
     draft.place("cone", cone, gold, placed(Vec3::new(4.5, 0.0, -2.6), Quat::IDENTITY, 1.1));
 }
 
-/// Coral, amber, green, azure and violet in turn, and back to coral, for `u` from 0 to 1.
+/// Returns a colour between coral, amber, green, azure and violet, cyclic for `u` from 0 to 1.
 fn ribbon_color(u: f32) -> Vec3 {
     let colors = [0xF2_5F_4C, 0xF7_B5_45, 0x5C_BF_6C, 0x35_A7_DF, 0x7C_58_D8].map(srgb);
     let place = u * colors.len() as f32;
@@ -115,7 +118,7 @@ fn add_pawns(draft: &mut Draft) {
     }
 }
 
-/// A chess pawn standing on y = 0, 1.9 high.
+/// Returns a chess pawn standing on y = 0, 1.9 world units high.
 fn pawn() -> MeshData {
     Profile::from(0.0, 1.9)
         .arc_to(0.19, 1.22, 146.0, 9)
@@ -130,7 +133,7 @@ fn pawn() -> MeshData {
         .revolve("pawn", 24)
 }
 
-/// Placement of an object that is enlarged alike in all directions.
+/// Returns a placement with uniform scale.
 fn placed(place: Vec3, turn: Quat, scale: f32) -> Mat4 {
     Mat4::from_scale_rotation_translation(Vec3::splat(scale), turn, place)
 }

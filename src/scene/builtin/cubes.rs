@@ -1,4 +1,4 @@
-//! 128 cubes that share one mesh and one texture; only placement and tint are their own.
+//! 128 cubes that share one mesh and one texture and differ in placement and tint.
 
 use glam::{EulerRot, Mat4, Quat, Vec3};
 
@@ -11,14 +11,14 @@ use textures::srgb;
 pub(super) const CUBES: Builtin = Builtin {
     id: "cubes",
     title: "128 cubes",
-    summary: "128 instances of one cube, each with its own turn and tint: shows what sharing a mesh saves.",
+    summary: "128 instances of one cube, each with its own rotation and tint: shows what sharing a mesh saves.",
     draft,
 };
 
-/// Cubes along x, y and z.
+/// Number of cubes along x, y and z.
 const COUNT: [u32; 3] = [8, 4, 4];
 
-/// Between the centres of neighbours, world units; a cube's edge is 1.
+/// Distance between the centres of neighbours, world units; a cube's edge is 1.
 const SPACING: f32 = 1.75;
 
 fn draft() -> Draft {
@@ -35,7 +35,7 @@ fn draft() -> Draft {
     draft
 }
 
-/// Where a cube stands, and how it is turned: more from cell to cell, so that rows twist.
+/// Returns the placement of a cube. The rotation changes from cell to cell, so that rows look twisted.
 fn placement(cell: [u32; 3]) -> Mat4 {
     let from_middle = |axis: usize| (cell[axis] as f32 - (COUNT[axis] - 1) as f32 * 0.5) * SPACING;
     let [along, up, near] = cell.map(|c| c as f32);
@@ -44,7 +44,7 @@ fn placement(cell: [u32; 3]) -> Mat4 {
     Mat4::from_scale_rotation_translation(Vec3::splat(0.5), rotation, center)
 }
 
-/// From teal through sand to coral along the row, paler upwards and darker with depth.
+/// Returns the tint of a cube: from teal through sand to coral along the row, paler upwards and darker with depth.
 fn tint(cell: [u32; 3]) -> Vec3 {
     let [along, up, near] = [0, 1, 2].map(|axis| cell[axis] as f32 / (COUNT[axis] - 1) as f32);
     let [teal, sand, coral] = [srgb(0x2F_B5_AC), srgb(0xF4_DD_A6), srgb(0xEE_6A_50)];
@@ -61,7 +61,7 @@ mod tests {
         let scene = CUBES.build();
         assert_eq!((scene.instances.len(), scene.library.meshes().len()), (128, 1));
         let memory = scene.memory();
-        // 17,296 bytes, 16,384 of them the texture, against 116,736 for a mesh of its own per cube.
+        // 17,296 bytes, of which the texture takes 16,384, against 116,736 with a separate mesh per cube.
         assert!(memory.shared_bytes * 6 < memory.unshared_bytes, "{memory:?}");
     }
 

@@ -1,7 +1,7 @@
-//! A scene in the making: takes shapes and pictures, hands out identifiers, and ends as a [`Scene`].
+//! Builder of a scene: takes generated meshes and images, returns identifiers, and finishes as a [`Scene`].
 //!
-//! The one place where generated data is checked. What arrives here was computed by this crate, so a fault in it is a
-//! fault of the code; the tests of the built-in scenes build every one of them.
+//! Generated data is validated only here. All input comes from this crate, so invalid data is a bug; the tests of the
+//! built-in scenes build every scene.
 
 use glam::{Mat4, Vec3};
 
@@ -10,7 +10,7 @@ use crate::scene::{
     Camera, Instance, Library, Material, MaterialId, Mesh, MeshData, MeshId, Scene, Texture, TextureId,
 };
 
-/// A scene without its name.
+/// Scene under construction, without its name.
 pub(super) struct Draft {
     library: Library,
     instances: Vec<Instance>,
@@ -19,61 +19,62 @@ pub(super) struct Draft {
 }
 
 impl Draft {
-    /// An empty scene before `background` (sRGB codes), first seen from `home`.
+    /// Creates an empty scene with this background (sRGB codes) and the initial view `home`.
     pub(super) fn new(background: [u8; 3], home: Camera) -> Self {
         Self { library: Library::default(), instances: Vec::new(), background, home }
     }
 
-    /// Takes a generated mesh. Panics if the generator broke the rules of [`Mesh::new`].
+    /// Adds a generated mesh. Panics if it is invalid; see [`Mesh::new`].
     pub(super) fn mesh(&mut self, data: MeshData) -> MeshId {
         self.library.add_mesh(Mesh::new(data).expect("generated meshes are valid"))
     }
 
-    /// The same of a mesh some of whose normals are no numbers.
+    /// Adds a generated mesh with NaN normals, which are repaired; see [`Mesh::repaired`]. Panics if it is otherwise
+    /// invalid.
     pub(super) fn repaired_mesh(&mut self, data: MeshData) -> MeshId {
         self.library.add_mesh(Mesh::repaired(data).expect("generated meshes are valid but for normals"))
     }
 
-    /// Takes a generated picture. Panics if the generator made an empty one.
+    /// Adds a generated picture. Panics if it has no pixels.
     pub(super) fn texture(&mut self, name: &str, image: Image<Rgba8>) -> TextureId {
         self.library.add_texture(Texture::new(name, image).expect("generated pictures have pixels"))
     }
 
-    /// A white material under a texture of its own, opaque where that is.
+    /// Adds a white material with a texture, whose alpha determines the transparency.
     pub(super) fn textured(&mut self, name: &str, image: Image<Rgba8>) -> MaterialId {
         let texture = self.texture(name, image);
         self.library.add_material(Material::textured(name, texture))
     }
 
-    /// An opaque material without a texture. `diffuse` in sRGB values.
+    /// Adds an opaque material without a texture. `diffuse` is in sRGB values.
     pub(super) fn plain(&mut self, name: &str, diffuse: Vec3) -> MaterialId {
         self.library.add_material(Material::plain(name, diffuse))
     }
 
-    /// An opaque material whose texture could not be read. `diffuse` in sRGB values.
+    /// Adds an opaque material whose texture file is missing. `diffuse` is in sRGB values.
     pub(super) fn without_texture(&mut self, name: &str, diffuse: Vec3, file: &str) -> MaterialId {
         let missing_texture = Some(file.to_owned());
         self.library.add_material(Material { missing_texture, ..Material::plain(name, diffuse) })
     }
 
-    /// An untextured material that shows what lies behind. `diffuse` in sRGB values.
+    /// Adds an untextured, blended material of this opacity in [0, 1]. `diffuse` is in sRGB values.
     pub(super) fn translucent(&mut self, name: &str, diffuse: Vec3, opacity: f32) -> MaterialId {
         self.library.add_material(Material { opacity, ..Material::plain(name, diffuse) })
     }
 
-    /// A material that has one picture for its lit and one for its unlit side.
+    /// Adds a material with one picture for its lit side and another for its unlit side.
     pub(super) fn cel(&mut self, name: &str, [light, dark]: [Image<Rgba8>; 2]) -> MaterialId {
         let texture = self.texture(name, light);
         let dark_texture = Some(self.texture(&format!("{name}, dark"), dark));
         self.library.add_material(Material { dark_texture, ..Material::textured(name, texture) })
     }
 
-    /// Adds a material whose textures were added before.
+    /// Adds a material whose textures have already been added.
     pub(super) fn material(&mut self, material: Material) -> MaterialId {
         self.library.add_material(material)
     }
 
-    /// Adds an object. Returns it, white, to be tinted.
+    /// Adds an object. Returns it with a white tint, for changes.
     pub(super) fn place(
         &mut self,
         name: impl Into<String>,
@@ -85,7 +86,7 @@ impl Draft {
         self.instances.push_mut(instance)
     }
 
-    /// The scene, named.
+    /// Finishes the scene under this name.
     pub(super) fn finish(self, name: &str) -> Scene {
         let Self { library, instances, background, home } = self;
         Scene { name: name.to_owned(), library, instances, background, home }

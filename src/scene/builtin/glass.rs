@@ -1,7 +1,7 @@
-//! Stained glass, a bottle and a wreath of leaves before a knot on a marble floor: what shows through, and what is cut out.
+//! Stained glass, a bottle and a wreath of leaves in front of a knot on a marble floor: blending and alpha test.
 //!
-//! The panes are drafted from near to far, the wrong way round for blending, so that a pipeline that does not sort them
-//! shows it. Leaves are squares whose texture says where the leaf is; they hide and are hidden like anything opaque.
+//! The panes are drafted from near to far, the wrong order for blending, which exposes a pipeline that does not sort
+//! them. Leaves are squares with an alpha-tested texture; they occlude and are occluded like opaque surfaces.
 
 use std::f32::consts::{FRAC_PI_2, TAU};
 
@@ -18,7 +18,7 @@ pub(super) const STAINED_GLASS: Builtin = Builtin {
     id: "stained-glass",
     title: "Stained glass",
     summary: "Panes of coloured glass, a bottle and a wreath of leaves: shows blending from far to near, and leaves cut \
-              out of squares by alpha.",
+              out of squares by the alpha test.",
     draft,
 };
 
@@ -31,7 +31,7 @@ fn draft() -> Draft {
     draft
 }
 
-/// What is opaque.
+/// Adds the opaque objects.
 fn add_room(draft: &mut Draft) {
     let floor = draft.mesh(shapes::mapped(shapes::grid(4), |position, _| Vec2::new(position.x, position.z) * 3.0));
     let stone = draft.textured("floor tiles", textures::chess(256, srgb(0xE8_E0_D2), srgb(0x8C_7B_6E)));
@@ -47,7 +47,7 @@ fn add_glass(draft: &mut Draft) {
     let green = draft.translucent("bottle glass", srgb(0x2E_8B_57), 0.55);
     draft.place("bottle", bottle, green, at(Vec3::new(2.0, 0.0, 2.6), Quat::IDENTITY, Vec3::splat(1.0)));
     let pane = draft.mesh(shapes::two_sided(shapes::grid(1)));
-    // Near to far: place, turn, hue.
+    // From near to far: name, position, rotation in radians, hue.
     let panes = [
         ("blue pane", Vec3::new(1.5, 1.5, 0.9), -0.3, 0.6),
         ("green pane", Vec3::new(0.1, 1.5, 0.0), 0.0, 0.35),
@@ -60,7 +60,7 @@ fn add_glass(draft: &mut Draft) {
     }
 }
 
-/// Leaves around a ring that leans against the panes.
+/// Adds leaves around a ring that leans against the panes.
 fn add_wreath(draft: &mut Draft) {
     const LEAVES: u32 = 22;
     let square = draft.mesh(shapes::two_sided(shapes::grid(1)));
@@ -70,7 +70,7 @@ fn add_wreath(draft: &mut Draft) {
         let around = leaf as f32 / LEAVES as f32 * TAU;
         let out = Vec3::new(around.sin(), around.cos(), 0.0);
         let place = Vec3::new(-1.75, 1.25, 1.7) + out * (0.85 + 0.12 * random(1));
-        // Tips outwards, and tilted any way.
+        // The tips point outwards, with random tilt.
         let tilt = Quat::from_euler(EulerRot::XYZ, 1.1 * random(2), 1.1 * random(3), -around + 0.6 * random(4));
         let turn = tilt * Quat::from_rotation_x(FRAC_PI_2);
         let size = 0.62 + 0.2 * random(5);
@@ -79,7 +79,7 @@ fn add_wreath(draft: &mut Draft) {
     }
 }
 
-/// A bottle standing on y = 0.
+/// Returns a bottle standing on y = 0.
 fn bottle() -> MeshData {
     Profile::from(0.0, 1.9)
         .line_to(0.16, 1.9)

@@ -1,8 +1,8 @@
 //! The eye inside a corridor: long triangles that begin behind the eye and end far ahead.
 //!
-//! Dividing by w before clipping would turn what lies behind the eye inside out, so this scene breaks every pipeline
-//! that forgets to clip. A beam runs through the near plane within the picture and is cut open there; a hoop passes
-//! around the eye; a ball is wholly behind and must not be seen.
+//! Dividing by w before clipping would turn geometry behind the eye inside out, so this scene exposes every pipeline
+//! that does not clip. A beam crosses the near plane within the picture and is cut open there. A hoop passes around the
+//! eye. A ball lies entirely behind the eye and must not be visible.
 
 use std::f32::consts::FRAC_PI_2;
 
@@ -21,7 +21,7 @@ pub(super) const NEAR_PLANE: Builtin = Builtin {
     draft,
 };
 
-/// Half of the corridor's width, height and length, world units.
+/// Half extents of the corridor, world units.
 const HALF_SIZE: Vec3 = Vec3::new(2.0, 1.6, 16.0);
 
 fn draft() -> Draft {
@@ -42,7 +42,7 @@ fn add_corridor(draft: &mut Draft) {
     draft.place("corridor", mesh, bricks, place);
 }
 
-/// Texture coordinates of a wall: bricks run along the corridor, of equal size everywhere.
+/// Returns the texture coordinates of a wall. Bricks run along the corridor and have the same size everywhere.
 fn wall_uv(position: Vec3, normal: Vec3) -> Vec2 {
     const TEXTURE_SIZE: f32 = 1.6;
     let along = if normal.z == 0.0 { position.z } else { position.x };
@@ -53,7 +53,7 @@ fn wall_uv(position: Vec3, normal: Vec3) -> Vec2 {
 fn add_obstacles(draft: &mut Draft) {
     let cube = draft.mesh(shapes::cube());
     let coral = draft.plain("coral", srgb(0xE8_6A_58));
-    // From ahead on the right past the eye: cut by the near plane inside the picture.
+    // The beam runs from ahead on the right past the eye; the near plane cuts it inside the picture.
     let along = Quat::from_rotation_arc(Vec3::Z, Vec3::new(-0.12, 0.06, 1.0).normalize());
     let beam = Mat4::from_rotation_translation(along, Vec3::new(0.62, -0.35, -3.0));
     draft.place("beam", cube, coral, beam * Mat4::from_scale(Vec3::new(0.12, 0.12, 4.0)));
@@ -82,7 +82,7 @@ mod tests {
     use super::*;
     use crate::scene::{Instance, Scene};
 
-    /// View depths (positive ahead) of an instance's vertices.
+    /// Returns the view depths of an instance's vertices, positive ahead.
     fn depths(scene: &Scene, instance: &Instance) -> Vec<f32> {
         let view_from_model = scene.home.view_from_world() * instance.world_from_model;
         scene.library.mesh(instance.mesh).positions.iter().map(|p| -view_from_model.transform_point3(*p).z).collect()

@@ -1,11 +1,12 @@
-//! Value noise: random numbers on a lattice, smoothly joined; and sums of it at growing fineness.
+//! Value noise: smoothly interpolated random numbers on a lattice, and sums of it at increasing frequency.
 //!
-//! Periodic, so that textures made of it tile. Numbers come from an integer hash, not a generator, hence every texel
-//! can be asked for on its own and always answers the same. After Perlin's fade curve ("Improving Noise", 2002).
+//! The noise is periodic, so textures made of it tile. The numbers come from an integer hash instead of a stateful
+//! generator, so each texel can be computed independently and reproducibly. The interpolation uses Perlin's fade curve
+//! ("Improving Noise", 2002).
 
 use glam::Vec2;
 
-/// A number in [0, 1) for an integer place (the finalizer of MurmurHash3 over the mixed coordinates).
+/// Returns a number in [0, 1) for an integer position (the finalizer of MurmurHash3 over the mixed coordinates).
 pub(super) fn hash(x: u32, y: u32, seed: u32) -> f32 {
     let mut h = x.wrapping_mul(0x9E37_79B1) ^ y.wrapping_mul(0x85EB_CA77) ^ seed.wrapping_mul(0xC2B2_AE3D);
     h = (h ^ h >> 16).wrapping_mul(0x85EB_CA6B);
@@ -14,7 +15,7 @@ pub(super) fn hash(x: u32, y: u32, seed: u32) -> f32 {
     (h >> 8) as f32 / (1 << 24) as f32
 }
 
-/// Noise in [0, 1] at `p`, one random number per unit; repeats after `period` units each way.
+/// Returns noise in [0, 1] at `p`, with one random number per unit. It repeats after `period` units on each axis.
 pub(super) fn value(p: Vec2, period: u32, seed: u32) -> f32 {
     let cell = p.floor();
     let t = p - cell;
@@ -25,7 +26,8 @@ pub(super) fn value(p: Vec2, period: u32, seed: u32) -> f32 {
     lerp(lerp(corner(0.0, 0.0), corner(1.0, 0.0), fade.x), lerp(corner(0.0, 1.0), corner(1.0, 1.0), fade.x), fade.y)
 }
 
-/// Sum of `octaves` noises, each twice as fine and half as strong as the last, in [0, 1].
+/// Returns the normalised sum of `octaves` noise layers, in [0, 1]. Each has twice the frequency and half the amplitude
+/// of the previous one.
 pub(super) fn fractal(p: Vec2, period: u32, octaves: u32, seed: u32) -> f32 {
     let sum: f32 = (0..octaves)
         .map(|octave| {

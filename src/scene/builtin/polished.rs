@@ -1,4 +1,4 @@
-//! Polished stones and a lamp on a cobbled square at night: highlights, a normal map and light that surfaces emit.
+//! Polished stones and a lamp on a cobbled square at night: specular highlights, a normal map and emission.
 
 use std::f32::consts::FRAC_PI_2;
 
@@ -20,10 +20,10 @@ pub(super) const POLISHED: Builtin = Builtin {
     draft,
 };
 
-/// Embossed studs in each direction of the normal map.
+/// Number of embossed studs along each axis of the normal map.
 const STUDS: f32 = 4.0;
 
-/// Slope of the studs at their steepest.
+/// Maximum slope of the studs.
 const STEEPNESS: f32 = 0.9;
 
 fn draft() -> Draft {
@@ -48,7 +48,7 @@ fn add_floor(draft: &mut Draft) {
     draft.place("floor", floor, tiles, Mat4::from_scale(Vec3::splat(12.0)));
 }
 
-/// Stones whose highlights shrink from left to right.
+/// Adds stones whose highlights shrink from left to right.
 fn add_stones(draft: &mut Draft) {
     let ball = draft.mesh(shapes::sphere(40));
     let stones = [("jasper", 0xA8_3A32, 8.0, -2.3), ("jade", 0x3F_8F_68, 40.0, 0.2), ("lapis", 0x2F_55_A8, 400.0, 2.4)];
@@ -68,7 +68,7 @@ fn add_stones(draft: &mut Draft) {
     draft.place("knot", knot, brass, placed);
 }
 
-/// A lamp whose shade emits its own colour, banded by a texture.
+/// Adds a lamp whose shade emits its own colour, with bands from a texture.
 fn add_lamp(draft: &mut Draft) {
     let post = draft.mesh(post());
     let iron = draft.material(Material {
@@ -92,7 +92,7 @@ fn add_lamp(draft: &mut Draft) {
     draft.place("lamp shade", globe, shade, at(foot + Vec3::Y * 2.45, 0.55));
 }
 
-/// A lamp post that stands on y = 0.
+/// Returns a lamp post that stands on y = 0.
 fn post() -> MeshData {
     Profile::from(0.0, 2.0)
         .line_to(0.1, 1.95)
@@ -103,12 +103,12 @@ fn post() -> MeshData {
         .revolve("lamp post", 24)
 }
 
-/// A normal map of round studs, y up the picture.
+/// Returns a normal map of round studs, with y up in the picture.
 fn studs(size: u32) -> Image<Rgba8> {
     textures::picture(size, |uv| {
         let cell = (uv * STUDS).fract() - 0.5;
         let distance = cell.length() * 2.0;
-        // The slope of a bump of height (1 + cos(π·distance)) / 2, which ends at a distance of 1.
+        // Slope of a bump of height (1 + cos(π·distance)) / 2, which ends at a distance of 1.
         let slope = if distance < 1.0 { STEEPNESS * (distance * FRAC_PI_2 * 2.0).sin() } else { 0.0 };
         let outwards = if distance > 0.0 { cell * 2.0 / distance } else { Vec2::ZERO };
         Vec3::new(outwards.x * slope, -outwards.y * slope, 1.0).normalize() * 0.5 + 0.5

@@ -1,9 +1,9 @@
-//! Surfaces of revolution: a profile in the half plane (radius, height) turned around the y axis.
+//! Surfaces of revolution: a profile in the half plane (radius, height), revolved around the y axis.
 //!
-//! The profile is drawn like a path, from the top down, with the solid on its right: lines and arcs whose end points
-//! are given, so that pieces meet exactly and a solid closes without rounding. Every piece has its own normals, hence
-//! a joint is smooth where tangents agree and sharp where they do not. u runs once around, rightwards seen from
-//! outside; v runs down the profile by its length.
+//! The profile is a path from the top down, with the solid on its right. It consists of lines and arcs with given end
+//! points, so pieces meet exactly and a solid closes without rounding errors. Every piece has its own normals: a joint
+//! is smooth where tangents agree and sharp elsewhere. u runs once around, rightwards seen from outside; v is the
+//! normalised arc length down the profile.
 
 use std::f32::consts::TAU;
 
@@ -11,27 +11,27 @@ use glam::{Mat2, Vec2, Vec3};
 
 use crate::scene::MeshData;
 
-/// A point of a profile: (radius, height).
+/// Point of a profile, as (radius, height).
 #[derive(Clone, Copy)]
 struct Point {
     at: Vec2,
-    /// Unit, away from the solid.
+    /// Unit normal, pointing away from the solid.
     normal: Vec2,
 }
 
-/// A path from the top down.
+/// Profile path from the top down.
 pub(super) struct Profile {
     end: Vec2,
     points: Vec<Point>,
 }
 
 impl Profile {
-    /// A path that begins at (`radius`, `height`).
+    /// Starts a path at (`radius`, `height`).
     pub(super) fn from(radius: f32, height: f32) -> Self {
         Self { end: Vec2::new(radius, height), points: Vec::new() }
     }
 
-    /// A straight piece to (`radius`, `height`).
+    /// Appends a straight segment to (`radius`, `height`).
     pub(super) fn line_to(mut self, radius: f32, height: f32) -> Self {
         let to = Vec2::new(radius, height);
         let normal = (to - self.end).perp().normalize();
@@ -40,12 +40,13 @@ impl Profile {
         self
     }
 
-    /// A circular arc to (`radius`, `height`) in `steps` chords, turning by `sweep_degrees`: clockwise, which bulges
-    /// outwards, if positive; hollow if negative.
+    /// Appends a circular arc of `steps` chords to (`radius`, `height`).
+    ///
+    /// `sweep_degrees` is the angle of the arc: a positive, clockwise arc bulges outwards, a negative one inwards.
     pub(super) fn arc_to(mut self, radius: f32, height: f32, sweep_degrees: f32, steps: u32) -> Self {
         let (from, to) = (self.end, Vec2::new(radius, height));
         let sweep = sweep_degrees.to_radians();
-        // The centre lies on the chord's bisector, to the right of a clockwise half circle or less.
+        // The centre lies on the chord's bisector, on the right of an arc that turns clockwise by at most 180°.
         let center = (from + to) * 0.5 - (to - from).perp() * (0.5 / (sweep * 0.5).tan());
         for step in 0..=steps {
             let spoke = Mat2::from_angle(-sweep * step as f32 / steps as f32) * (from - center);
@@ -60,7 +61,7 @@ impl Profile {
         self
     }
 
-    /// The surface that the path sweeps in one turn, in `segments` slices.
+    /// Returns the surface that the path sweeps in one full turn, with `segments` slices.
     pub(super) fn revolve(&self, name: &str, segments: u32) -> MeshData {
         let mut mesh = MeshData { name: name.to_owned(), ..MeshData::default() };
         for (point, v) in self.points.iter().zip(self.lengths()) {
@@ -88,7 +89,7 @@ impl Profile {
         mesh
     }
 
-    /// Length of the path up to each point, from 0 to 1.
+    /// Returns the normalised arc length at each point, from 0 to 1.
     fn lengths(&self) -> Vec<f32> {
         let mut length = 0.0;
         let mut previous = self.points.first().map_or(Vec2::ZERO, |p| p.at);
@@ -105,11 +106,12 @@ impl Profile {
     }
 }
 
-/// Adds a profile's point, turned. On the axis each slice has its own vertex, in the middle of the slice.
+/// Adds a point of the profile, rotated to a segment. On the axis each slice has its own vertex, in the middle of the
+/// slice.
 fn push_vertex(mesh: &mut MeshData, point: &Point, segment: u32, segments: u32, v: f32) {
     let on_axis = point.at.x == 0.0;
     let turn = segment as f32 + if on_axis { 0.5 } else { 0.0 };
-    // The last column takes the first one's angle, so that the seam closes exactly.
+    // The last column uses the angle of the first, so that the seam closes exactly.
     let (sin, cos) = (turn % segments as f32 / segments as f32 * TAU).sin_cos();
     mesh.positions.push(Vec3::new(point.at.x * sin, point.at.y, point.at.x * cos));
     mesh.normals.push(Vec3::new(point.normal.x * sin, point.normal.y, point.normal.x * cos));

@@ -1,8 +1,8 @@
-//! Meshes by formula: solids around the origin, a floor, a knot.
+//! Procedural meshes: solids around the origin, a floor, a knot.
 //!
-//! Out: indexed [`MeshData`] with unit normals, texture coordinates (v downwards) and counter-clockwise front faces.
-//! Solids are closed: every edge belongs to exactly two triangles once vertices of equal position count as one, since
-//! seams repeat positions bit for bit. Round ones are profiles turned around the y axis (see `revolve`).
+//! All functions return indexed [`MeshData`] with unit normals, texture coordinates (v downwards) and counter-clockwise
+//! front faces. Solids are closed: seams repeat positions bit for bit, and with equal positions merged, every edge
+//! belongs to exactly two triangles. Round solids are profiles revolved around the y axis (see `revolve`).
 
 use std::f32::consts::TAU;
 
@@ -11,9 +11,9 @@ use glam::{Vec2, Vec3};
 use super::revolve::Profile;
 use crate::scene::MeshData;
 
-/// A cube from −1 to 1; each face shows the whole texture upright.
+/// Returns a cube from −1 to 1. Each face shows the whole texture upright.
 pub(super) fn cube() -> MeshData {
-    // Outward normal and the direction that is right on that face; up is their cross product.
+    // Outward normal and right direction of each face; up is their cross product.
     const FACES: [(Vec3, Vec3); 6] = [
         (Vec3::Z, Vec3::X),
         (Vec3::X, Vec3::NEG_Z),
@@ -37,12 +37,12 @@ pub(super) fn cube() -> MeshData {
     }
 }
 
-/// A sphere of radius 1: `segments` slices around, half as many rings from pole to pole.
+/// Returns a sphere of radius 1 with `segments` slices around and half as many rings from pole to pole.
 pub(super) fn sphere(segments: u32) -> MeshData {
     Profile::from(0.0, 1.0).arc_to(0.0, -1.0, 180.0, segments / 2).revolve("sphere", segments)
 }
 
-/// A ring around the y axis: a circle of radius `tube` whose centre runs at distance 1.
+/// Returns a torus around the y axis: a circle of radius `tube` whose centre moves at distance 1.
 pub(super) fn torus(tube: f32, segments: u32, sides: u32) -> MeshData {
     Profile::from(1.0, tube)
         .arc_to(1.0, -tube, 180.0, sides / 2)
@@ -50,12 +50,12 @@ pub(super) fn torus(tube: f32, segments: u32, sides: u32) -> MeshData {
         .revolve("torus", segments)
 }
 
-/// A solid cone standing on y = 0 with its tip at y = `height`; base radius 1.
+/// Returns a solid cone with base radius 1 on y = 0 and its tip at y = `height`.
 pub(super) fn cone(height: f32, segments: u32) -> MeshData {
     Profile::from(0.0, height).line_to(1.0, 0.0).line_to(0.0, 0.0).revolve("cone", segments)
 }
 
-/// A capsule along y around the origin: radius 1, `length` between the centres of its round ends.
+/// Returns a capsule along y around the origin: radius 1, with `length` between the centres of its round ends.
 pub(super) fn capsule(length: f32, segments: u32) -> MeshData {
     let middle = length * 0.5;
     Profile::from(0.0, middle + 1.0)
@@ -65,7 +65,7 @@ pub(super) fn capsule(length: f32, segments: u32) -> MeshData {
         .revolve("capsule", segments)
 }
 
-/// A flat square of edge 1 around the origin in the plane y = 0, seen from above, in `cells`² cells.
+/// Returns a flat unit square around the origin in the plane y = 0, front side up, with `cells`² cells.
 pub(super) fn grid(cells: u32) -> MeshData {
     let place = move |i: u32| i as f32 / cells as f32;
     let corners = || (0..=cells).flat_map(move |z| (0..=cells).map(move |x| Vec2::new(place(x), place(z))));
@@ -83,11 +83,13 @@ pub(super) fn grid(cells: u32) -> MeshData {
     }
 }
 
-/// A trefoil: a tube that winds twice around the y axis and three times through the hole of a ring of radius 1.
-/// u runs along the tube, v around it. `segments` along, `sides` around.
+/// Returns a trefoil knot: a tube that winds twice around the y axis and three times through the hole of a ring of
+/// radius 1.
+///
+/// u runs along the tube, v around it. The mesh has `segments` along the tube and `sides` around it.
 pub(super) fn trefoil(tube: f32, segments: u32, sides: u32) -> MeshData {
     const RING: f32 = 0.45;
-    // Outward from the ring's core, and the curve that follows it.
+    // Outward direction from the core of the ring, and the curve around that core.
     let outward = |segment: u32| {
         let angle = (segment % segments) as f32 / segments as f32 * TAU;
         let (sin, cos) = (2.0 * angle).sin_cos();
@@ -119,14 +121,14 @@ pub(super) fn trefoil(tube: f32, segments: u32, sides: u32) -> MeshData {
     mesh
 }
 
-/// The same surface seen from inside.
+/// Returns the surface with reversed normals and winding, visible from inside.
 pub(super) fn inside_out(mut mesh: MeshData) -> MeshData {
     mesh.normals.iter_mut().for_each(|n| *n = -*n);
     mesh.triangles.iter_mut().for_each(|[_, b, c]| std::mem::swap(b, c));
     mesh
 }
 
-/// The surface with both sides to be seen: a second one, inside out, in the same place.
+/// Returns the surface with a reversed copy in the same place, so that both sides are visible.
 pub(super) fn two_sided(mut mesh: MeshData) -> MeshData {
     let back = inside_out(mesh.clone());
     let first = mesh.positions.len() as u32;
@@ -138,13 +140,13 @@ pub(super) fn two_sided(mut mesh: MeshData) -> MeshData {
     mesh
 }
 
-/// The mesh with its texture laid on anew: `uv` of position and normal.
+/// Returns the mesh with new texture coordinates: `uv` of position and normal.
 pub(super) fn mapped(mut mesh: MeshData, uv: impl Fn(Vec3, Vec3) -> Vec2) -> MeshData {
     mesh.uvs = mesh.positions.iter().zip(&mesh.normals).map(|(position, normal)| uv(*position, *normal)).collect();
     mesh
 }
 
-/// The mesh with vertex colours (sRGB values) by texture coordinate.
+/// Returns the mesh with vertex colours (sRGB values) computed from its texture coordinates.
 pub(super) fn painted(mut mesh: MeshData, color: impl Fn(Vec2) -> Vec3) -> MeshData {
     mesh.colors = mesh.uvs.iter().map(|uv| color(*uv)).collect();
     mesh
@@ -160,9 +162,9 @@ pub(super) mod tests {
         vec![cube(), sphere(24), torus(0.4, 24, 12), cone(2.0, 24), capsule(1.5, 16), trefoil(0.2, 120, 12)]
     }
 
-    /// How many triangles use each edge, where vertices of equal position count as one.
+    /// Returns the number of triangles that use each edge, with vertices of equal position merged.
     pub(in super::super) fn edge_uses(mesh: &MeshData) -> HashMap<[[u32; 3]; 2], u32> {
-        // Adding zero turns −0 into +0, which are equal positions.
+        // Adding zero turns −0 into +0, so that equal positions have equal bits.
         let key = |i: u32| (mesh.positions[i as usize] + Vec3::ZERO).to_array().map(f32::to_bits);
         let mut uses = HashMap::new();
         for [a, b, c] in &mesh.triangles {
@@ -181,7 +183,7 @@ pub(super) mod tests {
         }
     }
 
-    /// Every triangle has area and faces the way its vertex normals do.
+    /// Asserts that every triangle has area and faces in the direction of its vertex normals.
     pub(in super::super) fn assert_faces_agree(mesh: &MeshData) {
         for corners in &mesh.triangles {
             let [a, b, c] = corners.map(|i| mesh.positions[i as usize]);
@@ -213,7 +215,7 @@ pub(super) mod tests {
         assert_faces_agree(&two_sided(grid(2)));
     }
 
-    /// Sixfold volume of a closed mesh; positive if its faces look outwards.
+    /// Returns six times the signed volume of a closed mesh, positive if its faces point outwards.
     fn sixfold_volume(mesh: &MeshData) -> f32 {
         let corner = |i: u32| mesh.positions[i as usize];
         mesh.triangles.iter().map(|[a, b, c]| corner(*a).dot(corner(*b).cross(corner(*c)))).sum()

@@ -1,4 +1,4 @@
-//! What holds for every built-in scene.
+//! Tests that apply to every built-in scene.
 
 use std::collections::HashSet;
 

@@ -1,8 +1,9 @@
-//! Pictures by formula: chess tiles, marble, a wooden crate, bricks, a test card, stained glass, a leaf, and pairs for
+//! Procedural pictures: chess tiles, marble, a wooden crate, bricks, a test card, stained glass, a leaf, and pairs for
 //! cel shading.
 //!
-//! Out: sRGB pictures, row 0 at v = 0. All of them tile. A picture is a function from (u, v) in [0, 1) to a colour in
-//! sRGB values, asked at texel centres. Colours are mixed in sRGB values too: these are paints, not light.
+//! All pictures are sRGB-encoded, have row 0 at v = 0, and tile. A picture is a function from (u, v) in [0, 1) to a
+//! colour in sRGB values, evaluated at texel centres. Colours are also mixed in sRGB values, because they represent
+//! paint instead of light.
 
 use std::f32::consts::TAU;
 
@@ -11,31 +12,31 @@ use glam::{UVec2, Vec2, Vec3, Vec4};
 use super::noise;
 use crate::image::{Image, Rgba8, color};
 
-/// A colour written the usual way, 0xRRGGBB, as sRGB values in [0, 1].
+/// Converts a colour code 0xRRGGBB to sRGB values in [0, 1].
 pub(super) const fn srgb(code: u32) -> Vec3 {
     let [_, r, g, b] = code.to_be_bytes();
     Vec3::new(r as f32 / 255.0, g as f32 / 255.0, b as f32 / 255.0)
 }
 
-/// A colour of full brightness around the colour circle; `hue` 0 and 1 are the same red.
+/// Returns a fully saturated colour of the colour circle, in sRGB values. `hue` 0 and 1 are the same red.
 pub(super) fn hue(hue: f32) -> Vec3 {
     let wave = |shift: f32| 0.5 + 0.5 * ((hue + shift) * TAU).cos();
     Vec3::new(wave(0.0), wave(-1.0 / 3.0), wave(1.0 / 3.0))
 }
 
-/// An opaque picture of `size`² texels.
+/// Returns an opaque picture of `size`² texels.
 pub(super) fn picture(size: u32, paint: impl Fn(Vec2) -> Vec3) -> Image<Rgba8> {
     transparent_picture(size, |uv| paint(uv).extend(1.0))
 }
 
-/// A picture of `size`² texels with alpha, straight.
+/// Returns a picture of `size`² texels with straight alpha.
 fn transparent_picture(size: u32, paint: impl Fn(Vec2) -> Vec4) -> Image<Rgba8> {
     Image::from_fn(size, size, |x, y| {
         paint((UVec2::new(x, y).as_vec2() + 0.5) / size as f32).to_array().map(color::quantize)
     })
 }
 
-/// 4 × 4 chess tiles of marble with a fine joint and a soft edge.
+/// Returns 4 × 4 chess tiles of marble with thin joints and soft edges.
 pub(super) fn chess(size: u32, light: Vec3, dark: Vec3) -> Image<Rgba8> {
     const SIDE: f32 = 4.0;
     picture(size, |uv| {
@@ -53,12 +54,13 @@ pub(super) fn chess(size: u32, light: Vec3, dark: Vec3) -> Image<Rgba8> {
     })
 }
 
-/// Polished stone with veins, `base` to `vein`.
+/// Returns polished stone with veins, in colours from `base` to `vein`.
 pub(super) fn marble(size: u32, base: Vec3, vein: Vec3) -> Image<Rgba8> {
     picture(size, |uv| base.lerp(vein, veins(uv, 3)))
 }
 
-/// How much of a vein there is at a place of a marble slab; `seed` picks the slab. Tiles.
+/// Returns the vein intensity at a position of a marble slab, from 0 to about 1; `seed` selects the slab. The pattern
+/// tiles.
 fn veins(uv: Vec2, seed: u32) -> f32 {
     const SCALE: u32 = 3;
     let p = uv * SCALE as f32;
@@ -68,7 +70,7 @@ fn veins(uv: Vec2, seed: u32) -> f32 {
     0.9 * ridge.powi(10) + 0.25 * field
 }
 
-/// The side of a wooden crate: upright planks in a frame.
+/// Returns the side of a wooden crate: upright planks in a frame.
 pub(super) fn crate_side(size: u32, wood: Vec3) -> Image<Rgba8> {
     const FRAME: f32 = 0.14;
     const PLANKS: f32 = 5.0;
@@ -90,7 +92,7 @@ pub(super) fn crate_side(size: u32, wood: Vec3) -> Image<Rgba8> {
     })
 }
 
-/// Wood fibres in [0, 1]: stripes that wander along the plank.
+/// Returns the intensity of wood grain in [0, 1]: stripes that meander along the plank.
 fn grain(along: f32, across: f32, plank: u32) -> f32 {
     let p = Vec2::new(along * 4.0, across * 4.0);
     let wander = noise::fractal(p, 4, 3, plank * 17);
@@ -99,7 +101,7 @@ fn grain(along: f32, across: f32, plank: u32) -> f32 {
     0.5 * rings + 0.5 * fibres
 }
 
-/// Bricks in running bond.
+/// Returns bricks in running bond.
 pub(super) fn bricks(size: u32, brick: Vec3, mortar: Vec3) -> Image<Rgba8> {
     const COLUMNS: f32 = 4.0;
     const ROWS: f32 = 8.0;
@@ -116,7 +118,7 @@ pub(super) fn bricks(size: u32, brick: Vec3, mortar: Vec3) -> Image<Rgba8> {
     })
 }
 
-/// A test card that tells up from down and left from right: a frame, squares, an arrow upwards and a marked corner.
+/// Returns a test card that reveals flips and rotations: a frame, squares, an upward arrow and a marked corner.
 pub(super) fn test_card(size: u32) -> Image<Rgba8> {
     const PAPER: Vec3 = srgb(0xF4_F1_EA);
     const INK: Vec3 = srgb(0x3A_3F_4A);
@@ -140,8 +142,9 @@ pub(super) fn test_card(size: u32) -> Image<Rgba8> {
     })
 }
 
-/// A window of diamond panes in hues around `middle`, between opaque strips of lead. Glass covers a good half of what lies
-/// behind, by its thickness.
+/// Returns a window of diamond panes between opaque strips of lead, in hues around `middle`.
+///
+/// The alpha of the glass varies with its thickness from 0.45 to 0.7, so a good half of the background is covered.
 pub(super) fn stained_glass(size: u32, middle: f32) -> Image<Rgba8> {
     const PANES: f32 = 5.0;
     const LEAD: Vec3 = srgb(0x35_38_3E);
@@ -160,13 +163,13 @@ pub(super) fn stained_glass(size: u32, middle: f32) -> Image<Rgba8> {
     })
 }
 
-/// A leaf of five lobes with its stalk downwards; around it there is nothing.
+/// Returns a leaf of five lobes with its stalk down, on a transparent background.
 pub(super) fn leaf(size: u32) -> Image<Rgba8> {
     const BLADE: Vec3 = srgb(0x4E_8F_3C);
     const VEIN: Vec3 = srgb(0xA9_CB_7A);
     transparent_picture(size, |uv| {
         let p = uv - Vec2::new(0.5, 0.55);
-        // Around the middle from the tip, which points up, in fifths of a turn: a lobe each.
+        // Angle around the centre from the upward tip, in fifths of a turn: one lobe each.
         let lobes = p.x.atan2(-p.y) / TAU * 5.0;
         let from_lobe = (lobes - lobes.round()).abs() * 2.0;
         let tip = if lobes.abs() < 0.5 { 0.5 } else { 0.42 };
@@ -179,14 +182,14 @@ pub(super) fn leaf(size: u32) -> Image<Rgba8> {
     })
 }
 
-/// A picture for the lit side and the same one, cooler and darker, for the unlit side.
+/// Returns a picture for the lit side and a cooler, darker version of it for the unlit side.
 pub(super) fn cel_pair(size: u32, paint: impl Fn(Vec2) -> Vec3) -> [Image<Rgba8>; 2] {
-    /// Shade takes more of the red than of the blue, as under an open sky.
+    /// Factors of the shaded side. Shade removes more red than blue, as under an open sky.
     const SHADE: Vec3 = Vec3::new(0.56, 0.60, 0.76);
     [picture(size, &paint), picture(size, |uv| paint(uv) * SHADE)]
 }
 
-/// 0 below `from`, 1 above `to`, smooth between.
+/// Returns 0 below `from`, 1 above `to`, and a smooth Hermite transition between them.
 fn smoothstep(from: f32, to: f32, x: f32) -> f32 {
     let t = ((x - from) / (to - from)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)

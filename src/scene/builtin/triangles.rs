@@ -1,4 +1,4 @@
-//! Single triangles: one to look at, two that pass through each other, and very thin ones.
+//! Triangle scenes: a single triangle, two interpenetrating ones, shared edges, and slivers.
 
 use std::f32::consts::TAU;
 
@@ -12,15 +12,15 @@ use crate::scene::{Camera, MeshData};
 pub(super) const TRIANGLE: Builtin = Builtin {
     id: "triangle",
     title: "One triangle",
-    summary: "A red, green and blue corner and one triangle between them, turned a little: the shortest way to follow \
+    summary: "One triangle with a red, a green and a blue corner, slightly rotated: the simplest way to follow \
               barycentric weights and perspective through all stages.",
     draft: draft_triangle,
 };
 
 pub(super) const INTERPENETRATING: Builtin = Builtin {
     id: "interpenetrating",
-    title: "Two triangles through each other",
-    summary: "No drawing order is right for two triangles that cross: only a depth test per pixel finds the line \
+    title: "Two intersecting triangles",
+    summary: "No drawing order is right for two intersecting triangles: only a depth test per pixel finds the line \
               where they meet.",
     draft: draft_interpenetrating,
 };
@@ -66,7 +66,7 @@ fn draft_interpenetrating() -> Draft {
     draft
 }
 
-/// A triangle in the plane z = 0 with its centre of gravity near the origin, seen from +z.
+/// Returns a triangle in the plane z = 0 with its centroid near the origin and its front towards +z.
 fn triangle() -> MeshData {
     MeshData {
         name: "triangle".to_owned(),
@@ -77,8 +77,10 @@ fn triangle() -> MeshData {
     }
 }
 
-/// A square cut by its diagonals and its middle lines. Whatever the parity of the picture's width and height, some of
-/// these run through pixel centres: the diagonals if both are even, a middle line where one is odd.
+/// Drafts a square cut by its diagonals and its centre lines.
+///
+/// Some of these edges run through pixel centres for any picture size: the diagonals if width and height are both even,
+/// a centre line if one of them is odd.
 fn draft_shared_edges() -> Draft {
     let mut draft = Draft::new(BACKGROUND, Camera::look_at(Vec3::Z * 3.0, Vec3::ZERO));
     let rim = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1), (1, 0)];
@@ -101,7 +103,7 @@ fn draft_slivers() -> Draft {
     draft
 }
 
-/// A disc of radius 1 cut into slices, quarter by quarter into more of them.
+/// Returns a disc of radius 1, with 12, 48, 192 and 768 slices in successive quarters.
 fn fan() -> MeshData {
     const SLICES: [u32; 4] = [12, 48, 192, 768];
     let mut angles = vec![0.0];
@@ -115,7 +117,7 @@ fn fan() -> MeshData {
     flat("fan", angles.windows(2).map(|pair| [Vec2::ZERO, rim(pair[0]), rim(pair[1])]))
 }
 
-/// A band of needles from rail to rail that grow thinner to the right, from a twentieth to a ten-thousandth.
+/// Returns a band of needles between two parallel rails. Their width decreases to the right, from 0.05 to 0.0001.
 fn strip() -> MeshData {
     let mut triangles = Vec::new();
     let (mut width, mut left) = (0.05_f32, -0.9_f32);
@@ -132,7 +134,8 @@ fn strip() -> MeshData {
     flat("strip", triangles.into_iter())
 }
 
-/// A mesh in the plane z = 0, each triangle in one colour unlike its neighbour's; vertices are not shared.
+/// Returns a mesh in the plane z = 0 with one colour per triangle, different from its neighbours'; vertices are not
+/// shared.
 fn flat(name: &str, triangles: impl Iterator<Item = [Vec2; 3]>) -> MeshData {
     let positions: Vec<Vec3> = triangles.flatten().map(|p| p.extend(0.0)).collect();
     let count = positions.len() as u32;
@@ -146,7 +149,7 @@ fn flat(name: &str, triangles: impl Iterator<Item = [Vec2; 3]>) -> MeshData {
     }
 }
 
-/// Colours a golden turn apart: neighbours differ, and no short row repeats.
+/// Returns a colour whose hue advances by the golden angle per triangle: neighbours differ, and no short cycle repeats.
 fn sliver_color(triangle: u32) -> Vec3 {
     const GOLDEN_TURN: f32 = 0.381_966;
     hue(triangle as f32 * GOLDEN_TURN % 1.0) * (0.75 + 0.25 * noise::hash(triangle, 0, 3))

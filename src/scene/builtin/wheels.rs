@@ -1,7 +1,7 @@
-//! A turning wheel in successive frames: why wheels in films turn backwards.
+//! A turning wheel in successive frames: the reason why wheels in films appear to turn backwards.
 //!
-//! Each frame is a wheel of its own, left to right and row by row, so that a still picture shows what moves. All spokes are
-//! alike but one.
+//! Each frame is a separate wheel, from left to right and row by row, so that a still picture shows the motion. All
+//! spokes look alike except one.
 
 use std::f32::consts::TAU;
 
@@ -15,21 +15,21 @@ use crate::scene::{Camera, MeshData};
 pub(super) const WHEELS: Builtin = Builtin {
     id: "wheels",
     title: "A turning wheel",
-    summary: "Eight frames of a wheel of twelve spokes that turns 27° from one to the next: by its spokes it seems to turn \
-              3° back, by the one that is painted it goes forward.",
+    summary: "Eight frames of a wheel of twelve spokes that rotates by 27° per frame: its spokes seem to rotate \
+              3° backwards, its painted spoke rotates forwards.",
     draft,
 };
 
-/// Spokes of the wheel: it looks the same after a twelfth of a turn.
+/// Number of spokes. The wheel looks the same after a twelfth of a turn.
 const SPOKES: u32 = 12;
 
-/// Turn from frame to frame, degrees, clockwise as seen.
+/// Rotation per frame, degrees, clockwise as seen.
 const TURN_DEGREES: f32 = 27.0;
 
-/// Frames in a row, and rows.
+/// Frames per row, and number of rows.
 const FRAMES: [u32; 2] = [4, 2];
 
-/// Between the centres of neighbours; a wheel has radius 1.
+/// Distance between the centres of neighbours, world units; a wheel has radius 1.
 const SPACING: f32 = 2.3;
 
 fn draft() -> Draft {
@@ -51,7 +51,7 @@ fn draft() -> Draft {
     draft
 }
 
-/// A ring from radius 0.88 to 1.
+/// Returns a ring from radius 0.88 to 1.
 fn rim() -> MeshData {
     const SEGMENTS: u32 = 72;
     let mut mesh = MeshData { name: "rim".to_owned(), ..MeshData::default() };
@@ -66,7 +66,7 @@ fn rim() -> MeshData {
     mesh
 }
 
-/// Bars from the hub to the rim.
+/// Returns the bars of a range of spokes, from the hub to the rim.
 fn spokes(which: std::ops::Range<u32>) -> MeshData {
     const HALF_WIDTH: f32 = 0.035;
     let mut mesh = MeshData { name: format!("spokes {} to {}", which.start + 1, which.end), ..MeshData::default() };

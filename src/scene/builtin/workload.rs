@@ -1,4 +1,4 @@
-//! Scenes of any size, to see what grows with what: so many triangles, or so many layers over each other.
+//! Scenes of any size for scaling measurements: a number of triangles, or a number of overlapping layers.
 
 use glam::{Mat4, Quat, Vec3};
 
@@ -9,17 +9,18 @@ use crate::scene::{Camera, Scene};
 /// Side of the texture, px.
 const TEXTURE_PX: u32 = 256;
 
-/// Where both scenes are seen from: a square of edge 2 around the origin just fits into a wide picture.
+/// Returns the camera of both scenes. A square of edge 2 around the origin just fits into a wide picture.
 fn camera() -> Camera {
     Camera { near: 0.5, far: 20.0, ..Camera::look_at(Vec3::new(0.0, 0.0, 3.2), Vec3::ZERO) }
 }
 
-/// Turns a flat square that is seen from above so that it is seen from the front.
+/// Returns the rotation from a horizontal square that faces up to an upright one that faces the camera.
 fn upright() -> Quat {
     Quat::from_rotation_x(std::f32::consts::FRAC_PI_2)
 }
 
-/// A textured square of some `triangles`, all of them in view: the nearest number that gives rows of squares cut in two.
+/// Returns a scene of a textured square of about `triangles` triangles, all of them in view. The exact number is twice
+/// the nearest square number.
 pub fn sheet(triangles: usize) -> Scene {
     let cells = ((triangles as f64 / 2.0).sqrt().round() as u32).max(1);
     let mut draft = Draft::new([30, 32, 36], camera());
@@ -29,11 +30,12 @@ pub fn sheet(triangles: usize) -> Scene {
     draft.finish(&format!("sheet of {} triangles", 2 * cells as usize * cells as usize))
 }
 
-/// So many textured squares behind each other, each of which fills the picture, the farthest first.
+/// Returns a scene of `count` textured squares behind each other. Each fills the picture, and the farthest is drawn
+/// first.
 pub fn layers(count: usize) -> Scene {
-    /// Wide enough for a picture three times as wide as high.
+    /// Edge of a square, world units, enough for a picture three times as wide as high.
     const EDGE: f32 = 24.0;
-    /// From the farthest to the nearest, world units.
+    /// Distance from the farthest to the nearest square, world units.
     const DEPTH: f32 = 2.0;
     let mut draft = Draft::new([30, 32, 36], camera());
     let mesh = draft.mesh(shapes::grid(1));

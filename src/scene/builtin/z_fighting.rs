@@ -1,9 +1,9 @@
-//! Pairs of panels, one before the other by a gap that shrinks from left to right, in rows that are ever farther.
+//! Pairs of parallel panels with a gap that shrinks from left to right, in rows of increasing distance.
 //!
-//! With the near plane at 0.1, one step of a standard f32 depth is about 2⁻²⁴·z²/near = 6e−7·z² world units:
-//! 6e−5 at distance 10, 6e−3 at 100 and 0.6 at 1000. A gap below that fights, so the rows show a staircase. Reversed
-//! depth has steps of about 2⁻²⁴·z, as fine as the positions themselves, and nearly all panels come out whole (Reed,
-//! "Depth Precision Visualized", 2015). In the last column both panels lie in exactly the same plane.
+//! With the near plane at 0.1, one step of a standard f32 depth is about 2⁻²⁴·z²/near = 6e−7·z² world units: 6e−5 at
+//! distance 10, 6e−3 at 100 and 0.6 at 1000. A smaller gap causes z-fighting, so the rows show a staircase. Reversed
+//! depth has steps of about 2⁻²⁴·z, as fine as the positions themselves, and nearly all panels are drawn correctly
+//! (Reed, "Depth Precision Visualized", 2015). In the last column both panels are exactly coplanar.
 
 use glam::{Mat4, Quat, Vec3};
 
@@ -16,18 +16,19 @@ use textures::srgb;
 pub(super) const Z_FIGHTING: Builtin = Builtin {
     id: "z-fighting",
     title: "Z-fighting",
-    summary: "Pairs of panels whose gap shrinks to nothing, near, far and farther: shows where depth runs out of \
-              precision, and that reversed depth does so much later.",
+    summary: "Pairs of panels whose gap shrinks to zero, near, far and farther: shows where depth runs out of \
+              precision, and that reversed depth does so much farther away.",
     draft,
 };
 
-/// World units between the panels of a pair, left to right.
+/// Gap between the panels of each pair, world units, from left to right.
 const GAPS: [f32; 6] = [1.0, 1e-1, 1e-2, 1e-3, 1e-4, 0.0];
 
-/// Distance of the rows from the eye, bottom to top.
+/// Distance of each row from the eye, world units, from bottom to top.
 const DISTANCES: [f32; 3] = [10.0, 100.0, 1000.0];
 
-/// Between the centres of neighbouring panels, in units of their distance: rows look equally large.
+/// Distance between the centres of neighbouring panels, relative to the distance of their row; all rows look equally
+/// large.
 const PITCH: f32 = 0.2;
 
 fn draft() -> Draft {
@@ -46,7 +47,8 @@ fn draft() -> Draft {
     draft
 }
 
-/// Two panels at `center` that lean away from the eye, the front one smaller, turned in its plane and `gap` nearer.
+/// Adds two panels at `center` that lean away from the eye. The front panel is smaller, rotated in its plane and `gap`
+/// nearer.
 fn add_pair(draft: &mut Draft, mesh: MeshId, [back, front]: [MaterialId; 2], center: Vec3, gap: f32) {
     let distance = -center.z;
     let lean = Quat::from_rotation_y(0.5) * Quat::from_rotation_x(1.2);
@@ -56,7 +58,7 @@ fn add_pair(draft: &mut Draft, mesh: MeshId, [back, front]: [MaterialId; 2], cen
         Mat4::from_scale_rotation_translation(Vec3::splat(edge * size), rotation, center + lean * Vec3::Y * lift)
     };
     draft.place(format!("back panel at {distance}"), mesh, back, panel(0.85, 0.0, 0.0));
-    // Turned, so that its depth is computed from other corners than that of the panel behind.
+    // The rotation makes its depth depend on other vertex positions than the depth of the back panel.
     draft.place(format!("front panel at {distance}, gap {gap}"), mesh, front, panel(0.5, 0.6, gap));
 }
 
@@ -65,7 +67,7 @@ mod tests {
     use super::*;
     use crate::scene::DepthMapping;
 
-    /// Depths of two points `gap` apart on the line of sight at `distance`.
+    /// Returns the depths of two points on the line of sight, at `distance` and `gap` in front of it.
     fn depths(mapping: DepthMapping, distance: f32, gap: f32) -> [f32; 2] {
         let clip_from_view = Z_FIGHTING.build().home.clip_from_view(1.6, mapping);
         [distance, distance - gap].map(|z| {

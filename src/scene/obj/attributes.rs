@@ -1,8 +1,8 @@
 //! First pass: the numbered lists of an OBJ file (`v`, `vt`, `vn`).
 //!
-//! They are read before any face, because a face may refer to lines below it. NaN and infinity are read with a warning:
-//! positions keep them, so that the faces that use them are shown as broken. Coordinates are taken as written; the optional weight `w` concerns rational curves only and is
-//! left out.
+//! The lists are read before any face, because a face may refer to lines below it. NaN and infinity are read with a
+//! warning: positions keep them, so that the faces that use them are shown as broken. Coordinates are taken as written.
+//! The optional weight `w` concerns rational curves only and is ignored.
 
 use std::path::Path;
 
@@ -14,23 +14,23 @@ use crate::math::unit_or;
 use crate::scene::SceneError;
 use crate::scene::load::Load;
 
-/// Largest number of entries of one list: numbers have 32 bits, one of which stands for none.
+/// Maximum number of entries of one list: indices have 32 bits, and one value is reserved for “none”.
 const MAX_ENTRIES: usize = u32::MAX as usize;
 
-/// The lists, in file order.
+/// Lists of the file, in file order.
 #[derive(Debug, Default)]
 pub(super) struct Attributes {
-    /// `v`.
+    /// Positions (`v`), in file units.
     pub(super) positions: Vec<Vec3>,
-    /// Colours behind the positions; empty if no vertex has one, else white for those without. In [0, 1].
+    /// Vertex colours after the positions, in [0, 1]. Empty if no vertex has one; otherwise white for vertices without.
     pub(super) colors: Vec<Vec3>,
-    /// `vt`, v running up as in the file. May be NaN or infinite.
+    /// Texture coordinates (`vt`), with v up as in the file. May be NaN or infinite.
     pub(super) uvs: Vec<Vec2>,
-    /// `vn` at unit length; zero where the file's has no length, NaN where it is not finite.
+    /// Unit normals (`vn`); zero for a normal of zero length, NaN for one that is not finite.
     pub(super) normals: Vec<Vec3>,
 }
 
-/// Reads the lists out of a whole file.
+/// Reads the lists of a whole file.
 pub(super) fn read(
     path: &Path,
     text: &str,
@@ -57,11 +57,11 @@ pub(super) fn read(
     Ok(lists)
 }
 
-/// What a line gives: nothing more, a warning, or an error.
+/// Result of a line: success, a warning, or an error.
 type Remark = Result<Option<&'static str>, String>;
 
 impl Attributes {
-    /// Drops the lists and gives their memory back.
+    /// Drops the lists and releases their memory.
     pub(super) fn free(self, load: &mut Load<'_>) {
         load.free(self.positions);
         load.free(self.colors);
@@ -69,16 +69,16 @@ impl Attributes {
         load.free(self.normals);
     }
 
-    /// `v x y z`, with a weight, a colour, or a colour with alpha behind it.
+    /// Reads `v x y z`, optionally followed by a weight, a colour, or a colour with alpha.
     fn vertex<'a>(&mut self, words: impl Iterator<Item = &'a str>, load: &mut Load<'_>) -> Remark {
         let words = Words::<7>::new(words);
         let count = words.count;
         if count < 3 {
-            return Err(format!("a vertex has three coordinates, this one has {count}"));
+            return Err(format!("a vertex needs three coordinates, this one has {count}"));
         }
         if !matches!(count, 3 | 4 | 6 | 7) {
             return Err(
-                "behind its three coordinates a vertex may have a weight or a colour of three numbers".to_owned()
+                "after its three coordinates a vertex may have a weight or a colour of three numbers".to_owned()
             );
         }
         let position = words.vector()?;
@@ -96,50 +96,50 @@ impl Attributes {
         let channel = |i: usize| number(words.list[i]);
         let (color, remark) = match (channel(3), channel(4), channel(5)) {
             (Ok(r), Ok(g), Ok(b)) => (Vec3::new(r, g, b), None),
-            _ => (Vec3::ONE, Some("vertex colour that is not three finite numbers; taken as white")),
+            _ => (Vec3::ONE, Some("vertex colour that is not three finite numbers; treated as white")),
         };
         let clamped = color.clamp(Vec3::ZERO, Vec3::ONE);
         self.colors.push(clamped);
         Ok(broken.or(remark).or((clamped != color).then_some("vertex colour outside 0 to 1; clamped")))
     }
 
-    /// `vt u`, `vt u v` or `vt u v w`; a missing v is 0, and w is for volumes.
+    /// Reads `vt u`, `vt u v` or `vt u v w`. A missing v is 0; w applies only to volume textures and is ignored.
     fn uv<'a>(&mut self, words: impl Iterator<Item = &'a str>, load: &mut Load<'_>) -> Remark {
         let words = Words::<3>::new(words);
         if words.count == 0 || words.count > 3 {
-            return Err(format!("a texture coordinate has one to three numbers, this one has {}", words.count));
+            return Err(format!("a texture coordinate needs one to three numbers, this one has {}", words.count));
         }
         let v = if words.count > 1 { any_number(words.list[1])? } else { 0.0 };
         let uv = Vec2::new(any_number(words.list[0])?, v);
         push(&mut self.uvs, uv, load)?;
-        Ok((!uv.is_finite()).then_some("texture coordinate that is not finite; taken as 0 0"))
+        Ok((!uv.is_finite()).then_some("texture coordinate that is not finite; treated as 0 0"))
     }
 
-    /// `vn x y z`.
+    /// Reads `vn x y z`.
     fn normal<'a>(&mut self, words: impl Iterator<Item = &'a str>, load: &mut Load<'_>) -> Remark {
         let words = Words::<3>::new(words);
         if words.count != 3 {
-            return Err(format!("a normal has three components, this one has {}", words.count));
+            return Err(format!("a normal needs three components, this one has {}", words.count));
         }
         let given = words.vector()?;
         if !given.is_finite() {
             push(&mut self.normals, Vec3::NAN, load)?;
-            return Ok(Some("normal that is not finite; no direct light reaches the corners that use it"));
+            return Ok(Some("normal that is not finite; corners that use it receive no direct light"));
         }
         push(&mut self.normals, unit_or(given.as_dvec3(), Vec3::ZERO), load)?;
-        Ok((given == Vec3::ZERO).then_some("normal without length; computed from the faces instead"))
+        Ok((given == Vec3::ZERO).then_some("zero-length normal; computed from the faces instead"))
     }
 }
 
-/// Appends an entry, if numbers and memory last.
+/// Appends an entry. Errors: the list has the maximum length, or the memory limit is reached.
 fn push<T>(list: &mut Vec<T>, entry: T, load: &mut Load<'_>) -> Result<(), String> {
     if list.len() == MAX_ENTRIES {
-        return Err(format!("more than {MAX_ENTRIES} entries of one list: numbers have 32 bits"));
+        return Err(format!("more than {MAX_ENTRIES} entries in one list: indices have 32 bits"));
     }
     load.push(list, entry)
 }
 
-/// The words of a statement up to a comment: the first `N`, and how many there are.
+/// Words of a statement up to a comment: the first `N`, and the total count.
 struct Words<'a, const N: usize> {
     list: [&'a str; N],
     count: usize,
@@ -165,8 +165,8 @@ impl<const N: usize> Words<'_, N> {
     }
 }
 
-/// Returns a number that may be NaN or infinite, also in the spelling of C libraries: `-nan(ind)`, `1.#INF`, `-1.#IND`.
-/// What is too large for an f32 is infinite.
+/// Parses a number that may be NaN or infinite, including the spellings of C libraries: `-nan(ind)`, `1.#INF`,
+/// `-1.#IND`. Numbers beyond the range of f32 become infinite.
 fn any_number(word: &str) -> Result<f32, String> {
     word.parse::<f32>().or_else(|_| {
         let unsigned = word.trim_start_matches(['-', '+']).to_ascii_lowercase();
@@ -181,20 +181,20 @@ fn any_number(word: &str) -> Result<f32, String> {
     })
 }
 
-/// A finite number, or what is wrong with it.
+/// Parses a finite number. Errors say what is wrong with the word.
 pub(super) fn number(word: &str) -> Result<f32, String> {
     match word.parse::<f32>() {
         Ok(value) if value.is_finite() => Ok(value),
         Ok(_) if word.contains(|c: char| c.is_ascii_digit()) => Err(format!("{} is too large", quoted(word))),
         Ok(_) => Err(format!("{} is not a finite number", quoted(word))),
         Err(_) if word.replacen(',', ".", 1).parse::<f32>().is_ok() => {
-            Err(format!("{} is not a number: decimals are written with a point, not with a comma", quoted(word)))
+            Err(format!("{} is not a number: write decimals with a point, not with a comma", quoted(word)))
         }
         Err(_) => Err(format!("{} is not a number", quoted(word))),
     }
 }
 
-/// A word of the file as messages show it: escaped, and not longer than a message should be.
+/// Returns a word of the file as messages show it: escaped, and shortened to at most 40 characters.
 pub(super) fn quoted(word: &str) -> String {
     const LONGEST: usize = 40;
     match word.char_indices().nth(LONGEST) {
@@ -208,7 +208,7 @@ pub(super) mod tests {
     use super::*;
     use crate::scene::{LoadControl, MemoryLimit};
 
-    /// A load that is never cancelled, within the default limit.
+    /// Returns a load that is never cancelled, with the default memory limit.
     pub(in super::super) fn unlimited(path: &Path) -> Load<'_> {
         Load::new(path, LoadControl::quiet(MemoryLimit::default()))
     }

@@ -1,24 +1,24 @@
-//! From the bytes of a file that should be OBJ or MTL to text and its lines.
+//! Decodes the bytes of an OBJ or MTL file to text and splits it into lines.
 //!
-//! Neither format names an encoding. A byte-order mark decides for UTF-8 or UTF-16; else the text is UTF-8 if it is
-//! valid, and Latin-1 if not, which is what older exporters write. Names in OBJ and MTL then agree even if the two
-//! files are encoded differently. Whatever is no text at all is recognised here, where the first bytes still tell
-//! what it is, so that the message can say so.
+//! Neither format names an encoding. A byte-order mark decides for UTF-8 or UTF-16. Otherwise the text is UTF-8 if it
+//! is valid, and Latin-1 if not, which is what older exporters write. Names in OBJ and MTL then agree even if the two
+//! files are encoded differently. Files in other formats are recognised here by their first bytes, so that the message
+//! can name the format.
 
 use std::borrow::Cow;
 
 use memchr::memchr2;
 
-/// A text and what had to be cut off it.
+/// Decoded text, and whether padding was removed.
 #[derive(Debug, PartialEq)]
 pub(super) struct Decoded {
-    /// Without byte-order mark and trailing NUL bytes; line ends as in the file.
+    /// Text without byte-order mark and trailing NUL bytes; line endings as in the file.
     pub(super) text: String,
-    /// Whether NUL bytes were cut off the end (a crashed writer, or a padded sector).
+    /// Whether NUL bytes were removed from the end (after a crash of the writer, or from a padded sector).
     pub(super) padded: bool,
 }
 
-/// The text in `bytes`, or what they are instead.
+/// Decodes the text in `bytes`. Errors name the actual type of a file that is not text.
 pub(super) fn decode(mut bytes: Vec<u8>) -> Result<Decoded, String> {
     if let [0xFE, 0xFF, rest @ ..] = bytes.as_slice() {
         return Ok(Decoded { text: from_utf16(rest, u16::from_be_bytes), padded: false });
@@ -48,20 +48,22 @@ fn from_utf16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> String {
     char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER)).collect()
 }
 
-/// Ends a text file of DOS.
+/// End-of-file character of DOS text files.
 const DOS_END: u8 = 0x1A;
 
-/// Control characters that no text holds; tab, line ends, vertical tab and form feed may occur.
+/// Whether a byte is a control character that never occurs in text. Tab, line endings, vertical tab and form feed are
+/// allowed.
 fn is_binary(byte: u8) -> bool {
     byte < 0x20 && !matches!(byte, b'\t' | b'\n' | b'\r' | 0x0B | 0x0C)
 }
 
-/// What the first bytes say that the file is, if not OBJ or MTL.
+/// Returns a message that names another file format, recognised by its first bytes; `None` for possible OBJ or MTL
+/// text.
 fn something_else(bytes: &[u8]) -> Option<&'static str> {
     const KNOWN: [(&[u8], &str); 14] = [
-        (b"\x89PNG", "this is a PNG picture"),
-        (b"\xFF\xD8\xFF", "this is a JPEG picture"),
-        (b"GIF8", "this is a GIF picture"),
+        (b"\x89PNG", "this is a PNG image"),
+        (b"\xFF\xD8\xFF", "this is a JPEG image"),
+        (b"GIF8", "this is a GIF image"),
         (b"PK\x03\x04", "this is a ZIP archive; unpack it first"),
         (b"\x1F\x8B", "this is gzip-compressed; unpack it first"),
         (b"glTF", "this is a binary glTF model; export it as OBJ"),
@@ -71,14 +73,15 @@ fn something_else(bytes: &[u8]) -> Option<&'static str> {
         (b"solid ", "this is an STL model; export it as OBJ"),
         (b"OFF", "this is an OFF model; export it as OBJ"),
         (b"version https://git-lfs", "this is a Git LFS pointer, not the model itself; fetch it with `git lfs pull`"),
-        (b"<", "this is a web page or XML, not a model; perhaps a download that failed"),
+        (b"<", "this is a web page or XML, not a model; the download may have failed"),
         (b"{", "this is JSON; if it is a glTF model, export it as OBJ"),
     ];
     let start = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes).trim_ascii_start();
     KNOWN.iter().find(|(signature, _)| start.starts_with(signature)).map(|(_, what)| *what)
 }
 
-/// The lines of a text with their numbers from 1. Lines end with LF, CR LF or CR; a form feed is no line end.
+/// Iterator over the lines of a text with their numbers from 1. Lines end with LF, CR LF or CR; a form feed is no line
+/// ending.
 pub(super) struct Lines<'a> {
     rest: &'a str,
     number: usize,
@@ -105,17 +108,17 @@ impl<'a> Iterator for Lines<'a> {
     }
 }
 
-/// Like [`Lines`], with those joined that end with a backslash, under the number of the first. Comments are not
-/// continued: they may end with a path.
+/// Like [`Lines`], but joins a line that ends with a backslash with the next one, under the number of the first.
+/// Comments are not continued, because they may end with a path.
 pub(super) struct JoinedLines<'a>(Lines<'a>);
 
-/// Returns the lines of `text`, joined where they are continued.
+/// Returns the lines of `text`, with continued lines joined.
 pub(super) fn joined_lines(text: &str) -> JoinedLines<'_> {
     JoinedLines(lines(text))
 }
 
 impl JoinedLines<'_> {
-    /// Share of the text that was returned, from 0 to 1.
+    /// Returns the completed share of the text, from 0 to 1.
     pub(super) fn completed(&self) -> f32 {
         1.0 - self.0.rest.len() as f32 / self.0.length.max(1) as f32
     }

@@ -1,8 +1,8 @@
-//! Second pass: faces and what they belong to (`f`, `o`, `g`, `usemtl`, `mtllib`).
+//! Second pass: faces, and their objects, groups and materials (`f`, `o`, `g`, `usemtl`, `mtllib`).
 //!
-//! Faces become triangles that refer to the lists of the first pass by numbers from 0, and gather in [`Part`]s: all
-//! of one object in one material, with or without texture coordinates. What is no surface (points, lines, curves) is
-//! left out with a warning, and so are faces that cover nothing.
+//! Faces become triangles that refer to the lists of the first pass by indices from 0. They are collected in [`Part`]s:
+//! all triangles of one object in one material, with or without texture coordinates. Points, lines and curves are
+//! skipped with a warning, and so are faces without area.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -19,25 +19,25 @@ use crate::math::unit_or;
 use crate::scene::SceneError;
 use crate::scene::load::Load;
 
-/// Stands for "no texture coordinate" and "no normal" in a [`Corner`].
+/// Represents "no texture coordinate" and "no normal" in a [`Corner`].
 pub(super) const NONE: u32 = u32::MAX;
 
-/// Largest number of triangles of a scene: the numbers of their corners have 32 bits.
+/// Maximum number of triangles of a scene: the indices of their corners have 32 bits.
 const MAX_TRIANGLES: usize = u32::MAX as usize / 3;
 
-/// Bytes of a part, which becomes a mesh and an instance, besides its triangles.
+/// Memory of a part in bytes, excluding its triangles; it becomes a mesh and an instance.
 const PART_BYTES: u64 = 1024;
 
-/// Number of copies of the names of a part.
+/// Number of copies of a part's names, for memory accounting.
 const NAME_COPIES: u64 = 4;
 
-/// Work of cutting a face that crosses itself, relative to one of as many corners that does not.
+/// Cost of triangulating a self-intersecting face, relative to a simple one with as many corners.
 const WORK_OF_CROSSING: usize = 100;
 
-/// Bytes for each corner of a face while it is cut into triangles.
+/// Memory per corner of a face during triangulation, in bytes.
 const CUTTING_BYTES: u64 = 256;
 
-/// A corner of a triangle: places in the lists, from 0.
+/// Corner of a triangle: indices into the lists, from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Corner {
     pub(super) position: u32,
@@ -45,36 +45,36 @@ pub(super) struct Corner {
     pub(super) normal: u32,
 }
 
-/// Triangles that become one mesh: of one object, in one material, all with texture coordinates or all without.
+/// Triangles that become one mesh: one object, one material, and either all with texture coordinates or all without.
 #[derive(Debug)]
 pub(super) struct Part {
-    /// Object or group; empty if the file names none.
+    /// Name of the object or group; empty if the file has none.
     pub(super) name: String,
-    /// As the file names it; `None` before the first `usemtl`.
+    /// Material name in the file; `None` before the first `usemtl`.
     pub(super) material: Option<String>,
-    /// Line of that `usemtl`.
+    /// Line number of that `usemtl`.
     pub(super) material_line: usize,
-    /// Its triangles, as ranges of [`Faces::triangles`].
+    /// Triangles of the part, as ranges of [`Faces::triangles`].
     pub(super) runs: Vec<Range<usize>>,
 }
 
-/// Everything of a file that is not a list of numbers.
+/// Faces of a file, with their parts, material libraries and smoothing.
 #[derive(Debug, Default)]
 pub(super) struct Faces {
-    /// In file order.
+    /// Triangles, in file order.
     pub(super) triangles: Vec<[Corner; 3]>,
-    /// In order of first use; none is empty.
+    /// Parts, in order of first use; none is empty.
     pub(super) parts: Vec<Part>,
-    /// What stands behind `mtllib`, and its line.
+    /// Text after each `mtllib`, and its line number.
     pub(super) libraries: Vec<(String, usize)>,
-    /// Smoothing of the triangles, in ascending order; empty if the file has no `s`.
+    /// Runs of equal smoothing, in ascending order of triangles; empty if the file has no `s`.
     pub(super) smoothing: Vec<SmoothingRun>,
 }
 
 /// Smoothing of the triangles from `first` to the next run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct SmoothingRun {
-    /// Place in [`Faces::triangles`].
+    /// Index into [`Faces::triangles`].
     pub(super) first: usize,
     pub(super) smoothing: Smoothing,
 }
@@ -82,15 +82,15 @@ pub(super) struct SmoothingRun {
 /// Smoothing of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Smoothing {
-    /// No `s` precedes it: edges above a crease angle are hard.
+    /// Before the first `s` of the file: edges above a crease angle are hard.
     Crease,
-    /// `s off` or `s 0`: all edges are hard.
+    /// All edges are hard (`s off` or `s 0`).
     Off,
-    /// Smooth with all triangles of the same group, whatever the angle; other edges are hard.
+    /// Smooth with all triangles of the same group at any angle; other edges are hard.
     Group(i64),
 }
 
-/// Reads the faces out of a whole file. Appends the points where a face crosses itself to the lists.
+/// Reads the faces of a whole file. Appends the self-intersection points of faces to `lists`.
 pub(super) fn read(
     path: &Path,
     text: &str,
@@ -113,28 +113,28 @@ pub(super) fn read(
     Ok(faces)
 }
 
-/// What a statement gives: nothing more, a warning, or an error.
+/// Result of a statement: success, a warning, or an error.
 type Remark = Result<Option<String>, String>;
 
 struct Reader<'a, 'l> {
     lists: &'a mut Attributes,
     load: &'a mut Load<'l>,
-    /// Entries of the file's lists of `v`, `vt` and `vn`.
+    /// Number of entries in the file's lists of `v`, `vt` and `vn`.
     totals: [usize; 3],
-    /// Lines so far of `v`, `vt` and `vn`, which relative indices count back from.
+    /// Number of `v`, `vt` and `vn` lines so far, the base of relative indices.
     seen: [usize; 3],
     faces: Faces,
     name: String,
     material: Option<String>,
     material_line: usize,
-    /// Parts of the current object and material, without and with texture coordinates.
+    /// Indices of the parts of the current object and material, without and with texture coordinates.
     current: [Option<usize>; 2],
     known: HashMap<(String, Option<String>, bool), usize>,
     corners: Vec<Corner>,
     outline: Vec<Vec3>,
     local: Triangulation,
     triangulator: Triangulator,
-    /// Corners of the last face, more if it took longer to cut: work that is still to be counted.
+    /// Work of the last face, in corners, that is not yet counted as progress.
     cut_corners: usize,
     /// Whether all positions are finite.
     all_finite: bool,
@@ -186,18 +186,18 @@ impl<'a, 'l> Reader<'a, 'l> {
         Ok(None)
     }
 
-    /// A comment, a statement in other case, or one that is not rendered.
+    /// Handles a comment, a statement in another case, or one that is not rendered.
     fn other_statement(&mut self, line: usize, keyword: &str, rest: &str) -> Remark {
         match statements::find(Format::Obj, keyword) {
             Some(known) if known.treatment == Treatment::Warned => Ok(Some(known.not_rendered())),
-            // Comments without a space are keywords, too.
+            // Comments without a space after `#` can also match keywords.
             _ if keyword.starts_with('#') => Ok(None),
             Some(known) => self.statement(line, &format!("{} {rest}", known.keyword)),
-            None => Ok(Some(format!("statement {} is not known; left out", quoted(keyword)))),
+            None => Ok(Some(format!("unknown statement {}; ignored", quoted(keyword)))),
         }
     }
 
-    /// `s N`, `s off` or `s 0`.
+    /// Reads `s N`, `s off` or `s 0`. Returns a warning if the group is no number.
     fn smoothing(&mut self, rest: &str) -> Option<String> {
         let word = rest.split_whitespace().next().unwrap_or_default();
         let group = if word.eq_ignore_ascii_case("off") { Ok(0) } else { word.parse::<i64>() };
@@ -211,7 +211,7 @@ impl<'a, 'l> Reader<'a, 'l> {
             Some(last) if last.first == first => last.smoothing = smoothing,
             _ => self.faces.smoothing.push(SmoothingRun { first, smoothing }),
         }
-        group.is_err().then(|| format!("smoothing group {} is no number; taken as `off`", quoted(word)))
+        group.is_err().then(|| format!("smoothing group {} is not a number; treated as `off`", quoted(word)))
     }
 
     fn face(&mut self, rest: &str) -> Remark {
@@ -221,7 +221,7 @@ impl<'a, 'l> Reader<'a, 'l> {
             self.load.push(&mut self.corners, corner)?;
         }
         if self.corners.len() < 3 {
-            return Ok(Some("face with fewer than three corners; left out".to_owned()));
+            return Ok(Some("face with fewer than three corners; skipped".to_owned()));
         }
         let with_uv = self.corners.iter().filter(|c| c.uv != NONE).count();
         let has_uvs = with_uv == self.corners.len();
@@ -236,7 +236,7 @@ impl<'a, 'l> Reader<'a, 'l> {
         }
         Ok(match outcome {
             _ if is_broken => Some("face with a corner that is not finite; not drawn".to_owned()),
-            Outcome::NoArea => Some("face without area; left out".to_owned()),
+            Outcome::NoArea => Some("face without area; skipped".to_owned()),
             Outcome::Crossing => Some("face that crosses itself; drawn by its winding numbers".to_owned()),
             Outcome::NotFlat => {
                 Some("face that is not flat and crosses itself in its plane; drawn as a fan".to_owned())
@@ -253,7 +253,7 @@ impl<'a, 'l> Reader<'a, 'l> {
         self.corners.iter().any(|corner| !self.lists.positions[corner.position as usize].is_finite())
     }
 
-    /// Cuts a face that has no plane into a fan.
+    /// Triangulates a face that has no plane as a fan.
     fn fan(&mut self) -> Outcome {
         self.local = Triangulation::default();
         self.local.triangles.extend((2..self.corners.len() as u32).map(|corner| [0, corner - 1, corner]));
@@ -273,7 +273,7 @@ impl<'a, 'l> Reader<'a, 'l> {
         Ok(outcome)
     }
 
-    /// Appends the points where the current face crosses itself to its corners.
+    /// Appends the self-intersection points of the current face to its corners.
     fn add_crossings(&mut self) -> Result<(), String> {
         let count = self.corners.len();
         for Crossing { edge, place } in std::mem::take(&mut self.local.crossings) {
@@ -284,10 +284,10 @@ impl<'a, 'l> Reader<'a, 'l> {
         Ok(())
     }
 
-    /// Makes a corner between two others, interpolated linearly.
+    /// Creates a corner between two others, linearly interpolated; `place` runs from 0 at the first to 1 at the second.
     fn between(&mut self, [a, b]: [Corner; 2], place: f64) -> Result<Corner, String> {
         let number = |list_length: usize| {
-            u32::try_from(list_length).ok().filter(|n| *n != NONE).ok_or("more vertices than 32-bit numbers")
+            u32::try_from(list_length).ok().filter(|n| *n != NONE).ok_or("more vertices than 32-bit indices")
         };
         let Self { lists, load, .. } = self;
         let position = number(lists.positions.len())?;
@@ -311,7 +311,7 @@ impl<'a, 'l> Reader<'a, 'l> {
         Ok(Corner { position, uv, normal })
     }
 
-    /// Puts the triangles of the current face where they belong.
+    /// Appends the triangles of the current face to its part.
     fn store(&mut self, has_uvs: bool) -> Result<(), String> {
         let part = self.part(has_uvs)?;
         let start = self.faces.triangles.len();
@@ -319,7 +319,7 @@ impl<'a, 'l> Reader<'a, 'l> {
         let corners = |triangle: &[u32; 3]| triangle.map(|corner| self.corners[corner as usize]);
         self.faces.triangles.extend(self.local.triangles.iter().map(corners));
         if self.faces.triangles.len() > MAX_TRIANGLES {
-            return Err(format!("more than {MAX_TRIANGLES} triangles: their numbers have 32 bits"));
+            return Err(format!("more than {MAX_TRIANGLES} triangles: their indices have 32 bits"));
         }
         let end = self.faces.triangles.len();
         let runs = &mut self.faces.parts[part].runs;
@@ -330,7 +330,7 @@ impl<'a, 'l> Reader<'a, 'l> {
         Ok(())
     }
 
-    /// Number of the part that faces go to now.
+    /// Returns the index of the current part, creating the part if necessary.
     fn part(&mut self, has_uvs: bool) -> Result<usize, String> {
         if let Some(part) = self.current[usize::from(has_uvs)] {
             return Ok(part);
@@ -347,7 +347,7 @@ impl<'a, 'l> Reader<'a, 'l> {
         Ok(part)
     }
 
-    /// `v`, `v/vt`, `v//vn` or `v/vt/vn`.
+    /// Parses a corner: `v`, `v/vt`, `v//vn` or `v/vt/vn`.
     fn corner(&self, word: &str) -> Result<Corner, String> {
         let totals = self.totals;
         if word.bytes().filter(|b| *b == b'/').count() > 2 {
@@ -355,7 +355,7 @@ impl<'a, 'l> Reader<'a, 'l> {
         }
         let mut places = [NONE; 3];
         for (which, index) in word.split('/').enumerate() {
-            // Some exporters number normals that they do not write; computed ones serve as well.
+            // Some exporters number normals that they do not write. Computed normals replace them.
             let is_nowhere = which > 0 && totals[which] == 0;
             if which == 0 || !(index.is_empty() || is_nowhere) {
                 places[which] = place(index, KINDS[which], totals[which], self.seen[which])?;
@@ -369,20 +369,21 @@ impl<'a, 'l> Reader<'a, 'l> {
 
 const KINDS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
 
-/// The place from 0 that an index means: from 1 on, or back from the last one of `seen` if negative.
+/// Converts an index to a list position from 0. Positive indices start at 1; negative ones count back from the last of
+/// `seen` entries.
 fn place(index: &str, kind: &str, total: usize, seen: usize) -> Result<u32, String> {
     let digits = index.strip_prefix(['-', '+']).unwrap_or(index);
     if digits.is_empty() || !digits.bytes().all(|b| b.is_ascii_digit()) {
-        return Err(format!("{} is not the number of a {kind}", quoted(index)));
+        return Err(format!("{} is not the index of a {kind}", quoted(index)));
     }
-    // What overflows exists as little as what is merely too large.
+    // An index that overflows is treated like one that is too large.
     let relative = index.starts_with('-');
     let count = digits.parse::<usize>().unwrap_or(usize::MAX);
     let place = if relative { seen.checked_sub(count) } else { count.checked_sub(1).filter(|p| *p < total) };
     match place {
         Some(place) if count > 0 => Ok(place as u32),
-        _ if count == 0 => Err(format!("{kind} 0: numbers start at 1")),
-        _ if relative => Err(format!("{kind} {} reaches back before the first of {seen}", quoted(index))),
+        _ if count == 0 => Err(format!("{kind} 0: indices start at 1")),
+        _ if relative => Err(format!("{kind} {} refers to an entry before the first of {seen}", quoted(index))),
         _ => Err(format!("{kind} {} does not exist; the file has {total}", quoted(index))),
     }
 }
@@ -414,12 +415,12 @@ mod tests {
     #[test]
     fn indices_of_nothing_are_errors_with_the_line() {
         for (index, why) in [
-            ("0", "numbers start at 1"),
+            ("0", "indices start at 1"),
             ("5", "does not exist; the file has 4"),
             ("4294967297", "does not exist"),
             ("18446744073709551617", "does not exist"),
-            ("-5", "reaches back before"),
-            ("1.5", "is not the number"),
+            ("-5", "refers to an entry before"),
+            ("1.5", "is not the index"),
             ("1/3", "texture coordinate \"3\" does not exist"),
             ("1//2", "normal \"2\" does not exist"),
             ("1/1/1/1", "more than three parts"),
@@ -456,8 +457,8 @@ mod tests {
             warnings,
             [
                 "a.obj:8: `l` (lines) is not rendered (2 times, here first)",
-                "a.obj:9: face without area; left out",
-                "a.obj:10: face with fewer than three corners; left out",
+                "a.obj:9: face without area; skipped",
+                "a.obj:10: face with fewer than three corners; skipped",
                 "a.obj:11: `curv` (curve) is not rendered",
             ]
         );
@@ -481,7 +482,7 @@ mod tests {
             faces(&format!("{SQUARE}{face}s 1\n{face}s 1\n{face}s off\n{face}S 0\ns 7\n{face}s x\n")).unwrap();
         let runs: Vec<_> = faces.smoothing.iter().map(|run| format!("{} {:?}", run.first, run.smoothing)).collect();
         assert_eq!(runs, ["1 Group(1)", "3 Off", "4 Group(7)", "5 Off"]);
-        assert_eq!(warnings, ["a.obj:18: smoothing group \"x\" is no number; taken as `off`"]);
+        assert_eq!(warnings, ["a.obj:18: smoothing group \"x\" is not a number; treated as `off`"]);
     }
 
     #[test]

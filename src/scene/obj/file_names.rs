@@ -1,24 +1,24 @@
-//! Looks up files whose names are written differently in the model and on disk.
+//! Lookup of files whose names are written differently in the model and on disk.
 //!
-//! macOS writes decomposed names (NFD), most other systems composed ones (NFC), and Windows does not distinguish
-//! upper and lower case; archives carry such names to systems that do.
+//! macOS writes decomposed names (NFD), and most other systems composed ones (NFC). Windows does not distinguish upper
+//! and lower case. Archives carry such names to systems that do distinguish them.
 
 use std::path::{Path, PathBuf};
 
 use unicode_normalization::UnicodeNormalization as _;
 
-/// How the name of a file on disk differs from the name that was looked up. Ordered by severity.
+/// Difference between the name of a file on disk and the requested name. Ordered by severity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Difference {
     /// The names are equal.
     None,
-    /// The names differ in their Unicode normal form only.
+    /// The names differ only in their Unicode normal form.
     NormalForm,
     /// The names differ in upper and lower case.
     Case,
 }
 
-/// Returns the existing path that `path` means, and how its name differs; `None` if there is none.
+/// Returns the existing path that matches `path`, and the difference of its name; `None` if there is none.
 pub(super) fn existing(path: &Path) -> Option<(PathBuf, Difference)> {
     if path.exists() {
         return Some((path.to_owned(), Difference::None));
@@ -37,7 +37,8 @@ pub(super) fn existing(path: &Path) -> Option<(PathBuf, Difference)> {
         }
     };
     let names = std::fs::read_dir(&folder).ok()?.flatten().filter_map(|entry| entry.file_name().into_string().ok());
-    // The least difference, and of several the first name, so that the result does not depend on the file system.
+    // The smallest difference wins, then the first name in order, so that the result does not depend on the file
+    // system.
     let (own, found) = names.filter_map(|found| Some((alike(&found)?, found))).min()?;
     Some((folder.join(found), own.max(outer)))
 }

@@ -1,8 +1,8 @@
-//! Which files `mtllib` may open.
+//! Material libraries that `mtllib` refers to.
 //!
-//! A model is somebody else's text, and must not make this program open whatever it likes: a library is read only if
-//! it is a regular file inside the model's folder, after symbolic links are followed. Names may hold spaces, and one
-//! `mtllib` may list several names; so the whole is tried as one name first, then word by word.
+//! A model file is untrusted and must not make the program open arbitrary files. A library is read only if it is a
+//! regular file inside the model's folder, after symbolic links are resolved. Names may contain spaces, and one
+//! `mtllib` may list several names. The whole text is therefore tried as one name first, then word by word.
 
 use std::collections::HashSet;
 use std::path::{Component, Path, PathBuf};
@@ -16,21 +16,21 @@ use super::opacity::{self, TrMeaning};
 use super::warnings::Warnings;
 use crate::disk;
 
-/// Largest library that is read, bytes.
+/// Maximum size of a library, in bytes.
 const MAX_BYTES: u64 = 16 << 20;
 
 const OUTSIDE: &str = "it lies outside the model's folder";
 
-/// The materials of a model's libraries.
+/// Materials of a model's libraries.
 #[derive(Debug, Default)]
 pub(super) struct Libraries {
-    /// By name.
+    /// Material descriptions by name.
     pub(super) descriptions: Descriptions,
-    /// Whether one of the files was written by MeshLab.
+    /// Whether MeshLab wrote one of the files.
     is_meshlab: bool,
 }
 
-/// Reads all libraries that `model` names, given as what stands behind `mtllib` and its line.
+/// Reads all libraries of `model`, given as the text after each `mtllib` and its line number.
 pub(super) fn read(model: &Path, named: &[(String, usize)], warnings: &mut Warnings) -> Libraries {
     let mut libraries = Libraries::default();
     let mut done = HashSet::new();
@@ -59,7 +59,8 @@ pub(super) fn read(model: &Path, named: &[(String, usize)], warnings: &mut Warni
 }
 
 impl Libraries {
-    /// Returns whether `Tr` means opacity in a model of these parts.
+    /// Returns whether `Tr` means opacity in a model of these parts. The materials in use count only if every part has
+    /// one.
     pub(super) fn tr_is_opacity(&self, meaning: TrMeaning, parts: &[Part], warnings: &mut Warnings) -> bool {
         let names = parts.iter().filter_map(|part| part.material.as_ref());
         let used: Vec<&Description> = names.filter_map(|name| self.descriptions.get(name)).collect();
@@ -68,7 +69,7 @@ impl Libraries {
         opacity::tr_is_opacity(meaning, decisive, self, warnings)
     }
 
-    /// Warns if materials are loaded and no face uses a material.
+    /// Warns if materials are loaded but no face uses one.
     pub(super) fn warn_if_unused(&self, model: &Path, faces: &Faces, warnings: &mut Warnings) {
         if self.descriptions.is_empty() || faces.parts.iter().any(|part| part.material.is_some()) {
             return;
@@ -80,13 +81,13 @@ impl Libraries {
         warnings.add(model, line, text);
     }
 
-    /// Whether one of the files was written by MeshLab.
+    /// Whether MeshLab wrote one of the files.
     pub(super) fn is_meshlab(&self) -> bool {
         self.is_meshlab
     }
 }
 
-/// A library that was read.
+/// Content of a library file.
 struct Opened {
     path: PathBuf,
     text: String,
@@ -94,7 +95,7 @@ struct Opened {
     difference: Difference,
 }
 
-/// The names behind one `mtllib`.
+/// Returns the file names in the text after one `mtllib`.
 fn split<'a>(model: &Path, names: &'a str) -> Vec<&'a str> {
     let whole = names.trim_matches('"');
     let is_one = whole.split_whitespace().nth(1).is_none()
@@ -102,7 +103,7 @@ fn split<'a>(model: &Path, names: &'a str) -> Vec<&'a str> {
     if is_one { vec![whole] } else { whole.split_whitespace().collect() }
 }
 
-/// Reads the library that `model` calls `name`.
+/// Reads the library `name` of `model`. Errors: a path outside the model's folder, or an unreadable file.
 fn open(model: &Path, name: &str) -> Result<Opened, String> {
     let written = locate(model, name)?;
     let (path, difference) = file_names::existing(&written).unwrap_or((written, Difference::None));
@@ -115,7 +116,7 @@ fn open(model: &Path, name: &str) -> Result<Opened, String> {
     Ok(Opened { path, text: decode(bytes)?.text, difference })
 }
 
-/// Where the library would be; an error if its name alone leads out of the model's folder, whether it exists or not.
+/// Returns the path of a library. Fails if the name alone leads outside the model's folder, whether or not it exists.
 fn locate(model: &Path, name: &str) -> Result<PathBuf, String> {
     let name = name.replace('\\', "/");
     if name.is_empty() {
@@ -137,7 +138,7 @@ fn locate(model: &Path, name: &str) -> Result<PathBuf, String> {
     Ok(folder_of(model).join(name))
 }
 
-/// The folder of a file; `.` for a bare name.
+/// Returns the folder of a file; `.` for a bare file name.
 fn folder_of(file: &Path) -> PathBuf {
     match file.parent() {
         Some(folder) if folder != Path::new("") => folder.to_owned(),

@@ -1,7 +1,7 @@
 //! Wavefront OBJ and MTL (Alias|Wavefront, "Object Files", Advanced Visualizer manual, appendix B1).
 //!
-//! In: the path of a file that nobody vouches for. Out: a renderable [`Scene`] and what had to be left out, or an
-//! error with file and line. The way there:
+//! Input: the path of an untrusted file. Output: a renderable [`Scene`] with warnings about skipped content, or an
+//! error with file and line. The stages:
 //!
 //! ```text
 //! bytes ── decode ──► text ── attributes ──► lists ─┐
@@ -9,8 +9,9 @@
 //!                               └ libraries ─ mtl ─► materials ─ textures ──────┴─► scene
 //! ```
 //!
-//! A [`Load`] bounds the memory, reports progress and is asked for cancellation on the way. Texture coordinates are flipped here, once: v runs down the picture afterwards. Errors are for what cannot
-//! be drawn as meant (an index of nothing, a number that is none), warnings for what the rest can do without.
+//! A [`Load`] limits the memory, reports progress and checks for cancellation throughout. Texture coordinates are
+//! flipped only here; afterwards v runs down the picture. Content that cannot be drawn as intended (an index out of
+//! range, a malformed number) is an error. Content that the rest can do without gives a warning.
 
 mod attributes;
 mod decode;
@@ -46,35 +47,37 @@ use super::{
 };
 use crate::disk;
 
-/// Shares of the steps of a load in its time, for the percentage: of a file of 10 million triangles without normals.
+/// Shares of the steps in the loading time, for the progress percentage. They are those of a file of 10 million
+/// triangles without normals.
 const SHARES: [f32; 5] = [0.25, 0.35, 0.15, 0.15, 0.1];
 
-/// Largest coordinate that is kept: a product of three such numbers, as in a determinant, is still finite in f32.
+/// Maximum coordinate that is kept unscaled. A product of three such numbers, as in a determinant, is still finite in
+/// f32.
 const MAX_COORDINATE: f32 = 1e12;
 
-/// Behind a model: dark enough for bright surfaces, bright enough for dark ones.
+/// Background of a model, sRGB codes: dark enough for bright surfaces, bright enough for dark ones.
 const BACKGROUND: [u8; 3] = [38, 38, 38];
 
-/// A scene, and what was left out or repaired on the way.
+/// Loaded scene, with warnings about skipped or repaired content.
 #[derive(Clone, Debug)]
 pub struct Loaded {
-    /// Sound, with at least one triangle.
+    /// Valid scene with at least one triangle.
     pub scene: Scene,
-    /// In the order in which they were found; repetitions are counted, not repeated.
+    /// Warnings in order of first occurrence; repetitions are counted instead of listed.
     pub warnings: Vec<Warning>,
-    /// Assumptions about what the file leaves open; nothing is wrong with it.
+    /// Assumptions about properties that the file does not specify; they do not indicate a fault.
     pub notes: Vec<Warning>,
 }
 
 /// Loads a model with its materials and textures.
 ///
-/// Errors name the file and, where there is one, the line: unreadable or no OBJ text, a number that is none,
-/// an index of nothing, no face left to draw, or more memory than the default limit.
+/// Errors name the file and, if known, the line: an unreadable file, no OBJ text, a malformed number, an index out of
+/// range, no drawable face, or more memory than the default limit.
 pub fn load(path: &Path) -> Result<Loaded, SceneError> {
     load_with(path, TrMeaning::Auto, LoadControl::quiet(MemoryLimit::default()))
 }
 
-/// Loads a model like [`load`], with the given meaning of `Tr` and under the given control.
+/// Loads a model like [`load`], with the given meaning of `Tr`, memory limit, progress and cancellation.
 pub fn load_with(path: &Path, tr: TrMeaning, control: LoadControl<'_>) -> Result<Loaded, SceneError> {
     let [share_of_lists, share_of_faces, share_of_normals, share_of_vertices, share_of_textures] = SHARES;
     let mut load = Load::new(path, control);
@@ -121,7 +124,7 @@ pub fn load_with(path: &Path, tr: TrMeaning, control: LoadControl<'_>) -> Result
     };
     let scene = assemble(&faces, meshes, materials, &mut warnings)?;
     if scene.home.up == UpAxis::Z.unit() {
-        let text = "the first view has z up: the model stands on z = 0 and is centred in y; `--up y` overrides this";
+        let text = "the first view has z up: the model stands on z = 0 and is centred in y; override with `--up y`";
         notes.push(Warning::file(path, text));
     }
     Ok(Loaded { scene, warnings: warnings.finish(path), notes })
@@ -129,7 +132,7 @@ pub fn load_with(path: &Path, tr: TrMeaning, control: LoadControl<'_>) -> Result
 
 fn read_text(path: &Path, warnings: &mut Warnings, load: &mut Load<'_>) -> Result<String, SceneError> {
     let unusable = |reason| SceneError::Unusable { path: path.to_owned(), reason };
-    // Latin-1 text takes up to twice its length besides.
+    // Latin-1 text needs up to twice its length in addition.
     let transient = 3 * disk::length(path);
     load.charge(transient).map_err(unusable)?;
     let bytes = disk::read(path, load.memory().bytes())
@@ -139,12 +142,12 @@ fn read_text(path: &Path, warnings: &mut Warnings, load: &mut Load<'_>) -> Resul
     load.charge(decoded.text.capacity() as u64).map_err(unusable)?;
     if decoded.padded {
         let line = decode::lines(&decoded.text).count() + usize::from(decoded.text.ends_with(['\n', '\r']));
-        warnings.add(path, Some(line), "NUL bytes from here to the end; left out");
+        warnings.add(path, Some(line), "NUL bytes from here to the end; ignored");
     }
     Ok(decoded.text)
 }
 
-/// The error for a file without faces: the first thing that was left out says best why.
+/// Returns the error for a file without drawable faces. The first warning with a line is the best explanation.
 fn nothing_to_draw(path: &Path, warnings: &Warnings) -> SceneError {
     match warnings.first_with_line() {
         Some(Warning { line: Some(line), text, .. }) => {
@@ -155,7 +158,7 @@ fn nothing_to_draw(path: &Path, warnings: &Warnings) -> SceneError {
     }
 }
 
-/// One mesh and one instance for each part, in shared materials.
+/// Creates one mesh and one instance per part, with shared materials.
 fn assemble<'a>(
     faces: &'a Faces,
     mut meshes: Vec<MeshData>,
@@ -183,7 +186,7 @@ fn assemble<'a>(
             tint: Vec3::ONE,
         });
     }
-    // Materials that no face uses come last: they can be looked at, and must not take memory from those that are used.
+    // Materials that no face uses are loaded last. They can be inspected, but must not take memory from the used ones.
     for (done, name) in (faces.parts.len()..).zip(materials.libraries.descriptions.keys()) {
         materials.textures.advance(done as f32 / count as f32)?;
         materials.get(Name::Described(name), &mut library, warnings);
@@ -195,7 +198,8 @@ fn assemble<'a>(
     Ok(scene)
 }
 
-/// Scales all coordinates down if the arithmetic of the pipeline would overflow otherwise; not for any reasonable model.
+/// Scales all coordinates down if the arithmetic of the pipeline would otherwise overflow. Models of plausible size are
+/// unaffected.
 fn scale_down(path: &Path, meshes: &mut [MeshData], warnings: &mut Warnings) {
     let finite = meshes.iter().flat_map(|mesh| &mesh.positions).flat_map(Vec3::to_array).filter(|x| x.is_finite());
     let largest = finite.fold(0.0_f32, |largest, x| largest.max(x.abs()));
@@ -208,10 +212,10 @@ fn scale_down(path: &Path, meshes: &mut [MeshData], warnings: &mut Warnings) {
     }
 }
 
-/// The materials of a model, each made when it is first asked for.
+/// Materials of a model, each created at its first use.
 struct Materials<'a> {
     path: &'a Path,
-    /// Whether the file names a library at all, so that a name without description is a fault.
+    /// Whether the file names a material library, so that a missing description is worth a warning.
     expects_descriptions: bool,
     libraries: &'a Libraries,
     tr_is_opacity: bool,
@@ -219,7 +223,7 @@ struct Materials<'a> {
     textures: Textures<'a>,
 }
 
-/// What tells materials apart.
+/// Key of a material.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 enum Name<'a> {
     Described(&'a str),
@@ -228,7 +232,7 @@ enum Name<'a> {
 }
 
 impl<'a> Materials<'a> {
-    /// The material of a part.
+    /// Returns the material of a part, creating it at its first use.
     fn of(&mut self, part: &'a Part, has_colors: bool, library: &mut Library, warnings: &mut Warnings) -> MaterialId {
         let name = match &part.material {
             Some(name) if self.libraries.descriptions.contains_key(name) => Name::Described(name),
@@ -295,7 +299,7 @@ impl<'a> Materials<'a> {
             normal_texture: normals.or(bumps),
             normal_scale: normal_picture.as_ref().map_or(1.0, |picture| picture.options.bump),
             uv_scale: placement.scale,
-            // v runs down here and up in the file: 1 − (s·(1 − v) + o) = s·v + (1 − s − o).
+            // v runs down here but up in the file: 1 − (s·(1 − v) + o) = s·v + (1 − s − o).
             uv_offset: Vec2::new(placement.offset.x, 1.0 - placement.scale.y - placement.offset.y),
             clamp: placement.clamp,
             ..plain
@@ -304,7 +308,7 @@ impl<'a> Materials<'a> {
 }
 
 impl Description {
-    /// Returns the options that place the textures: those of the first texture. Warns if others differ.
+    /// Returns the options that place the textures, taken from the first texture. Warns if others differ.
     fn placement(&self, warnings: &mut Warnings) -> Options {
         let all =
             [&self.picture, &self.alpha_picture, &self.emission_picture, &self.normal_picture, &self.bump_picture];

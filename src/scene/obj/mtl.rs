@@ -1,8 +1,8 @@
-//! Material libraries: MTL text to descriptions of materials.
+//! Material libraries: parses MTL text into material descriptions.
 //!
-//! Keywords count in any case, as programs disagree about it. A statement that is not rendered gives one warning for
-//! each keyword and file ([`super::statements`]). A colour with one number is grey, as the format's description has
-//! it; `d` wins over `Tr`, its reverse.
+//! Keywords are case-insensitive, because programs differ in their spelling. A statement that is not rendered gives one
+//! warning per keyword and file ([`super::statements`]). A colour with one number is grey, as the format specifies; `d`
+//! takes precedence over `Tr`, its complement.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -14,34 +14,34 @@ use super::decode::lines;
 use super::statements::{self, Format, Treatment};
 use super::warnings::Warnings;
 
-/// A material as the library describes it.
+/// Material description from a library.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Description {
-    /// `Kd` in [0, 1], if given.
+    /// Diffuse colour (`Kd`) in [0, 1], if given.
     pub(super) diffuse: Option<Vec3>,
-    /// `d` in [0, 1], if given.
+    /// Opacity (`d`) in [0, 1], if given.
     pub(super) dissolve: Option<At<f32>>,
-    /// `Tr` in [0, 1], if given.
+    /// Transparency or opacity (`Tr`) in [0, 1], if given.
     pub(super) tr: Option<At<f32>>,
-    /// `Ke` in [0, 1], if given.
+    /// Emitted colour (`Ke`) in [0, 1], if given.
     pub(super) emission: Option<Vec3>,
-    /// `Ks` in [0, 1], if given.
+    /// Specular colour (`Ks`) in [0, 1], if given.
     pub(super) specular: Option<Vec3>,
-    /// `Ns`, at least 0, if given.
+    /// Specular exponent (`Ns`), at least 0, if given.
     pub(super) shininess: Option<f32>,
-    /// `map_Kd`, if given.
+    /// Colour texture (`map_Kd`), if given.
     pub(super) picture: Option<Picture>,
-    /// `map_Ke`, if given.
+    /// Emission texture (`map_Ke`), if given.
     pub(super) emission_picture: Option<Picture>,
-    /// `map_d`, if given.
+    /// Opacity texture (`map_d`), if given.
     pub(super) alpha_picture: Option<Picture>,
-    /// `norm`, if given.
+    /// Normal map (`norm`), if given.
     pub(super) normal_picture: Option<Picture>,
-    /// `map_Bump` or `bump`, if given: a height map or a normal map.
+    /// Height map or normal map (`map_Bump` or `bump`), if given.
     pub(super) bump_picture: Option<Picture>,
 }
 
-/// A value and the line that gives it.
+/// Value with the library and line that define it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct At<T> {
     pub(super) value: T,
@@ -49,30 +49,30 @@ pub(super) struct At<T> {
     pub(super) line: usize,
 }
 
-/// A reference to a picture file.
+/// Reference to a picture file.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Picture {
-    /// As written, with `/` between folders.
+    /// File name as written, with `/` between folders.
     pub(super) name: String,
-    /// The library that names it.
+    /// Path of the library that names the picture.
     pub(super) library: PathBuf,
-    /// Line in the library.
+    /// Line number in the library.
     pub(super) line: usize,
     pub(super) options: Options,
 }
 
-/// Options of a texture statement that are rendered.
+/// Rendered options of a texture statement.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Options {
-    /// `-s`, u and v.
+    /// Scale of u and v (`-s`).
     pub(super) scale: Vec2,
-    /// `-o`, u and v, v up.
+    /// Offset of u and v, with v up (`-o`).
     pub(super) offset: Vec2,
-    /// `-clamp on`.
+    /// Whether texture coordinates are clamped (`-clamp on`).
     pub(super) clamp: bool,
-    /// `-bm`.
+    /// Bump factor (`-bm`).
     pub(super) bump: f32,
-    /// `-imfchan`, if given.
+    /// Channel of the picture (`-imfchan`), if given.
     pub(super) channel: Option<Channel>,
 }
 
@@ -83,30 +83,30 @@ impl Default for Options {
 }
 
 impl Options {
-    /// Whether both place the texture equally.
+    /// Whether both options place the texture identically.
     pub(super) fn place_alike(&self, other: &Self) -> bool {
         (self.scale, self.offset, self.clamp) == (other.scale, other.offset, other.clamp)
     }
 }
 
-/// Channel of a picture that holds one number for each texel (`-imfchan`).
+/// Channel of a picture that provides one number per texel (`-imfchan`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Channel {
     Red,
     Green,
     Blue,
-    /// Alpha.
+    /// Alpha channel.
     Matte,
     Luminance,
 }
 
-/// Materials by their names, in an order that does not change from run to run.
+/// Materials by name, in an order that is the same in every run.
 pub(super) type Descriptions = BTreeMap<String, Description>;
 
-/// Text by which a comment identifies MeshLab, which writes opacity as `Tr`.
+/// Text in a comment that identifies MeshLab, which writes opacity as `Tr`.
 const MESHLAB: &str = "meshlab";
 
-/// Adds the materials of one library's `text` to `known`. Of several with one name the last counts. Returns whether
+/// Adds the materials of one library's `text` to `known`. If a name repeats, the last description wins. Returns whether
 /// a comment identifies MeshLab as the exporter.
 pub(super) fn read(library: &Path, text: &str, known: &mut Descriptions, warnings: &mut Warnings) -> bool {
     let mut reader = Reader { library, warnings, material: None };
@@ -132,7 +132,7 @@ pub(super) fn read(library: &Path, text: &str, known: &mut Descriptions, warning
 struct Reader<'a> {
     library: &'a Path,
     warnings: &'a mut Warnings,
-    /// The material that statements belong to, with its name.
+    /// Material that the statements belong to, with its name.
     material: Option<(String, Description)>,
 }
 
@@ -143,12 +143,12 @@ impl Reader<'_> {
 
     fn statement(&mut self, line: usize, keyword: &str, rest: &str) {
         let known = match statements::find(Format::Mtl, keyword) {
-            None => return self.warn(line, format!("statement {} is not known; left out", quoted(keyword))),
+            None => return self.warn(line, format!("unknown statement {}; ignored", quoted(keyword))),
             Some(known) if known.treatment == Treatment::Warned => return self.warn(line, known.not_rendered()),
             Some(known) => known.keyword,
         };
         let Some((name, mut material)) = self.material.take() else {
-            return self.warn(line, format!("`{keyword}` before any `newmtl`; left out"));
+            return self.warn(line, format!("`{keyword}` before any `newmtl`; ignored"));
         };
         match known {
             "Kd" => material.diffuse = self.color(line, known, rest).or(material.diffuse),
@@ -172,22 +172,22 @@ impl Reader<'_> {
         self.material = Some((name, material));
     }
 
-    /// Returns the `count` numbers of a statement, the first standing for missing ones; `None` with a warning if they
-    /// cannot be read.
+    /// Returns the first `COUNT` numbers of a statement; the first number replaces missing ones. Returns `None` with a
+    /// warning if a number is missing or malformed.
     fn numbers<const COUNT: usize>(&mut self, line: usize, keyword: &str, rest: &str) -> Option<[f32; COUNT]> {
         let words = rest.split_whitespace().take_while(|word| !word.starts_with('#'));
         let values: Result<Vec<f32>, String> = words.take(COUNT).map(number).collect();
         match values {
             Ok(values) if !values.is_empty() => Some(std::array::from_fn(|i| *values.get(i).unwrap_or(&values[0]))),
             other => {
-                let reason = other.err().unwrap_or_else(|| "no number".to_owned());
-                self.warn(line, format!("`{keyword}`: {reason}; left out"));
+                let reason = other.err().unwrap_or_else(|| "the number is missing".to_owned());
+                self.warn(line, format!("`{keyword}`: {reason}; ignored"));
                 None
             }
         }
     }
 
-    /// Returns numbers clamped to [0, 1].
+    /// Returns the numbers of a statement, clamped to [0, 1] with a warning.
     fn shares<const COUNT: usize>(&mut self, line: usize, keyword: &str, rest: &str) -> Option<[f32; COUNT]> {
         let values = self.numbers::<COUNT>(line, keyword, rest)?;
         if values.iter().any(|v| !(0.0..=1.0).contains(v)) {
@@ -226,7 +226,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Returns the picture of a texture statement: options before or behind the file name, `/` between folders.
+    /// Parses the picture of a texture statement: options before or after the file name, with `/` between folders.
     fn picture(&mut self, line: usize, keyword: &str, rest: &str) -> Option<Picture> {
         let mut options = Options::default();
         let mut name = Vec::new();
@@ -239,7 +239,7 @@ impl Reader<'_> {
             };
             let mut values = Vec::with_capacity(most);
             while values.len() < most {
-                // Up to three numbers may follow, so a word that is none starts the file name.
+                // Up to three numbers may follow, so a word that is not a number starts the file name.
                 let ends = |word: &&str| most > 1 && !values.is_empty() && number(word).is_err();
                 match words.next_if(|word| !ends(word)) {
                     Some(value) => values.push(value),
@@ -250,7 +250,7 @@ impl Reader<'_> {
         }
         let name = name.join(" ").trim_matches('"').replace('\\', "/");
         if name.is_empty() {
-            self.warn(line, format!("`{keyword}` without a file name; left out"));
+            self.warn(line, format!("`{keyword}` without a file name; ignored"));
             return None;
         }
         Some(Picture { name, library: self.library.to_owned(), line, options })
@@ -271,7 +271,7 @@ impl Reader<'_> {
             "-clamp" => switch(value).map(|clamp| options.clamp = clamp),
             "-imfchan" => match channel(value) {
                 _ if keyword != "map_d" => Err(format!("it has no effect on `{keyword}`")),
-                None => Err(format!("{} is none of the channels r, g, b, m, l", quoted(value))),
+                None => Err(format!("{} is not one of the channels r, g, b, m, l", quoted(value))),
                 known => {
                     options.channel = known;
                     Ok(())
@@ -280,12 +280,12 @@ impl Reader<'_> {
             _ => return self.option_not_rendered(line, option),
         };
         if let Err(reason) = done {
-            self.warn(line, format!("texture option `{option}`: {reason}; left out"));
+            self.warn(line, format!("texture option `{option}`: {reason}; ignored"));
         }
     }
 }
 
-/// Parses the value of an option that is on or off.
+/// Parses an option value that is `on` or `off`.
 fn switch(value: &str) -> Result<bool, String> {
     match value.to_ascii_lowercase().as_str() {
         "on" => Ok(true),
@@ -305,7 +305,7 @@ fn channel(name: &str) -> Option<Channel> {
     })
 }
 
-/// Returns the usual spelling of a texture option and the most values that follow it.
+/// Returns the usual spelling of a texture option and the maximum number of its values.
 fn most_values(word: &str) -> Option<(&'static str, usize)> {
     let option = statements::find(Format::Option, word)?.keyword;
     let most = match option {
@@ -343,7 +343,7 @@ mod tests {
                 "a.mtl:2: `Ni` (index of refraction) is not rendered (2 times, here first)",
                 "a.mtl:3: `illum` (illumination model; `shading` is a setting) is not rendered",
                 "a.mtl:6: `map_Pr` (roughness texture (PBR)) is not rendered",
-                "a.mtl:7: statement \"foo\" is not known; left out",
+                "a.mtl:7: unknown statement \"foo\"; ignored",
             ]
         );
     }
@@ -374,9 +374,9 @@ mod tests {
             [
                 "a.mtl:2: `-boost` (sharpening of mip levels) is not rendered",
                 "a.mtl:2: `-mm` (brightness and contrast) is not rendered",
-                "a.mtl:2: texture option `-imfchan`: it has no effect on `map_Kd`; left out",
-                "a.mtl:2: texture option `-clamp`: \"maybe\" is neither `on` nor `off`; left out",
-                "a.mtl:3: texture option `-imfchan`: \"z\" is none of the channels r, g, b, m, l; left out",
+                "a.mtl:2: texture option `-imfchan`: it has no effect on `map_Kd`; ignored",
+                "a.mtl:2: texture option `-clamp`: \"maybe\" is neither `on` nor `off`; ignored",
+                "a.mtl:3: texture option `-imfchan`: \"z\" is not one of the channels r, g, b, m, l; ignored",
                 "a.mtl:4: `-halo` (dissolve by viewing angle) is not rendered",
             ]
         );

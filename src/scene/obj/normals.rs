@@ -1,14 +1,14 @@
-//! Normals for corners that come without one.
+//! Normals for corners without one.
 //!
-//! In: positions and triangles, each with an area. Out: unit normals, and their numbers in the corners. A corner's
-//! normal is the mean of the normals of the faces around its vertex, weighted by their angles there (Thürmer and
-//! Wüthrich, "Computing Vertex Normals from Polygonal Facets", 1998), of those faces only that belong to its smoothing
-//! group (`s`). In a file without smoothing groups, they are those that turn away from its own by no more than
-//! [`CREASE_DEGREES`]: so a box keeps its edges and a bunny is smooth. Faces are neighbours where
-//! they share a vertex in the file, across objects and materials, so no seam shows where the material changes.
+//! Input: positions and triangles with a non-zero area. Output: unit normals, and their indices in the corners. A
+//! corner's normal is the mean of the normals of the faces around its vertex, weighted by their angles there (Thürmer
+//! and Wüthrich, "Computing Vertex Normals from Polygonal Facets", 1998). Only faces of the same smoothing group (`s`)
+//! contribute. In a file without smoothing groups, only faces within [`CREASE_DEGREES`] of the corner's own face
+//! contribute, so a box keeps its edges and a bunny is smooth. Faces are neighbours if they share a vertex in the file,
+//! across objects and materials, so no seam shows where the material changes.
 //!
 //! Comparing every face around a vertex with every other is quadratic. Around a crowded vertex (the tip of a fan of
-//! thousands) faces of nearly one direction are therefore put together first, which bounds the work.
+//! thousands), faces of nearly equal direction are therefore merged first, which bounds the work.
 
 use std::collections::HashMap;
 
@@ -20,23 +20,23 @@ use super::vertices::Stopped;
 use crate::math::unit_or;
 use crate::scene::load::{Load, bytes_of};
 
-/// Largest angle between faces that are shaded as one surface.
+/// Maximum angle between faces that are shaded as one surface, degrees.
 pub(super) const CREASE_DEGREES: f64 = 45.0;
 
-/// Number of vertices between reports of progress.
+/// Number of vertices between progress reports.
 const VERTICES_PER_REPORT: usize = 1 << 14;
 
-/// Faces around a vertex from which on nearly equal directions are put together.
+/// Number of faces around a vertex above which nearly equal directions are merged.
 const CROWD: usize = 32;
 
-/// Largest angle between directions that are put together; not 300 directions can all differ by more.
+/// Maximum angle between merged directions, degrees. Fewer than 300 directions can all differ by more.
 const CROWD_DEGREES: f64 = 15.0;
 
-/// Gives a normal to every corner without one: adds them to `lists` and writes their numbers into `faces`. Returns whether
-/// the crease angle decided about an edge.
+/// Computes a normal for every corner without one, appends it to `lists` and stores its index in `faces`. Returns
+/// whether the crease angle decided about an edge.
 ///
 /// # Errors
-/// The load is cancelled, or memory does not suffice.
+/// Returns an error if the load is cancelled or memory does not suffice.
 pub(super) fn fill(lists: &mut Attributes, faces: &mut Faces, load: &mut Load<'_>) -> Result<bool, Stopped> {
     let Attributes { positions, normals, .. } = lists;
     let Faces { triangles, smoothing, .. } = faces;
@@ -93,8 +93,8 @@ pub(super) fn fill(lists: &mut Attributes, faces: &mut Faces, load: &mut Load<'_
     Ok(uses_crease)
 }
 
-/// Gives the corners without a normal of all triangles that are `chosen` the normal of their face. Triangles of one
-/// polygon, which follow each other, share it.
+/// Assigns the face normal to all corners without a normal in the triangles for which `chosen` returns `true`.
+/// Consecutive triangles of one polygon share a normal.
 fn flat(faces: &[Vec3], triangles: &mut [[Corner; 3]], normals: &mut Vec<Vec3>, chosen: impl Fn(usize) -> bool) {
     for (place, triangle) in triangles.iter_mut().enumerate().filter(|(place, _)| chosen(*place)) {
         for corner in triangle.iter_mut().filter(|corner| corner.normal == NONE) {
@@ -112,15 +112,15 @@ fn face_normal(positions: &[Vec3], triangle: &[Corner; 3]) -> Vec3 {
     if normal.is_finite() { unit_or(normal, Vec3::Z) } else { Vec3::Z }
 }
 
-/// Angle of the triangle at its corner `k`, radians.
+/// Returns the angle of the triangle at its corner `k`, radians.
 fn angle(positions: &[Vec3], triangle: &[Corner; 3], k: usize) -> f64 {
     let at = |i: usize| positions[triangle[i % 3].position as usize].as_dvec3();
     let angle = (at(k + 1) - at(k)).angle_between(at(k + 2) - at(k));
-    // A triangle with a corner that is not finite has no say.
+    // A triangle with a non-finite corner has no weight.
     if angle.is_finite() { angle } else { 0.0 }
 }
 
-/// The number of `normal` among those from `first` on, adding it if it is new.
+/// Returns the index of `normal` among those from `first` on, appending it if it is new.
 fn number_of(normal: Vec3, first: usize, normals: &mut Vec<Vec3>) -> u32 {
     let known = normals[first..].iter().position(|n| *n == normal);
     let number = known.map_or(normals.len(), |offset| first + offset);
@@ -130,34 +130,34 @@ fn number_of(normal: Vec3, first: usize, normals: &mut Vec<Vec3>) -> u32 {
     number as u32
 }
 
-/// A face at one of its corners.
+/// Face, as seen from one of its corners.
 struct Face {
-    /// Unit normal.
+    /// Unit normal of the face.
     unit: DVec3,
-    /// Angle at the corner.
+    /// Angle at the corner, radians.
     weight: f64,
     smoothing: Smoothing,
 }
 
-/// Faces around one vertex that point (nearly) the same way, or all of one smoothing group.
+/// Merged faces around one vertex: of (nearly) equal direction, or of one smoothing group.
 struct Direction {
     unit: DVec3,
     smoothing: Smoothing,
-    /// Sum of the faces' unit normals, each times its angle at the vertex.
+    /// Sum of the faces' unit normals, each weighted by its angle at the vertex in radians.
     weighted: DVec3,
 }
 
-/// Largest difference of the cosine of an angle from 1 that counts as rounding.
+/// Maximum difference of a cosine from 1 that is attributed to rounding.
 const FLAT: f64 = 1e-6;
 
-/// Whether the crease angle decides about an edge between these directions.
+/// Returns whether the crease angle decides about an edge between these directions.
 fn has_crease(directions: &[Direction]) -> bool {
     let mut creased = directions.iter().filter(|direction| direction.smoothing == Smoothing::Crease);
     creased.next().is_some_and(|first| creased.any(|other| other.unit.dot(first.unit) < 1.0 - FLAT))
 }
 
 impl Direction {
-    /// Unit mean over all directions on this one's side of a crease.
+    /// Returns the unit mean over all directions within the crease angle of this one.
     fn smooth(&self, all: &[Self]) -> Vec3 {
         let limit = CREASE_DEGREES.to_radians().cos();
         let alike = |d: &&Self| d.smoothing == self.smoothing && d.unit.dot(self.unit) >= limit;
@@ -166,7 +166,7 @@ impl Direction {
     }
 }
 
-/// The directions among `count` faces, and for each face the direction it went to.
+/// Merges `count` faces into directions. Also returns, for each face, the index of its direction.
 fn gather(faces: impl Iterator<Item = Face>, count: usize) -> (Vec<Direction>, Vec<usize>) {
     let limit = if count > CROWD { CROWD_DEGREES.to_radians().cos() } else { f64::INFINITY };
     let mut directions: Vec<Direction> = Vec::new();
@@ -177,7 +177,7 @@ fn gather(faces: impl Iterator<Item = Face>, count: usize) -> (Vec<Direction>, V
                 Smoothing::Crease => {
                     directions.iter().position(|d| d.smoothing == smoothing && d.unit.dot(unit) >= limit)
                 }
-                // Their corners have the normal of their face.
+                // The corners of these faces already have their face normals.
                 Smoothing::Off => directions.iter().position(|d| d.smoothing == smoothing),
                 Smoothing::Group(group) => match directions.last() {
                     Some(last) if last.smoothing == smoothing => Some(directions.len() - 1),
@@ -200,7 +200,7 @@ fn gather(faces: impl Iterator<Item = Face>, count: usize) -> (Vec<Direction>, V
     (directions, membership)
 }
 
-/// Which corners meet at each vertex: one flat list, and where each vertex's part of it starts.
+/// Corners at each vertex: one flat list, and the start of each vertex's part.
 struct Incidence {
     starts: Vec<u32>,
     corners: Vec<u32>,
@@ -217,7 +217,7 @@ impl Incidence {
             sum += *end;
             *end = sum;
         }
-        // Filled from the back, each end moves down to be its start.
+        // The list is filled from the back, which moves each end down to its start.
         let mut order = vec![0_u32; corners.len()];
         for (number, corner) in corners.iter().enumerate().rev() {
             let start = &mut ends[corner.position as usize];
@@ -246,7 +246,7 @@ mod tests {
         smoothed(positions, triangles, &[])
     }
 
-    /// Fills with the smoothing of each triangle given; without any, the crease angle decides.
+    /// Computes normals with the given smoothing of each triangle; without any, the crease angle decides.
     fn smoothed(positions: &[Vec3], triangles: &[[u32; 3]], smoothing: &[Smoothing]) -> (Vec<[Corner; 3]>, Vec<Vec3>) {
         let corner = |position| Corner { position, uv: NONE, normal: NONE };
         let runs = smoothing.iter().enumerate().map(|(first, smoothing)| SmoothingRun { first, smoothing: *smoothing });
@@ -260,7 +260,8 @@ mod tests {
         (faces.triangles, lists.normals)
     }
 
-    /// Two squares that share the edge x = 0, the second raised by `degrees` around it.
+    /// Returns the corners and normals of two squares that share the edge x = 0, the second raised by `degrees` around
+    /// it.
     fn hinge(degrees: f32) -> (Vec<[Corner; 3]>, Vec<Vec3>) {
         let (rise, run) = degrees.to_radians().sin_cos();
         let xz = [[-1.0, 0.0], [0.0, 0.0], [run, rise]];
@@ -308,7 +309,7 @@ mod tests {
 
     #[test]
     fn smoothing_groups_decide_whatever_the_angle() {
-        // Two pairs of triangles that meet at the edge x = 0.
+        // Two pairs of triangles meet at the edge x = 0.
         for degrees in [10.0_f32, 45.0, 90.0, 150.0] {
             let (rise, run) = degrees.to_radians().sin_cos();
             let xz = [[-1.0, 0.0], [0.0, 0.0], [run, rise]];

@@ -1,4 +1,4 @@
-//! The meaning of `Tr`: transparency by the format's description, opacity in files of MeshLab and some others.
+//! The meaning of `Tr`: transparency according to the format, opacity in files from MeshLab and some other programs.
 
 use std::path::Path;
 
@@ -6,22 +6,22 @@ use super::libraries::Libraries;
 use super::mtl::{At, Description, Descriptions};
 use super::warnings::Warnings;
 
-/// Meaning of the statement `Tr`.
+/// Meaning of the `Tr` statement.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TrMeaning {
-    /// Opacity where the file indicates it, else transparency.
+    /// Opacity if the file indicates it, otherwise transparency.
     #[default]
     Auto,
-    /// 0 is opaque.
+    /// Transparency: 0 is opaque.
     Transparency,
-    /// 1 is opaque.
+    /// Opacity: 1 is opaque.
     Opacity,
 }
 
-/// Smallest difference between two opacities that counts as different.
+/// Minimum difference between two opacities that counts as different.
 const DIFFERENT: f32 = 1e-3;
 
-/// Returns whether `Tr` means opacity in a model that uses the materials `used`. Warns where that was inferred.
+/// Returns whether `Tr` means opacity in a model that uses the materials `used`. Warns if that was inferred.
 pub(super) fn tr_is_opacity(
     meaning: TrMeaning,
     used: &[&Description],
@@ -45,12 +45,13 @@ pub(super) fn tr_is_opacity(
     } else {
         return false;
     };
-    let text = format!("`Tr` is taken as opacity, since {reason}; `--tr transparency` overrides this");
+    let text = format!("`Tr` is treated as opacity because {reason}; override with `--tr transparency`");
     warnings.add(&first.library, Some(first.line), text);
     true
 }
 
-/// Whether at least one material has both `d` and `Tr`, and the two are equal wherever that distinguishes the meanings.
+/// Returns whether `d` and `Tr` agree wherever both are given and their values distinguish the meanings. At least one
+/// material must have such a pair.
 fn agrees_with_dissolve(all: &Descriptions) -> bool {
     let mut pairs = all
         .values()
@@ -60,13 +61,13 @@ fn agrees_with_dissolve(all: &Descriptions) -> bool {
     pairs.peek().is_some() && pairs.all(|(d, tr)| (d - tr).abs() < DIFFERENT)
 }
 
-/// Whether `Tr` alone decides the opacity of one of the materials.
+/// Returns whether `Tr` alone decides the opacity of one of the materials.
 fn alone(used: &[&Description]) -> bool {
     used.iter().any(|material| material.dissolve.is_none() && material.tr.is_some())
 }
 
 impl Description {
-    /// Returns the opacity: `d`, else what `Tr` gives, else 1.
+    /// Returns the opacity: `d` if given, otherwise from `Tr`, otherwise 1.
     pub(super) fn opacity(&self, tr_is_opacity: bool) -> f32 {
         match (&self.dissolve, &self.tr) {
             (Some(dissolve), _) => dissolve.value,

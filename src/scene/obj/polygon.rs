@@ -1,17 +1,17 @@
-//! From a polygon in space to triangles.
+//! Triangulation of a polygon in space.
 //!
-//! In: the corners of one face, in order. Out: triples of corner numbers, turning as the face does. The face is laid
-//! flat along its normal by Newell's method (Sutherland, Sproull and Schumacker, 1974), which also suits corners that
-//! do not quite lie in a plane. The first of these ways that suits the face is taken:
+//! Input: the corners of one face, in order. Output: triples of corner indices with the winding of the face. The face
+//! is projected along its normal by Newell's method (Sutherland, Sproull and Schumacker, 1974), which also handles
+//! corners that are not exactly coplanar. The first suitable method of these is used:
 //!
-//! - a fan, if every triangle of it has positive area: linear, and keeps corners in the middle of an edge;
-//! - clipping of ears (Meisters, 1975; Held, 2001, by the crate `earcut`), if there are few corners: cubic at worst;
+//! - a fan, if all its triangles have positive area: linear, and keeps corners in the middle of an edge;
+//! - ear clipping (Meisters, 1975; Held, 2001, by the crate `earcut`), if there are few corners: cubic at worst;
 //! - a sweep ([`sweep`]), if the outline does not touch itself: O(n log n);
 //! - regions by winding number ([`winding`]), which adds the points where the outline crosses itself;
 //! - a plain fan, if the face is far from flat and its projection crosses itself, or if it crosses itself too often.
 //!
-//! Triangles without area are left out: they cover nothing. Projection is in f64, where the products of f32 coordinates
-//! neither overflow nor vanish.
+//! Triangles without area are skipped, because they cover nothing. The projection is in f64, in which products of f32
+//! coordinates neither overflow nor vanish.
 
 mod grid;
 mod sweep;
@@ -22,28 +22,30 @@ use glam::{DVec2, DVec3, Vec3};
 
 pub(super) use self::winding::Crossing;
 
-/// Corners from which a fan is tried: one may lie on a straight edge, where its fan would have a triangle without area.
+/// Number of corners tried as the apex of a fan. An apex may lie on a straight edge, where its fan would have a
+/// triangle without area.
 const FAN_APEXES: usize = 4;
 
-/// Largest number of corners of a face whose ears are clipped: 0.1 ms at worst.
+/// Maximum number of corners of a face for ear clipping, which takes 0.1 ms at worst.
 const MAX_EAR_CORNERS: usize = 64;
 
-/// Largest relative difference in area between a face and its triangles that counts as rounding.
+/// Maximum relative difference in area between a face and its triangles that is attributed to rounding.
 const AREA_TOLERANCE: f64 = 1e-6;
 
-/// Area relative to the face's, below which a triangle of it is rounding.
+/// Minimum area of a triangle relative to its face; smaller areas are attributed to rounding.
 const SLIVER: f64 = 1e-14;
 
-/// Area of a face relative to that without cancellation, below which its normal is not Newell's: a bow tie has none.
+/// Ratio of the area of a face to that without cancellation, below which Newell's normal is not used. A bow tie has no
+/// such normal.
 const CANCELLATION: f64 = 1e-4;
 
-/// Height of a corner above the plane, relative to the root of the area, from which on a face is not flat.
+/// Maximum height of a corner above the plane of a flat face, relative to the square root of the area.
 const FLATNESS: f64 = 1e-4;
 
-/// Result of cutting a face.
+/// Result of triangulating a face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Outcome {
-    /// The triangles cover just what the face covers.
+    /// The triangles cover exactly the area of the face.
     Whole,
     /// No triangles: the corners lie on a line or a point, or the windings cancel everywhere.
     NoArea,
@@ -55,13 +57,14 @@ pub(super) enum Outcome {
     TooManyCrossings,
 }
 
-/// A face on its plane.
+/// Measures of a face projected onto its plane.
 struct Flat {
-    /// Twice its area, clockwise regions subtracted; 0 if it has no normal.
+    /// Twice the signed area of the face, with clockwise regions subtracted; 0 if it has no normal.
     doubled_area: f64,
-    /// Twice the area that slivers and heights are compared with: `doubled_area`, or without subtraction if that cancels.
+    /// Twice the reference area for slivers and heights: `doubled_area`, or the area without subtraction if that
+    /// cancels.
     scale: f64,
-    /// Largest distance of a corner from the plane through the first.
+    /// Maximum distance of a corner from the plane through the first corner, model units.
     height: f64,
 }
 
@@ -74,13 +77,13 @@ impl Flat {
 /// Triangles of one polygon.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Triangulation {
-    /// Numbers of corners; numbers from the count of corners on mean crossings.
+    /// Corner indices of each triangle. Indices from the number of corners on refer to `crossings`.
     pub(super) triangles: Vec<[u32; 3]>,
     /// Points where the outline crosses itself.
     pub(super) crossings: Vec<Crossing>,
 }
 
-/// Turns polygons into triangles and keeps its buffers between them.
+/// Triangulates polygons and reuses its buffers.
 #[derive(Default)]
 pub(super) struct Triangulator {
     flat: Vec<DVec2>,
@@ -89,8 +92,8 @@ pub(super) struct Triangulator {
 }
 
 impl Triangulator {
-    /// Replaces the content of `result` by the triangles of the polygon with these corners. Once it is cancelled, they are a
-    /// fan.
+    /// Replaces the content of `result` by the triangles of the polygon with these corners. After cancellation, the
+    /// result is a fan.
     pub(super) fn triangulate(
         &mut self,
         corners: &[Vec3],
@@ -116,7 +119,7 @@ impl Triangulator {
         }
         triangles.clear();
         if !flat.is_flat() {
-            // What has no area on the plane may have one in space and leave a hole.
+            // A triangle without area on the plane may have an area in space and leave a hole.
             triangles.extend(solid_fan(corners));
             return if is_whole { Outcome::Whole } else { Outcome::NotFlat };
         }
@@ -139,7 +142,8 @@ impl Triangulator {
         }
     }
 
-    /// Cuts the face if its outline does not cross itself. Returns whether the triangles cover just what the face covers.
+    /// Triangulates the face if its outline does not cross itself. Returns whether the triangles cover exactly the area
+    /// of the face.
     fn cut(
         &mut self,
         doubled_area: f64,
@@ -159,20 +163,21 @@ impl Triangulator {
         let turns_alike = triangles.iter().all(|triangle| area(triangle) >= -least);
         triangles.retain(|triangle| area(triangle) > least);
         let covered: f64 = triangles.iter().map(area).sum();
-        // Areas of clipped ears add up to that of the outline, unless ears are missing: those may cancel.
+        // The areas of clipped ears add up to that of the outline, except if ears are missing, because their areas may
+        // cancel.
         let is_complete = triangles.len() == count - 2 || count > MAX_EAR_CORNERS || swept().is_some();
         covered > 0.0 && turns_alike && is_complete && (covered - doubled_area).abs() <= AREA_TOLERANCE * doubled_area
     }
 
     /// Projects the corners along their normal, counter-clockwise.
     ///
-    /// Along the normal and not along the nearest axis: corners that do not lie in a plane would fold over each other.
+    /// Projecting along the nearest axis instead would fold corners over each other that are not coplanar.
     fn lay_flat(&mut self, corners: &[Vec3]) -> Flat {
         let origin = corners.first().map_or(DVec3::ZERO, |c| c.as_dvec3());
         let relative = |i: usize| corners[i % corners.len()].as_dvec3() - origin;
         let areas = || (0..corners.len()).map(|i| relative(i).cross(relative(i + 1)));
         let newell: DVec3 = areas().sum();
-        // All areas on the side of the largest one: does not cancel.
+        // Adding all areas on the side of the largest one prevents cancellation.
         let largest = areas().max_by(|a, b| a.length_squared().total_cmp(&b.length_squared())).unwrap_or(DVec3::ZERO);
         let aligned: DVec3 = areas().map(|area| if area.dot(largest) < 0.0 { -area } else { area }).sum();
         let is_cancelled = newell.length() < CANCELLATION * aligned.length();
@@ -195,18 +200,18 @@ impl Triangulator {
         (self.flat[b] - self.flat[a]).perp_dot(self.flat[c] - self.flat[a])
     }
 
-    /// Whether all triangles of the fan from `apex` turn as the polygon does, with more than `least` doubled area.
+    /// Whether all triangles of the fan from `apex` have the winding of the polygon and a doubled area above `least`.
     fn is_fan(&self, apex: usize, least: f64) -> bool {
         fan(apex, self.flat.len()).all(|triangle| self.doubled_area(triangle) > least)
     }
 }
 
-/// The triangles of a fan from corner `apex` of `count`.
+/// Returns the triangles of a fan from corner `apex` of `count` corners.
 fn fan(apex: usize, count: usize) -> impl Iterator<Item = [usize; 3]> {
     (1..count - 1).map(move |i| [apex, (apex + i) % count, (apex + i + 1) % count])
 }
 
-/// The triangles of the fan from the first corner that have an area in space.
+/// Returns the triangles with a non-zero area in space, of the fan from the first corner.
 fn solid_fan(corners: &[Vec3]) -> impl Iterator<Item = [u32; 3]> {
     let has_area = |[a, b, c]: &[usize; 3]| {
         let [a, b, c] = [a, b, c].map(|corner| corners[*corner].as_dvec3());
@@ -226,7 +231,7 @@ mod tests {
         (result.triangles, outcome)
     }
 
-    /// Triangles in space of a polygon, the points where it crosses itself included.
+    /// Returns the triangles of a polygon in space, including those at points where it crosses itself.
     fn triangles_in_space(corners: &[Vec3]) -> (Vec<[Vec3; 3]>, Outcome) {
         let mut result = Triangulation::default();
         let outcome = Triangulator::default().triangulate(corners, &mut result, &|| false);
@@ -238,7 +243,7 @@ mod tests {
         (result.triangles.iter().map(|triangle| triangle.map(|corner| points[corner as usize])).collect(), outcome)
     }
 
-    /// Winding number of a polygon in the plane z = 0 around a point.
+    /// Returns the winding number of a polygon in the plane z = 0 around a point.
     fn winding(corners: &[Vec3], point: Vec3) -> i32 {
         let edges = corners.iter().zip(corners.iter().cycle().skip(1));
         let crossing = |(a, b): (&Vec3, &Vec3)| {
@@ -252,7 +257,7 @@ mod tests {
         edges.map(crossing).sum()
     }
 
-    /// Whether triangles in the plane z = 0 that face up, and that face down, cover a point.
+    /// Returns whether upward-facing and whether downward-facing triangles in the plane z = 0 cover a point.
     fn covered(triangles: &[[Vec3; 3]], point: Vec3) -> [bool; 2] {
         let sides = |[a, b, c]: &[Vec3; 3]| {
             [(a, b), (b, c), (c, a)].map(|(a, b)| (*b - *a).truncate().perp_dot((point - *a).truncate()))
@@ -332,7 +337,7 @@ mod tests {
         let mut seen = std::collections::BTreeSet::new();
         for round in 0..300 {
             let count = [5, 8, 20, 90][round % 4];
-            // Lattice points of a small square meet, overlap and lie on edges of others.
+            // Lattice points of a small square coincide, overlap and lie on edges of others.
             let size = [4, 1000][round / 4 % 2];
             let corners: Vec<Vec3> =
                 (0..count).map(|_| Vec3::new(random.i32(0..=size) as f32, random.i32(0..=size) as f32, 0.0)).collect();
@@ -340,7 +345,7 @@ mod tests {
             if outcome == Outcome::TooManyCrossings {
                 continue;
             }
-            // The polygon is laid flat so that its larger part faces up; this may be either side of z = 0.
+            // The polygon is projected with its larger part facing up, which may be either side of z = 0.
             let mut agree = [true; 2];
             for _ in 0..200 {
                 let inside = |random: &mut fastrand::Rng| (random.f32() * size as f32 * 64.0).floor() / 64.0 + 0.007;
@@ -377,7 +382,7 @@ mod tests {
         assert_eq!(covered(&triangles, Vec3::new(0.01, 0.02, 0.0)), [true, false]);
     }
 
-    /// Outlines of `count` corners, by their names.
+    /// Returns named outlines of `count` corners.
     fn large(count: usize) -> [(&'static str, Vec<[f32; 2]>); 6] {
         let half = count / 2;
         let there_and_back = |lower: &dyn Fn(usize) -> [f32; 2], upper: &dyn Fn(usize) -> [f32; 2]| {

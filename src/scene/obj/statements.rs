@@ -1,14 +1,14 @@
-//! The table of OBJ and MTL statements: which are rendered, and which are read but leave the picture unchanged.
+//! Table of OBJ and MTL statements: rendered ones, and those that are read but do not change the picture.
 //!
-//! The loader takes the text of its warnings from here, and a test compares the table in the README with
-//! [`markdown`], so that both state the same.
+//! The loader takes its warning texts from here. A test compares the table in the README with [`markdown`], so that
+//! both agree.
 
 /// File format of a statement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// Model.
+    /// Model file (OBJ).
     Obj,
-    /// Material library.
+    /// Material library (MTL).
     Mtl,
     /// Option of a texture statement of a material library.
     Option,
@@ -17,20 +17,20 @@ pub enum Format {
 /// Treatment of a statement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Treatment {
-    /// It changes the picture, or names what is inspected.
+    /// Changes the picture, or names objects, groups or materials.
     Rendered,
-    /// It changes nothing; one warning for each file and keyword, with the first line and a count.
+    /// Has no effect. Gives one warning per file and keyword, with the first line and a count.
     Warned,
 }
 
-/// A statement that the loader knows.
+/// Statement that the loader recognises.
 #[derive(Clone, Copy, Debug)]
 pub struct Statement {
-    /// Keyword in its usual spelling; upper and lower case are equal.
+    /// Keyword in its usual spelling; matching is case-insensitive.
     pub keyword: &'static str,
-    /// File format.
+    /// File format that the statement belongs to.
     pub format: Format,
-    /// Treatment.
+    /// Treatment by the loader.
     pub treatment: Treatment,
     /// Meaning; for a rendered statement also its effect.
     pub meaning: &'static str,
@@ -47,7 +47,7 @@ macro_rules! table {
     };
 }
 
-/// All statements that the loader knows. Any other keyword is reported as unknown.
+/// All recognised statements. Any other keyword is reported as unknown.
 pub const STATEMENTS: &[Statement] = table! {
     Obj Rendered {
         "v": "position; a weight is ignored, three or four further numbers are a vertex colour",
@@ -111,7 +111,7 @@ pub const STATEMENTS: &[Statement] = table! {
         "map_Ke": "texture of the emitted colour",
         "map_d": "opacity texture: alpha if the picture has any, else luminance",
         "norm": "tangent-space normal map",
-        "map_Bump": "normal map if the picture is one; a height map is warned of",
+        "map_Bump": "normal map if the picture is one; a height map gives a warning",
         "bump": "the same as `map_Bump`",
     }
     Mtl Warned {
@@ -169,7 +169,7 @@ pub const STATEMENTS: &[Statement] = table! {
     }
 };
 
-/// Returns the statement with this keyword, in any case. A superseded or unknown one is `None`.
+/// Returns the statement with this keyword, in any case; `None` for an unknown one.
 pub fn find(format: Format, keyword: &str) -> Option<&'static Statement> {
     STATEMENTS.iter().find(|s| s.format == format && s.keyword.eq_ignore_ascii_case(keyword))
 }

@@ -1,7 +1,7 @@
-//! Pictures that materials name: found, read once each, and kept within a budget.
+//! Textures of materials: located, read once each, and limited by a memory budget.
 //!
-//! A picture may lie outside the model's folder (`../textures/x.png` is common), as nothing of it is shown but its
-//! pixels. A path of the exporter's machine (`C:\work\x.png`) is taken as the file of that name beside the library.
+//! A picture may lie outside the model's folder (`../textures/x.png` is common), because only its pixels are shown. An
+//! absolute path on the exporter's machine (`C:\work\x.png`) is replaced by the file of that name beside the library.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -17,30 +17,32 @@ use crate::image::{Image, Rgba8};
 use crate::scene::load::Load;
 use crate::scene::{Alpha, Library, SceneError, Texture, TextureId};
 
-/// Memory for each texel: 4 bytes as codes, and at most 28 for the copies in linear light and the mip levels that drawing makes.
+/// Memory per texel, in bytes: 4 for the codes, and at most 28 for the linear-light copies and mip levels made for
+/// rendering.
 const BYTES_PER_TEXEL: u64 = 32;
 
-/// What a picture is used for.
+/// Use of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Use {
     /// Colour and alpha.
     Color,
-    /// One number for each texel, moved to alpha; without a channel alpha if the picture has any, else luminance.
+    /// One number per texel, moved to alpha. Without a channel, it is alpha if the picture has any, otherwise
+    /// luminance.
     Opacity(Option<Channel>),
-    /// Normals named as such (`norm`).
+    /// Normal map named as such (`norm`).
     Normals,
-    /// Normals, or heights, which are not rendered (`map_Bump`).
+    /// Normal map, or height map, which is not rendered (`map_Bump`).
     Bumps,
 }
 
-/// The textures of one model.
+/// Textures of one model.
 pub(super) struct Textures<'a> {
-    /// The result for each file and use.
+    /// Result for each file and use; `None` if the picture was unusable.
     known: HashMap<(PathBuf, Use), Option<TextureId>>,
     load: Load<'a>,
 }
 
-/// A model whose pictures are read, and the place for what is read.
+/// Context of reading pictures: the model, the library to fill, and the warnings.
 pub(super) struct Reading<'a> {
     pub(super) model: &'a Path,
     pub(super) library: &'a mut Library,
@@ -48,7 +50,7 @@ pub(super) struct Reading<'a> {
 }
 
 impl<'a> Textures<'a> {
-    /// No textures yet, in the memory that is left.
+    /// Creates an empty collection within the remaining memory of the load.
     pub(super) fn new(load: Load<'a>) -> Self {
         Self { known: HashMap::new(), load }
     }
@@ -56,12 +58,13 @@ impl<'a> Textures<'a> {
     /// Reports the completed share of all materials, from 0 to 1.
     ///
     /// # Errors
-    /// The load is cancelled.
+    /// Returns an error if the load is cancelled.
     pub(super) fn advance(&self, completed: f32) -> Result<(), SceneError> {
         self.load.advance(completed)
     }
 
-    /// Returns the texture of a picture, read now or before. `None` with a warning where it cannot be read or used.
+    /// Returns the texture of a picture, reading it at the first use. Returns `None` with a warning if it cannot be
+    /// read or used.
     pub(super) fn get(&mut self, picture: &Picture, purpose: Use, reading: &mut Reading<'_>) -> Option<TextureId> {
         let (path, difference) = locate(picture, reading.model);
         let mut warn = |text: String| reading.warnings.add(&picture.library, Some(picture.line), text);
@@ -87,11 +90,11 @@ impl<'a> Textures<'a> {
                 texture
             }
             Err(reason) if purpose == Use::Color => {
-                warn(format!("texture left out, the plain colour is used: {reason}"));
+                warn(format!("texture not loaded, the plain colour is used: {reason}"));
                 None
             }
             Err(reason) => {
-                warn(format!("texture left out: {reason}"));
+                warn(format!("texture not loaded: {reason}"));
                 None
             }
         };
@@ -103,7 +106,7 @@ fn bytes_of_texels((width, height): (u32, u32)) -> u64 {
     u64::from(width) * u64::from(height) * BYTES_PER_TEXEL
 }
 
-/// Decodes a picture if memory suffices for its size, which its header says.
+/// Decodes a picture if the memory suffices for the size in its header.
 fn read(path: &Path, load: &mut Load<'_>) -> Result<Image<Rgba8>, String> {
     if load.is_cancelled() {
         return Err("loading was cancelled".to_owned());
@@ -118,7 +121,7 @@ fn read(path: &Path, load: &mut Load<'_>) -> Result<Image<Rgba8>, String> {
     })
 }
 
-/// Returns the picture as its use needs it; `None` if it is of no use.
+/// Converts the picture for its use; `None` if it is unusable.
 fn adapt(image: Image<Rgba8>, purpose: Use, path: &Path, warn: &mut impl FnMut(String)) -> Option<Image<Rgba8>> {
     let name = quoted(&path.file_name().unwrap_or_default().to_string_lossy());
     match purpose {
@@ -158,7 +161,7 @@ fn mapped(image: &Image<Rgba8>, map: impl Fn(Rgba8) -> Rgba8) -> Image<Rgba8> {
     Image::from_pixels(image.width(), image.height(), image.pixels().iter().map(|texel| map(*texel)).collect())
 }
 
-/// Returns alpha if the picture has any, else luminance.
+/// Returns alpha if any texel is not opaque, otherwise luminance.
 pub(super) fn default_channel(image: &Image<Rgba8>) -> Channel {
     let has_alpha = image.pixels().iter().any(|[.., alpha]| *alpha != u8::MAX);
     if has_alpha { Channel::Matte } else { Channel::Luminance }
@@ -170,21 +173,23 @@ fn value(channel: Channel, [r, g, b, alpha]: Rgba8) -> u8 {
         Channel::Green => g,
         Channel::Blue => b,
         Channel::Matte => alpha,
-        // The weights of Rec. 709, which add up to 10 000.
+        // Rec. 709 weights, which sum to 10 000.
         Channel::Luminance => ((2126 * u32::from(r) + 7152 * u32::from(g) + 722 * u32::from(b) + 5000) / 10_000) as u8,
     }
 }
 
-/// Whether 32 bits per pixel do not mean that there is alpha: TGA and BMP files often leave the fourth byte unused.
+/// Returns whether 32 bits per pixel do not imply an alpha channel: TGA and BMP files often leave the fourth byte
+/// unused.
 fn may_lack_alpha(path: &Path) -> bool {
     let is_named = |extension: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension));
     is_named("tga") || disk::starts_with(path, b"BM")
 }
 
-/// Smallest share of the texels of a normal map that are unit vectors out of the surface.
+/// Minimum share of the texels of a normal map that are unit vectors out of the surface.
 const FEWEST_NORMALS: f64 = 0.9;
 
-/// Whether nearly all texels decode to vectors of about unit length with z > 0, and not to greys, as heights do.
+/// Returns whether nearly all texels decode to vectors of about unit length with z > 0. Grey texels, as in height maps,
+/// do not count.
 fn looks_like_normals(image: &Image<Rgba8>) -> bool {
     let is_normal = |[r, g, b, _]: &Rgba8| {
         let [x, y, z] = [r, g, b].map(|code| f32::from(*code) / 127.5 - 1.0);
@@ -195,14 +200,14 @@ fn looks_like_normals(image: &Image<Rgba8>) -> bool {
     normals as f64 >= FEWEST_NORMALS * image.pixels().len() as f64
 }
 
-/// Whether `map_d` names the file of `map_Kd`, whose alpha is used already, and reads alpha from it.
+/// Returns whether `map_d` reads the alpha of the `map_Kd` file, which is already in use.
 pub(super) fn repeats_alpha(color: TextureId, opacity: &Picture, picture: &Picture, reading: &Reading<'_>) -> bool {
     let same_file = locate(opacity, reading.model).0 == locate(picture, reading.model).0;
     let has_alpha = reading.library.texture(color).alpha() != Alpha::Opaque;
     same_file && has_alpha && opacity.options.channel.is_none_or(|channel| channel == Channel::Matte)
 }
 
-/// Returns the first place where the picture is; if it is nowhere, the first place where it could be.
+/// Returns the best existing location of the picture, in order of preference; if there is none, the first candidate.
 fn locate(picture: &Picture, model: &Path) -> (PathBuf, Difference) {
     let folder = |file: &Path| file.parent().map_or_else(PathBuf::new, Path::to_owned);
     let (beside_library, beside_model) = (folder(&picture.library), folder(model));

@@ -1,8 +1,8 @@
-//! From corners that refer to three lists to meshes with one number for each vertex.
+//! Converts corners that refer to three lists to meshes with one index per vertex.
 //!
-//! OBJ numbers positions, texture coordinates and normals apart; a mesh has one array index for all. Corners of one part
-//! that agree in all three numbers become one vertex, numbered in the order of first use, as by the crate `tobj`, which
-//! the tests compare with.
+//! OBJ indexes positions, texture coordinates and normals separately; a mesh has one index for all. Corners of one part
+//! that agree in all three indices become one vertex, numbered in order of first use. The numbering matches that of the
+//! crate `tobj`, which the tests compare with.
 
 use std::collections::HashMap;
 
@@ -13,16 +13,16 @@ use super::faces::{Corner, Faces, NONE, Part};
 use crate::scene::load::{Load, bytes_of};
 use crate::scene::{MeshData, SceneError};
 
-/// Number of triangles between reports of progress.
+/// Number of triangles between progress reports.
 const TRIANGLES_PER_REPORT: usize = 1 << 14;
 
-/// Number of vertices at one position from which on they are found by hash: each is compared with all before otherwise.
+/// Number of vertices at one position from which on a hash map finds them. Below it, a linear search compares them all.
 const CROWD: usize = 16;
 
-/// Returns the meshes of all parts, in their order. Names are left empty.
+/// Returns the meshes of all parts, in the order of the parts. Names are left empty.
 ///
 /// # Errors
-/// The load is cancelled, or memory does not suffice: the latter in one sentence.
+/// Returns an error if the load is cancelled or memory does not suffice.
 pub(super) fn meshes(lists: &Attributes, faces: &Faces, load: &mut Load<'_>) -> Result<Vec<MeshData>, Stopped> {
     let mut numbering = Numbering::default();
     load.reserve(&mut numbering.newest, lists.positions.len())?;
@@ -40,10 +40,10 @@ pub(super) fn meshes(lists: &Attributes, faces: &Faces, load: &mut Load<'_>) -> 
     Ok(meshes)
 }
 
-/// Reason why a step of the load stopped.
+/// Reason why a step of the load ended early.
 #[derive(Debug)]
 pub(super) enum Stopped {
-    /// Memory does not suffice, in one sentence.
+    /// Insufficient memory; the reason is one sentence.
     Memory(String),
     /// The load was cancelled.
     Cancelled(SceneError),
@@ -61,13 +61,13 @@ impl From<SceneError> for Stopped {
     }
 }
 
-/// The vertices of one part.
+/// Vertex numbering of one part.
 #[derive(Default)]
 struct Numbering {
-    /// For each position the vertex made last there; [`NONE`] if there is none.
+    /// Most recent vertex at each position; [`NONE`] if there is none.
     newest: Vec<u32>,
     vertices: Vec<Vertex>,
-    /// Vertices at crowded positions.
+    /// Vertices at crowded positions, by their corners.
     crowded: HashMap<Corner, u32>,
     crowded_bytes: u64,
 }
@@ -75,7 +75,7 @@ struct Numbering {
 #[derive(Clone, Copy)]
 struct Vertex {
     corner: Corner,
-    /// The vertex made before at the same position.
+    /// Previous vertex at the same position; [`NONE`] if there is none.
     older: u32,
 }
 
@@ -113,7 +113,7 @@ impl Numbering {
             name: String::new(),
             positions: corners().map(|corner| lists.positions[corner.position as usize]).collect(),
             normals: corners().map(|corner| lists.normals[corner.normal as usize]).collect(),
-            // v runs up in the file.
+            // v runs up in the file and down in a mesh.
             uvs: if has_uvs {
                 corners().map(|corner| lists.uvs[corner.uv as usize]).map(|uv| Vec2::new(uv.x, 1.0 - uv.y)).collect()
             } else {
@@ -128,7 +128,7 @@ impl Numbering {
         })
     }
 
-    /// Returns the number of the vertex with this corner's attributes, which is made if it is new.
+    /// Returns the index of the vertex with this corner's attributes, adding the vertex if it is new.
     fn number(&mut self, corner: Corner, load: &mut Load<'_>) -> Result<u32, String> {
         let newest = self.newest[corner.position as usize];
         let (mut older, mut compared) = (newest, 0);
@@ -158,7 +158,7 @@ impl Numbering {
         Ok(new)
     }
 
-    /// Notes the vertices at the position of `newest`, which has just become crowded.
+    /// Adds the vertices at the position of `newest`, which has just become crowded, to the hash map.
     fn note_crowd(&mut self, newest: u32) {
         let mut number = newest;
         while number != NONE {
@@ -168,7 +168,7 @@ impl Numbering {
         }
     }
 
-    /// Forgets all vertices.
+    /// Removes all vertices.
     fn clear(&mut self) {
         for vertex in &self.vertices {
             self.newest[vertex.corner.position as usize] = NONE;
@@ -187,7 +187,7 @@ mod tests {
     use super::super::{attributes, faces, warnings::Warnings};
     use super::*;
 
-    /// Meshes of a file by this module and by tobj.
+    /// Returns the meshes of a file from this module and from `tobj`.
     fn both(text: &str) -> (Vec<MeshData>, Vec<tobj::Mesh>) {
         let path = Path::new("a.obj");
         let (mut warnings, mut load) = (Warnings::default(), unlimited(path));
@@ -203,7 +203,7 @@ mod tests {
     #[test]
     fn vertices_are_those_of_tobj() {
         let mut random = fastrand::Rng::with_seed(3);
-        // Few positions and many normals make crowds, many positions and few faces make none.
+        // Few positions with many normals create crowded positions; many positions with few faces create none.
         for (positions, others, triangles) in [(3, 2, 50), (5, 60, 3000), (500, 3, 400), (40, 40, 2000)] {
             let mut text = String::new();
             for i in 0..positions {

@@ -1,7 +1,7 @@
-//! What was left out or repaired, collected so that it stays readable.
+//! Collection of warnings about skipped or repaired content, condensed for readability.
 //!
-//! A broken exporter repeats its fault in every line. Equal texts about one file are therefore one warning, at the
-//! first line and with a count; and no more than [`MAX_KEPT`] are kept.
+//! A broken exporter repeats its fault in every line. Equal texts about one file therefore become one warning, at the
+//! first line and with a count. At most [`MAX_KEPT`] warnings are kept.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -9,10 +9,10 @@ use std::path::{Path, PathBuf};
 
 use crate::scene::Warning;
 
-/// Most warnings that are kept; the rest is only counted.
+/// Maximum number of warnings kept; the rest is only counted.
 const MAX_KEPT: usize = 100;
 
-/// A collection of warnings in the order of their first occurrence.
+/// Warnings in order of their first occurrence.
 #[derive(Debug, Default)]
 pub(super) struct Warnings {
     kept: Vec<(Warning, usize)>,
@@ -21,7 +21,7 @@ pub(super) struct Warnings {
 }
 
 impl Warnings {
-    /// Notes something about `line` of the file, or about all of it. `text` must not differ between repetitions.
+    /// Adds a warning about `line` of the file, or about the whole file. `text` must be identical for repetitions.
     pub(super) fn add(&mut self, path: &Path, line: Option<usize>, text: impl Into<String>) {
         let text = text.into();
         let kept = self.kept.len();
@@ -35,12 +35,12 @@ impl Warnings {
         }
     }
 
-    /// The first one that has a line.
+    /// Returns the first warning that has a line.
     pub(super) fn first_with_line(&self) -> Option<&Warning> {
         self.kept.iter().map(|(warning, _)| warning).find(|w| w.line.is_some())
     }
 
-    /// All of them; repeated ones say how often. `path` is the file that "and more" is said about.
+    /// Returns all warnings. Repeated ones include their count, and a final "and more" warning refers to `path`.
     pub(super) fn finish(self, path: &Path) -> Vec<Warning> {
         let more = (self.dropped > 0).then(|| Warning::file(path, format!("and {} more warnings", self.dropped)));
         let counted = |(mut warning, count): (Warning, usize)| {

@@ -1,18 +1,19 @@
-//! Open seams: where borders of surfaces run along one another without sharing their vertices.
+//! Open seams: borders of surfaces that run along one another without sharing their vertices.
 //!
-//! An edge that belongs to one triangle only is *open*. Two surfaces that meet share the edges between them, so an open edge
-//! with another open edge along it is a fault of the mesh, of one of two kinds:
+//! An edge that belongs to only one triangle is *open*. Two adjacent surfaces share the edges between them, so an open
+//! edge along another open edge is a fault of the mesh, of one of two kinds:
 //!
-//! * a **T-junction**: a vertex lies within the open edge of another triangle. Its position is rounded on its own, so it leaves
-//!   the edge by a fraction of a pixel, and samples between the two are hit by no triangle, or by two.
-//! * an **unwelded vertex**: two vertices whose positions are not the same bits lie closer together than the tolerance.
+//! * a **T-junction**: a vertex lies within the open edge of another triangle. Its position is rounded independently,
+//!   so it deviates from the edge by a fraction of a pixel. Samples in between are hit by no triangle, or by two.
+//! * an **unwelded vertex**: two vertices whose positions are not bitwise equal lie closer together than the tolerance.
 //!
-//! Vertices are the same if their positions in world space are the same bits, whatever their numbers, normals and texture
-//! coordinates: objects that share a transform share vertices, too. A vertex lies on an edge if it is closer to it than the
-//! [`tolerance`], and an open edge of it runs along that edge. Neither looks at which way triangles face.
+//! Vertices are identical if their world-space positions are bitwise equal, whatever their indices, normals and texture
+//! coordinates: objects that share a transform share vertices, too. A vertex lies on an edge if two conditions hold: it
+//! is closer to the edge than the [`tolerance`], and one of its open edges runs along that edge. Neither depends on
+//! which way triangles face.
 //!
-//! Cost: sorting of all vertices and edges, and for each open edge one search in a tree of the open vertices; about one second
-//! for a million triangles on two threads.
+//! Cost: all vertices and edges are sorted, and each open edge needs one search in a tree of the open vertices; about
+//! one second for a million triangles on two threads.
 
 mod tree;
 
@@ -28,34 +29,35 @@ use self::tree::PointTree;
 use self::weld::{Welded, is_open};
 use super::{Scene, TriangleId};
 
-/// Largest distance of a vertex that lies on an edge, as a share of the diagonal of the scene's box: the rounding error of
-/// coordinates of about 1 that a file holds with four decimals.
+/// Maximum distance of a vertex that lies on an edge, relative to the diagonal of the scene's bounding box. It is the
+/// rounding error of coordinates of about 1 that a file stores with four decimals.
 const TOLERANCE_OF_SCENE: f64 = 1e-4;
 
-/// The same as a share of the edge's length, so that small details of a large scene are not taken for one line.
+/// Maximum distance of a vertex that lies on an edge, relative to the edge's length. It keeps small details of a large
+/// scene from being treated as one line.
 const TOLERANCE_OF_EDGE: f64 = 1e-2;
 
-/// Rounding of coordinates far from the origin, as a share of the largest coordinate: two steps of f32.
+/// Rounding error of coordinates far from the origin, relative to the largest coordinate: two ulps of f32.
 const ROUNDING: f64 = 2.0 * f32::EPSILON as f64;
 
-/// Sine of the largest angle between edges that run along one another.
+/// Sine of the maximum angle between edges that run along one another.
 const LARGEST_SINE: f64 = 0.1;
 
-/// Open edges that are searched between two looks at whether to go on.
+/// Number of open edges searched between cancellation checks.
 const CHUNK: usize = 1024;
 
 /// Kind of a fault of a mesh along an open edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum JunctionKind {
-    /// A vertex within the open edge of another triangle.
+    /// A vertex lies within the open edge of another triangle.
     TJunction,
-    /// A vertex close to, and not the same as, the end of an open edge.
+    /// A vertex is close, but not identical, to the end of an open edge.
     Unwelded,
 }
 
 impl JunctionKind {
-    /// Display name.
+    /// Returns the display name.
     pub fn name(self) -> &'static str {
         match self {
             Self::TJunction => "T-junction",
@@ -64,75 +66,75 @@ impl JunctionKind {
     }
 }
 
-/// A corner of a triangle.
+/// Corner of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub struct Corner {
-    /// The triangle.
+    /// Identifier of the triangle.
     pub triangle: TriangleId,
-    /// 0, 1 or 2.
+    /// Index of the corner: 0, 1 or 2.
     pub corner: u8,
 }
 
-/// An edge of a triangle.
+/// Edge of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub struct TriangleEdge {
-    /// The triangle.
+    /// Identifier of the triangle.
     pub triangle: TriangleId,
-    /// The corner that the edge is opposite to: 0, 1 or 2.
+    /// Index of the opposite corner: 0, 1 or 2.
     pub opposite: u8,
 }
 
-/// A vertex on an open edge that it is no end of.
+/// Vertex on an open edge of which it is not an end.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Junction {
     /// Kind of the fault.
     pub kind: JunctionKind,
-    /// The vertex, as the corner of a triangle on the other side of the edge.
+    /// Vertex, as the corner of a triangle on the other side of the edge.
     pub vertex: Corner,
-    /// The open edge.
+    /// Open edge on which the vertex lies.
     pub edge: TriangleEdge,
-    /// Distance of the vertex from the edge, or from the end of the edge if it is unwelded; world units.
+    /// Distance of the vertex from the edge in world units; from the end of the edge if it is unwelded.
     pub distance: f64,
 }
 
 impl Junction {
-    /// Describes the fault in one sentence, without its full stop.
+    /// Describes the fault in one sentence, without a final full stop.
     pub fn text(&self) -> String {
         let Self { kind, vertex, edge, distance } = self;
         let vertex = format!("v{} of triangle {}", vertex.corner, vertex.triangle.0);
         let edge = format!("the edge of triangle {} opposite to v{}", edge.triangle.0, edge.opposite);
         match kind {
             JunctionKind::TJunction => format!(
-                "T-junction: {vertex} lies within {edge}, {distance:.2e} off it, and is no vertex of that triangle, so the \
-                 two sides are rounded apart"
+                "T-junction: {vertex} lies within {edge}, {distance:.2e} off it, but is not a vertex of that triangle, \
+                 so the two sides round differently"
             ),
             JunctionKind::Unwelded => format!(
-                "Unwelded vertex: {vertex} lies {distance:.2e} from an end of {edge}, and is not the same vertex, so the two \
-                 sides do not meet"
+                "Unwelded vertex: {vertex} lies {distance:.2e} from an end of {edge}, but is not the same vertex, so \
+                 the two sides do not meet"
             ),
         }
     }
 }
 
-/// Two open edges that run along one another.
+/// Pair of open edges that run along one another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seam {
-    /// The vertex of the second edge on the first one; a T-junction rather than an unwelded vertex if there are both.
+    /// Vertex of the second edge on the first one. If both kinds occur, the T-junction takes precedence.
     pub junction: Junction,
-    /// The second edge.
+    /// Second edge of the pair.
     pub along: TriangleEdge,
 }
 
-/// Numbers of faults of a scene.
+/// Numbers of faults in a scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct SeamCounts {
-    /// Vertices within open edges.
+    /// Number of vertices within open edges.
     pub t_junctions: usize,
-    /// Vertices that welding with the tolerance would remove.
+    /// Number of vertices that welding with the tolerance would remove.
     pub unwelded: usize,
 }
 
-/// The open seams of a scene.
+/// Open seams of a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Seams {
     seams: Vec<Seam>,
@@ -141,7 +143,7 @@ pub struct Seams {
 }
 
 impl Seams {
-    /// Finds all open seams of a scene. Returns `None` once `stop` is set.
+    /// Finds all open seams of a scene. Returns `None` if `stop` is set.
     pub fn find(scene: &Scene, stop: &AtomicBool) -> Option<Self> {
         let mesh = Welded::of(scene, stop)?;
         if mesh.open.is_empty() {
@@ -150,7 +152,7 @@ impl Seams {
         Search::new(&mesh).run(stop)
     }
 
-    /// Finds all open seams of a scene.
+    /// Finds all open seams of a scene, without cancellation.
     pub fn of(scene: &Scene) -> Self {
         Self::find(scene, &AtomicBool::new(false)).unwrap_or_default()
     }
@@ -160,7 +162,7 @@ impl Seams {
         &self.seams
     }
 
-    /// Returns the faults, one for each vertex and kind, ordered by kind and vertex.
+    /// Returns the faults, one per vertex and kind, ordered by kind and vertex.
     pub fn junctions(&self) -> &[Junction] {
         &self.junctions
     }
@@ -178,7 +180,7 @@ impl Seams {
 }
 
 impl SeamCounts {
-    /// Returns both numbers in words.
+    /// Returns both numbers as text.
     pub fn text(self) -> String {
         let number = |count: usize, one: &str, many: &str| format!("{count} {}", if count == 1 { one } else { many });
         let t_junctions = number(self.t_junctions, "T-junction", "T-junctions");
@@ -186,33 +188,34 @@ impl SeamCounts {
     }
 }
 
-/// Returns the distance from an edge of this length up to which a vertex lies on it, for a scene with this diagonal and
-/// largest coordinate; all in world units.
+/// Returns the distance from an edge up to which a vertex lies on it, in world units.
+///
+/// `edge` is the length of the edge; `diagonal` and `largest` are the diagonal and the largest coordinate of the scene.
 pub fn tolerance(edge: f64, diagonal: f64, largest: f64) -> f64 {
     (TOLERANCE_OF_EDGE * edge).min((TOLERANCE_OF_SCENE * diagonal).max(ROUNDING * largest))
 }
 
-/// A vertex found on an open edge, with an open edge of it that runs along.
+/// Vertex found on an open edge, with one of its own open edges that runs along it.
 #[derive(Clone, Copy, Debug)]
 struct Hit {
     kind: JunctionKind,
-    /// Number of the vertex among all welded ones.
+    /// Index of the welded vertex.
     vertex: u32,
     corner: Corner,
-    /// Places of both edges among the open ones.
+    /// Indices of both edges among the open ones.
     edges: [u32; 2],
-    /// The vertex that it is to be welded to.
+    /// Welded vertex to merge with.
     other: u32,
     distance: f64,
 }
 
-/// The search among the open edges of a mesh.
+/// Search among the open edges of a mesh.
 struct Search<'a> {
     mesh: &'a Welded,
-    /// Welded vertices that are ends of open edges, ascending.
+    /// Welded vertices at the ends of open edges, ascending.
     vertices: Vec<u32>,
     tree: PointTree,
-    /// Open edges by their ends: those of `vertices[i]` are `incident[starts[i]..starts[i + 1]]`.
+    /// Open edges by their ends: the edges of `vertices[i]` are `incident[starts[i]..starts[i + 1]]`.
     starts: Vec<u32>,
     incident: Vec<u32>,
 }
@@ -248,7 +251,7 @@ impl<'a> Search<'a> {
         Some(Seams { seams: self.seams(&hits), junctions: self.junctions(&hits), border: self.border() })
     }
 
-    /// Finds the vertices on one open edge that have an open edge along it.
+    /// Finds the vertices on one open edge that have an open edge of their own along it.
     fn hits_of(&self, place: u32, hits: &mut Vec<Hit>) {
         let edge = &self.mesh.open[place as usize];
         let [from, to] = edge.ends.map(|end| self.mesh.positions[end as usize]);
@@ -265,7 +268,7 @@ impl<'a> Search<'a> {
             }
             let at = self.mesh.positions[vertex as usize];
             let close = (0..2).find(|end| at.distance([from, to][*end]) <= reach);
-            // A vertex next to an end that is joined to it by an edge across is the other rim of a thin strip.
+            // A vertex near an end and connected to it by a closed edge is on the other rim of a thin strip.
             let is_across = |end: &u32| self.mesh.edge(vertex, *end).is_some_and(|twins| !is_open(twins));
             if edge.ends.iter().any(is_across) {
                 return;
@@ -316,7 +319,7 @@ impl<'a> Search<'a> {
         best.into_iter().map(seam).collect()
     }
 
-    /// Returns one junction for each vertex within an edge, and one for each vertex that lies beside one with a lower number.
+    /// Returns one junction for each vertex within an edge, and one for each vertex close to one with a lower index.
     fn junctions(&self, hits: &[Hit]) -> Vec<Junction> {
         let is_counted = |hit: &&Hit| hit.kind == JunctionKind::TJunction || hit.other < hit.vertex;
         let mut best: Vec<&Hit> = hits.iter().filter(is_counted).collect();
@@ -340,7 +343,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// An open edge as a line from one end in one direction.
+/// Open edge as a line segment from one end in one direction.
 struct Line {
     from: DVec3,
     along: DVec3,

@@ -5,7 +5,7 @@ use crate::scene::builtin;
 use crate::scene::mesh::MeshData;
 use crate::scene::{Instance, Material, Mesh};
 
-/// A scene of one mesh per list of triangles, all at one place.
+/// Returns a scene with one mesh per list of triangles, all with the same placement.
 pub(crate) fn scene(parts: &[(Vec<Vec3>, Vec<[u32; 3]>)], world_from_model: Mat4) -> Scene {
     let mut scene = builtin::by_id("triangle").unwrap().build();
     scene.instances.clear();
@@ -33,7 +33,8 @@ fn counts(scene: &Scene) -> [usize; 2] {
     [t_junctions, unwelded]
 }
 
-/// A triangle over the edge from (−1, 0) to (1, 0), and below it a fan whose rim runs through `stops` on that edge.
+/// Returns a triangle above the edge from (−1, 0) to (1, 0), and below it a fan whose rim passes through `stops` on
+/// that edge.
 pub(crate) fn fan(stops: &[f32]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let mut positions = vec![Vec3::new(-1.0, 0.0, 0.0), Vec3::new(1.0, 0.0, 0.0), Vec3::Y, Vec3::new(0.1, -1.0, 0.2)];
     let mut rim = vec![0];
@@ -108,7 +109,7 @@ fn a_filler_triangle_closes_a_t_junction() {
 
 #[test]
 fn rows_that_are_shifted_against_each_other_have_t_junctions_on_both_sides() {
-    // Two rows of four quads each, the upper one shifted by half a quad.
+    // Two rows of four quads each, with the upper row shifted by half a quad.
     let row = |low: f32, shift: f32| {
         let at = |i: u32, y: f32| Vec3::new(i as f32 + shift, y, 0.0);
         let positions: Vec<Vec3> = (0..5).map(|i| at(i, low)).chain((0..5).map(|i| at(i, low + 1.0))).collect();
@@ -116,9 +117,9 @@ fn rows_that_are_shifted_against_each_other_have_t_junctions_on_both_sides() {
         (positions, triangles)
     };
     for place in turned() {
-        // Of five vertices each, one of either row lies beyond the other's end.
+        // Each row has five vertices on the seam, and one of them lies beyond the end of the other row.
         assert_eq!(counts(&scene(&[row(0.0, 0.0), row(1.0, 0.5)], place)), [8, 0]);
-        // Not shifted, both rows share their vertices.
+        // Without the shift, both rows share their vertices.
         assert_eq!(counts(&scene(&[row(0.0, 0.0), row(1.0, 0.0)], place)), [0, 0]);
     }
 }
@@ -141,7 +142,7 @@ fn vertices_that_differ_in_the_last_bits_are_unwelded_and_equal_ones_are_not() {
 #[test]
 fn seams_of_texture_coordinates_and_materials_are_closed() {
     let mut rng = fastrand::Rng::with_seed(2);
-    // A grid whose triangles share nothing but positions, dealt out to three meshes.
+    // A grid whose triangles share only positions, distributed over three meshes.
     let at = |x: u32, y: u32| Vec3::new(x as f32 * 0.37, y as f32 * 0.21, (x * y) as f32 * 0.05);
     let mut parts = vec![(Vec::new(), Vec::new()); 3];
     for (x, y) in (0..9).flat_map(|x| (0..7).map(move |y| (x, y))) {

@@ -1,21 +1,21 @@
-//! A tree of points, asked for those near a segment.
+//! Point tree for searches near a segment.
 
 use glam::DVec3;
 
-/// Points of a leaf at most.
+/// Maximum number of points in a leaf.
 const LEAF: usize = 8;
 
-/// Points that one thread orders alone.
+/// Maximum number of points that one thread sorts alone.
 const SERIAL: usize = 8192;
 
-/// Points in a balanced binary tree: each node splits its points at the median of the longest side of their box.
+/// Balanced binary tree of points: each node splits its points at the median of the longest side of their bounding box.
 #[derive(Debug)]
 pub(super) struct PointTree {
-    /// In the order of the leaves.
+    /// Points in the order of the leaves.
     points: Vec<DVec3>,
-    /// Number of each point as it was given.
+    /// Index of each point in the input.
     numbers: Vec<u32>,
-    /// Least and greatest corner of each node; the children of node i are 2i + 1 and 2i + 2.
+    /// Minimum and maximum corner of each node's box; the children of node i are 2i + 1 and 2i + 2.
     boxes: Vec<[DVec3; 2]>,
 }
 
@@ -31,7 +31,7 @@ impl PointTree {
         tree
     }
 
-    /// Computes the box of a node over some of the points, and those of the nodes below.
+    /// Computes the bounding box of a node over a range of the points, and those of its descendants.
     fn surround(&mut self, node: usize, first: usize, end: usize) -> [DVec3; 2] {
         let own = if end - first <= LEAF {
             bounds(self.points[first..end].iter().copied())
@@ -45,7 +45,7 @@ impl PointTree {
         own
     }
 
-    /// Calls `sink` with the number of every point not farther than `reach` from a segment.
+    /// Calls `sink` with the index of every point at most `reach` away from a segment.
     pub(super) fn near(&self, segment: [DVec3; 2], reach: f64, mut sink: impl FnMut(u32)) {
         let mut waiting = vec![(0, 0, self.points.len())];
         while let Some((node, first, end)) = waiting.pop() {
@@ -66,7 +66,7 @@ impl PointTree {
     }
 }
 
-/// Orders the numbers of points so that each half of each part is one side of a median.
+/// Orders point indices so that every range is split at a median of its points.
 fn order(points: &[DVec3], numbers: &mut [u32]) {
     if numbers.len() <= LEAF {
         return;
@@ -93,7 +93,8 @@ fn bounds(points: impl Iterator<Item = DVec3>) -> [DVec3; 2] {
     })
 }
 
-/// Returns whether the box widened by `reach` meets the segment; `true` for some that only come close at a corner.
+/// Returns whether the box, extended by `reach`, intersects the segment. Near the corners of the box this is
+/// conservative.
 fn may_be_near([least, greatest]: [DVec3; 2], [from, to]: [DVec3; 2], reach: f64) -> bool {
     let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
     for axis in 0..3 {

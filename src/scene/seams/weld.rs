@@ -1,4 +1,4 @@
-//! All triangles of a scene over vertices that are the same where their positions in world space are the same bits.
+//! Welded triangles of a scene: vertices are identical if their world-space positions are bitwise equal.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -8,41 +8,42 @@ use rayon::prelude::*;
 use super::{Corner, TriangleEdge};
 use crate::scene::{Scene, TriangleId};
 
-/// Stands for a vertex whose position is not finite.
+/// Represents a vertex whose position is not finite.
 const NOT_FINITE: u32 = u32::MAX;
 
-/// An edge of a triangle, by its welded vertices.
+/// Edge of a triangle, given by its welded vertices.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Edge {
-    /// Its ends, the lower number first.
+    /// Welded vertices at the ends, the lower index first.
     pub(super) ends: [u32; 2],
-    /// The third vertex of its triangle.
+    /// Welded vertex of the triangle opposite the edge.
     pub(super) opposite: u32,
-    /// The triangle.
+    /// Identifier of the triangle.
     pub(super) triangle: TriangleId,
-    /// The corner that the third vertex is, and whether the triangle lists the end with the higher number first.
+    /// Corner index of the opposite vertex, and whether the triangle lists the end with the higher index first.
     corner: u8,
     is_flipped: bool,
 }
 
 impl Edge {
-    /// The edge of the triangle.
+    /// Returns the edge of the triangle.
     pub(super) fn of_triangle(&self) -> TriangleEdge {
         TriangleEdge { triangle: self.triangle, opposite: self.corner }
     }
 
-    /// The end that is not `end`.
+    /// Returns the end that is not `end`.
     pub(super) fn other_end(&self, end: u32) -> u32 {
         if self.ends[0] == end { self.ends[1] } else { self.ends[0] }
     }
 
-    /// The corner of the triangle that one of its ends is.
+    /// Returns the corner of the triangle at one end of the edge.
     pub(super) fn corner_of(&self, end: u32) -> Corner {
         let is_first = (self.ends[0] == end) != self.is_flipped;
         Corner { triangle: self.triangle, corner: (self.corner + if is_first { 1 } else { 2 }) % 3 }
     }
 
-    /// Whether the triangles of both edges are one, or share an edge: borders of such a pair are no seam, however thin it is.
+    /// Whether both edges belong to one triangle, or to triangles that share an edge. The borders of such a pair are no
+    /// seam, however thin it is.
     pub(super) fn joins(&self, other: &Self) -> bool {
         let corners = |edge: &Self| [edge.ends[0], edge.ends[1], edge.opposite];
         corners(self).iter().filter(|corner| corners(other).contains(corner)).count() >= 2
@@ -58,23 +59,23 @@ pub(super) fn is_open(twins: &[Edge]) -> bool {
     twins.iter().all(|edge| edge.opposite == twins[0].opposite)
 }
 
-/// The welded triangles. Those with two corners at one place, or with a corner that is not finite, are left out.
+/// Welded triangles. Triangles with two identical corners or with a non-finite corner are skipped.
 #[derive(Debug)]
 pub(super) struct Welded {
     /// Position of each vertex in world space.
     pub(super) positions: Vec<DVec3>,
-    /// All edges, those with the same ends next to each other.
+    /// All edges, sorted so that those with the same ends are adjacent.
     edges: Vec<Edge>,
     /// Open edges, one for each pair of ends.
     pub(super) open: Vec<Edge>,
-    /// Diagonal of the box around all vertices.
+    /// Diagonal of the bounding box of all vertices, world units.
     pub(super) diagonal: f64,
-    /// Largest coordinate.
+    /// Largest magnitude of a coordinate, world units.
     pub(super) largest: f64,
 }
 
 impl Welded {
-    /// Welds a scene. `None` once `stop` is set.
+    /// Welds the vertices of a scene. Returns `None` if `stop` is set.
     pub(super) fn of(scene: &Scene, stop: &AtomicBool) -> Option<Self> {
         let goes_on = || (!stop.load(Ordering::Relaxed)).then_some(());
         let (numbers, positions) = welded(&placed(scene));
@@ -93,7 +94,7 @@ impl Welded {
         Some(Self { positions, edges, open, diagonal: least.distance(greatest), largest })
     }
 
-    /// The edges between two vertices; `None` if there is none.
+    /// Returns the edges between two vertices; `None` if there are none.
     pub(super) fn edge(&self, a: u32, b: u32) -> Option<&[Edge]> {
         let ends = [a.min(b), a.max(b)];
         let first = self.edges.partition_point(|edge| edge.ends < ends);
@@ -102,19 +103,19 @@ impl Welded {
     }
 }
 
-/// Positions of all vertices of all instances in world space, one instance after another.
+/// Returns the positions of all vertices of all instances in world space, one instance after another.
 fn placed(scene: &Scene) -> Vec<DVec3> {
     let mut all = Vec::new();
     for instance in &scene.instances {
         let (mesh, world_from_model) = (scene.library.mesh(instance.mesh), instance.world_from_model.as_dmat4());
-        // Adding zero turns −0 into 0, which is the same place.
+        // Adding zero turns −0 into +0, which is the same position.
         let place = |p: &glam::Vec3| world_from_model.transform_point3(p.as_dvec3()) + DVec3::ZERO;
         all.par_extend(mesh.positions.par_iter().map(place));
     }
     all
 }
 
-/// The number of the welded vertex for each position, and the position of each welded vertex.
+/// Returns the welded vertex of each position, and the position of each welded vertex.
 fn welded(all: &[DVec3]) -> (Vec<u32>, Vec<DVec3>) {
     let bits = |at: &DVec3| at.to_array().map(f64::to_bits);
     let mut order: Vec<u32> = (0..all.len() as u32).collect();
@@ -131,7 +132,7 @@ fn welded(all: &[DVec3]) -> (Vec<u32>, Vec<DVec3>) {
     (numbers, positions)
 }
 
-/// The edges of all triangles, in no order.
+/// Returns the edges of all triangles, in no particular order.
 fn edges(scene: &Scene, numbers: &[u32]) -> Vec<Edge> {
     let mut all = Vec::new();
     let mut first_vertex = 0;
@@ -147,7 +148,7 @@ fn edges(scene: &Scene, numbers: &[u32]) -> Vec<Edge> {
     all
 }
 
-/// The three edges of a triangle; `None` if it is left out.
+/// Returns the three edges of a triangle; `None` if it is degenerate or not finite.
 fn edges_of(triangle: TriangleId, corners: [u32; 3]) -> Option<[Edge; 3]> {
     let [a, b, c] = corners;
     if a == b || b == c || c == a || corners.contains(&NOT_FINITE) {

@@ -1,4 +1,4 @@
-//! The talk with the renderer: what is asked when something changed, and what becomes of the answers.
+//! Communication with the render worker: sends requests when their inputs change, and handles the answers.
 
 use std::time::Instant;
 
@@ -13,7 +13,7 @@ use crate::ui::task::Task;
 use crate::ui::worker::{Answer, Job, MeasureRequest};
 
 impl Workbench {
-    /// Takes what the renderer and the loader have ready.
+    /// Handles all pending results of the render worker, tasks, exports, scene loader and case evaluation.
     pub(super) fn listen(&mut self) {
         while let Some(answer) = self.worker.poll() {
             self.hear(answer);
@@ -38,7 +38,7 @@ impl Workbench {
             Answer::Watched(rows) => self.session.watch.hear(rows),
             Answer::WhatIf(found) => self.session.what_if.found = Some(*found),
             Answer::Stages(figures) => self.session.stages = Some(*figures),
-            // Late news of a measurement that another has replaced.
+            // Discards late answers of a measurement that a newer one has replaced.
             Answer::Sample { of, .. } | Answer::Judged { of, .. } | Answer::Noise { of, .. } | Answer::Measured(of)
                 if of != self.measurement => {}
             Answer::Sample { upscaling, milliseconds, progress, .. } => {
@@ -53,13 +53,13 @@ impl Workbench {
             Answer::Measured(_) => self.session.measuring = None,
             Answer::Panicked(text) => {
                 self.asked_at = None;
-                let text = format!("Drawing stopped by an error of the program: {text}. The last good picture stays.");
+                let text = format!("Drawing stopped: internal error: {text}. The last good picture stays.");
                 self.session.report(Level::Error, text);
             }
         }
     }
 
-    /// Sends a request if something has changed that it depends on.
+    /// Sends a render request if any of its inputs has changed.
     pub(super) fn ask(&mut self, ui: &Ui) {
         self.session.pick_by_itself();
         let request = self.session.request();
@@ -75,7 +75,7 @@ impl Workbench {
         }
     }
 
-    /// Sends what is to be compared if that has changed.
+    /// Sends a comparison request if it differs from the last one.
     pub(super) fn ask_to_compare(&mut self, ui: &Ui) {
         let request = self.session.compare_request().filter(|_| self.session.canvas_px != (0, 0));
         let same = match (&self.asked_to_compare, &request) {
@@ -96,7 +96,7 @@ impl Workbench {
         }
     }
 
-    /// Says which pixels are watched if that has changed.
+    /// Sends the list of watched pixels to the worker if it has changed.
     pub(super) fn ask_to_watch(&mut self, ui: &Ui) {
         if self.asked_to_watch != self.session.watch.pixels {
             self.asked_to_watch.clone_from(&self.session.watch.pixels);
@@ -108,7 +108,7 @@ impl Workbench {
         }
     }
 
-    /// Asks what a change did if that is looked at and something is new.
+    /// Sends a what-if request if it differs from the last one.
     pub(super) fn ask_what_if(&mut self, ui: &Ui) {
         let request = self.session.what_if_request().filter(|_| self.session.canvas_px != (0, 0));
         if self.session.what_if.asks_anew(request.as_ref()) {
@@ -120,7 +120,7 @@ impl Workbench {
         }
     }
 
-    /// Starts timing all upscalers on what is shown.
+    /// Starts timing all upscalers on the scene, view and size on screen.
     pub fn measure(&mut self) {
         let request = Request { triangle_limit: None, fragment_limit: None, ..self.session.request() };
         let request = MeasureRequest {
@@ -138,7 +138,7 @@ impl Workbench {
         self.worker.send(Job::Measure(Box::new(request)));
     }
 
-    /// Looks for something in the frame on screen, on a thread of its own.
+    /// Searches the frame on screen for `wanted`, in a background thread unless the window is synchronous.
     pub(super) fn find(&mut self, ui: &Ui, wanted: Wanted) {
         let Some(view) = self.session.view_of_scene().cloned() else { return };
         let look = move || {

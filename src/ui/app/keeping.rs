@@ -1,4 +1,4 @@
-//! What the window keeps on disk between runs.
+//! Window state that is stored on disk between runs.
 
 use eframe::egui::Ui;
 
@@ -7,13 +7,13 @@ use crate::ui::session::Level;
 use crate::ui::store::Store;
 
 impl Workbench {
-    /// Keeps the preferences on disk from now on.
+    /// Enables saving preferences to `store`, and restores its window state.
     pub(in crate::ui) fn keep_in(&mut self, store: Store) {
         self.window = store.window().clone();
         self.store = Some(store);
     }
 
-    /// Hands changed preferences to the thread that writes them, and reports what could not be written.
+    /// Passes changed preferences to the thread that writes them, and reports failed writes.
     pub(in crate::ui) fn keep_preferences(&mut self) {
         let Some(store) = &mut self.store else { return };
         store.keep(self.session.preferences(&self.window));
@@ -22,7 +22,7 @@ impl Workbench {
         }
     }
 
-    /// Records theme, scale and size of the window.
+    /// Records the theme, interface scale and size of the window.
     pub(super) fn observe_window(&mut self, ui: &Ui) {
         self.context.get_or_insert_with(|| ui.ctx().clone());
         self.window.light_theme = !ui.visuals().dark_mode;

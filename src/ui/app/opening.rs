@@ -1,4 +1,4 @@
-//! Opening scenes and cases: models are loaded, and cases read and answered, on threads of their own.
+//! Opening scenes and cases: background threads load models, and read and evaluate cases.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -18,28 +18,28 @@ use crate::ui::session::Level;
 use crate::ui::task::{Listening, Task};
 use crate::ui::worker::Job;
 
-/// A model is called slow, and its progress shown, after this time.
+/// Loading time after which progress is shown.
 pub(super) const SLOW_LOAD: Duration = Duration::from_millis(300);
 
-/// A model that is being loaded on a thread of its own.
+/// Model being loaded in a background thread.
 pub(super) struct Loading {
     source: SceneSource,
-    /// Reports the completed share, from 0 to 1.
+    /// Loading task; its progress is the completed share in [0, 1].
     task: Task<f32, Result<Loaded, SceneError>>,
     completed: Option<f32>,
     since: Instant,
 }
 
-/// A case that is being read and answered on a thread of its own.
+/// Case being read and evaluated in a background thread.
 pub(super) struct OpeningCase {
     path: PathBuf,
     task: Task<f32, Result<Evaluation, CaseError>>,
-    /// Completed share of the answer, in [0, 1].
+    /// Completed share of the evaluation, in [0, 1].
     progress: Option<f32>,
     since: Instant,
 }
 
-/// Reads a case and answers its first part; `None` if it was cancelled.
+/// Reads a case and evaluates its first part. Returns `None` if cancelled.
 fn opened_case(path: &Path, options: Options, control: &Control<'_>) -> Option<Result<Evaluation, CaseError>> {
     match Case::read(path) {
         Ok(case) => Evaluation::new(Question { case: Arc::new(case), part: 0, options }, control).map(Ok),
@@ -49,7 +49,7 @@ fn opened_case(path: &Path, options: Options, control: &Control<'_>) -> Option<R
 
 impl Workbench {
     pub(super) fn open(&mut self, ui: &Ui, source: SceneSource) {
-        // The newest wins.
+        // The most recent request replaces a case that is still being opened.
         self.opening_case = None;
         if let SceneSource::File(path, _) = &source
             && path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
@@ -60,7 +60,7 @@ impl Workbench {
         if let SceneSource::File(path, _) = &source
             && is_named_picture(path)
         {
-            // A picture is no scene; the lab fills in and samples pictures.
+            // An image file is not a scene: offer it to the 2D lab, which fills and samples pictures.
             self.session.offered_picture = Some(path.clone());
             return;
         }
@@ -77,7 +77,7 @@ impl Workbench {
         ui.request_repaint_after(SLOW_LOAD);
     }
 
-    /// Takes the model that is being loaded, once it is.
+    /// Handles the progress and the result of the model being loaded.
     pub(super) fn hear_loading(&mut self) {
         let Some(loading) = &mut self.loading else { return };
         match loading.task.listen(&mut loading.completed) {
@@ -90,14 +90,14 @@ impl Workbench {
                 }
             }
             Listening::BrokeOff => {
-                let text = format!("Loading {} stopped by an error of the program", loading.source.title());
+                let text = format!("Loading {} stopped: internal error", loading.source.title());
                 self.loading = None;
                 self.session.report(Level::Error, text);
             }
         }
     }
 
-    /// Reads a case and answers it; what is shown stays until then.
+    /// Reads and evaluates a case. The view stays unchanged until the evaluation is complete.
     fn open_case(&mut self, ui: &Ui, path: PathBuf) {
         let Settings { rasterizer, arithmetic, .. } = self.session.state.recipe.pipeline;
         let options = Options { rasterizer, arithmetic };
@@ -126,7 +126,7 @@ impl Workbench {
         }
     }
 
-    /// Takes what has become of a case that is being opened.
+    /// Handles the progress and the result of the case being opened.
     pub(super) fn hear_case(&mut self) {
         let Some(opening) = &mut self.opening_case else { return };
         match opening.task.listen(&mut opening.progress) {
@@ -138,7 +138,7 @@ impl Workbench {
                 }
             }
             Listening::BrokeOff => {
-                let text = format!("Opening {} stopped by an error of the program", opening.path.display());
+                let text = format!("Opening {} stopped: internal error", opening.path.display());
                 self.opening_case = None;
                 self.session.report(Level::Error, text);
             }
@@ -164,7 +164,8 @@ impl Workbench {
         }
     }
 
-    /// Gives up what is being found out about the scene before: it would pick and select in the new one.
+    /// Cancels searches, checks and fate counts of the previous scene: their results would pick and select in the new
+    /// one.
     fn drop_findings(&mut self) {
         (self.finding, self.checks, self.fates) = Default::default();
         self.session.checks.progress = None;
@@ -180,7 +181,7 @@ impl Workbench {
         }
     }
 
-    /// The file that has been opened for a while, and its completed share from 0 to 1.
+    /// Returns the path of a file whose opening takes longer than [`SLOW_LOAD`], and its completed share in [0, 1].
     pub(super) fn slow_open(&self) -> Option<(&Path, f32)> {
         if let Some(OpeningCase { path, progress, since, .. }) = &self.opening_case {
             return (since.elapsed() >= SLOW_LOAD).then_some((path, progress.unwrap_or(0.0)));

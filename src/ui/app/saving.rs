@@ -1,4 +1,4 @@
-//! Files that the window writes, and what it copies.
+//! Exporting files and copying to the clipboard.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -20,10 +20,10 @@ use crate::ui::task::{Listening, Task};
 use crate::ui::what_if;
 use crate::{disk, drawing};
 
-/// A file that is being written on a thread of its own.
+/// File being written by a background thread.
 pub(super) struct Saving {
     task: Task<f32, Result<PathBuf, String>>,
-    /// Completed share, from 0 to 1; `None` for work that reports none, which cannot be cancelled.
+    /// Completed share in [0, 1]; `None` for exports without progress, which cannot be cancelled.
     completed: Option<f32>,
 }
 
@@ -37,19 +37,19 @@ impl Saving {
 }
 
 impl Workbench {
-    /// Writes all frame times into the current folder.
+    /// Writes all frame times as CSV into the current folder.
     pub(super) fn export_timings(&mut self, ui: &Ui) {
         let table = self.session.timings.csv();
         self.save(ui, ("frame-times", "csv"), move || Ok(table.into_bytes()));
     }
 
-    /// Writes the triangle that the picked pixel shows as a case into the current folder.
+    /// Writes the triangle visible at the picked pixel as a case into the current folder.
     pub(super) fn save_case(&mut self, ui: &Ui) {
         let Some(view) = &self.session.view else { return };
         let visible = view.report.as_ref().and_then(|report| Some((report.drawn_at, report.visible()?.submission)));
         let Some(([x, y], submission)) = visible else {
             self.session
-                .report(Level::Error, "Pick a pixel that shows a triangle first: that triangle becomes the case");
+                .report(Level::Error, "Pick a pixel that shows a triangle first; that triangle is saved as the case");
             return;
         };
         let settings = &view.request.recipe.pipeline;
@@ -63,13 +63,13 @@ impl Workbench {
         self.save(ui, (&minimal.id, "json"), move || Ok(text.into_bytes()));
     }
 
-    /// Writes the picture.
+    /// Writes the picture on the canvas as PNG into the current folder.
     pub(super) fn save_picture(&mut self, ui: &Ui) {
         let Some(picture) = self.shown_picture(ui) else { return };
         self.save(ui, ("picture", "png"), move || encode_png(&picture).map_err(|error| error.to_string()));
     }
 
-    /// Writes the scene on screen as drawing commands.
+    /// Writes the scene on screen as a vector drawing. `end` is the file name extension, which selects the format.
     pub(super) fn save_outline(&mut self, ui: &Ui, kind: OutlineKind, end: &'static str) {
         let Request { scene, camera, recipe, viewport, .. } = self.session.request();
         self.save_cancellable(ui, (kind.id(), end), move |progress, cancel| {
@@ -81,7 +81,7 @@ impl Workbench {
         });
     }
 
-    /// Writes what the lab shows.
+    /// Writes the present step of the lab's page. `end` is the file name extension, which selects the format.
     pub(super) fn save_drawing(&mut self, ui: &Ui, end: &'static str) {
         let lab = &self.session.lab;
         let (page, recording, step) = (lab.page, lab.recording.clone(), lab.step);
@@ -101,7 +101,7 @@ impl Workbench {
         }
     }
 
-    /// The picture that the canvas shows.
+    /// Returns the picture on the canvas, including what-if views and the probe's heat map.
     fn shown_picture(&self, ui: &Ui) -> Option<Arc<Image<Rgba8>>> {
         let view = what_if::seen(ui, &self.session)?;
         Some(self.session.probing.picture(view).unwrap_or(&view.picture).clone())
@@ -116,8 +116,8 @@ impl Workbench {
         }
     }
 
-    /// Writes a new file into the current folder, on a thread of its own: encoding a large picture takes a while. The file
-    /// appears under its name only when it is complete.
+    /// Writes a new file into the current folder in a background thread, since encoding a large picture takes a while.
+    /// The file appears under its name only once it is complete. `name` is stem and extension.
     pub(super) fn save(
         &mut self,
         ui: &Ui,
@@ -127,7 +127,7 @@ impl Workbench {
         self.save_cancellable(ui, name, |_, _| Some(encode()));
     }
 
-    /// [`Self::save`] for work that reports its completed share, from 0 to 1, and returns `None` if it is cancelled.
+    /// Like [`Self::save`], but `encode` reports its completed share in [0, 1] and returns `None` if cancelled.
     fn save_cancellable(
         &mut self,
         ui: &Ui,
@@ -149,7 +149,7 @@ impl Workbench {
         }
     }
 
-    /// Takes what has become of files that are being written.
+    /// Handles the progress and the results of all files being written.
     pub(super) fn hear_saving(&mut self) {
         let mut outcomes = Vec::new();
         self.saving.retain_mut(|saving| match saving.task.listen(&mut saving.completed) {
@@ -159,7 +159,7 @@ impl Workbench {
                 false
             }
             Listening::BrokeOff => {
-                outcomes.push(Err("Saving stopped by an error of the program".to_owned()));
+                outcomes.push(Err("Saving stopped: internal error".to_owned()));
                 false
             }
         });

@@ -1,4 +1,4 @@
-//! Long measurements on threads of their own: their start, and what they tell.
+//! Long measurements in background threads: starting them and handling their results.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use crate::ui::session::Level;
 use crate::ui::task::{Listening, Task};
 
 impl Workbench {
-    /// Makes the stability report on a thread of its own.
+    /// Starts computing the stability report in a background thread.
     pub(super) fn judge(&mut self, ui: &Ui) {
         self.tab = Tab::Stability;
         self.session.stability.progress = Some(Progress { stage: Stage::Judging, done: 0, of: 1 });
@@ -25,9 +25,9 @@ impl Workbench {
         }));
     }
 
-    /// Measures what the plan of the present view saves.
+    /// Starts measuring the time that the plan of the present view saves.
     pub(super) fn measure_plan(&mut self, ui: &Ui) {
-        /// Rounds that count.
+        /// Number of measured rounds.
         const ROUNDS: usize = 21;
         let request = self.session.request();
         self.session.savings.progress = Some(0.0);
@@ -38,9 +38,10 @@ impl Workbench {
         }));
     }
 
-    /// Measures how cost grows, with the present recipe.
+    /// Starts measuring how cost scales under the present recipe.
     pub(super) fn measure_growth(&mut self, ui: &Ui) {
-        /// Triangles at most, and rounds that count: it shall take seconds, not minutes.
+        /// Maximum triangle count and number of measured rounds, chosen so that the measurement takes seconds, not
+        /// minutes.
         const MOST: (usize, usize) = (1_000_000, 7);
         let recipe = self.session.state.recipe;
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
@@ -53,7 +54,7 @@ impl Workbench {
         }));
     }
 
-    /// Takes what long measurements have said.
+    /// Handles the progress and the results of long measurements.
     pub(super) fn hear_tasks(&mut self) {
         probe::listen(&mut self.session);
         let session = &mut self.session;
@@ -72,14 +73,14 @@ impl Workbench {
         let mut found = None;
         let broke_off = broke_off | hear(&mut self.finding, &mut None, |what| found = Some(what));
         if broke_off {
-            session.report(Level::Error, "A measurement stopped by an error of the program");
+            session.report(Level::Error, "A measurement stopped: internal error");
         }
         if let Some(what) = found {
             self.found(&what);
         }
     }
 
-    /// Changes what is known of how firmly the picture stands.
+    /// Applies a change to the stability probe.
     pub(super) fn probe(&mut self, ui: &Ui, change: probe::Change) {
         match probe::apply(&mut self.session, ui.ctx(), change) {
             probe::Rest::Nothing => {}
@@ -89,7 +90,7 @@ impl Workbench {
     }
 }
 
-/// Takes what a task has said; whether it broke off.
+/// Handles the progress and the result of a task. Returns whether the task ended without reporting, as after a panic.
 fn hear<P: Send + 'static, T: Send + 'static>(
     task: &mut Option<Task<P, T>>,
     progress: &mut Option<P>,

@@ -1,7 +1,7 @@
-//! Watching assertions from the window: on demand, or on every new frame until one is violated.
+//! Checks assertions on demand, or on every new frame until one is violated.
 //!
-//! The frame that is on screen is drawn once more, watched, on a thread of its own; that takes time from other frames, so it is
-//! off until asked for, and said while it is on. The first violation stops it and picks the pixel.
+//! A background thread redraws the frame on screen with an observer. This takes time from other frames, so checking is
+//! off by default and the window shows when it is on. The first violation stops it and picks the pixel.
 
 pub mod panel;
 
@@ -17,29 +17,29 @@ use crate::chain::Frame;
 use crate::inspect::assertions::{Assertion, Report, Violation, check};
 use crate::pipeline::settings::Choice as _;
 
-/// What the window knows of assertions.
+/// State of assertion checking.
 #[derive(Clone, Debug, Default)]
 pub struct Checks {
-    /// The last findings, and the frame that they are of.
+    /// Last report, and the frame it describes.
     pub found: Option<(Arc<Report>, Arc<Frame>)>,
-    /// Share of the present check that is done.
+    /// Completed share of the running check, in [0, 1].
     pub progress: Option<f32>,
     /// Whether each new frame is checked.
     pub every_frame: bool,
-    /// Whether the frame on screen is to be checked.
+    /// Whether a check of the frame on screen was requested.
     wanted: bool,
-    /// Whether the check that is running is to stop.
+    /// Whether cancelling the running check was requested.
     cancelled: bool,
 }
 
-/// A change of what is checked.
+/// Change of the assertion checks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Change {
-    /// Check the frame on screen.
+    /// Checks the frame on screen.
     Run,
-    /// Stop checking.
+    /// Stops checking.
     Cancel,
-    /// Check every new frame, or no more.
+    /// Toggles checking every new frame.
     ToggleEveryFrame,
 }
 
@@ -53,27 +53,28 @@ impl Checks {
         }
     }
 
-    /// Whether this frame is to be checked now.
+    /// Whether this frame has to be checked now.
     fn wants(&self, frame: &Arc<Frame>) -> bool {
         let is_known = self.found.as_ref().is_some_and(|(_, known)| Arc::ptr_eq(known, frame));
         self.wanted || self.every_frame && !is_known
     }
 }
 
-/// Where in the full picture a violation is.
+/// Returns the pixel of a violation in the full-resolution picture.
 pub fn place(violation: &Violation, frame: &Frame) -> (u32, u32) {
     let drawn_at = (violation.x, violation.y);
     frame.sampling.grid().sample_at(violation.x, violation.y).map_or(drawn_at, |sample| frame.pixel_of(sample))
 }
 
-/// Runs the checks.
+/// Runner of assertion checks.
 #[derive(Debug, Default)]
 pub struct Runner {
     running: Option<(Task<f32, Report>, Arc<Frame>)>,
 }
 
 impl Runner {
-    /// Takes what a check has found and starts the next one that is wanted; at once, and to its end, if the window `waits`.
+    /// Handles the result of the running check and starts the next requested one. If `waits`, the check runs to its end
+    /// before the function returns.
     pub fn step(&mut self, session: &mut Session, context: &Context, waits: bool) {
         self.listen(session);
         if let Some((task, _)) = &self.running {
@@ -105,19 +106,19 @@ impl Runner {
             Listening::Ended(None) => {}
             Listening::BrokeOff => {
                 session.checks.every_frame = false;
-                session.report(Level::Error, "Checking stopped by an error of the program");
+                session.report(Level::Error, "Checking stopped: internal error");
             }
         }
         self.running = None;
     }
 }
 
-/// The findings of a view.
+/// Checks all assertions on a view. Returns `None` if cancelled.
 fn checked(view: &View, tell: &dyn Fn(f32), stop: &AtomicBool) -> Option<Report> {
     check(&view.request.scene, &view.request.recipe, &view.frame, Assertion::ALL, tell, stop)
 }
 
-/// Takes in findings; the first violation stops checking and picks its pixel.
+/// Stores a report. The first violation stops checking and picks its pixel.
 fn found(session: &mut Session, report: Report, frame: Arc<Frame>) {
     if let Some((assertion, violation)) = report.first_violation() {
         let (x, y) = place(violation, &frame);

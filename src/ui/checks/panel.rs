@@ -1,4 +1,4 @@
-//! The tab of assertions: what is checked, on how many fragments, and the first one that violates each.
+//! The “Checks” tab: every assertion with the number of fragments checked and violated, and its first violation.
 
 use std::sync::Arc;
 
@@ -16,13 +16,13 @@ use crate::ui::widgets::{Status, chip};
 /// Draws the buttons beside the tabs.
 pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let checks = &session.checks;
-    let help = "Draws this frame once more, watched, and checks every fragment";
+    let help = "Draws this frame once more and checks every fragment";
     let run = Button::new((theme::icon(Icon::ListChecks), "Check this frame"));
     if ui.add_enabled(checks.progress.is_none(), run).on_hover_text(help).clicked() {
         commands.push(Command::Checks(Change::Run));
     }
     let help =
-        "Checks each new frame until an assertion is violated, and picks that pixel. Frame times are longer meanwhile";
+        "Checks each new frame until an assertion is violated, then picks that pixel. Frames take longer meanwhile";
     if ui.add(Button::selectable(checks.every_frame, "Every frame")).on_hover_text(help).clicked() {
         commands.push(Command::Checks(Change::ToggleEveryFrame));
     }
@@ -33,11 +33,11 @@ pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         ui.add(ProgressBar::new(progress).desired_width(120.0).show_percentage());
     }
     if checks.every_frame {
-        chip(ui, Status::Warning, "checking", "Frame times are longer while frames are checked");
+        chip(ui, Status::Warning, "checking", "Frames take longer while they are checked");
     }
     if let Some((report, frame)) = &checks.found {
         let is_shown = session.view.as_ref().is_some_and(|view| Arc::ptr_eq(&view.frame, frame));
-        let whose = if is_shown { "of this frame" } else { "of a frame before" };
+        let whose = if is_shown { "in this frame" } else { "in an earlier frame" };
         let violated = report.findings.iter().filter(|finding| finding.violated > 0).count();
         let text = if violated == 0 {
             format!("all {} hold, {whose}", report.findings.len())
@@ -48,7 +48,7 @@ pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     }
 }
 
-/// Draws the table.
+/// Draws the table of assertions.
 pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     ScrollArea::both().auto_shrink(false).show(ui, |ui| {
         Grid::new("checks").num_columns(5).striped(true).spacing([20.0, 4.0]).show(ui, |ui| {
@@ -87,7 +87,7 @@ fn row(ui: &mut Ui, session: &Session, assertion: Assertion, finding: Option<&Fi
             let (x, y) = place(first, frame);
             let text = format!("{x}, {y}   triangle {}: {}", first.triangle.0, first.text);
             let label = ui.add(Label::new(RichText::new(text).color(tokens(ui).accent)).sense(Sense::click()));
-            if label.on_hover_text("Question this pixel").clicked() {
+            if label.on_hover_text("Pick this pixel").clicked() {
                 commands.push(Command::Pick(Some((x, y))));
             }
         }

@@ -1,20 +1,22 @@
-//! The bar over compared pictures: how they are compared, and what figures are against.
+//! The bar above compared pictures: comparison mode, tile count, region and reference.
 
 use eframe::egui::{self, Align, Button, Layout, Response, RichText, Ui, Vec2};
 
 use super::{Change, Mode};
+use crate::manual::Chapter;
 use crate::measure::difference::{Difference, GAINS};
 use crate::measure::reference::Reference;
 use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
+use crate::ui::manual::manual_button;
 use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, tokens};
 use crate::ui::widgets::combo;
 
-/// Numbers of tiles that have a button.
+/// Tile counts that have a button.
 const COUNTS: [usize; 2] = [2, 4];
 
-/// Room for the list of references and its word, in points.
+/// Width reserved for the list of references and its label, in points.
 const REFERENCE_POINTS: f32 = 190.0;
 
 /// Draws the bar; `scale` is the enlargement on screen, in screen pixels per picture pixel.
@@ -38,17 +40,18 @@ pub fn ui(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &mut Vec
         }
         region(ui, session, &mut changes);
         ui.separator();
-        // In one piece: the word and its list stay on one row.
+        // One allocation keeps the label and its list on the same row.
         ui.allocate_ui_with_layout(
             Vec2::new(REFERENCE_POINTS, theme::CONTROL_HEIGHT),
             Layout::left_to_right(Align::Center),
             |ui| reference(ui, session, &mut changes),
         );
         if let Some(scale) = scale.filter(|scale| *scale < 1.0) {
-            let text = format!("shown at {:.0} %, smoothed", scale * 100.0);
+            let text = format!("shown at {:.0} %, filtered", scale * 100.0);
             ui.label(RichText::new(text).small().color(tokens(ui).warning))
-                .on_hover_text("Only the display is smaller: figures and differences are of the full pictures");
+                .on_hover_text("Only the display is smaller: figures and differences refer to the full pictures");
         }
+        manual_button(ui, Chapter::ComparingUpscalers, commands);
         if icon_button(ui, Icon::X, "Stop comparing  (Esc)").clicked() {
             changes.push(Change::Mode(Mode::Off));
         }
@@ -56,7 +59,7 @@ pub fn ui(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &mut Vec
     commands.extend(changes.into_iter().map(Command::Compare));
 }
 
-/// A button with an icon only that begins a new row where the bar has no more room.
+/// Draws an icon button that wraps to a new row when the bar is full.
 fn icon_button(ui: &mut Ui, icon: Icon, name: &str) -> Response {
     let button = Button::new(theme::icon(icon)).frame_when_inactive(false).min_size(Vec2::splat(theme::CONTROL_HEIGHT));
     ui.add(button).on_hover_text(name)
@@ -72,10 +75,10 @@ fn counts(ui: &mut Ui, session: &Session, changes: &mut Vec<Change>) {
             changes.push(Change::Count(wanted));
         }
     }
-    if ui.button("All").on_hover_text("Every upscaler, each with its greatest enlargement").clicked() {
+    if ui.button("All").on_hover_text("Every upscaler, each at its largest scale").clicked() {
         changes.push(Change::Every);
     }
-    if count < super::MOST_TILES && icon_button(ui, Icon::Plus, "One tile more").clicked() {
+    if count < super::MOST_TILES && icon_button(ui, Icon::Plus, "Add a tile").clicked() {
         changes.push(Change::Count(count + 1));
     }
     ui.separator();
@@ -109,7 +112,7 @@ fn difference(ui: &mut Ui, session: &Session, changes: &mut Vec<Change>) {
 
 fn region(ui: &mut Ui, session: &Session, changes: &mut Vec<Change>) {
     let comparison = &session.comparison;
-    let help = "Drag over a picture to measure that part alone  (R)";
+    let help = "Drag a rectangle on a picture to measure only that region  (R)";
     let button = ui.selectable_label(comparison.draws_region, "Region");
     if button.on_hover_text(help).clicked() {
         changes.push(Change::ToggleRegion);
@@ -118,8 +121,8 @@ fn region(ui: &mut Ui, session: &Session, changes: &mut Vec<Change>) {
         let (width, height) = (region.right - region.left, region.bottom - region.top);
         let text = RichText::new(format!("{width} × {height} at {}, {}", region.left, region.top)).monospace();
         let forget = ui.add(Button::new((text, theme::icon(Icon::X))));
-        forget.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Forget the region"));
-        if forget.on_hover_text("Forget the region").clicked() {
+        forget.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Clear the region"));
+        if forget.on_hover_text("Clear the region").clicked() {
             changes.push(Change::Region(None));
         }
     }
@@ -130,8 +133,8 @@ fn reference(ui: &mut Ui, session: &Session, changes: &mut Vec<Change>) {
     changes.extend(reference_list(ui, "Reference", 124.0, session.comparison.reference));
 }
 
-/// The list of what errors may be against, `width` points wide; for readers of the screen it is called `name`. The change, if
-/// another one was chosen.
+/// Draws the list of references, `width` points wide. `name` is its accessible name. Returns the change if another
+/// reference was chosen.
 pub fn reference_list(ui: &mut Ui, name: &str, width: f32, present: Reference) -> Option<Change> {
     let mut reference = present;
     let list = ui.name_inputs(name, |ui| {
@@ -141,7 +144,7 @@ pub fn reference_list(ui: &mut Ui, name: &str, width: f32, present: Reference) -
             }
         })
     });
-    // After the list has its name: a list without one would be called by this.
-    list.response.on_hover_text(format!("What errors are against. {}", present.help()));
+    // Attached after the list has its accessible name: an unnamed list would take the tooltip as its name.
+    list.response.on_hover_text(format!("Reference for the errors. {}", present.help()));
     (reference != present).then_some(Change::Reference(reference))
 }

@@ -1,4 +1,4 @@
-//! The renderer's part of comparing: draws all tiles, then measures them one by one, and keeps what is still valid.
+//! Renderer side of comparisons: draws all tiles, measures them one by one and reuses valid results.
 
 use std::sync::Arc;
 
@@ -12,27 +12,27 @@ use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
 use crate::upscale::Upscaling;
 
-/// What is to be compared.
+/// Request to compare several pictures of one view.
 #[derive(Clone, Debug)]
 pub struct CompareRequest {
-    /// Scene; the same one as long as the pointer is the same.
+    /// Scene; compared by pointer.
     pub scene: Arc<Scene>,
-    /// View.
+    /// Camera shared by all pictures.
     pub camera: Camera,
-    /// Size of every picture.
+    /// Size of every picture, in pixels.
     pub viewport: Viewport,
-    /// How each is drawn.
+    /// Recipe of each picture.
     pub recipes: Vec<Recipe>,
-    /// What they are measured against.
+    /// Reference that errors are measured against.
     pub reference: Reference,
-    /// A rectangle with figures of its own.
+    /// Region with separate figures.
     pub region: Option<Region>,
-    /// The difference of the first two that is shown, and its gain.
+    /// Difference of the first two pictures to show, and its gain.
     pub difference: Option<(Difference, u32)>,
 }
 
 impl CompareRequest {
-    /// Whether the answer to both is the same.
+    /// Whether both requests have the same result.
     pub fn same_as(&self, other: &Self) -> bool {
         self.same_view(other)
             && self.recipes == other.recipes
@@ -46,67 +46,67 @@ impl CompareRequest {
     }
 }
 
-/// What is known of a tile.
+/// Picture of a tile and its figures so far.
 #[derive(Clone, Debug)]
 pub struct Tile {
-    /// How it was drawn.
+    /// Recipe of the tile.
     pub recipe: Recipe,
-    /// Its picture.
+    /// Finished picture.
     pub picture: Arc<Image<Rgba8>>,
-    /// Share of its pixels that were drawn, in [0, 1].
+    /// Share of its pixels that were rasterized and shaded, in [0, 1].
     pub drawn_share: f64,
-    /// Against the reference, when that is found out.
+    /// Figures against the reference, once measured.
     pub measured: Option<Measured>,
-    /// Within the rectangle, if there is one with pixels in it.
+    /// Figures within the region, if there is one that contains pixels.
     pub within: Option<Figures>,
 }
 
-/// What is known of a picture against the reference.
+/// Measures of a picture against the reference.
 #[derive(Clone, Debug)]
 pub struct Measured {
-    /// Every measure; `None` if the pictures cannot be compared, as their sizes differ.
+    /// All figures; `None` if the two pictures differ in size.
     pub figures: Option<Figures>,
-    /// FLIP of every pixel.
+    /// FLIP error of every pixel.
     flip: Option<Arc<Image<f32>>>,
 }
 
-/// The difference of the first two tiles.
+/// Difference image of the first two tiles.
 #[derive(Clone, Debug)]
 pub struct Differing {
-    /// What is shown of it, and the gain.
+    /// Kind of difference, and its gain.
     pub kind: (Difference, u32),
-    /// Its value at every pixel.
+    /// Difference at every pixel.
     pub values: Arc<Image<f32>>,
-    /// By the colour map.
+    /// The values mapped to colours.
     pub picture: Arc<Image<Rgba8>>,
 }
 
-/// The answer to a [`CompareRequest`], as far as it is known.
+/// Results for a [`CompareRequest`] so far.
 #[derive(Clone, Debug)]
 pub struct Compared {
-    /// What was asked.
+    /// Request that is answered.
     pub request: CompareRequest,
-    /// As many as recipes.
+    /// One tile for each recipe of the request.
     pub tiles: Vec<Tile>,
-    /// If one was asked for.
+    /// Difference of the first two tiles, if requested.
     pub difference: Option<Differing>,
-    /// Whether nothing is missing any more.
+    /// Whether all results are present.
     pub complete: bool,
 }
 
-/// Works on the newest request: pictures first, all at once, then figures tile by tile.
+/// Worker for the most recent request: draws all pictures at once, then measures them tile by tile.
 #[derive(Debug, Default)]
 pub struct Comparer {
     known: Option<Compared>,
     begun: bool,
-    /// Each by the recipe without what makes no difference to it.
+    /// Finished references, keyed by [`reference_recipe`].
     references: Vec<(Recipe, Arc<Image<Rgba8>>)>,
     gathering: Option<(Recipe, Gathering)>,
     renderer: Renderer,
 }
 
 impl Comparer {
-    /// Takes a request, and from the last answer what still holds.
+    /// Starts a request: draws missing pictures and reuses those results of the last request that are still valid.
     pub fn ask(&mut self, request: CompareRequest) -> &Compared {
         self.begun = false;
         let same_view = self.known.as_ref().is_some_and(|known| known.request.same_view(&request));
@@ -136,7 +136,7 @@ impl Comparer {
         self.known.insert(Compared { request, tiles, difference, complete: false })
     }
 
-    /// Finds out one more piece. `None` if that tells nothing new, or there is nothing left to find out.
+    /// Computes one more piece. Returns `None` if there is no new result yet or nothing left to compute.
     pub fn step(&mut self) -> Option<&Compared> {
         self.begun = true;
         let known = self.known.as_ref().filter(|known| !known.complete)?;
@@ -154,7 +154,7 @@ impl Comparer {
         self.known.as_ref()
     }
 
-    /// Measures the rectangle in every tile, which costs little, and has done.
+    /// Measures the region in every tile, which is cheap, and marks the results complete.
     fn complete(&mut self) -> Option<&Compared> {
         let known = self.known.clone()?;
         let tiles = known.tiles.into_iter().map(|mut tile| {
@@ -168,17 +168,17 @@ impl Comparer {
         Some(self.known.insert(Compared { tiles, complete: true, ..known }))
     }
 
-    /// Whether there is something left to find out.
+    /// Whether any result is missing.
     pub fn has_work(&self) -> bool {
         self.known.as_ref().is_some_and(|known| !known.complete)
     }
 
-    /// Whether it has begun to find that out.
+    /// Whether computing the missing results has begun.
     pub fn has_begun(&self) -> bool {
         self.begun && self.has_work()
     }
 
-    /// Stops, and forgets everything.
+    /// Cancels all work and drops all results.
     pub fn clear(&mut self) {
         *self = Self::default();
     }
@@ -197,13 +197,13 @@ impl Comparer {
         tile
     }
 
-    /// The reference of pictures by `recipe`, if it is there; tiles whose settings agree share one.
+    /// Returns the finished reference for `recipe`, if there is one. Tiles with the same [`reference_recipe`] share it.
     fn reference(&self, recipe: Recipe) -> Option<Arc<Image<Rgba8>>> {
         let wanted = reference_recipe(recipe);
         self.references.iter().find(|(known, _)| *known == wanted).map(|(_, picture)| picture.clone())
     }
 
-    /// Draws one sample more of the reference of pictures by `recipe`.
+    /// Draws one more sample of the reference for `recipe`.
     fn gather(&mut self, recipe: Recipe) {
         let wanted = reference_recipe(recipe);
         let Some(CompareRequest { scene, camera, viewport, reference, .. }) =
@@ -221,12 +221,13 @@ impl Comparer {
     }
 }
 
-/// A recipe without what makes no difference to its reference.
+/// Returns `recipe` without the settings that do not affect its reference: upscaler and wireframe.
 fn reference_recipe(recipe: Recipe) -> Recipe {
     Recipe { upscaler: Upscaling::NATIVE, wireframe: false, ..recipe }
 }
 
-/// The difference of two pictures; only coloured anew where its values are known.
+/// Computes the difference of two tiles, reusing known values if only the gain has changed. Returns `None` if the
+/// pictures cannot be compared.
 fn differing(kind: (Difference, u32), old: Option<&Differing>, a: &Tile, b: &Tile) -> Option<Differing> {
     let values = match old.filter(|old| old.kind.0 == kind.0) {
         Some(old) if old.kind == kind => return Some(old.clone()),

@@ -1,8 +1,8 @@
-//! Several pictures of one view, each drawn by a recipe of its own: as tiles side by side, one wiped over the other, one
-//! flipped against the other, or their difference, with figures against a named reference.
+//! Comparison of several pictures of one view, each with its own recipe: as tiles side by side, as a wipe, as a flip,
+//! or as a difference image. All have figures against a named reference.
 //!
-//! The tile that is active is the session's own recipe: the pipeline panel edits it and the inspector tells about it.
-//! Clicking another tile makes that one active. The first tile is A, the second B.
+//! The active tile shows the session's own recipe: the pipeline panel edits it and the inspector explains it. Clicking
+//! another tile makes it active. The first tile is A, the second B.
 
 pub mod bar;
 
@@ -17,67 +17,67 @@ use crate::measure::region::Region;
 use crate::pipeline::settings::Choice as _;
 use crate::upscale::{self, Upscaling};
 
-/// Most tiles at a time.
+/// Maximum number of tiles.
 pub const MOST_TILES: usize = 16;
 
-/// How pictures are compared.
+/// Comparison mode.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mode {
-    /// Not at all: the canvas shows one picture.
+    /// No comparison: the canvas shows one picture.
     #[default]
     Off,
-    /// Side by side.
+    /// Tiles side by side.
     Tiles,
-    /// A left of a line that can be moved, B right of it.
+    /// A on the left of a movable line, B on its right.
     Wipe,
-    /// A, and B as long as a key is held.
+    /// A, or B while Shift is held.
     Flip,
-    /// A − B.
+    /// Difference image A − B.
     Difference,
 }
 
 impl Mode {
-    /// All ways to compare, with name and explanation.
+    /// All modes that compare, each with its name and help text.
     pub const ALL: [(Self, &'static str, &'static str); 4] = [
         (
             Self::Tiles,
             "Tiles",
-            "Side by side, with one zoom, position and pick; hold Shift to see A in every tile  (T)",
+            "Side by side with a shared zoom, position and pick; hold Shift for A in every tile  (T)",
         ),
         (Self::Wipe, "Wipe", "A left of the line, B right of it; drag the line  (W)"),
-        (Self::Flip, "Flip", "A in the whole canvas, B as long as Shift is held  (B)"),
-        (Self::Difference, "Difference", "A − B by a colour map; hold Shift for B, Ctrl for A  (D)"),
+        (Self::Flip, "Flip", "A in the whole canvas; hold Shift for B  (B)"),
+        (Self::Difference, "Difference", "A − B in a colour map; hold Shift for B, Ctrl for A  (D)"),
     ];
 }
 
-/// The recipes of all tiles, and which of them is active.
+/// Recipes of all tiles, and the index of the active one.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tiles {
-    /// That of the active one may be out of date: the session has it.
+    /// Recipe of each tile. The entry of the active tile may be out of date: the session owns its recipe.
     recipes: Vec<Recipe>,
-    /// The tile that the session's recipe is of.
+    /// Index of the tile that shows the session's recipe.
     pub active: usize,
 }
 
 impl Tiles {
-    /// How many there are, shown or not; one at least.
+    /// Returns the number of tiles, visible or not; at least 1.
     pub fn count(&self) -> usize {
         self.recipes.len().max(1)
     }
 
-    /// The recipe of a tile, given that of the active one.
+    /// Returns the recipe of a tile; `of_active` is the session's recipe.
     pub fn recipe(&self, tile: usize, of_active: Recipe) -> Recipe {
         if tile == self.active { of_active } else { self.recipes.get(tile).copied().unwrap_or(of_active) }
     }
 
-    /// Takes the recipe of the active tile into the list, unless there never was another tile.
+    /// Stores the session's recipe as the recipe of the active tile. No-op while the list is empty.
     pub fn store(&mut self, of_active: Recipe) {
         if let Some(recipe) = self.recipes.get_mut(self.active) {
             *recipe = of_active;
         }
     }
 
-    /// Adds tiles until there are `count`, drawn by methods that no other tile has as far as there are such.
+    /// Adds tiles until there are `count`. Each further tile gets an upscaler that no other tile uses, if any is left.
     fn fill(&mut self, count: usize, of_active: Recipe) {
         while self.recipes.len() < count {
             let base = *self.recipes.first().unwrap_or(&of_active);
@@ -89,22 +89,22 @@ impl Tiles {
     }
 }
 
-/// What is compared, and how.
+/// Comparison mode and its settings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
-    /// How.
+    /// Mode.
     pub mode: Mode,
-    /// What figures are against.
+    /// Reference that figures are computed against.
     pub reference: Reference,
-    /// What of the difference is shown.
+    /// Kind of difference image.
     pub difference: Difference,
-    /// How much it is amplified.
+    /// Gain of the difference image.
     pub gain: u32,
-    /// Where the line of the wipe stands, as a share of the canvas's width.
+    /// Position of the wipe line, as a share of the canvas width in [0, 1].
     pub wipe: f32,
-    /// A rectangle of the picture that has figures of its own.
+    /// Region of the picture with separate figures.
     pub region: Option<Region>,
-    /// Whether dragging draws that rectangle.
+    /// Whether dragging draws the region.
     pub draws_region: bool,
 }
 
@@ -122,48 +122,48 @@ impl Default for Comparison {
     }
 }
 
-/// A change of what is compared.
+/// Change of the comparison.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Change {
-    /// Compare this way.
+    /// Sets the mode.
     Mode(Mode),
-    /// Compare this way, or stop comparing if it is done already.
+    /// Sets the mode, or stops comparing if it is already active.
     Toggle(Mode),
-    /// Show so many tiles.
+    /// Shows this number of tiles.
     Count(usize),
-    /// Show every upscaler, each with its greatest enlargement.
+    /// Shows every upscaler at its largest scale.
     Every,
-    /// Make this tile the active one.
+    /// Makes this tile the active one.
     Activate(usize),
-    /// Draw this tile by this recipe.
+    /// Sets the recipe of a tile.
     Recipe(usize, Box<Recipe>),
-    /// Take this tile away.
+    /// Removes a tile.
     Remove(usize),
-    /// A becomes B and B becomes A.
+    /// Swaps A and B.
     Swap,
-    /// Show this of the difference.
+    /// Sets the kind of difference image.
     Difference(Difference),
-    /// Amplify the difference so much.
+    /// Sets the gain of the difference image.
     Gain(u32),
-    /// Put the line of the wipe here.
+    /// Moves the wipe line to this share of the canvas width.
     Wipe(f32),
-    /// Measure this rectangle, too.
+    /// Sets or clears the region with separate figures.
     Region(Option<Region>),
-    /// Have dragging draw the rectangle, or not.
+    /// Sets whether dragging draws the region.
     DrawRegion(bool),
-    /// Have dragging draw the rectangle if it does not, and the other way round.
+    /// Toggles whether dragging draws the region.
     ToggleRegion,
-    /// Measure against this.
+    /// Sets the reference.
     Reference(Reference),
 }
 
 impl Comparison {
-    /// Whether anything is compared.
+    /// Whether a comparison is active.
     pub fn is_on(&self) -> bool {
         self.mode != Mode::Off
     }
 
-    /// How many pictures there are to be drawn: all tiles, or A and B.
+    /// Returns the number of pictures to draw: all tiles, or A and B.
     pub fn shown(&self, tiles: &Tiles) -> usize {
         match self.mode {
             Mode::Off => 0,
@@ -172,7 +172,7 @@ impl Comparison {
         }
     }
 
-    /// Whether the pictures shown have samples in different places of their blocks.
+    /// Whether the visible pictures place samples at different positions in their blocks.
     pub fn anchors_differ(&self, tiles: &Tiles, of_active: Recipe) -> bool {
         let recipes = (0..self.shown(tiles)).map(|tile| tiles.recipe(tile, of_active));
         let mut anchors = recipes.filter_map(|recipe| recipe.upscaler.block_anchor());
@@ -180,7 +180,7 @@ impl Comparison {
         anchors.any(|anchor| Some(anchor) != first)
     }
 
-    /// Applies a change to this, to the tiles and to the recipe of the active one.
+    /// Applies a change to the comparison, to the tiles and to the recipe of the active tile.
     pub fn apply(&mut self, change: Change, tiles: &mut Tiles, recipe: &mut Recipe) {
         tiles.fill(1, *recipe);
         tiles.store(*recipe);
@@ -231,19 +231,19 @@ impl Comparison {
     }
 }
 
-/// What is worth comparing, the most telling first.
+/// Iterates over all upscalers, the most instructive comparisons first. May repeat entries.
 fn suggestions() -> impl Iterator<Item = Upscaling> {
     const FIRST: [(&str, u32); 4] = [("native", 1), ("bicubic", 4), ("nearest", 4), ("checkerboard", 1)];
     let first = FIRST.into_iter().filter_map(|(method, scale)| Upscaling::new(method, scale));
     first.chain(every_method()).chain(Upscaling::every())
 }
 
-/// Every method with its greatest enlargement.
+/// Iterates over all methods, each at its largest scale.
 fn every_method() -> impl Iterator<Item = Upscaling> {
     upscale::ALL.iter().filter_map(|method| Upscaling::new(method.id(), *method.offers().scales.last()?))
 }
 
-/// The letter of a tile.
+/// Returns the letter of a tile: A for tile 0.
 pub fn letter(tile: usize) -> char {
     char::from(b'A' + (tile % 26) as u8)
 }
@@ -252,7 +252,7 @@ pub fn letter(tile: usize) -> char {
 mod tests {
     use super::*;
 
-    /// A comparison with what the session holds of it.
+    /// A comparison with the session state that it edits.
     #[derive(Default)]
     struct Bench {
         comparison: Comparison,

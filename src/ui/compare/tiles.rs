@@ -1,4 +1,4 @@
-//! Compared pictures on the canvas: tiles with one zoom, position and pick, a wipe, a flip, or a difference.
+//! Compared pictures on the canvas: tiles with shared zoom, position and pick, a wipe, a flip, or a difference image.
 
 mod figures;
 
@@ -30,19 +30,19 @@ use crate::ui::session::Session;
 use crate::ui::theme::{MARK_EDGE, RADIUS, font_size, space, tokens};
 use crate::ui::zoom::{Placement, Zoom};
 
-/// Within so many points of the wipe's line the pointer takes hold of it.
+/// Distance from the wipe line within which the pointer grabs it, in points.
 const HOLD: f32 = 7.0;
 
-/// What dragging does besides moving the picture.
+/// Drag operations other than panning.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Dragging {
-    /// Draws a rectangle between this pixel and the one under the pointer.
+    /// Drags a region between this pixel and the one under the pointer.
     Region((u32, u32), (u32, u32)),
-    /// Moves the line of the wipe.
+    /// Moves the wipe line.
     Wipe,
 }
 
-/// What the widgets of compared pictures hold.
+/// Textures and drag state of the compared pictures.
 #[derive(Default)]
 pub struct TilesView {
     textures: Vec<PictureTexture>,
@@ -51,12 +51,12 @@ pub struct TilesView {
 }
 
 impl TilesView {
-    /// Size of a tile's picture in points, on a canvas of which `canvas` is left.
+    /// Returns the size of a tile's picture, in points. `canvas` is the free area.
     pub fn picture_size(canvas: Rect, session: &Session) -> Vec2 {
         places(canvas, session).first().map_or(canvas.size(), |place| place.picture.size())
     }
 
-    /// Draws everything and turns input into commands. Returns the pixel under the pointer.
+    /// Draws all compared pictures and turns input into commands. Returns the pixel under the pointer.
     pub fn ui(
         &mut self,
         ui: &mut Ui,
@@ -100,7 +100,7 @@ impl TilesView {
         hovered
     }
 
-    /// Dragging of rectangles and lines, and all that a picture of the scene does with the pointer.
+    /// Handles dragging of regions and of the wipe line, and the pointer input shared with a single picture.
     fn input(
         &mut self,
         ui: &Ui,
@@ -202,7 +202,7 @@ impl TilesView {
                 } else if let Some(differing) = &compared.difference {
                     self.difference(ui, placement, whole, differing);
                 } else {
-                    let why = "No difference: the sizes of A and B differ, or they are still being drawn";
+                    let why = "No difference to show: A and B have different sizes or are still being drawn";
                     ui.painter().text(whole.center(), Align2::CENTER_CENTER, why, small(), tokens(ui).text_weak);
                 }
                 figures_of_both(ui, place.footer, compared, session);
@@ -210,7 +210,7 @@ impl TilesView {
         }
     }
 
-    /// One tile's picture, on no more of the window than `clip`.
+    /// Draws the picture of one tile, clipped to `clip`.
     fn tile(&mut self, ui: &Ui, tile: usize, placement: Placement, clip: Rect, compared: &Compared) {
         let Some(Tile { picture, .. }) = compared.tiles.get(tile) else { return waiting(ui, clip) };
         while self.textures.len() <= tile {
@@ -245,7 +245,7 @@ fn line_x(rect: Rect, share: f32) -> f32 {
     rect.left() + rect.width() * share
 }
 
-/// The rectangle that has both pixels in its corners.
+/// Returns the smallest region that contains both pixels.
 fn between(a: (u32, u32), b: (u32, u32)) -> Region {
     Region { left: a.0.min(b.0), top: a.1.min(b.1), right: a.0.max(b.0) + 1, bottom: a.1.max(b.1) + 1 }
 }
@@ -285,7 +285,7 @@ fn pick(
     }
 }
 
-/// The picked pixel, the rectangle, and where the pointer is in another tile.
+/// Draws the picked pixel, the region, and a cross at the pixel hovered in another tile.
 fn marks(
     ui: &Ui,
     painter: &Painter,
@@ -320,7 +320,7 @@ fn marks(
     }
 }
 
-/// The colour of a tile's letter.
+/// Returns the colour of a tile's letter.
 fn color(ui: &Ui, tile: usize) -> Color32 {
     match tile {
         0 => tokens(ui).a,
@@ -329,7 +329,7 @@ fn color(ui: &Ui, tile: usize) -> Color32 {
     }
 }
 
-/// The active tile has a frame; A and B have a line of their colours.
+/// Draws a line in the tile's colour along its top edge, and a frame around the active tile.
 fn frame(ui: &Ui, index: usize, place: Place, session: &Session) {
     if session.comparison.mode != Mode::Tiles {
         return;
@@ -341,7 +341,7 @@ fn frame(ui: &Ui, index: usize, place: Place, session: &Session) {
     }
 }
 
-/// A few words on the picture itself, so that one never loses track of which is shown.
+/// Draws a label on the picture that names which one is visible.
 fn badge(ui: &Ui, picture: Rect, tile: usize, words: &str) {
     let painter = ui.painter().with_clip_rect(picture);
     let text = painter.layout_no_wrap(words.to_owned(), FontId::proportional(font_size::TITLE), color(ui, tile));

@@ -1,10 +1,10 @@
-//! Paints a frame of egui by the CPU: the same bytes on every machine, with no window system and no graphics card.
+//! Paints egui frames on the CPU: the same bytes on every machine, without a window system or a GPU.
 //!
-//! In: the texture changes of a pass and its tessellated meshes. Out: a picture of physical pixels.
-//! The rules are those of the toolkit's own graphics-card painter, so that a screenshot is what the window shows:
-//! vertices snapped to 1/256 px, top-left fill rule, clip rectangles rounded to whole pixels, and all arithmetic on
-//! gamma-encoded, premultiplied values: `src = vertex colour · texel / 255`, `dst = src + dst · (1 − src.a)`.
-//! Anti-aliasing is already in the meshes (their feathered rims). Paint callbacks belong to a graphics card: skipped.
+//! Input: the texture changes of a pass and its tessellated meshes. Output: a picture in physical pixels. The rules
+//! match egui's own GPU painter, so that a screenshot equals the window: vertices snapped to 1/256 px, top-left fill
+//! rule, clip rectangles rounded to whole pixels. All arithmetic is on gamma-encoded, premultiplied values: `src =
+//! vertex colour · texel / 255`, `dst = src + dst · (1 − src.a)`. Anti-aliasing is part of the meshes, as feathered
+//! edges. Paint callbacks need a GPU and are skipped.
 
 mod texture;
 mod triangle;
@@ -19,16 +19,17 @@ use eframe::egui::{
 use self::{texture::Texture, triangle::Triangle};
 use crate::image::{Image, Rgba8};
 
-/// The textures of one egui context, and the means to paint its frames.
+/// Textures of one egui context, and a painter for its frames.
 #[derive(Default)]
 pub struct CpuPainter {
     textures: HashMap<TextureId, Texture>,
-    /// A frame may still draw the textures that it frees, so they live until the next change arrives.
+    /// Textures freed by the last pass. That pass may still draw them, so they live until the next change arrives.
     freed: Vec<TextureId>,
 }
 
 impl CpuPainter {
-    /// Applies and empties the texture changes of a pass. Call it for every pass, also for those that are not painted.
+    /// Applies and drains the texture changes of a pass. Must be called for every pass, including those that are not
+    /// painted.
     pub fn handle_delta(&mut self, delta: &mut TexturesDelta) {
         for id in self.freed.drain(..) {
             self.textures.remove(&id);
@@ -43,8 +44,8 @@ impl CpuPainter {
 
     /// Paints tessellated shapes over an opaque `background`.
     ///
-    /// `size_px` is (width, height) in physical pixels, one egui point being `pixels_per_point` of them. Meshes whose
-    /// texture is unknown and triangles with coordinates that are not finite are left out.
+    /// `size_px` is (width, height) in physical pixels, and `pixels_per_point` the number of physical pixels per egui
+    /// point. Skips meshes with an unknown texture and triangles with non-finite coordinates.
     pub fn paint(
         &self,
         primitives: &[ClippedPrimitive],
@@ -64,7 +65,7 @@ impl CpuPainter {
         picture
     }
 
-    /// Tessellates and paints what a pass of `context` put out, with the shapes of its [`egui::FullOutput`].
+    /// Tessellates and paints the shapes of a pass of `context`, taken from its [`egui::FullOutput`].
     pub fn paint_shapes(
         &self,
         context: &egui::Context,
@@ -87,7 +88,7 @@ fn paint_mesh(mesh: &Mesh, texture: &Texture, pixels_per_point: f32, clip: Pixel
     }
 }
 
-/// Whole pixels: columns `left..right`, rows `top..bottom`.
+/// Rectangle of whole pixels: columns `left..right`, rows `top..bottom`.
 #[derive(Clone, Copy)]
 struct PixelRect {
     left: i64,
@@ -97,7 +98,7 @@ struct PixelRect {
 }
 
 impl PixelRect {
-    /// The nearest whole pixels to `rect` (in points), kept inside a picture.
+    /// Converts `rect` from points to pixels, rounds it to the nearest whole pixels and clamps it to the picture.
     fn rounded(rect: Rect, pixels_per_point: f32, (width, height): (u32, u32)) -> Self {
         let round = |points: f32, limit: u32| ((points * pixels_per_point).round() as i64).clamp(0, i64::from(limit));
         Self {

@@ -25,7 +25,7 @@ fn solid_painter() -> CpuPainter {
     painter_with([1, 1], &[Color32::WHITE], TextureOptions::LINEAR)
 }
 
-/// A rectangle as two triangles that share a diagonal, over the whole texture.
+/// Returns a rectangle as two triangles that share a diagonal, mapped to the whole texture.
 fn quad(rect: Rect, color: Color32) -> Mesh {
     let corner = |x: f32, y: f32| Vertex {
         pos: pos2(rect.left() + x * rect.width(), rect.top() + y * rect.height()),
@@ -105,7 +105,7 @@ fn additive_colours_saturate() {
 
 #[test]
 fn triangles_that_share_edges_cover_each_pixel_once() {
-    // A fan around a centre on a pixel centre, with spokes along rows, columns, diagonals and odd slopes.
+    // A fan around a pixel centre, with spokes along rows, columns, diagonals and other slopes.
     let color = Color32::from_rgba_premultiplied(128, 128, 128, 128);
     let rim: [Pos2; 8] = [
         pos2(-3.0, -3.0),
@@ -121,7 +121,7 @@ fn triangles_that_share_edges_cover_each_pixel_once() {
     mesh.vertices =
         std::iter::once(pos2(8.5, 8.5)).chain(rim).map(|pos| Vertex { pos, uv: Pos2::ZERO, color }).collect();
     for spoke in 0..8 {
-        // Every other triangle turns the other way: the toolkit promises no winding.
+        // Winding alternates: egui guarantees none.
         let [first, second] = [1 + spoke, 1 + (spoke + 1) % 8];
         mesh.indices.extend(if spoke % 2 == 0 { [0, first, second] } else { [0, second, first] });
     }
@@ -133,7 +133,7 @@ fn triangles_that_share_edges_cover_each_pixel_once() {
 fn clip_rectangles_are_rounded_to_whole_pixels() {
     let mesh = quad(rect(0.0, 0.0, 10.0, 10.0), Color32::WHITE);
     let picture = paint(&solid_painter(), mesh, rect(0.8, 0.0, 1.9, 0.6), (6, 3), 2.0);
-    // In pixels 1.6 … 3.8 and 0 … 1.2.
+    // Clip rectangle in pixels: x in 1.6 … 3.8, y in 0 … 1.2.
     assert_eq!(reds(&picture, 0), [0, 0, 255, 255, 0, 0]);
     assert_eq!(reds(&picture, 1), [0; 6]);
 }

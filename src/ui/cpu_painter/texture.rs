@@ -1,9 +1,9 @@
-//! Textures in memory, and the two ways to read them.
+//! Textures in memory, with nearest and bilinear sampling.
 
 use eframe::egui::{Color32, ImageData, TextureFilter, TextureOptions, TextureWrapMode, epaint::ImageDelta};
 use glam::{Vec2, Vec4, vec4};
 
-/// Premultiplied, gamma-encoded texels, row by row from the top. The default is empty and reads as transparent.
+/// Premultiplied, gamma-encoded texels, row by row from the top. The default is empty and reads as transparent black.
 #[derive(Default)]
 pub(super) struct Texture {
     size: [usize; 2],
@@ -12,7 +12,7 @@ pub(super) struct Texture {
 }
 
 impl Texture {
-    /// Replaces the texture, or a part of it. Rows of a part that lie outside are dropped.
+    /// Replaces the texture or a part of it. Rows of the part outside the texture are dropped.
     pub(super) fn apply(&mut self, change: ImageDelta) {
         let ImageData::Color(image) = change.image;
         self.options = change.options;
@@ -32,23 +32,24 @@ impl Texture {
         }
     }
 
-    /// (width, height) in texels.
+    /// Returns (width, height), in texels.
     pub(super) fn size(&self) -> [f32; 2] {
         self.size.map(|texels| texels as f32)
     }
 
-    /// The filter for a triangle that spreads `texels_per_pixel` (an area) over each pixel.
+    /// Returns the filter for a triangle with this texel area per pixel: minification above 1, else magnification.
     pub(super) fn filter(&self, texels_per_pixel: f64) -> TextureFilter {
         if texels_per_pixel > 1.0 { self.options.minification } else { self.options.magnification }
     }
 
-    /// The texel that contains (u, v), both in texels. Channels 0 to 255.
+    /// Returns the texel that contains (u, v), both in texels. Channels are in [0, 255].
     #[inline(always)]
     pub(super) fn nearest(&self, uv: Vec2) -> Vec4 {
         self.texel(floor(uv.x), floor(uv.y))
     }
 
-    /// The four texels around (u, v), weighted by their distance. Texel centres lie at half-integers.
+    /// Returns the bilinear interpolation of the four texels around (u, v), both in texels. Texel centres lie at
+    /// half-integers; channels are in [0, 255].
     #[inline(always)]
     pub(super) fn bilinear(&self, uv: Vec2) -> Vec4 {
         let (u, v) = (uv.x - 0.5, uv.y - 0.5);
@@ -67,20 +68,20 @@ impl Texture {
     }
 }
 
-/// Four bytes as numbers from 0 to 255.
+/// Converts four bytes to floats in [0, 255].
 #[inline(always)]
 pub(super) fn channels([red, green, blue, alpha]: [u8; 4]) -> Vec4 {
     vec4(f32::from(red), f32::from(green), f32::from(blue), f32::from(alpha))
 }
 
-/// The whole number at or below `value`, without the library call that `f32::floor` is on older processors.
+/// Returns the largest integer not above `value`. Avoids the library call that `f32::floor` needs on older processors.
 #[inline(always)]
 fn floor(value: f32) -> i64 {
     let truncated = value as i64;
     truncated - i64::from(value < truncated as f32)
 }
 
-/// The index that `index` means on an axis of `length` texels.
+/// Maps a texel index to [0, length) by the wrap mode.
 #[inline(always)]
 fn wrap(index: i64, length: usize, mode: TextureWrapMode) -> usize {
     let last = (length as i64 - 1).max(0);

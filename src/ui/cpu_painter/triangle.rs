@@ -1,8 +1,9 @@
-//! One textured triangle: integer edge functions give each row its span of pixels, exactly and without gaps.
+//! A textured triangle: integer edge functions give the exact, gap-free span of pixels of each row.
 //!
-//! An edge function E(x, y) = (b − a) × (p − a) is affine and integer on the grid of 1/256 px, so the first and the last
-//! pixel of a row follow from one integer division per edge. Two triangles that share an edge share its numbers with
-//! opposite signs, and the top-left rule gives a centre on it to one of them (Pineda 1988; D3D11 specification, 3.4).
+//! An edge function E(x, y) = (b − a) × (p − a) is affine and integer on the grid of 1/256 px. The first and last pixel
+//! of a row thus follow from one integer division per edge. Two triangles that share an edge have its edge function
+//! with opposite signs. The top-left rule assigns a centre on the edge to one of them (Pineda 1988; D3D11
+//! specification, 3.4).
 
 use eframe::egui::{TextureFilter, epaint::Vertex};
 
@@ -17,34 +18,35 @@ use crate::{
     math::fixed::{HALF_PIXEL, SUBPIXELS, snap},
 };
 
-/// Beyond this many pixels from the origin a vertex is pulled in, so that edge functions stay far inside 64 bits.
+/// Limit that vertex coordinates are clamped to, in pixels from the origin, so that edge functions stay far inside 64
+/// bits.
 const FARTHEST_PX: f32 = 1_048_576.0;
 
-/// What is interpolated.
+/// Attributes interpolated over a triangle.
 #[derive(Clone, Copy, PartialEq)]
 struct Attributes {
-    /// Red, green, blue, alpha from 0 to 255, premultiplied.
+    /// Red, green, blue and alpha in [0, 255], premultiplied.
     color: Vec4,
-    /// In texels.
+    /// Texture coordinates, in texels.
     uv: Vec2,
 }
 
-/// A triangle of positive area, set up for painting.
+/// Triangle of positive area, set up for painting.
 pub(super) struct Triangle<'a> {
-    /// Edge `i` faces vertex `i`, so its value is proportional to the weight of that vertex.
+    /// Edge functions. Edge `i` lies opposite vertex `i`, so its value is proportional to that vertex's weight.
     edges: [Edge; 3],
     attributes: [Attributes; 3],
-    /// Change of the attributes from one pixel to the next on the right.
+    /// Change of the attributes per pixel to the right.
     attributes_dx: Attributes,
     doubled_area: f64,
-    /// Snapped corners' range of y.
+    /// Minimum and maximum y of the snapped corners, in subpixels of 1/256 px.
     rows: (i64, i64),
     texture: &'a Texture,
     filter: TextureFilter,
 }
 
 impl<'a> Triangle<'a> {
-    /// `None` where nothing could be painted: no area, or a coordinate that is not finite.
+    /// Sets up a triangle. Returns `None` if its area is zero or a coordinate is not finite.
     pub(super) fn new(vertices: [Vertex; 3], pixels_per_point: f32, texture: &'a Texture) -> Option<Self> {
         let [a, mut b, mut c] = vertices;
         if ![a, b, c].iter().all(|vertex| vertex.pos.is_finite() && vertex.uv.is_finite()) {
@@ -80,7 +82,7 @@ impl<'a> Triangle<'a> {
         })
     }
 
-    /// Blends the triangle over `picture`, inside `clip` only (which lies inside the picture).
+    /// Blends the triangle over `picture` within `clip`, which must lie inside the picture.
     pub(super) fn paint(&self, clip: PixelRect, picture: &mut Image<Rgba8>) {
         let solid = self.solid_source();
         let width = picture.width() as usize;
@@ -100,7 +102,7 @@ impl<'a> Triangle<'a> {
         }
     }
 
-    /// The colour of every pixel, when they all have the same.
+    /// Returns the colour of all pixels if the attributes of all vertices are equal.
     fn solid_source(&self) -> Option<Vec4> {
         let [first, ref others @ ..] = self.attributes;
         others.iter().all(|other| *other == first).then(|| {
@@ -112,7 +114,7 @@ impl<'a> Triangle<'a> {
         })
     }
 
-    /// The columns of row `y` whose centres belong to the triangle: those that every edge accepts.
+    /// Returns the half-open range of columns in row `y` whose centres satisfy all three edges.
     fn span(&self, y: i64, clip: PixelRect) -> (i64, i64) {
         let (mut left, mut right) = (clip.left, clip.right);
         for edge in &self.edges {
@@ -142,15 +144,15 @@ impl<'a> Triangle<'a> {
     }
 }
 
-/// The edge function of a → b, positive inside.
+/// Edge function of a → b, positive inside.
 #[derive(Clone, Copy)]
 struct Edge {
     /// Value at the centre of pixel (0, 0).
     origin: i64,
-    /// Change per pixel to the right and per pixel down.
+    /// Change per pixel to the right; `dy` is the change per pixel down.
     dx: i64,
     dy: i64,
-    /// The least value of a centre that belongs to the triangle: 0 on a top or left edge, 1 on the others.
+    /// Minimum value of a covered centre: 0 on a top or left edge, 1 on the others.
     threshold: i64,
 }
 
@@ -171,7 +173,7 @@ impl Edge {
     }
 }
 
-/// Twice the signed area of a triangle; positive when it turns clockwise on the y-down screen.
+/// Returns twice the signed area of a triangle, positive if it is clockwise on the y-down screen.
 fn doubled_area(a: [i64; 2], b: [i64; 2], c: [i64; 2]) -> i64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
@@ -187,13 +189,13 @@ fn weigh([a, b, c]: &[Attributes; 3], weights: [f32; 3]) -> Attributes {
     }
 }
 
-/// Vertex colour times texel, all 0 to 255.
+/// Multiplies vertex colour and texel, with all channels in [0, 255].
 #[inline(always)]
 fn modulate(color: Vec4, texel: Vec4) -> Vec4 {
     color * texel * (1.0 / 255.0)
 }
 
-/// `source` over `pixel`, rounded to nearest. The casts saturate, which additive colours (alpha 0) need.
+/// Blends `source` over `pixel` and rounds to nearest. The casts saturate, which additive colours (alpha 0) need.
 #[inline(always)]
 fn blend(pixel: &mut Rgba8, source: Vec4, keep: f32) {
     *pixel = bytes(source + channels(*pixel) * keep);

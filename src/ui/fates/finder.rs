@@ -1,4 +1,4 @@
-//! Finds out the fates of the frame on screen while somebody looks at them, on a thread of its own.
+//! Computes the fates of the frame on screen in a background thread while they are visible.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -10,21 +10,21 @@ use crate::ui::engine::{Request, View};
 use crate::ui::session::{Level, Session};
 use crate::ui::task::{Listening, Task};
 
-/// A frame that stays this long is counted; while the view moves, all time goes to new frames.
+/// Time a frame must stay unchanged before its fates are counted; while the view moves, all time goes to new frames.
 const SETTLED: Duration = Duration::from_millis(150);
 
-/// The work, and what was asked for last.
+/// Background task, and its last request.
 #[derive(Debug, Default)]
 pub struct Finder {
     task: Option<Task<(), Fates>>,
     asked: Option<Request>,
-    /// The frame on screen, and since when it is there.
+    /// Request of the frame on screen, and the time since when it is unchanged.
     stays: Option<(Request, Instant)>,
 }
 
 impl Finder {
-    /// Takes what was found, and begins anew if `wanted` and the frame on screen is another one; on this thread if the window
-    /// `waits`.
+    /// Handles the result, and starts a new count if `wanted` and the frame on screen has changed. If `waits`, the
+    /// count runs synchronously.
     pub fn tend(&mut self, ui: &Ui, session: &mut Session, wanted: bool, waits: bool) {
         self.listen(session);
         let wanted = wanted || session.fates.asks() || !session.selection.is_empty();
@@ -60,7 +60,7 @@ impl Finder {
                     found(session, *fates);
                 }
             }
-            Listening::BrokeOff => session.report(Level::Error, "Counting fates stopped by an error of the program"),
+            Listening::BrokeOff => session.report(Level::Error, "Counting fates stopped: internal error"),
         }
         self.task = None;
     }
@@ -72,7 +72,7 @@ fn find(View { request, frame, .. }: &View) -> Fates {
 
 fn found(session: &mut Session, fates: Fates) {
     for complaint in fates.account.complaints() {
-        session.report(Level::Error, format!("Fates do not add up, which is a fault of this program: {complaint}"));
+        session.report(Level::Error, format!("Fates do not add up (internal error): {complaint}"));
     }
     session.fates.take(Arc::new(fates), &mut session.selection);
 }

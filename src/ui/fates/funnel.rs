@@ -1,4 +1,5 @@
-//! The funnel: a bar for each bin with its number and share, first what comes in, last what is seen.
+//! The funnel: a bar for each bin with its count and share, from the input at the top to the visible ones at the
+//! bottom.
 
 use eframe::egui::{Align2, Color32, FontId, Rect, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 
@@ -10,21 +11,21 @@ use crate::ui::command::Command;
 use crate::ui::format;
 use crate::ui::theme::{RADIUS, Tokens, font_size, space, tokens};
 
-/// Height of a bar with its words, in points.
+/// Height of a bar and its text, in points.
 const ROW: f32 = 19.0;
 
-/// Width of the number, in points.
+/// Width of the count, in points.
 const COUNT: f32 = 52.0;
 
 /// Width of the share, in points.
 const SHARE: f32 = 58.0;
 
-/// What a bin means for those in it: its bar has the colour of that.
+/// Fate that has a bin and a bar colour.
 pub trait Ending: Choice {
-    /// The bin as a person chooses it.
+    /// Returns the bin of this fate.
     fn bin(self) -> Bin;
 
-    /// The colour of its bar.
+    /// Returns the colour of its bar.
     fn color(self, tokens: &Tokens) -> Color32;
 }
 
@@ -60,7 +61,7 @@ impl Ending for FragmentFate {
     }
 }
 
-/// Draws the bars of all bins that anything is in, under what they sum up to.
+/// Draws the bars of all non-empty bins below their total.
 pub fn ui<E: Ending>(
     ui: &mut Ui,
     (what, help): (&str, &str),
@@ -84,7 +85,7 @@ pub fn ui<E: Ending>(
     }
 }
 
-/// One bar behind its words; true when clicked.
+/// Draws one bar behind its text. Returns whether it was clicked.
 fn bar<E: Ending>(ui: &mut Ui, ending: E, (count, sum): (u64, u64), chosen: bool) -> bool {
     let (row, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
     let share = count as f64 / sum.max(1) as f64;
@@ -97,7 +98,7 @@ fn bar<E: Ending>(ui: &mut Ui, ending: E, (count, sum): (u64, u64), chosen: bool
     };
     let painter = ui.painter_at(row);
     painter.rect_filled(row, RADIUS, fill);
-    // Whatever is in a bin is seen.
+    // A minimum width keeps every non-empty bin visible.
     const LEAST_POINTS: f32 = 2.0;
     const OPACITY: f32 = 0.42;
     let width = (row.width() * share as f32).max(LEAST_POINTS);
@@ -111,6 +112,6 @@ fn bar<E: Ending>(ui: &mut Ui, ending: E, (count, sum): (u64, u64), chosen: bool
     let at = |from_right: f32| row.right_center() - vec2(from_right, 0.0);
     painter.text(at(space::XS), Align2::RIGHT_CENTER, format::percent(share), mono.clone(), tokens(ui).text);
     painter.text(at(SHARE), Align2::RIGHT_CENTER, format::count(count), mono, text);
-    let click = if chosen { "Click to select them no longer." } else { "Click to select them in the picture." };
+    let click = if chosen { "Click to deselect them." } else { "Click to select them in the picture." };
     response.on_hover_text(format!("{} {click}", ending.help())).clicked()
 }

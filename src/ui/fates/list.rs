@@ -1,4 +1,4 @@
-//! The triangles that are asked for, one row each: as many rows are laid out as are seen.
+//! List of the filtered triangles, one row each. Only visible rows are laid out.
 
 use eframe::egui::{Align2, Color32, FontId, Rect, Role, ScrollArea, Sense, TextEdit, Ui, WidgetInfo, vec2};
 
@@ -15,14 +15,14 @@ use crate::ui::widgets::icon_button;
 /// Height of a row, in points.
 const ROW: f32 = 20.0;
 
-/// Where each column ends, as a share of the width; numbers stand at its right end, words at the left end of the next.
+/// Right end of each column, as a share of the row width. Numbers are right-aligned, text is left-aligned.
 const ENDS: [f32; 5] = [0.15, 0.40, 0.62, 0.76, 1.0];
 
-/// Draws the filter and the rows; that of the triangle that the picked pixel shows stands out.
+/// Draws the filter and the rows. The row of the triangle visible at the picked pixel is highlighted.
 pub fn ui(ui: &mut Ui, view: &FatesView, fates: &Fates, picked: Option<TriangleId>, commands: &mut Vec<Command>) {
     filter(ui, view, commands);
     let (head, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
-    let headings = ["Triangle", "Object", "Ended", "px²", "seen / all px"].map(str::to_owned);
+    let headings = ["Triangle", "Object", "Fate", "px²", "visible / all px"].map(str::to_owned);
     cells(ui, head, &headings, [tokens(ui).text_weak; 5], &FontId::proportional(font_size::SMALL));
     ui.spacing_mut().item_spacing.y = 0.0;
     ScrollArea::vertical().id_salt("members").auto_shrink(false).show_rows(ui, ROW, view.members.len(), |ui, rows| {
@@ -35,17 +35,18 @@ pub fn ui(ui: &mut Ui, view: &FatesView, fates: &Fates, picked: Option<TriangleI
 fn filter(ui: &mut Ui, view: &FatesView, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         let mut text = view.text.clone();
-        let hint = "filter: tri 123, area<1, is:cut, a name";
+        let hint = "Filter: tri 123, area<1, is:cut, name";
         let edit = TextEdit::singleline(&mut text).hint_text(hint).desired_width(ui.available_width() * 0.55);
         let response = ui.add(edit).on_hover_text(
-            "By number (tri 123), by area on the screen in px² (area<1, area>20), cut by a plane of the view (is:cut), with a normal or texture coordinate that was NaN or infinite (is:broken), by a part of the name of an object or its material",
+            "By number (tri 123), by screen area in px² (area<1, area>20), cut by a clipping plane (is:cut), with a \
+             NaN or infinite normal or texture coordinate (is:broken), or by part of the name of an object or material",
         );
         response.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Filter triangles"));
         if text != view.text {
             commands.push(Command::Fates(Change::Text(text)));
         }
         ui.weak(format!("{} triangles", format::count(view.members.len() as u64)));
-        if view.asks() && icon_button(ui, Icon::X, "Select nothing, list all").clicked() {
+        if view.asks() && icon_button(ui, Icon::X, "Clear the selection and list all").clicked() {
             commands.push(Command::Fates(Change::Clear));
         }
     });
@@ -79,7 +80,7 @@ fn row(ui: &mut Ui, fates: &Fates, triangle: TriangleId, is_picked: bool, comman
     }
 }
 
-/// Numbers at the right end of their columns, words at the left end of theirs.
+/// Draws the cells of a row: numbers right-aligned, text left-aligned.
 fn cells(ui: &Ui, row: Rect, texts: &[String; 5], colors: [Color32; 5], numbers: &FontId) {
     let mut left = row.left();
     for (column, (text, end)) in texts.iter().zip(ENDS).enumerate() {

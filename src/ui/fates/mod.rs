@@ -1,4 +1,4 @@
-//! Where every triangle and fragment went: what the tab shows of it, and what of it is selected in the picture.
+//! Fates of all triangles and fragments: state of the tab, and selection in the picture.
 
 pub mod finder;
 
@@ -18,36 +18,36 @@ use crate::inspect::fates::{Bin, Fates, Filter};
 use crate::inspect::selection::TriangleSelection;
 use crate::scene::TriangleId;
 
-/// What the window knows of the fates of the frame on screen, and who of them is asked for.
+/// Fates of the frame on screen, and the filter that selects triangles by them.
 #[derive(Clone, Debug, Default)]
 pub struct FatesView {
-    /// The fates, once they are known. Those of an earlier view stay until the new ones are there.
+    /// Fates, once computed. Those of an earlier view stay until the new ones are ready.
     pub fates: Option<Arc<Fates>>,
-    /// The chosen bin.
+    /// Selected bin.
     pub bin: Option<Bin>,
-    /// The chosen instance.
+    /// Index of the selected instance.
     pub object: Option<usize>,
-    /// What the list is filtered by, as it is written.
+    /// Text of the list's filter, as typed.
     pub text: String,
-    /// The triangles that answer to bin, object and text.
+    /// Triangles that match bin, object and text.
     pub members: Arc<[TriangleId]>,
 }
 
-/// A change of who is asked for.
+/// Change of the filter.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Change {
-    /// The members of this bin; a second time, all again.
+    /// Selects the members of this bin, or clears the bin if it is selected.
     Bin(Bin),
-    /// The triangles of this instance; a second time, all again.
+    /// Selects the triangles of this instance, or clears the instance if it is selected.
     Object(usize),
-    /// Those that answer to this text.
+    /// Selects the triangles that match this text.
     Text(String),
-    /// Nobody in particular any more.
+    /// Clears all filters.
     Clear,
 }
 
 impl FatesView {
-    /// Applies a change, to what is selected too.
+    /// Applies a change to the filter and updates the selection.
     pub fn apply(&mut self, change: Change, selection: &mut TriangleSelection) {
         match change {
             Change::Bin(bin) => self.bin = (self.bin != Some(bin)).then_some(bin),
@@ -59,13 +59,13 @@ impl FatesView {
         *selection = self.selection();
     }
 
-    /// Asks for nobody any more, as somebody else selects.
+    /// Clears the filter and adopts a selection made elsewhere.
     pub fn give_way(&mut self, others: TriangleSelection, selection: &mut TriangleSelection) {
         self.apply(Change::Clear, selection);
         *selection = others;
     }
 
-    /// Takes the fates of a new view; the same are asked for as before.
+    /// Stores the fates of a new view and reapplies the filter.
     pub fn take(&mut self, fates: Arc<Fates>, selection: &mut TriangleSelection) {
         self.object = self.object.filter(|object| *object < fates.objects.len());
         self.fates = Some(fates);
@@ -75,7 +75,7 @@ impl FatesView {
         }
     }
 
-    /// Whether anybody in particular is asked for.
+    /// Whether any filter is active.
     pub fn asks(&self) -> bool {
         self.bin.is_some() || self.object.is_some() || !self.text.trim().is_empty()
     }

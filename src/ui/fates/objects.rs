@@ -1,4 +1,4 @@
-//! Where is my mesh? A row for each object: how many of its triangles are seen, and why the others are not.
+//! Table of objects: how many of their triangles are visible, and the fates of the others.
 
 use eframe::egui::{Align2, Color32, FontId, Rect, Role, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 
@@ -14,18 +14,18 @@ use crate::ui::theme::{RADIUS, font_size, space, tokens};
 /// Height of a row, in points.
 const ROW: f32 = 20.0;
 
-/// Shares of a row's width: name, numbers, bar; the rest is for the words.
+/// Widths of name, numbers and bar, as shares of the row width; the text takes the rest.
 const SHARES: [f32; 3] = [0.26, 0.28, 0.16];
 
-/// Draws the rows.
+/// Draws the rows of all objects.
 pub fn ui(ui: &mut Ui, objects: &[ObjectFates], chosen: Option<usize>, commands: &mut Vec<Command>) {
     let weak = tokens(ui).text_weak;
     let (head, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
     let [_, bar, words] = columns(head);
     for (x, align, heading) in [
         (head.left() + space::XS, Align2::LEFT_CENTER, "Object"),
-        (bar - space::S, Align2::RIGHT_CENTER, "seen / all"),
-        (words, Align2::LEFT_CENTER, "where the others went"),
+        (bar - space::S, Align2::RIGHT_CENTER, "visible / all"),
+        (words, Align2::LEFT_CENTER, "fates of the others"),
     ] {
         let small = FontId::proportional(font_size::SMALL);
         ui.painter_at(head).text(head.left_center() + vec2(x - head.left(), 0.0), align, heading, small, weak);
@@ -40,7 +40,7 @@ pub fn ui(ui: &mut Ui, objects: &[ObjectFates], chosen: Option<usize>, commands:
     });
 }
 
-/// Where numbers, bar and words begin.
+/// Returns the left ends of numbers, bar and text, in points.
 fn columns(row: Rect) -> [f32; 3] {
     let mut x = row.left();
     SHARES.map(|share| {
@@ -49,13 +49,13 @@ fn columns(row: Rect) -> [f32; 3] {
     })
 }
 
-/// One object; true when clicked.
+/// Draws the row of one object. Returns whether it was clicked.
 fn row(ui: &mut Ui, object: &ObjectFates, chosen: bool) -> bool {
     let (row, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
     let (seen, all) = (seen(&object.triangles), object.triangles.sum());
     let words = where_they_went(&object.triangles);
     response.widget_info(|| {
-        WidgetInfo::selected(Role::Button, true, chosen, format!("{}: {seen} of {all} seen; {words}", object.name))
+        WidgetInfo::selected(Role::Button, true, chosen, format!("{}: {seen} of {all} visible; {words}", object.name))
     });
     let fill = match (chosen, response.hovered()) {
         (true, _) => tokens(ui).accent_fill,
@@ -86,7 +86,7 @@ fn seen(triangles: &TriangleCounts) -> u64 {
     triangles.of(TriangleFate::Visible) + triangles.of(TriangleFate::SeenThrough)
 }
 
-/// The bins of those that are not seen, the fullest first.
+/// Lists the fates of the invisible triangles, the most frequent first.
 fn where_they_went(triangles: &TriangleCounts) -> String {
     let is_seen = |fate: TriangleFate| matches!(fate, TriangleFate::Visible | TriangleFate::SeenThrough);
     let mut bins: Vec<_> = TriangleFate::ALL.iter().copied().filter(|f| !is_seen(*f) && triangles.of(*f) > 0).collect();
@@ -94,10 +94,10 @@ fn where_they_went(triangles: &TriangleCounts) -> String {
     let words =
         bins.iter().map(|fate| format!("{} {}", format::count(triangles.of(*fate)), fate.name().to_lowercase()));
     let words: Vec<_> = words.collect();
-    if words.is_empty() { "all are seen".to_owned() } else { words.join(", ") }
+    if words.is_empty() { "all visible".to_owned() } else { words.join(", ") }
 }
 
-/// All bins in one bar, what is seen first.
+/// Draws all bins as one stacked bar, visible triangles first.
 fn stack(ui: &Ui, track: Rect, triangles: &TriangleCounts) {
     let all = triangles.sum().max(1) as f32;
     let mut left = track.left();
@@ -116,6 +116,6 @@ fn details(ui: &mut Ui, object: &ObjectFates) {
     }
     let fragments = &object.fragments;
     let seen = fragments.of(FragmentFate::Visible) + fragments.of(FragmentFate::SeenThrough);
-    ui.label(format!("{} of {} fragments seen", format::count(seen), format::count(fragments.sum())));
-    ui.weak("Click to list its triangles and to select them in the picture.");
+    ui.label(format!("{} of {} fragments visible", format::count(seen), format::count(fragments.sum())));
+    ui.weak("Click to list its triangles and select them in the picture.");
 }

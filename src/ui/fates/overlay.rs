@@ -1,5 +1,5 @@
-//! The selected triangles in the picture: where one is on top the picture stays as it is, where one lies hidden it is tinted,
-//! all else is dimmed.
+//! Overlay of the selected triangles: the picture is unchanged where one is on top, tinted where one is hidden, and
+//! dimmed elsewhere.
 
 use std::sync::Arc;
 
@@ -17,20 +17,20 @@ use crate::ui::theme::{Icon, RADIUS, ROW_HEIGHT, space, tokens};
 use crate::ui::widgets::icon_button;
 use crate::ui::zoom::Placement;
 
-/// How much black lies over what is not selected.
+/// Alpha of the black over unselected pixels, in [0, 255].
 const DIM_ALPHA: u8 = 165;
 
-/// How much of the accent lies over what is hidden.
+/// Opacity of the accent colour over hidden triangles, in [0, 1].
 const TINT: f32 = 0.55;
 
-/// The layer over the picture, made when selection or frame change.
+/// Overlay image, rebuilt when selection, fates or theme colour change.
 #[derive(Default)]
 pub struct SelectionLayer {
     texture: PictureTexture,
     made: Option<Made>,
 }
 
-/// A layer and what it was made of.
+/// Overlay image and the inputs it was built from.
 struct Made {
     fates: Arc<Fates>,
     selection: TriangleSelection,
@@ -39,7 +39,7 @@ struct Made {
 }
 
 impl SelectionLayer {
-    /// Paints the layer over the picture, if anything is selected.
+    /// Paints the overlay if any triangle is selected.
     pub fn paint(&mut self, ui: &Ui, painter: &Painter, placement: Placement, session: &Session) {
         let Some(fates) = session.fates.fates.as_ref().filter(|_| !session.selection.is_empty()) else { return };
         let tint = tokens(ui).accent.gamma_multiply(TINT);
@@ -60,7 +60,7 @@ impl SelectionLayer {
     }
 }
 
-/// Draws what is selected in words into the upper left corner of the canvas, with a button that drops it.
+/// Draws a description of the selection into the upper left corner of the canvas, with a button that clears it.
 pub fn badge(ui: &mut Ui, canvas: Rect, session: &Session, commands: &mut Vec<Command>) {
     let selection = &session.selection;
     if selection.is_empty() {
@@ -78,11 +78,11 @@ pub fn badge(ui: &mut Ui, canvas: Rect, session: &Session, commands: &mut Vec<Co
     let inner = card.shrink2(vec2(space::S, 0.0));
     let layout = egui::Layout::right_to_left(egui::Align::Center);
     let mut row = ui.new_child(UiBuilder::new().max_rect(inner).layout(layout));
-    if icon_button(&mut row, Icon::X, "Select nothing  (Esc)").clicked() {
+    if icon_button(&mut row, Icon::X, "Clear the selection  (Esc)").clicked() {
         commands.push(Command::Fates(Change::Clear));
     }
     let label = egui::Label::new(RichText::new(text).color(tokens(ui).text_strong)).truncate();
     row.add(label).on_hover_text(
-        "Where a selected triangle is on top, the picture is as it is; where one lies hidden, it is tinted; all else is dimmed",
+        "Unchanged: a selected triangle is visible. Tinted: a selected triangle is hidden. Dimmed: everything else",
     );
 }

@@ -1,4 +1,4 @@
-//! The tab: the funnels, the objects, and the triangles that are asked for.
+//! The “Fates” tab: funnels, objects, and the filtered triangles.
 
 use std::sync::Arc;
 
@@ -12,24 +12,24 @@ use crate::ui::session::Session;
 use crate::ui::theme::{Icon, space, tokens};
 use crate::ui::widgets::{Status, chip, empty_state};
 
-/// Shares of the tab's width: both funnels, and the objects; the rest is for the list.
+/// Widths of the two funnels and of the objects, as shares of the tab's width; the list takes the rest.
 const SHARES: [f32; 3] = [0.18, 0.16, 0.31];
 
-/// Draws whether all sums match, beside the tabs.
+/// Draws beside the tabs whether all sums match.
 pub fn controls(ui: &mut Ui, session: &Session) {
     let Some(fates) = &session.fates.fates else { return };
     let complaints = fates.account.complaints();
     if complaints.is_empty() {
-        let help = "Every triangle that came in and every fragment that was generated is in exactly one bin";
+        let help = "Every submitted triangle and every generated fragment is in exactly one bin";
         chip(ui, Status::Passed, "all sums match", help);
     }
     for complaint in complaints {
-        chip(ui, Status::Error, &complaint, "This must never be: it is a fault of the program");
+        chip(ui, Status::Error, &complaint, "The sums must match: this is an internal error of the program");
     }
     if !session.state.recipe.antialias.is_off() {
-        let text = "one sample for each pixel, at its centre";
+        let text = "one sample per pixel, at its centre";
         ui.label(RichText::new(text).color(tokens(ui).text_weak))
-            .on_hover_text("The further samples of an anti-aliased pixel are not counted");
+            .on_hover_text("The other samples of an anti-aliased pixel are not counted");
     }
 }
 
@@ -37,8 +37,8 @@ pub fn controls(ui: &mut Ui, session: &Session) {
 pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let view = &session.fates;
     let Some(fates) = &view.fates else {
-        let how = "They are counted by drawing the frame once more, watched.";
-        empty_state(ui, Icon::ListChecks, "Counting where triangles and fragments went …", how);
+        let how = "The frame is drawn once more with counters.";
+        empty_state(ui, Icon::ListChecks, "Counting the fates of triangles and fragments …", how);
         return;
     };
     let report = session.view.as_ref().and_then(|view| view.report.as_ref());
@@ -78,7 +78,7 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     });
 }
 
-/// A line of text that ends in `…` where it has to.
+/// Lays out a line of text, truncated with `…` if it exceeds `width` points.
 pub(super) fn elided(ui: &Ui, text: &str, font: FontId, color: Color32, width: f32) -> Arc<Galley> {
     let mut job = LayoutJob::simple_singleline(text.to_owned(), font, color);
     job.wrap = TextWrapping::truncate_at_width(width.max(0.0));

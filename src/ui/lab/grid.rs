@@ -1,4 +1,4 @@
-//! The grid: pixels as squares, the true shape over them, and handles to drag. Wheel enlarges, drag moves.
+//! The lab's grid: pixels as squares, the ideal shape over them, and draggable handles. The wheel zooms, dragging pans.
 
 use eframe::egui::{
     Align2, Color32, CornerRadius, FontId, Pos2, Rect, Role, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, WidgetInfo,
@@ -10,40 +10,40 @@ use super::{Change, Lab, palette, pointer};
 use crate::lab::recording::{Mark, Tone};
 use crate::ui::theme::{space, tokens};
 
-/// Least points that a pixel must have for lines between pixels.
+/// Minimum size of a pixel, in points, for grid lines to be drawn.
 const LINES_FROM: f32 = 6.0;
 
-/// Least and most points per pixel.
+/// Minimum and maximum points per pixel.
 const SCALES: (f32, f32) = (2.0, 160.0);
 
-/// Radii of dots and handles, points.
+/// Radius of a dot, in points; `SMALL_DOT` and `HANDLE` are radii in points, too.
 const DOT: f32 = 3.5;
 const SMALL_DOT: f32 = 1.3;
 pub(super) const HANDLE: f32 = 6.0;
 
-/// How the grid lies on the screen.
+/// Transform from the grid to the screen.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct View {
     /// Points per pixel.
     pub(super) scale: f32,
-    /// Where the upper left corner of pixel (0, 0) is.
+    /// Position of the upper left corner of pixel (0, 0), in points.
     pub(super) origin: Pos2,
 }
 
 impl View {
-    /// A place of the grid on the screen.
+    /// Maps a position from the grid, in pixels, to the screen, in points.
     pub(super) fn screen(self, place: DVec2) -> Pos2 {
         self.origin + vec2(place.x as f32, place.y as f32) * self.scale
     }
 
-    /// A place of the screen on the grid.
+    /// Maps a position from the screen, in points, to the grid, in pixels.
     pub(super) fn place(self, at: Pos2) -> DVec2 {
         let place = (at - self.origin) / self.scale;
         DVec2::new(place.x.into(), place.y.into())
     }
 }
 
-/// Draws the grid and takes what the pointer does on it.
+/// Draws the grid and handles pointer input.
 pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<Change>) {
     let (area, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Grid of the lab"));
@@ -56,7 +56,7 @@ pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<Change>) {
     pointer::ui(ui, &response, view, lab, changes);
 }
 
-/// The view after what wheel and drag do to it.
+/// Returns scale and centre after wheel and drag input.
 fn moved(
     ui: &Ui,
     response: &eframe::egui::Response,
@@ -76,7 +76,7 @@ fn moved(
     {
         let below = (at - area.center()) / scale + center;
         scale = (scale * (wheel * 0.005).exp()).clamp(SCALES.0, SCALES.1);
-        // What is below the pointer stays there.
+        // The point under the pointer stays fixed.
         center = below - (at - area.center()) / scale;
     }
     if (scale, center) != before {

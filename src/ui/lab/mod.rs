@@ -1,5 +1,5 @@
-//! The 2D lab in the window: what it knows, and its layout. Each page has a file for its controls; the frame around them is
-//! one for all: the grid, the transport, what the step says, and how the rivals compare.
+//! State and layout of the 2D lab. Each page has a file for its controls. All pages share the grid, the transport, the
+//! description of the step, and the comparison of methods.
 
 mod palette;
 
@@ -22,83 +22,85 @@ use std::time::{Duration, Instant};
 use eframe::egui::{self, CentralPanel, Panel, ScrollArea, Ui, Vec2};
 
 use super::command::Command;
+use super::manual::manual_button;
 use super::scrub;
 use super::theme::{self, ROW_HEIGHT, space};
 use crate::image::{Image, Rgba8, file};
 use crate::lab::recording::{Comparison, Recording, time_of};
 use crate::lab::seed_fills::Paint;
 use crate::lab::{Lesson, Page};
+use crate::manual::Chapter;
 use crate::pipeline::settings::Choice as _;
 
-/// A run shorter than this is timed by repeating it.
+/// Run time below which a run is repeated for timing.
 const SHORT_RUN: Duration = Duration::from_millis(2);
 
-/// Steps per second when playing begins.
+/// Initial playback speed, in steps per second.
 const SPEED: f32 = 12.0;
 
-/// What the lab knows.
+/// State of the lab.
 #[derive(Clone, Debug)]
 pub struct Lab {
-    /// Whether it is shown instead of the pipeline.
+    /// Whether the lab replaces the pipeline in the window.
     pub open: bool,
-    /// The page shown.
+    /// Current page.
     pub page: Page,
-    /// Each page as it was left.
+    /// Lesson of each page, in the state in which it was left.
     lessons: Vec<Lesson>,
-    /// The run of the present page.
+    /// Recorded run of the current page.
     pub recording: Arc<Recording>,
-    /// Steps shown.
+    /// Number of steps shown.
     pub step: usize,
-    /// Steps forwards or backwards per tick: −1, 0 or 1.
+    /// Playback direction: 1 forwards, −1 backwards, 0 paused.
     pub playing: i64,
-    /// Steps per second.
+    /// Playback speed, in steps per second.
     pub speed: f32,
-    /// Part of a step that playing has gained.
+    /// Fraction of the next step already elapsed during playback.
     due: f32,
     /// Time of one run without recording.
     pub run_time: Duration,
-    /// How the ways to do the same compare, once asked for.
+    /// Comparison of all methods for the same task, if requested.
     pub comparison: Option<Comparison>,
-    /// What the mouse paints on the page of seed fill.
+    /// Paint of the brush on the seed fill page.
     pub brush: Paint,
-    /// Points per pixel of the grid, and the place in the middle; fitted if none.
+    /// Points per pixel of the grid, and the grid position at its centre; `None` fits the grid.
     pub view: Option<(f32, Vec2)>,
 }
 
-/// What can be asked of it.
+/// Change of the lab.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Change {
-    /// Show it, or the pipeline.
+    /// Shows the lab, or the pipeline.
     Open(bool),
-    /// Show this page.
+    /// Shows this page.
     Page(Page),
-    /// Change input or settings of the present page.
+    /// Sets input and settings of the current page.
     Set(Box<Lesson>),
-    /// Start the present page anew.
+    /// Resets the current page.
     Reset,
-    /// Show so many steps.
+    /// Shows this number of steps.
     Go(usize),
-    /// Show more or fewer steps.
+    /// Shows this many more steps; fewer if negative.
     StepBy(i64),
-    /// Play forwards (1), backwards (−1), or stop (0).
+    /// Plays forwards (1) or backwards (−1), or pauses (0).
     Play(i64),
-    /// Play or stop.
+    /// Toggles playback.
     TogglePlay,
-    /// Seconds have passed while playing.
+    /// Advances playback by this many seconds.
     Tick(f32),
-    /// Play at so many steps per second.
+    /// Sets the playback speed, in steps per second.
     Speed(f32),
-    /// Paint with this.
+    /// Sets the paint of the brush.
     Brush(Paint),
-    /// Enlarge and move the grid so; fit it if none.
+    /// Sets scale and centre of the grid; `None` fits it.
     View(Option<(f32, Vec2)>),
-    /// Run and time all ways to do the same.
+    /// Runs and times all methods for the same task.
     Compare,
-    /// Close the comparison.
+    /// Closes the comparison.
     CloseComparison,
-    /// Make the picture of this file the canvas of the page, or of the one that samples pictures.
+    /// Loads an image file as the canvas of the current page, or of the sampling page if the current one has none.
     Picture(PathBuf),
-    /// Save the drawing in the format of this end of a file name.
+    /// Saves the drawing in the format of this file name extension.
     Save(&'static str),
 }
 
@@ -123,7 +125,7 @@ impl Default for Lab {
 }
 
 impl Lab {
-    /// The present page as it stands.
+    /// Returns the lesson of the current page.
     pub fn lesson(&self) -> &Lesson {
         &self.lessons[self.place()]
     }
@@ -132,8 +134,8 @@ impl Lab {
         Page::ALL.iter().position(|page| *page == self.page).unwrap_or(0)
     }
 
-    /// While it is open, keys that step and zoom mean the lab, and those of the pipeline mean nothing. `None` for a command
-    /// that has no meaning then.
+    /// Redirects commands that step and zoom to the lab while it is open. Returns `None` for commands without a meaning
+    /// in the lab.
     pub fn claim(&mut self, command: Command) -> Option<Command> {
         if !self.open {
             return Some(command);
@@ -177,7 +179,7 @@ impl Lab {
         Some(Command::Lab(change))
     }
 
-    /// Makes a change. Returns it if it concerns the disk.
+    /// Applies a change. Returns it if it concerns the disk.
     pub fn apply(&mut self, change: Change) -> Option<Change> {
         match change {
             Change::Open(open) => {
@@ -222,7 +224,7 @@ impl Lab {
         None
     }
 
-    /// Makes a picture the canvas of the present page; if it has none, of the page that samples pictures.
+    /// Sets an image as the canvas of the current page, or of the sampling page if the current one has none.
     pub fn show_picture(&mut self, picture: &Image<Rgba8>) {
         let place = self.place();
         if self.lessons[place].set_picture(picture) {
@@ -236,7 +238,7 @@ impl Lab {
         self.apply(Change::Page(Page::Sampling));
     }
 
-    /// Runs the present page. All steps are shown if all were, otherwise as many as before.
+    /// Runs and times the current page. All steps stay visible if all were; otherwise their number is kept.
     fn run(&mut self) {
         let showed_all = self.step >= self.recording.steps.len();
         let lesson = self.lesson();
@@ -256,7 +258,7 @@ impl Lab {
 
     fn play(&mut self, direction: i64) {
         let end = self.recording.steps.len();
-        // From the end it begins again.
+        // Playing from the end restarts from the beginning.
         match direction {
             1 if self.step >= end => self.step = 0,
             -1 if self.step == 0 => self.step = end,
@@ -277,17 +279,17 @@ impl Lab {
     }
 }
 
-/// Most of the window's width that each panel beside the grid takes at first.
+/// Maximum initial width of each side panel, as a share of the window width.
 const SIDE_SHARE: f32 = 0.27;
 
-/// Height of the bar with the transport, points.
+/// Height of the transport bar, in points.
 const BAR_HEIGHT: f32 = ROW_HEIGHT + 12.0;
 
-/// Draws the lab into what the menu leaves of the window.
+/// Draws the lab into the area below the menu.
 pub fn ui(ui: &mut Ui, lab: &Lab, commands: &mut Vec<Command>) {
     let mut changes = Vec::new();
     let frame = theme::panel_frame(ui);
-    // In a narrow window the grid still has the largest share.
+    // The grid keeps the largest share even in a narrow window.
     let share = |wanted: f32| wanted.min(ui.available_width() * SIDE_SHARE);
     let (left, right) = (share(264.0), share(316.0));
     if let Some(comparison) = &lab.comparison {
@@ -299,6 +301,7 @@ pub fn ui(ui: &mut Ui, lab: &Lab, commands: &mut Vec<Command>) {
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             page_list(ui, lab, &mut changes);
             pages::controls(ui, lab, &mut changes);
+            manual_button(ui, Chapter::Lab, commands);
         });
     });
     Panel::right("lab readout").frame(frame).resizable(true).default_size(right).min_size(220.0).show(ui, |ui| {
@@ -316,7 +319,7 @@ pub fn ui(ui: &mut Ui, lab: &Lab, commands: &mut Vec<Command>) {
 
 fn page_list(ui: &mut Ui, lab: &Lab, changes: &mut Vec<Change>) {
     for page in Page::ALL {
-        // What grows behind the name pushes it to the left.
+        // A growing atom after the name left-aligns it.
         let name = (page.name(), egui::Atom::grow());
         let button = egui::Button::selectable(*page == lab.page, name)
             .min_size(egui::vec2(ui.available_width(), theme::CONTROL_HEIGHT));

@@ -1,18 +1,18 @@
-//! Colours of the lab's grid, from those of the theme.
+//! Colours of the lab's grid, derived from the theme.
 
 use eframe::egui::Color32;
 
 use crate::lab::recording::{Ink, Tone};
 use crate::ui::theme::Tokens;
 
-/// Below the pixels.
+/// Returns the background colour of the grid.
 pub(super) fn paper(tokens: &Tokens) -> Color32 {
     tokens.field
 }
 
-/// Of a pixel.
+/// Returns the colour of a pixel.
 pub(super) fn ink(ink: Ink, tokens: &Tokens) -> Color32 {
-    /// How much the colour of a side shows on the paper.
+    /// Blend factor of a side's colour over the background, in [0, 1].
     const SIDE_SHARE: f32 = 0.28;
     let full = tokens.text;
     match ink {
@@ -25,9 +25,9 @@ pub(super) fn ink(ink: Ink, tokens: &Tokens) -> Color32 {
     }
 }
 
-/// Of a mark.
+/// Returns the colour of a mark.
 pub(super) fn tone(tone: Tone, tokens: &Tokens) -> Color32 {
-    /// Told from every ink of the grid but one, and from the true shape.
+    /// Index of a series colour distinct from the ideal shape and from all pixel colours but one.
     const FOCUS_SERIES: usize = 3;
     match tone {
         Tone::Ideal => tokens.accent,

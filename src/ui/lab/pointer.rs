@@ -1,4 +1,4 @@
-//! What the pointer does on the grid: drags handles, adds and removes corners, paints, chooses a pixel.
+//! Pointer input on the grid: drags handles, adds and removes corners, paints, selects a pixel.
 
 use eframe::egui::{CursorIcon, Id, PointerButton, Pos2, Response, Ui};
 use glam::DVec2;
@@ -9,10 +9,10 @@ use crate::flat2d::line::midpoint_line;
 use crate::lab::Lesson;
 use crate::lab::seed_fills::Paint;
 
-/// How near to a handle the pointer must be to take it, points.
+/// Radius within which the pointer grabs a handle, in points.
 const REACH: f32 = HANDLE + 5.0;
 
-/// Where the handle that is being dragged is kept between frames.
+/// Returns the id under which egui stores the dragged handle between passes.
 fn grabbed_id() -> Id {
     Id::unique("grabbed handle of the lab")
 }
@@ -21,14 +21,14 @@ fn grabbed(ui: &Ui) -> Option<usize> {
     ui.data(|data| data.get_temp(grabbed_id()))
 }
 
-/// Whether a drag moves the view: with the middle button, or with the main one where nothing else is to be dragged.
+/// Whether a drag pans the view: with the middle button, or with the primary one if it drags nothing else.
 pub(super) fn drags_view(ui: &Ui, response: &Response, lab: &Lab) -> bool {
     let paints = matches!(lab.lesson(), Lesson::SeedFill(_));
     response.dragged_by(PointerButton::Middle)
         || response.dragged_by(PointerButton::Primary) && !paints && grabbed(ui).is_none() && !response.drag_started()
 }
 
-/// Takes what the pointer does.
+/// Handles pointer input.
 pub(super) fn ui(ui: &Ui, response: &Response, view: View, lab: &Lab, changes: &mut Vec<Change>) {
     let mut lesson = lab.lesson().clone();
     let under = |at: Pos2| nearest_handle(lab.lesson(), view, at);
@@ -51,7 +51,7 @@ pub(super) fn ui(ui: &Ui, response: &Response, view: View, lab: &Lab, changes: &
     }
 }
 
-/// What the pointer at a place does to the lesson.
+/// Applies pointer input at a position to the lesson.
 fn act(
     ui: &Ui,
     response: &Response,
@@ -85,7 +85,7 @@ fn act(
                 with(PointerButton::Secondary).then_some(Paint::Paper)
             };
             if let Some(paint) = paint {
-                // All pixels since the last frame: a quick hand skips some.
+                // Paints all pixels since the last pass: a fast pointer skips some.
                 let before = view.place(at - ui.input(|i| i.pointer.delta()));
                 stroke(before, place).for_each(|pixel| fill.paint(pixel, paint));
             }
@@ -99,7 +99,7 @@ fn act(
     }
 }
 
-/// The pixels of the grid from one place to another.
+/// Iterates over the grid pixels on the line between two positions.
 fn stroke(from: DVec2, to: DVec2) -> impl Iterator<Item = (u32, u32)> {
     let cell = |place: DVec2| (place.x.floor() as i64, place.y.floor() as i64);
     midpoint_line(cell(from), cell(to)).filter_map(|(x, y)| Some((x.try_into().ok()?, y.try_into().ok()?)))

@@ -1,4 +1,5 @@
-//! What a step did, what the algorithm knows, what is true of the whole run, and what a student should know.
+//! Description of a step: its effect, the algorithm's state, facts about the whole run, and the explanation of the
+//! lesson.
 
 use eframe::egui::{Label, RichText, Ui};
 
@@ -8,18 +9,18 @@ use crate::ui::format;
 use crate::ui::theme::{self, Icon, space, tokens};
 use crate::ui::widgets::{icon_button, section_header, value_row};
 
-/// The sentence over the grid.
+/// Draws the description of the present step above the grid.
 pub(super) fn sentence(ui: &mut Ui, lab: &Lab) {
     ui.horizontal_centered(|ui| {
         let step = lab.step.checked_sub(1).and_then(|last| lab.recording.steps.get(last));
-        let text = step.map_or("Nothing is done yet: step forward or play.", |step| &step.says);
+        let text = step.map_or("No step done yet: step forward or play.", |step| &step.says);
         ui.add(Label::new(RichText::new(text).color(tokens(ui).text_strong)).truncate());
     });
 }
 
-/// The panel beside it.
+/// Draws the panel beside the grid.
 pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<Change>) {
-    section_header(ui, "What happens here", |_| {});
+    section_header(ui, "Explanation", |_| {});
     theme::card_frame(ui).show(ui, |ui| {
         ui.add(Label::new(RichText::new(lab.lesson().explanation()).color(tokens(ui).text)).wrap());
     });
@@ -29,10 +30,10 @@ pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<Change>) {
             value_row(ui, name, value, "");
         }),
         None => {
-            ui.label(RichText::new("Nothing is known yet").color(tokens(ui).text_weak));
+            ui.label(RichText::new("No state yet").color(tokens(ui).text_weak));
         }
     }
-    section_header(ui, "The whole run", |_| {});
+    section_header(ui, "Whole run", |_| {});
     value_row(
         ui,
         "time",
@@ -45,31 +46,32 @@ pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<Change>) {
     ui.add_space(space::S);
     ui.horizontal_wrapped(|ui| {
         let compares = lab.lesson().compare_is_possible();
-        let button =
-            ui.add_enabled(compares, eframe::egui::Button::new((theme::icon(Icon::ChartScatter), "Compare all ways")));
-        let help = "Runs all ways to do the same on a larger input, measures each against the truth, and times it";
+        let button = ui
+            .add_enabled(compares, eframe::egui::Button::new((theme::icon(Icon::ChartScatter), "Compare all methods")));
+        let help =
+            "Runs all methods on a larger input, measures the error of each against the exact result, and times it";
         if button
             .on_hover_text(help)
             .on_disabled_hover_text(
-                "Points, lines and triangles are what they are: there is no truth that ways could differ from",
+                "Not available: points, lines and triangles have no exact result that methods could differ from",
             )
             .clicked()
         {
             changes.push(Change::Compare);
         }
         ui.menu_button((theme::icon(Icon::Download), "Save drawing"), |ui| save_menu(ui, changes));
-        if icon_button(ui, Icon::RotateCcw, "Start this page anew").clicked() {
+        if icon_button(ui, Icon::RotateCcw, "Reset this page").clicked() {
             changes.push(Change::Reset);
         }
     });
 }
 
 fn save_menu(ui: &mut Ui, changes: &mut Vec<Change>) {
-    ui.label(RichText::new("Into the current folder").color(tokens(ui).text_weak));
+    ui.label(RichText::new("Save to the current folder").color(tokens(ui).text_weak));
     for (end, _) in EXTENSIONS.iter().filter(|(end, _)| !matches!(*end, "jpeg" | "tif")) {
         let what = match *end {
-            "svg" => "SVG: drawing commands, smooth at any size",
-            "pdf" => "PDF: drawing commands on a page",
+            "svg" => "SVG: vector drawing, sharp at any size",
+            "pdf" => "PDF: vector drawing on a page",
             "gif" => "GIF: all steps as an animation",
             "png" => "PNG",
             "bmp" => "BMP",
@@ -83,7 +85,7 @@ fn save_menu(ui: &mut Ui, changes: &mut Vec<Change>) {
     }
 }
 
-/// A short time with its unit: microseconds where milliseconds would say nothing.
+/// Formats a time with its unit: microseconds below 1 ms.
 pub(super) fn in_words(time: std::time::Duration) -> String {
     let micros = time.as_secs_f64() * 1e6;
     if micros < 1_000.0 { format!("{} µs", format::fixed(micros, 2)) } else { format::ms(micros / 1e3) }

@@ -1,4 +1,4 @@
-//! All ways to do the same: a table, and error against time as a plot.
+//! Comparison of all methods for one task: a table, and a plot of error against time.
 
 use std::f32::consts::SQRT_2;
 
@@ -12,24 +12,24 @@ use crate::ui::format;
 use crate::ui::theme::{CONTROL_HEIGHT, Icon, tokens};
 use crate::ui::widgets::{figure, icon_button, section_header};
 
-/// Widths of the columns, points.
+/// Widths of the columns, in points.
 const NAME_POINTS: f32 = 200.0;
 const ERROR_POINTS: f32 = 80.0;
 const TIME_POINTS: f32 = 90.0;
 
-/// Width of the table, points.
+/// Width of the table, in points.
 const TABLE_POINTS: f32 = 440.0;
 
-/// Radius of a mark of the plot, points.
+/// Radius of a mark in the plot, in points.
 const MARK: f32 = 5.0;
 
-/// Times below are drawn as this: a clock may say 0, which has no logarithm.
+/// Lower bound of plotted times, in microseconds: a clock may return 0, which has no logarithm.
 const SHORTEST_MICROS: f64 = 1e-3;
 
-/// Room around the marks of the plot, as shares of their extent.
+/// Margins around the marks of the plot, as shares of their extent.
 const MARGIN: Vec2 = vec2(0.08, 0.2);
 
-/// Draws both.
+/// Draws the table and the plot.
 pub(super) fn ui(ui: &mut Ui, comparison: &Comparison, changes: &mut Vec<Change>) {
     let title = format!("Error and time: {}", comparison.task);
     section_header(ui, &title, |ui| {
@@ -81,7 +81,7 @@ fn color(ui: &Ui, number: usize) -> Color32 {
     series[number % series.len()]
 }
 
-/// Whether the colours begin again, so that the mark must tell.
+/// Whether the series colours repeat for this method, so that it needs another marker shape.
 fn is_square(ui: &Ui, number: usize) -> bool {
     number >= tokens(ui).series.len()
 }

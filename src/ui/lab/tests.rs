@@ -1,4 +1,4 @@
-//! What keys and the transport mean while the lab is open.
+//! Tests of keys and transport while the lab is open.
 
 use super::*;
 
@@ -9,7 +9,7 @@ fn open(page: Page) -> Lab {
     lab
 }
 
-/// Gives a command to the lab as the session does.
+/// Passes a command to the lab as the session does.
 fn give(lab: &mut Lab, command: Command) -> Option<Command> {
     match lab.claim(command)? {
         Command::Lab(change) => lab.apply(change).map(Command::Lab),

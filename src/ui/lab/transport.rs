@@ -1,4 +1,4 @@
-//! Under the grid: first, back, play, forward, last, and a slider over the steps.
+//! The transport bar below the grid: first, back, play, forward, last, and a slider over the steps.
 
 use std::time::Duration;
 
@@ -9,16 +9,16 @@ use crate::ui::format;
 use crate::ui::theme::{Icon, tokens};
 use crate::ui::widgets::icon_button;
 
-/// Longest time that counts as one tick, s: a window that was covered does not jump.
+/// Maximum length of a tick, in seconds, so that playback does not jump after the window was hidden.
 const LONGEST_TICK: f32 = 0.25;
 
-/// Shortest time between two frames while playing.
+/// Minimum time between two frames during playback.
 const SHORTEST_FRAME: Duration = Duration::from_millis(16);
 
-/// Room right of the slider of steps: two buttons, the figures and the speed, points.
+/// Width reserved right of the slider: two buttons, the figures and the speed, in points.
 const REST_POINTS: f32 = 300.0;
 
-/// Draws the bar, and lets time pass while playing.
+/// Draws the bar and advances playback.
 pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<Change>) {
     ui.horizontal_centered(|ui| {
         let all = lab.recording.steps.len();
@@ -54,7 +54,7 @@ pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<Change>) {
 }
 
 fn speed(ui: &mut Ui, lab: &Lab, changes: &mut Vec<Change>) {
-    /// Narrower bars do without.
+    /// Minimum free width for the speed slider, in points.
     const ROOM_POINTS: f32 = 150.0;
     if ui.available_width() < ROOM_POINTS {
         return;
@@ -62,7 +62,7 @@ fn speed(ui: &mut Ui, lab: &Lab, changes: &mut Vec<Change>) {
     let mut speed = lab.speed;
     ui.spacing_mut().slider_width = 70.0;
     let slider = Slider::new(&mut speed, 1.0..=400.0).logarithmic(true).custom_formatter(|v, _| format!("{v:.0} / s"));
-    let slider = ui.add(slider).on_hover_text("Steps per second when playing");
+    let slider = ui.add(slider).on_hover_text("Playback speed in steps per second");
     slider.widget_info(|| WidgetInfo::slider(true, speed.into(), "Steps per second"));
     if slider.changed() {
         changes.push(Change::Speed(speed));

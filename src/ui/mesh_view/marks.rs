@@ -1,4 +1,4 @@
-//! The marks over the picture from outside, in the window's colours.
+//! Marks over the outside view, in the theme's colours.
 
 use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, Ui, pos2, vec2};
 
@@ -6,19 +6,19 @@ use crate::inspect::mesh_view::{Kind, Mark};
 use crate::ui::format;
 use crate::ui::theme::{MARK_EDGE, ON_PIXEL, font_size, tokens};
 
-/// From so many new vertices on their t is not written: numbers would lie on each other.
+/// Number of new vertices above which their parameter t is not labelled, to avoid overlapping numbers.
 const MOST_NUMBERS: usize = 16;
 
-/// Lengths of the dashes of an outline and of the gaps between, in points.
+/// Lengths of dashes and gaps of an outline, in points.
 const DASH: (f32, f32) = (5.0, 4.0);
 
-/// What was cut: orange, as the pipeline's stage shows it.
+/// Colour of clipped parts: orange, as in the stage picture of the pipeline.
 const CUT: Color32 = Color32::from_rgb(240, 160, 48);
 
-/// What was culled: red, as the pipeline's stage shows it.
+/// Colour of culled triangles: red, as in the stage picture of the pipeline.
 const CULLED: Color32 = Color32::from_rgb(232, 96, 96);
 
-/// Draws them all. `points_per_px` maps pixels of the picture, whose corner is the rectangle's, to points.
+/// Draws all marks. `rect.min` is the picture's corner, and `points_per_px` the size of its pixels in points.
 pub(super) fn draw(ui: &Ui, painter: &Painter, rect: Rect, points_per_px: f32, marks: &[Mark]) {
     let new = marks.iter().filter(|mark| matches!(mark.kind, Kind::NewVertex(_))).count();
     for mark in marks {
@@ -51,7 +51,7 @@ fn dot(ui: &Ui, painter: &Painter, kind: Kind, at: Pos2, with_numbers: bool) {
 }
 
 fn line(ui: &Ui, painter: &Painter, kind: Kind, rect: Rect, ends: [Pos2; 2]) {
-    // Ends may lie far outside: dashes there would be drawn one by one.
+    // Clipped first, because the ends may lie far outside and every dash there would cost a shape.
     let Some(ends) = clipped(rect.expand(2.0), ends) else { return };
     let warning = tokens(ui).warning;
     match kind {
@@ -65,7 +65,7 @@ fn line(ui: &Ui, painter: &Painter, kind: Kind, rect: Rect, ends: [Pos2; 2]) {
         }
         Kind::Culled => dashed(painter, ends, Stroke::new(1.0, CULLED)),
         _ => {
-            // Over triangles the line is seen by its edge, which is as the ground.
+            // The wider line in the background colour keeps the line visible over triangles.
             painter.line_segment(ends, Stroke::new(2.5, tokens(ui).canvas.gamma_multiply(0.6)));
             painter.line_segment(ends, Stroke::new(1.0, tokens(ui).text_strong));
         }
@@ -92,7 +92,7 @@ fn polygon(ui: &Ui, painter: &Painter, kind: Kind, rect: Rect, points: Vec<Pos2>
     painter.add(Shape::convex_polygon(points, fill, stroke));
 }
 
-/// The part of a line that lies in a rectangle (Liang and Barsky, "A New Concept and Method for Line Clipping", 1984).
+/// Clips a line segment to a rectangle (Liang and Barsky, "A New Concept and Method for Line Clipping", 1984).
 fn clipped(rect: Rect, [from, to]: [Pos2; 2]) -> Option<[Pos2; 2]> {
     let along = to - from;
     let (mut first, mut last) = (0.0_f32, 1.0_f32);

@@ -1,4 +1,4 @@
-//! The scene from outside, beside the picture: a second camera, and what is selected in it.
+//! The outside view: the scene seen by a second camera beside the picture, and the triangle selected in it.
 
 mod marks;
 
@@ -16,22 +16,22 @@ use crate::ui::vertices;
 
 pub use pane::MeshPane;
 
-/// How the scene is seen from outside.
+/// Settings of the outside view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshView {
-    /// Whether it is shown.
+    /// Whether the outside view is visible.
     pub open: bool,
-    /// How triangles are drawn.
+    /// Style of the triangles.
     pub style: MeshStyle,
-    /// How far triangles are moved apart, in distances from the middle of their mesh.
+    /// Displacement of triangles from the centre of their mesh, in multiples of their distance from it.
     pub apart: f32,
     /// Whether culled triangles are outlined.
     pub culled: bool,
     /// Kinds of normals that are drawn as lines.
     pub normals: MeshNormals,
-    /// Where from; to be found if none.
+    /// Second camera; `None` until a first view is computed.
     pub camera: Option<Camera>,
-    /// A triangle that was selected here, and the pixel that was picked with it: another pick ends it.
+    /// Triangle selected in the outside view, and the pixel picked with it. Picking another pixel ends the selection.
     pub selected: Option<(TriangleId, Option<(u32, u32)>)>,
 }
 
@@ -50,41 +50,42 @@ impl Default for MeshView {
 }
 
 impl MeshView {
-    /// The triangle that was selected from outside, unless another pixel than `pick` was picked with it.
+    /// Returns the triangle selected in the outside view, unless a pixel other than `pick` was picked with it.
     pub fn selected(&self, pick: Option<(u32, u32)>) -> Option<TriangleId> {
         self.selected.filter(|(_, with)| *with == pick).map(|(triangle, _)| triangle)
     }
 
-    /// Forgets what belongs to a scene.
+    /// Resets all state that belongs to a scene.
     pub fn leave_scene(&mut self) {
         (self.camera, self.selected) = (None, None);
     }
 }
 
-/// A change of that.
+/// Change of the outside view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Change {
-    /// Show it, or the picture alone.
+    /// Toggles the outside view.
     Toggle,
-    /// Draw triangles like this.
+    /// Sets the style of the triangles.
     Style(MeshStyle),
-    /// Move triangles apart.
+    /// Sets the displacement of triangles from the centre of their mesh.
     Apart(f32),
-    /// Outline culled triangles, or don't.
+    /// Sets whether culled triangles are outlined.
     Culled(bool),
-    /// Draw these normals.
+    /// Sets which normals are drawn.
     Normals(MeshNormals),
-    /// Look from here.
+    /// Sets the second camera.
     Look(Camera),
-    /// Look from where all is seen, in the same direction; width over height of the picture from outside.
+    /// Moves the second camera back until everything is in view, keeping its direction. Carries the view's aspect
+    /// ratio, width over height.
     Fit(f32),
-    /// Look from beside the render camera again.
+    /// Resets the second camera to its first view, beside the render camera.
     Reset,
-    /// Select a triangle, and pick a pixel that shows it if any does.
+    /// Selects a triangle, and picks a pixel that shows it if there is one.
     Select(TriangleId),
 }
 
-/// Makes a change.
+/// Applies a change.
 pub fn apply(session: &mut Session, change: Change) {
     let mesh = &mut session.mesh_view;
     match change {
@@ -109,7 +110,7 @@ pub fn apply(session: &mut Session, change: Change) {
     }
 }
 
-/// A pixel of the frame on screen that shows a triangle.
+/// Returns a drawn pixel of the frame on screen that shows the triangle, as column and row.
 fn pixel_of(view: &View, triangle: TriangleId) -> Option<(u32, u32)> {
     let frame: &Frame = &view.frame;
     let at = match &view.buffers {
@@ -121,12 +122,12 @@ fn pixel_of(view: &View, triangle: TriangleId) -> Option<(u32, u32)> {
     frame.is_drawn(x, y).then_some((x, y))
 }
 
-/// What is looked at from outside.
+/// Returns the render camera and its settings.
 fn inner(view: &View) -> Inner {
     Inner { camera: view.request.camera, settings: view.request.recipe.pipeline, viewport: view.frame.viewport }
 }
 
-/// What is marked.
+/// Returns the elements to mark in the outside view.
 fn look(session: &Session, view: &View) -> Look {
     let report = view.report.as_ref();
     let visible = report.and_then(|report| report.visible());

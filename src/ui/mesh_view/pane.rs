@@ -1,4 +1,4 @@
-//! The pane beside the picture: its bar, the picture from outside, and what the pointer does there.
+//! The pane of the outside view: its toolbar, the picture, and pointer input.
 
 use eframe::egui::containers::menu::{MenuButton, MenuConfig};
 use eframe::egui::{
@@ -10,35 +10,37 @@ use super::picture::{Painter, Wish};
 use super::{Change, inner, look, marks};
 use crate::inspect::mesh_view::{MeshNormals, MeshStyle, Painting, first_view, key};
 use crate::inspect::selection::TriangleSelection;
+use crate::manual::Chapter;
 use crate::pipeline::settings::Choice as _;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, TriangleId};
 use crate::ui::canvas::PictureTexture;
 use crate::ui::command::Command;
 use crate::ui::engine::View;
+use crate::ui::manual::manual_button;
 use crate::ui::navigate::{FLY_RATE, ORBIT_RATE, WHEEL_RATE, flying};
 use crate::ui::overlays::card::length_slider;
 use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, RADIUS, font_size, space, tokens};
 use crate::ui::widgets::{combo, icon_button};
 
-/// Triangles are moved apart at most so far.
+/// Maximum displacement of triangles, in multiples of their distance from the centre of their mesh.
 const MOST_APART: f32 = 2.0;
 
-/// The slider has its name beside it if there is so much room left, in points.
+/// Minimum free width for the slider's label, in points.
 const NAME_FROM_POINTS: f32 = 56.0;
 
-/// The pane.
+/// Pane of the outside view.
 #[derive(Default)]
 pub struct MeshPane {
     texture: PictureTexture,
     painter: Painter,
-    /// Whether the pointer is over the picture from outside: keys that fly are no commands then.
+    /// Whether the pointer is over the outside view; the keys that fly its camera are then not commands.
     pub hovered: bool,
 }
 
 impl MeshPane {
-    /// Draws the pane and turns pointer input into commands. With `waits` the picture is drawn at once.
+    /// Draws the pane and turns pointer input into commands. If `waits`, the picture is drawn synchronously.
     pub fn ui(&mut self, ui: &mut Ui, session: &Session, waits: bool, commands: &mut Vec<Command>) {
         let aspect = ui.available_width() / ui.available_height().max(1.0);
         bar(ui, session, aspect, commands);
@@ -72,7 +74,7 @@ impl MeshPane {
         };
         let Some(painted) = self.painter.picture(ui.ctx(), wish, waits) else { return };
         let Viewport { width, height } = painted.size();
-        // While the pane is being resized the last picture keeps its scale.
+        // While the pane is being resized, the last picture keeps its scale.
         let points_per_px = 1.0 / ui.pixels_per_point();
         let place = Rect::from_min_size(rect.min, vec2(width as f32, height as f32) * points_per_px);
         let painter = ui.painter().with_clip_rect(rect);
@@ -98,7 +100,8 @@ impl MeshPane {
 
 fn bar(ui: &mut Ui, session: &Session, aspect: f32, commands: &mut Vec<Command>) {
     let mesh = &session.mesh_view;
-    let mut push = |change| commands.push(Command::MeshView(change));
+    let (mut changes, mut manual) = (Vec::new(), Vec::new());
+    let mut push = |change| changes.push(Command::MeshView(change));
     egui::Frame::new().inner_margin(egui::Margin::symmetric(space::S as i8, space::XS as i8)).show(ui, |ui| {
         ui.horizontal(|ui| {
             let mut style = mesh.style;
@@ -115,20 +118,21 @@ fn bar(ui: &mut Ui, session: &Session, aspect: f32, commands: &mut Vec<Command>)
             }
             marks_menu(ui, (mesh.culled, mesh.normals), &mut push);
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                if icon_button(ui, Icon::X, "Close the view from outside  (M)").clicked() {
+                if icon_button(ui, Icon::X, "Hide the scene from outside  (M)").clicked() {
                     push(Change::Toggle);
                 }
-                if icon_button(ui, Icon::House, "Back to beside the render camera").clicked() {
+                manual_button(ui, Chapter::Stages, &mut manual);
+                if icon_button(ui, Icon::House, "Return to the position beside the render camera").clicked() {
                     push(Change::Reset);
                 }
-                if icon_button(ui, Icon::Maximize, "Show all of the scene and the camera").clicked() {
+                if icon_button(ui, Icon::Maximize, "Fit the scene and the camera").clicked() {
                     push(Change::Fit(aspect));
                 }
                 let mut apart = mesh.apart;
                 ui.spacing_mut().slider_width = (ui.available_width() - NAME_FROM_POINTS).clamp(56.0, 120.0);
                 let slider = ui.add(Slider::new(&mut apart, 0.0..=MOST_APART).show_value(false));
                 slider.widget_info(|| WidgetInfo::slider(true, apart.into(), "Exploded"));
-                if slider.on_hover_text("Explode: triangles move away from the middle of their mesh").changed() {
+                if slider.on_hover_text("Explode: moves triangles away from the centre of their mesh").changed() {
                     push(Change::Apart(apart));
                 }
                 if ui.available_width() >= NAME_FROM_POINTS {
@@ -137,19 +141,20 @@ fn bar(ui: &mut Ui, session: &Session, aspect: f32, commands: &mut Vec<Command>)
             });
         });
     });
+    commands.extend(changes.into_iter().chain(manual));
 }
 
-/// A menu of what is drawn besides the triangles: outlines of culled ones, and normals with their length.
+/// Draws the menu of marks: outlines of culled triangles, and normals with their length.
 fn marks_menu(ui: &mut Ui, now: (bool, MeshNormals), push: &mut impl FnMut(Change)) {
     let (mut culled, mut normals) = now;
-    // Several switches and a slider: a click on one of them leaves the menu open.
+    // The menu holds several checkboxes and a slider, so clicks inside leave it open.
     let config = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
     let (button, _) = MenuButton::new("Marks").config(config).ui(ui, |ui| {
-        let help = "Outline triangles that were culled for their facing in dashed red, if they are few or selected";
+        let help = "Outline triangles that were culled by facing in dashed red, if they are few or selected";
         ui.checkbox(&mut culled, "Culled").on_hover_text(help);
-        let help = "Draw the normals of all vertices as lines, which triangles do not hide";
+        let help = "Draw the normals of all vertices as lines, not hidden by triangles";
         ui.checkbox(&mut normals.vertices, "Vertex normals").on_hover_text(help);
-        let help = "Draw the normals of all triangles as lines from their centroids, which triangles do not hide";
+        let help = "Draw the normals of all triangles as lines from their centroids, not hidden by triangles";
         ui.checkbox(&mut normals.faces, "Face normals").on_hover_text(help);
         ui.horizontal(|ui| {
             ui.spacing_mut().slider_width = 96.0;
@@ -166,7 +171,7 @@ fn marks_menu(ui: &mut Ui, now: (bool, MeshNormals), push: &mut impl FnMut(Chang
     }
 }
 
-/// Turns pointer input and flying keys into a new place of the second camera.
+/// Turns pointer input and flying keys into a new pose of the second camera.
 fn navigate(ui: &Ui, response: &Response, camera: Camera, commands: &mut Vec<Command>) {
     let mut moved = camera;
     let delta = response.drag_delta();
@@ -216,17 +221,17 @@ fn legend(ui: &Ui, painter: &egui::Painter, rect: Rect, session: &Session) {
     }
 }
 
-/// One line over the picture: what is under the pointer, or what is selected, or what to do.
+/// Draws a caption over the picture: the triangle under the pointer, else the selected one, else a hint.
 fn caption(ui: &Ui, painter: &egui::Painter, rect: Rect, session: &Session, view: &View, hovered: Option<TriangleId>) {
     let selected = session.mesh_view.selected(session.pick);
     let text = match (hovered, selected) {
-        (Some(triangle), _) => format!("Triangle {}: click selects it", triangle.0),
+        (Some(triangle), _) => format!("Triangle {}: click to select", triangle.0),
         (None, Some(triangle)) => {
             let seen = view.report.as_ref().and_then(|report| report.visible()).is_some_and(|f| f.triangle == triangle);
-            let where_to = if seen { "picked where the picture shows it" } else { "no pixel of the picture shows it" };
+            let where_to = if seen { "visible at the picked pixel" } else { "not visible in the picture" };
             format!("Triangle {}: {where_to}", triangle.0)
         }
-        (None, None) => "Drag turns, Shift-drag shifts, the wheel nears, W A S D fly".to_owned(),
+        (None, None) => "Drag: orbit, Shift+drag: pan, wheel: dolly, W A S D: fly".to_owned(),
     };
     let font = FontId::proportional(font_size::SMALL);
     let galley = painter.layout(text, font, tokens(ui).text, (rect.width() - 4.0 * space::S).max(40.0));

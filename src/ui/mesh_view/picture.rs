@@ -1,4 +1,4 @@
-//! Pictures from outside, drawn on a thread of their own: the newest wish is begun when the last one is done.
+//! Background rendering of the outside view. The newest request starts once the previous picture is finished.
 
 use std::sync::Arc;
 
@@ -10,14 +10,14 @@ use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene, TriangleId};
 use crate::ui::task::{Listening, Task};
 
-/// What a picture from outside is drawn from.
+/// Inputs of a picture of the outside view.
 #[derive(Clone, Debug)]
 pub(super) struct Wish {
     pub(super) scene: Arc<Scene>,
     pub(super) inner: Inner,
-    /// The second camera, whose planes are still to be found.
+    /// Second camera; its near and far planes are computed later.
     pub(super) camera: Camera,
-    /// Size of the picture.
+    /// Size of the picture, in pixels.
     pub(super) size: Viewport,
     pub(super) painting: Painting,
     pub(super) look: Look,
@@ -28,7 +28,7 @@ impl Wish {
         self.has_same_triangles(other) && self.look == other.look
     }
 
-    /// Whether only marks differ.
+    /// Whether the triangles are the same, so that at most the marks differ.
     fn has_same_triangles(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.scene, &other.scene)
             && (self.inner, self.camera, self.size) == (other.inner, other.camera, other.size)
@@ -36,7 +36,7 @@ impl Wish {
     }
 }
 
-/// A picture from outside with its marks.
+/// Picture of the outside view with its marks.
 #[derive(Clone, Debug)]
 pub(super) struct Painted {
     wish: Wish,
@@ -46,12 +46,12 @@ pub(super) struct Painted {
 }
 
 impl Painted {
-    /// What the picture was asked with.
+    /// Returns the requested size, in pixels.
     pub(super) fn size(&self) -> Viewport {
         self.wish.size
     }
 
-    /// Draws; of the last picture what has not changed is kept.
+    /// Draws a picture. Reuses the image of `last` if only the marks differ.
     fn new(wish: Wish, last: Option<Self>) -> Self {
         let Wish { scene, inner, camera, size, painting, look } = &wish;
         let seen = with_planes(*camera, scene, inner);
@@ -64,7 +64,7 @@ impl Painted {
     }
 }
 
-/// The last picture, and the next one under way.
+/// Last finished picture, and the task that draws the next one.
 #[derive(Default)]
 pub(super) struct Painter {
     last: Option<Painted>,
@@ -72,7 +72,8 @@ pub(super) struct Painter {
 }
 
 impl Painter {
-    /// The newest picture there is; asks for the wished one if it is another. With `waits` it is there at once.
+    /// Returns the newest finished picture, and starts drawing `wish` if it differs. If `waits`, drawing is
+    /// synchronous.
     pub(super) fn picture(&mut self, context: &Context, wish: Wish, waits: bool) -> Option<&Painted> {
         if let Some(task) = &self.task {
             match task.listen(&mut None) {

@@ -1,12 +1,14 @@
-//! The list of all overlays in the canvas's upper right corner: what is on, how strong, in which order, with its legend.
+//! The card of overlays in the upper right corner of the canvas: which are on, their opacity, order and legends.
 
 use eframe::egui::{Align, Button, Layout, Rect, RichText, ScrollArea, Sense, Slider, Ui, UiBuilder, WidgetInfo, vec2};
 
 use super::{Change, Layer, legend};
 use crate::inspect::overlays::Overlay;
+use crate::manual::Chapter;
 use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
 use crate::ui::engine::View;
+use crate::ui::manual::manual_button;
 use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, RADIUS, ROW_HEIGHT, space, tokens};
 use crate::ui::widgets::icon_button;
@@ -14,13 +16,13 @@ use crate::ui::widgets::icon_button;
 /// Width of the card, in points.
 const WIDTH: f32 = 272.0;
 
-/// Width of the card that has legends only, in points.
+/// Width of the card when it shows only legends, in points.
 const LEGEND_WIDTH: f32 = 216.0;
 
-/// From the canvas's edge, in points: where the mark of a busy renderer turns there is room left above.
+/// Distance from the top edge of the canvas, in points; leaves space for the spinner of a busy renderer.
 const TOP: f32 = 36.0;
 
-/// Draws the list, or the legends of what is on while it is closed.
+/// Draws the list of overlays, or while it is closed the legends of the active ones.
 pub fn ui(ui: &mut Ui, canvas: Rect, session: &Session, view: &View, commands: &mut Vec<Command>) {
     let overlays = &session.overlays;
     if !overlays.open && overlays.layers.is_empty() {
@@ -31,7 +33,7 @@ pub fn ui(ui: &mut Ui, canvas: Rect, session: &Session, view: &View, commands: &
     let corner = canvas.right_top() + vec2(-space::S - width, TOP);
     let place = Rect::from_min_size(corner, vec2(width, height));
     let mut changes = Vec::new();
-    // As high as it was a moment ago: what is on it is laid out only after what lies behind it.
+    // The background uses the height of the last pass: it is painted before its content is laid out.
     let id = ui.scope_id().with(("overlays card", overlays.open));
     let known: f32 = ui.data(|data| data.get_temp(id)).unwrap_or(0.0);
     let card = Rect::from_min_size(corner, vec2(width, known));
@@ -41,7 +43,7 @@ pub fn ui(ui: &mut Ui, canvas: Rect, session: &Session, view: &View, commands: &
     let mut column = ui.new_child(builder);
     column.spacing_mut().item_spacing.y = 0.0;
     if overlays.open {
-        title(&mut column, session, &mut changes);
+        title(&mut column, session, &mut changes, commands);
     }
     ScrollArea::vertical().id_salt("overlays").auto_shrink([false, true]).show(&mut column, |ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
@@ -63,17 +65,18 @@ pub fn ui(ui: &mut Ui, canvas: Rect, session: &Session, view: &View, commands: &
     commands.extend(changes.into_iter().map(Command::Overlays));
 }
 
-fn title(ui: &mut Ui, session: &Session, changes: &mut Vec<Change>) {
+fn title(ui: &mut Ui, session: &Session, changes: &mut Vec<Change>, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         ui.set_height(ROW_HEIGHT);
         ui.label(RichText::new("Overlays").strong());
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.spacing_mut().item_spacing.x = space::XS;
-            if icon_button(ui, Icon::X, "Hide this list; the overlays stay  (O)").clicked() {
+            if icon_button(ui, Icon::X, "Hide this list; the overlays stay on  (O)").clicked() {
                 changes.push(Change::Open(false));
             }
+            manual_button(ui, Chapter::Reference, commands);
             ui.add_enabled_ui(session.overlays.count() > 0, |ui| {
-                if icon_button(ui, Icon::Trash2, "Take all overlays away").clicked() {
+                if icon_button(ui, Icon::Trash2, "Remove all overlays").clicked() {
                     changes.push(Change::Clear);
                 }
                 if icon_button(ui, Icon::Download, "Save all totals as CSV into the current folder").clicked() {
@@ -84,7 +87,7 @@ fn title(ui: &mut Ui, session: &Session, changes: &mut Vec<Change>) {
     });
 }
 
-/// All overlays: those that are on first, the uppermost first, as they lie.
+/// Draws all overlays: active ones first, from the top layer down.
 fn list(ui: &mut Ui, session: &Session, view: &View, changes: &mut Vec<Change>) {
     let overlays = &session.overlays;
     let on = overlays.layers.iter().rev().map(|layer| layer.overlay);
@@ -93,13 +96,13 @@ fn list(ui: &mut Ui, session: &Session, view: &View, changes: &mut Vec<Change>) 
         ui.push_id(overlay.id(), |ui| entry(ui, overlay, session, view, changes));
     }
     let mut marks = overlays.marks;
-    let help = "Where pixels are large: a point at every sample, and on every edge ticks into the triangle that owns what \
-                lies exactly on it";
+    let help = "When zoomed in: a point at every sample, and ticks on every edge into the triangle that owns samples \
+                exactly on it";
     if ui.checkbox(&mut marks, "Samples and owners of edges").on_hover_text(help).changed() {
         changes.push(Change::Marks(marks));
     }
     if marks && !overlays.vectors {
-        ui.label(RichText::new("Enlarge the picture to see them.").small().color(tokens(ui).text_weak));
+        ui.label(RichText::new("Zoom in to see them.").small().color(tokens(ui).text_weak));
     }
 }
 
@@ -117,8 +120,8 @@ fn entry(ui: &mut Ui, overlay: Overlay, session: &Session, view: &View, changes:
             let is_top = session.overlays.layers.last().is_some_and(|top| top.overlay == overlay);
             ui.add_enabled_ui(!is_top, |ui| {
                 let button = Button::new(theme::icon(Icon::ArrowUp)).frame_when_inactive(false);
-                let raise = ui.add(button).on_hover_text("Lay it over the one above");
-                if raise.on_disabled_hover_text("It is the uppermost").clicked() {
+                let raise = ui.add(button).on_hover_text("Move it above the next overlay");
+                if raise.on_disabled_hover_text("It is the top overlay").clicked() {
                     changes.push(Change::Raise(overlay));
                 }
             });
@@ -141,7 +144,7 @@ fn entry(ui: &mut Ui, overlay: Overlay, session: &Session, view: &View, changes:
     }
 }
 
-/// The length of the normals of a layer.
+/// Draws the slider for the normal length of a layer.
 fn length(ui: &mut Ui, layer: Layer, changes: &mut Vec<Change>) {
     ui.horizontal(|ui| {
         ui.set_height(ROW_HEIGHT);
@@ -156,11 +159,11 @@ fn length(ui: &mut Ui, layer: Layer, changes: &mut Vec<Change>) {
     });
 }
 
-/// A slider for the length of normals; returns whether it was moved.
+/// Draws a slider for the length of normals. Returns whether it was moved.
 pub fn length_slider(ui: &mut Ui, length: &mut f32, name: &str) -> bool {
-    /// Shares of the diagonal of the scene's box.
+    /// Selectable lengths, as shares of the diagonal of the scene's bounding box.
     const LENGTHS: std::ops::RangeInclusive<f32> = 0.001..=0.5;
     let slider = ui.add(Slider::new(length, LENGTHS).logarithmic(true).show_value(false));
     slider.widget_info(|| WidgetInfo::slider(true, f64::from(*length), name));
-    slider.on_hover_text("Length of normals, as a share of the diagonal of the box around the scene").changed()
+    slider.on_hover_text("Length of normals, as a share of the diagonal of the scene's bounding box").changed()
 }

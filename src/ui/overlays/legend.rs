@@ -1,4 +1,4 @@
-//! What the colours of an overlay stand for, and its totals.
+//! Legend of an overlay, and its totals.
 
 use eframe::egui::{Align, Align2, Color32, FontId, Layout, Rect, RichText, Sense, Ui, vec2};
 
@@ -7,13 +7,13 @@ use crate::inspect::overlays::{Key, Scale, Sheet, Total};
 use crate::ui::format;
 use crate::ui::theme::{font_size, space, tokens};
 
-/// Height of the strip of colours, in points.
+/// Height of the colour strip, in points.
 const STRIP: f32 = 8.0;
 
-/// Side of the square of a kind, in points.
+/// Side of the colour square of a kind, in points.
 const SQUARE: f32 = 9.0;
 
-/// Draws the colours, and at most so many totals.
+/// Draws the legend and at most `most_totals` totals.
 pub fn ui(ui: &mut Ui, sheet: &Sheet, most_totals: usize) {
     if let Some(why) = &sheet.absence {
         ui.label(RichText::new(format!("Nothing to show: {why}")).small().color(tokens(ui).warning));
@@ -28,7 +28,7 @@ pub fn ui(ui: &mut Ui, sheet: &Sheet, most_totals: usize) {
                     ui.spacing_mut().item_spacing.x = space::XS;
                     square(ui, kind.color);
                     ui.label(RichText::new(kind.name).small().color(tokens(ui).text));
-                    // Totals of the same name belong to the kind.
+                    // A total with the name of a kind is shown in its row.
                     if kind.name == total.name {
                         let number = RichText::new(amount(total)).small().color(tokens(ui).text_weak);
                         ui.with_layout(Layout::right_to_left(Align::Center), |ui| ui.label(number));
@@ -47,7 +47,7 @@ pub fn ui(ui: &mut Ui, sheet: &Sheet, most_totals: usize) {
     }
 }
 
-/// A total as text.
+/// Formats a total with its unit.
 fn amount(total: &Total) -> String {
     let number = if total.number.fract() == 0.0 && total.number >= 0.0 {
         format::count(total.number as u64)
@@ -64,7 +64,7 @@ fn square(ui: &mut Ui, [r, g, b, _]: Rgba8) {
     ui.painter().rect_filled(place, 1.0, Color32::from_rgb(r, g, b));
 }
 
-/// The colours from one end to the other with numbers at both ends and in the middle.
+/// Draws the colour scale as a strip, with numbers at both ends and in the middle.
 fn strip(ui: &mut Ui, scale: &Scale) {
     let width = ui.available_width();
     let (place, _) = ui.allocate_exact_size(vec2(width, STRIP + font_size::SMALL + space::XS), Sense::hover());
@@ -87,7 +87,7 @@ fn strip(ui: &mut Ui, scale: &Scale) {
     }
 }
 
-/// A number of a legend, with three digits that count.
+/// Formats a number of a legend with about three significant digits.
 fn number(value: f32) -> String {
     match value.abs() {
         size if size >= 1e5 => format!("{value:.0e}"),

@@ -1,4 +1,4 @@
-//! Lines and marks between large pixels: edges as they are, sample points, and which side owns an edge.
+//! Vector lines and marks over enlarged pixels: edges, sample points, and the triangle that owns an edge.
 
 use std::sync::{Arc, Weak};
 
@@ -12,20 +12,20 @@ use crate::ui::theme::MARK_EDGE;
 use crate::ui::zoom::Placement;
 use crate::upscale::Sampling;
 
-/// From this many points per pixel on lines are drawn between pixels.
+/// Minimum size of a pixel, in points, for lines drawn as vectors between pixels.
 pub const VECTORS_FROM: f32 = 4.0;
 
-/// From this many points per pixel on there is room for points and ticks.
+/// Minimum size of a pixel, in points, for sample points and ticks.
 const MARKS_FROM: f32 = 12.0;
 
-/// Most lines and edges that are drawn: more would be a tangle anyway.
+/// Maximum number of lines and edges drawn; more would be illegible.
 const MOST_LINES: usize = 20_000;
 
-/// Edges that own what lies on them, and those that do not.
+/// Colours of edges that own samples on them, and of edges that do not.
 const OWNED: Color32 = Color32::from_rgb(80, 220, 130);
 const NOT_OWNED: Color32 = Color32::from_rgb(240, 110, 110);
 
-/// Draws all that lies between pixels.
+/// Draws all vector lines and marks.
 pub fn paint(painter: &Painter, placement: Placement, session: &Session, view: &View) {
     if placement.points_per_px < VECTORS_FROM {
         return;
@@ -47,29 +47,29 @@ pub fn paint(painter: &Painter, placement: Placement, session: &Session, view: &
     }
 }
 
-/// Whether the box of a line meets the canvas.
+/// Whether the bounding box of a line overlaps the canvas.
 fn meets(placement: Placement, a: Pos2, b: Pos2) -> bool {
     placement.canvas.intersects(eframe::egui::Rect::from_two_pos(a, b).expand(1.0))
 }
 
-/// A line that is seen on any picture.
+/// Draws a line with a dark rim, visible on any background.
 fn two_tone(painter: &Painter, ends: [Pos2; 2], color: Color32, opacity: f32) {
     painter.line_segment(ends, Stroke::new(2.5, MARK_EDGE.gamma_multiply(opacity)));
     painter.line_segment(ends, Stroke::new(1.0, color.gamma_multiply(opacity)));
 }
 
-/// The edges that were found last, and where: finding them asks every triangle.
+/// Cached edges of the visible part of a frame: finding them visits every triangle.
 #[derive(Clone)]
 struct Known {
-    /// Not held: a frame that nobody shows is drawn over.
+    /// Weak reference, so that the buffers of a frame that is no longer visible can be reused.
     frame: Weak<Frame>,
     recipe: Recipe,
-    /// Left, top, right and bottom of what is seen of the picture, px.
+    /// Left, top, right and bottom of the visible part of the picture, in px.
     seen_px: [f32; 4],
     edges: Arc<Vec<EdgeMarks>>,
 }
 
-/// The edges in the part of the picture that is seen: those of the last time as long as that is the same.
+/// Returns the edges in the visible part of the picture, from the cache if frame, recipe and part are unchanged.
 fn marks(painter: &Painter, placement: Placement, view: &View) -> Arc<Vec<EdgeMarks>> {
     let (min, max) = (placement.to_picture(placement.canvas.min), placement.to_picture(placement.canvas.max));
     let (seen_px, recipe) = ([min.x, min.y, max.x, max.y], view.request.recipe);
@@ -88,12 +88,12 @@ fn marks(painter: &Painter, placement: Placement, view: &View) -> Arc<Vec<EdgeMa
     edges
 }
 
-/// An edge with ticks into its triangle if it owns what lies on it; dull and without ticks if it does not.
+/// Draws an edge. One that owns the samples on it has ticks into its triangle; others are red and have none.
 fn owner(painter: &Painter, edge: &EdgeMarks, at: impl Fn([f32; 2]) -> Pos2) {
-    /// Distance of ticks, and their length, in points.
+    /// Spacing and length of ticks, in points.
     const TICKS: (f32, f32) = (14.0, 6.0);
     let [from, to] = edge.ends_px.map(at);
-    // Beside the edge, so that those of two triangles that share it are both seen.
+    // Offset inwards, so that the edges of two adjacent triangles are both visible.
     let inward = vec2(edge.inward[0], edge.inward[1]);
     let ends = [from + inward * 1.5, to + inward * 1.5];
     let color = if edge.owned { OWNED } else { NOT_OWNED };
@@ -112,7 +112,7 @@ fn owner(painter: &Painter, edge: &EdgeMarks, at: impl Fn([f32; 2]) -> Pos2) {
     }
 }
 
-/// A point where each pixel is sampled.
+/// Draws a point at the sample position of each drawn pixel.
 fn samples(painter: &Painter, placement: Placement, view: &View) {
     let Sampling::Grid(grid) = view.frame.sampling else { return };
     let (columns, rows) = placement.visible(view.picture.size());

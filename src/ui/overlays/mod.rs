@@ -1,5 +1,5 @@
-//! What is laid over the picture on the canvas: which overlays, in which order and how strong; their legends, and marks
-//! that are drawn where pixels are large.
+//! Overlays on the picture: which are active, their order and opacity, their legends, and vector marks over enlarged
+//! pixels.
 
 pub mod card;
 
@@ -16,51 +16,51 @@ use crate::inspect::overlays::Overlay;
 
 pub use crate::inspect::overlays::Layer;
 
-/// What is laid over the picture.
+/// Active overlays, and the state of their card.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Overlays {
-    /// The stack, the lowest first.
+    /// Stack of layers, from the bottom up.
     pub layers: Vec<Layer>,
-    /// Whether the list of all overlays is shown.
+    /// Whether the list of all overlays is open.
     pub open: bool,
-    /// Whether sample points and owners of edges are drawn where pixels are large.
+    /// Whether sample points and edge owners are drawn over enlarged pixels.
     pub marks: bool,
-    /// Whether pixels are so large that lines are drawn between them instead of in pixels.
+    /// Whether pixels are large enough to draw lines as vectors instead of pixels.
     pub vectors: bool,
 }
 
-/// A change of what is laid over.
+/// Change of the overlays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Change {
-    /// Show the list, or hide it.
+    /// Opens or closes the list.
     Open(bool),
-    /// Show the list if it is hidden, and the other way round.
+    /// Toggles the list.
     ToggleOpen,
-    /// Lay this one over all others, or take it away.
+    /// Adds an overlay on top of the stack, or removes it.
     Toggle(Overlay),
-    /// Make it this strong.
+    /// Sets the opacity of an overlay, in [0, 1].
     Opacity(Overlay, f32),
-    /// Make its normals this long, as a share of the diagonal of the scene's box.
+    /// Sets the length of its normals, as a share of the diagonal of the scene's bounding box.
     Length(Overlay, f32),
-    /// Lay it over the next one above.
+    /// Moves an overlay one layer up.
     Raise(Overlay),
-    /// Take all away.
+    /// Removes all overlays.
     Clear,
-    /// Draw the marks, or do not.
+    /// Sets whether marks are drawn.
     Marks(bool),
-    /// Draw lines between pixels, or in them.
+    /// Sets whether lines are drawn as vectors instead of pixels.
     Vectors(bool),
-    /// Write all totals into a file.
+    /// Exports all totals to a file.
     SaveTotals,
 }
 
 impl Overlays {
-    /// How many there are.
+    /// Returns the number of active overlays, counting the marks as one.
     pub fn count(&self) -> usize {
         self.layers.len() + usize::from(self.marks)
     }
 
-    /// The layer of an overlay, if it is on.
+    /// Returns the layer of an overlay if it is active.
     pub fn layer(&self, overlay: Overlay) -> Option<Layer> {
         self.layers.iter().copied().find(|layer| layer.overlay == overlay)
     }
@@ -97,7 +97,7 @@ impl Overlays {
         None
     }
 
-    /// The overlay whose pixels are stepped through: the uppermost of those that mark faults.
+    /// Returns the overlay whose pixels are stepped through: the topmost one that marks faults.
     pub fn stepped(&self) -> Option<Overlay> {
         let faults = [
             Overlay::Faults,
@@ -110,7 +110,8 @@ impl Overlays {
         self.layers.iter().rev().map(|layer| layer.overlay).find(|overlay| faults.contains(overlay))
     }
 
-    /// The next pixel that [`Overlays::stepped`] marks after another one, or the last before it, round the end.
+    /// Returns the next pixel marked by [`Overlays::stepped`] after `from`, or the previous one, wrapping around at the
+    /// ends.
     pub fn beside(&self, view: &View, from: Option<(u32, u32)>, forwards: bool) -> Option<(u32, u32)> {
         let overlay = self.stepped()?;
         view.looked.sheets.iter().find(|sheet| sheet.overlay == overlay)?.beside(from, forwards)

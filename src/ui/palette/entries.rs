@@ -1,5 +1,5 @@
-//! What the palette offers, as data: commands with their keys, every value of every setting, scenes, buffers, stages, tabs,
-//! upscalers, bookmarks and recent files, each from the table that the rest of the window has it from.
+//! Entries of the palette, as data: commands with their keys, all values of all settings, scenes, buffers, stages,
+//! tabs, upscalers, bookmarks and recent files. Each list comes from the table that the rest of the window uses.
 
 use crate::chain::Recipe;
 use crate::inspect::find::Wanted;
@@ -17,29 +17,29 @@ use crate::ui::session::{PictureSize, Session};
 use crate::ui::what_if;
 use crate::upscale;
 
-/// What an entry is of.
+/// Category of an entry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Something to do.
+    /// Command of the window.
     Command,
-    /// A value of a setting.
+    /// Value of a setting.
     Setting,
-    /// A built-in scene or a recent file.
+    /// Built-in scene or recent file.
     Scene,
-    /// A quantity of the frame.
+    /// Buffer of the frame.
     Buffer,
-    /// A picture after a stage.
+    /// Picture after a pipeline stage.
     Stage,
-    /// A tab along the bottom.
+    /// Tab at the bottom of the window.
     Tab,
-    /// A way to fill in what is not drawn.
+    /// Upscaler that reconstructs the pixels that are not drawn.
     Upscaler,
-    /// A place that was kept.
+    /// Bookmarked place.
     Bookmark,
 }
 
 impl Kind {
-    /// As the list names it.
+    /// Returns the display name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Command => "Command",
@@ -54,29 +54,29 @@ impl Kind {
     }
 }
 
-/// What choosing an entry does.
+/// Effect of choosing an entry.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Action {
-    /// This.
+    /// Runs a command.
     Run(Box<Command>),
-    /// Nothing yet: a number follows, which is to be typed.
+    /// Fills the search field with this text, to which the user adds a value.
     Type(String),
 }
 
-/// One line of the palette.
+/// Entry of the palette.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
-    /// What it is of.
+    /// Category.
     pub kind: Kind,
-    /// What is searched.
+    /// Title, which the search matches.
     pub title: String,
-    /// More about it, for the tooltip.
+    /// Help text for the tooltip.
     pub help: String,
-    /// Its key, if it has one.
+    /// Name of its key; empty if it has none.
     pub key: String,
-    /// Whether that is how it is already.
+    /// Whether the setting already has this value.
     pub holds: bool,
-    /// What it does.
+    /// Effect of choosing it.
     pub action: Action,
 }
 
@@ -92,7 +92,7 @@ impl Entry {
     }
 }
 
-/// Everything that there is, as things are in `session`.
+/// Returns all entries for the present state of `session`.
 pub fn all(session: &Session) -> Vec<Entry> {
     let mut entries = commands();
     entries.extend(bookmarks(session));
@@ -104,7 +104,7 @@ pub fn all(session: &Session) -> Vec<Entry> {
     }));
     entries.extend(Intermediate::ALL.iter().map(|number| {
         let shown = Shown::Intermediate(*number);
-        let title = format!("Show number: {}", number.name());
+        let title = format!("Show intermediate value: {}", number.name());
         entry(Kind::Buffer, title, Command::Show(shown)).with(number.help(), session.shown == shown)
     }));
     entries.extend(Stage::ALL.iter().map(|stage| {
@@ -124,12 +124,12 @@ pub fn all(session: &Session) -> Vec<Entry> {
     entries
 }
 
-/// What has a key, each once, and what stands in menus without one.
+/// Returns all commands with a key, each once, and the menu commands without one.
 fn commands() -> Vec<Entry> {
     let mut entries: Vec<Entry> = Vec::new();
     for binding in BINDINGS {
         let command = (binding.command)();
-        // Upscalers have entries with their names, and opening what is open leads nowhere.
+        // Upscalers have entries of their own, and opening the palette from itself is a no-op.
         let is_elsewhere = matches!(
             command,
             Command::ChooseUpscaler(_) | Command::OpenPalette | Command::Place(place::Change::Jump(_))
@@ -146,15 +146,15 @@ fn commands() -> Vec<Entry> {
         ("Switch between dark and light", Command::ToggleTheme),
         ("Manage bookmarks", Command::Place(place::Change::Manage)),
         ("Compare all upscalers in tiles", Command::Compare(Change::Every)),
-        ("Compare with the settings as they are now, while they change", Command::WhatIf(what_if::Change::PinNow)),
-        ("Go back to the settings before the last change", Command::WhatIf(what_if::Change::Revert)),
+        ("Pin the current settings as A and compare changes with them", Command::WhatIf(what_if::Change::PinNow)),
+        ("Restore the settings before the last change", Command::WhatIf(what_if::Change::Revert)),
         ("Stop comparing", Command::Compare(Change::Mode(Mode::Off))),
         ("Measure all upscalers", Command::Measure),
-        ("Measure what the plan saves", Command::MeasurePlan),
-        ("Measure how cost grows", Command::MeasureGrowth),
+        ("Measure savings of the plan", Command::MeasurePlan),
+        ("Measure scaling", Command::MeasureGrowth),
         ("Run the stability report", Command::RunStability),
         ("Save all frame times as CSV", Command::ExportTimings),
-        ("Picture as large as the canvas", Command::SetSize(PictureSize::Canvas)),
+        ("Set the picture size to that of the canvas", Command::SetSize(PictureSize::Canvas)),
     ];
     entries.extend(keyless.map(|(title, command)| entry(Kind::Command, title, command)));
     for kind in OutlineKind::ALL {
@@ -186,7 +186,7 @@ fn scenes(session: &Session) -> impl Iterator<Item = Entry> {
     builtins.chain(files)
 }
 
-/// Every value of every setting that has a closed set of them here, and the names of the others.
+/// Returns an entry for every value of a setting with a finite set of values, and one entry for each other setting.
 fn settings(session: &Session) -> Vec<Entry> {
     let recipe = session.state.recipe;
     let now = fields::fields(&recipe);
@@ -195,7 +195,7 @@ fn settings(session: &Session) -> Vec<Entry> {
         let choices = fields::choices(&recipe, &values, &key);
         for choice in &choices {
             let mut changed = recipe;
-            // Only what is taken is among the choices.
+            // Skips values that the recipe rejects.
             if changed.set(&format!("{key}={choice}")).is_ok() {
                 let set = entry(Kind::Setting, format!("{key} = {choice}"), Command::SetRecipe(changed));
                 entries.push(set.with("", *choice == present));
@@ -204,14 +204,14 @@ fn settings(session: &Session) -> Vec<Entry> {
         if choices.is_empty() {
             let action = Action::Type(format!("{key}="));
             let title = format!("{key} = …  (now {present})");
-            let help = format!("{values}: type it and press Enter");
+            let help = format!("{values}: type a value and press Enter");
             entries.push(Entry { kind: Kind::Setting, title, help, key: String::new(), holds: false, action });
         }
     }
     entries
 }
 
-/// What is typed as a setting of its own, such as `light.ambient=0.3`.
+/// Returns an entry for a typed assignment such as `light.ambient=0.3`, if it is valid.
 pub fn assignment(session: &Session, typed: &str) -> Option<Entry> {
     let mut recipe = session.state.recipe;
     recipe.set(typed.trim()).ok()?;
@@ -220,7 +220,8 @@ pub fn assignment(session: &Session, typed: &str) -> Option<Entry> {
     Some(entry(Kind::Setting, title, Command::SetRecipe(recipe)).with("", recipe == session.state.recipe))
 }
 
-/// What is typed as a place to go to: a pixel, a triangle or a vertex. Names of objects are no numbers: much else is called so.
+/// Returns an entry for a typed destination: a pixel, a triangle or a vertex. Object names are excluded, because other
+/// entries may have the same name.
 pub fn destination(session: &Session, typed: &str) -> Option<Entry> {
     let wanted = session.wanted(typed).ok().filter(|wanted| !matches!(wanted, Wanted::Object(..)))?;
     let title = format!("Go to {}", wanted.words().to_lowercase());
@@ -250,7 +251,7 @@ mod tests {
         let entries = all(&session());
         let offers = |kind: Kind, name: &str| entries.iter().any(|e| e.kind == kind && e.title.contains(name));
         for binding in BINDINGS {
-            let elsewhere = ["Choose the upscaler", "Go to a bookmark", "Find anything"];
+            let elsewhere = ["Choose an upscaler", "Go to a bookmark", "Find anything"];
             assert!(offers(Kind::Command, binding.what) || elsewhere.contains(&binding.what), "{}", binding.what);
         }
         for scene in builtin::ALL {

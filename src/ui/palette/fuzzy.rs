@@ -1,28 +1,28 @@
-//! How well typed letters fit a title: each word as letters in their order, better the closer together and the nearer to
-//! the beginnings of words.
+//! Fuzzy matching: the letters of each word must occur in the title in order. The score is higher for adjacent letters
+//! and for letters at beginnings of words.
 
-/// A title that what was typed fits.
+/// Match of a query in a title.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fit {
-    /// Higher is better; only to be compared with other titles for the same letters.
+    /// Score; higher is better. Only comparable between titles for the same query.
     pub score: i32,
-    /// The letters of the title that fit, counted in characters.
+    /// Indices of the matched characters of the title.
     pub letters: Vec<usize>,
 }
 
-/// For a letter that begins a word.
+/// Score of a letter at the beginning of a word.
 const AT_WORD: i32 = 8;
 
-/// For a letter right after the one before.
+/// Score of a letter directly after the previous match.
 const JOINED: i32 = 6;
 
-/// For each letter passed over between two that fit.
+/// Score of each letter skipped between two matches.
 const GAP: i32 = -1;
 
-/// So many letters of the title count one less: of two that fit alike, the shorter one was meant.
+/// Number of title letters that cost one point: of two equal matches the shorter title wins.
 const LENGTH_OF_ONE: i32 = 8;
 
-/// Finds all words of `typed` in `title`, in any order and without regard to case. Nothing typed fits everything.
+/// Matches all words of `typed` in `title`, in any order and ignoring case. An empty query matches everything.
 pub fn fit(typed: &str, title: &str) -> Option<Fit> {
     let title: Vec<char> = title.chars().map(lower).collect();
     let mut whole = Fit { score: 0, letters: Vec::new() };
@@ -38,7 +38,7 @@ pub fn fit(typed: &str, title: &str) -> Option<Fit> {
     Some(whole)
 }
 
-/// The best of the fits that begin at each place where the first letter stands.
+/// Returns the best match of a word over all positions of its first letter.
 fn fit_word(word: &[char], title: &[char]) -> Option<Fit> {
     let first = word.first()?;
     let starts = title.iter().enumerate().filter(|(_, letter)| *letter == first).map(|(place, _)| place);
@@ -47,7 +47,8 @@ fn fit_word(word: &[char], title: &[char]) -> Option<Fit> {
         .max_by_key(|fit| (fit.score, std::cmp::Reverse(fit.letters[0])))
 }
 
-/// Takes for each letter the next one, but rather the beginning of a later word that goes on with the letters after it.
+/// Matches a word from `start`. Takes an adjacent letter if there is one, else the next one at the beginning of a word,
+/// else the next one.
 fn fit_from(start: usize, word: &[char], title: &[char]) -> Option<Fit> {
     let mut letters = vec![start];
     let mut score = if begins_word(title, start) { AT_WORD } else { 0 };

@@ -1,4 +1,4 @@
-//! The command palette: everything that the window can do, found by a few letters of its name.
+//! The command palette: finds every action of the window by a few letters of its name.
 
 pub mod entries;
 
@@ -15,36 +15,36 @@ use super::session::Session;
 use super::theme::{self, ROW_HEIGHT, font_size, space, tokens};
 use entries::{Action, Entry, all, assignment, destination};
 
-/// Size of the palette, in points.
+/// Width of the palette and height of its list, in points.
 const WIDTH: f32 = 620.0;
 const LIST_HEIGHT: f32 = 15.0 * ROW_HEIGHT;
 
-/// Distance from the window's top, in points: the results grow downwards and the field stays.
+/// Distance from the top of the window, in points. The results grow downwards, so the field stays in place.
 const TOP: f32 = 90.0;
 
-/// Entries shown at most; whoever needs more types another letter.
+/// Maximum number of entries shown; more letters narrow the list.
 const MOST_SHOWN: usize = 100;
 
-/// The palette while it is open.
+/// State of the open palette.
 pub struct Palette {
     query: String,
     entries: Vec<Entry>,
-    /// Places of entries that fit, best first, each with the letters that do.
+    /// Indices of matching entries, best first, each with its matched letters.
     found: Vec<(usize, Vec<usize>)>,
     found_for: Option<String>,
-    /// `query` as an assignment, if it is one.
+    /// Entry for `query` as an assignment or a destination, if it is one.
     typed: Option<Entry>,
     chosen: usize,
 }
 
 impl Palette {
-    /// Opens it with something typed already.
+    /// Opens the palette with an initial query.
     pub fn new(session: &Session, query: &str) -> Self {
         let entries = all(session);
         Self { query: query.to_owned(), entries, found: Vec::new(), found_for: None, typed: None, chosen: 0 }
     }
 
-    /// Draws it; false when it should close.
+    /// Draws the palette. Returns whether it stays open.
     pub fn ui(&mut self, ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) -> bool {
         let area = Modal::default_area(Id::unique("palette")).anchor(Align2::CENTER_TOP, vec2(0.0, TOP));
         let modal =
@@ -87,7 +87,7 @@ impl Palette {
         ui.add_space(space::XS);
         if count == 0 {
             // No scroll area: egui panics if a scroll bar is pressed in the pass in which its list empties.
-            ui.label(RichText::new("Nothing has these letters.").color(tokens(ui).text_weak));
+            ui.label(RichText::new("No entry matches.").color(tokens(ui).text_weak));
             return None;
         }
         let clicked = ScrollArea::vertical()
@@ -135,7 +135,7 @@ impl Palette {
         self.found.len() + usize::from(self.typed.is_some())
     }
 
-    /// What stands at a place of the list: what was typed out comes first.
+    /// Returns the entry at a position of the list; the typed entry comes first.
     fn at(&self, place: usize) -> Option<(&Entry, &[usize])> {
         let place = match &self.typed {
             Some(entry) if place == 0 => return Some((entry, &[])),
@@ -147,7 +147,7 @@ impl Palette {
     }
 }
 
-/// Puts the cursor behind what is typed already.
+/// Moves the text cursor to the end of the field.
 fn to_the_end(ui: &Ui, field: Id, text: &str) {
     use eframe::egui::text::{CCursor, CCursorRange};
     let mut state = eframe::egui::text_edit::TextEditState::load(ui.ctx(), field).unwrap_or_default();
@@ -155,7 +155,7 @@ fn to_the_end(ui: &Ui, field: Id, text: &str) {
     state.store(ui.ctx(), field);
 }
 
-/// One entry: its kind, its title with the letters that fit, whether it holds already, its key.
+/// Draws one entry: category, title with the matched letters highlighted, whether its value is already set, and key.
 fn row(ui: &mut Ui, entry: &Entry, letters: &[usize], chosen: bool) -> eframe::egui::Response {
     /// Width of the column of kinds, in points.
     const KIND_POINTS: f32 = 84.0;
@@ -176,7 +176,7 @@ fn row(ui: &mut Ui, entry: &Entry, letters: &[usize], chosen: bool) -> eframe::e
             ui.label(RichText::new(&entry.key).monospace().color(tokens(ui).text_weak));
         }
         if entry.holds {
-            ui.label(RichText::new("now").small().color(tokens(ui).accent));
+            ui.label(RichText::new("current").small().color(tokens(ui).accent));
         }
         ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
             ui.add(Label::new(marked(ui, &entry.title, letters)).truncate());
@@ -185,7 +185,7 @@ fn row(ui: &mut Ui, entry: &Entry, letters: &[usize], chosen: bool) -> eframe::e
     if entry.help.is_empty() { response } else { response.on_hover_text(&entry.help) }
 }
 
-/// A title with the letters that fit in another colour.
+/// Lays out a title with the matched letters highlighted.
 fn marked(ui: &Ui, title: &str, letters: &[usize]) -> LayoutJob {
     let mut job = LayoutJob::default();
     for (place, letter) in title.chars().enumerate() {

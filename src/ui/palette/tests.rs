@@ -1,4 +1,4 @@
-//! The palette under input that comes in one pass.
+//! Tests of the palette with several input events in one pass.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ fn a_list_may_empty_while_its_scroll_bar_is_pressed() {
     let source = SceneSource::named("triangle".into());
     let scene = source.load().unwrap().scene;
     let home = scene.home;
-    // The scroll bar stands at the right end of the palette.
+    // The scroll bar is at the right edge of the palette.
     for x in [940.0, 944.0, 947.0, 949.0, 951.0] {
         let session = Session::new(Arc::new(scene.clone()), source.clone(), Recipe::default(), home);
         let mut app = Workbench::new(session, Worker::inline());

@@ -1,11 +1,13 @@
-//! The tabs along the bottom.
+//! The tabs at the bottom of the window.
 
 use eframe::egui::{ScrollArea, Ui, UiBuilder};
 
 use super::{frame_times, log, plan, scaling, stability, tradeoff, xray};
+use crate::manual::Chapter;
 use crate::ui::checks;
 use crate::ui::command::Command;
 use crate::ui::fates::tab as fates;
+use crate::ui::manual::manual_button;
 use crate::ui::probe;
 use crate::ui::range::panel;
 use crate::ui::session::Session;
@@ -13,99 +15,91 @@ use crate::ui::trace::panel as trace;
 use crate::ui::vertices;
 use crate::ui::watch;
 
-/// A tab.
+/// Tab at the bottom of the window.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tab {
     /// Frame time of each upscaler.
     #[default]
     FrameTime,
-    /// What each upscaler costs and how wrong it is.
+    /// Error against time of each upscaler.
     ErrorTime,
-    /// Every step of the arithmetic of a pixel.
+    /// Every arithmetic step of a fragment at the picked pixel.
     Arithmetic,
-    /// What a pixel of the picture is made of.
+    /// Samples and weights that a pixel of the picture was reconstructed from.
     Xray,
-    /// How often each value is there.
+    /// Histogram of the visible quantity.
     Histogram,
-    /// Where triangles and fragments went.
+    /// Fates of triangles and fragments.
     Fates,
-    /// What the scene needs and what is left out.
+    /// Parts of the work that the scene needs, and skipped parts with reasons.
     Plan,
-    /// How cost grows.
+    /// Scaling of the cost of a frame.
     Scaling,
-    /// How the engine does on hard cases.
+    /// Stability report on hard cases.
     Stability,
-    /// What holds for every fragment.
+    /// Assertions about every fragment.
     Checks,
-    /// What all buffers hold at watched pixels.
+    /// Values of all buffers at watched pixels.
     Watch,
     /// The vertices of the picked triangle at every stage.
     Vertices,
-    /// How firmly the picture stands.
+    /// Stability probe: pixels that change under jitter in the last place.
     Probe,
-    /// Messages.
+    /// Log of messages.
     Log,
 }
 
-/// What each of them needs to be of use, in points.
+/// Minimum useful height of a tab's content, in points.
 pub const LEAST_HEIGHT: f32 = 90.0;
 
-/// All tabs, with name and explanation.
+/// All tabs, each with its name and help text.
 pub const TABS: &[(Tab, &str, &str)] = &[
-    (Tab::FrameTime, "Frame time", "How long a frame takes with each upscaler"),
-    (Tab::ErrorTime, "Error vs time", "What each upscaler costs and how wrong its picture is; a click compares it"),
+    (Tab::FrameTime, "Frame time", "Frame time of each upscaler"),
+    (Tab::ErrorTime, "Error vs time", "Time and error of each upscaler; click one to compare it"),
     (
         Tab::Arithmetic,
         "Arithmetic",
-        "Every step from the corners of a triangle to the picked pixel, with the numbers and what each step rounded",
+        "Every step from the corners of a triangle to the picked pixel, with numbers and rounding errors",
     ),
     (
         Tab::Xray,
         "X-ray",
-        "The samples that the upscaler made the picked pixel of, and how the method answers test signals",
+        "The samples that the upscaler mixed the picked pixel from, and the response of the method to test signals",
     ),
-    (Tab::Histogram, "Histogram", "How often each value of what is shown is there, and the figures of it"),
-    (Tab::Fates, "Fates", "How every triangle and every fragment ended, in all and per object; a click selects them"),
-    (Tab::Plan, "Plan", "What this scene needs, and what is left out of each draw and why"),
+    (Tab::Histogram, "Histogram", "Histogram and statistics of the values shown"),
+    (Tab::Fates, "Fates", "Fate of every triangle and fragment, in total and per object; click to select them"),
+    (Tab::Plan, "Plan", "Parts of the pipeline that each draw runs or skips, and why"),
     (Tab::Scaling, "Scaling", "How the cost of a frame grows with triangles, pixels, layers and threads"),
-    (
-        Tab::Stability,
-        "Stability",
-        "How right and how fast every rasterizer, arithmetic and depth format is on hard cases",
-    ),
-    (Tab::Checks, "Assertions", "What should hold for every fragment of a frame: checked on demand"),
-    (Tab::Watch, "Watch", "What all buffers hold at pixels that are watched, followed from frame to frame"),
+    (Tab::Stability, "Stability", "Error and time of every rasterizer, arithmetic and depth format on hard cases"),
+    (Tab::Checks, "Assertions", "Conditions that every fragment of a frame should satisfy, checked on demand"),
+    (Tab::Watch, "Watch", "Values of all buffers at the watched pixels, updated after every frame"),
     (Tab::Vertices, "Vertices", "The vertices of the picked triangle, or of its object, at every stage"),
-    (
-        Tab::Probe,
-        "Probe",
-        "Which pixels and triangles do not stand firm when all moves by a few units in the last place",
-    ),
-    (Tab::Log, "Log", "Everything that was reported"),
+    (Tab::Probe, "Probe", "Pixels and triangles that change when everything moves by a few units in the last place"),
+    (Tab::Log, "Log", "All messages"),
 ];
 
-/// Room for all tabs and what belongs to one of them in one row, points.
+/// Minimum width for the tabs and the controls of one of them in a single row, in points.
 const ONE_ROW_POINTS: f32 = 1500.0;
 
-/// Draws the tabs and the chosen one.
+/// Draws the tabs and the content of the selected one.
 pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Command>) {
     if ui.available_width() >= ONE_ROW_POINTS {
         ui.horizontal(|ui| {
-            tabs(ui, tab);
+            tabs(ui, tab, commands);
             if has_controls(*tab) {
                 ui.separator();
                 controls(ui, *tab, session, commands);
             }
         });
     } else {
-        ui.horizontal_wrapped(|ui| tabs(ui, tab));
+        ui.horizontal_wrapped(|ui| tabs(ui, tab, commands));
         if has_controls(*tab) {
             ui.horizontal(|ui| controls(ui, *tab, session, commands));
         }
     }
     ui.add_space(4.0);
     panel::tell(*tab == Tab::Histogram, session, commands);
-    // A tab has the room that there is: one that wants more would move the picture, whose size may be that of the canvas.
+    // Clipped to the available space: a taller tab would resize the canvas, and with it a picture of canvas size.
     let room = ui.available_rect_before_wrap();
     let mut within = ui.new_child(UiBuilder::new().id_salt("tab").max_rect(room).layout(*ui.layout()));
     within.shrink_clip_rect(room.expand2(ui.spacing().item_spacing));
@@ -113,7 +107,7 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
     ui.advance_cursor_after_rect(room);
 }
 
-/// What the chosen tab shows.
+/// Draws the content of the selected tab.
 fn content(ui: &mut Ui, tab: Tab, session: &Session, commands: &mut Vec<Command>) {
     match tab {
         Tab::Histogram => panel::ui(ui, session, commands),
@@ -137,9 +131,26 @@ fn content(ui: &mut Ui, tab: Tab, session: &Session, commands: &mut Vec<Command>
     }
 }
 
-fn tabs(ui: &mut Ui, tab: &mut Tab) {
+fn tabs(ui: &mut Ui, tab: &mut Tab, commands: &mut Vec<Command>) {
     for (value, name, help) in TABS {
         ui.selectable_value(tab, *value, *name).on_hover_text(*help);
+    }
+    manual_button(ui, tab.chapter(), commands);
+}
+
+impl Tab {
+    /// Returns the chapter of the manual that describes the tab.
+    fn chapter(self) -> Chapter {
+        match self {
+            Self::FrameTime | Self::ErrorTime | Self::Scaling => Chapter::ErrorAgainstTime,
+            Self::Arithmetic | Self::Watch => Chapter::InspectingAPixel,
+            Self::Xray => Chapter::ComparingUpscalers,
+            Self::Histogram => Chapter::ReadingPlots,
+            Self::Fates | Self::Vertices => Chapter::Stages,
+            Self::Plan => Chapter::SkippedWork,
+            Self::Stability | Self::Checks | Self::Probe => Chapter::Stability,
+            Self::Log => Chapter::GettingStarted,
+        }
     }
 }
 
@@ -147,7 +158,7 @@ fn has_controls(tab: Tab) -> bool {
     !matches!(tab, Tab::Arithmetic | Tab::Xray | Tab::Log)
 }
 
-/// What is asked of the chosen tab.
+/// Draws the controls of the selected tab.
 fn controls(ui: &mut Ui, tab: Tab, session: &Session, commands: &mut Vec<Command>) {
     match tab {
         Tab::FrameTime => frame_times::controls(ui, session, commands),

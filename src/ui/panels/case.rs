@@ -1,6 +1,6 @@
-//! A case file on the canvas: the pixels that the engine draws beside those that exact arithmetic says, large, and how they
-//! differ. The rasterizer and the arithmetic are those of the recipe. Answers come from a thread of their own; until one is
-//! there, the last one of the case stays.
+//! The view of an open case: the pixels drawn by the engine beside those of exact arithmetic, enlarged, and their
+//! differences. Rasterizer and arithmetic are those of the recipe. A background thread evaluates the case; until it is
+//! done, the last result stays visible.
 
 mod evaluation;
 
@@ -23,22 +23,22 @@ pub use evaluation::{Evaluation, Question};
 use evaluation::Running;
 use pictures::Pictures;
 
-/// An answer is called slow, and its progress shown, after this time.
+/// Evaluation time after which progress is shown.
 const SLOW_ANSWER: Duration = Duration::from_millis(200);
 
-/// A case that is open, and its last answer.
+/// View of the open case, and its last evaluation.
 #[derive(Default)]
 pub struct CaseView {
     answered: Option<Evaluation>,
-    /// The answer that is yet to come.
+    /// Evaluation in progress.
     running: Option<Running>,
     pictures: Pictures,
-    /// Index of the differing pixel that the view was moved to last.
+    /// Index of the differing pixel that the view last moved to.
     visited: Option<usize>,
 }
 
 impl CaseView {
-    /// Shows an answer instead of asking for it.
+    /// Shows a finished evaluation instead of starting one.
     pub fn adopt(&mut self, answer: Evaluation) {
         let is_about_the_same = self.answered.as_ref().is_some_and(|old| old.question.is_about(&answer.question.case));
         if !is_about_the_same {
@@ -50,7 +50,7 @@ impl CaseView {
         self.answered = Some(answer);
     }
 
-    /// Draws the case that the session has open. `waits` answers it before drawing.
+    /// Draws the session's open case. If `waits`, the case is evaluated synchronously before drawing.
     pub fn ui(&mut self, ui: &mut Ui, session: &Session, waits: bool, commands: &mut Vec<Command>) {
         let Some(open) = &session.case else { return };
         let settings = &session.state.recipe.pipeline;
@@ -68,7 +68,7 @@ impl CaseView {
         }
     }
 
-    /// Takes the answer that is ready, and asks for the one that is missing.
+    /// Stores a finished evaluation, and starts a new one if the question has changed.
     fn ask(&mut self, ui: &Ui, question: Question, waits: bool) {
         if let Some(answer) = self.running.as_mut().and_then(Running::poll) {
             self.adopt(answer);
@@ -79,7 +79,7 @@ impl CaseView {
         if self.answered.as_ref().is_some_and(|answered| answered.question.is_same(&question)) {
             self.running = None;
         } else if self.running.as_ref().is_some_and(|running| running.question.is_same(&question)) {
-            // It comes.
+            // The evaluation is already running.
         } else if !waits {
             self.running = Some(Running::start(ui.ctx().clone(), question));
             ui.request_repaint_after(SLOW_ANSWER);
@@ -95,11 +95,11 @@ impl CaseView {
         ui.label(RichText::new(&case.id).strong());
         let parts = parts(case);
         if parts > 1 {
-            if icon_button(ui, Icon::ChevronLeft, "Triangle before").clicked() {
+            if icon_button(ui, Icon::ChevronLeft, "Previous triangle").clicked() {
                 commands.push(Command::ShowPart(part.saturating_sub(1)));
             }
             ui.label(format!("triangle {} of {parts}", part + 1));
-            if icon_button(ui, Icon::ChevronRight, "Triangle after").clicked() {
+            if icon_button(ui, Icon::ChevronRight, "Next triangle").clicked() {
                 commands.push(Command::ShowPart((part + 1).min(parts - 1)));
             }
         }
@@ -118,10 +118,11 @@ impl CaseView {
         self.findings(ui);
     }
 
-    /// Draws how far the answer has come. Cancelling it goes back to the last one, or closes a case that has none.
+    /// Draws the progress of the evaluation. Cancelling restores the last evaluation, or closes the case if there is
+    /// none.
     fn progress(&self, ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         let Some(running) = &self.running else { return };
-        let cancelled = ui.button("Cancel").on_hover_text("Keep what is shown").clicked();
+        let cancelled = ui.button("Cancel").on_hover_text("Stop; the last result stays").clicked();
         ui.add(ProgressBar::new(running.progress.unwrap_or(0.0)).desired_width(200.0).show_percentage());
         if !cancelled {
             return;
@@ -136,11 +137,11 @@ impl CaseView {
         }
     }
 
-    /// Draws how the answer and the exact one differ.
+    /// Draws the differences between the engine and exact arithmetic.
     fn findings(&mut self, ui: &mut Ui) {
         let Some(Evaluation { shown: Shown::Pixels(comparison), figures, .. }) = &self.answered else { return };
         if comparison.exact.is_none() {
-            let text = format!("{} pixels; no second answer in the program for this kind", figures.covered);
+            let text = format!("{} pixels; no reference result for this kind of case", figures.covered);
             ui.add(Label::new(RichText::new(text).color(tokens(ui).text_weak)).truncate());
             return;
         }
@@ -149,7 +150,7 @@ impl CaseView {
         ui.label(RichText::new(text).color(color).strong());
         if !figures.first.is_empty() {
             let count = figures.first.len();
-            let before = icon_button(ui, Icon::ArrowLeft, "Differing pixel before").clicked();
+            let before = icon_button(ui, Icon::ArrowLeft, "Previous differing pixel").clicked();
             let after = icon_button(ui, Icon::ArrowRight, "Next differing pixel").clicked();
             if before || after {
                 let next = match (self.visited, before) {
@@ -164,7 +165,7 @@ impl CaseView {
     }
 }
 
-/// Draws the visible ones of some lines.
+/// Draws lines of text; only the visible ones are laid out.
 fn text(ui: &mut Ui, lines: &[String]) {
     let height = ui.text_style_height(&TextStyle::Monospace);
     ScrollArea::both().auto_shrink(false).show_rows(ui, height, lines.len(), |ui, visible| {

@@ -1,4 +1,4 @@
-//! Windows over the window: opening a model, going to a pixel, the key sheet, the palette, bookmarks.
+//! Modal dialogs: opening a model, going to a pixel, the key sheet, the palette, bookmarks.
 
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, channel};
@@ -13,28 +13,28 @@ use crate::ui::place::{bookmarks, go_to as go_to_wanted};
 use crate::ui::session::Session;
 use crate::ui::theme::tokens;
 
-/// A dialog of the system that comes back empty sooner than this was never shown.
+/// Time below which an empty result of the system's file dialog means that it never appeared.
 const FASTEST_PERSON: Duration = Duration::from_millis(400);
 
-/// Which dialog is open, and what was typed into it.
+/// The open dialog, and the text typed into it.
 #[derive(Default)]
 pub enum Dialog {
-    /// None.
+    /// No dialog.
     #[default]
     Closed,
-    /// Opening a model.
+    /// Dialog for opening a model.
     Open(OpenDialog),
-    /// Going to a pixel.
+    /// Dialog for going to a pixel, with its text.
     Pixel(String),
-    /// The key sheet, and the letters that its lines are filtered by.
+    /// Key sheet, with its filter text.
     Keys(String),
-    /// The command palette.
+    /// Command palette.
     Palette(Box<Palette>),
-    /// The list of bookmarks.
+    /// List of bookmarks.
     Bookmarks,
 }
 
-/// Opening a model: by path, from the recent ones, or by the system's file dialog.
+/// Dialog for opening a model: by path, from the recent files, or with the system's file dialog.
 #[derive(Default)]
 pub struct OpenDialog {
     path: String,
@@ -61,15 +61,15 @@ impl Dialog {
         }
     }
 
-    /// Whether one is open.
+    /// Whether a dialog is open.
     pub fn is_open(&self) -> bool {
         !matches!(self, Self::Closed)
     }
 }
 
-/// Shows `content` as a dialog; `content` returns true to close it. Returns whether it stays open.
+/// Shows `content` as a dialog; `content` returns `true` to close it. Returns whether the dialog stays open.
 fn modal(ui: &Ui, title: &str, content: impl FnOnce(&mut Ui) -> bool) -> bool {
-    /// Width of a dialog of some words and a field, in points.
+    /// Width of a dialog with a little text and one field, in points.
     const WIDTH: f32 = 440.0;
     modal_of_width(ui, title, WIDTH, content)
 }
@@ -89,7 +89,10 @@ impl OpenDialog {
     fn ui(&mut self, ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) -> bool {
         let chosen = self.poll();
         let stays = modal(ui, "Open a model", |ui| {
-            ui.label("Path of a model (OBJ), a case (JSON), or a picture for the 2D lab. You can also drop it on the window.");
+            ui.label(
+                "Path of a model (OBJ), a case (JSON), or a picture for the 2D lab. You can also drop the file on \
+                      the window.",
+            );
             let field =
                 TextEdit::singleline(&mut self.path).hint_text("/path/to/model.obj").desired_width(f32::INFINITY);
             let field = ui.add(field);
@@ -108,7 +111,7 @@ impl OpenDialog {
                 let idle = self.browsing.is_none();
                 if ui
                     .add_enabled(idle, eframe::egui::Button::new("Browse …"))
-                    .on_hover_text("The system's file dialog")
+                    .on_hover_text("Opens the system's file dialog")
                     .clicked()
                 {
                     self.browse(ui);
@@ -129,7 +132,7 @@ impl OpenDialog {
         stays
     }
 
-    /// Opens the system's dialog on a thread of its own: it blocks until it is closed.
+    /// Opens the system's file dialog in a background thread, because it blocks until it is closed.
     fn browse(&mut self, ui: &Ui) {
         let (sender, receiver) = channel();
         let context = ui.ctx().clone();
@@ -140,7 +143,7 @@ impl OpenDialog {
                 .add_filter("Models and cases", &["obj", "OBJ", "json"])
                 .add_filter("Pictures, for the 2D lab", &["png", "jpg", "jpeg", "bmp", "gif", "tif", "tiff", "tga"])
                 .pick_file();
-            // The window may be gone by now.
+            // Sending fails if the window is already closed.
             drop(sender.send(file));
             context.request_repaint();
         });
@@ -151,7 +154,8 @@ impl OpenDialog {
         let answer = receiver.try_recv().ok()?;
         if answer.is_none() && since.elapsed() < FASTEST_PERSON {
             self.hint = Some(
-                "This system offers no file dialog (no desktop portal, no zenity). Type the path, or drop the file on the window.",
+                "No file dialog on this system (no desktop portal, no zenity). Type the path, or drop the file on the \
+                 window.",
             );
         }
         self.browsing = None;
@@ -179,16 +183,16 @@ fn go_to(ui: &mut Ui, text: &mut String, session: &Session, commands: &mut Vec<C
     modal(ui, "Go to", |ui| {
         let viewport = session.viewport();
         ui.label(format!("Column and row, from 0,0 to {},{}.", viewport.width - 1, viewport.height - 1));
-        ui.label("Or a triangle (tri 12) or the name of an object: a pixel that shows it is picked.");
-        ui.label("Or an enlargement with the pixel in the middle (800% 12,34): the same crop again.");
-        ui.label("Or a vertex (v 12, of the picked object; vertex 12 of a name): it is followed in the picture.");
+        ui.label("A triangle (tri 12) or the name of an object: picks a pixel that shows it.");
+        ui.label("A zoom and the pixel in the middle (800% 12,34): restores the same crop.");
+        ui.label("A vertex (v 12 of the picked object; vertex 12 of a name): follows it in the picture.");
         let field =
-            ui.add(TextEdit::singleline(text).hint_text("x,y  or  tri 12  or  v 12  or  a name").desired_width(240.0));
+            ui.add(TextEdit::singleline(text).hint_text("x,y  or  tri 12  or  v 12  or  name").desired_width(240.0));
         field.request_focus();
         let wanted = session.wanted(text);
         let entered = ui.input(|i| i.key_pressed(Key::Enter));
         let go = ui.add_enabled(wanted.is_ok(), eframe::egui::Button::new("Go"));
-        // Always there, so that nothing jumps while one types.
+        // Always laid out, so that the dialog does not jump during typing.
         let complaint = wanted.as_ref().err().map_or("", String::as_str);
         ui.label(RichText::new(complaint).color(tokens(ui).warning));
         match wanted {

@@ -1,6 +1,8 @@
-//! How long a frame takes with each upscaler: every measured frame as a point of its method's line, and a bar with median
-//! and spread. Measured on the scene, view and settings on screen, in rounds that time every method once, so that a change of
-//! the machine's speed hits all of them alike.
+//! Frame time of each upscaler: one line per method with a point for every measured frame, and a bar with median and
+//! spread.
+//!
+//! Measured on the scene, view and settings on screen. Interleaved rounds time every method once, so that changes of
+//! the machine's speed affect all methods alike.
 
 use eframe::egui::{self, Button, Color32, Grid, ProgressBar, RichText, ScrollArea, Ui};
 use egui_plot::{Bar, BarChart, HoverPosition, Line, Plot, PlotPoints, Points, uniform_grid_spacer};
@@ -19,16 +21,16 @@ use crate::upscale::Upscaling;
 /// Width of the table, in points.
 const TABLE_POINTS: f32 = 520.0;
 
-/// The frame axis is at least this long.
+/// Minimum length of the frame axis, in frames.
 const LEAST_FRAMES: f64 = 10.0;
 
 /// Width of a column of the table, in points.
 const FIGURE_POINTS: f32 = 56.0;
 
-/// Place of the median among the figures of a row.
+/// Column of the median among the figures of a row.
 const MEDIAN_COLUMN: usize = 1;
 
-/// A method with its figures.
+/// Method with its frame times.
 struct Series {
     upscaling: Upscaling,
     color: Color32,
@@ -36,15 +38,15 @@ struct Series {
     summary: Summary,
 }
 
-/// Draws plots and table.
+/// Draws the plots and the table.
 pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let series = collect(ui, session);
     if series.is_empty() {
         empty_state(
             ui,
             Icon::ChartLine,
-            "No frame was timed yet",
-            "“Measure all upscalers” times each of them on the present scene, view and size.",
+            "No frame times yet",
+            "“Measure all upscalers” times each of them with the current scene, view and size.",
         );
         return;
     }
@@ -67,27 +69,30 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     });
 }
 
-/// Draws the buttons, and says what the times were measured on.
+/// Draws the buttons, and the conditions of the measurement.
 pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if let Some(measuring) = session.measuring {
-        if ui.button("Cancel").on_hover_text("Stop timing; what was measured stays").clicked() {
+        if ui.button("Cancel").on_hover_text("Stop; results so far stay").clicked() {
             commands.push(Command::CancelMeasure);
         }
         ui.add(ProgressBar::new(measuring.progress).desired_width(240.0).show_percentage());
     } else {
         let measure = Button::new((crate::ui::theme::icon(Icon::Timer), "Measure all upscalers"));
-        let help = "Times every upscaler in interleaved rounds on the present scene, view and size, and judges it on the same \
-                    frames; “Error vs time” has the switch between moving and still";
+        let help = "Times every upscaler in interleaved rounds with the current scene, view and size, and measures its \
+                    error on the same frames; the tab “Error vs time” switches between moving and still";
         if ui.add(measure).on_hover_text(help).clicked() {
             commands.push(Command::Measure);
         }
-        if ui.button("Clear").on_hover_text("Forget all frame times").clicked() {
+        if ui.button("Clear").on_hover_text("Delete all frame times").clicked() {
             commands.push(Command::ClearTimings);
         }
     }
     let paused = session.timings.paused;
-    let (icon, name) =
-        if paused { (Icon::Play, "Take in frame times again") } else { (Icon::Pause, "Pause: keep what is plotted") };
+    let (icon, name) = if paused {
+        (Icon::Play, "Resume recording frame times")
+    } else {
+        (Icon::Pause, "Pause recording: keep the plot")
+    };
     if icon_button(ui, icon, name).clicked() {
         commands.push(Command::PauseTimings);
     }
@@ -95,8 +100,8 @@ pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         commands.push(Command::ExportTimings);
     }
     for (view, name, help) in [
-        (TimingsView::Lines, "Lines", "Frame after frame"),
-        (TimingsView::Distribution, "Distribution", "The share of frames that took no longer"),
+        (TimingsView::Lines, "Lines", "Time of each frame in order"),
+        (TimingsView::Distribution, "Distribution", "Cumulative share of frames over frame time"),
     ] {
         if ui.selectable_label(session.timings.view == view, name).on_hover_text(help).clicked() {
             commands.push(Command::ShowTimings(view));
@@ -110,7 +115,7 @@ pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         let noise = timings.noise().map(|noise| format!(" · noise floor {}", noise.words())).unwrap_or_default();
         format!("Measured · {} · {} × {} px{noise}", session.scene.name, viewport.width, viewport.height)
     } else {
-        "Measured on another scene, view, size or setting than the one on screen".to_owned()
+        "Measured with another scene, view, size or setting than the one on screen".to_owned()
     };
     ui.add(egui::Label::new(RichText::new(text).color(tokens(ui).text_weak)).truncate());
 }
@@ -145,7 +150,7 @@ fn lines(ui: &mut Ui, series: &[Series], size: egui::Vec2) {
         })
         .show(ui, |plot| {
             for s in series {
-                // The slowest frame is marked, however many columns of the screen it shares with others.
+                // The slowest frame has its own mark, however many frames share its screen column.
                 let slowest = s.times_ms.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1));
                 if let Some((frame, ms)) = slowest {
                     let at = PlotPoints::from(vec![[frame as f64, *ms]]);
@@ -161,7 +166,8 @@ fn lines(ui: &mut Ui, series: &[Series], size: egui::Vec2) {
         });
 }
 
-/// For every time the share of frames that took no longer: steep is steady, a long tail at the right are spikes.
+/// Draws the cumulative distribution: the share of frames that took at most a given time. A steep curve means steady
+/// times, a long tail to the right means spikes.
 fn distribution(ui: &mut Ui, series: &[Series], size: egui::Vec2) {
     Plot::new("distribution of frame times")
         .width(size.x)
@@ -192,7 +198,7 @@ fn distribution(ui: &mut Ui, series: &[Series], size: egui::Vec2) {
         });
 }
 
-/// The slowest of the recent frames, which may be long gone from the lines.
+/// Draws the slowest recent frames, which may no longer be in the plotted lines.
 fn spikes(ui: &mut Ui, session: &Session) {
     if session.timings.has_measurement() || session.timings.slowest().is_empty() {
         return;
@@ -200,21 +206,21 @@ fn spikes(ui: &mut Ui, session: &Session) {
     let slowest = session.timings.slowest().iter();
     let words: Vec<_> = slowest.map(|(upscaling, ms)| format!("{} {}", upscaling.label(), format::ms(*ms))).collect();
     let text = RichText::new(format!("Slowest: {}", words.join(", "))).small().color(tokens(ui).text_weak);
-    ui.add(egui::Label::new(text).wrap()).on_hover_text("The slowest frames since scene, settings or size changed");
+    ui.add(egui::Label::new(text).wrap()).on_hover_text("Slowest frames since scene, settings or size changed");
 }
 
-/// What the window itself takes, beside the picture.
+/// Draws the time of the window itself, excluding the picture.
 fn window(ui: &mut Ui, session: &Session) {
     let Some(Summary { median, p99, .. }) = session.window_times.summary() else { return };
-    let text = format!("The window itself: {}, p99 {}", format::ms(median), format::ms(p99));
+    let text = format!("Window without picture: {}, p99 {}", format::ms(median), format::ms(p99));
     ui.add(egui::Label::new(RichText::new(text).small().color(tokens(ui).text_weak)).wrap()).on_hover_text(
-        "What one pass of the window takes beside the picture, which is drawn on threads of its own: laying out the panels, \
-         cutting them into triangles and handing these to the graphics driver. Median and 99th percentile of the last passes; \
-         at rest there are none",
+        "Time of one pass of the window without the picture, which is drawn on other threads: laying out the panels, \
+         tessellating them and submitting the triangles to the graphics driver. Median and 99th percentile of the last \
+         passes; an idle window makes none",
     );
 }
 
-/// One bar per method up to its median, with a bracket from the 10th to the 90th percentile.
+/// Draws one bar per method up to its median, with an error bar from the 10th to the 90th percentile.
 fn bars(ui: &mut Ui, series: &[Series], size: egui::Vec2) {
     let names: Vec<String> = series.iter().map(|s| s.upscaling.label()).collect();
     Plot::new("medians")
@@ -270,7 +276,7 @@ fn table(ui: &mut Ui, series: &[Series], session: &Session, commands: &mut Vec<C
                 let (mark, _) = ui.allocate_exact_size(egui::vec2(12.0, 12.0), egui::Sense::hover());
                 ui.painter().rect_filled(mark.shrink2(egui::vec2(0.0, 4.0)), 1.0, s.color);
                 let label = ui.selectable_label(chosen, s.upscaling.label());
-                if label.on_hover_text("Draw with this one").clicked() {
+                if label.on_hover_text("Draw with this upscaler").clicked() {
                     let recipe = crate::chain::Recipe { upscaler: s.upscaling, ..session.state.recipe };
                     commands.push(Command::SetRecipe(recipe));
                 }

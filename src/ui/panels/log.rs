@@ -1,4 +1,4 @@
-//! Everything that was reported, newest last.
+//! The log: all messages, newest last.
 
 use eframe::egui::{Label, RichText, Ui};
 
@@ -9,7 +9,7 @@ use crate::ui::widgets::{Status, empty_state};
 /// Draws the messages.
 pub fn ui(ui: &mut Ui, session: &Session) {
     if session.log.is_empty() {
-        empty_state(ui, Icon::ScrollText, "No messages", "Warnings of loaded models and errors are kept here.");
+        empty_state(ui, Icon::ScrollText, "No messages", "Errors and the warnings of loaded models are listed here.");
         return;
     }
     for line in &session.log {

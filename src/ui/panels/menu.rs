@@ -1,4 +1,4 @@
-//! The menu bar, and the figures of the frame at its right end.
+//! The menu bar, with the figures of the frame at its right end.
 
 use eframe::egui::{self, Button, Layout, MenuBar, RichText, ScrollArea, Ui};
 
@@ -18,10 +18,10 @@ use crate::ui::theme::{Icon, tokens};
 use crate::ui::what_if;
 use crate::ui::widgets::icon_button;
 
-/// Interface scales to choose from.
+/// Selectable interface scales.
 const SCALES: [f32; 6] = [0.75, 1.0, 1.25, 1.5, 1.75, 2.0];
 
-/// Draws the bar.
+/// Draws the menu bar.
 pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     MenuBar::new().ui(ui, |ui| {
         ui.menu_button("File", |ui| file(ui, session, commands));
@@ -37,7 +37,7 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     });
 }
 
-/// The switch between the pipeline and the lab.
+/// Draws the switch between the pipeline and the 2D lab.
 fn workspaces(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let places = [
         (false, "Pipeline", "A scene, stage by stage and pixel by pixel  (L)"),
@@ -51,7 +51,7 @@ fn workspaces(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     }
 }
 
-/// A menu entry for a command, with its key from the key map.
+/// Draws a menu entry for a command, with its key from the key map.
 fn entry(ui: &mut Ui, name: &str, command: Command, commands: &mut Vec<Command>) {
     entry_if(ui, true, name, command, commands);
 }
@@ -71,7 +71,7 @@ fn file(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     entry(ui, "Open model …", Command::AskForFile, commands);
     ui.menu_button("Recent files", |ui| {
         if session.recent.is_empty() {
-            ui.weak("No model was opened yet");
+            ui.weak("No recent files");
         }
         for path in &session.recent {
             let name =
@@ -123,7 +123,7 @@ fn scene(ui: &mut Ui, commands: &mut Vec<Command>) {
     }
 }
 
-/// Scenes with a black spot, drawn by settings that bring it out.
+/// Draws the entries of lessons: scenes with a black spot, each with the settings that reveal it.
 fn lessons(ui: &mut Ui, commands: &mut Vec<Command>) {
     for lesson in lesson::ALL {
         if ui
@@ -142,8 +142,8 @@ fn compare(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         entry(ui, name, Command::Compare(Change::Toggle(mode)), commands);
     }
     ui.separator();
-    entry(ui, "What did the last change do?", Command::WhatIf(what_if::Change::Toggle), commands);
-    entry(ui, "All upscalers in tiles", Command::Compare(Change::Every), commands);
+    entry(ui, "Show what the last change did", Command::WhatIf(what_if::Change::Toggle), commands);
+    entry(ui, "Compare all upscalers in tiles", Command::Compare(Change::Every), commands);
     let is_on = session.comparison.is_on();
     entry_if(ui, is_on, "Swap A and B", Command::Compare(Change::Swap), commands);
     entry_if(ui, is_on, "Stop comparing", Command::Compare(Change::Mode(Mode::Off)), commands);
@@ -159,17 +159,17 @@ fn view(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
             }
         }
     });
-    entry(ui, "Stage before", Command::StepStage(-1), commands);
-    entry(ui, "Stage after", Command::StepStage(1), commands);
+    entry(ui, "Previous stage", Command::StepStage(-1), commands);
+    entry(ui, "Next stage", Command::StepStage(1), commands);
     ui.separator();
     entry(ui, "Fit picture", Command::ZoomFit, commands);
-    entry(ui, "One to one", Command::ZoomOne, commands);
-    entry(ui, "Go to pixel …", Command::AskForPixel, commands);
+    entry(ui, "Zoom to 100 %", Command::ZoomOne, commands);
+    entry(ui, "Go to …", Command::AskForPixel, commands);
     ui.separator();
-    entry(ui, "Reset view of the scene", Command::ResetCamera, commands);
+    entry(ui, "Reset view", Command::ResetCamera, commands);
     entry(ui, "Fit scene", Command::FitCamera, commands);
     ui.separator();
-    entry(ui, "Dark or light", Command::ToggleTheme, commands);
+    entry(ui, "Switch between dark and light", Command::ToggleTheme, commands);
     ui.menu_button("Interface scale", |ui| {
         for scale in SCALES {
             let current = (ui.ctx().zoom_factor() - scale).abs() < 0.01;
@@ -184,11 +184,12 @@ fn view(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 /// Licences of the fonts and icons in the program.
 const NOTICES: &str = include_str!("../../../assets/NOTICES.txt");
 
-/// Size of the notices, in points.
+/// Width of the notices, in points; `NOTICES_HEIGHT` is their height.
 const NOTICES_WIDTH: f32 = 620.0;
 const NOTICES_HEIGHT: f32 = 420.0;
 
 fn help(ui: &mut Ui, commands: &mut Vec<Command>) {
+    entry(ui, "Manual", Command::OpenManual(None), commands);
     entry(ui, "Keys and mouse", Command::ToggleKeys, commands);
     entry(ui, "Find anything …", Command::OpenPalette, commands);
     ui.separator();
@@ -199,21 +200,21 @@ fn help(ui: &mut Ui, commands: &mut Vec<Command>) {
     ui.weak(concat!("Rasterscope ", env!("CARGO_PKG_VERSION")));
 }
 
-/// How many fragments carry numbers that are none, where there is room to tell.
+/// Draws the number of fragments with NaN or infinite values, if there is room for it.
 fn bad_numbers(ui: &mut Ui, session: &Session) {
-    /// Room for this and for the number of triangles, in points.
+    /// Minimum free width for this figure and the triangle count, in points.
     const ROOM: f32 = 260.0;
     let Some(figures) = session.stages.filter(|_| ui.available_width() >= ROOM) else { return };
     let color = if figures.bad > 0 { tokens(ui).warning } else { tokens(ui).text };
     let text = RichText::new(format!("{} NaN", format::count(figures.bad))).monospace().color(color);
     ui.label(text).on_hover_text(
-        "Fragments of this frame whose depth or weights are not a number or infinite. The overlay “NaN, infinite, negative” \
-         shows where  (O)",
+        "Fragments of this frame with NaN or infinite depth or weights. The overlay “NaN, infinite, negative” marks \
+         them  (O)",
     );
     ui.label(RichText::new("·").color(tokens(ui).text_weak));
 }
 
-/// The frame in figures, and the theme switch.
+/// Draws the figures of the frame, and the theme switch.
 fn figures(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let theme_icon = if ui.visuals().dark_mode { Icon::Sun } else { Icon::Moon };
     if icon_button(ui, theme_icon, "Switch between dark and light").clicked() {
@@ -222,16 +223,16 @@ fn figures(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let Some(view) = session.view.as_ref().filter(|_| !session.lab.open) else { return };
     let drawn = (
         format!("{} drawn", format::percent(view.frame.drawn_share())),
-        "Share of the picture's pixels that are really rasterized and shaded",
+        "Share of the picture's pixels that are rasterized and shaded",
     );
     let mut figures = vec![drawn];
-    // With a triangle limit the picture is drawn twice; its time would tell about neither.
+    // With a triangle limit the picture is drawn twice, so its time would describe neither frame.
     let warm_ms = session.timings.warm_median_ms(view.request.recipe.upscaler).or_else(|| {
         let frame = session.stages.as_ref()?.times.frame;
         Some(frame.as_secs_f64() * 1e3)
     });
     if let Some(ms) = warm_ms.filter(|_| view.request.triangle_limit.is_none()) {
-        let fps = "Frames per second if frames were drawn one after the other; nothing is drawn while nothing changes";
+        let fps = "Frames per second if frames were drawn continuously; nothing is drawn while nothing changes";
         figures.push((format!("{:.0} fps", 1e3 / ms.max(1e-3)), fps));
         figures
             .push((format::ms(ms), "Median time of a frame with warm caches, from planning to the finished picture"));
@@ -250,5 +251,5 @@ fn figures(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         .monospace()
         .color(tokens(ui).text),
     )
-    .on_hover_text("Triangles that are rasterized, after clipping and culling");
+    .on_hover_text("Rasterized triangles, after clipping and culling");
 }

@@ -1,5 +1,5 @@
-//! One line under the menu that is always there, so that nothing jumps when there is something to say: an error until it
-//! is read, a model that is being loaded, the first hint, or else what the canvas shows.
+//! The message line below the menu: an error until it is closed, a model being loaded, the first hint, or a description
+//! of the canvas. It is always present, so that messages do not shift the layout.
 
 use std::path::Path;
 
@@ -11,15 +11,15 @@ use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, tokens};
 use crate::ui::widgets::icon_button;
 
-const HINT: &str = "Click a pixel and read its story at the right. The wheel enlarges, middle-drag turns the scene, [ goes back stage by stage, ? all keys.";
+const HINT: &str = "Click a pixel to explain it at the right. Wheel: zoom. Middle-drag: orbit the camera. [: previous \
+                    stage. ?: all keys.";
 
-const LAB_HINT: &str =
-    "Step with , and . or play with K; drag the blue rings; the wheel enlarges; L leads back to the pipeline.";
+const LAB_HINT: &str = "Step with , and . or play with K; drag the blue rings. Wheel: zoom. L: back to the pipeline.";
 
-/// How strongly an error colours the line.
+/// Opacity of the error colour behind the line, in [0, 1].
 const ERROR_TINT: f32 = 0.25;
 
-/// Draws the line. `loading` is the file that has been opened for a while, and its completed share from 0 to 1.
+/// Draws the line. `loading` is a file whose opening takes long, and its completed share in [0, 1].
 pub fn ui(ui: &mut Ui, session: &Session, loading: Option<(&Path, f32)>, commands: &mut Vec<Command>) {
     ui.horizontal_centered(|ui| {
         if let Some(error) = &session.error {
@@ -28,14 +28,14 @@ pub fn ui(ui: &mut Ui, session: &Session, loading: Option<(&Path, f32)>, command
             line(ui, Icon::OctagonAlert, tokens(ui).error, error, Some(Command::CloseError), commands);
         } else if let Some(path) = &session.offered_picture {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
-            if ui.button("Open in the 2D lab").on_hover_text("The lab fills and samples pictures").clicked() {
+            if ui.button("Open in the 2D lab").on_hover_text("Fill and sample the picture in the lab").clicked() {
                 commands.push(Command::OpenInLab(path.clone()));
             }
             let text = format!("{} is a picture, not a scene", text::clean(&name));
             line(ui, Icon::Image, tokens(ui).accent, &text, Some(Command::CloseOffer), commands);
         } else if let Some((path, completed)) = loading {
             ui.spinner();
-            if ui.button("Cancel").on_hover_text("The present scene stays").clicked() {
+            if ui.button("Cancel").on_hover_text("Stop; the current scene stays").clicked() {
                 commands.push(Command::CancelLoading);
             }
             ui.add(ProgressBar::new(completed).desired_width(120.0));
@@ -52,7 +52,7 @@ pub fn ui(ui: &mut Ui, session: &Session, loading: Option<(&Path, f32)>, command
         } else if !session.hint_closed {
             line(ui, Icon::Lightbulb, tokens(ui).accent, HINT, Some(Command::CloseHint), commands);
         } else if let Some(words) = session.what_if.unasked(&session.state.recipe) {
-            let text = format!("{words}.  X shows what that changed.");
+            let text = format!("{words}.  Press X to show what that changed.");
             line(ui, Icon::Diff, tokens(ui).accent, &text, None, commands);
         } else {
             let (name, help) = (session.shown.name(), session.shown.help());
@@ -61,7 +61,7 @@ pub fn ui(ui: &mut Ui, session: &Session, loading: Option<(&Path, f32)>, command
     });
 }
 
-/// Text after an icon in its colour, and a button that closes it if it can be closed.
+/// Draws an icon in `color`, the text, and a close button if `close` is given.
 fn line(ui: &mut Ui, icon: Icon, color: Color32, text: &str, close: Option<Command>, commands: &mut Vec<Command>) {
     let (place, _): (Rect, _) = ui.allocate_exact_size(Vec2::splat(theme::ICON_SIZE), Sense::hover());
     theme::paint_icon(ui.painter(), place.center(), icon, theme::ICON_SIZE, color);

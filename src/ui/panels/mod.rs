@@ -38,7 +38,7 @@ use eframe::egui::Ui;
 use super::widgets::choice;
 use crate::pipeline::settings::Choice;
 
-/// A picker for a [`Choice`], with all names and explanations from the enum itself. True when changed.
+/// Draws a picker for a [`Choice`], with names and help texts from the enum. Returns whether the value changed.
 pub fn pick<C: Choice>(ui: &mut Ui, value: &mut C) -> bool {
     let options: Vec<_> = C::ALL.iter().map(|c| (*c, c.name(), c.help())).collect();
     choice(ui, value, &options)

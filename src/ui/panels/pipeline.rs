@@ -1,5 +1,5 @@
-//! The pipeline at the left: one row per stage with its time and count, its switches when opened, and a button that shows
-//! the picture after it.
+//! The pipeline panel on the left: one row per stage with its time and count, its settings when expanded, and a button
+//! that shows the picture after the stage.
 
 use std::time::Duration;
 
@@ -9,16 +9,18 @@ use eframe::egui::{self, Ui};
 use super::switches;
 use crate::chain::Recipe;
 use crate::inspect::Stage;
+use crate::manual::Chapter;
 use crate::measure::stages::StageTimes;
 use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
 use crate::ui::engine::{Shown, StageFigures, View};
 use crate::ui::format;
+use crate::ui::manual::manual_button;
 use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, tokens};
 use crate::ui::widgets::{figure, icon_button, value_row};
 
-/// Has all rows show their switches with the next pass, or none.
+/// Expands or collapses all rows in the next pass.
 pub fn open_all(ui: &Ui, open: bool) {
     ui.data_mut(|data| data.insert_temp(open_all_id(), open));
 }
@@ -27,7 +29,7 @@ fn open_all_id() -> egui::Id {
     egui::Id::unique("open all stages")
 }
 
-/// Draws all rows.
+/// Draws the rows of all stages.
 pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let mut recipe = session.state.recipe;
     let all = ui.data_mut(|data| data.remove_temp(open_all_id()));
@@ -40,22 +42,25 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     }
     ui.add_space(theme::space::M);
     let changed = session.state.recipe != Recipe::default();
-    let reset = ui.add_enabled(changed, egui::Button::new("Reset all settings"));
-    if reset
-        .on_hover_text("Every switch back to its default")
-        .on_disabled_hover_text("All settings are at their defaults")
-        .clicked()
-    {
-        commands.push(Command::ResetRecipe);
-    }
+    ui.horizontal(|ui| {
+        let reset = ui.add_enabled(changed, egui::Button::new("Reset all settings"));
+        if reset
+            .on_hover_text("Sets every setting to its default")
+            .on_disabled_hover_text("All settings are at their defaults")
+            .clicked()
+        {
+            commands.push(Command::ResetRecipe);
+        }
+        manual_button(ui, Chapter::Settings, commands);
+    });
 }
 
-/// Draws the times of a frame that belong to no stage of the list, and the whole frame, which is the sum of all rows.
+/// Draws the times that belong to no listed stage, and the time of the whole frame, which is the sum of all rows.
 fn rest(ui: &mut Ui, session: &Session) {
     let Some(StageFigures { times, .. }) = session.stages.as_ref() else { return };
     let rows = [
         ("Resolve", times.resolve, "Averaging the passes of supersampling"),
-        ("Surfaces", times.surfaces, "Finding the surface that each pixel shows, which the upscaler reads"),
+        ("Surfaces", times.surfaces, "Finding the visible surface of each pixel for the upscaler"),
         ("Post filter", times.post, "Post filter and wireframe"),
         ("Other", Some(times.other), "Work between the stages: buffers, thread pool, copies"),
         ("Whole frame", Some(times.frame), "Sum of all stages: the frame with the median time of several"),
@@ -67,10 +72,10 @@ fn rest(ui: &mut Ui, session: &Session) {
     }
 }
 
-/// Stages whose switches are shown at first.
+/// Stages whose rows are expanded at first.
 const OPEN_AT_FIRST: [Stage; 4] = [Stage::Assemble, Stage::Cull, Stage::Shade, Stage::Upscale];
 
-/// One row; opened or closed without a click if `all` says so.
+/// Draws one row. `all` expands or collapses it without a click.
 fn stage_row(
     ui: &mut Ui,
     stage: Stage,
@@ -95,8 +100,8 @@ fn stage_row(
     open.store(ui.ctx());
 }
 
-/// The row of a stage: name at the left; count, time and the button that shows its picture at the right. True when the
-/// row was clicked.
+/// Draws the header of a stage: name on the left; count, time and the button that shows its picture on the right.
+/// Returns whether it was clicked.
 fn header(ui: &mut Ui, stage: Stage, open: bool, session: &Session, commands: &mut Vec<Command>) -> bool {
     let size = egui::vec2(ui.available_width(), theme::ROW_HEIGHT);
     let (rect, response) = ui.allocate_exact_size(size, egui::Sense::click());
@@ -142,7 +147,10 @@ fn figures(ui: &mut Ui, stage: Stage, shown: bool, session: &Session, commands: 
     }
     let time = session.stages.as_ref().and_then(|figures| time_of(stage, &figures.times));
     let time = time.map_or_else(|| "–".to_owned(), |t| format::ms(t.as_secs_f64() * 1e3));
-    let help = "Time of this stage for the frame on screen, of the frame with the median time of several. Tile by tile, projection counts with transform, clipping with cull, depth with rasterize, interpolation with shade. In classic execution the time of rasterize, depth, interpolate and shade is split in proportion to partial frames, each drawn one stage further; 0 means too short to tell";
+    let help = "Time of this stage for the frame on screen: of several frames, the one with the median time. In tiled \
+                execution, projection counts with transform, clipping with cull, depth with rasterize, and \
+                interpolation with shade. In classic execution, the time of rasterize, depth, interpolate and shade is \
+                split in proportion to partial frames, each drawn one stage further; 0 means too short to measure";
     figure(ui, &time, 62.0, tokens(ui).text).on_hover_text(help);
     if let Some((number, what)) = session.view.as_ref().and_then(|view| count_of(stage, session, view)) {
         let help = format!("{} {what}", format::count(number));
@@ -150,7 +158,7 @@ fn figures(ui: &mut Ui, stage: Stage, shown: bool, session: &Session, commands: 
     }
 }
 
-/// 14 860 as "14.9 k": rows have room for no more.
+/// Formats a count in few characters, such as 14 860 as "14.9 k".
 fn short_count(number: u64) -> String {
     match number {
         0..10_000 => format::count(number),
@@ -179,9 +187,9 @@ fn count_of(stage: Stage, session: &Session, view: &View) -> Option<(u64, &'stat
     match stage {
         Stage::Assemble => Some((session.scene.triangle_count() as u64, "triangles in the scene")),
         Stage::Transform => Some((geometry.vertices as u64, "vertices transformed")),
-        Stage::Clip => Some((counters.clipped, "triangles cut")),
+        Stage::Clip => Some((counters.clipped, "triangles clipped")),
         Stage::Project => Some((geometry.triangles_clipped as u64, "triangles projected")),
-        Stage::Cull => Some((view.rasterized as u64, "triangles left to rasterize")),
+        Stage::Cull => Some((view.rasterized as u64, "triangles to rasterize")),
         Stage::Rasterize => Some((counters.covered, "samples covered")),
         Stage::Depth => view.frame.drawn.depth.as_ref().map(|_| (counters.passed, "fragments passed")),
         Stage::Interpolate => None,

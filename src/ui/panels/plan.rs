@@ -1,4 +1,5 @@
-//! What this scene needs: every part of the work with the draws that run it and those that leave it out, and why.
+//! The plan of this scene: for each part of the work, the number of draws that run or skip it, and the reasons for
+//! skipping.
 
 use std::collections::BTreeMap;
 
@@ -25,8 +26,8 @@ pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         ui.add(ProgressBar::new(progress).desired_width(200.0).show_percentage());
         return;
     }
-    let measure = Button::new((crate::ui::theme::icon(Icon::Timer), "Measure what it saves"));
-    let help = "Draws this view as planned and with each part forced, in turn; takes a few seconds";
+    let measure = Button::new((crate::ui::theme::icon(Icon::Timer), "Measure savings"));
+    let help = "Draws this view as planned, then with each part forced to run; takes a few seconds";
     if ui.add(measure).on_hover_text(help).clicked() {
         commands.push(Command::MeasurePlan);
     }
@@ -43,15 +44,15 @@ pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     }
 }
 
-/// Draws the table.
+/// Draws the table of parts.
 pub fn ui(ui: &mut Ui, session: &Session) {
     let Some(view) = &session.view else {
-        empty_state(ui, Icon::ListChecks, "No frame yet", "The plan is made with the first frame.");
+        empty_state(ui, Icon::ListChecks, "No frame yet", "The plan is computed with the first frame.");
         return;
     };
     let plans = &view.frame.plans;
     Grid::new("plan").num_columns(4).striped(true).spacing([24.0, 4.0]).show(ui, |ui| {
-        for heading in ["Part", "Runs for", "Saves", "Left out"] {
+        for heading in ["Part", "Runs for", "Saves", "Skipped because"] {
             ui.label(RichText::new(heading).small().color(tokens(ui).text_weak));
         }
         ui.end_row();
@@ -74,7 +75,7 @@ pub fn ui(ui: &mut Ui, session: &Session) {
             let drawn = format!("{:.2} % of pixels", frame.drawn_share() * 100.0);
             let text = match step {
                 Step::LeftOut(_) if part == FramePart::EveryPixel => &drawn,
-                Step::LeftOut(_) => "left out",
+                Step::LeftOut(_) => "skipped",
                 Step::Run => "whole frame",
             };
             ui.label(RichText::new(text).monospace().color(color));
@@ -85,7 +86,7 @@ pub fn ui(ui: &mut Ui, session: &Session) {
     });
 }
 
-/// What leaving a part out of the frame of this view saves, if that was measured.
+/// Draws the time saved by skipping a part in this view, if it was measured.
 fn saved(ui: &mut Ui, session: &Session, view: &View, part: Part) {
     let found = session.savings.found.as_ref();
     let of_part = |saving: &&Saving| saving.part == Some(part);
@@ -94,13 +95,14 @@ fn saved(ui: &mut Ui, session: &Session, view: &View, part: Part) {
     let Some((Saving { saved_ms, within_noise, draws, same_picture, .. }, _)) = fitting else {
         let nothing = ui.label(RichText::new("–").color(tokens(ui).text_weak));
         if measured.is_some() {
-            nothing.on_hover_text("It was measured on another view");
+            nothing.on_hover_text("Measured on another view: measure again");
         }
         return;
     };
-    let picture = if *same_picture { "the picture stayed the same" } else { "THE PICTURE CHANGED, which is a fault" };
+    let picture = if *same_picture { "the picture is identical" } else { "THE PICTURE CHANGED: internal error" };
     let help = format!(
-        "Forced for {draws} draws, a frame took {:+.3} ms longer in the median round (p10 {:+.3}, p90 {:+.3}), {}; {picture}",
+        "Forced to run for {draws} draws, it adds {:+.3} ms to a frame in the median round (p10 {:+.3}, p90 {:+.3}), \
+         {}; {picture}",
         saved_ms.median,
         saved_ms.p10,
         saved_ms.p90,
@@ -111,7 +113,7 @@ fn saved(ui: &mut Ui, session: &Session, view: &View, part: Part) {
     ui.label(RichText::new(text).monospace().color(color)).on_hover_text(help);
 }
 
-/// The reasons for which draws leave a part out, each with its number of draws.
+/// Returns the reasons why draws skip a part, each with its number of draws.
 pub fn reasons(plans: &[DrawPlan], part: Part) -> String {
     let mut counts = BTreeMap::new();
     for plan in plans {

@@ -1,4 +1,4 @@
-//! What a frame costs against triangles, pixels, layers and threads: four small plots, both axes logarithmic.
+//! Cost of a frame against triangles, pixels, layers and threads: four small log-log plots.
 
 use eframe::egui::{Button, ProgressBar, RichText, Ui, vec2};
 use egui_plot::{GridMark, Line, LineStyle, Plot, PlotPoints, Points};
@@ -11,7 +11,7 @@ use crate::ui::theme::{Icon, tokens};
 use crate::ui::ticks::log_marks;
 use crate::ui::widgets::empty_state;
 
-/// Room for what is said under a plot, in points: three lines.
+/// Height reserved for the text below a plot, in points: three lines.
 const WORDS: f32 = 50.0;
 
 /// Draws the buttons beside the tabs.
@@ -23,9 +23,9 @@ pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         ui.add(ProgressBar::new(share).desired_width(240.0).text(quantity.name()));
         return;
     }
-    let measure = Button::new((crate::ui::theme::icon(Icon::Timer), "Measure how cost grows"));
-    let help = "Draws generated scenes of more and more triangles, pixels, layers and threads by the present settings; takes \
-                about a minute";
+    let measure = Button::new((crate::ui::theme::icon(Icon::Timer), "Measure scaling"));
+    let help = "Draws generated scenes with increasing numbers of triangles, pixels, layers and threads, with the \
+                current settings; takes about a minute";
     if ui.add(measure).on_hover_text(help).clicked() {
         commands.push(Command::MeasureGrowth);
     }
@@ -38,12 +38,12 @@ pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     }
 }
 
-/// Draws the plots.
+/// Draws the four plots.
 pub fn ui(ui: &mut Ui, session: &Session) {
     let Some((scaling, _)) = &session.growth.found else {
-        let how = "“Measure how cost grows” tells what part of a frame is fixed, what each triangle, pixel and layer adds, and \
-                   what threads bring.";
-        empty_state(ui, Icon::ChartScatter, "Nothing was measured yet", how);
+        let how = "“Measure scaling” shows the fixed cost of a frame, the cost of each triangle, pixel and layer, and \
+                   the speed-up by threads.";
+        empty_state(ui, Icon::ChartScatter, "No measurement yet", how);
         return;
     };
     let count = scaling.series.len().max(1) as f32;

@@ -1,5 +1,5 @@
-//! The rows of the last stage: how drawn pixels are sampled, how the others are filled in, and what is done with the
-//! finished picture.
+//! Rows of the last stage: how drawn pixels are sampled, how the others are reconstructed, and which filter is applied
+//! to the finished picture.
 
 use eframe::egui::{DragValue, Grid, Ui};
 
@@ -10,7 +10,7 @@ use crate::chain::Recipe;
 use crate::ui::widgets::{choice, row, slider};
 use crate::upscale::{self, Upscaling};
 
-/// Anti-aliasing.
+/// Draws the anti-aliasing settings.
 pub(super) fn antialias(ui: &mut Ui, antialias: &mut Antialiasing) {
     row(ui, "Anti-aliasing", "How a drawn pixel is sampled", |ui| pick(ui, &mut antialias.method));
     note(ui, crate::pipeline::settings::Choice::help(antialias.method));
@@ -21,53 +21,61 @@ pub(super) fn antialias(ui: &mut Ui, antialias: &mut Antialiasing) {
         row(ui, "Samples", "Samples of each drawn pixel", |ui| pick(ui, &mut antialias.samples));
     }
     if antialias.method == Method::Jittered {
-        row(ui, "Seed", "Other seeds, other places", |ui| ui.add(DragValue::new(&mut antialias.seed)));
+        row(ui, "Seed", "Different seeds give different sample positions", |ui| {
+            ui.add(DragValue::new(&mut antialias.seed))
+        });
     }
-    row(ui, "Mean of", "The numbers whose mean is the pixel: light, as physics asks, or codes", |ui| {
+    row(ui, "Mean of", "The values that are averaged into a pixel: linear light, as in physics, or sRGB codes", |ui| {
         pick(ui, &mut antialias.light)
     });
 }
 
-/// The method that fills in what was not drawn, and all that can be chosen about it.
+/// Draws the upscaler's method and its options.
 pub(super) fn upscaler(ui: &mut Ui, recipe: &mut Recipe) {
     let before = recipe.upscaler;
     let mut method = before.method();
     let methods: Vec<_> = upscale::ALL.iter().map(|u| (u.id(), u.name(), u.help())).collect();
-    row(ui, "Method", "How the pixels that are not drawn are filled in", |ui| choice(ui, &mut method, &methods));
+    row(ui, "Method", "How pixels that are not drawn are filled in", |ui| choice(ui, &mut method, &methods));
     let chosen = before.with_method(method).unwrap_or(before);
     recipe.upscaler = choices(ui, chosen);
     note(ui, recipe.upscaler.upscaler().help());
 }
 
-/// The rows of what a method offers.
+/// Draws the options that a method offers. Returns the upscaler with the selected options.
 fn choices(ui: &mut Ui, chosen: Upscaling) -> Upscaling {
     let offers = chosen.upscaler().offers();
     let mut result = chosen;
     if offers.scales.len() > 1 {
         let mut scale = chosen.scale();
         let names: Vec<_> = offers.scales.iter().map(|s| (*s, format!("×{s}"))).collect();
-        let options: Vec<_> = names.iter().map(|(s, name)| (*s, name.as_str(), "Enlargement per axis")).collect();
-        row(ui, "Scale", "Enlargement per axis: ×4 draws one pixel of sixteen", |ui| choice(ui, &mut scale, &options));
+        let options: Vec<_> = names.iter().map(|(s, name)| (*s, name.as_str(), "Scale factor per axis")).collect();
+        row(ui, "Scale", "Scale factor per axis: ×4 draws one pixel of sixteen", |ui| {
+            choice(ui, &mut scale, &options)
+        });
         result = result.with_scale(scale);
     }
     if offers.anchors.len() > 1 {
         let mut anchor = chosen.anchor();
-        row(ui, "Anchor", "Where in its block a drawn sample lies", |ui| pick(ui, &mut anchor));
+        row(ui, "Anchor", "Position of a drawn sample in its block", |ui| pick(ui, &mut anchor));
         result = result.with_anchor(anchor);
     }
     if offers.lights.len() > 1 {
         let mut light = chosen.light();
-        row(ui, "Filtered numbers", "What is filtered: codes or linear light", |ui| pick(ui, &mut light));
+        row(ui, "Filtered values", "The values that are filtered: sRGB codes or linear light", |ui| {
+            pick(ui, &mut light)
+        });
         result = result.with_light(light);
     }
     if offers.deringing {
         let mut deringing = chosen.deringing();
-        row(ui, "De-ringing", "Keeps a pixel between the drawn ones around it", |ui| ui.checkbox(&mut deringing, ""));
+        row(ui, "De-ringing", "Clamps a pixel to the range of the drawn ones around it", |ui| {
+            ui.checkbox(&mut deringing, "")
+        });
         result = result.with_deringing(deringing);
     }
     if offers.sharpening {
         let mut sharpening = chosen.sharpening() as f32;
-        row(ui, "Sharpening", "Percent of the most that makes no new extremes", |ui| {
+        row(ui, "Sharpening", "Percent of the maximum that creates no new extremes", |ui| {
             slider(ui, &mut sharpening, 0.0..=100.0, " %", 0)
         });
         result = result.with_sharpening(sharpening.round() as u32);
@@ -75,10 +83,10 @@ fn choices(ui: &mut Ui, chosen: Upscaling) -> Upscaling {
     result
 }
 
-/// The filter over the finished picture.
+/// Draws the settings of the post filter.
 pub(super) fn post(ui: &mut Ui, post: &mut PostFilter) {
     let mut filter = post.filter;
-    row(ui, "Post filter", "What is done with the finished picture", |ui| pick(ui, &mut filter));
+    row(ui, "Post filter", "Filter applied to the finished picture", |ui| pick(ui, &mut filter));
     *post = post.with_filter(filter);
     if post.is_off() {
         return;
@@ -87,27 +95,29 @@ pub(super) fn post(ui: &mut Ui, post: &mut PostFilter) {
     let strength = match post.filter {
         Filter::Blur => Some(("Reach", "Pixels from the middle of the mask to its edge", " px", 0)),
         Filter::Gaussian => Some(("Deviation", "Standard deviation of the bell", " px", 1)),
-        Filter::Sharpen => Some(("Amount", "How much of what sets a pixel off is added to it", "", 2)),
-        Filter::Motion => Some(("Way", "How far the picture moves", " px", 1)),
+        Filter::Sharpen => {
+            Some(("Amount", "Share of a pixel's difference from its surroundings that is added to it", "", 2))
+        }
+        Filter::Motion => Some(("Distance", "Length of the motion", " px", 1)),
         Filter::None | Filter::Fxaa | Filter::Own => None,
     };
     if let Some(((label, help, unit, decimals), most)) = strength.zip(post.filter.most_strength()) {
         row(ui, label, help, |ui| slider(ui, &mut post.strength, 0.0..=most, unit, decimals));
     }
     if post.filter == Filter::Motion {
-        row(ui, "Direction", "From the right towards below", |ui| {
+        row(ui, "Direction", "Angle from right, clockwise", |ui| {
             slider(ui, &mut post.angle_degrees, -180.0..=180.0, "°", 0)
         });
     }
     if post.filter == Filter::Own {
         mask(ui, post);
     }
-    row(ui, "Filtered in", "The numbers that are mixed", |ui| pick(ui, &mut post.light));
+    row(ui, "Filtered in", "The values that are mixed", |ui| pick(ui, &mut post.light));
 }
 
-/// Five rows of five weights.
+/// Draws the 5 × 5 weights of the convolution mask.
 fn mask(ui: &mut Ui, post: &mut PostFilter) {
-    /// How fast a weight moves, per point.
+    /// Change of a weight per point dragged.
     const SPEED: f64 = 0.01;
     Grid::new("mask").num_columns(5).show(ui, |ui| {
         for row in post.mask.chunks_mut(5) {

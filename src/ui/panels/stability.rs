@@ -1,5 +1,5 @@
-//! The stability report: a heat map of classes of hard cases against everything that can be switched, and error against
-//! time. A cell opens the case that went worst.
+//! The stability report: a heat map of classes of hard cases against all variants of the engine, and error against
+//! time. A cell opens its worst case.
 
 use eframe::egui::{
     self, Align2, Button, Color32, FontId, ProgressBar, Rect, RichText, Role, ScrollArea, Sense, Ui, WidgetInfo, vec2,
@@ -18,13 +18,14 @@ use crate::ui::session::Session;
 use crate::ui::theme::{Icon, font_size, tokens};
 use crate::ui::widgets::empty_state;
 
-/// Size of a cell in points.
+/// Size of a cell, in points.
 const CELL: egui::Vec2 = vec2(58.0, 20.0);
 
-/// Width of the names of classes in points.
+/// Width of the class names, in points.
 const NAMES: f32 = 190.0;
 
-/// From nothing wrong to all wrong; dark to light, so that it is read without telling hues apart.
+/// Colours from no error to all wrong. They run from dark to light, so that the scale is readable without
+/// distinguishing hues.
 const SEVERITY: [Color32; LEVELS + 1] = [
     Color32::from_rgb(0x1F, 0x3A, 0x4D),
     Color32::from_rgb(0x2A, 0x5A, 0x6B),
@@ -35,20 +36,20 @@ const SEVERITY: [Color32; LEVELS + 1] = [
     Color32::from_rgb(0xFA, 0xD2, 0x7A),
 ];
 
-/// From this level on cells are light, and their numbers dark.
+/// First level whose cells are light and need dark numbers.
 const LIGHT_FROM: usize = 4;
 
-/// Error that stands for none on a logarithmic axis.
+/// Value plotted for an error of 0 on the logarithmic axis.
 const NO_ERROR: f64 = 1e-9;
 
-/// Marks of the arithmetics, and how the key writes them.
+/// Marker shapes of the arithmetics, and their symbols in the key.
 const MARKS: [(MarkerShape, &str); 4] =
     [(MarkerShape::Circle, "●"), (MarkerShape::Diamond, "◆"), (MarkerShape::Square, "■"), (MarkerShape::Up, "▲")];
 
 /// Draws the buttons beside the tabs.
 pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if let Some(progress) = session.stability.progress {
-        if ui.button("Cancel").on_hover_text("Stop judging; the last report stays").clicked() {
+        if ui.button("Cancel").on_hover_text("Stop; the last report stays").clicked() {
             commands.push(Command::CancelStability);
         }
         let share = progress.done as f32 / progress.of.max(1) as f32;
@@ -56,8 +57,7 @@ pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         return;
     }
     let run = Button::new((crate::ui::theme::icon(Icon::Play), "Run the report"));
-    let help =
-        "Judges every rasterizer, arithmetic and depth format on all classes of hard cases; takes about a minute";
+    let help = "Tests every rasterizer, arithmetic and depth format on all classes of hard cases; takes about a minute";
     if ui.add(run).on_hover_text(help).clicked() {
         commands.push(Command::RunStability);
     }
@@ -77,9 +77,9 @@ pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 /// Draws the report.
 pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let Some(report) = &session.stability.report else {
-        let how = "“Run the report” judges the engine on slivers, needles, huge and tiny triangles, shared edges, corners \
-                   behind the eye and close depths, against exact arithmetic.";
-        empty_state(ui, Icon::ShieldCheck, "Nothing was judged yet", how);
+        let how = "“Run the report” tests the engine on slivers, needles, huge and tiny triangles, shared edges, \
+                   vertices behind the eye and close depths, against exact arithmetic.";
+        empty_state(ui, Icon::ShieldCheck, "No stability report yet", how);
         return;
     };
     match session.stability.view {
@@ -133,7 +133,7 @@ fn heat_map(ui: &mut Ui, family: Family, classes: &[&ClassReport], commands: &mu
     }
 }
 
-/// A column in few letters.
+/// Returns a short label for a column.
 fn short(column: Column) -> &'static str {
     match column.method() {
         "bounding-box" => "box",
@@ -183,17 +183,14 @@ fn draw_cell(ui: &mut Ui, class: &ClassReport, cell: &Cell, commands: &mut Vec<C
         if let Some(ns) = cell.time.and_then(|time| time.ns_per_pixel) {
             ui.label(format!("{:.2} ns per pixel ({:.2} to {:.2})", ns.median, ns.p10, ns.p90));
         }
-        ui.label(
-            RichText::new(if worst.is_some() { "Click to open the worst case" } else { "Nothing went wrong" })
-                .italics(),
-        );
+        ui.label(RichText::new(if worst.is_some() { "Click to open the worst case" } else { "No errors" }).italics());
     });
 }
 
-/// Share of wrong pixels against time per pixel, over all classes of triangles on the screen. Colours stand for
-/// rasterizers, marks for arithmetics.
+/// Draws the share of wrong pixels against time per pixel, over all classes of triangles on screen. Colours denote
+/// rasterizers, marker shapes denote arithmetics.
 fn scatter(ui: &mut Ui, report: &Report) {
-    /// Width of the key in points.
+    /// Width of the key, in points.
     const KEY: f32 = 190.0;
     let points = tradeoff::coverage(report);
     let colors = tokens(ui).series;
@@ -210,7 +207,7 @@ fn scatter(ui: &mut Ui, report: &Report) {
             .width((ui.available_width() - KEY).max(200.0))
             .height(ui.available_height())
             .x_axis_label("log₁₀ of ns per pixel")
-            .y_axis_label("log₁₀ of wrong share")
+            .y_axis_label("log₁₀ of wrong pixel share")
             .allow_scroll(false)
             .label_formatter(|position| match position {
                 HoverPosition::NearDataPoint { plot_name, position, .. } => {

@@ -1,5 +1,5 @@
-//! What a stage shows when its row is opened: switches, counts, and what was left out with the reason. A control that the
-//! scene cannot use is not offered.
+//! Content of an expanded stage row: settings, counts, and skipped work with reasons. Settings that do not apply to the
+//! scene are not offered.
 
 use std::collections::BTreeSet;
 
@@ -22,7 +22,7 @@ use crate::ui::session::{PictureSize, Session};
 use crate::ui::theme::tokens;
 use crate::ui::widgets::{choice, combo, drag, drag_by, row, slider, value_row};
 
-/// Draws the switches and figures of a stage.
+/// Draws the settings and figures of a stage.
 pub fn ui(ui: &mut Ui, stage: Stage, session: &Session, recipe: &mut Recipe, commands: &mut Vec<Command>) {
     match stage {
         Stage::Assemble => assemble(ui, session, commands),
@@ -40,7 +40,7 @@ pub fn ui(ui: &mut Ui, stage: Stage, session: &Session, recipe: &mut Recipe, com
 
 fn assemble(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let name = session.source.title();
-    row(ui, "Scene", "What is drawn; models of your own by File ▸ Open, or dropped on the window", |ui| {
+    row(ui, "Scene", "The scene to draw. To open your own model, use File ▸ Open or drop it on the window", |ui| {
         combo("scene", &name, ui.spacing().combo_width).height(480.0).show_ui(ui, |ui| {
             for scene in builtin::ALL {
                 let here = matches!(&session.source, SceneSource::Builtin(b) if b.id == scene.id);
@@ -51,7 +51,7 @@ fn assemble(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         });
     });
     let mut mirrored = session.mirrored;
-    row(ui, "Mirror z", "Mirrors the scene in z: for models made for a world of the other handedness", |ui| {
+    row(ui, "Mirror z", "Mirrors the scene in z, for models with the other handedness", |ui| {
         if ui.checkbox(&mut mirrored, "").changed() {
             commands.push(Command::MirrorZ);
         }
@@ -65,36 +65,35 @@ fn assemble(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         ui,
         "Textures",
         &format::count(library.textures().len() as u64),
-        "Pictures laid on surfaces, each held once",
+        "Textures of the scene, each stored once",
     );
     let memory = scene.memory();
     let bytes = |number: usize| format::bytes(number as u64);
     let figures = [
-        ("Texture memory", memory.shared_bytes - memory.mesh_bytes, "Memory of all textures, each held once"),
-        ("Mesh memory", memory.mesh_bytes, "Memory of all meshes, each held once however many instances show it"),
-        ("… if not shared", memory.unshared_bytes, "What the meshes would take if every instance held its own copy"),
+        ("Texture memory", memory.shared_bytes - memory.mesh_bytes, "Memory of all textures, each stored once"),
+        ("Mesh memory", memory.mesh_bytes, "Memory of all meshes, each stored once for all its instances"),
+        ("… if not shared", memory.unshared_bytes, "Memory that meshes would need if every instance had its own copy"),
         ("Instance records", memory.instance_bytes, "Memory of the records that place meshes in the scene"),
     ];
     for (label, number, help) in figures {
         value_row(ui, label, &bytes(number), help);
     }
     let limit = format::bytes(session.memory_limit.bytes());
-    value_row(ui, "Memory limit", &limit, "Largest memory for meshes and textures of a model  (--memory)");
+    value_row(ui, "Memory limit", &limit, "Maximum memory for meshes and textures of a model  (--memory)");
 }
 
-/// Draws the switches about what a model file leaves open.
+/// Draws the settings for what a model file leaves unspecified.
 fn model_reading(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let mut up = UpAxis::nearest(session.state.camera.up);
     row(ui, "Up axis", "Axis that points up in the view; guessed when a model is loaded  (--up)", |ui| {
-        let options =
-            [(UpAxis::Y, "Y", "Show all of the scene with y up"), (UpAxis::Z, "Z", "Show all of the scene with z up")];
+        let options = [(UpAxis::Y, "Y", "Fit the scene with y up"), (UpAxis::Z, "Z", "Fit the scene with z up")];
         if choice(ui, &mut up, &options) {
             commands.push(Command::SetCamera(session.scene.first_view(up)));
         }
     });
     if let SceneSource::File(path, tr) = &session.source {
         let mut tr = *tr;
-        row(ui, "Tr means", "Meaning of `Tr` in material libraries; loads the model again  (--tr)", |ui| {
+        row(ui, "Tr means", "Meaning of `Tr` in material libraries; reloads the model  (--tr)", |ui| {
             let options = [
                 (TrMeaning::Auto, "Auto", "Opacity where the file indicates it, else transparency"),
                 (TrMeaning::Transparency, "Transparency", "0 is opaque, by the format's description"),
@@ -110,16 +109,23 @@ fn model_reading(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 fn camera(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let mut camera = session.state.camera;
     let mut orthographic = matches!(camera.projection, Projection::Orthographic { .. });
-    row(ui, "Projection", "Perspective makes far things smaller; orthographic keeps parallel lines parallel", |ui| {
-        let options =
-            [(false, "Perspective", "Far things are smaller"), (true, "Orthographic", "Parallel lines stay parallel")];
-        if choice(ui, &mut orthographic, &options) {
-            camera = camera.with_orthographic(orthographic);
-        }
-    });
+    row(
+        ui,
+        "Projection",
+        "Perspective makes distant objects smaller; orthographic keeps parallel lines parallel",
+        |ui| {
+            let options = [
+                (false, "Perspective", "Distant objects are smaller"),
+                (true, "Orthographic", "Parallel lines stay parallel"),
+            ];
+            if choice(ui, &mut orthographic, &options) {
+                camera = camera.with_orthographic(orthographic);
+            }
+        },
+    );
     match &mut camera.projection {
         Projection::Perspective { fov_y } => {
-            row(ui, "Field of view", "Vertical angle that is seen", |ui| {
+            row(ui, "Field of view", "Vertical angle of view", |ui| {
                 let mut degrees = fov_y.to_degrees();
                 if slider(ui, &mut degrees, 5.0..=150.0, "°", 1) {
                     *fov_y = degrees.to_radians();
@@ -127,7 +133,7 @@ fn camera(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
             });
         }
         Projection::Orthographic { height } => {
-            row(ui, "Height", "Height of the slab that is seen, world units", |ui| drag(ui, height, 1e-30..=1e34));
+            row(ui, "Height", "Height of the visible volume, in world units", |ui| drag(ui, height, 1e-30..=1e34));
         }
     }
     let mapping = session.state.recipe.pipeline.depth_format.mapping();
@@ -136,10 +142,14 @@ fn camera(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         commands.push(Command::SetCamera(camera));
     }
     ui.horizontal(|ui| {
-        if ui.button("Reset view").on_hover_text("Back to the scene's own view  (H)").clicked() {
+        if ui.button("Reset view").on_hover_text("Returns to the scene's own view  (H)").clicked() {
             commands.push(Command::ResetCamera);
         }
-        if ui.button("Fit all").on_hover_text("Same direction, moved until everything is seen").clicked() {
+        if ui
+            .button("Fit scene")
+            .on_hover_text("Keeps the direction and moves the camera until the whole scene is visible")
+            .clicked()
+        {
             commands.push(Command::FitCamera);
         }
     });
@@ -147,24 +157,32 @@ fn camera(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 
 fn planes(ui: &mut Ui, camera: &mut Camera, endless: bool) {
     let Camera { near, far, .. } = *camera;
-    row(ui, "Near plane", "Nothing nearer is drawn. The farther away it is, the finer depth is everywhere", |ui| {
-        drag(ui, &mut camera.near, 1e-30..=far * 0.999)
-    });
+    row(
+        ui,
+        "Near plane",
+        "Nothing nearer is drawn. The farther away it is, the finer the depth resolution everywhere",
+        |ui| drag(ui, &mut camera.near, 1e-30..=far * 0.999),
+    );
     if endless {
-        note(ui, "Left out: with this depth format the far plane is at infinity.");
+        note(ui, "Far plane not shown: with this depth format, the far plane is at infinity.");
     } else {
         row(ui, "Far plane", "Nothing farther is drawn", |ui| drag(ui, &mut camera.far, near * 1.001..=1e34));
     }
 }
 
-/// A remark below a row.
+/// Draws a note below a row.
 pub(super) fn note(ui: &mut Ui, text: impl Into<String>) {
     ui.add(Label::new(RichText::new(text).small().color(tokens(ui).text_weak)).wrap());
 }
 
 fn clip(ui: &mut Ui, session: &Session) {
     let (Some(view), Some(figures)) = (&session.view, &session.stages) else { return };
-    value_row(ui, "Cut", &format::count(figures.counters.clipped), "Triangles that crossed a plane and were cut");
+    value_row(
+        ui,
+        "Clipped",
+        &format::count(figures.counters.clipped),
+        "Triangles that crossed a clipping plane and were clipped",
+    );
     for fate in [Fate::Outside, Fate::ClippedAway, Fate::NotFinite] {
         fate_row(ui, figures, fate);
     }
@@ -174,38 +192,41 @@ fn clip(ui: &mut Ui, session: &Session) {
 fn fate_row(ui: &mut Ui, figures: &StageFigures, fate: Fate) {
     let mut name = fate.name().to_owned();
     name[..1].make_ascii_uppercase();
-    value_row(ui, &name, &format::count(figures.counters.fate(fate)), "Triangles that ended here for this reason");
+    value_row(
+        ui,
+        &name,
+        &format::count(figures.counters.fate(fate)),
+        "Triangles discarded in this stage for this reason",
+    );
 }
 
 fn left_out(ui: &mut Ui, view: &View, part: Part) {
     let reasons = plan::reasons(&view.frame.plans, part);
     if !reasons.is_empty() {
-        note(ui, format!("Left out: {reasons}"));
+        note(ui, format!("Skipped: {reasons}"));
     }
 }
 
 fn project(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let mut size = session.state.size;
     let options = [
-        (PictureSize::Canvas, "As the canvas", "One picture pixel on each screen pixel"),
-        (PictureSize::Fixed(160, 90), "160 × 90", "Few, large pixels: good to see edges and grids"),
+        (PictureSize::Canvas, "As the canvas", "One picture pixel per screen pixel"),
+        (PictureSize::Fixed(160, 90), "160 × 90", "Few, large pixels: shows edges and grids clearly"),
         (PictureSize::Fixed(320, 180), "320 × 180", "Large pixels"),
         (PictureSize::Fixed(640, 360), "640 × 360", "A quarter of HD"),
         (PictureSize::Fixed(1280, 720), "1280 × 720", "HD"),
         (PictureSize::Fixed(1920, 1080), "1920 × 1080", "Full HD"),
     ];
-    row(ui, "Picture size", "How many pixels the pipeline draws", |ui| {
+    row(ui, "Picture size", "Number of pixels that the pipeline draws", |ui| {
         if choice(ui, &mut size, &options) {
             commands.push(Command::SetSize(size));
         }
     });
-    note(ui, "Corners are snapped to 1/256 px, so that edges are exact integers.");
+    note(ui, "Vertices are snapped to 1/256 px, so that edge functions are exact integers.");
 }
 
 fn cull(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
-    row(ui, "Culling", "Which triangles are dropped because of the side that they show", |ui| {
-        pick(ui, &mut recipe.pipeline.culling)
-    });
+    row(ui, "Culling", "Facing of the triangles that are culled", |ui| pick(ui, &mut recipe.pipeline.culling));
     let Some(figures) = &session.stages else { return };
     for fate in [Fate::BackFacing, Fate::FrontFacing, Fate::ZeroArea] {
         fate_row(ui, figures, fate);
@@ -213,28 +234,26 @@ fn cull(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
 }
 
 fn rasterize(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
-    row(ui, "Execution", "How the whole pipeline is executed; the picture is the same, bit for bit", |ui| {
+    row(ui, "Execution", "How the pipeline is executed; the picture is identical, bit for bit", |ui| {
         pick(ui, &mut recipe.execution)
     });
     match execution(&session.scene, recipe) {
-        (_, Some(obstacle)) => note(ui, format!("Drawn the classic way: {obstacle}.")),
+        (_, Some(obstacle)) => note(ui, format!("Drawn in classic execution: {obstacle}.")),
         (Execution::Tiled, None) => {
-            note(ui, "Tiles have an algorithm of their own. To see the others at work, execute the classic way.");
+            note(ui, "Tiled execution has its own algorithm. To use another one, choose classic execution.");
         }
         (Execution::Classic, None) => {}
     }
     row(ui, "Algorithm", "How the samples inside a triangle are found", |ui| pick(ui, &mut recipe.pipeline.rasterizer));
-    row(ui, "Arithmetic", "The numbers in which it is decided what lies inside", |ui| {
-        pick(ui, &mut recipe.pipeline.arithmetic)
-    });
-    row(ui, "Fill rule", "Who owns a pixel centre that lies exactly on an edge", |ui| {
+    row(ui, "Arithmetic", "Number format that decides coverage", |ui| pick(ui, &mut recipe.pipeline.arithmetic));
+    row(ui, "Fill rule", "Which triangle owns a pixel centre exactly on an edge", |ui| {
         pick(ui, &mut recipe.pipeline.fill_rule)
     });
-    row(ui, "Wireframe", "Lays the snapped edges of all drawn triangles over the picture", |ui| {
+    row(ui, "Wireframe", "Draws the snapped edges of all drawn triangles over the picture", |ui| {
         ui.checkbox(&mut recipe.wireframe, "");
     });
     let Some(figures) = &session.stages else { return };
-    value_row(ui, "Samples visited", &format::count(figures.counters.visited), "Samples that the algorithm looked at");
+    value_row(ui, "Samples visited", &format::count(figures.counters.visited), "Samples that the algorithm tested");
     value_row(
         ui,
         "Samples covered",
@@ -243,12 +262,12 @@ fn rasterize(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
     );
 }
 
-const CONSTANT_BIAS_HELP: &str = "Added to all depths of a triangle before the test, in smallest steps of the format: for floats \
-                                  the last place of the triangle's greatest depth. A positive bias moves surfaces away, with \
-                                  a reversed format towards the viewer";
+const CONSTANT_BIAS_HELP: &str = "Added to all depths of a triangle before the test, in the smallest steps of the \
+                                  format: for floats, units in the last place of the triangle's greatest depth. A \
+                                  positive bias moves surfaces away, or towards the viewer with a reversed format";
 
-const SLOPE_BIAS_HELP: &str = "Added to all depths of a triangle before the test, times its slope: how much its depth changes \
-                               per pixel along x or y, whichever is more";
+const SLOPE_BIAS_HELP: &str = "Added to all depths of a triangle before the test, times its slope: the change of its \
+                               depth per pixel along x or y, whichever is greater";
 
 /// Change of a constant bias per point dragged, in steps of the depth format.
 const CONSTANT_BIAS_STEP: f64 = 1.0;
@@ -257,19 +276,21 @@ const CONSTANT_BIAS_STEP: f64 = 1.0;
 const SLOPE_BIAS_STEP: f64 = 0.05;
 
 fn depth(ui: &mut Ui, recipe: &mut Recipe) {
-    row(ui, "Test", "When a fragment may replace what is stored", |ui| pick(ui, &mut recipe.pipeline.depth_test));
+    row(ui, "Test", "Condition under which a fragment replaces the stored one", |ui| {
+        pick(ui, &mut recipe.pipeline.depth_test)
+    });
     if recipe.pipeline.depth_test == DepthTest::Off {
-        note(ui, "Left out: without a test no depth is stored, so there is no format and no bias to choose.");
+        note(ui, "Without a depth test, no depth is stored, so there is no format and no bias to choose.");
         return;
     }
-    row(ui, "Format", "What the depth buffer stores", |ui| pick(ui, &mut recipe.pipeline.depth_format));
+    row(ui, "Format", "Format and mapping of the depth buffer", |ui| pick(ui, &mut recipe.pipeline.depth_format));
     let (step, slope) = (CONSTANT_BIAS_STEP, SLOPE_BIAS_STEP);
     row(ui, "Bias, constant", CONSTANT_BIAS_HELP, |ui| drag_by(ui, &mut recipe.pipeline.depth_bias.constant, step));
     row(ui, "Bias, slope", SLOPE_BIAS_HELP, |ui| drag_by(ui, &mut recipe.pipeline.depth_bias.slope, slope));
 }
 
 fn interpolate(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
-    row(ui, "Attributes", "How texture coordinates, normals and colours follow the screen", |ui| {
+    row(ui, "Attributes", "How texture coordinates, normals and colours are interpolated", |ui| {
         pick(ui, &mut recipe.pipeline.interpolation)
     });
     if let Some(view) = &session.view {
@@ -280,7 +301,7 @@ fn interpolate(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
 fn shade(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
     let settings = &mut recipe.pipeline;
     let (offered, reason) = offered_shadings(session, settings.shading);
-    row(ui, "Shading", "What colours a fragment", |ui| choice(ui, &mut settings.shading, &offered));
+    row(ui, "Shading", "How fragments are coloured", |ui| choice(ui, &mut settings.shading, &offered));
     if !reason.is_empty() {
         note(ui, reason);
     }
@@ -304,8 +325,8 @@ fn shade(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
     let Some(view) = &session.view else { return };
     if view.frame.plans.iter().any(|p| p.runs(Part::Texels)) {
         row(ui, "Filter", "How a texture is read between texel centres", |ui| pick(ui, &mut settings.filter));
-        row(ui, "Address", "What texture coordinates outside of 0…1 mean", |ui| pick(ui, &mut settings.address));
-        row(ui, "Alpha", "How texels with alpha are mixed by the filter", |ui| pick(ui, &mut settings.alpha));
+        row(ui, "Address", "How texture coordinates outside 0…1 are addressed", |ui| pick(ui, &mut settings.address));
+        row(ui, "Alpha", "How the filter mixes texels with alpha", |ui| pick(ui, &mut settings.alpha));
     } else {
         left_out(ui, view, Part::Texels);
     }
@@ -322,7 +343,7 @@ fn shade(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
             left_out(ui, view, part);
         }
     }
-    row(ui, "Colour space", "In which numbers light is computed and textures are filtered", |ui| {
+    row(ui, "Colour space", "Colour space in which light is computed and textures are filtered", |ui| {
         pick(ui, &mut settings.color_space)
     });
 }
@@ -335,13 +356,14 @@ fn background(ui: &mut Ui, session: &Session, background: &mut Background) {
         }
         let is_own = *background != Background::Scene;
         let button = ui.add_enabled(is_own, Button::new("Use the scene's"));
-        if button.on_hover_text("Goes back to the colour that the scene gives").clicked() {
+        if button.on_hover_text("Restores the background colour of the scene").clicked() {
             *background = Background::Scene;
         }
     });
 }
 
-/// The shadings that the scene has something for, and in words why others are not offered. The present one always is.
+/// Returns the shadings that apply to the scene, and a sentence on why the others are not offered. The current one is
+/// always included.
 fn offered_shadings(session: &Session, present: Shading) -> (Vec<(Shading, &'static str, &'static str)>, String) {
     let library = &session.scene.library;
     let has_colors = library.meshes().iter().any(|mesh| !mesh.colors.is_empty());
@@ -358,7 +380,7 @@ fn offered_shadings(session: &Session, present: Shading) -> (Vec<(Shading, &'sta
     let reason = match reasons.len() {
         0 => String::new(),
         _ => format!(
-            "Some shadings are left out: the scene has no {}.",
+            "Some shadings are not offered: the scene has no {}.",
             reasons.into_iter().collect::<Vec<_>>().join(", no ")
         ),
     };
@@ -371,10 +393,10 @@ fn light(ui: &mut Ui, recipe: &mut Recipe) {
     let (mut azimuth, mut elevation) =
         (direction.x.atan2(direction.z).to_degrees(), direction.y.clamp(-1.0, 1.0).asin().to_degrees());
     let mut turned = false;
-    row(ui, "Light azimuth", "Where the light comes from, around the vertical axis; 0° is +z", |ui| {
+    row(ui, "Light azimuth", "Direction of the light around the vertical axis; 0° is +z", |ui| {
         turned |= slider(ui, &mut azimuth, -180.0..=180.0, "°", 0);
     });
-    row(ui, "Light elevation", "How high the light stands", |ui| {
+    row(ui, "Light elevation", "Angle of the light above the horizon", |ui| {
         turned |= slider(ui, &mut elevation, -90.0..=90.0, "°", 0);
     });
     if turned {
@@ -399,14 +421,15 @@ fn upscaling(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
         || "not measured".to_owned(),
         |share| if is_noise { format!("{}, {WITHIN}", format::percent(share)) } else { format::percent(share) },
     );
-    let help = "Median frame time over that of native, from the last measurement of all upscalers on this very picture";
-    value_row(ui, "Time against native", &share, help);
+    let help = "Median frame time divided by that of native, from the last measurement of all upscalers with the same \
+                scene, view, size and settings";
+    value_row(ui, "Time vs native", &share, help);
     if let Some(view) = &session.view {
         value_row(
             ui,
             "Pixels drawn",
             &format::percent(view.frame.drawn_share()),
-            "Share of the picture's pixels that are really rasterized and shaded",
+            "Share of the picture's pixels that are rasterized and shaded",
         );
     }
     smooth::post(ui, &mut recipe.post);

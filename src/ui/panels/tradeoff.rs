@@ -1,5 +1,5 @@
-//! Error against time of every upscaler on the present scene: one point each. A click makes it picture A or B of the
-//! comparison.
+//! Error against time of every upscaler on the current scene, one point each. A click makes the upscaler picture A or B
+//! of the comparison.
 
 use eframe::egui::{self, Button, Color32, Grid, ProgressBar, RichText, ScrollArea, Ui};
 use egui_plot::{GridMark, HoverPosition, Line, Plot, PlotPoint, PlotPoints, PlotUi, Points};
@@ -30,29 +30,29 @@ const FIGURE_POINTS: f32 = 62.0;
 const HEADINGS: [(&str, &str); 6] = [
     ("ms", "Median time of a frame"),
     ("FLIP", "Mean over the frames; ranks the methods"),
-    ("worst", "FLIP of the frame with the largest one"),
+    ("worst", "FLIP of the worst frame"),
     ("at rest", "FLIP of the settled still view"),
-    ("PSNR dB", "Of the mean squared error over the frames"),
+    ("PSNR dB", "From the mean squared error over the frames"),
     ("SSIM", "Mean over the frames"),
 ];
 
-/// A click this near to a point means it, in points.
+/// Radius around a point within which a click selects it, in points.
 const NEAR_POINTS: f32 = 12.0;
 
-/// Powers of ten that the lane of pictures without error lies below the least error.
+/// Distance of the lane for error-free pictures below the smallest error, in powers of ten.
 const LANE: f64 = 0.4;
 
 /// Draws the buttons beside the tabs.
 pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if let Some(measuring) = session.measuring {
-        if ui.button("Cancel").on_hover_text("Stop; what was measured stays").clicked() {
+        if ui.button("Cancel").on_hover_text("Stop; results so far stay").clicked() {
             commands.push(Command::CancelMeasure);
         }
         ui.add(ProgressBar::new(measuring.progress).desired_width(200.0).show_percentage());
     } else {
         let measure = Button::new((crate::ui::theme::icon(Icon::Timer), "Measure error and time"));
-        let help = "Draws every upscaler in interleaved rounds and measures the same frames against the reference, each against that \
-                    of its own camera; in motion that takes a minute or more, still some seconds";
+        let help = "Draws every upscaler in interleaved rounds and compares the same frames with the reference, each \
+                    at its own camera; takes a minute or more in motion, some seconds still";
         if ui.add(measure).on_hover_text(help).clicked() {
             commands.push(Command::Measure);
         }
@@ -63,9 +63,9 @@ pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let viewport = session.viewport();
     let fits = session.timings.measurement_fits(&session.request());
     let text = match (session.timings.measured_of(), fits) {
-        (None, _) => "Click a point: it becomes B; with Shift it becomes A".to_owned(),
+        (None, _) => "Click a point to show it as B; Shift+click: A".to_owned(),
         (Some(measured), true) => format!(
-            "Errors are against: {} · {} · {} × {} px · {}{} · click a point: B; Shift: A",
+            "Reference: {} · {} · {} × {} px · {}{} · click a point: B; Shift+click: A",
             measured.reference.name(),
             session.scene.name,
             viewport.width,
@@ -73,17 +73,17 @@ pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
             motion(session, measured.turn),
             session.timings.noise().map(|noise| format!(" · noise floor {}", noise.words())).unwrap_or_default()
         ),
-        (Some(_), false) => "Measured on another scene, view, size or setting than the one on screen".to_owned(),
+        (Some(_), false) => "Measured with another scene, view, size or setting than the one on screen".to_owned(),
     };
     ui.add(egui::Label::new(RichText::new(text).color(tokens(ui).text_weak)).truncate());
 }
 
-/// Draws the switch between frames in motion and the still view, which holds for the next measurement.
+/// Draws the switch between a moving camera and a still view, which applies to the next measurement.
 fn motion_switch(ui: &mut Ui, present: Turn, commands: &mut Vec<Command>) {
     let Turn { degrees, frames } = Turn::default();
     let moving = format!("In motion ({degrees}° per frame)");
     let help = format!(
-        "The camera orbits by {degrees}° per frame over {frames} frames, after {} more for methods that read earlier frames; the \
+        "The camera orbits by {degrees}° per frame over {frames} frames, after {} more for methods with history; the \
          mean error over the frames ranks the methods",
         Turn::WARM_UP
     );
@@ -95,7 +95,7 @@ fn motion_switch(ui: &mut Ui, present: Turn, commands: &mut Vec<Command>) {
     }
 }
 
-/// Returns how the camera moved during the measurement, and over how many frames methods are judged so far.
+/// Describes the camera motion of the measurement, and the number of frames judged so far.
 fn motion(session: &Session, turn: Turn) -> String {
     if turn.is_still() {
         return "still".to_owned();
@@ -105,18 +105,18 @@ fn motion(session: &Session, turn: Turn) -> String {
     format!("in motion, {fewest} of {} frames of {}°", turn.frames, turn.degrees)
 }
 
-/// Draws plot and table.
+/// Draws the plot and the table.
 pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let points = session.timings.tradeoff();
     let in_motion = session.timings.measured_of().is_some_and(|measured| !measured.turn.is_still());
     if points.is_empty() {
-        // The tab stays as high as it is: the picture, whose size may be that of the canvas, is not to change.
+        // Keeps the tab's height, so that a picture of canvas size does not change.
         ui.set_min_height(ui.available_height());
         empty_state(
             ui,
             Icon::ChartScatter,
-            "No error was measured yet",
-            "“Measure error and time” draws every upscaler on the present scene, view and size.",
+            "No measurement yet",
+            "“Measure error and time” draws the current scene, view and size with every upscaler.",
         );
         return;
     }
@@ -131,7 +131,7 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     });
 }
 
-/// Makes an upscaler A (0) or B (1).
+/// Assigns an upscaler to tile A (0) or B (1).
 fn choose(session: &Session, tile: usize, upscaling: Upscaling, commands: &mut Vec<Command>) {
     let recipe = session.state.tiles.recipe(tile, session.state.recipe);
     let recipe = Recipe { upscaler: upscaling, ..recipe };
@@ -141,7 +141,7 @@ fn choose(session: &Session, tile: usize, upscaling: Upscaling, commands: &mut V
     }
 }
 
-/// The colour of a method.
+/// Returns the colour of a method.
 fn color(ui: &Ui, upscaling: Upscaling) -> Color32 {
     let colors = tokens(ui).series;
     let place = upscale::ALL.iter().position(|upscaler| upscaler.id() == upscaling.method());
@@ -153,24 +153,24 @@ fn flip(point: &TradeOff) -> f64 {
     point.error.motion.mean.flip
 }
 
-/// Returns how a method stands, in words.
+/// Describes the Pareto standing of a method.
 fn standing(point: &TradeOff) -> String {
     match point.standing {
-        Standing::Front => "Nobody beats it in both".to_owned(),
+        Standing::Front => "On the Pareto front: no other is better in both".to_owned(),
         Standing::WithinNoise(other) => {
-            format!("No clear lead: less error with {}, and its time is {WITHIN}", other.label())
+            format!("Not clearly better: {} has less error, and its time is {WITHIN}", other.label())
         }
-        Standing::Beaten(by) => format!("Beaten by {}", by.label()),
+        Standing::Beaten(by) => format!("Dominated by {}", by.label()),
     }
 }
 
-/// Where a point stands: logarithms of both, and pictures without error in a lane below.
+/// Returns the plot position of a point, as base-10 logarithms of time and error. Error-free pictures lie at `lane`.
 fn place(point: &TradeOff, lane: f64) -> [f64; 2] {
     let error = flip(point);
     [point.ms.median.max(f64::MIN_POSITIVE).log10(), if error > 0.0 { error.log10() } else { lane }]
 }
 
-/// Draws all points; the one that was clicked.
+/// Draws all points. Returns the one that was clicked.
 fn plot(ui: &mut Ui, points: &[TradeOff], in_motion: bool, size: egui::Vec2) -> Option<Upscaling> {
     let least = points.iter().map(flip).filter(|error| *error > 0.0).fold(1.0, f64::min);
     let lane = least.log10() - LANE;
@@ -224,7 +224,7 @@ fn plot(ui: &mut Ui, points: &[TradeOff], in_motion: bool, size: egui::Vec2) -> 
     (distance(nearest) <= NEAR_POINTS).then_some(nearest.upscaling)
 }
 
-/// Tells those who cannot see the plot what stands where.
+/// Names all points for screen readers.
 fn name_points(ui: &Ui, points: &[TradeOff], position: impl Fn(&TradeOff) -> egui::Pos2) {
     for point in points {
         let rect = egui::Rect::from_center_size(position(point), egui::Vec2::splat(NEAR_POINTS));
@@ -235,7 +235,7 @@ fn name_points(ui: &Ui, points: &[TradeOff], position: impl Fn(&TradeOff) -> egu
     }
 }
 
-/// The Pareto front, step by step: a single line would be filled where it turns.
+/// Returns the Pareto front as a staircase of separate lines, because a single line would be filled at its corners.
 fn front(points: &[TradeOff], lane: f64) -> Vec<Line<'static>> {
     let mut best: Vec<_> =
         points.iter().filter(|point| point.standing == Standing::Front).map(|p| place(p, lane)).collect();
@@ -248,7 +248,7 @@ fn front(points: &[TradeOff], lane: f64) -> Vec<Line<'static>> {
         corners.push(point);
     }
     let steps = corners.windows(2);
-    steps.map(|step| Line::new("beaten by nobody", PlotPoints::from(step.to_vec())).allow_hover(false)).collect()
+    steps.map(|step| Line::new("Pareto front", PlotPoints::from(step.to_vec())).allow_hover(false)).collect()
 }
 
 fn draw(plot: &mut PlotUi<'_>, point: &TradeOff, lane: f64, color: Color32) {
@@ -302,7 +302,8 @@ fn table(ui: &mut Ui, points: &[TradeOff], session: &Session, commands: &mut Vec
                 figure(ui, &ms, FIGURE_POINTS, strength);
             }
             let MotionError { mean, worst, .. } = point.error.motion;
-            let psnr = if mean.codes.mse == 0.0 { "same".to_owned() } else { format::fixed(mean.codes.psnr_db, 2) };
+            let psnr =
+                if mean.codes.mse == 0.0 { "identical".to_owned() } else { format::fixed(mean.codes.psnr_db, 2) };
             let [mean_flip, worst, still] =
                 [mean.flip, worst.flip, point.error.still.flip].map(|flip| format::fixed(flip, 4));
             for text in [mean_flip, worst, still, psnr, format::fixed(mean.codes.ssim, 4)] {

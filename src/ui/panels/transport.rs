@@ -1,4 +1,4 @@
-//! Over the canvas: which stage or buffer is shown, how large, and what the pointer does.
+//! The toolbar above the canvas: which stage or buffer is shown, its scale, and the pointer mode.
 
 use eframe::egui::{self, Button, RichText, Ui, WidgetInfo};
 
@@ -15,8 +15,7 @@ use crate::ui::theme::{self, CONTROL_HEIGHT, Icon, tokens};
 use crate::ui::what_if;
 use crate::ui::widgets::{combo, icon_button};
 
-/// Draws the bar over the canvas: what is shown, how large, and what the pointer does. `scale` is the enlargement on
-/// screen, `None` when the picture is fitted.
+/// Draws the toolbar. `scale` is the enlargement on screen; `None` means that the picture is fitted.
 pub fn toolbar(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &mut Vec<Command>) {
     ui.horizontal_centered(|ui| {
         stages(ui, session, commands);
@@ -28,10 +27,10 @@ pub fn toolbar(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &mu
     });
 }
 
-/// What the bar does without from the last one on where it is narrow: keys, menu and palette offer them, too.
+/// Tool buttons in order of priority. A narrow bar drops them from the end; keys, menu and palette offer them, too.
 const OPENERS: [Opener; 5] = [Opener::Overlays, Opener::Tiles, Opener::Outside, Opener::WhatIf, Opener::Range];
 
-/// A button that opens a tool.
+/// Tool that has a button.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Opener {
     Tiles,
@@ -42,13 +41,13 @@ enum Opener {
 }
 
 fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    /// Room for the list of what is shown with its two buttons and for those of the pointer, in points.
+    /// Width reserved for the list of buffers and stages with its two buttons and for the pointer mode, in points.
     const ALWAYS: f32 = 230.0;
-    /// Room for one button more, in points.
+    /// Width of one more button, in points.
     const ONE: f32 = CONTROL_HEIGHT + theme::space::S;
     let room = ((ui.available_width() - ALWAYS) / ONE).max(0.0) as usize;
     let shows = |opener| OPENERS.iter().take(room).any(|shown| *shown == opener);
-    if icon_button(ui, Icon::ChevronLeft, "Show the stage before  ([)").clicked() {
+    if icon_button(ui, Icon::ChevronLeft, "Show the previous stage  ([)").clicked() {
         commands.push(Command::StepStage(-1));
     }
     let mut shown = session.shown;
@@ -63,33 +62,36 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
             for stage in Stage::ALL {
                 ui.selectable_value(&mut shown, Shown::Stage(*stage), stage.name()).on_hover_text(stage.help());
             }
-            ui.weak("Numbers on the way");
+            ui.weak("Intermediate values");
             for number in Intermediate::ALL {
                 let value = Shown::Intermediate(*number);
                 ui.selectable_value(&mut shown, value, number.name()).on_hover_text(number.help());
             }
         })
         .response
-        .on_hover_text("What the canvas shows: a buffer of the finished frame, or the picture after a stage");
+        .on_hover_text(
+            "Content of the canvas: a buffer of the finished frame, the picture after a stage, or an \
+                        intermediate value",
+        );
     if shown != session.shown {
         commands.push(Command::Show(shown));
     }
-    if icon_button(ui, Icon::ChevronRight, "Show the stage after  (])").clicked() {
+    if icon_button(ui, Icon::ChevronRight, "Show the next stage  (])").clicked() {
         commands.push(Command::StepStage(1));
     }
     if shows(Opener::Tiles) && icon_button(ui, Icon::Columns2, "Compare pictures side by side  (T)").clicked() {
         commands.push(Command::Compare(Change::Toggle(Mode::Tiles)));
     }
-    if shows(Opener::WhatIf) && icon_button(ui, Icon::Diff, "What did the last change of a setting do?  (X)").clicked()
+    if shows(Opener::WhatIf) && icon_button(ui, Icon::Diff, "Show what the last change of a setting did  (X)").clicked()
     {
         commands.push(Command::WhatIf(what_if::Change::Toggle));
     }
     if shows(Opener::Outside)
-        && icon_button(ui, Icon::Box, "See the scene from outside, with the camera's view  (M)").clicked()
+        && icon_button(ui, Icon::Box, "Show the scene from outside, with the view frustum  (M)").clicked()
     {
         commands.push(Command::MeshView(mesh_view::Change::Toggle));
     }
-    let help = "Range and histogram of what is shown, on the picture";
+    let help = "Show range and histogram on the picture";
     if shows(Opener::Range) && icon_button(ui, Icon::ChartColumn, help).clicked() {
         commands.push(Command::Range(range::Change::Open(!session.range.open)));
     }
@@ -102,7 +104,7 @@ fn overlays_button(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) 
     let count = session.overlays.count();
     let name = if count > 0 { format!("Overlays ({count})") } else { "Overlays".to_owned() };
     let text = if count > 0 { count.to_string() } else { String::new() };
-    let help = "edges, counts, sizes and faults over the picture, each with a legend  (O)";
+    let help = "edges, counts, sizes and faults on the picture, each with a legend  (O)";
     let button = Button::selectable(session.overlays.open, (theme::icon(Icon::Layers), text));
     let response = ui.add(button).on_hover_text(format!("{name}: {help}"));
     response.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, session.overlays.open, &name));
@@ -113,17 +115,12 @@ fn overlays_button(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) 
 
 fn pointer_mode(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let modes = [
-        (
-            PointerMode::Camera,
-            Icon::Rotate3d,
-            "Camera mode",
-            "Drag turns the scene, wheel comes closer, W A S D Q E fly  (C)",
-        ),
+        (PointerMode::Camera, Icon::Rotate3d, "Camera mode", "Drag: orbit, wheel: dolly, W A S D Q E: fly  (C)"),
         (
             PointerMode::Inspect,
             Icon::MousePointer2,
             "Inspect mode",
-            "Drag moves the picture, wheel enlarges it; middle-drag turns the scene  (C)",
+            "Drag: move the picture, wheel: zoom, middle-drag: orbit  (C)",
         ),
     ];
     for (mode, icon, name, help) in modes {
@@ -136,13 +133,13 @@ fn pointer_mode(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     }
 }
 
-/// Room for the two buttons of the enlargement, in points. Where there is less, menu and keys have to do.
+/// Minimum free width for the two zoom buttons, in points. In a narrower bar only menu and keys offer them.
 const ZOOM_POINTS: f32 = 64.0;
 
-/// Room for size and enlargement in figures, in points.
+/// Minimum free width for picture size and scale as text, in points.
 const FIGURES_POINTS: f32 = 160.0;
 
-/// Room for the enlargement alone, in points.
+/// Minimum free width for the scale alone, in points.
 const ENLARGEMENT_POINTS: f32 = 56.0;
 
 fn zoom(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &mut Vec<Command>) {
@@ -162,6 +159,7 @@ fn zoom(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &mut Vec<C
         room if room >= ENLARGEMENT_POINTS => zoom,
         _ => return,
     };
-    ui.label(RichText::new(text).monospace().color(tokens(ui).text_weak))
-        .on_hover_text("Size of the picture in px, and its enlargement on screen. Ctrl+G sets it: 800% 12,34");
+    ui.label(RichText::new(text).monospace().color(tokens(ui).text_weak)).on_hover_text(
+        "Size of the picture in px, and its zoom. To set the zoom, press Ctrl+G and type, for example, 800% 12,34",
+    );
 }

@@ -1,5 +1,5 @@
-//! The upscaler seen through: the samples that the picked pixel was made of with their weights, sum and clamping; the
-//! pixels that a sample feeds; and what the method makes of an impulse, a step and a zone plate.
+//! X-ray view of the upscaler: the samples of the picked pixel with their weights, sum and clamping; the pixels that a
+//! sample contributes to; and the method's responses to an impulse, a step and a zone plate.
 
 use std::collections::BTreeSet;
 use std::sync::{Arc, Weak};
@@ -24,13 +24,13 @@ use crate::ui::theme::{Icon, ON_PIXEL, tokens};
 use crate::ui::widgets::{empty_state, figure};
 use crate::upscale::{Light, Upscaling};
 
-/// Sides of a cell of the grids, least and greatest, in points.
+/// Minimum and maximum side of a grid cell, in points.
 const CELL: (f32, f32) = (16.0, 44.0);
 
-/// Cells narrower than this have no room for their weight, in points.
+/// Minimum side of a cell that shows its weight, in points.
 const WEIGHT_FROM: f32 = 30.0;
 
-/// Width of each plot and of the zone plate's two pictures, in points.
+/// Width of each plot and of the two zone plate pictures, in points.
 const PLOT: f32 = 190.0;
 
 /// Draws the panel.
@@ -42,12 +42,12 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     });
     let Some((view, how, at, mixture)) = picked else {
         let how =
-            "Click a pixel of the picture: here stand the samples that the upscaler made it of, each with its weight.";
+            "Click a pixel of the picture to list the samples that the upscaler mixed it from, each with its weight.";
         ui.set_min_height(ui.available_height());
         empty_state(ui, Icon::ScanSearch, "No pixel is picked", how);
         return;
     };
-    /// Height that the scroll bar takes below everything, in points.
+    /// Height of the scroll bar at the bottom, in points.
     const BAR: f32 = 14.0;
     let height = (ui.available_height() - BAR).max(40.0);
     ScrollArea::both().auto_shrink(false).show(ui, |ui| {
@@ -78,7 +78,7 @@ fn heading(ui: &mut Ui, text: &str, help: &str) {
     ui.label(RichText::new(text).small().color(tokens(ui).text_weak)).on_hover_text(help);
 }
 
-/// Places of values along an axis, without the gaps between them.
+/// Returns the distinct values in ascending order; their indices are gap-free grid positions.
 fn ranks(values: impl Iterator<Item = u32>) -> Vec<u32> {
     values.collect::<BTreeSet<_>>().into_iter().collect()
 }
@@ -88,10 +88,10 @@ fn cell_of(columns: usize, rows: usize, height: f32) -> f32 {
     room.min(260.0 / columns.max(1) as f32).clamp(CELL.0, CELL.1).floor()
 }
 
-/// The samples as they lie to each other. The one under the pointer.
+/// Draws the samples in their relative positions. Returns the one under the pointer.
 fn sources(ui: &mut Ui, how: Upscaling, at: (u32, u32), mixture: &Mixture, height: f32) -> Option<(u32, u32)> {
     let title = format!("Pixel {}, {} · {} · {}", at.0, at.1, how.label(), counted(mixture.sources.len(), "sample"));
-    heading(ui, &title, "The drawn samples that this pixel was made of, with their weights");
+    heading(ui, &title, "The drawn samples that this pixel was mixed from, with their weights");
     let columns = ranks(mixture.sources.iter().map(|source| source.tap.x));
     let rows = ranks(mixture.sources.iter().map(|source| source.tap.y));
     let cell = cell_of(columns.len(), rows.len(), height);
@@ -121,7 +121,7 @@ fn sources(ui: &mut Ui, how: Upscaling, at: (u32, u32), mixture: &Mixture, heigh
     hovered
 }
 
-/// The pixels of the full picture that a sample is part of; a click picks one.
+/// Draws the full-resolution pixels that a sample contributes to; a click picks one.
 fn feeds(
     ui: &mut Ui,
     view: &View,
@@ -135,7 +135,8 @@ fn feeds(
     heading(
         ui,
         &title,
-        "Its weight in each: brighter is more; negative weights have a mark. Hover another sample at the left",
+        "Its weight in each pixel: brighter is more; a dot marks negative weights. Hover another sample on the left to \
+         show its pixels",
     );
     let (columns, rows) = (ranks(fed.iter().map(|(at, _)| at.0)), ranks(fed.iter().map(|(at, _)| at.1)));
     let room = (height - 24.0) / rows.len().max(1) as f32;
@@ -166,11 +167,11 @@ fn feeds(
     }
 }
 
-/// Weights in numbers, their sum, the sum of colours, and what clamping and rounding make of it.
+/// Draws the weights, their sum, the weighted sum of colours, and the effect of clamping and rounding.
 fn sums(ui: &mut Ui, how: Upscaling, mixture: &Mixture, height: f32) {
     const COLUMN: f32 = 66.0;
     let what = if how.light() == Light::Linear { "linear light" } else { "codes" };
-    heading(ui, &format!("Weighted sum of {what}"), "Red, green, blue of each sample times its weight, added up");
+    heading(ui, &format!("Weighted sum of {what}"), "Sum of red, green and blue of each sample times its weight");
     ScrollArea::vertical().id_salt("weights").max_height((height - 20.0).max(60.0)).show(ui, |ui| {
         egui::Grid::new("sums").num_columns(4).spacing([6.0, 1.0]).show(ui, |ui| {
             let mut line = |name: &str, values: [String; 3], strong: bool| {
@@ -186,33 +187,32 @@ fn sums(ui: &mut Ui, how: Upscaling, mixture: &Mixture, height: f32) {
             line("Σ weight · colour", codes(mixture.sum), false);
             line("clamped to 0…255", codes(mixture.clamped()), false);
             let [r, g, b, _] = mixture.pixel;
-            line("the pixel", [r, g, b].map(|code| code.to_string()), true);
+            line("pixel", [r, g, b].map(|code| code.to_string()), true);
         });
         let clamps = mixture.sum != mixture.clamped();
         let far = mixture.clamped().iter().zip(mixture.pixel).any(|(sum, code)| (sum - f64::from(code)).abs() > 2.0);
         let note = match (clamps, far) {
             _ if mixture.remembers => {
-                "These are the samples of the present frame. The rest of the pixel comes from what frames before left there."
+                "These are the samples of the current frame. The rest of the pixel comes from the history of earlier \
+                 frames."
             }
-            (_, true) => {
-                "The method does more than weigh: it keeps the result between the nearest samples, or sharpens it."
-            }
-            (true, false) => "The sum left the range of codes: what goes beyond was cut off.",
-            (false, false) => "Nothing was cut off.",
+            (_, true) => "The method also clamps the result between the nearest samples, or sharpens it.",
+            (true, false) => "The sum left the range of codes and was clamped.",
+            (false, false) => "Nothing was clamped.",
         };
         ui.add(egui::Label::new(RichText::new(note).small().color(tokens(ui).text_weak)).wrap());
     });
 }
 
-/// So many of something.
+/// Formats a count with its noun.
 fn counted(count: usize, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
-/// Pixels with the weight that a sample has in each.
+/// Pixels, each with the weight of a sample in it.
 type FedPixels = Arc<[((u32, u32), f32)]>;
 
-/// The pixels that a sample of a frame feeds: finding them looks at all pixels around, too many for every pass.
+/// Cached pixels that a sample contributes to: finding them visits all surrounding pixels, too many for every pass.
 #[derive(Clone)]
 struct KnownFed {
     frame: Weak<Frame>,
@@ -233,7 +233,7 @@ fn known_fed(ui: &Ui, view: &View, how: Upscaling, sample: (u32, u32)) -> FedPix
     fed
 }
 
-/// Answers of a method, and its zone plates on the graphics card.
+/// Cached responses of a method, with its zone plates as textures.
 #[derive(Clone)]
 struct Known {
     how: Upscaling,
@@ -264,7 +264,7 @@ fn responses(ui: &mut Ui, how: Upscaling, height: f32) {
     let (low, high) = responses.overshoot();
     let overshoot = format!("Step: {} under, {} over", format::percent(0.0 - low), format::percent(high - 1.0));
     curve(ui, "Impulse", "One bright sample among dark ones, along its row", &responses.impulse, height);
-    curve(ui, &overshoot, "An edge from dark to bright: what goes beyond 0 and 1 rings", &responses.step, height);
+    curve(ui, &overshoot, "An edge from dark to bright: values beyond 0 and 1 are ringing", &responses.step, height);
     let side = (height - 24.0).clamp(48.0, PLOT);
     let names = ["Zone plate", "Native"];
     for (texture, name) in plates.iter().zip(names) {
@@ -273,7 +273,7 @@ fn responses(ui: &mut Ui, how: Upscaling, height: f32) {
             heading(
                 ui,
                 name,
-                "Rings as fine as 2 px at the border: where they turn into other rings, the picture lies",
+                "Rings as fine as 2 px at the border: where they turn into other rings, the picture is aliased",
             );
             let (rect, response) = ui.allocate_exact_size(vec2(side, side), Sense::hover());
             let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));

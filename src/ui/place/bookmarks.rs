@@ -1,4 +1,4 @@
-//! The list of bookmarks, to go to, rename and forget them.
+//! The list of bookmarks, with actions to open, rename and delete them.
 
 use eframe::egui::{self, Button, Grid, RichText, ScrollArea, TextEdit, Ui, WidgetInfo};
 
@@ -11,12 +11,12 @@ use crate::ui::widgets::{empty_state, icon_button};
 /// Width of a name, in points.
 const NAME_POINTS: f32 = 270.0;
 
-/// Draws the list; true when it should close.
+/// Draws the list. Returns whether it should close.
 pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) -> bool {
     let bookmarks = &session.places.bookmarks;
     let mut changes = Vec::new();
     if bookmarks.is_empty() {
-        let help = "Ctrl+B keeps scene, view, settings, what is shown and the picked pixel under a name.";
+        let help = "Ctrl+B saves scene, view, settings, the shown buffer or stage, and the picked pixel under a name.";
         empty_state(ui, Icon::Bookmark, "No bookmarks yet", help);
     }
     let height = ui.ctx().content_rect().height() * 0.6;
@@ -40,7 +40,7 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) -> bool {
                 if go.on_hover_text(bookmark.place.command_line()).clicked() {
                     changes.push(Change::Jump(number));
                 }
-                if icon_button(ui, Icon::Trash2, &format!("Forget bookmark {}", number + 1)).clicked() {
+                if icon_button(ui, Icon::Trash2, &format!("Delete bookmark {}", number + 1)).clicked() {
                     changes.push(Change::Remove(number));
                 }
                 ui.end_row();

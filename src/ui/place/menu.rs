@@ -1,4 +1,4 @@
-//! The menu "Go": ways to a place.
+//! The “Go” menu: search, history, the command line of the current place, and bookmarks.
 
 use eframe::egui::{Button, Ui};
 
@@ -7,10 +7,10 @@ use crate::ui::command::{BINDINGS, Command};
 use crate::ui::key_sheet::key_name;
 use crate::ui::session::Session;
 
-/// Bookmarks that the menu lists; the others are in the list that can be changed.
+/// Maximum number of bookmarks in the menu; the bookmark list shows them all.
 const LISTED: usize = 20;
 
-/// Draws the entries.
+/// Draws the entries of the menu.
 pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let mut entry = |ui: &mut Ui, enabled: bool, name: &str, command: Command| {
         let mut button = Button::new(name);
@@ -26,8 +26,8 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     entry(ui, true, "Find anything …", Command::OpenPalette);
     entry(ui, true, "Go to …", Command::AskForPixel);
     ui.separator();
-    entry(ui, visits.can_go_back(), "Back to what was looked at", Command::Place(Change::Back));
-    entry(ui, visits.can_go_forward(), "Forward again", Command::Place(Change::Forward));
+    entry(ui, visits.can_go_back(), "Back to the previous place", Command::Place(Change::Back));
+    entry(ui, visits.can_go_forward(), "Forward to the next place", Command::Place(Change::Forward));
     ui.separator();
     entry(ui, true, "Copy as command", Command::Place(Change::Copy));
     entry(ui, true, "Bookmark this place", Command::Place(Change::Bookmark));

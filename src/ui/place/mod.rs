@@ -1,5 +1,5 @@
-//! Keeping the place: bookmarks that outlive the window, the way back through what was looked at, and the whole state as
-//! one line of text.
+//! Places: bookmarks that persist between runs, the history of what was inspected, and the whole state as one command
+//! line.
 
 pub mod bookmarks;
 
@@ -19,55 +19,55 @@ use crate::inspect::{Buffer, Place};
 use crate::scene::SceneSource;
 use visits::Visits;
 
-/// Most bookmarks kept.
+/// Maximum number of bookmarks.
 const MOST_BOOKMARKS: usize = 200;
 
-/// A place with a name.
+/// Named place.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Bookmark {
-    /// What a person calls it.
+    /// Display name.
     pub name: String,
-    /// Where it leads.
+    /// Place that the bookmark opens.
     pub place: Place,
 }
 
-/// The places that are kept.
+/// Bookmarks, history, and a place being opened.
 #[derive(Clone, Debug, Default)]
 pub struct Places {
-    /// In the order of their keys.
+    /// Bookmarks, in the order of their keys.
     pub bookmarks: Vec<Bookmark>,
-    /// What was looked at, to go back to.
+    /// History of visited places.
     pub visits: Visits,
-    /// Where to go as soon as its scene is loaded.
+    /// Place to open once its scene is loaded.
     pub pending: Option<Place>,
 }
 
-/// What can be done with places.
+/// Change of places.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Change {
-    /// Put the command that leads here on the clipboard.
+    /// Copies the command line that opens this place to the clipboard.
     Copy,
-    /// Keep this place.
+    /// Bookmarks the current place.
     Bookmark,
-    /// Go to the bookmark at this place of the list.
+    /// Opens the bookmark at this index.
     Jump(usize),
-    /// Call a bookmark this.
+    /// Renames a bookmark.
     Rename(usize, String),
-    /// Forget a bookmark.
+    /// Deletes a bookmark.
     Remove(usize),
-    /// Show the list of bookmarks, to rename and forget them.
+    /// Opens the list of bookmarks, to rename and delete them.
     Manage,
-    /// Look at what was looked at before.
+    /// Goes one visit back.
     Back,
-    /// Look again at what was looked at after that.
+    /// Goes one visit forward.
     Forward,
-    /// Go there.
+    /// Opens a place.
     Go(Box<Place>),
-    /// Look for this in the frame, and pick a pixel that shows it.
+    /// Searches the frame for something, and picks a pixel that shows it.
     Find(Wanted),
 }
 
-/// What goes to something.
+/// Returns the command that goes to something.
 pub fn go_to(wanted: Wanted) -> Command {
     match wanted {
         Wanted::Pixel(x, y) => Command::Pick(Some((x, y))),
@@ -76,12 +76,12 @@ pub fn go_to(wanted: Wanted) -> Command {
 }
 
 impl Session {
-    /// What a person who types this wants to go to; the error says what could not be found.
+    /// Parses a typed destination. Returns a message if it does not exist.
     pub fn wanted(&self, text: &str) -> Result<Wanted, String> {
         Wanted::parse(text, &self.scene, self.viewport(), vertices::picked_object(self))
     }
 
-    /// Where the window is.
+    /// Returns the current place.
     pub fn place(&self) -> Place {
         let (buffer, stage, number) = match self.shown {
             Shown::Buffer(buffer) => (buffer, None, None),
@@ -111,13 +111,14 @@ impl Session {
         }
     }
 
-    /// The command line that leads here from anywhere. The size is always told: the pixel means nothing without it.
+    /// Returns the command line that opens the current place from anywhere. It always states the picture size, because
+    /// a pixel is meaningless without it.
     pub fn command_line(&self) -> String {
         let viewport = self.viewport();
         Place { picture: Some((viewport.width, viewport.height)), ..self.place() }.command_line()
     }
 
-    /// Does what concerns places; returns what concerns the window or the disk.
+    /// Applies a change of places. Returns a command for what concerns the window or the disk.
     pub fn change_places(&mut self, change: Change) -> Option<Command> {
         let bookmarks = &mut self.places.bookmarks;
         match change {
@@ -130,12 +131,14 @@ impl Session {
             Change::Remove(number) if number < bookmarks.len() => drop(bookmarks.remove(number)),
             Change::Jump(number) => match bookmarks.get(number).cloned() {
                 Some(bookmark) => return self.go(bookmark.place),
-                None => self.report(Level::Info, format!("There is no bookmark {}: Ctrl+B makes one", number + 1)),
+                None => {
+                    self.report(Level::Info, format!("There is no bookmark {}. Press Ctrl+B to add one", number + 1))
+                }
             },
             Change::Go(place) => return self.go(*place),
             Change::Back | Change::Forward => {
                 if let Some(visit) = self.places.visits.travel(change == Change::Back) {
-                    // The way back is one of looking: settings have an undo of their own.
+                    // Going back restores only what was inspected: settings have their own undo.
                     let here = self.place();
                     let display = self.range.setting(shown_at(&visit)).display;
                     let Place { recipe, picture, overlays, .. } = here;
@@ -148,12 +151,12 @@ impl Session {
         None
     }
 
-    /// Picks the pixel that was found, and says what there is to say; the pixel to bring into view.
+    /// Picks the pixel that was found and reports the result. Returns the pixel to bring into view.
     pub fn take_found(&mut self, wanted: &Wanted, found: &Found) -> Option<(u32, u32)> {
         let words = wanted.words();
         let (level, text, pixel) = match found {
             Found::Seen(pixel, count) => {
-                (Level::Info, format!("{words} is seen at {count} drawn pixels"), Some(*pixel))
+                (Level::Info, format!("{words} is visible at {count} drawn pixels"), Some(*pixel))
             }
             Found::Hidden(pixel, count) => {
                 (Level::Error, format!("{words} is hidden: it covers {count} drawn pixels and wins none"), Some(*pixel))
@@ -169,7 +172,7 @@ impl Session {
         pixel
     }
 
-    /// Goes to the place that waited for the scene that is there now.
+    /// Opens the pending place if its scene is now loaded.
     pub fn arrive(&mut self) {
         if let Some(place) = self.places.pending.take()
             && place.scene == self.place().scene
@@ -178,9 +181,9 @@ impl Session {
         }
     }
 
-    /// Keeps what is looked at for the way back; `now` in seconds.
+    /// Records the current place in the history; `now` in seconds.
     pub fn note_visit(&mut self, now: f64) {
-        // Before the first frame nothing was looked at, and on the way elsewhere nothing is.
+        // Nothing is recorded before the first frame, or while another place is pending.
         if self.view.is_some() && self.places.pending.is_none() {
             let here = self.place();
             self.places.visits.note(here, now);
@@ -191,19 +194,19 @@ impl Session {
         let place = self.place();
         let name = format!("{}: {}", self.scene.name, place.words());
         if self.places.bookmarks.len() == MOST_BOOKMARKS {
-            self.report(Level::Error, format!("There are {MOST_BOOKMARKS} bookmarks: remove some first"));
+            self.report(Level::Error, format!("Cannot keep more than {MOST_BOOKMARKS} bookmarks: delete some first"));
             return;
         }
         self.places.bookmarks.push(Bookmark { name: name.clone(), place });
         let number = self.places.bookmarks.len();
-        let key = if number <= 9 { format!(", Ctrl+{number} leads back") } else { String::new() };
+        let key = if number <= 9 { format!(", Ctrl+{number} opens it") } else { String::new() };
         self.report(Level::Info, format!("Bookmarked {name}{key}"));
     }
 
-    /// Goes to a place at once if its scene is there, else as soon as it is.
+    /// Opens a place, at once if its scene is loaded, else once it is.
     fn go(&mut self, place: Place) -> Option<Command> {
         if let Err(reason) = place.check() {
-            self.report(Level::Error, format!("This place cannot be shown: {reason}"));
+            self.report(Level::Error, format!("Cannot show this place: {reason}"));
             return None;
         }
         self.close_case();
@@ -241,7 +244,7 @@ impl Session {
     }
 }
 
-/// What the canvas shows at a place.
+/// Returns the buffer, stage or intermediate value shown at a place.
 fn shown_at(place: &Place) -> Shown {
     let number = || place.number.map(Shown::Intermediate);
     place.stage.map(Shown::Stage).or_else(number).unwrap_or(Shown::Buffer(place.buffer))

@@ -38,7 +38,7 @@ fn a_number_on_the_way_its_colours_and_overlays_are_part_of_a_place() {
     assert_eq!(session.apply(Command::Place(Change::Jump(0))), None);
     assert_eq!(session.place(), there);
     assert_eq!((session.shown, session.request().look), (Shown::Intermediate(Intermediate::Cosine), look));
-    // The same from a file of preferences, and one that knows nothing of all that.
+    // The place survives a round trip through the preferences, and a file without these fields is accepted.
     let kept = serde_json::to_value(session.preferences(&WindowState::default())).unwrap();
     let again: crate::ui::session::Preferences = serde_json::from_value(kept.clone()).unwrap();
     assert_eq!(again.bookmarks[0].place, there);

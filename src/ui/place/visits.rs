@@ -1,35 +1,36 @@
-//! What was looked at, one visit after the other, with the way back and forward again.
+//! History of inspection: visits in order, with steps back and forward.
 
 use crate::inspect::Place;
 
-/// Visits kept.
+/// Maximum number of visits.
 const MOST: usize = 200;
 
-/// Cameras and pixels that change this soon after each other are one visit: dragging, wheel notches, arrow keys held.
+/// Maximum time between changes of camera or pixel that count as one visit, such as dragging, wheel notches or held
+/// arrow keys.
 const ONE_MOVE_SECONDS: f64 = 0.6;
 
-/// The history of inspection.
+/// Past, current and future visits.
 #[derive(Clone, Debug, Default)]
 pub struct Visits {
     past: Vec<Place>,
     here: Option<Place>,
     future: Vec<Place>,
-    /// When the present visit changed last, seconds.
+    /// Time of the last change of the current visit, in seconds.
     changed_at: f64,
 }
 
 impl Visits {
-    /// Whether there is a way back.
+    /// Whether there is a visit to go back to.
     pub fn can_go_back(&self) -> bool {
         !self.past.is_empty()
     }
 
-    /// Whether there is a way forward again.
+    /// Whether there is a visit to go forward to.
     pub fn can_go_forward(&self) -> bool {
         !self.future.is_empty()
     }
 
-    /// Takes in where the window is now; `now` in seconds. Settings are no visit, and neither is dropping the pick.
+    /// Records the current place; `now` in seconds. Changing settings or clearing the pick is no visit.
     pub fn note(&mut self, place: Place, now: f64) {
         let Some(here) = &self.here else {
             self.here = Some(place);
@@ -57,17 +58,18 @@ impl Visits {
         self.future.clear();
     }
 
-    /// Goes one visit back, or forward again; where that leads.
+    /// Goes one visit back, or forward. Returns its place.
     pub fn travel(&mut self, back: bool) -> Option<Place> {
         let (from, to) = if back { (&mut self.past, &mut self.future) } else { (&mut self.future, &mut self.past) };
         let place = from.pop()?;
         to.extend(self.here.replace(place.clone()));
-        // What comes next is a visit of its own.
+        // The next change is a visit of its own.
         self.changed_at = f64::NEG_INFINITY;
         Some(place)
     }
 
-    /// Says where a way of [`Self::travel`] really led, so that being there is no new visit.
+    /// Replaces the place returned by [`Self::travel`] by the one actually reached, so that it does not count as a new
+    /// visit.
     pub fn arrived(&mut self, place: Place) {
         let is_expected = self.here.as_ref().is_some_and(|here| same_sight(here, &place));
         if is_expected {
@@ -76,7 +78,7 @@ impl Visits {
     }
 }
 
-/// Whether the same is looked at, however it is drawn.
+/// Whether both places show the same thing, ignoring recipe, picture size, display and overlays.
 fn same_sight(a: &Place, b: &Place) -> bool {
     Place { recipe: b.recipe, picture: b.picture, display: b.display, overlays: b.overlays.clone(), ..a.clone() } == *b
 }

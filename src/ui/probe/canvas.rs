@@ -1,4 +1,4 @@
-//! What the colours of the heat map mean, in a corner of the picture.
+//! Legend of the heat map, in a corner of the picture.
 
 use eframe::egui::{Align2, Color32, FontId, Rect, Ui, Vec2, vec2};
 

@@ -1,4 +1,4 @@
-//! The stability probe in the window: what is asked, the work in the background, and what was found.
+//! The stability probe: its settings, the background task, and its result.
 
 mod canvas;
 
@@ -20,53 +20,53 @@ use crate::inspect::probe::{self, Fragile, Heat, Probe, ProbeResult, Subject};
 pub use canvas::legend;
 pub use panel::{controls, ui};
 
-/// What the window knows of the probe.
+/// State of the stability probe.
 #[derive(Debug, Default)]
 pub struct Probing {
-    /// What is asked next.
+    /// Settings of the next probe.
     pub probe: Probe,
-    /// What was found last.
+    /// Last result.
     pub found: Option<Arc<ProbeResult>>,
-    /// Share of the present probe that is done.
+    /// Completed share of the running probe, in [0, 1].
     pub progress: Option<f32>,
-    /// What of the finding is laid over the picture.
+    /// Heat map shown over the picture, if any.
     pub heat: Option<Heat>,
-    /// That as a picture, and the number of runs that its brightest colour stands for.
+    /// Heat map as an image, and the number of runs denoted by its brightest colour.
     picture: Option<(Arc<Image<Rgba8>>, u16)>,
     task: Option<Task<f32, ProbeResult>>,
 }
 
-/// A change of it.
+/// Change of the stability probe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Change {
-    /// Ask this next.
+    /// Sets the settings of the next probe.
     Set(Probe),
-    /// Begin.
+    /// Starts the probe.
     Start,
-    /// Stop; the last finding stays.
+    /// Cancels the probe; the last result stays.
     Cancel,
-    /// Lay this over the picture, or nothing.
+    /// Shows a heat map over the picture, or none.
     Show(Option<Heat>),
-    /// Look from where the last finding was made.
+    /// Restores the camera, settings and picture size of the last result.
     GoBack,
-    /// Pick the worst pixel of a triangle.
+    /// Picks the worst pixel of a triangle.
     GoTo(Fragile),
-    /// Save a triangle as a case.
+    /// Saves a triangle as a case.
     SaveCase(Fragile),
 }
 
-/// What is left for the window to do after a change.
+/// Action left to the window after a change.
 #[derive(Debug, PartialEq)]
 pub enum Rest {
-    /// Nothing.
+    /// No action.
     Nothing,
-    /// Bring a pixel into view.
+    /// Scrolls a pixel into view.
     BringIntoView((u32, u32)),
-    /// Write a case.
+    /// Writes a case to a file.
     Write(Box<MinimalCase>),
 }
 
-/// Makes a change.
+/// Applies a change. Returns the action left to the window.
 pub fn apply(session: &mut Session, context: &Context, change: Change) -> Rest {
     match change {
         Change::Set(probe) => session.probing.probe = probe,
@@ -100,7 +100,7 @@ pub fn apply(session: &mut Session, context: &Context, change: Change) -> Rest {
     Rest::Nothing
 }
 
-/// Takes what the task has said.
+/// Handles the progress and the result of the task.
 pub fn listen(session: &mut Session) {
     let Probing { task, progress, .. } = &mut session.probing;
     let Some(running) = task else { return };
@@ -112,12 +112,12 @@ pub fn listen(session: &mut Session) {
                 session.shown = Shown::Buffer(Buffer::Color);
             }
         }
-        Listening::BrokeOff => session.report(Level::Error, "The probe stopped by an error of the program"),
+        Listening::BrokeOff => session.report(Level::Error, "The probe stopped: internal error"),
     }
     session.probing.task = None;
 }
 
-/// Probes while the caller waits, as pictures of the window want it.
+/// Runs the probe synchronously, for screenshots.
 pub fn probe_now(session: &mut Session) {
     let subject = subject_of(&session.request());
     let never = std::sync::atomic::AtomicBool::new(false);
@@ -139,7 +139,7 @@ fn case_of(session: &mut Session, fragile: &Fragile) -> Rest {
     let Some(found) = &session.probing.found else { return Rest::Nothing };
     let Some(triangle) = found.triangle_of(fragile) else {
         let text =
-            format!("Triangle {} is not rasterized without jitter: there is nothing to save", fragile.triangle.0);
+            format!("Triangle {} is not rasterized without jitter, so there is no case to save", fragile.triangle.0);
         session.report(Level::Error, text);
         return Rest::Nothing;
     };
@@ -147,7 +147,7 @@ fn case_of(session: &mut Session, fragile: &Fragile) -> Rest {
     Rest::Write(Box::new(MinimalCase::new(&triangle, fragile.worst_pixel, *viewport, settings, &scene.name)))
 }
 
-/// What the pipeline draws for a request.
+/// Returns the pipeline inputs of a request.
 fn subject_of(request: &Request) -> Subject {
     let Request { scene, camera, recipe, viewport, .. } = request;
     Subject { scene: scene.clone(), camera: *camera, settings: recipe.pipeline, viewport: *viewport }
@@ -165,25 +165,25 @@ impl Probing {
         self.picture = painted.map(|(image, most)| (Arc::new(image), most));
     }
 
-    /// Shows the picture as it is; whether the finding was laid over it.
+    /// Hides the heat map. Returns whether it was visible.
     pub fn hide(&mut self) -> bool {
         self.picture = None;
         self.heat.take().is_some()
     }
 
-    /// Whether the finding is of the frame that a view shows.
+    /// Whether the result describes the frame of a view.
     fn is_of(&self, view: &View) -> bool {
         let is_whole = view.request.triangle_limit.is_none();
         is_whole && self.found.as_ref().is_some_and(|found| found.subject.is_same(&subject_of(&view.request)))
     }
 
-    /// The picture that stands for that of a view, if the finding is of it and is to be shown.
+    /// Returns the heat map that replaces the picture of a view, if it is visible and describes that view.
     pub fn picture(&self, view: &View) -> Option<&Arc<Image<Rgba8>>> {
         let is_finished = view.request.shown == Shown::Buffer(Buffer::Color);
         self.picture.as_ref().filter(|_| is_finished && self.is_of(view)).map(|(image, _)| image)
     }
 
-    /// How often a pixel of that picture changed.
+    /// Returns the number of runs in which a pixel of the heat map changed.
     pub fn count(&self, (x, y): (u32, u32)) -> Option<u16> {
         self.found.as_ref()?.counts(self.heat?)?.get(x, y)
     }

@@ -1,4 +1,4 @@
-//! The tab of the probe: what is asked on the left, the triangles that do not stand firm on the right.
+//! The “Probe” tab: settings on the left, unstable triangles on the right.
 
 use eframe::egui::{self, Button, DragValue, ProgressBar, RichText, ScrollArea, Ui};
 
@@ -18,20 +18,20 @@ const SETTINGS_POINTS: f32 = 270.0;
 /// Width of a column of figures, in points.
 const FIGURE_POINTS: f32 = 104.0;
 
-/// Most units in the last place and runs that can be asked for in the window.
+/// Maximum units in the last place and maximum number of runs selectable in the window.
 const MOST: (u32, u16) = (65_536, 4096);
 
 /// Draws the buttons beside the tabs.
 pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let probing = &session.probing;
     if let Some(progress) = probing.progress {
-        if ui.button("Cancel").on_hover_text("Stop; the last finding stays").clicked() {
+        if ui.button("Cancel").on_hover_text("Stop; the last result stays").clicked() {
             commands.push(Command::Probe(Change::Cancel));
         }
         ui.add(ProgressBar::new(progress).desired_width(200.0).show_percentage());
         return;
     }
-    let help = "Draws the view again and again, moved by next to nothing, and counts what comes out differently";
+    let help = "Draws the view repeatedly with tiny displacements and counts the pixels that change";
     let run = Button::new((theme::icon(Icon::Play), "Run the probe"));
     if ui.add(run).on_hover_text(help).clicked() {
         commands.push(Command::Probe(Change::Start));
@@ -39,20 +39,21 @@ pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let Some(found) = &probing.found else { return };
     ui.separator();
     ui.label(RichText::new("On the picture").color(tokens(ui).text_weak));
-    let nothing = ui.selectable_label(probing.heat.is_none(), "Nothing").on_hover_text("The picture as it is");
+    let nothing =
+        ui.selectable_label(probing.heat.is_none(), "Nothing").on_hover_text("The picture without the heat map");
     if nothing.clicked() {
         commands.push(Command::Probe(Change::Show(None)));
     }
     for heat in Heat::ALL {
         let label = Button::selectable(probing.heat == Some(*heat), heat.name());
         let response = ui.add_enabled(found.counts(*heat).is_some(), label).on_hover_text(heat.help());
-        if response.on_disabled_hover_text("There is no depth without a depth test").clicked() {
+        if response.on_disabled_hover_text("Without a depth test there is no depth").clicked() {
             commands.push(Command::Probe(Change::Show(Some(*heat))));
         }
     }
 }
 
-/// Draws the tab.
+/// Draws the content of the tab.
 pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     ui.horizontal_top(|ui| {
         ui.vertical(|ui| {
@@ -71,10 +72,10 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 
 fn settings(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let mut probe = session.probing.probe;
-    row(ui, "Moved", "What is moved a little in every run", |ui| pick(ui, &mut probe.what));
-    let help = "By how many units in the last place at most: 1 is the least that a float can tell";
+    row(ui, "Moved", "What is displaced in every run", |ui| pick(ui, &mut probe.what));
+    let help = "Maximum displacement, in units in the last place; 1 is the smallest step of a float";
     row(ui, "By k ulp", help, |ui| ui.add(DragValue::new(&mut probe.ulps).range(0..=MOST.0).speed(0.1)));
-    let help = "How many times the view is drawn; finer shares take longer";
+    let help = "Number of times the view is drawn; more runs give finer shares but take longer";
     row(ui, "Runs", help, |ui| ui.add(DragValue::new(&mut probe.runs).range(1..=MOST.1).speed(0.5)));
     row(ui, "Seed", "Equal seeds give equal jitter", |ui| ui.add(DragValue::new(&mut probe.seed).speed(0.1)));
     if probe != session.probing.probe {
@@ -88,18 +89,18 @@ fn summary(ui: &mut Ui, found: &ProbeResult) {
         let share = format::percent(changed.pixels as f64 / summary.pixels.max(1) as f64);
         value_row(ui, name, &format!("{} px  {share}", format::count(changed.pixels)), help);
     };
-    line("Owner changed", summary.owner, "Pixels that another triangle won in one run at least");
+    line("Owner changed", summary.owner, "Pixels won by another triangle in at least one run");
     if let Some(depth) = summary.depth {
-        line("Depth changed", depth, "Pixels where another depth was stored in one run at least, be it by one step");
+        line("Depth changed", depth, "Pixels with another stored depth in at least one run, even by a single step");
     }
-    line("Colour changed", summary.color, "Pixels that had another colour in one run at least");
+    line("Colour changed", summary.color, "Pixels with another colour in at least one run");
 }
 
 fn finding(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let Some(found) = &session.probing.found else {
-        let how = "“Run the probe” moves the camera, or every vertex, by a few units in the last place, again and again. Pixels \
-                   that change were decided by rounding: surfaces that fight for one depth, edges through centres of pixels.";
-        empty_state(ui, Icon::Activity, "Nothing was probed yet", how);
+        let how = "“Run the probe” repeatedly moves the camera, or every vertex, by a few units in the last place. \
+                   Pixels that change were decided by rounding: z-fighting surfaces, edges through pixel centres.";
+        empty_state(ui, Icon::Activity, "No probe results yet", how);
         return;
     };
     let probe = found.probe;
@@ -110,8 +111,8 @@ fn finding(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         ui.label(RichText::new(text).color(tokens(ui).text_weak));
         if session.view.as_ref().is_some_and(|view| !session.probing.is_of(view)) {
             let is_there = std::sync::Arc::ptr_eq(&found.subject.scene, &session.scene);
-            let back = ui.add_enabled(is_there, Button::new("Back to that view"));
-            let back = back.on_hover_text("The view has changed since: look from where it was probed");
+            let back = ui.add_enabled(is_there, Button::new("Restore that view"));
+            let back = back.on_hover_text("The view has changed since the probe: restores the probed view");
             if back.on_disabled_hover_text("That scene is no longer open").clicked() {
                 commands.push(Command::Probe(Change::GoBack));
             }
@@ -134,10 +135,10 @@ fn header(ui: &mut Ui) {
     ui.horizontal(|ui| {
         let weak = tokens(ui).text_weak;
         for (name, help) in [
-            ("Triangle", "Its number in the scene"),
-            ("Changes", "Pixels that it lost or gained, added up over all runs"),
-            ("Worst pixel", "The one of these pixels that changed its owner most often"),
-            ("Runs", "In how many runs that pixel had another owner"),
+            ("Triangle", "Number of the triangle in the scene"),
+            ("Changes", "Pixels that it lost or gained, summed over all runs"),
+            ("Worst pixel", "The pixel among these that changed owner most often"),
+            ("Runs", "Number of runs in which that pixel had another owner"),
         ] {
             figure(ui, name, FIGURE_POINTS, weak).on_hover_text(help);
         }

@@ -1,4 +1,5 @@
-//! The card in the canvas's lower left corner: what is shown, its histogram with handles, and all that sets the range.
+//! The card in the lower left corner of the canvas: the shown quantity, its histogram with handles, and the controls of
+//! the range.
 
 use eframe::egui::{
     self, Align, Button, DragValue, Label, Layout, Rect, Response, RichText, Ui, UiBuilder, Vec2, WidgetInfo, vec2,
@@ -9,10 +10,12 @@ use super::{Change, figures};
 use crate::inspect::display::{ColorMap, Kind};
 use crate::inspect::range::{Fit, Rule};
 use crate::inspect::view::{Range, absence};
+use crate::manual::Chapter;
 use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
 use crate::ui::engine::{Shown, View};
 use crate::ui::look::kind;
+use crate::ui::manual::manual_button;
 use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, RADIUS, ROW_HEIGHT, space, tokens};
 use crate::ui::widgets::{combo, icon_button};
@@ -23,10 +26,10 @@ const WIDTH: f32 = 320.0;
 /// Height of the histogram with its numbers, in points.
 const PLOT_HEIGHT: f32 = 78.0;
 
-/// Width of the fields of both ends, in points.
+/// Width of the number fields of both ends, in points.
 const FIELD: f32 = 84.0;
 
-/// Draws the card; returns the place that it takes.
+/// Draws the card. Returns its rectangle, in points.
 pub fn ui(ui: &mut Ui, canvas: Rect, session: &Session, view: &View, commands: &mut Vec<Command>) -> Rect {
     let control = &session.range;
     let shown = view.request.shown;
@@ -40,15 +43,15 @@ pub fn ui(ui: &mut Ui, canvas: Rect, session: &Session, view: &View, commands: &
     let size = vec2(WIDTH.min(canvas.width() - 2.0 * space::S), rows * ROW_HEIGHT + plot + 2.0 * space::S);
     let card = Rect::from_min_size(canvas.left_bottom() + vec2(space::S, -space::S - size.y), size);
     ui.painter().rect_filled(card, RADIUS, tokens(ui).panel.gamma_multiply(0.94));
-    // What lies on the card is not for the picture below.
+    // The card captures pointer input, so that it does not reach the picture below.
     ui.interact(card, ui.scope_id().with("range card"), egui::Sense::click_and_drag());
     let inner = UiBuilder::new().max_rect(card.shrink(space::S)).layout(Layout::top_down(Align::Min));
     let mut column = ui.new_child(inner);
     column.spacing_mut().item_spacing.y = 0.0;
     let mut changes = Vec::new();
-    row(&mut column, |ui| title(ui, view, &mut changes));
+    row(&mut column, |ui| title(ui, view, &mut changes, commands));
     if kind == Kind::Names {
-        column.weak("These are names, not quantities: there is no range to set.");
+        column.weak("These values are identifiers, not quantities: they have no range.");
     } else {
         let setting = control.setting(shown);
         let size = vec2(column.available_width(), PLOT_HEIGHT);
@@ -65,7 +68,7 @@ pub fn ui(ui: &mut Ui, canvas: Rect, session: &Session, view: &View, commands: &
     card
 }
 
-/// A row of the height of all rows.
+/// Draws a row of [`ROW_HEIGHT`].
 pub(super) fn row(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
     let size = vec2(ui.available_width(), ROW_HEIGHT);
     ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
@@ -74,7 +77,7 @@ pub(super) fn row(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
     });
 }
 
-fn title(ui: &mut Ui, view: &View, changes: &mut Vec<Change>) {
+fn title(ui: &mut Ui, view: &View, changes: &mut Vec<Change>, commands: &mut Vec<Command>) {
     let (name, help) = match view.request.shown {
         Shown::Buffer(buffer) => (buffer.name(), absence(buffer, &view.frame).unwrap_or(buffer.help())),
         Shown::Stage(stage) => (stage.name(), stage.help()),
@@ -85,13 +88,14 @@ fn title(ui: &mut Ui, view: &View, changes: &mut Vec<Change>) {
         if icon_button(ui, Icon::ChevronDown, "Hide the range control").clicked() {
             changes.push(Change::Open(false));
         }
+        manual_button(ui, Chapter::ReadingPlots, commands);
         ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
             ui.add(Label::new(RichText::new(help).small().color(tokens(ui).text_weak)).truncate()).on_hover_text(help);
         });
     });
 }
 
-/// Both ends as numbers, and between them what finds them.
+/// Draws number fields for both ends, and between them the buttons that fit the range.
 fn ends(ui: &mut Ui, session: &Session, view: &View, changes: &mut Vec<Change>) {
     let Some(range) = view.range else { return };
     let rule = session.range.setting(view.request.shown).display.rule;
@@ -106,9 +110,9 @@ fn ends(ui: &mut Ui, session: &Session, view: &View, changes: &mut Vec<Change>) 
     });
 }
 
-/// A number to drag or type; the new one, if it was changed to a finite one.
+/// Draws a number that can be dragged or typed. Returns the new value if it was changed to a finite one.
 fn field(ui: &mut Ui, name: &str, value: f32, range: Range) -> Option<f32> {
-    /// Points that the pointer is dragged for the whole range.
+    /// Drag distance that spans the whole range, in points.
     const POINTS: f64 = 300.0;
     let mut number = f64::from(value);
     let speed = ((f64::from(range.high) - f64::from(range.low)) / POINTS).max(f64::from(f32::MIN_POSITIVE));
@@ -123,21 +127,21 @@ fn field(ui: &mut Ui, name: &str, value: f32, range: Range) -> Option<f32> {
 fn fits(ui: &mut Ui, session: &Session, rule: Rule, changes: &mut Vec<Change>) {
     ui.spacing_mut().item_spacing.x = 1.0;
     let sticky = matches!(rule, Rule::Sticky(_));
-    let help = "Fit to the least and the greatest value  (N). Right-click: stay fitted from picture to picture";
+    let help = "Fit to the smallest and largest value  (N). Right-click: refit to every picture";
     let fit = toggle(ui, Icon::WandSparkles, sticky, help);
     if fit.clicked() {
         changes.push(Change::Fit(Fit::All));
     } else if fit.secondary_clicked() {
         changes.push(Change::ToggleSticky);
     }
-    if icon_button(ui, Icon::Scan, "Fit to the part that is on screen  (Shift+N)").clicked() {
+    if icon_button(ui, Icon::Scan, "Fit to the visible part  (Shift+N)").clicked() {
         changes.push(Change::FitVisible);
     }
     let most = toggle(
         ui,
         Icon::Percent,
         rule == Rule::Sticky(Fit::Most),
-        "Fit to all but the hundredth at either end. Right-click: stay fitted from picture to picture",
+        "Fit to the 1st to 99th percentile. Right-click: refit to every picture",
     );
     if most.clicked() {
         changes.push(Change::Fit(Fit::Most));
@@ -151,15 +155,15 @@ fn fits(ui: &mut Ui, session: &Session, rule: Rule, changes: &mut Vec<Change>) {
             changes.push(Change::Fit(Fit::Within(region)));
         }
     });
-    if icon_button(ui, Icon::ZoomIn, "Let the histogram run from handle to handle").clicked() {
+    if icon_button(ui, Icon::ZoomIn, "Zoom the histogram to the range").clicked() {
         changes.push(Change::ZoomAxis);
     }
-    if icon_button(ui, Icon::RotateCcw, "Back to the range that suits the quantity  (R)").clicked() {
+    if icon_button(ui, Icon::RotateCcw, "Reset to the default range of the quantity  (R)").clicked() {
         changes.push(Change::Reset);
     }
 }
 
-/// A square button with an icon that can be on.
+/// Draws a square icon button that can be selected.
 fn toggle(ui: &mut Ui, icon: Icon, on: bool, name: &str) -> Response {
     let button = Button::new(theme::icon(icon))
         .selected(on)
@@ -175,13 +179,13 @@ fn toggle(ui: &mut Ui, icon: Icon, on: bool, name: &str) -> Response {
     response.on_hover_text(name)
 }
 
-/// Colours: the map of numbers, or which channels there are; then what concerns the histogram.
+/// Draws the colour map, or the channel switches, and then the histogram settings.
 fn colors(ui: &mut Ui, session: &Session, kind: Kind, shown: Shown, changes: &mut Vec<Change>) {
     let control = &session.range;
     let display = control.setting(shown).display;
     if kind == Kind::Numbers {
         maps(ui, display.map, changes);
-        if toggle(ui, Icon::ArrowLeftRight, display.reversed, "Let the colour map run the other way").clicked() {
+        if toggle(ui, Icon::ArrowLeftRight, display.reversed, "Reverse the colour map").clicked() {
             changes.push(Change::Reverse(!display.reversed));
         }
     } else {
@@ -189,7 +193,7 @@ fn colors(ui: &mut Ui, session: &Session, kind: Kind, shown: Shown, changes: &mu
             let on = display.channels[channel];
             let text = RichText::new(*name).color(if on { theme::WEIGHTS[channel] } else { tokens(ui).text_weak });
             let button = ui.add(Button::new(text).selected(on));
-            let button = button.on_hover_text(format!("Show {name}, or not. Right-click: {name} alone, in grey"));
+            let button = button.on_hover_text(format!("Show or hide {name}. Right-click: show only {name}, in grey"));
             if button.clicked() {
                 let mut channels = display.channels;
                 channels[channel] ^= true;
@@ -200,12 +204,12 @@ fn colors(ui: &mut Ui, session: &Session, kind: Kind, shown: Shown, changes: &mu
         }
     }
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-        let box_help = "Then drag a box on the picture: its figures appear here. Shift+drag does the same at any time";
+        let box_help = "Then drag a box on the picture to show its figures here. Shift+drag works at any time";
         if toggle(ui, Icon::SquareDashed, control.draws_region, box_help).clicked() {
             changes.push(Change::DrawRegion(!control.draws_region));
         }
         let log = ui.selectable_label(control.log_counts, "log");
-        if log.on_hover_text("Bars as high as the logarithm of the counts: rare values are seen, too").clicked() {
+        if log.on_hover_text("Logarithmic bars: rare values become visible, too").clicked() {
             changes.push(Change::LogCounts(!control.log_counts));
         }
     });
@@ -213,10 +217,10 @@ fn colors(ui: &mut Ui, session: &Session, kind: Kind, shown: Shown, changes: &mu
 
 fn maps(ui: &mut Ui, chosen: Option<ColorMap>, changes: &mut Vec<Change>) {
     let mut map = chosen;
-    let name = map.map_or("Colours of its own", ColorMap::name);
+    let name = map.map_or("Default colours", ColorMap::name);
     ui.name_inputs("Colour map", |ui| {
         combo("color map", name, 156.0).show_ui(ui, |ui| {
-            ui.selectable_value(&mut map, None, "Colours of its own").on_hover_text("Those that suit the quantity");
+            ui.selectable_value(&mut map, None, "Default colours").on_hover_text("The default colours of the quantity");
             for option in ColorMap::ALL {
                 ui.selectable_value(&mut map, Some(*option), option.name()).on_hover_text(option.help());
             }

@@ -1,4 +1,5 @@
-//! Figures of the shown quantity as text: count, least, greatest, mean, deviation, and what is no number.
+//! Statistics of the shown quantity as text: count, minimum, maximum, mean, standard deviation, and NaN and infinite
+//! values.
 
 use eframe::egui::{Align, Label, Layout, RichText, Ui};
 
@@ -12,18 +13,18 @@ use crate::ui::format;
 use crate::ui::theme::{Icon, tokens};
 use crate::ui::widgets::icon_button;
 
-/// Names of the columns, with their explanations.
+/// Column names, with their help texts.
 pub const COLUMNS: [(&str, &str); 7] = [
-    ("n", "Finite values"),
-    ("min", "The least"),
-    ("max", "The greatest"),
-    ("mean", "Their mean"),
+    ("n", "Number of finite values"),
+    ("min", "Smallest finite value"),
+    ("max", "Largest finite value"),
+    ("mean", "Mean of the finite values"),
     ("σ", "Standard deviation"),
-    ("#NaN", "Values that are not a number"),
-    ("#Inf", "Infinite values of either sign"),
+    ("#NaN", "Number of NaN values"),
+    ("#Inf", "Number of infinite values of either sign"),
 ];
 
-/// The figures of one channel, as text, in the order of [`COLUMNS`].
+/// Formats the statistics of one channel, in the order of [`COLUMNS`].
 pub fn texts(figures: &Statistics) -> [String; 7] {
     let known = |text: String| if figures.finite == 0 { "–".to_owned() } else { text };
     [
@@ -37,7 +38,7 @@ pub fn texts(figures: &Statistics) -> [String; 7] {
     ]
 }
 
-/// A computed figure with six digits that count: more would tell nothing.
+/// Formats a computed figure with six significant digits.
 fn rounded(value: f64) -> String {
     const DIGITS: i32 = 6;
     if value == 0.0 {
@@ -50,14 +51,14 @@ fn rounded(value: f64) -> String {
     format!("{value:.5e}").replace('-', "−")
 }
 
-/// The rows of a dragged rectangle: where it is, and the figures of each channel.
+/// Draws the rows of a dragged region: its rectangle, and the statistics of each channel.
 pub fn part(ui: &mut Ui, region: Region, kind: Kind, channels: &[Statistics], changes: &mut Vec<Change>) {
     row(ui, |ui| {
         let Region { left, top, right, bottom } = region;
         let text = format!("Box {left}, {top} · {} × {} px", right.saturating_sub(left), bottom.saturating_sub(top));
         ui.label(RichText::new(text).color(tokens(ui).text));
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            if icon_button(ui, Icon::X, "Drop the box").clicked() {
+            if icon_button(ui, Icon::X, "Clear the box").clicked() {
                 changes.push(Change::Region(None));
             }
         });

@@ -1,5 +1,5 @@
-//! Range control: which values the ends of a colour map stand for, over a histogram of all values, and the figures of a
-//! rectangle. Every buffer and stage keeps its own settings.
+//! Range control: the values at the ends of a colour map, set over a histogram of all values, and the statistics of a
+//! region. Every buffer and stage keeps its own settings.
 
 pub mod card;
 
@@ -20,88 +20,88 @@ use crate::inspect::range::{Fit, Rule};
 use crate::inspect::view::Range;
 use crate::measure::region::Region;
 
-/// The settings of one buffer or stage.
+/// Display settings of one buffer or stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Setting {
-    /// Range, map and channels.
+    /// Range, colour map and channels.
     pub display: Display,
-    /// What the bar runs over; all values if nothing was chosen.
+    /// Range of the histogram's axis; `None` spans all values.
     pub axis: Option<Range>,
 }
 
-/// What range control holds.
+/// State of the range control.
 #[derive(Clone, Debug, Default)]
 pub struct RangeControl {
-    /// Whether the bar with the histogram is shown on the canvas.
+    /// Whether the card with the histogram is open on the canvas.
     pub open: bool,
     /// Whether the tab with the histogram is open.
     pub tab: bool,
     /// Whether histograms show the logarithm of their counts.
     pub log_counts: bool,
-    /// The rectangle that has figures of its own.
+    /// Region with separate statistics.
     pub region: Option<Region>,
-    /// Whether dragging draws that rectangle.
+    /// Whether dragging draws the region.
     pub draws_region: bool,
-    /// The part of the picture that is on screen.
+    /// Part of the picture that is visible on the canvas.
     pub visible: Option<Region>,
     settings: Vec<(Shown, Setting)>,
 }
 
-/// A change of the range control.
+/// Change of the range control.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Change {
-    /// Show the bar, or hide it.
+    /// Opens or closes the card.
     Open(bool),
-    /// The tab with the histogram is open, or not any more.
+    /// Notes that the tab with the histogram was opened or closed.
     Tab(bool),
-    /// Show the logarithm of counts, or the counts.
+    /// Sets whether histograms show the logarithm of their counts.
     LogCounts(bool),
-    /// Find the range this way from now on.
+    /// Sets the rule that determines the range.
     Rule(Rule),
-    /// Fit the range once.
+    /// Fits the range once.
     Fit(Fit),
-    /// Fit the range once to what is on screen.
+    /// Fits the range once to the visible part of the picture.
     FitVisible,
-    /// Fit anew for every picture, or stop doing so.
+    /// Toggles fitting the range to every new picture.
     ToggleSticky,
-    /// Let the bar run over these values only; over all if none.
+    /// Sets the range of the histogram's axis; `None` spans all values.
     Axis(Option<Range>),
-    /// Let the bar run from one handle to the other.
+    /// Zooms the histogram's axis to the range between the handles.
     ZoomAxis,
-    /// Range and bar as they were at first.
+    /// Resets the range and the histogram's axis.
     Reset,
-    /// Show by this map; by the quantity's own if none.
+    /// Sets the colour map; `None` means the quantity's own.
     Map(Option<ColorMap>),
-    /// Let the map run the other way.
+    /// Sets whether the colour map is reversed.
     Reverse(bool),
-    /// Show these channels.
+    /// Sets which channels are visible.
     Channels([bool; 3]),
-    /// Show one channel alone, or all again if it is alone.
+    /// Shows one channel alone, or all channels if it is already alone.
     Solo(usize),
-    /// Measure this rectangle.
+    /// Sets or clears the region with separate statistics.
     Region(Option<Region>),
-    /// Have dragging draw the rectangle, or not.
+    /// Sets whether dragging draws the region.
     DrawRegion(bool),
-    /// This part of the picture is on screen.
+    /// Notes which part of the picture is visible on the canvas.
     Visible(Option<Region>),
 }
 
 impl RangeControl {
-    /// The settings of what is shown.
+    /// Returns the settings of a buffer or stage.
     pub fn setting(&self, shown: Shown) -> Setting {
         self.settings.iter().find(|(of, _)| *of == shown).map_or(Setting::default(), |(_, setting)| *setting)
     }
 
-    /// The figures that are wanted of what is shown, if any are.
+    /// Returns the statistics to compute for `shown`; `None` if none are needed.
     pub fn measures(&self, shown: Shown) -> Option<Measures> {
         let wanted = (self.open || self.tab) && kind(shown) != Kind::Names;
-        // Codes have the same ends in every picture.
+        // sRGB codes have the same range in every picture.
         let codes = Range { low: 0.0, high: 255.0 };
         let whole = (kind(shown) == Kind::Colors).then_some(codes);
         wanted.then(|| Measures { axis: self.setting(shown).axis.or(whole), region: self.region })
     }
 
-    /// Applies a change to the settings of what is shown. `view` is what is on screen, which ranges are fitted to.
+    /// Applies a change to the settings of `shown`. `view` is the view on screen, which ranges are fitted to.
     pub fn apply(&mut self, change: Change, shown: Shown, view: Option<&View>) {
         let mut setting = self.setting(shown);
         let display = &mut setting.display;
@@ -113,7 +113,7 @@ impl RangeControl {
             Change::DrawRegion(draws) => self.draws_region = draws,
             Change::Region(region) => {
                 (self.region, self.draws_region) = (region, false);
-                // Its figures are on the card.
+                // The region's statistics are shown on the card.
                 self.open |= region.is_some();
             }
             Change::Rule(Rule::Fixed(range)) => display.rule = ordered(range).map_or(display.rule, Rule::Fixed),
@@ -141,7 +141,7 @@ impl RangeControl {
         self.store(shown, setting);
     }
 
-    /// Shows something by these colours from now on.
+    /// Sets the display settings of a buffer or stage.
     pub fn show_by(&mut self, display: Display, shown: Shown) {
         let setting = Setting { display, ..self.setting(shown) };
         self.store(shown, setting);
@@ -155,12 +155,12 @@ impl RangeControl {
     }
 }
 
-/// The range with its ends in order; none unless both are finite.
+/// Returns the range with its ends in ascending order; `None` unless both are finite.
 fn ordered(Range { low, high }: Range) -> Option<Range> {
     (low.is_finite() && high.is_finite()).then(|| Range { low: low.min(high), high: low.max(high) })
 }
 
-/// The range that fits what is on screen, set once.
+/// Returns a fixed range fitted to the view on screen.
 fn fitted(fit: Fit, display: &Display, view: Option<&View>) -> Option<Rule> {
     let view = view?;
     let range = fit.range(view.picture.size(), display.channels, |x, y| view.value(x, y))?;

@@ -1,4 +1,4 @@
-//! The tab "Histogram": the histogram of the whole picture in full width, and the figures of every channel.
+//! The “Histogram” tab: the histogram of the whole picture in full width, and the statistics of every channel.
 
 use eframe::egui::{Grid, RichText, ScrollArea, Ui, vec2};
 
@@ -13,15 +13,15 @@ use crate::ui::session::Session;
 use crate::ui::theme::{Icon, space, tokens};
 use crate::ui::widgets::empty_state;
 
-/// Width of the table of figures, in points; the histogram has the rest.
+/// Width of the table of statistics, in points; the histogram takes the rest.
 const TABLE: f32 = 700.0;
 
-/// Draws the tab.
+/// Draws the content of the tab.
 pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let Some((view, measured)) = session.view.as_ref().and_then(|view| Some((view, view.looked.measured.as_deref()?)))
     else {
-        let how = "Choose a buffer that holds quantities, such as Depth, in the bar over the picture.";
-        empty_state(ui, Icon::ChartColumn, "What is shown are names: they have no histogram", how);
+        let how = "Choose a buffer that holds quantities, such as Depth, in the bar above the picture.";
+        empty_state(ui, Icon::ChartColumn, "Identifiers have no histogram", how);
         return;
     };
     let shown = view.request.shown;
@@ -47,20 +47,21 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     });
 }
 
-/// The controls beside the tabs.
+/// Draws the controls beside the tabs.
 pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let mut log = session.range.log_counts;
-    if ui.checkbox(&mut log, "log counts").on_hover_text("Rare values are seen, too").changed() {
+    if ui.checkbox(&mut log, "log counts").on_hover_text("Logarithmic bars: rare values become visible, too").changed()
+    {
         commands.push(Command::Range(Change::LogCounts(log)));
     }
     let mut open = session.range.open;
-    let help = "The same histogram on the picture, with all that sets the range";
+    let help = "Shows the same histogram on the picture, with the range controls";
     if ui.checkbox(&mut open, "on the picture").on_hover_text(help).changed() {
         commands.push(Command::Range(Change::Open(open)));
     }
 }
 
-/// Says whether the tab is open: only then its figures are computed.
+/// Notifies the range control when the tab opens or closes: statistics are computed only while it is open.
 pub fn tell(is_open: bool, session: &Session, commands: &mut Vec<Command>) {
     if session.range.tab != is_open {
         commands.push(Command::Range(Change::Tab(is_open)));

@@ -1,4 +1,4 @@
-//! The histogram with a handle for each end of the range, over a strip of the colours that stand for the values.
+//! The histogram with a handle for each end of the range, above a strip of the corresponding colours.
 
 use eframe::egui::{
     self, Align2, Color32, CursorIcon, FontId, Id, Rect, Response, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2,
@@ -16,7 +16,7 @@ use crate::ui::format;
 use crate::ui::look::kind;
 use crate::ui::theme::{self, RADIUS, font_size, space, tokens};
 
-/// Height of the strip of colours, in points.
+/// Height of the colour strip, in points.
 const STRIP: f32 = 7.0;
 
 /// Height of the numbers along the axis, in points.
@@ -25,19 +25,19 @@ const NUMBERS: f32 = 14.0;
 /// Half the width of a handle's grip, in points.
 const GRIP: f32 = 5.0;
 
-/// What a plot is of.
+/// Inputs of a histogram plot.
 #[derive(Clone, Copy)]
 pub struct Plot<'a> {
-    /// What is on screen, with its histograms.
+    /// View on screen, with its histograms.
     pub view: &'a View,
-    /// How it is shown.
+    /// Display settings of the quantity.
     pub setting: Setting,
-    /// Whether bars are as high as the logarithm of the counts.
+    /// Whether bar heights are logarithms of the counts.
     pub log_counts: bool,
 }
 
 impl Plot<'_> {
-    /// Draws it `size` large. Returns the range that a handle was dragged to.
+    /// Draws the plot with `size` in points. Returns the new range if a handle was dragged.
     pub fn ui(self, ui: &mut Ui, size: egui::Vec2) -> Option<Range> {
         let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Histogram"));
@@ -46,7 +46,7 @@ impl Plot<'_> {
         let measured = self.view.looked.measured.as_deref()?;
         let Some(axis) = measured.histograms.first().map(|histogram| histogram.range) else {
             let font = FontId::proportional(font_size::SMALL);
-            let text = "Nothing finite to count";
+            let text = "No finite values to count";
             ui.painter().text(bars.center(), Align2::CENTER_CENTER, text, font, tokens(ui).text_weak);
             return None;
         };
@@ -72,14 +72,14 @@ impl Plot<'_> {
         let step = rect.width() / histogram.bins.len() as f32;
         for (bin, count) in histogram.bins.iter().enumerate().filter(|(_, count)| **count > 0) {
             let left = rect.left() + bin as f32 * step;
-            // Even a single value can be seen.
+            // At least 1 point high, so that even a single value is visible.
             let top = rect.bottom() - (height(*count) * rect.height()).max(1.0);
             let bar = Rect::from_min_max(pos2(left, top), pos2(left + step.max(1.0), rect.bottom()));
             ui.painter().rect_filled(bar, 0.0, color);
         }
     }
 
-    /// The colours that stand for the values along the axis.
+    /// Draws the colours of the values along the axis.
     fn strip(&self, ui: &Ui, rect: Rect, axis: Range) {
         let Some(range) = self.view.range else { return };
         for point in 0..rect.width() as u32 {
@@ -92,7 +92,7 @@ impl Plot<'_> {
     }
 }
 
-/// The colour that stands for a number; for channels how bright they are at it.
+/// Returns the colour of a number; for colour channels, a grey of the brightness displayed.
 pub fn color_of(shown: Shown, setting: &Setting, range: Range, number: f32) -> Rgba8 {
     if kind(shown) == Kind::Numbers {
         return setting.display.number_color(buffer_of(shown), range, number);
@@ -105,7 +105,7 @@ fn buffer_of(shown: Shown) -> Option<Buffer> {
     if let Shown::Buffer(buffer) = shown { Some(buffer) } else { None }
 }
 
-/// The ends of the axis, and what the highest bar stands for.
+/// Draws the ends of the axis, and the count of the highest bar.
 fn axis_numbers(ui: &Ui, rect: Rect, axis: Range, most: u64, log: bool) {
     let font = FontId::monospace(font_size::SMALL);
     let color = tokens(ui).text_weak;
@@ -114,7 +114,7 @@ fn axis_numbers(ui: &Ui, rect: Rect, axis: Range, most: u64, log: bool) {
     let high = painter.text(rect.right_bottom(), Align2::RIGHT_BOTTOM, short(axis.high), font, color);
     let scale = if log { "log counts" } else { "linear counts" };
     let font = FontId::proportional(font_size::SMALL);
-    // As much of it as there is room for between the numbers.
+    // The longest text that fits between the numbers.
     let room = high.left() - low.right() - 2.0 * space::S;
     for text in [format!("{scale}, highest {}", format::count(most)), scale.to_owned()] {
         let text = painter.layout_no_wrap(text, font.clone(), color);
@@ -126,12 +126,12 @@ fn axis_numbers(ui: &Ui, rect: Rect, axis: Range, most: u64, log: bool) {
     }
 }
 
-/// A number of an axis: whole if it is, else with seven digits.
+/// Formats a number of an axis: integers below 10⁹ in magnitude without decimals, others with nine significant digits.
 pub fn short(value: f32) -> String {
     if value.fract() == 0.0 && value.abs() < 1e9 { format::fixed(f64::from(value), 0) } else { format::f32_full(value) }
 }
 
-/// Draws both handles and moves the one that was taken hold of: the nearer one when dragging began.
+/// Draws both handles and moves the grabbed one, which is the nearer one at the start of the drag.
 fn handles(ui: &Ui, response: &Response, bars: Rect, axis: Range, range: Range) -> Option<Range> {
     let width = f64::from(axis.high) - f64::from(axis.low);
     let place = |value: f32| {
@@ -143,10 +143,10 @@ fn handles(ui: &Ui, response: &Response, bars: Rect, axis: Range, range: Range) 
     let mut dragged = None;
     if let Some(pointer) = response.interact_pointer_pos() {
         if response.drag_started() {
-            // A drag is known as one only some way from where it began.
+            // egui reports a drag only after some movement, so the start is the press position.
             let from = ui.input(|i| i.pointer.press_origin()).unwrap_or(pointer).x;
             let (from_low, from_high) = ((from - ends[0]).abs(), (from - ends[1]).abs());
-            // Where both stand in one place, the way of the pointer decides.
+            // If both handles coincide, the drag direction decides.
             let high = if from_low == from_high { pointer.x > ends[1] } else { from_high < from_low };
             ui.data_mut(|data| data.insert_temp(held_id, high));
         }
@@ -180,7 +180,7 @@ fn handles(ui: &Ui, response: &Response, bars: Rect, axis: Range, range: Range) 
     dragged
 }
 
-/// What the bar under the pointer counts.
+/// Draws the tooltip with the counts of the bins under the pointer.
 fn tooltip(response: Response, bars: Rect, histograms: &[Histogram], kind: Kind) {
     let Some(pointer) = response.hover_pos().filter(|pointer| bars.contains(*pointer)) else { return };
     let share = ((pointer.x - bars.left()) / bars.width()).clamp(0.0, 1.0);
@@ -193,11 +193,11 @@ fn tooltip(response: Response, bars: Rect, histograms: &[Histogram], kind: Kind)
             let text = format!("{name} {} … {}: {count} pixels", short(from as f32), short(to as f32));
             ui.label(egui::RichText::new(text).monospace());
         }
-        ui.weak("Drag a handle: what lies outside gets the colour of that end");
+        ui.weak("Drag a handle: values beyond it get the colour of that end");
     });
 }
 
-/// A bar of the colours of a range, from its low to its high end.
+/// Draws the colours of a range as a strip, from its low to its high end.
 pub fn legend_strip(ui: &Ui, rect: Rect, shown: Shown, setting: &Setting, range: Range) {
     for point in 0..rect.width() as u32 {
         let share = point as f32 / (rect.width() - 1.0).max(1.0);

@@ -1,4 +1,4 @@
-//! A rectangle of the picture, dragged on the canvas.
+//! Region of the picture, dragged on the canvas.
 
 use eframe::egui::{CursorIcon, Painter, PointerButton, Pos2, Rect, Response, Stroke, StrokeKind, Ui};
 
@@ -9,14 +9,14 @@ use crate::ui::session::{PointerMode, Session};
 use crate::ui::theme::{MARK_EDGE, tokens};
 use crate::ui::zoom::Placement;
 
-/// The rectangle that is being dragged: the pixels at its two corners.
+/// Region being dragged, as the pixels at two opposite corners.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Dragging {
     corners: Option<[(u32, u32); 2]>,
 }
 
 impl Dragging {
-    /// Follows the pointer; true if dragging is taken for a rectangle now. `size` is that of the picture.
+    /// Handles pointer input. Returns whether dragging draws a region now. `size` is that of the picture, in pixels.
     pub fn follow(
         &mut self,
         ui: &Ui,
@@ -25,7 +25,7 @@ impl Dragging {
         session: &Session,
         commands: &mut Vec<Command>,
     ) -> bool {
-        // In camera mode Shift moves the view.
+        // In camera mode, dragging with Shift pans.
         let inspects = session.pointer_mode == PointerMode::Inspect;
         let wanted = session.range.draws_region || inspects && ui.input(|i| i.modifiers.shift_only());
         if !wanted && self.corners.is_none() {
@@ -37,7 +37,7 @@ impl Dragging {
         let pixel_at = |place: Option<Pos2>| place.and_then(|place| nearest(placement, place, size));
         let pixel = pixel_at(response.interact_pointer_pos());
         if response.drag_started_by(PointerButton::Primary) {
-            // A drag is known as one only some way from where it began.
+            // egui reports a drag only after some movement, so the start is the press position.
             let first = pixel_at(ui.input(|i| i.pointer.press_origin()));
             self.corners = first.zip(pixel).map(|(first, end)| [first, end]);
         } else if let (true, Some([_, end]), Some(pixel)) =
@@ -54,7 +54,7 @@ impl Dragging {
         wanted || self.corners.is_some()
     }
 
-    /// Draws the rectangle that is being dragged, or else the one that was.
+    /// Draws the region being dragged, or else the last one.
     pub fn paint(&self, ui: &Ui, painter: &Painter, placement: Placement, session: &Session) {
         let Some(region) = self.corners.map(between).or(session.range.region) else { return };
         let (first, last) =
@@ -65,19 +65,19 @@ impl Dragging {
     }
 }
 
-/// The pixel of a picture nearest to a place on the window; none if there are no pixels.
+/// Returns the pixel nearest to a point of the window; `None` for an empty picture.
 fn nearest(placement: Placement, pointer: Pos2, (width, height): (u32, u32)) -> Option<(u32, u32)> {
     let place = placement.to_picture(pointer);
     let clamp = |at: f32, size: u32| Some((at.max(0.0) as u32).min(size.checked_sub(1)?));
     Some((clamp(place.x, width)?, clamp(place.y, height)?))
 }
 
-/// The rectangle with both pixels in it.
+/// Returns the smallest region that contains both pixels.
 fn between([a, b]: [(u32, u32); 2]) -> Region {
     Region { left: a.0.min(b.0), top: a.1.min(b.1), right: a.0.max(b.0) + 1, bottom: a.1.max(b.1) + 1 }
 }
 
-/// The pixels of a picture that are on the canvas.
+/// Returns the part of the picture that is visible on the canvas.
 pub fn visible(placement: Placement, size: (u32, u32)) -> Option<Region> {
     let (columns, rows) = placement.visible(size);
     let region = Region { left: columns.start, top: rows.start, right: columns.end, bottom: rows.end };

@@ -1,10 +1,10 @@
-//! The shown quantity as a file of exact floats.
+//! Export of the shown quantity as exact floats.
 
 use crate::inspect::planes::planes;
 use crate::pipeline::settings::Choice as _;
 use crate::ui::engine::{Shown, View};
 
-/// Returns the name of what a view shows, and an encoder of its exact values.
+/// Returns the file stem for the quantity of a view, and an encoder of its exact values.
 pub fn data(view: View) -> (&'static str, impl FnOnce() -> Result<Vec<u8>, String> + Send + 'static) {
     let stem = match view.request.shown {
         Shown::Buffer(buffer) => buffer.id(),

@@ -1,5 +1,5 @@
-//! Going through the making of a frame: by stage, object, triangle or fragment, by hand or playing, all of it or only what
-//! touches the picked pixel.
+//! Playback of how the frame was drawn: by stage, object, triangle or fragment, step by step or continuously,
+//! optionally only through the moments that touch the picked pixel.
 
 pub mod reel;
 
@@ -11,26 +11,26 @@ use super::command::Command;
 use super::session::Session;
 use crate::inspect::scrub::{Moment, Timeline, Unit};
 
-/// Steps per second that can be chosen.
+/// Selectable playback speeds, in steps per second.
 pub const SPEEDS: [f32; 8] = [1.0, 4.0, 15.0, 60.0, 250.0, 1_000.0, 4_000.0, 16_000.0];
 
-/// Stages are pictures to look at: they never follow each other faster, per second.
+/// Maximum playback speed by stage, in stages per second, so that each picture can be inspected.
 const FASTEST_STAGES: f32 = 2.0;
 
-/// How somebody goes through the frame.
+/// Playback state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scrub {
-    /// The moment within a triangle that was asked for last; it holds as long as no other number of triangles is asked for.
+    /// Last requested moment within a triangle. Valid as long as the triangle limit is unchanged.
     partial: Option<Moment>,
-    /// How far the buttons step, and what follows each other while playing.
+    /// Unit of a step, both for the buttons and for playback.
     pub unit: Unit,
-    /// Forwards 1, backwards −1, not at all 0.
+    /// Playback direction: 1 forwards, −1 backwards, 0 paused.
     pub playing: i64,
-    /// Steps per second while playing.
+    /// Playback speed, in steps per second.
     pub speed: f32,
-    /// Whether steps go only to moments that touch the picked pixel.
+    /// Whether steps skip moments that do not touch the picked pixel.
     pub touching: bool,
-    /// Parts of a step that time has brought.
+    /// Fraction of steps accumulated from elapsed time.
     due: f32,
 }
 
@@ -40,43 +40,43 @@ impl Default for Scrub {
     }
 }
 
-/// What can be asked for.
+/// Change of the playback.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Change {
-    /// One step of this size, forwards or backwards.
+    /// Steps one unit, forwards if `true`.
     Step(Unit, bool),
-    /// One step of the chosen size.
+    /// Steps one selected unit, forwards if `true`.
     StepUnit(bool),
-    /// To this moment.
+    /// Goes to a moment.
     Go(Moment),
-    /// Step so far.
+    /// Sets the unit of a step.
     Unit(Unit),
-    /// Play forwards or backwards; if that goes on already, stop.
+    /// Plays forwards if `true`, else backwards. Pauses if already playing in that direction.
     Play(bool),
-    /// So many steps per second.
+    /// Sets the playback speed, in steps per second.
     Speed(f32),
-    /// Only what touches the picked pixel, or all; the other of both if none is given.
+    /// Sets whether steps visit only moments that touch the picked pixel; `None` toggles it.
     Touching(Option<bool>),
-    /// Seconds have passed while playing.
+    /// Advances playback by this many seconds.
     Tick(f32),
 }
 
 impl Scrub {
-    /// Of the last of so many triangles only these fragments are drawn; all if none.
+    /// Returns the number of fragments drawn of the last of `triangle_limit` triangles; `None` means all.
     pub fn fragment_limit(&self, triangle_limit: Option<usize>) -> Option<usize> {
         self.partial.filter(|moment| Some(moment.triangles) == triangle_limit)?.fragments
     }
 }
 
 impl Session {
-    /// The moment that is asked for.
+    /// Returns the requested moment.
     pub fn moment(&self) -> Moment {
         let all = self.triangle_count();
         let triangles = self.triangle_limit.map_or(all, |limit| limit.min(all));
         Moment { triangles, fragments: self.scrub.fragment_limit(self.triangle_limit) }
     }
 
-    /// Goes to a moment; all triangles are no limit.
+    /// Goes to a moment. A moment after all triangles removes the limit.
     pub fn go_to(&mut self, moment: Moment) {
         let Moment { triangles, fragments } = moment;
         let is_all = triangles > self.triangle_count() || (triangles == self.triangle_count() && fragments.is_none());
@@ -84,19 +84,19 @@ impl Session {
         self.scrub.partial = Some(moment).filter(|_| triangles > 0 && fragments.is_some());
     }
 
-    /// Asks for a moment before there is a frame that would tell whether it has one like that.
+    /// Requests a moment before the first frame, when its existence cannot be checked yet.
     pub fn begin_at(&mut self, moment: Moment) {
         (self.triangle_limit, self.scrub.partial) = (Some(moment.triangles), Some(moment));
     }
 
-    /// What is known of the moments around the one on screen, if a frame is there.
+    /// Returns the timeline around the moment on screen; `None` before the first frame.
     pub fn timeline(&self) -> Option<Arc<Timeline>> {
         let view = self.view.as_ref()?;
         let whole = || Arc::new(reel::timeline_of(&view.request, &view.frame, None));
         Some(view.timeline.clone().unwrap_or_else(whole))
     }
 
-    /// Applies a change; returns what else is to be done.
+    /// Applies a change. Returns a command if there is more to do.
     pub(super) fn scrub(&mut self, change: Change) -> Option<Command> {
         match change {
             Change::Step(unit, forwards) => return self.step(unit, if forwards { 1 } else { -1 }),
@@ -128,13 +128,13 @@ impl Session {
         let same = self.scrub.playing == direction;
         (self.scrub.playing, self.scrub.due) = (if same { 0 } else { direction }, 0.0);
         let ends_at = if direction > 0 { self.triangle_count() } else { 0 };
-        // From where it ends it begins anew.
+        // Playing from the end restarts from the beginning.
         if !same && self.scrub.unit != Unit::Stage && self.moment() == Moment::after(ends_at) {
             self.go_to(Moment::after(self.triangle_count() - ends_at));
         }
     }
 
-    /// Steps as far as time has come, once the moment that was asked for is on screen.
+    /// Advances playback by the elapsed time, once the requested moment is on screen.
     fn tick(&mut self, seconds: f32) -> Option<Command> {
         let is_shown = self.view.as_ref().is_some_and(|view| view.request.moment() == self.request().moment());
         if self.scrub.playing == 0 || !is_shown {

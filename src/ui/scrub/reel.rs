@@ -1,4 +1,4 @@
-//! Frames at moments: what the renderer keeps while somebody scrubs through one frame.
+//! Frames at moments: renderer state kept while the user scrubs through one frame.
 
 use std::sync::Arc;
 
@@ -7,34 +7,34 @@ use crate::inspect::scrub::{BUDGET, Count, Moment, Scrubber, Timeline, touches};
 use crate::pipeline::partial;
 use crate::ui::engine::Request;
 
-/// One frame, from its first triangle to its last.
+/// One frame with its state at every moment, from the first triangle to the last.
 #[derive(Debug)]
 pub struct Reel {
     of: Request,
     whole: Arc<Frame>,
     scrubber: Scrubber,
-    /// Without fragments, which concern a single moment.
+    /// Timeline of the frame, without fragments, which belong to a single moment.
     timeline: Timeline,
-    /// The pixel whose touches the timeline has.
+    /// Pixel whose touches are in the timeline.
     touched: Option<(u32, u32)>,
 }
 
 impl Reel {
-    /// Puts the reel of a request into `slot` unless it is there already. `whole` is the frame with all of its triangles, if
-    /// it was just drawn.
+    /// Stores the reel of a request in `slot` unless it is already there. `whole` is the complete frame, if it was just
+    /// drawn.
     pub fn load<'a>(slot: &'a mut Option<Self>, request: &Request, whole: Option<Arc<Frame>>) -> &'a mut Self {
         slot.take_if(|reel| !reel.is_of(request));
         slot.get_or_insert_with(|| Self::new(request, whole))
     }
 
-    /// Whether a request asks for a moment of its frame, or for all of it.
+    /// Whether a request shows this frame, complete or at a moment.
     pub fn is_of(&self, request: &Request) -> bool {
         self.of.same_complete_frame(request)
     }
 
     fn new(request: &Request, whole: Option<Arc<Frame>>) -> Self {
         let Request { scene, camera, recipe, viewport, .. } = request;
-        // What an upscaler remembers of earlier frames would show triangles that are not there yet.
+        // An upscaler's history would show triangles that are not drawn yet at earlier moments.
         let whole = whole.filter(|frame| frame.past.is_none());
         let whole = whole.unwrap_or_else(|| Arc::new(run(scene, camera, recipe, *viewport, &mut ())));
         let scrubber = Scrubber::new(scene, recipe, &whole, BUDGET);
@@ -42,18 +42,18 @@ impl Reel {
         Self { of: request.clone(), whole, scrubber, timeline, touched: None }
     }
 
-    /// Triangles of the whole frame.
+    /// Returns the number of triangles of the complete frame.
     pub fn triangles(&self) -> usize {
         self.timeline.triangles
     }
 
-    /// The frame at a moment.
+    /// Returns the frame at a moment.
     pub fn frame(&mut self, moment: Moment) -> Frame {
         let drawn = self.scrubber.go(moment);
         self.whole.at_moment(&self.of.recipe, drawn, self.scrubber.geometry_at(moment))
     }
 
-    /// What lies around a moment, with all touches of a drawn pixel.
+    /// Returns the timeline around a moment, with all touches of a drawn pixel.
     pub fn timeline(&mut self, moment: Moment, pixel: Option<(u32, u32)>) -> Timeline {
         let Self { of, whole, scrubber, timeline, touched } = self;
         if *touched != pixel {
@@ -67,7 +67,7 @@ impl Reel {
     }
 }
 
-/// What lies around the last moment of a whole frame, with the triangles that touch a drawn pixel.
+/// Returns the timeline around the last moment of a complete frame, with the triangles that touch a drawn pixel.
 pub fn timeline_of(request: &Request, frame: &Frame, pixel: Option<(u32, u32)>) -> Timeline {
     let Request { scene, recipe, .. } = request;
     let area = (frame.sampling.grid(), frame.raster);

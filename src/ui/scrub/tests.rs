@@ -7,7 +7,7 @@ use crate::ui::engine::{Engine, View};
 use crate::ui::session::PictureSize;
 use crate::upscale::Upscaling;
 
-/// A session whose requests are answered at once.
+/// Session whose requests are answered synchronously.
 struct Desk {
     session: Session,
     engine: Engine,
@@ -73,7 +73,7 @@ fn a_limit_of_triangles_drops_that_of_fragments() {
     desk.show();
     assert_eq!(desk.session.moment(), Moment::after(2));
     assert_eq!(desk.view().frame.geometry.partial, None);
-    // So does whoever sets it without a word to the transport.
+    // Setting the triangle limit directly drops the fragment limit, too.
     desk.give(Change::Go(Moment { triangles: 1, fragments: Some(3) }));
     desk.session.triangle_limit = Some(2);
     assert_eq!(desk.session.moment(), Moment::after(2));

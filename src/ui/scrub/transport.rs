@@ -1,4 +1,4 @@
-//! The bar under the canvas: where in the making of the frame the picture stands, and the way through it.
+//! The playback bar below the canvas: position within the frame, and step and play controls.
 
 use std::sync::Arc;
 
@@ -18,10 +18,10 @@ use crate::ui::widgets::{combo, icon_button};
 /// Height of the bar, in points.
 pub const HEIGHT: f32 = 2.0 * theme::ROW_HEIGHT + 16.0;
 
-/// Share of the bar's width that the slider of triangles gets; that of fragments gets the rest.
+/// Share of the bar's width for the slider of triangles; the slider of fragments takes the rest.
 const TRIANGLES_SHARE: f32 = 0.66;
 
-/// Most ticks on the slider: more would be one band.
+/// Maximum number of ticks on the slider; more would merge into a band.
 const MOST_TICKS: usize = 400;
 
 /// Draws the bar.
@@ -54,10 +54,10 @@ fn buttons(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         commands.push(Command::LimitTriangles(Some(0)));
     }
     let (less, more) = match unit {
-        Unit::Stage => ("Show the stage before  ([)", "Show the stage after  (])"),
-        Unit::Draw => ("One object fewer  (Ctrl+,)", "One object more  (Ctrl+.)"),
-        Unit::Triangle => ("One triangle fewer  (,)", "One triangle more  (.)"),
-        Unit::Fragment => ("One fragment fewer  (Shift+,)", "One fragment more  (Shift+.)"),
+        Unit::Stage => ("Show the previous stage  ([)", "Show the next stage  (])"),
+        Unit::Draw => ("Draw one object less  (Ctrl+,)", "Draw one object more  (Ctrl+.)"),
+        Unit::Triangle => ("Draw one triangle less  (,)", "Draw one triangle more  (.)"),
+        Unit::Fragment => ("Draw one fragment less  (Shift+,)", "Draw one fragment more  (Shift+.)"),
     };
     if icon_button(ui, Icon::StepBack, less).clicked() {
         commands.push(Command::Scrub(Change::StepUnit(false)));
@@ -79,17 +79,17 @@ fn buttons(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     choices(ui, session.scrub, commands);
 }
 
-/// How far a step goes, and how many of them there are in a second.
+/// Draws the lists of step units and playback speeds.
 fn choices(ui: &mut Ui, Scrub { mut unit, mut speed, .. }: Scrub, commands: &mut Vec<Command>) {
     let (unit_before, speed_before) = (unit, speed);
-    /// Widths of the two lists, in points; a narrow bar does without the second.
+    /// Widths of the two lists, in points; a narrow bar drops the second.
     const WIDTHS: [f32; 2] = [84.0, 82.0];
     let by_unit = combo("scrub-unit", unit.name(), WIDTHS[0].min(ui.available_width())).show_ui(ui, |ui| {
         for choice in Unit::ALL {
             ui.selectable_value(&mut unit, *choice, choice.name()).on_hover_text(choice.help());
         }
     });
-    by_unit.response.on_hover_text("How far the buttons step, and what follows each other while playing");
+    by_unit.response.on_hover_text("Unit of the step buttons and of playback");
     if ui.available_width() >= WIDTHS[1] {
         let name = |speed: f32| format!("{} /s", format::count(speed as u64));
         let by_speed = combo("scrub-speed", &name(speed), WIDTHS[1]).show_ui(ui, |ui| {
@@ -99,7 +99,7 @@ fn choices(ui: &mut Ui, Scrub { mut unit, mut speed, .. }: Scrub, commands: &mut
         });
         by_speed
             .response
-            .on_hover_text("Steps per second while playing, as far as the picture keeps up: else it skips some");
+            .on_hover_text("Playback speed in steps per second; steps are skipped if drawing cannot keep up");
     }
     if unit != unit_before {
         commands.push(Command::Scrub(Change::Unit(unit)));
@@ -111,10 +111,10 @@ fn choices(ui: &mut Ui, Scrub { mut unit, mut speed, .. }: Scrub, commands: &mut
 
 fn touching(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let button = Button::new(theme::icon(Icon::Crosshair)).selected(session.scrub.touching);
-    let name = "Only what touches the picked pixel";
+    let name = "Only steps at the picked pixel";
     let response =
         ui.add_enabled(session.pick.is_some(), button).on_disabled_hover_text("Pick a pixel first").on_hover_text(
-            format!("{name}: steps and playing go from one triangle or fragment at the picked pixel to the next  (Y)"),
+            format!("{name}: stepping and playback visit only the triangles or fragments at the picked pixel  (Y)"),
         );
     response.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, session.scrub.touching, name));
     if response.clicked() {
@@ -122,9 +122,9 @@ fn touching(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     }
 }
 
-/// How much is drawn, from the right end.
+/// Draws the number of drawn triangles, right-aligned.
 fn figures(ui: &mut Ui, session: &Session, known: Option<&Timeline>) {
-    /// Room for the triangles, and for the name of their object too, in points.
+    /// Minimum free widths for the number of triangles, and for the name of their object as well, in points.
     const ROOM: [f32; 2] = [150.0, 300.0];
     let (moment, all) = (session.moment(), session.triangle_count());
     let room = ui.available_width();
@@ -135,13 +135,13 @@ fn figures(ui: &mut Ui, session: &Session, known: Option<&Timeline>) {
     if session.triangle_limit.is_some() && !session.state.recipe.antialias.is_off() {
         let note = RichText::new("1 sample").color(tokens(ui).text_weak);
         ui.label(note).on_hover_text(
-            "Before the last triangle each pixel shows the sample at its centre alone, not the mean of several",
+            "Before the last triangle, each pixel shows only the sample at its centre, not the mean of several",
         );
     }
     let instance = known.and_then(|known| known.instance_at(moment)).filter(|_| room >= ROOM[1]);
     if let Some(object) = instance.and_then(|instance| session.scene.instances.get(instance as usize)) {
         let name = RichText::new(&object.name).color(tokens(ui).text_weak);
-        ui.add(egui::Label::new(name).truncate()).on_hover_text("The object that the last of them belongs to");
+        ui.add(egui::Label::new(name).truncate()).on_hover_text("Object of the last triangle drawn");
     }
 }
 
@@ -149,9 +149,10 @@ fn triangles(ui: &mut Ui, session: &Session, known: Option<&Arc<Timeline>>, widt
     let all = session.triangle_count();
     let mut drawn = session.moment().triangles.min(all);
     ui.spacing_mut().slider_width = width.floor();
-    let slider = ui
-        .add_enabled(all > 0, Slider::new(&mut drawn, 0..=all).show_value(false))
-        .on_hover_text("Triangles drawn, in the order in which they are rasterized. Ticks are those at the picked pixel: green were written, red rejected");
+    let slider = ui.add_enabled(all > 0, Slider::new(&mut drawn, 0..=all).show_value(false)).on_hover_text(
+        "Triangles drawn, in rasterization order. Ticks mark those at the picked pixel: green were \
+                        written, red rejected",
+    );
     slider.widget_info(|| WidgetInfo::slider(true, drawn as f64, "Triangles drawn"));
     if slider.changed() {
         commands.push(Command::Scrub(Change::Go(Moment::after(drawn))));
@@ -166,7 +167,7 @@ fn fragments(ui: &mut Ui, session: &Session, known: Option<&Timeline>, width: f3
     let all = known.map_or(0, |known| known.fragments[0]);
     let mut drawn = moment.fragments.unwrap_or(all).min(all);
     let text = format!("{} / {}", format::count(drawn as u64), format::count(all as u64));
-    /// Room for the numbers, in points; without them where the slider would be shorter than half of that.
+    /// Width of the numbers, in points. They are dropped if the slider would be shorter than half of it.
     const NUMBERS: f32 = 122.0;
     let has_numbers = width >= 1.5 * NUMBERS;
     ui.spacing_mut().slider_width = (if has_numbers { width - NUMBERS - space::M } else { width }).floor();
@@ -175,7 +176,7 @@ fn fragments(ui: &mut Ui, session: &Session, known: Option<&Timeline>, width: f3
         .add_enabled(is_known, Slider::new(&mut drawn, 0..=all.max(1)).show_value(false))
         .on_hover_text("Fragments drawn of the last triangle, in the order in which the rasterizer finds them")
         .on_disabled_hover_text(
-            "Move the slider of triangles first: this one goes through the fragments of the last triangle drawn",
+            "Move the triangle slider first: this one steps through the fragments of the last triangle drawn",
         );
     slider.widget_info(|| WidgetInfo::slider(is_known, drawn as f64, "Fragments drawn"));
     if slider.changed() {
@@ -193,9 +194,10 @@ fn fragments(ui: &mut Ui, session: &Session, known: Option<&Timeline>, width: f3
     }
 }
 
-/// A tick for each fragment at the picked pixel.
+/// Draws a tick for each fragment at the picked pixel.
 fn ticks(ui: &Ui, slider: &Response, timeline: &Timeline) {
-    /// As far as the toolkit keeps the middle of a round handle from the ends.
+    /// Distance that egui keeps between the centre of a round handle and the slider's ends, as a share of the slider's
+    /// height.
     const HANDLE_RADIUS: f32 = 1.0 / 2.5;
     const LENGTH: f32 = 5.0;
     let rect = slider.rect;
@@ -205,7 +207,8 @@ fn ticks(ui: &Ui, slider: &Response, timeline: &Timeline) {
     for touch in timeline.touches.iter().step_by(each) {
         let x = range.min + range.span() * touch.moment.triangles as f32 / all;
         let color: Color32 = if touch.written { tokens(ui).passed } else { tokens(ui).rejected };
-        // What was written rises, what was rejected hangs: colour alone says nothing.
+        // Ticks of written fragments are at the top, those of rejected ones at the bottom: colour alone would not
+        // suffice.
         let (from, to) =
             if touch.written { (rect.top(), rect.top() + LENGTH) } else { (rect.bottom() - LENGTH, rect.bottom()) };
         let tick = Rect::from_min_max(pos2(x, from), pos2(x, to)).expand2(vec2(0.75, 0.0));

@@ -1,33 +1,33 @@
-//! Messages: a list of all, and the bar for what did not work.
+//! Log of all messages, and the bar for errors.
 
 use super::Session;
 use crate::text;
 
-/// Lines kept in the log.
+/// Maximum number of lines in the log.
 const LOG_LINES: usize = 500;
 
-/// One line of the log.
+/// Line of the log.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LogLine {
-    /// How grave.
+    /// Severity.
     pub level: Level,
-    /// What happened.
+    /// Message text, one line.
     pub text: String,
 }
 
-/// How grave a message is.
+/// Severity of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Level {
-    /// Good to know.
+    /// Information.
     Info,
-    /// Something was left out or repaired.
+    /// Warning: something was skipped or repaired.
     Warning,
-    /// Something did not work.
+    /// Error: an operation failed.
     Error,
 }
 
 impl Session {
-    /// Writes a line into the log; errors also into the bar above the canvas.
+    /// Appends a line to the log; errors also appear in the bar above the canvas.
     pub fn report(&mut self, level: Level, text: impl Into<String>) {
         let text = text::one_line(&text.into());
         if level == Level::Error {

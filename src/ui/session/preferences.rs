@@ -1,4 +1,4 @@
-//! What is kept between runs.
+//! Preferences that persist between runs.
 
 use std::path::PathBuf;
 
@@ -15,19 +15,19 @@ use crate::scene::Camera;
 use crate::ui::place::Bookmark;
 use crate::ui::watch;
 
-/// How large the picture is.
+/// Size of the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PictureSize {
-    /// As large as the canvas, one picture pixel on each screen pixel.
+    /// Size of the canvas, with one picture pixel per screen pixel.
     #[default]
     Canvas,
-    /// Fixed, in px.
+    /// Fixed width and height, in pixels.
     Fixed(u32, u32),
 }
 
 impl PictureSize {
-    /// This size, or that of the canvas if no picture may be that large.
+    /// Returns this size, or [`Self::Canvas`] if it is not a valid picture size.
     pub fn checked(self) -> Self {
         match self {
             Self::Fixed(width, height) if Viewport { width, height }.check().is_err() => Self::Canvas,
@@ -36,19 +36,19 @@ impl PictureSize {
     }
 }
 
-/// What the pointer does on the canvas.
+/// Pointer mode of the canvas.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PointerMode {
-    /// Drag moves the picture, wheel enlarges it.
+    /// Dragging pans the picture, the wheel zooms.
     #[default]
     Inspect,
-    /// Drag turns the scene, wheel comes closer, W A S D fly.
+    /// Dragging orbits the camera, the wheel dollies, W A S D fly.
     Camera,
 }
 
 impl PointerMode {
-    /// The mode that is not this one.
+    /// Returns the other mode.
     pub fn other(self) -> Self {
         match self {
             Self::Inspect => Self::Camera,
@@ -65,7 +65,8 @@ pub struct WindowState {
     pub light_theme: bool,
     /// Interface scale; 0 means 1.
     pub scale: f32,
-    /// Width and height of the window while it is not maximized, in points of interface scale 1; `None` means the default size.
+    /// Width and height of the window while it is not maximized, in points of interface scale 1; `None` means the
+    /// default size.
     pub window_size: Option<[f32; 2]>,
     /// Whether the window is maximized.
     pub maximized: bool,
@@ -85,38 +86,38 @@ impl WindowState {
     }
 }
 
-/// Kept between runs, as JSON. What cannot be read of it, because an older or newer program wrote it or somebody else, is left
-/// out by itself.
+/// Preferences, stored as JSON. Fields that cannot be read, because another version or program wrote them, are skipped
+/// one by one.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Preferences {
-    /// Last scene: the id of a built-in one, or a path.
+    /// Last scene: the id of a built-in scene, or a path.
     #[serde(serialize_with = "stored", deserialize_with = "restored")]
     pub source: Option<PathBuf>,
     /// Last recipe.
     pub recipe: Recipe,
-    /// Last view; the scene's own if none.
+    /// Last camera; `None` means the scene's own.
     pub camera: Option<Camera>,
     /// Last picture size.
     pub size: PictureSize,
-    /// Files opened, newest first.
+    /// Recently opened files, newest first.
     #[serde(serialize_with = "all_stored", deserialize_with = "all_restored")]
     pub recent: Vec<PathBuf>,
-    /// Whether the first hint was closed.
+    /// Whether the first hint has been closed.
     pub hint_closed: bool,
     /// State of the window itself.
     #[serde(flatten)]
     pub window: WindowState,
-    /// Places that were kept.
+    /// Bookmarked places.
     #[serde(deserialize_with = "the_readable")]
     pub bookmarks: Vec<Bookmark>,
-    /// Pixels that are watched.
+    /// Watched pixels, as column and row.
     #[serde(deserialize_with = "the_readable")]
     pub watched: Vec<(u32, u32)>,
 }
 
 impl Preferences {
-    /// From what was stored, but for what cannot be read of it.
+    /// Parses stored preferences, skipping what cannot be read.
     pub fn read(stored: &str) -> Self {
         Self::read_checked(stored).0
     }
@@ -124,14 +125,14 @@ impl Preferences {
     /// Like [`Self::read`]; also returns whether everything was read.
     pub fn read_checked(stored: &str) -> (Self, bool) {
         let Ok(fields) = serde_json::from_str::<Map<String, Value>>(stored) else { return Default::default() };
-        // A number too large for its type is read as infinite, which cannot be written.
+        // A number too large for its type is read as infinity, which cannot be written.
         let can_be_read = |(key, value): &(String, Value)| {
             let read = Self::deserialize(json!({ key: value })).and_then(serde_json::to_value);
             read.is_ok_and(|again| Self::deserialize(json!({ key: again[key] })).is_ok())
         };
         let (readable, others): (Map<_, _>, Map<_, _>) = fields.into_iter().partition(can_be_read);
         let read: Self = serde_json::from_value(readable.clone().into()).unwrap_or_default();
-        // Unknown fields and list items that were left out are missing when it is written again.
+        // Unknown fields and skipped list items are missing when the result is written again.
         let again = serde_json::to_value(&read).unwrap_or_default();
         let is_kept = |(key, value): (&String, &Value)| {
             let length = |value: &Value| value.as_array().map(Vec::len);
@@ -141,8 +142,8 @@ impl Preferences {
         (read, is_complete)
     }
 
-    /// Returns `theirs` with the changes that lead from `base` to these: lists are merged item by item, and of everything
-    /// else what was changed here replaces theirs.
+    /// Returns `theirs` with the changes that lead from `base` to `self`. Lists are merged item by item; other fields
+    /// changed in `self` replace those of `theirs`.
     pub fn merged(&self, base: &Self, theirs: &Self) -> Self {
         let mut recent = self.recent.clone();
         let others = theirs.recent.iter().filter(|path| !self.recent.contains(path) && !base.recent.contains(path));
@@ -163,9 +164,9 @@ impl Preferences {
         }
     }
 
-    /// As it is stored.
+    /// Serializes the preferences as JSON.
     pub fn write(&self) -> String {
-        // Nothing in it can fail to be written: its maps have names, and what is not finite becomes null.
+        // Serialization cannot fail: map keys are strings, and non-finite numbers become null.
         serde_json::to_string(self).unwrap_or_default()
     }
 }
@@ -175,7 +176,7 @@ fn latest<T: PartialEq + Clone>(mine: &T, base: &T, theirs: &T) -> T {
     if mine == base { theirs.clone() } else { mine.clone() }
 }
 
-/// Returns `theirs` without the items that `mine` lost since `base`, and with those that it gained.
+/// Returns `theirs` without the items removed from `mine` since `base`, and with the items added to it.
 fn merged_list<T: PartialEq + Clone>(mine: &[T], base: &[T], theirs: &[T]) -> Vec<T> {
     if theirs == base {
         return mine.to_vec();
@@ -201,7 +202,7 @@ fn all_restored<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<PathBuf>, D::E
     Ok(the_readable::<D, StoredPath>(from)?.into_iter().map(|path| path.0).collect())
 }
 
-/// Returns the items of a list that can be read, and written again.
+/// Deserializes a list, skipping items that cannot be read and written again.
 fn the_readable<'de, D: Deserializer<'de>, T: DeserializeOwned + Serialize>(from: D) -> Result<Vec<T>, D::Error> {
     let items = Vec::<Value>::deserialize(from)?;
     let read = |item: Value| {
@@ -213,9 +214,9 @@ fn the_readable<'de, D: Deserializer<'de>, T: DeserializeOwned + Serialize>(from
 }
 
 impl Session {
-    /// Returns what is kept between runs.
+    /// Returns the preferences to store.
     pub fn preferences(&self, window: &WindowState) -> Preferences {
-        // A scene that is still loading is where the window is going.
+        // A scene that is still loading is the one to restore.
         let Place { scene, camera, mirrored, .. } = self.places.pending.clone().unwrap_or_else(|| self.place());
         Preferences {
             source: Some(scene),

@@ -12,7 +12,7 @@ fn session() -> Session {
     Session::new(Arc::new(scene), source, Recipe::default(), home)
 }
 
-/// A bookmark of the default scene.
+/// Returns a bookmark of the default scene.
 pub(in crate::ui) fn bookmark(name: &str) -> Bookmark {
     Bookmark { name: name.to_owned(), place: session().place() }
 }

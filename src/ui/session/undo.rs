@@ -1,32 +1,32 @@
-//! Steps back and forward through settings, view and size.
+//! Undo and redo of settings, camera and picture size.
 
 use super::{PictureSize, Session};
 use crate::chain::Recipe;
 use crate::scene::Camera;
 use crate::ui::compare::Tiles;
 
-/// Steps that can be undone.
+/// Maximum number of undo steps.
 const UNDO_STEPS: usize = 200;
 
-/// Camera moves closer in time than this are one step of undo: wheel notches, flying.
+/// Maximum time between camera moves that form one undo step, in seconds, such as wheel notches or flying.
 const ONE_MOVE_SECONDS: f64 = 0.6;
 
-/// Everything that undo covers.
+/// State covered by undo.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Undoable {
-    /// How the scene is drawn.
+    /// Recipe of the picture.
     pub recipe: Recipe,
-    /// From where.
+    /// Camera of the picture.
     pub camera: Camera,
-    /// How large.
+    /// Size of the picture.
     pub size: PictureSize,
-    /// The pictures that are compared with the one that is drawn by `recipe`.
+    /// Tiles that are compared with the picture drawn by `recipe`.
     pub tiles: Tiles,
 }
 
 impl Session {
-    /// Makes what changed since the last call one step of undo; `now` in seconds. Call it when no change is under way,
-    /// such as a slider being dragged. Moves of the camera that follow each other closely are one step.
+    /// Turns the changes since the last call into one undo step; `now` in seconds. Must not be called while a change is
+    /// in progress, such as a slider being dragged. Camera moves in quick succession form one step.
     pub fn settle(&mut self, now: f64) {
         self.note_visit(now);
         self.state.tiles.store(self.state.recipe);
@@ -35,7 +35,7 @@ impl Session {
         }
         let only_camera = Undoable { camera: self.settled.camera, ..self.state.clone() } == self.settled;
         let goes_on = only_camera && now - self.camera_moved_at < ONE_MOVE_SECONDS;
-        // A move that follows another setting is no part of that step.
+        // A camera move after another change starts a new step.
         self.camera_moved_at = if only_camera { now } else { f64::NEG_INFINITY };
         if !goes_on {
             if self.undo.len() == UNDO_STEPS {
@@ -48,17 +48,17 @@ impl Session {
         self.settled = self.state.clone();
     }
 
-    /// Takes the present state as the one that undo ends at.
+    /// Adopts the current state without adding an undo step.
     pub fn settle_silently(&mut self) {
         self.settled = self.state.clone();
     }
 
-    /// Whether there is something to undo.
+    /// Whether there is a step to undo.
     pub fn can_undo(&self) -> bool {
         !self.undo.is_empty()
     }
 
-    /// Whether there is something to redo.
+    /// Whether there is a step to redo.
     pub fn can_redo(&self) -> bool {
         !self.redo.is_empty()
     }

@@ -13,13 +13,13 @@ fn linear(color: Color32) -> Vec3 {
     vec3(color.r(), color.g(), color.b())
 }
 
-/// Contrast of two colours as the Web Content Accessibility Guidelines define it, 1 to 21.
+/// Returns the contrast ratio of two colours as defined by the Web Content Accessibility Guidelines, from 1 to 21.
 fn contrast(a: Color32, b: Color32) -> f32 {
     let [a, b] = [a, b].map(|color| linear(color).dot(vec3(0.2126, 0.7152, 0.0722)) + 0.05);
     a.max(b) / a.min(b)
 }
 
-/// Distance in Oklab, where 0.02 is just noticeable side by side.
+/// Returns the distance of two linear colours in Oklab, where 0.02 is just noticeable side by side.
 fn oklab_distance(a: Vec3, b: Vec3) -> f32 {
     let lms = mat3(
         vec3(0.412_221_46, 0.211_903_5, 0.088_302_46),
@@ -35,7 +35,8 @@ fn oklab_distance(a: Vec3, b: Vec3) -> f32 {
     a.distance(b)
 }
 
-/// Linear colours as seen with complete protanopia and deuteranopia (Machado, Oliveira and Fernandes 2009).
+/// Returns the matrices that simulate complete protanopia and deuteranopia on linear colours (Machado, Oliveira and
+/// Fernandes 2009).
 fn colour_blindness() -> [Mat3; 2] {
     [
         mat3(

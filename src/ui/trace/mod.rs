@@ -1,5 +1,5 @@
-//! The arithmetic of one fragment as a table that can be stepped through: forward and back, from stage to stage, and to the
-//! next line that is worth stopping at.
+//! The arithmetic of one fragment as a table. Steps move by line, by stage, or to the next flagged line, in both
+//! directions.
 
 pub mod panel;
 
@@ -13,24 +13,25 @@ use crate::chain::Frame;
 use crate::inspect::trace::{Direction, Notable, Trace, TraceStage};
 use crate::inspect::{PixelReport, trace};
 
-/// What the table shows, and where in it one is.
+/// State of the table.
 #[derive(Debug, Default)]
 pub struct TraceView {
-    /// The trace, and what it is of.
+    /// Trace, and the inputs it was made from.
     made: Option<Made>,
-    /// Lines of the present trace whose value is not that of the trace before: of another pixel, recipe or view.
+    /// Whether each line of the trace has another value than in the previous trace, made for another pixel, recipe or
+    /// view.
     changed: Vec<bool>,
-    /// The chosen fragment; the one that the pixel shows if none is chosen.
+    /// Index of the selected fragment; `None` means the visible one.
     fragment: Option<usize>,
-    /// The current line.
+    /// Index of the current line.
     pub line: usize,
-    /// Only lines with these letters are listed.
+    /// Filter: only lines that contain this text are listed.
     pub filter: String,
-    /// Counts the steps, so that the table can follow them.
+    /// Number of steps so far; lets the table scroll after a step.
     pub steps: u64,
 }
 
-/// A trace and what it was made of.
+/// Trace, and the inputs it was made from.
 #[derive(Debug)]
 struct Made {
     frame: Arc<Frame>,
@@ -39,50 +40,51 @@ struct Made {
 }
 
 impl Made {
-    /// Whether it is of the pixel that the view tells about. Another buffer of the same frame changes nothing.
+    /// Whether the trace describes the picked pixel of a view. Showing another buffer of the same frame keeps it valid.
     fn is_of(&self, view: &View) -> bool {
         let same = |report: &Arc<PixelReport>| Arc::ptr_eq(report, &self.report) || **report == *self.report;
         Arc::ptr_eq(&self.frame, &view.frame) && view.report.as_ref().is_some_and(same)
     }
 }
 
-/// A change of what the table shows.
+/// Change of the table.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Change {
-    /// Trace what is picked now.
+    /// Traces the picked pixel.
     Renew,
-    /// Go to this line.
+    /// Goes to this line.
     Line(usize),
-    /// Go so many lines forward, or back.
+    /// Moves by this many lines, backwards if negative.
     Step(i64),
-    /// Go to the next line with such a flag, or with any.
+    /// Goes to the next line with this flag, or with any flag, in a direction.
     Run(Option<Notable>, Direction),
-    /// Go to the next stage.
+    /// Goes to the next stage in a direction.
     Stage(Direction),
-    /// Trace this fragment.
+    /// Traces this fragment.
     Fragment(usize),
-    /// List only lines with these letters.
+    /// Sets the filter of the listed lines.
     Filter(String),
 }
 
 impl TraceView {
-    /// The trace, if it is that of the pixel that the view tells about.
+    /// Returns the trace if it describes the picked pixel of `view`.
     pub fn trace(&self, view: Option<&View>) -> Option<&Arc<Trace>> {
         let view = view?;
         self.made.as_ref().filter(|made| made.is_of(view)).map(|made| &made.trace)
     }
 
-    /// The last trace, whatever it is of: it stays on screen until the next one is there.
+    /// Returns the last trace, even if it is outdated: it stays on screen until the next one is ready.
     pub fn latest(&self) -> Option<&Arc<Trace>> {
         self.made.as_ref().map(|made| &made.trace)
     }
 
-    /// Whether the value of a line is not that of the trace before: what changed from pixel to pixel, or with a setting.
+    /// Whether the value of a line differs from that in the previous trace.
     pub fn is_changed(&self, line: usize) -> bool {
         self.changed.get(line).copied().unwrap_or(false)
     }
 
-    /// Applies a change. Returns it if it moved through the table or chose a fragment: the table is then worth being seen.
+    /// Applies a change. Returns it if it stepped through the table or selected a fragment; the table should then be
+    /// visible.
     pub fn apply(&mut self, change: Change, view: Option<&View>) -> Option<Change> {
         if self.trace(view).is_none() {
             self.renew(view);
@@ -115,7 +117,7 @@ impl TraceView {
         Some(change)
     }
 
-    /// Traces what the view tells about. The same line stays the current one, as far as there is such a line.
+    /// Traces the picked pixel of a view. The current line stays the same if the new trace has it.
     fn renew(&mut self, view: Option<&View>) {
         let Some((view, report)) = view.and_then(|view| Some((view, view.report.as_ref()?))) else { return };
         let last = self.made.take();
@@ -132,7 +134,8 @@ impl TraceView {
     }
 }
 
-/// Each name as often as it occurs, numbered, so that lines of two traces can be told to be the same one.
+/// Returns a unique name for each line: stage, name, and the number of its occurrence. Equal names identify
+/// corresponding lines of two traces.
 fn names(trace: &Trace) -> impl Iterator<Item = (TraceStage, &str, usize)> {
     let mut seen: HashMap<(TraceStage, &str), usize> = HashMap::new();
     trace.lines.iter().map(move |line| {
@@ -142,7 +145,7 @@ fn names(trace: &Trace) -> impl Iterator<Item = (TraceStage, &str, usize)> {
     })
 }
 
-/// Which lines of a trace have another value than the same line of the trace before.
+/// Returns for each line whether its value differs from that of the same line in the last trace.
 fn changes(last: &Trace, trace: &Trace) -> Vec<bool> {
     let known: HashMap<_, &trace::TraceLine> = names(last).zip(&last.lines).collect();
     let differs = |(name, line): (_, &trace::TraceLine)| known.get(&name).is_none_or(|old| !is_same(old, line));
@@ -156,7 +159,7 @@ fn is_same(old: &trace::TraceLine, new: &trace::TraceLine) -> bool {
     }
 }
 
-/// The line of a trace that stands for one of the trace before.
+/// Returns the line of `trace` that corresponds to a line of the last trace.
 fn counterpart(last: &Trace, line: usize, trace: &Trace) -> usize {
     let name = names(last).nth(line);
     let same = name.and_then(|name| names(trace).position(|other| other == name));

@@ -1,4 +1,4 @@
-//! The tab: buttons, the current line in full, and the table of all lines.
+//! The “Arithmetic” tab: buttons, the current line in full, and the table of all lines.
 
 use eframe::egui::style::ScrollAnimation;
 use eframe::egui::{self, Align, Color32, Rect, RichText, ScrollArea, TextEdit, Ui, vec2};
@@ -15,38 +15,38 @@ use crate::ui::widgets::{combo, copy_button, empty_state, icon_button};
 /// Height of a row, in points.
 pub(super) const ROW: f32 = 19.0;
 
-/// Draws the buttons before the current line.
+/// Draws the buttons above the current line.
 fn controls(ui: &mut Ui, trace: &Trace, session: &Session, commands: &mut Vec<Command>) {
     let mut push = |change| commands.push(Command::Trace(change));
     for (icon, name, change) in [
-        (Icon::ChevronFirst, "The stage before  (Shift+F11)", Change::Stage(Direction::Back)),
-        (Icon::StepBack, "One line back  (Shift+F10)", Change::Step(-1)),
-        (Icon::StepForward, "One line forward  (F10)", Change::Step(1)),
-        (Icon::ChevronLast, "The next stage  (F11)", Change::Stage(Direction::Forward)),
+        (Icon::ChevronFirst, "Previous stage  (Shift+F11)", Change::Stage(Direction::Back)),
+        (Icon::StepBack, "Previous line  (Shift+F10)", Change::Step(-1)),
+        (Icon::StepForward, "Next line  (F10)", Change::Step(1)),
+        (Icon::ChevronLast, "Next stage  (F11)", Change::Stage(Direction::Forward)),
     ] {
         if icon_button(ui, icon, name).clicked() {
             push(change);
         }
     }
     for (kind, word) in [
-        (None, "Next notable"),
+        (None, "Next flagged"),
         (Some(Notable::NotFinite), "NaN"),
         (Some(Notable::Tie), "Tie"),
         (Some(Notable::DepthEqual), "Equal depth"),
         (Some(Notable::Cancellation), "Cancellation"),
     ] {
         let place = trace.next(session.trace.line, kind, Direction::Forward);
-        let help = kind.map_or("Runs to the next line with any flag  (F5, back Shift+F5)", Notable::help);
+        let help = kind.map_or("Goes to the next line with any flag  (F5; previous: Shift+F5)", Notable::help);
         let button = egui::Button::new(word);
         let response = ui.add_enabled(place.is_some(), button).on_hover_text(help);
-        if response.on_disabled_hover_text("No such line follows").clicked() {
+        if response.on_disabled_hover_text("No later line has this flag").clicked() {
             push(Change::Run(kind, Direction::Forward));
         }
     }
     fragments(ui, trace, &mut push);
     let mut filter = session.trace.filter.clone();
     let field = TextEdit::singleline(&mut filter).hint_text("Filter").desired_width(90.0);
-    if ui.add(field).on_hover_text("List only lines with these letters in name, formula or stage").changed() {
+    if ui.add(field).on_hover_text("Lists only lines whose name, formula, stage or flag contains this text").changed() {
         push(Change::Filter(filter));
     }
     copy_button(ui, "the trace as text", || trace.to_string());
@@ -63,16 +63,16 @@ fn fragments(ui: &mut Ui, trace: &Trace, push: &mut impl FnMut(Change)) {
             }
         })
         .response
-        .on_hover_text("Which of the triangles at this pixel is written out, in drawing order");
+        .on_hover_text("The fragment to trace, in drawing order");
     if chosen != now {
         push(Change::Fragment(chosen));
     }
 }
 
-/// Draws the table.
+/// Draws the content of the tab.
 pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if !is_picked(session) {
-        let how = "Click a pixel of the picture: here stands every step of its arithmetic, with what it rounded.";
+        let how = "Click a pixel of the picture to list every step of its arithmetic, with the rounding of each step.";
         empty_state(ui, Icon::ScanSearch, "No pixel is picked", how);
         return;
     }
@@ -109,7 +109,7 @@ fn is_picked(session: &Session) -> bool {
     session.view.as_ref().is_some_and(|view| view.report.is_some())
 }
 
-/// The lines that are listed.
+/// Returns the indices of the lines that match the filter.
 fn listed(trace: &Trace, filter: &str) -> Vec<usize> {
     let wanted = filter.trim().to_lowercase();
     let has = |text: &str| text.to_lowercase().contains(&wanted);
@@ -123,7 +123,7 @@ fn listed(trace: &Trace, filter: &str) -> Vec<usize> {
     (0..trace.lines.len()).filter(|place| is_listed(&trace.lines[*place])).collect()
 }
 
-/// The row of the current line, if it became that by a step since the table was drawn last: it is brought into the middle.
+/// Returns the row of the current line if a step has moved to it since the last pass, to scroll it into the middle.
 fn row_after_step(ui: &Ui, table: &TraceView, listed: &[usize]) -> Option<usize> {
     let id = egui::Id::unique("steps of the trace");
     let seen: u64 = ui.data(|data| data.get_temp(id)).unwrap_or(0);
@@ -131,11 +131,11 @@ fn row_after_step(ui: &Ui, table: &TraceView, listed: &[usize]) -> Option<usize>
     listed.iter().position(|place| *place == table.line).filter(|_| seen != table.steps)
 }
 
-/// The current line: its place, its value, and what that should be.
+/// Draws the current line: its index, its value, and the exact value.
 fn current_line(ui: &mut Ui, trace: &Trace, table: &TraceView) {
     let Some(line) = trace.lines.get(table.line) else { return };
     let place = format!("{} of {}", table.line + 1, trace.lines.len());
-    let of = if line.aside { ", which the pipeline never computes" } else { "" };
+    let of = if line.aside { " (not computed by the pipeline)" } else { "" };
     let exact = line.exact.as_ref().map_or_else(String::new, |exact| {
         let fraction = exact.fraction.as_ref().map_or_else(String::new, |fraction| format!(" = {fraction}"));
         format!("   exactly {}{fraction}", exact.decimal)
@@ -144,7 +144,7 @@ fn current_line(ui: &mut Ui, trace: &Trace, table: &TraceView) {
     line_of_text(ui, text, tokens(ui).text_strong);
 }
 
-/// The formula of the current line with the numbers put in.
+/// Draws the formula of the current line, with its numbers substituted.
 fn current_formula(ui: &mut Ui, trace: &Trace, table: &TraceView) {
     let Some(line) = trace.lines.get(table.line) else { return };
     let numbers = if line.numbers.is_empty() { String::new() } else { format!(" = {}", line.numbers) };

@@ -1,4 +1,4 @@
-//! The table of all lines: its columns, and one row.
+//! The table of all lines: columns and rows.
 
 use eframe::egui::{Align2, Color32, FontId, Rect, RichText, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 
@@ -10,7 +10,7 @@ use crate::ui::command::Command;
 use crate::ui::engine::Shown;
 use crate::ui::theme::{Icon, font_size, paint_icon, tokens};
 
-/// Widths of the columns, in points; the formula has what is left.
+/// Widths of the columns, in points; the formula takes the rest.
 const STAGE: f32 = 72.0;
 const WHAT: f32 = 186.0;
 const VALUE: f32 = 172.0;
@@ -19,10 +19,10 @@ const EXACT: f32 = 196.0;
 const ROUNDING: f32 = 104.0;
 const SHOW: f32 = 26.0;
 
-/// The formula needs so much, else the columns of bits and of the exact value give way to it.
+/// Minimum width of the formula, in points; the columns of bits and exact values are dropped to keep it.
 const LEAST_FORMULA: f32 = 170.0;
 
-/// Where columns stand, in points from the left.
+/// Positions of the columns, in points from the left edge of the table.
 pub(super) struct Columns {
     formula: f32,
     value: f32,
@@ -33,9 +33,9 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    /// For a table of this width: bits, then the exact value, give way where there is no room.
+    /// Computes the columns of a table of `width` points. In a narrow table bits are dropped first, then exact values.
     pub(super) fn of(width: f32) -> Self {
-        /// The scroll bar covers the end of the rows.
+        /// Width of the scroll bar, in points, which covers the end of the rows.
         const BAR: f32 = 12.0;
         let fixed = STAGE + WHAT + VALUE + ROUNDING + SHOW + BAR;
         let (mut bits, mut exact) = (BITS, EXACT);
@@ -59,7 +59,7 @@ impl Columns {
     }
 }
 
-/// The names of the columns.
+/// Draws the column names.
 pub(super) fn headings(ui: &mut Ui, columns: &Columns) {
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
     let color = tokens(ui).text_weak;
@@ -71,19 +71,19 @@ pub(super) fn headings(ui: &mut Ui, columns: &Columns) {
         ui.painter().text(rect.left_center() + vec2(x - 8.0, 0.0), Align2::RIGHT_CENTER, text, font.clone(), color);
     };
     left(0.0, "Stage");
-    left(STAGE, "What");
+    left(STAGE, "Quantity");
     left(columns.formula, "Formula");
     right(columns.value + VALUE, "Value");
     if let Some(bits) = columns.bits {
         left(bits, "Bits");
     }
     if let Some(exact) = columns.exact {
-        left(exact, "Exactly");
+        left(exact, "Exact");
     }
     right(columns.rounding + ROUNDING, "Rounding");
 }
 
-/// One line.
+/// Draws the row of one line of the trace.
 pub(super) fn table_row(
     ui: &mut Ui,
     (trace, place): (&Trace, usize),
@@ -113,7 +113,7 @@ pub(super) fn table_row(
     }
 }
 
-/// The texts of a row, each cut at the end of its column.
+/// Draws the texts of a row, each clipped to its column.
 fn cells(ui: &Ui, line: &TraceLine, (rect, columns): (Rect, &Columns), is_changed: bool) {
     let tokens = tokens(ui);
     let quiet = if line.aside { tokens.text_weak } else { tokens.text };
@@ -164,7 +164,7 @@ fn cells(ui: &Ui, line: &TraceLine, (rect, columns): (Rect, &Columns), is_change
     }
 }
 
-/// Everything about a line.
+/// Draws the tooltip with all details of a line.
 fn explain(ui: &mut Ui, line: &TraceLine, is_changed: bool) {
     ui.label(RichText::new(&line.what).strong());
     ui.label(&line.formula);
@@ -185,14 +185,14 @@ fn explain(ui: &mut Ui, line: &TraceLine, is_changed: bool) {
         ui.label(format!("{}: {}", flag.words(), flag.kind.help()));
     }
     if is_changed {
-        ui.label("The dot: this is not the value of the trace that was shown before.");
+        ui.label("Dot: the value differs from that in the previous trace.");
     }
     if line.aside {
-        ui.label("The pipeline never computes this: it is here to help reading.");
+        ui.label("Not computed by the pipeline: shown as an aid to reading.");
     }
 }
 
-/// A button that shows a number of the line all over the picture, or the colours again.
+/// Draws a button that shows the line's number for the whole picture, or the colours again.
 fn show_button(ui: &mut Ui, place: Rect, wanted: Shown, shown: Shown, commands: &mut Vec<Command>) {
     let id = ui.scope_id().with(("show", place.min.y as i64));
     let response = ui.interact(place, id, Sense::click());
@@ -206,7 +206,7 @@ fn show_button(ui: &mut Ui, place: Rect, wanted: Shown, shown: Shown, commands: 
     let name = if is_shown {
         "Show the colours again".to_owned()
     } else {
-        format!("Show “{}” all over the picture", wanted.name())
+        format!("Show “{}” for the whole picture", wanted.name())
     };
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
     if response.on_hover_text(name).clicked() {

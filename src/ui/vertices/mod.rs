@@ -1,4 +1,5 @@
-//! The vertices of the picked triangle, or of its whole object, at every stage; one of them can be followed in the picture.
+//! The vertices of the picked triangle or of its whole object at every stage. One vertex can be followed in the
+//! picture.
 
 mod panel;
 
@@ -12,26 +13,26 @@ use crate::scene::TriangleId;
 
 pub use panel::{controls, ui};
 
-/// What of the vertices is shown.
+/// Settings of the vertex table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Vertices {
-    /// All vertices of the object, rather than those of the triangle.
+    /// Whether the table lists all vertices of the object, rather than those of the triangle.
     pub whole_object: bool,
-    /// Number of the object and of the vertex in its mesh.
+    /// Followed vertex: index of the object, and of the vertex in its mesh.
     pub selected: Option<(usize, u32)>,
 }
 
-/// A change of that.
+/// Change of the vertex table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Change {
-    /// Show the whole object, or the triangle alone.
+    /// Sets whether the table lists the whole object or the triangle alone.
     WholeObject(bool),
-    /// Follow this vertex of this object, or none.
+    /// Follows this vertex of this object, or none.
     Select(Option<(usize, u32)>),
 }
 
 impl Vertices {
-    /// Makes a change.
+    /// Applies a change.
     pub fn apply(&mut self, change: Change) {
         match change {
             Change::WholeObject(whole) => self.whole_object = whole,
@@ -40,7 +41,7 @@ impl Vertices {
     }
 }
 
-/// The triangle that was selected from outside, or else the one that the picked pixel shows.
+/// Returns the triangle selected in the outside view, or else the one visible at the picked pixel.
 pub fn picked_triangle(session: &Session) -> Option<TriangleId> {
     if let Some(selected) = session.mesh_view.selected(session.pick) {
         return Some(selected);
@@ -48,26 +49,26 @@ pub fn picked_triangle(session: &Session) -> Option<TriangleId> {
     Some(session.view.as_ref()?.report.as_ref()?.visible()?.triangle)
 }
 
-/// The number of the object that the picked triangle belongs to.
+/// Returns the index of the picked triangle's object.
 pub fn picked_object(session: &Session) -> Option<u32> {
     let (_, instance, _) = picked(session)?;
     u32::try_from(instance).ok()
 }
 
-/// The vertices of an object as the frame on screen has them.
+/// Returns the vertices of an object in the frame on screen.
 fn object(session: &Session, instance: usize) -> Option<ObjectVertices<'_>> {
     let view = session.view.as_ref()?;
     let request = &view.request;
     ObjectVertices::new(&request.scene, &request.camera, &request.recipe.pipeline, view.frame.viewport, instance)
 }
 
-/// The vertex that is followed, as the frame on screen has it.
+/// Returns the stages of the followed vertex in the frame on screen.
 pub fn followed(session: &Session) -> Option<VertexStages> {
     let (instance, index) = session.vertices.selected?;
     object(session, instance)?.stages(index)
 }
 
-/// The object of the picked triangle and the triangle's corners.
+/// Returns the picked triangle, the index of its object and its corners.
 fn picked(session: &Session) -> Option<(TriangleId, usize, [u32; 3])> {
     let triangle = picked_triangle(session)?;
     let (instance, corners) = corners_of(&session.view.as_ref()?.request.scene, triangle)?;
@@ -88,7 +89,7 @@ pub fn mark(ui: &Ui, painter: &Painter, placement: Placement, session: &Session)
 /// Radius of the mark, in points.
 const RING_POINTS: f32 = 5.0;
 
-/// A ring with the number of a vertex, seen on any ground.
+/// Draws a ring with the number of a vertex, visible on any background.
 pub fn ring(ui: &Ui, painter: &Painter, at: Pos2, index: u32) {
     let accent = tokens(ui).accent;
     painter.circle_stroke(at, RING_POINTS, Stroke::new(4.0, MARK_EDGE));

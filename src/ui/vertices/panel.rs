@@ -1,4 +1,4 @@
-//! The table: a row for each vertex, a group of columns for each stage.
+//! The table of vertices: a row for each vertex, a group of columns for each stage.
 
 use eframe::egui::{
     Align2, Color32, FontId, Rect, Response, RichText, Role, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2,
@@ -12,7 +12,7 @@ use crate::ui::session::Session;
 use crate::ui::theme::{Icon, RADIUS, ROW_HEIGHT, font_size, tokens};
 use crate::ui::widgets::{copy_button, empty_state};
 
-/// A group of columns.
+/// Group of columns.
 struct Group {
     name: &'static str,
     help: &'static str,
@@ -25,43 +25,45 @@ struct Group {
 const FULL: f32 = 96.0;
 
 const GROUPS: [Group; 11] = [
-    Group { name: "Vertex", help: "Its number in the mesh", columns: &["number"], width: 58.0 },
+    Group { name: "Vertex", help: "Number of the vertex in the mesh", columns: &["number"], width: 58.0 },
     Group { name: "Model", help: "Position in the mesh", columns: &["x", "y", "z"], width: FULL },
     Group {
         name: "Clip",
-        help: "After the one matrix of model, view and projection: what the pipeline computes, bit for bit",
+        help: "After the combined matrix of model, view and projection, bit for bit as the pipeline computes it",
         columns: &["x", "y", "z", "w"],
         width: FULL,
     },
     Group {
         name: "Outcode",
-        help: "The planes of the view that the vertex lies beyond; “inside” if none. The sides cut only where coordinates \
-               grow too large for the rasterizer",
+        help: "The planes of the view frustum that the vertex lies beyond; “inside” if none. Side planes clip only \
+               where coordinates become too large for the rasterizer",
         columns: &["beyond"],
         width: 92.0,
     },
     Group {
         name: "NDC",
-        help: "Divided by w: −1 … 1 across the picture, z is depth. Nothing where w is not positive: triangles are cut before",
+        help: "Divided by w: −1 … 1 across the picture, z is depth. Empty where w is not positive: triangles are \
+               clipped before the division",
         columns: &["x", "y", "z"],
         width: FULL,
     },
     Group { name: "Screen", help: "In pixels, y down, before snapping", columns: &["x px", "y px"], width: FULL },
     Group {
         name: "Snapped",
-        help: "On the grid of 1/256 px that coverage is decided on, as whole numbers of grid steps",
+        help: "On the grid of 1/256 px on which coverage is decided, in whole grid steps",
         columns: &["x /256", "y /256"],
         width: 74.0,
     },
     Group {
         name: "World",
-        help: "Model placed in the world. The pipeline does not stop here: it multiplies the matrices first",
+        help: "World-space position. Shown as an aid: the pipeline multiplies the matrices first",
         columns: &["x", "y", "z"],
         width: FULL,
     },
     Group {
         name: "View",
-        help: "Seen from the eye, which looks along −z. The pipeline does not stop here: it multiplies the matrices first",
+        help: "View-space position: the eye looks along −z. Shown as an aid: the pipeline multiplies the matrices \
+               first",
         columns: &["x", "y", "z"],
         width: FULL,
     },
@@ -77,14 +79,14 @@ const GROUPS: [Group; 11] = [
 /// Space between groups, in points.
 const GAP: f32 = 14.0;
 
-/// Rows that are copied at most: a table of more is a file, not a clipboard.
+/// Maximum number of copied rows; larger tables do not fit a clipboard.
 const COPIED_ROWS: u32 = 65_536;
 
 /// Draws the controls beside the tabs.
 pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let whole = session.vertices.whole_object;
     for (value, name, help) in [
-        (false, "Triangle", "The three corners of the triangle that the picked pixel shows"),
+        (false, "Triangle", "The three corners of the visible triangle at the picked pixel"),
         (true, "Whole object", "All vertices of the object that this triangle belongs to"),
     ] {
         if ui.selectable_label(whole == value, name).on_hover_text(help).clicked() {
@@ -103,7 +105,7 @@ pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 /// Draws the table.
 pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let Some((_, instance, corners)) = picked(session) else {
-        let how = "Pick a pixel that shows a triangle: its corners are followed from the mesh to the pixel grid.";
+        let how = "Pick a pixel that shows a triangle to list its corners from the mesh to the pixel grid.";
         empty_state(ui, Icon::Table, "No triangle is picked", how);
         return;
     };
@@ -133,11 +135,11 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     });
 }
 
-/// What sets a row apart.
+/// Highlights of a row.
 #[derive(Clone, Copy)]
 struct Marks {
     is_selected: bool,
-    /// Which corner of the picked triangle it is.
+    /// Corner of the picked triangle, 0 to 2, if the vertex is one.
     corner: Option<usize>,
 }
 
@@ -163,7 +165,7 @@ fn header(ui: &mut Ui, width: f32) {
 fn row(ui: &mut Ui, width: f32, stages: &VertexStages, marks: Marks) -> Response {
     let (rect, _) = ui.allocate_exact_size(vec2(width, ROW_HEIGHT - 4.0), Sense::hover());
     let name = format!("Vertex {}", stages.index);
-    // Its middle, where readers of the screen click, is to be one that is seen.
+    // The visible part only: screen readers click the middle of a widget, which must be visible.
     let seen = rect.intersect(ui.clip_rect());
     let response = ui.interact(seen, ui.scope_id().with(&name), Sense::click());
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, marks.is_selected, &name));
@@ -183,18 +185,18 @@ fn row(ui: &mut Ui, width: f32, stages: &VertexStages, marks: Marks) -> Response
             ui.painter().text(at, Align2::RIGHT_CENTER, &cell.text, mono.clone(), cell.color(ui));
         }
         if let Some(corner) = marks.corner.filter(|_| place == 0) {
-            // The same colour as the corner's weight in the inspector.
+            // Same colour as the corner's weight in the inspector.
             let color = crate::ui::theme::WEIGHTS[corner];
             ui.painter().circle_filled(pos2(rect.left() + 5.0, rect.center().y), 3.5, color);
         }
         left += GAP;
     }
-    let follow = if marks.is_selected { "Follow it no longer" } else { "Follow this vertex in the picture" };
+    let follow = if marks.is_selected { "Stop following this vertex" } else { "Follow this vertex in the picture" };
     let corner = marks.corner.map_or(String::new(), |corner| format!(" Corner {corner} of the picked triangle."));
     response.on_hover_text(format!("{follow}.{corner}"))
 }
 
-/// One number of the table.
+/// Cell of the table.
 struct Cell {
     text: String,
     kind: Kind,
@@ -203,11 +205,11 @@ struct Cell {
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Plain,
-    /// Neither finite nor absent.
+    /// NaN or infinite number.
     NotFinite,
-    /// There is no such number.
+    /// Missing number.
     Absent,
-    /// The vertex lies beyond a plane.
+    /// Clip planes that the vertex lies beyond.
     Beyond,
 }
 
@@ -230,12 +232,12 @@ impl Cell {
     }
 }
 
-/// All cells of a row, in the order of [`GROUPS`].
+/// Returns all cells of a row, in the order of [`GROUPS`].
 fn cells(v: &VertexStages) -> Vec<Cell> {
     let f32s = |values: &[f32]| -> Vec<Cell> {
         values.iter().map(|value| Cell::number((*value).into(), format::f32_full(*value))).collect()
     };
-    // More digits than a float has would only hide that the pipeline never computes these.
+    // `f32` digits suffice; more would suggest that the pipeline computes these values.
     let f64s = |values: [f64; 3]| values.map(|value| Cell::number(value, format::f32_full(value as f32)));
     let absent = |count: usize| (0..count).map(|_| Cell::absent()).collect::<Vec<_>>();
     let mut cells = vec![Cell { text: v.index.to_string(), kind: Kind::Plain }];
@@ -262,12 +264,12 @@ fn cells(v: &VertexStages) -> Vec<Cell> {
     cells
 }
 
-/// The vertices of the table.
+/// Returns the vertex indices of the rows.
 fn rows(object: &ObjectVertices<'_>, corners: [u32; 3], whole: bool) -> Vec<u32> {
     if whole { (0..(object.count() as u32).min(COPIED_ROWS)).collect() } else { corners.to_vec() }
 }
 
-/// A table as text, with tabs between columns.
+/// Formats a table as text, with tabs between columns.
 fn as_text(object: &ObjectVertices<'_>, rows: &[u32]) -> String {
     let names = GROUPS.iter().flat_map(|group| group.columns.iter().map(move |name| format!("{} {name}", group.name)));
     let mut text = names.collect::<Vec<_>>().join("\t") + "\n";

@@ -1,4 +1,4 @@
-//! Watched pixels: a list that stays while the pick moves on, with what all buffers hold there after every frame.
+//! Watched pixels: a list that is independent of the pick, with the values of all buffers there after every frame.
 
 pub mod panel;
 
@@ -11,35 +11,35 @@ use super::theme::{MARK_EDGE, Tokens, font_size};
 use super::zoom::Placement;
 use crate::inspect::watch::Watched;
 
-/// Most pixels that are watched: each costs a replay after every frame.
+/// Maximum number of watched pixels; each costs a replay after every frame.
 pub const MOST: usize = 24;
 
-/// The watched pixels, and what is known of them.
+/// Watched pixels and their values.
 #[derive(Clone, Debug, Default)]
 pub struct Watch {
-    /// Column and row of each, in the order in which they were added.
+    /// Column and row of each pixel, in the order in which they were added.
     pub pixels: Vec<(u32, u32)>,
-    /// What the newest frame holds there.
+    /// Values in the newest frame.
     pub rows: Vec<Watched>,
-    /// What the last frame that differed held there.
+    /// Values in the last frame that differed.
     pub before: Vec<Watched>,
 }
 
-/// A change of what is watched.
+/// Change of the watched pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Change {
-    /// Watch the picked pixel.
+    /// Watches the picked pixel.
     AddPick,
-    /// Watch this pixel.
+    /// Watches this pixel.
     Add(u32, u32),
-    /// Watch a pixel no more.
+    /// Stops watching a pixel.
     Remove(u32, u32),
-    /// Watch none.
+    /// Stops watching all pixels.
     Clear,
 }
 
 impl Watch {
-    /// Takes in what a frame holds. A pixel more or less is no change of the others.
+    /// Stores the values of a frame. Adding or removing a pixel does not count as a change of the others.
     pub fn hear(&mut self, rows: Vec<Watched>) {
         let differs = |known: &Watched| rows.iter().any(|row| (row.x, row.y) == (known.x, known.y) && row != known);
         if self.rows.iter().any(differs) {
@@ -48,14 +48,14 @@ impl Watch {
         self.rows = rows;
     }
 
-    /// What a pixel held before it last changed, if it was watched then.
+    /// Returns the values of a pixel before its last change, if it was watched then.
     fn before(&self, row: &Watched) -> Option<&Watched> {
         self.before.iter().find(|before| (before.x, before.y) == (row.x, row.y))
     }
 }
 
 impl Session {
-    /// Does what concerns watched pixels.
+    /// Applies a change of the watched pixels.
     pub fn change_watch(&mut self, change: Change) {
         let pixel = match change {
             Change::AddPick => self.pick,
@@ -71,14 +71,14 @@ impl Session {
         };
         let Some(pixel) = pixel.filter(|pixel| !self.watch.pixels.contains(pixel)) else { return };
         if self.watch.pixels.len() == MOST {
-            self.report(Level::Error, format!("{MOST} pixels are watched already: remove one first"));
+            self.report(Level::Error, format!("Cannot watch more than {MOST} pixels: remove one first"));
         } else {
             self.watch.pixels.push(pixel);
         }
     }
 }
 
-/// Numbered frames around all watched pixels that lie in the picture.
+/// Draws numbered frames around all watched pixels inside the picture.
 pub(super) fn markers(
     painter: &Painter,
     placement: Placement,
@@ -86,7 +86,7 @@ pub(super) fn markers(
     (width, height): (u32, u32),
     tokens: &Tokens,
 ) {
-    /// Smallest side of a frame, in points: seen on any picture, however small its pixels are.
+    /// Minimum side of a frame, in points, so that it is visible however small the pixels are.
     const LEAST_POINTS: f32 = 5.0;
     for (number, (x, y)) in session.watch.pixels.iter().copied().enumerate() {
         if x >= width || y >= height {

@@ -1,4 +1,4 @@
-//! The tab "Watch": one row per watched pixel, one column per buffer.
+//! The “Watch” tab: one row per watched pixel, one column per buffer.
 
 use eframe::egui::{self, Button, Color32, Grid, RichText, ScrollArea, Sense, Ui, WidgetInfo};
 
@@ -10,17 +10,17 @@ use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, tokens};
 use crate::ui::widgets::{empty_state, icon_button, swatch};
 
-/// Columns with name and explanation.
+/// Columns, each with name and help text.
 const COLUMNS: [(&str, &str); 9] = [
     ("Pixel", "Column and row; a click picks it"),
-    ("Colour", "The finished picture, red, green and blue"),
-    ("Depth", "What the depth buffer holds in the end"),
-    ("Triangle", "The triangle that is seen"),
-    ("Object", "What that triangle belongs to"),
+    ("Colour", "Red, green and blue of the finished picture"),
+    ("Depth", "Final value of the depth buffer"),
+    ("Triangle", "The visible triangle"),
+    ("Object", "The object of the visible triangle"),
     ("λ on screen", "Screen-space weights of its corners"),
-    ("λ in space", "The weights that attributes are interpolated with"),
-    ("Overdraw", "Triangles that cover the pixel's centre"),
-    ("Shaded", "How many of them were shaded"),
+    ("λ in space", "The weights that interpolate attributes"),
+    ("Overdraw", "Number of triangles that cover the pixel's centre"),
+    ("Shaded", "Number of them that were shaded"),
 ];
 
 /// Draws the buttons beside the tabs.
@@ -32,7 +32,7 @@ pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         commands.push(Command::Watch(Change::AddPick));
     }
     let clear = ui.add_enabled(!session.watch.pixels.is_empty(), Button::new("Clear"));
-    if clear.on_hover_text("Watch no pixel any more").clicked() {
+    if clear.on_hover_text("Removes all pixels from the list").clicked() {
         commands.push(Command::Watch(Change::Clear));
     }
 }
@@ -40,8 +40,8 @@ pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 /// Draws the table.
 pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if session.watch.pixels.is_empty() {
-        let help = "Press Enter, or the pin in the inspector, to keep the picked pixel here: what every buffer holds \
-                    there is followed from frame to frame.";
+        let help = "Press Enter, or the pin in the inspector, to add the picked pixel. Its values in all buffers are \
+                    updated after every frame.";
         empty_state(ui, Icon::Pin, "No pixel is watched", help);
         return;
     }
@@ -60,7 +60,7 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
                     commands.push(Command::Pick(Some((x, y))));
                 }
                 row(ui, session, (x, y));
-                if icon_button(ui, Icon::X, &format!("Watch {x}, {y} no more")).clicked() {
+                if icon_button(ui, Icon::X, &format!("Stop watching {x}, {y}")).clicked() {
                     commands.push(Command::Watch(Change::Remove(x, y)));
                 }
                 ui.end_row();
@@ -72,9 +72,9 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 fn row(ui: &mut Ui, session: &Session, (x, y): (u32, u32)) {
     let row = session.watch.rows.iter().find(|row| (row.x, row.y) == (x, y));
     let Some(values) = row.and_then(|row| row.values.as_ref()) else {
-        let text = if row.is_some() { "outside of the picture" } else { "…" };
+        let text = if row.is_some() { "outside the picture" } else { "…" };
         ui.label(RichText::new(text).color(tokens(ui).text_weak));
-        // The columns that there is nothing for.
+        // Empty cells for the columns without a value.
         (2..COLUMNS.len()).for_each(|_| drop(ui.label("")));
         return;
     };
@@ -102,7 +102,7 @@ fn weights(weights: [f32; 3]) -> String {
     weights.map(|weight| format::fixed(f64::from(weight), 4)).join(" ")
 }
 
-/// A value; one that the last change of the picture changed is marked, and says what it was.
+/// Draws a value. One that the last change of the picture changed is highlighted, with its former value in the tooltip.
 fn cell(ui: &mut Ui, values: &Values, before: Option<&Values>, text: impl Fn(&Values) -> String) {
     let (now, was) = (text(values), before.map(text));
     let changed = was.as_ref().is_some_and(|was| *was != now);
@@ -116,8 +116,8 @@ fn cell(ui: &mut Ui, values: &Values, before: Option<&Values>, text: impl Fn(&Va
     let label = ui.add(egui::Label::new(RichText::new(&shown).monospace().color(color)).sense(Sense::hover()));
     label.widget_info(|| WidgetInfo::labeled(egui::Role::Label, true, &shown));
     match was.filter(|_| changed) {
-        Some(was) => drop(label.on_hover_text(format!("was {was} before the last change"))),
-        None if weak => drop(label.on_hover_text("Of the drawn pixel that this one is mostly made of")),
+        Some(was) => drop(label.on_hover_text(format!("{was} before the last change"))),
+        None if weak => drop(label.on_hover_text("Value of the drawn pixel with the largest weight in this one")),
         None => {}
     }
 }

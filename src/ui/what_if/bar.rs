@@ -1,18 +1,20 @@
-//! The bar over the canvas that tells what a change did, and the label that tells which of the two pictures is seen.
+//! The bar above the canvas that shows the effect of a change, and the label that names the visible picture.
 
 use eframe::egui::{self, Align2, Button, FontId, Label, Rect, RichText, Ui, vec2};
 
 use super::drawer::Found;
 use super::{Change, Show};
 use crate::inspect::fields::{FieldChange, changes};
+use crate::manual::Chapter;
 use crate::measure::noise;
 use crate::measure::pair::PairTimes;
 use crate::ui::command::Command;
 use crate::ui::format;
+use crate::ui::manual::manual_button;
 use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, font_size, space, tokens};
 
-/// Fields named in the bar; the others are in the tooltip.
+/// Maximum number of changed fields named in the bar; the others are in the tooltip.
 const NAMED: usize = 2;
 
 /// Draws the bar.
@@ -22,9 +24,10 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         ui.horizontal(|ui| {
             ui.label(RichText::new("What changed?").strong());
             let words =
-                "Change any setting: what was drawn before is kept as A and compared with what is drawn now, B.";
+                "Change any setting: the frame before the change is kept as A and compared with the current frame, B.";
             ui.add(Label::new(RichText::new(words).color(tokens(ui).text_weak)).truncate());
             palette_button(ui, commands);
+            manual_button(ui, Chapter::ComparingUpscalers, commands);
             close(ui, &mut chosen);
         });
         commands.extend(chosen.into_iter().map(Command::WhatIf));
@@ -38,6 +41,7 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
             ui.separator();
             palette_button(ui, commands);
             buttons(ui, session, !fields.is_empty(), &mut chosen);
+            manual_button(ui, Chapter::ComparingUpscalers, commands);
             close(ui, &mut chosen);
         });
         ui.horizontal_wrapped(|ui| {
@@ -55,8 +59,8 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     commands.extend(chosen.into_iter().map(Command::WhatIf));
 }
 
-/// Never less high than it was at this width: what is found out takes room, and if the bar gave that back, the canvas would grow,
-/// and all had to be found out anew for its new size, without end.
+/// Keeps the bar at least as high as it was at this width. Results make it higher. If it shrank again, the canvas would
+/// grow, and all results would have to be recomputed for its new size, without end.
 fn as_high_as_before(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
     let (id, width) = (egui::Id::unique("height of the bar of changes"), ui.available_width());
     let before: Option<(f32, f32)> = ui.data(|data| data.get_temp(id));
@@ -67,7 +71,7 @@ fn as_high_as_before(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
     ui.data_mut(|data| data.insert_temp(id, (width, height.response.rect.height())));
 }
 
-/// A message in the colour of what is compared with, and what differs.
+/// Draws which settings differ between A and B.
 fn fields_in_words(ui: &mut Ui, fields: &[FieldChange]) {
     if fields.is_empty() {
         ui.label(RichText::new("A and B have the same settings").color(tokens(ui).text_weak));
@@ -82,7 +86,7 @@ fn fields_in_words(ui: &mut Ui, fields: &[FieldChange]) {
 }
 
 fn palette_button(ui: &mut Ui, commands: &mut Vec<Command>) {
-    let help = "Change any setting, found by its name: type “key=value”, or choose from the list";
+    let help = "Change any setting by name: type “key=value”, or choose from the list";
     if ui.add(Button::new((theme::icon(Icon::Search), "Change …"))).on_hover_text(help).clicked() {
         commands.push(Command::OpenPalette);
     }
@@ -90,7 +94,7 @@ fn palette_button(ui: &mut Ui, commands: &mut Vec<Command>) {
 
 fn buttons(ui: &mut Ui, session: &Session, differs: bool, chosen: &mut Vec<Change>) {
     let pinned = session.what_if.pinned;
-    let help = "A stays as it is while several settings change; else every change begins anew";
+    let help = "Keeps A while several settings change; otherwise every change sets a new A";
     if ui.add(Button::new((theme::icon(Icon::Pin), "Pin A")).selected(pinned)).on_hover_text(help).clicked() {
         chosen.push(Change::Pin(!pinned));
     }
@@ -99,8 +103,8 @@ fn buttons(ui: &mut Ui, session: &Session, differs: bool, chosen: &mut Vec<Chang
             chosen.push(change);
         }
     };
-    button(ui, Icon::Undo2, "Revert", "Draw by the settings of A again", Change::Revert);
-    button(ui, Icon::ArrowLeftRight, "Swap", "A becomes B and B becomes A", Change::Swap);
+    button(ui, Icon::Undo2, "Revert", "Restores the settings of A", Change::Revert);
+    button(ui, Icon::ArrowLeftRight, "Swap", "Exchanges A and B", Change::Swap);
 }
 
 fn close(ui: &mut Ui, chosen: &mut Vec<Change>) {
@@ -109,7 +113,7 @@ fn close(ui: &mut Ui, chosen: &mut Vec<Change>) {
     }
 }
 
-/// Count, error and time, as far as they are known.
+/// Draws the number of changed pixels, the error and the time difference, once known.
 fn figures(ui: &mut Ui, session: &Session, chosen: &mut Vec<Change>) {
     let Some(found) = session.view.as_ref().and_then(|view| session.what_if.current(view)) else {
         ui.spinner();
@@ -122,7 +126,7 @@ fn figures(ui: &mut Ui, session: &Session, chosen: &mut Vec<Change>) {
         1 => format!("1 pixel changed ({})", share(found.changes.share())),
         _ => format!("{} pixels changed ({})", format::count(count), share(found.changes.share())),
     };
-    let help = "Pixels whose value differs between A and B in what the canvas shows, picture or buffer";
+    let help = "Pixels whose value differs between A and B in the picture or buffer on the canvas";
     ui.label(RichText::new(text).strong()).on_hover_text(help);
     for (icon, step, name) in
         [(Icon::ChevronLeft, -1, "Previous changed pixel"), (Icon::ChevronRight, 1, "Next changed pixel")]
@@ -138,14 +142,14 @@ fn figures(ui: &mut Ui, session: &Session, chosen: &mut Vec<Change>) {
     match &found.times {
         Some(times) => time(ui, times),
         None => {
-            ui.label(RichText::new("timing …").monospace().color(tokens(ui).text_weak));
+            ui.label(RichText::new("time: …").monospace().color(tokens(ui).text_weak));
         }
     }
 }
 
-/// A share with enough digits that a single pixel is not nothing.
+/// Formats a share as a percentage, with enough digits to show a single pixel.
 fn share(share: f64) -> String {
-    /// Below this a tenth of a percent says too little.
+    /// Share below which a tenth of a percent is too coarse.
     const SMALL: f64 = 0.01;
     if share > 0.0 && share < SMALL {
         format!("{}\u{2009}%", format::fixed(share * 100.0, 4))
@@ -156,8 +160,8 @@ fn share(share: f64) -> String {
 
 fn error(ui: &mut Ui, found: &Found) {
     let text = match found.error {
-        None => "error …".to_owned(),
-        Some(error) if error.differing_pixels == 0 => "pictures are the same".to_owned(),
+        None => "error: …".to_owned(),
+        Some(error) if error.differing_pixels == 0 => "pictures identical".to_owned(),
         Some(error) => format!("PSNR {} dB, max {}", format::fixed(error.psnr_db, 1), error.max_abs),
     };
     let numbers = found.error.map(|error| {
@@ -165,8 +169,8 @@ fn error(ui: &mut Ui, found: &Found) {
         format!("MSE {mse}, SSIM {ssim}, {} pixels of the picture differ. ", format::count(error.differing_pixels))
     });
     let help = numbers.unwrap_or_default()
-        + "How far the finished pictures of A and B are apart, whatever the canvas shows: peak signal to noise ratio, largest \
-           difference of a code";
+        + "Error between the finished pictures of A and B, whatever the canvas shows: peak signal-to-noise ratio, \
+           largest difference of a code";
     ui.label(RichText::new(text).monospace()).on_hover_text(help);
 }
 
@@ -176,8 +180,7 @@ fn time(ui: &mut Ui, times: &PairTimes) {
     let text = format!("Δ time {sign}{}", format::ms(change));
     let color = if times.within_noise { tokens(ui).text_weak } else { tokens(ui).text_strong };
     let help = format!(
-        "Medians of {} interleaved frames: A {}, B {}. The same settings against themselves differ by {}, so the change is \
-         {}.",
+        "Medians of {} interleaved frames: A {}, B {}. Noise floor, with equal settings: {}, so the change is {}.",
         times.a_ms.n,
         format::ms(times.a_ms.median),
         format::ms(times.b_ms.median),
@@ -190,7 +193,7 @@ fn time(ui: &mut Ui, times: &PairTimes) {
     ui.label(RichText::new(floor).monospace().small().color(tokens(ui).text_weak)).on_hover_text(help);
 }
 
-/// What the picked pixel says of itself in A and in B, where that differs.
+/// Draws the verdicts on the picked pixel in A and in B, or that the pixel did not change.
 fn verdicts(ui: &mut Ui, session: &Session) {
     let Some(view) = &session.view else { return };
     let Some(found) = session.what_if.current(view) else { return };
@@ -217,7 +220,7 @@ fn verdicts(ui: &mut Ui, session: &Session) {
     }
 }
 
-/// Which of the two pictures is seen, in the canvas's upper left corner.
+/// Draws the name of the visible picture in the upper left corner of the canvas.
 pub fn label(ui: &Ui, canvas: Rect, session: &Session) {
     let what_if = &session.what_if;
     if session.view.as_ref().is_none_or(|view| what_if.current(view).is_none()) {
@@ -228,7 +231,7 @@ pub fn label(ui: &Ui, canvas: Rect, session: &Session) {
         _ if held => ("A  before", tokens(ui).a),
         Show::Before => ("A  before", tokens(ui).a),
         Show::After => ("B  now", tokens(ui).b),
-        Show::Changed => ("B  only what changed", tokens(ui).b),
+        Show::Changed => ("B  only changes", tokens(ui).b),
     };
     let painter = ui.painter().with_clip_rect(canvas);
     let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(font_size::TITLE), color);

@@ -1,4 +1,4 @@
-//! The renderer's part: draws A and B, finds what differs, then measures error and time piece by piece.
+//! Renderer side of what-if: draws A and B, finds their differences, then measures error and time piece by piece.
 
 use std::sync::Arc;
 
@@ -9,43 +9,43 @@ use crate::measure::motion::{Shot, Turn};
 use crate::measure::pair::{PairTimer, PairTimes};
 use crate::ui::engine::{Engine, Request, Shown, View};
 
-/// Rounds of timing that count.
+/// Number of measured timing rounds.
 pub const ROUNDS: usize = 15;
 
-/// What is to be found out: the same view by two recipes.
+/// Request to compare the same view with two recipes.
 #[derive(Clone, Debug)]
 pub struct WhatIfRequest {
-    /// A.
+    /// View with the recipe before the change (A).
     pub before: Request,
-    /// B.
+    /// View with the recipe after the change (B).
     pub after: Request,
 }
 
 impl WhatIfRequest {
-    /// Whether the answer to both is the same.
+    /// Whether both requests have the same result.
     pub fn same_as(&self, other: &Self) -> bool {
         self.before.same_view(&other.before) && self.after.same_view(&other.after)
     }
 }
 
-/// What is known so far.
+/// Results of a what-if request so far.
 #[derive(Clone, Debug)]
 pub struct Found {
-    /// What was asked.
+    /// Request that is answered.
     pub request: WhatIfRequest,
-    /// A, coloured like B.
+    /// Picture A, with the colour range of B.
     pub before: View,
-    /// B, with all that did not change pushed back.
+    /// Picture B, with unchanged pixels dimmed.
     pub marked: View,
-    /// What differs in what is shown.
+    /// Changed pixels of the shown quantity.
     pub changes: Arc<Changes>,
-    /// How far the finished pictures are apart, when that is found out.
+    /// Error between the finished pictures, once computed.
     pub error: Option<ImageError>,
-    /// What the change does to the time of a frame, when that is measured.
+    /// Frame times with and without the change, once measured.
     pub times: Option<PairTimes>,
 }
 
-/// Works on the newest request.
+/// Worker for the most recent request.
 #[derive(Debug, Default)]
 pub struct Drawer {
     engines: [Engine; 2],
@@ -55,7 +55,7 @@ pub struct Drawer {
 }
 
 impl Drawer {
-    /// Draws A and B as far as they are not there yet, and finds what differs. `None` if they cannot be compared.
+    /// Draws A and B, reusing what is known, and finds their differences. Returns `None` if they cannot be compared.
     pub fn ask(&mut self, request: WhatIfRequest) -> Option<&Found> {
         self.begun = false;
         let [a, b] = &mut self.engines;
@@ -67,7 +67,7 @@ impl Drawer {
                 && old.request.after.same_picture(&request.after)
         });
         if let Some(old) = kept {
-            // Another pixel was picked.
+            // Only the picked pixel has changed.
             let (before, marked) =
                 (View { picture: old.before.picture, ..before }, View { picture: old.marked.picture, ..after });
             return Some(self.known.insert(Found { request, before, marked, ..old }));
@@ -81,7 +81,7 @@ impl Drawer {
         Some(self.known.insert(Found { request, before, marked, changes: Arc::new(changes), error: None, times: None }))
     }
 
-    /// Finds out one more piece. `None` if that tells nothing new yet.
+    /// Computes one more piece. Returns `None` if there is no new result yet.
     pub fn step(&mut self) -> Option<&Found> {
         self.begun = true;
         let known = self.known.as_mut()?;
@@ -96,23 +96,23 @@ impl Drawer {
         self.known.as_ref()
     }
 
-    /// Whether there is something left to find out.
+    /// Whether any result is missing.
     pub fn has_work(&self) -> bool {
         self.known.is_some() && self.timer.is_some()
     }
 
-    /// Whether it has begun to find that out.
+    /// Whether computing the missing results has begun.
     pub fn has_begun(&self) -> bool {
         self.begun && self.has_work()
     }
 
-    /// Stops, and forgets everything.
+    /// Cancels all work and drops all results.
     pub fn clear(&mut self) {
         *self = Self::default();
     }
 }
 
-/// The view when no further frame of it is better.
+/// Draws frames until further ones would not improve the view, and returns it.
 fn settled(engine: &mut Engine, request: Request) -> View {
     let mut view = engine.answer(request);
     while view.wants_another() {
@@ -134,8 +134,8 @@ fn changes(before: &View, after: &View) -> Option<Changes> {
     }
 }
 
-/// A in the colours of B, where that is another picture: equal values shall have equal colours. With something laid over
-/// it A keeps its own, and its own range beside it.
+/// Returns A with the colour range of B if their ranges differ, so that equal values have equal colours. With an
+/// overlay, A keeps its own picture and range.
 fn like(before: &View, after: &View) -> Option<Arc<Image<Rgba8>>> {
     let look = &after.request.look;
     if before.range == after.range || !look.layers.is_empty() {

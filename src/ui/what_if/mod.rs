@@ -1,8 +1,8 @@
-//! What if: the settings before the last change are kept, and what that change did is shown: which fields, how many
-//! pixels, how far the pictures are apart, how much longer a frame takes.
+//! The what-if comparison: keeps the settings before the last change and shows its effect, as changed fields, number of
+//! changed pixels, error between the pictures, and difference in frame time.
 //!
-//! A is what was, B what is. A stays what it was while it is pinned; else every settled change makes its own A. Both
-//! are drawn by the renderer's thread, and only while somebody looks.
+//! A is the state before, B the current one. While A is pinned it stays; otherwise every settled change sets a new A.
+//! The render thread draws both, only while the bar is open.
 
 pub mod bar;
 
@@ -17,74 +17,74 @@ use crate::chain::Recipe;
 use crate::inspect::fields;
 use drawer::{Found, WhatIfRequest};
 
-/// What the canvas shows of A and B.
+/// Picture that the canvas shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Show {
-    /// B, with all that did not change pushed back.
+    /// B, with unchanged pixels dimmed.
     #[default]
     Changed,
-    /// What is.
+    /// B, the current state.
     After,
-    /// What was.
+    /// A, the state before.
     Before,
 }
 
 impl Show {
-    /// All, with name and explanation.
+    /// All options, each with its name and help text.
     pub const ALL: [(Self, &'static str, &'static str); 3] = [
-        (Self::Changed, "Only changes", "B where it changed; all else in dark grey. Hold Shift to see A"),
-        (Self::Before, "A", "What was drawn before the change"),
-        (Self::After, "B", "What is drawn now; hold Shift to see A"),
+        (Self::Changed, "Only changes", "B where it changed; everything else in dark grey. Hold Shift for A"),
+        (Self::Before, "A", "The frame before the change"),
+        (Self::After, "B", "The current frame; hold Shift for A"),
     ];
 }
 
-/// What is asked of a change.
+/// State of the what-if comparison.
 #[derive(Clone, Debug, Default)]
 pub struct WhatIf {
-    /// Whether the bar is there.
+    /// Whether the bar is open.
     pub open: bool,
-    /// A: the recipe before the last change, or the pinned one.
+    /// Recipe of A: the one before the last change, or the pinned one.
     pub before: Option<Recipe>,
-    /// Whether A stays while B changes further.
+    /// Whether A is pinned while B changes.
     pub pinned: bool,
-    /// What the canvas shows.
+    /// Picture that the canvas shows.
     pub show: Show,
-    /// What is known.
+    /// Results so far.
     pub found: Option<Found>,
-    /// What was asked of the renderer last.
+    /// Last request sent to the renderer.
     asked: Option<WhatIfRequest>,
 }
 
-/// A change of what is asked.
+/// Change of the what-if comparison.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Change {
-    /// Open the bar, or close it.
+    /// Opens or closes the bar.
     Toggle,
-    /// Show this on the canvas.
+    /// Sets which picture the canvas shows.
     Show(Show),
-    /// Keep A while B changes further, or no more.
+    /// Pins or unpins A.
     Pin(bool),
-    /// Take this for A, and keep it.
+    /// Pins this recipe as A, and opens the bar.
     Against(Box<Recipe>),
-    /// Take what is now for A, and keep it.
+    /// Pins the current recipe as A.
     PinNow,
-    /// Go back to A.
+    /// Restores the settings of A.
     Revert,
-    /// A becomes B and B becomes A.
+    /// Swaps A and B.
     Swap,
-    /// Question the next changed pixel, or the one before.
+    /// Picks the next changed pixel, or the previous one if negative.
     Step(i64),
 }
 
 impl WhatIf {
-    /// Takes in that the recipe changed and no change is under way.
+    /// Stores the recipe before a completed change as A, unless A is pinned.
     pub fn settled(&mut self, before: &Recipe, after: &Recipe) {
         if before != after && !self.pinned {
             self.before = Some(*before);
         }
     }
 
-    /// The last change in words, if its bar is closed and the settings still are what it made of them.
+    /// Describes the last change if the bar is closed and the settings still differ from A.
     pub fn unasked(&self, after: &Recipe) -> Option<String> {
         let before = self.before.as_ref().filter(|before| !self.open && *before != after)?;
         let changed = fields::changes(before, after);
@@ -92,7 +92,7 @@ impl WhatIf {
         Some(if changed.len() == 1 { first } else { format!("{first}, and {} more", changed.len() - 1) })
     }
 
-    /// Whether the renderer has to be asked anew; takes the request for asked.
+    /// Whether a request differs from the last one; stores it as the last one.
     pub fn asks_anew(&mut self, request: Option<&WhatIfRequest>) -> bool {
         let same = match (&self.asked, request) {
             (Some(asked), Some(request)) => asked.same_as(request),
@@ -108,13 +108,13 @@ impl WhatIf {
         !same
     }
 
-    /// What was found, if it is of what is shown now.
+    /// Returns the results if they describe the view on screen and the bar is open.
     fn current(&self, view: &View) -> Option<&Found> {
         let same = |found: &&Found| found.request.after.same_picture(&view.request);
         self.found.as_ref().filter(|_| self.open).filter(same)
     }
 
-    /// The view that the canvas shows: A, or B with or without what did not change. A as long as `held`.
+    /// Returns the view that the canvas shows: A, B, or B with unchanged pixels dimmed. A while `held`.
     pub fn seen<'a>(&'a self, view: &'a View, held: bool) -> &'a View {
         let Some(found) = self.current(view) else { return view };
         match self.show {
@@ -126,7 +126,7 @@ impl WhatIf {
     }
 }
 
-/// What the canvas shows of the newest view, as [`WhatIf::seen`] tells.
+/// Returns the view that the canvas shows, as [`WhatIf::seen`] does; A while Shift is held.
 pub fn seen<'a>(ui: &Ui, session: &'a Session) -> Option<&'a View> {
     let view = session.view.as_ref()?;
     if session.comparison.is_on() {
@@ -136,7 +136,7 @@ pub fn seen<'a>(ui: &Ui, session: &'a Session) -> Option<&'a View> {
 }
 
 impl Session {
-    /// What the renderer should find out, if the bar is open and there is an A.
+    /// Returns the request for the renderer if the bar is open and there is an A.
     pub fn what_if_request(&self) -> Option<WhatIfRequest> {
         let shown = self.what_if.open && !self.comparison.is_on() && self.case.is_none();
         let recipe = self.what_if.before.filter(|_| shown)?;
@@ -144,7 +144,7 @@ impl Session {
         Some(WhatIfRequest { before: Request { recipe, ..after.clone() }, after })
     }
 
-    /// Does what concerns the comparison with what was; returns what concerns the canvas.
+    /// Applies a change. Returns a command for what concerns the canvas.
     pub fn change_what_if(&mut self, change: Change) -> Option<Command> {
         let what_if = &mut self.what_if;
         match change {
@@ -164,7 +164,7 @@ impl Session {
         None
     }
 
-    /// The changed pixel after or before the picked one.
+    /// Returns the changed pixel after or before the picked one.
     pub fn change_beside_pick(&self, forwards: bool) -> Option<(u32, u32)> {
         let found = self.what_if.current(self.view.as_ref()?)?;
         found.changes.beside(self.pick, forwards)

@@ -25,7 +25,7 @@ fn set(session: &mut Session, assignment: &str) {
     session.settle(0.0);
 }
 
-/// Draws what is asked for and gives it to the session.
+/// Draws the requested views and passes the results to the session.
 fn find(session: &mut Session) {
     session.view = Some(Engine::default().answer(session.request()));
     let request = session.what_if_request().unwrap();

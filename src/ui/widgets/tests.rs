@@ -10,14 +10,14 @@ const MANY: [(u8, &str, &str); 4] = [
     (3, "Temporal accumulation", "Gathers samples"),
 ];
 
-/// A panel 240 points wide, with its accessibility tree.
+/// Returns a panel 240 points wide, with accessibility enabled.
 fn panel() -> Headless {
     let headless = Headless::new(vec2(240.0, 300.0), 1.0, Theme::Dark);
     headless.context().enable_accesskit();
     headless
 }
 
-/// (role, name, centre) of everything in the accessibility tree that has a name.
+/// Returns role, name and centre of every named node of the accessibility tree.
 fn names(output: PlatformOutput) -> Vec<(Role, String, Pos2)> {
     let nodes = output.accesskit_update.map(|update| update.nodes).unwrap_or_default();
     let named = |(_, node): (_, egui::accesskit::Node)| {

@@ -1,4 +1,5 @@
-//! A measurement of all upscalers, piece by piece: frame times in rounds, errors at rest and over the same frames in motion.
+//! Measurement of all upscalers, piece by piece: frame times in rounds, and errors at rest and over the same frames in
+//! motion.
 
 use super::Answer;
 use crate::chain::Recipe;
@@ -9,15 +10,15 @@ use crate::measure::rounds::RoundTimer;
 use crate::ui::engine::Request;
 use crate::upscale::Upscaling;
 
-/// Rounds that count; each times one frame by every method.
+/// Number of measured rounds; each times one frame of every method.
 pub const MEASURE_ROUNDS: usize = 25;
 
-/// Request to measure time and error of upscalers.
+/// Request to measure the time and error of all upscalers.
 #[derive(Clone, Debug)]
 pub struct MeasureRequest {
-    /// Number that the answers carry.
+    /// Number that identifies the answers.
     pub number: u64,
-    /// Scene, view and recipe; the upscaler is what varies.
+    /// Scene, view and recipe; only the upscaler varies.
     pub of: Request,
     /// Reference that errors are computed against.
     pub reference: Reference,
@@ -25,25 +26,25 @@ pub struct MeasureRequest {
     pub turn: Turn,
 }
 
-/// Error of a method, as far as it is known.
+/// Error of a method so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MethodError {
     /// Figures of the settled still view.
     pub still: Figures,
-    /// Error over the frames judged so far; that of the still view without motion.
+    /// Error over the frames judged so far; without motion that of the still view.
     pub motion: MotionError,
 }
 
-/// A measurement under way.
+/// Measurement in progress.
 #[derive(Debug)]
 pub(super) struct Measurement {
     request: Box<MeasureRequest>,
     methods: Vec<Upscaling>,
     timer: RoundTimer,
     at_rest: Judge,
-    /// `None` for a camera that stands still.
+    /// Judge of the frames in motion; `None` for a still camera.
     in_motion: Option<Judge>,
-    /// Rounds whose noise floor was reported.
+    /// Number of rounds whose noise floor has been reported.
     reported: usize,
 }
 
@@ -63,7 +64,7 @@ impl Measurement {
         }
     }
 
-    /// Number of the measurement.
+    /// Returns the number that identifies the measurement.
     pub(super) fn number(&self) -> u64 {
         self.request.number
     }
@@ -73,19 +74,19 @@ impl Measurement {
         timed.0 >= timed.1 && judged.0 >= judged.1 && self.reported >= self.timer.rounds()
     }
 
-    /// Number of frames judged, and of all frames to judge.
+    /// Returns the number of frames judged, and of all frames to judge.
     fn judged(&self) -> (usize, usize) {
         let moving = self.in_motion.as_ref().map_or((0, 0), |judge| (judge.judged(), judge.total(self.request.turn)));
         (self.at_rest.judged() + moving.0, self.at_rest.total(Turn::STILL) + moving.1)
     }
 
-    /// Share of the frames that are drawn to be timed or judged, in [0, 1].
+    /// Returns the completed share of all frames to time or judge, in [0, 1].
     fn progress(&self) -> f32 {
         let (timed, judged) = (self.timer.progress(), self.judged());
         (timed.0 + judged.0) as f32 / (timed.1 + judged.1).max(1) as f32
     }
 
-    /// Draws at most one frame; to time it or to judge it, whichever is behind, so that both advance alike.
+    /// Draws at most one frame, timing or judging it, whichever lags behind, so that both advance evenly.
     pub(super) fn step(&mut self) -> Option<Answer> {
         if self.reported < self.timer.rounds() {
             self.reported = self.timer.rounds();
@@ -107,7 +108,7 @@ impl Measurement {
         })
     }
 
-    /// Draws at most one frame to be judged or of a reference.
+    /// Draws at most one frame, of a method to be judged or of its reference.
     fn judge(&mut self) -> Option<Answer> {
         let Request { scene, camera, viewport, .. } = &self.request.of;
         let shot = Shot { scene, camera, viewport: *viewport, turn: self.request.turn };

@@ -1,7 +1,7 @@
-//! [`Now`] for whole rows: the arithmetic of [`Now::pixel`] on lanes, so the same bits.
+//! [`Now`] for whole rows: the SIMD version of [`Now::pixel`], with bit-identical results.
 //!
-//! A row is made in blocks of sixteen pixels. What this frame has of it is decoded once for each sample; what the frames before
-//! had stands at the same place while the view stands still, and is else gathered from where the surface was.
+//! A row is processed in blocks of 16 pixels. The samples of this frame are decoded once each. In a still view, history
+//! is read at the same pixel; otherwise it is gathered at the reprojected positions.
 
 use super::{INTERPOLATED, Now, PLACES, among};
 use crate::image::color::Tables;
@@ -10,26 +10,26 @@ use crate::math::lanes::*;
 use crate::upscale::history::NOWHERE;
 use crate::upscale::{Light, Motion, Scale, bands};
 
-/// Light of three channels, and a fourth number: a code of alpha, or how many samples a mean is of.
+/// RGB in the working colour space and a fourth component: alpha as an 8-bit value, or the sample count of a mean.
 type Quad = [f32; 4];
 
-/// In the place of the number of samples: nothing is remembered.
+/// History of a pixel without history, marked by a negative sample count.
 const FORGOTTEN: Quad = [0.0, 0.0, 0.0, -1.0];
 
-/// How an output column lies among the samples of this frame.
+/// Position of an output column among the samples of this frame.
 #[derive(Clone, Copy)]
 struct Column {
-    /// The samples before and after it, within the picture.
+    /// Indices of the samples before and after the column, clamped to the image.
     between: [u32; 2],
-    /// How far towards the second.
+    /// Interpolation weight of the second sample, in [0, 1).
     on: f32,
-    /// The sample that lies in the column, if one does.
+    /// Index of the sample inside the column, if any.
     own: Option<u32>,
-    /// The sample nearest to it, and one more, so that the one before the first is 0.
+    /// Index of the nearest sample plus one; 0 is the position before the first sample.
     nearest: usize,
 }
 
-/// Makes the picture, and what is to be remembered of it.
+/// Computes the image and its new history.
 pub(super) fn fill(lanes: Lanes, now: &Now<'_>, full: &mut Image<Rgba8>, memory: &mut Image<Quad>) {
     let (width, height) = full.size();
     let samples = now.drawn.color.size();
@@ -50,7 +50,7 @@ pub(super) fn fill(lanes: Lanes, now: &Now<'_>, full: &mut Image<Rgba8>, memory:
 }
 
 impl Now<'_> {
-    /// How output column or row `at` lies among so many samples.
+    /// Returns the position of output column or row `at` among `samples` samples.
     fn axis(&self, axis: usize, at: u32, samples: u32) -> Column {
         let (cell, on) = among(self.lattice, self.place[axis], at);
         let inside = |index: i64| index.clamp(0, i64::from(samples) - 1) as u32;
@@ -64,10 +64,10 @@ impl Now<'_> {
     }
 }
 
-/// Codes that are compared at a time.
+/// Number of bytes compared at a time.
 const BYTES: usize = 4 * WIDE;
 
-/// Codes from place `at` on, as many as there are.
+/// Loads bytes from index `at` on; bytes past the end are zero.
 #[inline(always)]
 fn bytes<S: Simd>(simd: S, of: &[u8], at: usize) -> u8x64<S> {
     match of[at..].first_chunk::<BYTES>() {
@@ -85,26 +85,26 @@ fn store_bytes<S: Simd>(codes: u8x64<S>, to: &mut [u8], at: usize) {
     codes.store_slice(&mut to[at..at + BYTES]);
 }
 
-/// What the rows of a picture have in common.
+/// State shared by all rows of an image.
 struct Frame<'a> {
     now: &'a Now<'a>,
     columns: Vec<Column>,
     rows: Vec<Column>,
-    /// See [`Motion::across`].
+    /// Result of [`Motion::across`] for all columns.
     across: Vec<f64>,
 }
 
-/// Memory for a row.
+/// Scratch buffers for a row.
 struct Scratch {
-    /// What this frame has of the pixels, and what that counts for.
+    /// This frame's colour of each output pixel, and its weight in the accumulation.
     present: Vec<Quad>,
     counts_for: Vec<f32>,
-    /// Light of the rows of samples above and below, and which rows those are.
+    /// Decoded sample rows above and below the output row, and the indices of these rows.
     light: [Vec<Quad>; 2],
     light_of: [Option<u32>; 2],
-    /// The least and the greatest codes of a column of three samples, those at the ends repeated.
+    /// Per-channel minimum and maximum of three vertically adjacent samples, with the border columns repeated.
     codes: [Vec<u8>; 2],
-    /// Light of the least and the greatest of nine, by [`Column::nearest`].
+    /// Decoded minimum and maximum of the 3 × 3 neighbourhood, indexed by [`Column::nearest`].
     bounds: [Vec<Quad>; 2],
 }
 
@@ -122,7 +122,7 @@ impl Scratch {
     }
 }
 
-/// Sixteen pixels as they are made and remembered.
+/// Output colours and history of 16 pixels.
 type Block<'a> = (&'a mut [Rgba8; WIDE], &'a mut [Quad; WIDE]);
 
 impl Frame<'_> {
@@ -148,7 +148,7 @@ impl Frame<'_> {
         }
     }
 
-    /// What this frame has of the pixels of a row: the means of [`Now::present`].
+    /// Computes this frame's colours for a row: the means of [`Now::present`].
     #[inline(always)]
     fn present<S: Simd>(&self, simd: S, y: u32, scratch: &mut Scratch) {
         let color = self.now.drawn.color;
@@ -158,7 +158,7 @@ impl Frame<'_> {
             return;
         }
         let row = self.rows[y as usize];
-        // Mostly those of the row before, or the lower one of them as the upper one.
+        // Consecutive output rows mostly share both sample rows, or the lower one becomes the upper one.
         if light_of[1] == Some(row.between[0]) {
             light.swap(0, 1);
             light_of.swap(0, 1);
@@ -192,7 +192,7 @@ impl Frame<'_> {
         }
     }
 
-    /// Finds the least and the greatest of the nine samples around every place that a column can be nearest to.
+    /// Computes the minimum and maximum of the 3 × 3 samples around every possible nearest sample.
     #[inline(always)]
     fn bounds<S: Simd>(&self, simd: S, y: u32, scratch: &mut Scratch) {
         let color = self.now.drawn.color;
@@ -201,10 +201,10 @@ impl Frame<'_> {
         let rows = nearest.saturating_sub(2)..(nearest + 1).min(height);
         let [least, greatest] = &mut scratch.codes;
         let rows = each!(by in [0, 1, 2] => color.row((rows.start + by).min(rows.end - 1) as u32).as_flattened());
-        // The first one is repeated twice before it, the last one after it.
+        // The first column is repeated twice before it, and the last column twice after it.
         let codes = 4 * width;
         for at in (0..codes).step_by(BYTES) {
-            // The last ones are found with some before them, once more.
+            // The last block overlaps the previous one, so that it does not exceed the row.
             let at = at.min(codes.saturating_sub(BYTES));
             let [a, b, c] = each!(row in [0, 1, 2] => bytes(simd, rows[row], at));
             store_bytes(a.min(b).min(c), least, at + 8);
@@ -225,7 +225,7 @@ impl Frame<'_> {
         let [least_light, greatest_light] = &mut scratch.bounds;
         self.now.decode(simd, &least.as_chunks().0[..width + 2], least_light);
         self.now.decode(simd, &greatest.as_chunks().0[..width + 2], greatest_light);
-        // They bound three channels, and not how many samples a mean is of.
+        // The bounds clamp only the three colour channels, not the sample count.
         for (least, greatest) in least_light.iter_mut().zip(greatest_light) {
             (least[3], greatest[3]) = (f32::MIN, f32::MAX);
         }
@@ -269,7 +269,7 @@ impl Frame<'_> {
         self.now.encode(simd, mean, alpha, row);
     }
 
-    /// What the frames before had of a block, read where the surface was and kept within the bounds of this frame.
+    /// Reads the history of a block at the reprojected positions and clamps it to the bounds of this frame.
     #[inline(always)]
     fn gather<S: Simd>(
         &self,
@@ -312,7 +312,7 @@ impl Frame<'_> {
 }
 
 impl Now<'_> {
-    /// Light of samples, and alpha as its code.
+    /// Decodes samples to the working colour space; alpha stays an 8-bit value.
     #[inline(always)]
     fn decode<S: Simd>(&self, simd: S, samples: &[Rgba8], light: &mut [Quad]) {
         let table = match self.light {
@@ -332,7 +332,7 @@ impl Now<'_> {
         }
     }
 
-    /// Sixteen pixels from their light and codes of alpha.
+    /// Encodes 16 pixels from working-space colours and 8-bit alpha values.
     #[inline(always)]
     fn encode<S: Simd>(&self, simd: S, light: [f32x16<S>; 4], alpha: f32x16<S>, pixels: &mut [Rgba8; WIDE]) {
         let [red, green, blue] = each!(channel in [0, 1, 2] => match self.light {
@@ -345,7 +345,7 @@ impl Now<'_> {
     }
 }
 
-/// Sixteen quads, number by number.
+/// Transposes 16 quads into one vector per component.
 #[inline(always)]
 fn columns<S: Simd>(simd: S, quads: &[Quad; WIDE]) -> [f32x16<S>; 4] {
     let numbers = quads.as_flattened();
@@ -355,7 +355,7 @@ fn columns<S: Simd>(simd: S, quads: &[Quad; WIDE]) -> [f32x16<S>; 4] {
     [w, x, y, z]
 }
 
-/// The reverse of [`columns`].
+/// Inverse of [`columns`].
 #[inline(always)]
 fn store<S: Simd>(_simd: S, [w, x, y, z]: [f32x16<S>; 4], quads: &mut [Quad; WIDE]) {
     let ((wy, wy_end), (xz, xz_end)) = (w.interleave(y), x.interleave(z));

@@ -1,9 +1,9 @@
-//! The checkerboard whose missing pixels are filled along edges instead of across them.
+//! Checkerboard rendering with missing pixels interpolated along edges instead of across them.
 //!
-//! A pixel of a missing square lies between two drawn ones in its row and two in its column, one of each pair one pixel
-//! away and the other two. Each pair gives a value by a straight line; the two values count the more the less their pair
-//! differs in luma: with the squared differences dh² and dv² the row's counts for (1 + dv²) / (2 + dh² + dv²). Where a pair
-//! is not complete, at borders, the plain mean of `checkerboard` stands.
+//! A missing pixel lies between two drawn ones in its row and two in its column; in each pair, one is one pixel away
+//! and the other two. Each pair is interpolated linearly. The pair that differs less in luma gets more weight: with the
+//! squared differences dh² and dv², the weight of the row is (1 + dv²) / (2 + dh² + dv²). At borders, where a pair is
+//! incomplete, the plain mean of `checkerboard` is used.
 
 use super::mean::{CHECKERBOARD, mean_of_sources};
 use super::squares::{Around, Fill, Run, channel, fill, pixels};
@@ -13,10 +13,10 @@ use crate::math::lanes::*;
 use crate::pipeline::grid::SampleGrid;
 use crate::upscale::{Drawn, Offers, Sampling, Tap, Upscaler, Upscaling};
 
-/// Missing squares of a checkerboard, filled along edges.
+/// Checkerboard rendering with edge-directed interpolation.
 pub static CHECKERBOARD_EDGES: CheckerboardEdges = CheckerboardEdges;
 
-/// See [`CHECKERBOARD_EDGES`].
+/// Type of [`CHECKERBOARD_EDGES`].
 pub struct CheckerboardEdges;
 
 impl Upscaler for CheckerboardEdges {
@@ -29,10 +29,11 @@ impl Upscaler for CheckerboardEdges {
     }
 
     fn help(&self) -> &'static str {
-        "Draws the 2×2-pixel squares of one colour of a checkerboard and fills the others from the row or the column, \
-         whichever changes less. Good on upright and level edges, which the plain checkerboard frays. Slanted edges and \
-         lines one pixel thin still break, as half of them was never drawn. Choosing the direction by the smaller \
-         difference is what cameras do for their colour mosaics (Hamilton and Adams, 1997)."
+        "Draws the 2×2-pixel squares of one colour of a checkerboard and interpolates the others along row and column, \
+         with more weight for the one that changes less. Good on vertical and horizontal edges, which the plain \
+         checkerboard frays. Slanted edges and lines one pixel wide still break up, because half of them was never \
+         drawn. Preferring the direction of the smaller difference comes from the demosaicing of camera images \
+         (Hamilton and Adams, 1997)."
     }
 
     fn offers(&self) -> Offers {
@@ -62,7 +63,8 @@ impl Upscaler for CheckerboardEdges {
     }
 }
 
-/// The drawn pixels in the row, near and far, and in the column, near and far, of a missing pixel that has them all.
+/// Returns the four drawn pixels around a missing pixel: near and far in its row, then near and far in its column.
+/// Returns `None` if one lies outside the image.
 fn pairs(size: (u32, u32), at: At) -> Option<[At; 4]> {
     if SampleGrid::Checkerboard.sample_at(at.0, at.1).is_some() {
         return None;
@@ -71,10 +73,10 @@ fn pairs(size: (u32, u32), at: At) -> Option<[At; 4]> {
     Some([beside?, far_beside?, across?, far_across?])
 }
 
-/// The share of the nearer one of two pixels that are one and two away.
+/// Weight of the nearer of two pixels at distances 1 and 2.
 const NEAR: f32 = 2.0 / 3.0;
 
-/// What the four count for.
+/// Returns the weights of the four pixels; they sum to 1.
 fn shares(colors: [Rgba8; 4]) -> [f32; 4] {
     let luma = |[r, g, b, _]: Rgba8| f32::from(r) + 2.0 * f32::from(g) + f32::from(b);
     let [across, down] = [(0, 1), (2, 3)].map(|(near, far)| (luma(colors[near]) - luma(colors[far])) / 4.0);
@@ -99,7 +101,7 @@ fn mixed(drawn: &Image<Rgba8>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
     })
 }
 
-/// Fills what is missing along edges.
+/// Kernel that interpolates missing pixels along edges.
 pub(super) struct AlongEdges<'a> {
     pub drawn: &'a Image<Rgba8>,
     pub size: (u32, u32),
@@ -110,7 +112,7 @@ impl Fill for AlongEdges<'_> {
         mixed(self.drawn, self.size, at)
     }
 
-    /// The steps of [`mixed`] in lanes.
+    /// Computes [`mixed`] in lanes.
     #[inline(always)]
     fn missing<S: Simd>(&self, simd: S, _run: &Run, around: Around<S>) -> u32x16<S> {
         let Around { beside, across, far_beside, far_across } = around;
@@ -134,7 +136,7 @@ mod tests {
     use super::*;
     use crate::upscale::Scale;
 
-    /// Draws the checkerboard of a picture and fills it again.
+    /// Extracts the checkerboard samples of an image and upscales them again.
     fn refilled(picture: &Image<Rgba8>) -> Image<Rgba8> {
         let (width, height) = picture.size();
         let grid = SampleGrid::Checkerboard;
@@ -156,7 +158,7 @@ mod tests {
                     if at < edge { [10, 20, 30, 255] } else { [240, 200, 90, 255] }
                 });
                 let full = refilled(&picture);
-                // Away from the border, where both pairs are whole.
+                // Away from the border, where both pairs are complete.
                 for (x, y) in (2..14).flat_map(|y| (2..14).map(move |x| (x, y))) {
                     assert_eq!(full.at(x, y), picture.at(x, y), "edge at {edge}, upright {upright}: ({x}, {y})");
                 }

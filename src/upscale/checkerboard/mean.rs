@@ -1,12 +1,13 @@
-//! Half of the picture drawn, as a checkerboard of 2×2-pixel squares; the other half from its neighbours.
+//! Checkerboard rendering: half of the image is drawn as 2×2-pixel squares, the other half is interpolated.
 //!
-//! Every pixel of a missing square touches two drawn pixels: one beside it, one above or below. It becomes their mean. Where
-//! the picture ends there may be one or none; the rule that covers them all is *the mean of the nearest drawn pixels*:
+//! Every pixel of a missing square touches two drawn pixels: one in its row and one in its column. It becomes their
+//! mean. At image borders there may be only one or none. One rule covers all cases: a missing pixel is *the mean of the
+//! nearest drawn pixels*.
 //!
 //! ```text
-//!   a a . . e e      . at column 2, row 1 = mean of the a beside it and the c below it
-//!   a a . . e e      . at column 2, row 0 = the a beside it, as nothing lies above
-//!   . . c c . .      . at column 0, row 3, a corner of the picture = mean of the a and the c two pixels away
+//!   a a . . e e      . at column 2, row 1: mean of the a beside it and the c below it
+//!   a a . . e e      . at column 2, row 0: the a beside it, because nothing lies above
+//!   . . c c . .      . at column 0, row 3, an image corner: mean of the a and the c two pixels away
 //!   . . c c . .
 //! ```
 
@@ -19,10 +20,10 @@ use crate::image::{Image, Rgba8};
 use crate::pipeline::grid::SampleGrid;
 use crate::upscale::{Drawn, Offers, Sampling, Tap, Upscaler, Upscaling};
 
-/// Missing squares of a checkerboard as means of their neighbours.
+/// Checkerboard rendering with missing pixels as means of their neighbours.
 pub static CHECKERBOARD: Checkerboard = Checkerboard;
 
-/// See [`CHECKERBOARD`].
+/// Type of [`CHECKERBOARD`].
 pub struct Checkerboard;
 
 impl Upscaler for Checkerboard {
@@ -37,8 +38,8 @@ impl Upscaler for Checkerboard {
     fn help(&self) -> &'static str {
         "Draws the 2×2-pixel squares of one colour of a checkerboard, half of the picture; every other pixel becomes \
          the mean of its two drawn neighbours, one beside it and one above or below. Good where little changes within \
-         two pixels. Each missing pixel is filled from one diagonal side, so slanted edges fray into teeth and thin \
-         lines break up. Means are rounded, and borders filled in, too."
+         two pixels. Each missing pixel is filled from one diagonal side, so slanted edges become jagged and thin \
+         lines break up. Means are rounded; pixels at the border are filled in, too."
     }
 
     fn offers(&self) -> Offers {
@@ -69,13 +70,13 @@ impl Upscaler for Checkerboard {
     }
 }
 
-/// One pixel, by the arithmetic that fills the whole picture.
+/// Computes one pixel, bit-identical to the whole-image kernel.
 pub(super) fn mean_of_sources(drawn: &Image<Rgba8>, (width, height): (u32, u32), (x, y): (u32, u32)) -> Rgba8 {
     let [a, b] = sources(x, y, width, height).map(|(x, y)| drawn.at(packed_column(x), y));
     mean(a, b)
 }
 
-/// The two drawn pixels whose mean is pixel (x, y); twice the same where it is one alone.
+/// Returns the two drawn pixels whose mean is pixel (x, y); both are equal if there is only one.
 fn sources(x: u32, y: u32, width: u32, height: u32) -> [(u32, u32); 2] {
     let drawn = [(x, y); 2];
     if SampleGrid::Checkerboard.sample_at(x, y).is_some() {
@@ -85,11 +86,12 @@ fn sources(x: u32, y: u32, width: u32, height: u32) -> [(u32, u32); 2] {
         let [beside, across] = neighbours(by, (width, height), (x, y));
         Some([beside.or(across)?, across.or(beside)?])
     };
-    // Left of or above a missing square lies a drawn one, so a pixel that touches none has one at its back.
+    // A drawn square lies left of or above every missing square, so a pixel that touches no drawn pixel has one behind
+    // it.
     pair(TOUCHING).or_else(|| pair(BEHIND)).unwrap_or(drawn)
 }
 
-/// Fills row `y`: most of it in blocks of four pixels, what is left at the borders pixel by pixel.
+/// Fills row `y`: the interior in blocks of four pixels, the borders pixel by pixel.
 fn fill_row(drawn: &Image<Rgba8>, y: u32, width: u32, height: u32, row: &mut [Rgba8]) {
     let drawn_first = SampleGrid::Checkerboard.sample_at(0, y).is_some();
     let filled =
@@ -100,8 +102,8 @@ fn fill_row(drawn: &Image<Rgba8>, y: u32, width: u32, height: u32, row: &mut [Rg
     }
 }
 
-/// Fills the blocks of four pixels that have all their sources inside the picture, from the packed row of the same
-/// pixels and the one that their missing pixels touch. Returns the columns filled.
+/// Fills the blocks of four pixels whose sources all lie inside the image. `own` is the packed row of the same pixels,
+/// `across` the packed row that their missing pixels touch. Returns the columns filled.
 fn fill_blocks(own: &[Rgba8], across: &[Rgba8], drawn_first: bool, row: &mut [Rgba8]) -> Range<u32> {
     let width = row.len();
     let blocks = if drawn_first { 0..(width - 1) / 4 } else { 1.min(width / 4)..width / 4 };
@@ -116,7 +118,8 @@ fn fill_blocks(own: &[Rgba8], across: &[Rgba8], drawn_first: bool, row: &mut [Rg
     4 * blocks.start as u32..4 * blocks.end as u32
 }
 
-/// Mean of all four channels, halves up: a + b = 2 (a | b) − (a ^ b), and the mask keeps each channel's shift its own.
+/// Computes the mean of all four channels, rounding halves up: a + b = 2 (a | b) − (a ^ b). The mask keeps bits from
+/// shifting into the adjacent channel.
 fn mean(a: Rgba8, b: Rgba8) -> Rgba8 {
     let (a, b) = (u32::from_ne_bytes(a), u32::from_ne_bytes(b));
     ((a | b) - (((a ^ b) >> 1) & 0x7f7f_7f7f)).to_ne_bytes()
@@ -157,7 +160,7 @@ mod tests {
         }
     }
 
-    /// Found by looking at all drawn pixels; sorted.
+    /// Returns the nearest drawn pixels in sorted order, found by testing all of them.
     fn nearest_drawn(x: u32, y: u32, width: u32, height: u32) -> Vec<(u32, u32)> {
         let distance = |&(i, j): &(u32, u32)| x.abs_diff(i).pow(2) + y.abs_diff(j).pow(2);
         let drawn: Vec<_> = (0..width)

@@ -1,8 +1,8 @@
-//! The missing pixels of a checkerboard sixteen at a time.
+//! Vectorised checkerboard fill: 16 missing pixels at a time.
 //!
-//! Packed like the drawn ones: of four pixels of a row the two that are missing. Those beside them are drawn, so that the four drawn
-//! pixels around sixteen missing ones stand one after the other in the packed picture: in the row itself, and, as rows come in
-//! pairs, in one above and one below.
+//! Missing pixels are packed like the drawn ones: the two missing pixels of every four in a row. Their neighbours in
+//! the row are drawn. The drawn pixels around 16 missing ones are therefore contiguous in the packed image: in the same
+//! row, and, because rows come in pairs, in one row above and one below.
 
 use super::{At, BEHIND, TOUCHING, step};
 use crate::image::{Image, Rgba8};
@@ -11,29 +11,30 @@ use crate::pipeline::grid::SampleGrid;
 use crate::upscale::history::same_surface;
 use crate::upscale::{Scale, Surfaces, bands};
 
-/// How the missing pixels of a checkerboard are made.
+/// Kernel that computes missing pixels of a checkerboard.
 pub(super) trait Fill: Sync {
-    /// Any pixel, drawn or missing.
+    /// Computes one pixel, drawn or missing.
     fn pixel(&self, at: At) -> Rgba8;
 
-    /// Sixteen missing pixels, each as its four codes, the first in the lowest byte: the same as one by one.
+    /// Computes 16 missing pixels in packed RGBA, with red in the lowest byte; bit-identical to [`Self::pixel`].
     fn missing<S: Simd>(&self, simd: S, run: &Run, around: Around<S>) -> u32x16<S>;
 }
 
-/// Sixteen missing pixels of a row.
+/// Position of 16 missing pixels of a row.
 pub(super) struct Run {
-    /// The row, and those that the pixels touch, and that at their backs.
+    /// Row of the pixels, the row they touch, and the row behind them.
     pub y: u32,
     pub across: u32,
     pub far_across: u32,
-    /// The first, among the missing ones of the row.
+    /// Index of the first pixel among the missing ones of the row.
     pub first: usize,
-    /// The column before it.
+    /// Column before the first pixel.
     pub before: usize,
 }
 
 impl Run {
-    /// Which of sixteen missing pixels show the same as the drawn ones around them.
+    /// Returns masks of the missing pixels that show the same surface as each of the four drawn pixels around: beside,
+    /// across, far beside, far across.
     #[inline(always)]
     pub(super) fn are_one<S: Simd>(&self, simd: S, surfaces: &Surfaces) -> [mask32x16<S>; 4] {
         let Surfaces { object, distance } = surfaces;
@@ -44,7 +45,7 @@ impl Run {
             let [a, b] = each!(at in [0, WIDE] => f32x16::from_slice(simd, &distances[at..at + WIDE]));
             ((even, odd), a.deinterleave(b))
         });
-        // Of four pixels from the one before two missing ones on, the missing ones are the second and the third.
+        // Starting one column before a missing pair, the second and third of every four pixels are missing.
         let first = firsts(simd);
         let missing = each!(of in [own, near, far] => {
             let ((even, odd), (even_far, odd_far)) = of;
@@ -57,7 +58,7 @@ impl Run {
         each!(there in [beside, near, far_beside, far] => same_surface(own, there))
     }
 
-    /// What a full row has in the place of sixteen missing pixels.
+    /// Loads the pixels of a full row at the positions of the 16 missing pixels.
     #[inline(always)]
     pub(super) fn own<S: Simd>(&self, simd: S, row: &[Rgba8]) -> u32x16<S> {
         let codes = &row.as_flattened()[4 * self.before..];
@@ -65,7 +66,7 @@ impl Run {
         firsts(simd).select(odd, even)
     }
 
-    /// The objects and the distances of sixteen missing pixels.
+    /// Loads the objects and distances of the 16 missing pixels.
     #[inline(always)]
     pub(super) fn shown<S: Simd>(&self, simd: S, surfaces: &Surfaces) -> (u32x16<S>, f32x16<S>) {
         let distances = &surfaces.distance.row(self.y)[self.before..];
@@ -75,7 +76,7 @@ impl Run {
     }
 }
 
-/// The drawn pixels around sixteen missing ones: those that they touch and those at their backs.
+/// Drawn pixels around 16 missing ones: touching (`beside`, `across`) and behind (`far_beside`, `far_across`).
 #[derive(Clone, Copy)]
 pub(super) struct Around<S: Simd> {
     pub beside: u32x16<S>,
@@ -84,7 +85,7 @@ pub(super) struct Around<S: Simd> {
     pub far_across: u32x16<S>,
 }
 
-/// Fills a picture, on all threads.
+/// Fills an image, in parallel.
 pub(super) fn fill(lanes: Lanes, grid: SampleGrid, drawn: &Image<Rgba8>, full: &mut Image<Rgba8>, by: &impl Fill) {
     let size = full.size();
     bands::fill(full, Scale::ONE, |first, _, pixels| {
@@ -97,7 +98,7 @@ pub(super) fn fill(lanes: Lanes, grid: SampleGrid, drawn: &Image<Rgba8>, full: &
     });
 }
 
-/// Fills the middle of a row, if there are enough pixels with all their sources; says which columns.
+/// Fills the interior of a row if it has enough pixels with all their sources. Returns the columns filled.
 #[inline(always)]
 fn fill_row<S: Simd>(
     simd: S,
@@ -109,14 +110,14 @@ fn fill_row<S: Simd>(
 ) -> std::ops::Range<usize> {
     let [Some(across), Some(far_across)] = [TOUCHING, BEHIND].map(|by| step(y, by, size.1)) else { return 0..0 };
     let drawn_first = grid.sample_at(0, y).is_some();
-    // Fours of pixels whose missing two have a drawn one on both sides.
+    // Groups of four pixels whose two missing pixels have a drawn one on both sides.
     let fours = if drawn_first { 0..row.len().saturating_sub(1) / 4 } else { 1..row.len() / 4 };
     let (from, end) = (2 * fours.start, 2 * fours.end);
     if end < from + WIDE {
         return 0..0;
     }
     let [own, near, far] = [y, across, far_across].map(|y| drawn.row(y).as_flattened());
-    // Missing and drawn pixels that stand side by side are one apart in their rows, before or after.
+    // The packed index of a drawn pixel beside a missing one is one larger or one smaller.
     let beside = |first: usize| if drawn_first { first + 1 } else { first - 1 };
     let mut first = from;
     loop {
@@ -138,18 +139,18 @@ fn fill_row<S: Simd>(
         if first + WIDE == end {
             return 4 * fours.start..4 * fours.end;
         }
-        // The last ones are made with some of those before, once more.
+        // The last run overlaps the previous one.
         first = (first + WIDE).min(end - WIDE);
     }
 }
 
-/// Sixteen pixels from the first of these bytes on.
+/// Loads 16 packed pixels from the start of a byte slice.
 #[inline(always)]
 pub(super) fn words<S: Simd>(simd: S, codes: &[u8]) -> u32x16<S> {
     u8x64::from_slice(simd, &codes[..4 * WIDE]).bitcast()
 }
 
-/// Which of sixteen missing pixels are the first of two.
+/// Returns a mask of the pixels that are the first of their missing pair.
 #[inline(always)]
 fn firsts<S: Simd>(simd: S) -> mask32x16<S> {
     let places = u32x16::load_array(simd, [0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1]);
@@ -162,13 +163,13 @@ fn swap_pairs<S: Simd>(words: u32x16<S>) -> u32x16<S> {
     (pairs << 32 | pairs >> 32).bitcast()
 }
 
-/// A channel of sixteen pixels.
+/// Extracts a channel of 16 pixels as floats.
 #[inline(always)]
 pub(super) fn channel<S: Simd>(of: u32x16<S>, channel: u32) -> f32x16<S> {
     float_of((of >> (8 * channel)) & 255)
 }
 
-/// Sixteen pixels from the whole numbers below values of their four channels.
+/// Packs 16 pixels from four channels, truncated toward zero.
 #[inline(always)]
 pub(super) fn pixels<S: Simd>([r, g, b, a]: [f32x16<S>; 4]) -> u32x16<S> {
     let [r, g, b, a] = each!(channel in [r, g, b, a] => whole_part(channel));
@@ -200,7 +201,7 @@ mod tests {
         for size in [(33, 4), (34, 5), (35, 6), (36, 7), (37, 8), (75, 9), (140, 5)] {
             for (grid, number) in [(SampleGrid::Checkerboard, 1), (SampleGrid::OddCheckerboard, 2)] {
                 let (columns, rows) = grid.packed_size(size.0, size.1);
-                // Values that agree now and then: differences of nothing.
+                // Few distinct values, so that differences of zero occur.
                 let color = Image::from_fn(columns, rows, |_, _| std::array::from_fn(|_| random.u8(..) & 0xf1));
                 for frames in frames(size, number) {
                     let drawn = Drawn { color: &color, seen: Some(frames.seen()) };

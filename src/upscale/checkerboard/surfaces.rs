@@ -1,8 +1,8 @@
-//! The checkerboard whose missing pixels take only of drawn neighbours that show the same surface.
+//! Checkerboard rendering with missing pixels interpolated only from neighbours on the same surface.
 //!
-//! Which object a pixel shows, and how far away, is known of every pixel: that is found without shading. A missing pixel is
-//! the mean of those of the four drawn pixels around it, two in its row and two in its column, that show its object at about
-//! its distance, each counting the more the nearer it is. If none does, the plain mean stands.
+//! The object and distance of every pixel are known, because they are found without shading. A missing pixel is the
+//! weighted mean of up to four drawn pixels, two in its row and two in its column. Only pixels with the same object at
+//! about the same distance contribute, nearer ones with more weight. If there are none, the plain mean is used.
 
 use arrayvec::ArrayVec;
 
@@ -13,10 +13,10 @@ use crate::math::lanes::*;
 use crate::pipeline::grid::SampleGrid;
 use crate::upscale::{Drawn, Offers, Reads, Sampling, Tap, Upscaler, Upscaling};
 
-/// Missing squares of a checkerboard, filled from the same surface.
+/// Checkerboard rendering with missing pixels filled from the same surface.
 pub static CHECKERBOARD_SURFACES: CheckerboardSurfaces = CheckerboardSurfaces;
 
-/// See [`CHECKERBOARD_SURFACES`].
+/// Type of [`CHECKERBOARD_SURFACES`].
 pub struct CheckerboardSurfaces;
 
 impl Upscaler for CheckerboardSurfaces {
@@ -29,10 +29,11 @@ impl Upscaler for CheckerboardSurfaces {
     }
 
     fn help(&self) -> &'static str {
-        "Draws the 2×2-pixel squares of one colour of a checkerboard, and finds of all pixels which object they show and \
-         how far away; a missing pixel takes only of neighbours that show the same. Outlines stay sharp; textures lose \
-         detail as in the plain checkerboard. Half of the pixels are shaded, but the surfaces of all are found: it saves \
-         time where shading costs more than that, as with supersampling. Consoles do so with an id buffer in hardware (PlayStation 4 Pro, 2016)."
+        "Draws the 2×2-pixel squares of one colour of a checkerboard, and determines the object and the distance of \
+         every pixel; a missing pixel is interpolated only from neighbours on the same surface. Outlines stay sharp; \
+         textures lose detail as in the plain checkerboard. Half of the pixels are shaded, but the surfaces of all are \
+         determined: it saves time where shading costs more than that, as with supersampling. Consoles use an id \
+         buffer in hardware for this (PlayStation 4 Pro, 2016)."
     }
 
     fn offers(&self) -> Offers {
@@ -61,10 +62,10 @@ impl Upscaler for CheckerboardSurfaces {
     }
 }
 
-/// What a pixel that touches the missing one counts for, and one behind it.
+/// Unnormalised weights of a pixel that touches the missing one and of a pixel behind it.
 const NEAR_AND_FAR: [f32; 2] = [2.0, 1.0];
 
-/// Fills what is missing from the same surface.
+/// Kernel that fills missing pixels from the same surface.
 pub(super) struct BySurface<'a> {
     pub grid: SampleGrid,
     pub drawn: &'a Drawn<'a>,
@@ -99,7 +100,7 @@ impl Fill for BySurface<'_> {
     }
 }
 
-/// A pixel of a picture of which one colour of a checkerboard was drawn.
+/// Computes one pixel of an image whose checkerboard half `grid` was drawn.
 pub(super) fn filled(grid: SampleGrid, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
     let color = |tap: &Tap| grid.sample_at(tap.x, tap.y).map_or([0; 4], |(column, row)| drawn.color.at(column, row));
     let taps = taps(grid, drawn, size, at);
@@ -115,7 +116,7 @@ pub(super) fn filled(grid: SampleGrid, drawn: &Drawn<'_>, size: (u32, u32), at: 
     sums.map(|sum: f32| (sum + 0.5) as u8)
 }
 
-/// The drawn pixels that a pixel is made of.
+/// Returns the drawn pixels that contribute to a pixel, with weights that sum to 1.
 pub(super) fn taps(grid: SampleGrid, drawn: &Drawn<'_>, size: (u32, u32), (x, y): At) -> ArrayVec<Tap, 4> {
     if grid.sample_at(x, y).is_some() {
         return ArrayVec::from_iter([Tap { x, y, weight: 1.0 }]);
@@ -136,13 +137,13 @@ pub(super) fn taps(grid: SampleGrid, drawn: &Drawn<'_>, size: (u32, u32), (x, y)
     }
     let sum: f32 = used.iter().map(|(_, weight)| weight).sum();
     if used.is_empty() {
-        // A picture so small that nothing near the pixel was drawn.
+        // The image is so small that no pixel near this one was drawn.
         return drawn_nearest(grid, size, (x, y)).into_iter().collect();
     }
     used.into_iter().map(|((x, y), weight)| Tap { x, y, weight: weight / sum }).collect()
 }
 
-/// The drawn pixel nearest to one, found by looking at all.
+/// Returns the nearest drawn pixel, found by testing all of them.
 fn drawn_nearest(grid: SampleGrid, (width, height): (u32, u32), (x, y): (u32, u32)) -> Option<Tap> {
     let all = (0..height).flat_map(|j| (0..width).map(move |i| (i, j)));
     let drawn = all.filter(|(i, j)| grid.sample_at(*i, *j).is_some());

@@ -1,9 +1,10 @@
-//! The checkerboard that draws one colour of squares in one frame and the other colour in the next.
+//! Temporal checkerboard rendering: alternate frames draw alternate squares.
 //!
-//! What is missing now was drawn a moment ago. Where the view has not moved it is taken over as it was, so that after two
-//! frames the picture is the native one, bit for bit. Where it has moved, the place of the missing pixel in the frame before
-//! is found by its distance; if that showed the same surface, its colour there, kept between the least and the greatest of
-//! the drawn pixels around, is taken; else the pixel is filled from the same surface of this frame.
+//! The pixels missing in this frame were drawn in the previous one. In a still view they are copied, so that the image
+//! is bit-identical to native rendering from the second frame on. In motion, a missing pixel is reprojected into the
+//! previous frame using its distance. If the previous frame shows the same surface there, its colour is used, clamped
+//! to the minimum and maximum of the surrounding drawn pixels. Otherwise the pixel is filled from the same surface of
+//! this frame.
 
 use super::squares::{self, Around, Fill, Run, channel, pixels};
 use super::surfaces::BySurface;
@@ -14,10 +15,10 @@ use crate::pipeline::grid::SampleGrid;
 use crate::upscale::history::NOWHERE;
 use crate::upscale::{Before, CENTRE, Drawn, Motion, Offers, Reads, Sampling, Tap, Upscaler, Upscaling};
 
-/// Missing squares of a checkerboard, taken from the frame before.
+/// Checkerboard rendering with missing pixels reprojected from the previous frame.
 pub static CHECKERBOARD_TEMPORAL: CheckerboardTemporal = CheckerboardTemporal;
 
-/// See [`CHECKERBOARD_TEMPORAL`].
+/// Type of [`CHECKERBOARD_TEMPORAL`].
 pub struct CheckerboardTemporal;
 
 impl Upscaler for CheckerboardTemporal {
@@ -30,10 +31,10 @@ impl Upscaler for CheckerboardTemporal {
     }
 
     fn help(&self) -> &'static str {
-        "Draws the squares of one colour of a checkerboard in one frame and the others in the next; what is missing is \
-         looked up where the frame before showed it. While the view stands still the picture is native from the second \
-         frame on, bit for bit. In motion, what comes out from behind something is only filled from its neighbours, and \
-         light that moves over a surface lags. The way of many console games (Rainbow Six Siege, 2015)."
+        "Draws the squares of one colour of a checkerboard in one frame and the others in the next; missing pixels are \
+         reprojected from the previous frame. In a still view the picture equals native rendering from the second \
+         frame on, bit for bit. In motion, disoccluded pixels are only interpolated from their neighbours, and light \
+         that moves over a surface lags. Used by many console games (Rainbow Six Siege, 2015)."
     }
 
     fn offers(&self) -> Offers {
@@ -65,10 +66,10 @@ impl Upscaler for CheckerboardTemporal {
         filled(drawn, motion(drawn, size).as_ref(), size, at)
     }
 
-    /// The samples of this frame; what the frame before adds is no sample.
+    /// Returns the samples of this frame only; history contributes no taps.
     fn taps(&self, _how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Vec<Tap> {
         let mut taps = surfaces::taps(grid_of(drawn), drawn, size, at).to_vec();
-        // They bound what comes from the frame before.
+        // Surrounding samples clamp the history, so they are listed with zero weight.
         for (x, y) in around(size, at).filter(|_| grid_of(drawn).sample_at(at.0, at.1).is_none()) {
             if taps.iter().all(|tap| (tap.x, tap.y) != (x, y)) {
                 taps.push(Tap { x, y, weight: 0.0 });
@@ -83,7 +84,7 @@ impl Upscaler for CheckerboardTemporal {
     }
 }
 
-/// The squares that are drawn when so many frames came before.
+/// Returns the squares to draw after `frames` earlier frames.
 fn grid(frames: u32) -> SampleGrid {
     if frames.is_multiple_of(2) { SampleGrid::Checkerboard } else { SampleGrid::OddCheckerboard }
 }
@@ -106,11 +107,12 @@ fn filled(drawn: &Drawn<'_>, motion: Option<&Motion<'_>>, size: (u32, u32), at: 
         .unwrap_or_else(|| surfaces::filled(grid, drawn, size, at))
 }
 
-/// Fills what is missing from the frame before, or else from the same surface.
+/// Kernel that reprojects missing pixels from the previous frame, with the same surface of this frame as fallback.
 pub(super) struct OfPast<'a> {
     otherwise: BySurface<'a>,
     motion: Option<Motion<'a>>,
-    /// See [`Motion::across`]; of the missing pixels of rows that begin with a missing one, and of the others.
+    /// Results of [`Motion::across`] for the missing pixels: of rows that start with a missing pixel, and of the other
+    /// rows.
     across: [Vec<f64>; 2],
 }
 
@@ -144,7 +146,7 @@ impl<'a> OfPast<'a> {
         Self { otherwise: BySurface { grid: grid_of(drawn), drawn, size }, motion, across: [missing(0), missing(2)] }
     }
 
-    /// [`remembered`] for sixteen pixels, and which of them are.
+    /// Computes [`remembered`] for 16 pixels. Returns a mask of the pixels with valid history, and their colours.
     #[inline(always)]
     fn remembered<S: Simd>(
         &self,
@@ -155,7 +157,7 @@ impl<'a> OfPast<'a> {
     ) -> (mask32x16<S>, u32x16<S>) {
         let none = (mask32x16::splat(simd, false), u32x16::splat(simd, 0));
         let Some(seen) = self.otherwise.drawn.seen else { return none };
-        // A row that begins with missing pixels has a drawn one before those of a run, in an odd column of a four.
+        // The column before a run is 3 modulo 4 in rows that start with missing pixels, and 1 modulo 4 in the others.
         let columns = &self.across[usize::from(run.before % 4 == 1)];
         let Some(columns) = columns.get(run.first..).and_then(<[f64]>::first_chunk::<WIDE>) else { return none };
         let (objects, distances) = run.shown(simd, seen.surfaces);
@@ -186,7 +188,7 @@ impl<'a> OfPast<'a> {
     }
 }
 
-/// The pixels at sixteen places.
+/// Gathers 16 pixels by index.
 #[inline(always)]
 fn gathered<S: Simd>(simd: S, of: &[Rgba8], at: u32x16<S>) -> u32x16<S> {
     let (at, mut words) = (at.to_array(), [0; WIDE]);
@@ -196,7 +198,7 @@ fn gathered<S: Simd>(simd: S, of: &[Rgba8], at: u32x16<S>) -> u32x16<S> {
     u32x16::load_array(simd, words)
 }
 
-/// What the frame before tells of a missing pixel, if it showed the same surface.
+/// Returns the reprojected colour of a missing pixel, if the previous frame shows the same surface.
 fn remembered(drawn: &Drawn<'_>, motion: &Motion<'_>, size: (u32, u32), at: (u32, u32)) -> Option<Rgba8> {
     let picture = motion.past.picture.as_ref()?;
     let before = motion.before(at)?;

@@ -1,7 +1,7 @@
-//! FidelityFX Super Resolution 1: a filter that turns with the edges ([`easu`]), and sharpening ([`rcas`]).
+//! FidelityFX Super Resolution 1: an upscaling filter oriented along edges ([`easu`]), and sharpening ([`rcas`]).
 //!
-//! Written from the equations of AMD's publication (FSR 1.0, 2021). Both filter sRGB codes, as they ask for. It is made for
-//! pictures that are already smooth at edges, and for enlargements up to two.
+//! Written from the equations of AMD's publication (FSR 1.0, 2021). Both passes filter sRGB-encoded values, as the
+//! publication requires. It is intended for images that are already anti-aliased, and for scales of up to 2.
 
 mod easu;
 mod rcas;
@@ -15,16 +15,16 @@ use super::{Anchor, Drawn, Light, Offers, Sampling, Scale, Tap, Upscaler, Upscal
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::Lanes;
 
-/// Edge-adaptive enlargement, and sharpening.
+/// Edge-adaptive upscaling with optional sharpening.
 pub static FSR1: Fsr1 = Fsr1;
 
-/// See [`FSR1`].
+/// Type of [`FSR1`].
 pub struct Fsr1;
 
-/// The pixel itself and those beside it, in the order of [`rcas::pixel`].
+/// Offsets of a pixel and its four neighbours, in the order of [`rcas::pixel`].
 const CROSS: [(i64, i64); 5] = [(0, -1), (-1, 0), (0, 0), (1, 0), (0, 1)];
 
-/// The strength of sharpening, in [0, 1].
+/// Returns the sharpening strength in [0, 1].
 fn strength(how: Upscaling) -> f32 {
     how.sharpening() as f32 / MOST_SHARPENING as f32
 }
@@ -39,10 +39,9 @@ impl Upscaler for Fsr1 {
     }
 
     fn help(&self) -> &'static str {
-        "Weighs twelve samples by a kernel that is stretched along the edge there, never leaves the range of the four \
-         nearest, then sharpens if asked. Good on slanted edges. Where \
-         the drawn picture has stairs it takes them for edges and keeps them; fine texture may turn into strokes. Source: \
-         AMD FidelityFX Super Resolution 1.0, EASU and RCAS (2021)."
+        "Weights twelve samples by a kernel stretched along the local edge, clamps the result to the range of the four \
+         nearest, and optionally sharpens. Good on slanted edges. Stairs in the drawn picture are taken for edges and \
+         kept; fine texture may turn into strokes. Source: AMD FidelityFX Super Resolution 1.0, EASU and RCAS (2021)."
     }
 
     fn offers(&self) -> Offers {
@@ -105,20 +104,19 @@ impl Upscaler for Fsr1 {
     }
 }
 
-/// Rows that are made at a time: what is found about their samples, and the rows before they are sharpened, stay in the
-/// second cache.
+/// Number of rows processed at a time: their per-sample data and the rows before sharpening stay in the L2 cache.
 const STRIP: usize = 32;
 
-/// What strips are made in.
+/// Scratch buffers of a strip.
 #[derive(Default)]
 struct Scratch {
     easu: easu::Scratch,
-    /// Rows that are to be sharpened.
+    /// Rows before sharpening.
     enlarged: Vec<Rgba8>,
 }
 
 thread_local! {
-    /// Kept from picture to picture: to get it anew from the system each time takes a tenth as long as all else.
+    /// Scratch buffers kept between images: allocating them each time takes a tenth of the time of all other work.
     static SCRATCH: RefCell<Scratch> = RefCell::default();
 }
 
@@ -130,7 +128,7 @@ fn fill(lanes: Lanes, how: Upscaling, drawn: &Image<Rgba8>, full: &mut Image<Rgb
     });
 }
 
-/// Fills rows from row `band` on, strip by strip.
+/// Fills the rows of a band that starts at row `band`, strip by strip.
 fn fill_band(
     lanes: Lanes,
     how: Upscaling,
@@ -151,7 +149,7 @@ fn fill_band(
     let mut made = 0;
     for (strip, rows) in pixels.chunks_mut(STRIP * width).enumerate() {
         let (first, count) = (band + strip * STRIP, rows.len() / width);
-        // Sharpening looks at the rows beside these, too; two of them are what the strip before ended with.
+        // Sharpening also reads the rows above and below; two of them are left over from the previous strip.
         let (above, below) = (usize::from(first > 0), usize::from(first + count < height));
         let known = if strip == 0 { 0 } else { above + 1 };
         enlarged.copy_within((made - known) * width..made * width, 0);

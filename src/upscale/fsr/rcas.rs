@@ -1,28 +1,28 @@
-//! Robust contrast-adaptive sharpening: a cross of five pixels whose outer weight is as negative as it may be without a
-//! channel leaving [0, 1].
+//! Robust contrast-adaptive sharpening (RCAS): a cross of five pixels. The outer weight is as negative as it may be
+//! without a channel leaving [0, 1].
 //!
-//! With the least and the greatest of the four around, mn and mx, a channel of the middle e stays within bounds for lobes
-//! down to −min(mn, e) / (4 mx) and (1 − max(mx, e)) / (4 mn − 4); the weakest of the three channels decides, and −3/16, as ¼
-//! would divide by nothing. Alpha stays.
+//! Let mn and mx be the minimum and maximum of the four neighbours. A channel e of the centre stays in range for lobes
+//! down to −min(mn, e) / (4 mx) and (1 − max(mx, e)) / (4 mn − 4). The weakest of the three channels decides, limited
+//! to −3/16, because −¼ would divide by zero. Alpha is unchanged.
 //!
-//! Of the lobe l and the sum s of the four, (l s + e) / (4 l + 1) is e + q (4 e − s) with q = −l / (4 l + 1). Quotients are
-//! compared and sums are made in whole numbers, q is a fraction of 2¹⁵ and its product is rounded to a thirty-second of a code:
-//! what rounding does to a colour is less than a twentieth of a code.
+//! With the lobe l and the sum s of the four neighbours, (l s + e) / (4 l + 1) equals e + q (4 e − s), where q = −l
+//! / (4 l + 1). Quotients are compared and sums computed in integers. q is a fraction of 2¹⁵, and its product is
+//! rounded to 1/32 of an 8-bit step. Rounding changes a colour by less than 1/20 of a step.
 
 use super::words::{self, times};
 use crate::image::Rgba8;
 use crate::math::lanes::*;
 
-/// The greatest −4 l.
+/// Largest value of −4 l.
 const MOST: f32 = 0.75;
 
-/// Bits after the point of a sharpened code.
+/// Fractional bits of a sharpened 8-bit value.
 const POINT: u32 = 5;
 
-/// Half a code.
+/// Half an 8-bit step.
 const HALF: i16 = 1 << (POINT - 1);
 
-/// A quotient of codes, not divided yet: of those that are compared but one counts.
+/// Quotient of 8-bit values, not divided yet: only one of the compared quotients is needed.
 #[derive(Clone, Copy)]
 struct Quotient<T> {
     numerator: T,
@@ -30,13 +30,13 @@ struct Quotient<T> {
 }
 
 impl Quotient<u16> {
-    /// The smaller one; the first of equal ones.
+    /// Returns the smaller quotient, or the first if they are equal.
     fn min(self, other: Self) -> Self {
         if self.numerator * other.denominator <= other.numerator * self.denominator { self } else { other }
     }
 
-    /// The smaller one of −4 l for both ends of the scale. Where a denominator is nothing, so is the numerator, and one in its
-    /// place makes the quotient nothing.
+    /// Returns the smaller value of −4 l for both ends of the range. If a denominator is zero, so is its numerator;
+    /// replacing the denominator by 1 makes the quotient zero.
     fn of_channel(above: u8, left: u8, own: u8, right: u8, below: u8) -> Self {
         let least = above.min(left).min(right.min(below));
         let greatest = above.max(left).max(right.max(below));
@@ -47,7 +47,7 @@ impl Quotient<u16> {
         quotient(least.min(own), greatest).min(quotient(!greatest.max(own), !least))
     }
 
-    /// q for a strength, in 2⁻¹⁵.
+    /// Returns q for a strength in [0, 1], in units of 2⁻¹⁵.
     fn weight(self, strength: f32) -> i16 {
         let [numerator, denominator] = [self.numerator, self.denominator].map(f32::from);
         let numerator = numerator.min(denominator * MOST) * strength;
@@ -55,7 +55,7 @@ impl Quotient<u16> {
     }
 }
 
-/// q, from above, left, the pixel itself, right and below.
+/// Returns q from the pixels above, left, centre, right and below, in units of 2⁻¹⁵.
 fn weight([above, left, own, right, below]: [Rgba8; 5], strength: f32) -> i16 {
     let [red, green, blue] = [0, 1, 2].map(|channel| {
         Quotient::of_channel(above[channel], left[channel], own[channel], right[channel], below[channel])
@@ -63,7 +63,7 @@ fn weight([above, left, own, right, below]: [Rgba8; 5], strength: f32) -> i16 {
     red.min(green).min(blue).weight(strength)
 }
 
-/// One pixel, from above, left, itself, right and below.
+/// Sharpens one pixel, given the pixels above, left, centre, right and below.
 pub(super) fn pixel(cross: [Rgba8; 5], strength: f32) -> Rgba8 {
     let weight = weight(cross, strength);
     let mut sharpened = cross[2];
@@ -76,13 +76,13 @@ pub(super) fn pixel(cross: [Rgba8; 5], strength: f32) -> Rgba8 {
     sharpened
 }
 
-/// What the five count for in the result; they sum to one.
+/// Returns the weights of the five pixels in the result; they sum to 1.
 pub(super) fn shares(cross: [Rgba8; 5], strength: f32) -> [f32; 5] {
     let weight = f32::from(weight(cross, strength)) / 32768.0;
     [-weight, -weight, 1.0 + 4.0 * weight, -weight, -weight]
 }
 
-/// Sharpens rows of `width` px from row `above` on into others. Where there is none above or below the outermost repeats.
+/// Sharpens rows of `width` px, starting at row `above` of the input. Border rows are repeated.
 pub(super) fn fill(
     lanes: Lanes,
     (rows, width): (&[Rgba8], usize),
@@ -97,12 +97,12 @@ pub(super) fn fill(
     }
 }
 
-/// Runs of sixteen pixels whose weights are found before any of them is used: finding one is a chain of products and a quotient, each of
-/// which waits for the one before, and those of the next runs fill the time.
+/// Number of 16-pixel runs whose weights are computed before any is used. Each weight is a dependency chain of products
+/// and a quotient; the following runs hide its latency.
 const RUNS: usize = 8;
 
-/// Sixteen pixels at a time where all around them lie within the row, the others one by one. The last sixteen may overlap those
-/// before.
+/// Sharpens the interior of a row 16 pixels at a time and the border pixels one by one. The last 16 may overlap the
+/// previous ones.
 #[inline(always)]
 fn fill_row<S: Simd>(simd: S, rows: [&[Rgba8]; 3], strength: f32, row: &mut [Rgba8]) {
     let last = row.len() - 1;
@@ -128,25 +128,25 @@ fn fill_row<S: Simd>(simd: S, rows: [&[Rgba8]; 3], strength: f32, row: &mut [Rgb
     }
 }
 
-/// Sixteen pixels from place `at` on, and those above, left, right and below them.
+/// Loads 16 pixels from index `at` on, and the pixels above, left, right and below them.
 #[inline(always)]
 fn cross<S: Simd>(simd: S, [above, own, below]: [&[Rgba8]; 3], at: usize) -> (u8x64<S>, [u8x64<S>; 4]) {
     (run(simd, own, at), [run(simd, above, at), run(simd, own, at - 1), run(simd, own, at + 1), run(simd, below, at)])
 }
 
-/// Sixteen pixels from place `at` on.
+/// Loads 16 pixels from index `at` on.
 #[inline(always)]
 fn run<S: Simd>(simd: S, of: &[Rgba8], at: usize) -> u8x64<S> {
     u8x64::from_slice(simd, of[at..at + WIDE].as_flattened())
 }
 
-/// Red and blue of sixteen pixels, in sixteen bits each.
+/// Extracts red and blue of 16 pixels as 16-bit values.
 #[inline(always)]
 fn even<S: Simd>(of: u8x64<S>) -> u16x32<S> {
     of.bitcast::<u16x32<S>>() & 255
 }
 
-/// Green and alpha.
+/// Extracts green and alpha of 16 pixels as 16-bit values.
 #[inline(always)]
 fn odd<S: Simd>(of: u8x64<S>) -> u16x32<S> {
     of.bitcast::<u16x32<S>>() >> 8
@@ -163,7 +163,7 @@ impl<S: Simd> Quotient<u16x32<S>> {
     }
 }
 
-/// [`weight`] in lanes: the same quotient.
+/// Computes [`weight`] in lanes, with an identical quotient.
 #[inline(always)]
 fn wide_weight<S: Simd>(
     simd: S,
@@ -173,7 +173,8 @@ fn wide_weight<S: Simd>(
 ) -> u32x16<S> {
     let least = above.min(left).min(right.min(below));
     let greatest = above.max(left).max(right.max(below));
-    // The numerator of alpha is 255, so its quotient is one at least, no smaller than those of colours, and never chosen.
+    // The numerator of alpha is 255, so its quotient is at least 1: never smaller than those of the colours, and never
+    // chosen.
     let (one, alpha) = (u8x64::splat(simd, 1), u32x16::splat(simd, 0xff00_0000).bitcast::<u8x64<S>>());
     let (black, white) = (least.min(own) | alpha, !greatest.max(own) | alpha);
     let (of_black, of_white) = (greatest.max(one), (!least).max(one));
@@ -181,7 +182,7 @@ fn wide_weight<S: Simd>(
         .min(Quotient { numerator: even(white), denominator: even(of_white) });
     let green = Quotient { numerator: odd(black), denominator: odd(of_black) }
         .min(Quotient { numerator: odd(white), denominator: odd(of_white) });
-    // Green was moved to the places of red, so that what is left in the others is blue.
+    // Green occupies the positions of red here, so the other positions hold blue.
     let red_or_green = red_blue.min(green);
     let blue = Quotient {
         numerator: (red_or_green.numerator.bitcast::<u32x16<S>>() >> 16).bitcast(),
@@ -194,7 +195,7 @@ fn wide_weight<S: Simd>(
     whole_part(numerator * 8192.0 / (denominator - numerator) + 0.5)
 }
 
-/// [`pixel`] in lanes, from its weight: the same sums.
+/// Computes [`pixel`] in lanes from its weight, with identical sums.
 #[inline(always)]
 fn wide_pixels<S: Simd>(own: u8x64<S>, [above, left, right, below]: [u8x64<S>; 4], weight: u32x16<S>) -> u8x64<S> {
     let red_blue = sharpened(
@@ -206,7 +207,7 @@ fn wide_pixels<S: Simd>(own: u8x64<S>, [above, left, right, below]: [u8x64<S>; 4
     (red_blue | green << 8).bitcast()
 }
 
-/// Codes from those of the middle, the sums of those around, and q.
+/// Sharpens 8-bit values, given the sums of their four neighbours and q.
 #[inline(always)]
 fn sharpened<S: Simd>(own: u16x32<S>, around: u16x32<S>, weight: i16x32<S>) -> u16x32<S> {
     let (own, around) = (own.bitcast::<i16x32<S>>(), around.bitcast::<i16x32<S>>());

@@ -18,7 +18,7 @@ fn filled(lanes: Lanes, how: Upscaling, drawn: &Image<Rgba8>, size: (u32, u32)) 
     full
 }
 
-/// The publication's steps for one channel-wise pixel in f64, with its letters.
+/// Computes one pixel with the steps and symbols of the publication, in f64.
 fn published(drawn: &Image<Rgba8>, scale: f64, (x, y): (u32, u32)) -> [f64; 3] {
     let (px, py) = ((f64::from(x) + 0.5) / scale - 0.5, (f64::from(y) + 0.5) / scale - 0.5);
     let (fx, fy) = (px.floor() as i64, py.floor() as i64);
@@ -80,15 +80,15 @@ fn enlarging_agrees_with_the_published_steps() {
             let exact = published(&drawn, scale.value(), (x, y));
             for (code, exact) in full.at(x, y).into_iter().zip(exact) {
                 let error = (f64::from(code) - exact).abs();
-                assert!(error < 0.75, "×{scale} ({x}, {y}): {code}, not {exact}: weights are rounded, but not as much");
+                assert!(error < 0.75, "×{scale} ({x}, {y}): {code}, not {exact}: more than rounding explains");
                 (all, nearest) = (all + 1, nearest + usize::from(error <= 0.5));
             }
         }
-        assert!(nearest * 100 > all * 97, "×{scale}: {nearest} of {all} codes are the nearest ones");
+        assert!(nearest * 100 > all * 97, "×{scale}: only {nearest} of {all} codes are exactly rounded");
     }
 }
 
-/// Sharpening by the publication's formula, in f64.
+/// Sharpens with the publication's formula, in f64.
 fn sharpened(cross: [Rgba8; 5], strength: f64) -> [f64; 3] {
     let channels: [[f64; 5]; 3] = std::array::from_fn(|channel| cross.map(|color| f64::from(color[channel]) / 255.0));
     let lobe = channels.iter().map(|[above, left, own, right, below]| {
@@ -108,7 +108,7 @@ fn sharpened(cross: [Rgba8; 5], strength: f64) -> [f64; 3] {
 fn sharpening_agrees_with_the_published_formula() {
     let mut random = fastrand::Rng::with_seed(7);
     for round in 0..20_000 {
-        // Neighbours that are like each other have strong lobes.
+        // Similar neighbours give strong lobes.
         let (base, range) = (random.u8(..), if round % 2 == 0 { 12 } else { 255 });
         let cross = std::array::from_fn(|_| std::array::from_fn(|_| base.saturating_add(random.u8(..range))));
         for strength in [0.0, 0.3, 1.0] {
@@ -122,7 +122,7 @@ fn sharpening_agrees_with_the_published_formula() {
 
 #[test]
 fn wide_lanes_agree_with_plain_code_bit_for_bit() {
-    // The last is made in more than one strip, and hides nothing.
+    // The last size spans more than one strip and is opaque.
     for (width, height) in [(1, 1), (2, 3), (9, 5), (23, 7), (11, 70)] {
         let mut drawn = noise(width, height);
         if height == 70 {
@@ -154,7 +154,7 @@ fn sharpened_pictures_are_those_of_their_pixels_whatever_strips_and_lanes_they_a
     }
 }
 
-/// Noise between rows and columns of one colour.
+/// Returns noise between rows and columns of a single colour.
 fn partly_plain(width: u32, height: u32) -> Image<Rgba8> {
     let noise = noise(width, height);
     Image::from_fn(width, height, |x, y| if x % 90 < 40 || y % 7 < 3 { [30, 200, 90, 255] } else { noise.at(x, y) })
@@ -162,7 +162,7 @@ fn partly_plain(width: u32, height: u32) -> Image<Rgba8> {
 
 #[test]
 fn rows_of_many_tiles_and_what_a_wider_picture_left_behind_are_those_of_single_pixels() {
-    // The first is wider than a tile, and leaves memory that is longer than the second needs.
+    // The first is wider than a tile, and leaves buffers longer than the second needs.
     for (drawn, rows) in [(partly_plain(300, 12), 9..14), (noise(20, 12), 0..24), (noise(300, 12), 23..24)] {
         for (scale, sharpening) in [(Scale::TWO, 80), (Scale::TWO, 0), (Scale::ONE_AND_A_HALF, 0)] {
             let how = how(scale, Anchor::Centre, sharpening);
@@ -181,7 +181,7 @@ fn rows_of_many_tiles_and_what_a_wider_picture_left_behind_are_those_of_single_p
 
 #[test]
 fn sharpening_makes_no_new_extremes_of_the_scale_and_keeps_plain_colours() {
-    // At the ends of the scale the limits of the lobe divide by zero.
+    // At the ends of the range, the limits of the lobe divide by zero.
     for color in [[0, 0, 0, 255], [255; 4], [0, 255, 128, 7]] {
         assert_eq!(rcas::pixel([color; 5], 1.0), color);
     }
@@ -189,7 +189,8 @@ fn sharpening_makes_no_new_extremes_of_the_scale_and_keeps_plain_colours() {
     let edge = [grey(100), grey(100), grey(140), grey(140), grey(140)];
     assert!(rcas::pixel(edge, 1.0)[0] > 150, "the bright side of an edge becomes brighter");
     assert_eq!(rcas::pixel(edge, 0.0), grey(140));
-    // To black −100 / (4 · 140) = −0.179, to white (255 − 140) / (4 · 100 − 4 · 255) = −0.185: the weaker one counts.
+    // Limits: −100 / (4 · 140) = −0.179 to black, (255 − 140) / (4 · 100 − 4 · 255) = −0.185 to white. The weaker one
+    // applies.
     let lobe: f64 = -100.0 / 560.0;
     let exact = (lobe * 480.0 + 140.0) / (4.0 * lobe + 1.0);
     assert!((f64::from(rcas::pixel(edge, 1.0)[0]) - exact).abs() < 0.51, "{exact}");

@@ -1,14 +1,14 @@
-//! Numbers of sixteen bits, sixteen of them at a time. What [`rounded`] narrows stands in whatever order the processor narrows
-//! and interleaves it fastest; [`pairs`] brings it into order again.
+//! 16-bit fixed-point arithmetic, 16 lanes at a time. [`rounded`] returns lanes in whatever order is fastest on the
+//! processor; [`pairs`] restores the order.
 
 use crate::math::lanes::*;
 
-/// The product of two fractions of 2¹⁵, rounded half up: the processor's `pmulhrsw`.
+/// Multiplies two fractions of 2¹⁵, rounding halves up, like the `pmulhrsw` instruction.
 pub(super) fn times_one(a: i16, b: i16) -> i16 {
     ((i32::from(a) * i32::from(b) + (1 << 14)) >> 15) as i16
 }
 
-/// Floats rounded to whole numbers, halves to even ones; within the range of sixteen bits.
+/// Rounds floats to integers, ties to even; they must fit in 16 bits.
 #[inline(always)]
 pub(super) fn rounded<S: Simd>(numbers: f32x16<S>) -> i16x16<S> {
     let simd = numbers.simd;
@@ -23,7 +23,7 @@ pub(super) fn rounded<S: Simd>(numbers: f32x16<S>) -> i16x16<S> {
     low.saturating_narrow(high)
 }
 
-/// The numbers of two, side by side: of the first eight pixels, and of the others.
+/// Interleaves two vectors: the first eight pixels, then the others.
 #[inline(always)]
 pub(super) fn pairs<S: Simd>(one: i16x16<S>, other: i16x16<S>) -> [i16x16<S>; 2] {
     #[cfg(target_arch = "x86_64")]
@@ -40,7 +40,7 @@ pub(super) fn pairs<S: Simd>(one: i16x16<S>, other: i16x16<S>) -> [i16x16<S>; 2]
     [low, high]
 }
 
-/// [`times_one`] in lanes.
+/// Computes [`times_one`] in lanes.
 #[inline(always)]
 pub(super) fn times<S: Simd>(a: i16x16<S>, b: i16x16<S>) -> i16x16<S> {
     let simd = a.simd;

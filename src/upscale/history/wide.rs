@@ -1,28 +1,27 @@
-//! [`Motion::before`] for eight pixels of a row at a time: the same arithmetic on lanes, so the same bits.
+//! SIMD version of [`Motion::before`] for eight pixels of a row, with bit-identical results.
 
 use std::ops::Range;
 
 use super::{Lens, Motion, Path, SAME_DISTANCE};
 use crate::math::lanes::*;
 
-/// Stands for the place of what the frame before did not show.
+/// Index that marks a pixel that was not visible in the previous frame.
 pub(in crate::upscale) const NOWHERE: u32 = u32::MAX;
 
-/// Where the frame before showed eight pixels: the four pixels around each place, as indices into a picture, and how far
-/// between them it lies.
+/// Reprojected positions of eight pixels: indices of the four pixels around each, and bilinear weights.
 pub(in crate::upscale) struct Found<S: Simd> {
-    /// The upper left one, or [`NOWHERE`].
+    /// Index of the upper left pixel, or [`NOWHERE`].
     pub upper: u32x8<S>,
-    /// The lower left one.
+    /// Index of the lower left pixel.
     pub lower: u32x8<S>,
-    /// From the left ones to the right ones: 1, or 0 at the border.
+    /// Index step from left to right: 1, or 0 at the border.
     pub step: u32x8<S>,
-    /// How far the place lies towards the right ones, and the lower ones.
+    /// Bilinear weights of the right and the lower pixels, in [0, 1).
     pub right: F32<S>,
     pub down: F32<S>,
 }
 
-/// [`super::Surfaces::are_one`] for sixteen pairs of pixels, from their objects and distances.
+/// Computes [`super::Surfaces::are_one`] for 16 pairs of pixels, from their objects and distances.
 #[inline(always)]
 pub(in crate::upscale) fn same_surface<S: Simd>(
     (object, distance): (u32x16<S>, f32x16<S>),
@@ -33,12 +32,12 @@ pub(in crate::upscale) fn same_surface<S: Simd>(
 }
 
 impl Motion<'_> {
-    /// Whether nothing moved, so that each pixel is where it was.
+    /// Whether the camera is unchanged, so that every pixel maps to itself.
     pub(in crate::upscale) fn is_still(&self) -> bool {
         self.path.is_none()
     }
 
-    /// Of pixels in these columns what [`Self::find`] needs; in whole lanes, and nothing if nothing moved.
+    /// Returns the per-column input of [`Self::find`], padded to whole vectors; empty if the camera is unchanged.
     pub(in crate::upscale) fn across(&self, columns: impl Iterator<Item = u32>) -> Vec<f64> {
         let Some(Path { lenses: [from, _], .. }) = &self.path else { return Vec::new() };
         let mut across: Vec<f64> = columns.map(|x| from.right_of(f64::from(x) + 0.5)).collect();
@@ -46,7 +45,7 @@ impl Motion<'_> {
         across
     }
 
-    /// [`Self::find`] for up to eight pixels of a row one after the other.
+    /// Calls [`Self::find`] for up to eight adjacent pixels of a row.
     #[inline(always)]
     pub(in crate::upscale) fn find_part<S: Simd>(
         &self,
@@ -56,7 +55,7 @@ impl Motion<'_> {
     ) -> Found<S> {
         let (objects, distances) =
             (&self.surfaces.object.row(y)[columns.clone()], &self.surfaces.distance.row(y)[columns]);
-        // What is not a number is seen nowhere.
+        // Unused lanes hold NaN, which is found nowhere.
         let (mut object, mut distance) = ([[0; 4]; LANES], [f32::NAN; LANES]);
         let (objects, distances) = match (objects.first_chunk(), distances.first_chunk()) {
             (Some(objects), Some(distances)) => (objects, distances),
@@ -70,8 +69,8 @@ impl Motion<'_> {
         self.find(simd, y, across, (object, F32::load_array_ref(simd, distances)))
     }
 
-    /// Where the frame before showed eight pixels of row `y`, each [`Self::across`] somewhere, that show these objects at these
-    /// distances. Pictures are at most 2²⁴ px wide and high.
+    /// Reprojects eight pixels of row `y` that show these objects at these distances. `across` holds their values of
+    /// [`Self::across`]. Image width and height must be at most 2²⁴ px.
     #[inline(always)]
     pub(in crate::upscale) fn find<S: Simd>(
         &self,
@@ -88,7 +87,7 @@ impl Motion<'_> {
         let ([x, y], expected) = path.moved_lanes(simd, y, across, widen(simd, distance));
         let (width, height) = (f64::from(self.size.0), f64::from(self.size.1));
         let zero = F64::splat(simd, 0.0);
-        // What is not a number is not inside.
+        // NaN fails every comparison, so it is not inside.
         let inside = expected.simd_gt(zero)
             & x.simd_ge(zero)
             & x.simd_lt(F64::splat(simd, width))
@@ -119,13 +118,14 @@ impl Motion<'_> {
     }
 }
 
-/// Doubles that are whole and not negative.
+/// Converts non-negative integral doubles to integers.
 #[inline(always)]
 fn whole<S: Simd>(simd: S, number: F64<S>) -> u32x8<S> {
     narrow(simd, number).to_int::<i32x8<S>>().bitcast()
 }
 
-/// The pixels whose centres lie before and after places on an axis of so many px, and how far the places lie between them.
+/// Returns the pixels whose centres lie before and after positions along an axis of `length` px, and the interpolation
+/// weights.
 #[inline(always)]
 fn between<S: Simd>(simd: S, place: F64<S>, length: f64) -> (u32x8<S>, u32x8<S>, F32<S>) {
     let from = place - 0.5;
@@ -135,7 +135,7 @@ fn between<S: Simd>(simd: S, place: F64<S>, length: f64) -> (u32x8<S>, u32x8<S>,
 }
 
 impl Path {
-    /// [`Path::moved`], but that what lies behind the eye or nowhere is to be sorted out.
+    /// Computes [`Path::moved`] in lanes; the caller must reject points behind the eye and non-finite results.
     #[inline(always)]
     fn moved_lanes<S: Simd>(
         &self,
@@ -149,7 +149,7 @@ impl Path {
         let right = F64::load_array_ref(simd, across) * spread;
         let up = spread * from.up_of(f64::from(row) + 0.5);
         let [a, b, c, d] = self.to_from.to_cols_array_2d();
-        // In the order of a product of matrix and vector.
+        // In the order of the scalar matrix–vector product.
         let [x, y, z] = each!(axis in [0, 1, 2] => {
             ((right * a[axis] + up * b[axis]) - distance * c[axis]) + d[axis]
         });

@@ -1,8 +1,8 @@
-//! The walk over a picture that is interpolated along rows first and then along columns.
+//! Traversal of an image for separable interpolation, along rows first and then along columns.
 //!
-//! Rows of samples are widened once each and kept in a ring of as many as the weights reach. All output rows between one
-//! row of samples and the next, a *cell*, are made in one sweep, so that every widened row is read once per cell and not
-//! once per output row. Bands of rows are independent; where one begins changes nothing in the result.
+//! Each row of samples is widened once and kept in a ring buffer as long as the kernel. The output rows between two
+//! rows of samples form a *cell* and are computed in one sweep. Every widened row is therefore read once per cell
+//! instead of once per output row. Bands of rows are independent; their boundaries do not affect the result.
 
 use std::array;
 
@@ -10,26 +10,26 @@ use crate::image::{Image, Rgba8};
 use crate::upscale::bands;
 use crate::upscale::lattice::Lattice;
 
-/// Most samples along an axis that a pixel is made of.
+/// Maximum number of taps along an axis.
 pub(in crate::upscale) const MAX_TAPS: usize = 6;
 
-/// The arithmetic of the two passes.
+/// Arithmetic of the two passes.
 pub(super) trait Pass: Sync {
-    /// A row of samples, widened to pixels.
+    /// A row of samples, widened to output pixels.
     type Row: Default;
 
-    /// Samples along an axis that a pixel is made of: even, at most [`MAX_TAPS`].
+    /// Number of taps along an axis: even, at most [`MAX_TAPS`].
     const TAPS: usize;
 
-    /// Widens a row of samples, overwriting `wide`, which holds anything.
+    /// Widens a row of samples. Overwrites `wide`, which may hold any values.
     fn widen(&self, samples: &[Rgba8], wide: &mut Self::Row);
 
-    /// Makes the rows of one cell, or some of them: `phases.len()` rows without a gap, from the [`Pass::TAPS`] widened
-    /// ones around.
+    /// Computes some or all rows of a cell: `phases.len()` contiguous rows, from the surrounding [`Pass::TAPS`] widened
+    /// rows.
     fn mix(&self, around: &[&Self::Row], phases: &[u32], rows: &mut [Rgba8]);
 }
 
-/// Fills a picture from samples, which are at least one in each direction unless the picture is empty.
+/// Fills an image from samples; there must be at least one sample unless the image is empty.
 pub(super) fn fill<P: Pass>(pass: &P, drawn: &Image<Rgba8>, lattice: Lattice, full: &mut Image<Rgba8>) {
     bands::fill(full, lattice.scale, |first, count, band| fill_band(pass, drawn, lattice, first, count, band));
 }
@@ -66,7 +66,7 @@ fn fill_band<P: Pass>(
     }
 }
 
-/// One pixel of row `y`, by a pass that has its column alone.
+/// Computes one pixel of row `y`; `pass` must contain only its column.
 pub(super) fn pixel<P: Pass>(pass: &P, drawn: &Image<Rgba8>, lattice: Lattice, y: u32) -> Rgba8 {
     let place = lattice.place(y);
     let top = place.cell - (P::TAPS as i32 / 2 - 1);

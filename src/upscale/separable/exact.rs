@@ -1,17 +1,17 @@
-//! Straight lines between codes, exact in integers and rounded once.
+//! Linear interpolation of 8-bit values, exact in integers and rounded once.
 //!
-//! With D steps from sample to sample, D at most 8, the value at steps (i, j) between four codes is a whole number of
-//! 1 / D², at most 255 · 64, which fits 16 bits. Halves go up.
+//! With D ≤ 8 phase steps between samples, the value at steps (i, j) between four samples is a multiple of 1 / D². The
+//! sum is at most 255 · 64, which fits in 16 bits. Halves are rounded up.
 
 use super::cells::Pass;
 use crate::image::Rgba8;
 use crate::upscale::lattice::Place;
 
-/// The passes in plain Rust.
+/// Scalar version of the passes.
 pub(super) struct Exact {
-    /// Steps from sample to sample.
+    /// Phase steps between samples.
     pub(super) steps: u16,
-    /// Where the output columns lie.
+    /// Positions of the output columns.
     pub(super) columns: Vec<Place>,
 }
 

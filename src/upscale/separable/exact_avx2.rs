@@ -1,9 +1,9 @@
-//! [`super::exact`] on thirty-two codes at a time.
+//! AVX2 version of [`super::exact`], 32 channel values at a time.
 //!
-//! A widened row holds, for each block of eight pixels, first red and blue and then green and alpha. Where the steps D are
-//! a power of two it is scaled so that a finished value is a code with eight bits after the point: then a byte of the
-//! result is the upper half of its sixteen bits, and red and blue need but a shift, green and alpha but a mask. From one
-//! row of a cell to the next a value grows by a constant, so that rows cost additions alone.
+//! For each block of eight pixels, a widened row holds first red and blue, then green and alpha. If the number of steps
+//! D is a power of two, values are scaled so that a finished one has eight fractional bits. The 8-bit result is then
+//! the upper byte of a 16-bit value: red and blue need only a shift, green and alpha only a mask. Between the rows of a
+//! cell, values change by a constant, so each row costs only additions.
 
 use std::arch::x86_64::{
     __m256i, _mm_cvtsi32_si128, _mm256_add_epi16, _mm256_and_si256, _mm256_maddubs_epi16, _mm256_mulhi_epu16,
@@ -20,41 +20,43 @@ use crate::upscale::lanes::{
 };
 use crate::upscale::lattice::{Lattice, Place};
 
-/// Pixels of a block.
+/// Number of pixels in a block.
 const BLOCK: usize = 8;
 
-/// Eight pixels: red and blue, green and alpha.
+/// Eight pixels: red and blue, then green and alpha.
 type Block = [[i16; 16]; 2];
 
-/// The passes for pictures of some width.
+/// Passes for images of a fixed width.
 pub(super) struct ExactAvx2 {
     avx2: Avx2,
     steps: u32,
     width: usize,
-    /// Pixels of the first block that lie left of the picture, so that the others are stored at even addresses.
+    /// Number of pixels of the first block that lie left of the image, so that the other blocks are stored at aligned
+    /// addresses.
     skipped: usize,
-    /// Samples left of the first one that blocks look at.
+    /// Number of samples left of the image that blocks read.
     before: usize,
-    /// How each block of a period is gathered.
+    /// Gather pattern of each block in a period.
     period: Vec<Gather>,
-    /// Samples from one period to the next.
+    /// Number of samples between two periods.
     samples_per_period: usize,
 }
 
-/// How a block is gathered from two runs of four samples, of which eight in a row hold both.
+/// Gather pattern of a block: two runs of four samples, taken from eight adjacent ones.
 struct Gather {
-    /// The first of the eight samples, counted from the first that any block looks at.
+    /// Index of the first of the eight samples, counted from the first that any block reads.
     start: usize,
-    /// Which of the eight the two runs are.
+    /// Indices of both runs among the eight samples.
     runs: [u32; 8],
-    /// For every value its two bytes: of red and blue, of green and alpha.
+    /// Byte shuffle that selects two samples per value: for red and blue, then for green and alpha.
     bytes: [[u8; 32]; 2],
-    /// Their weights in steps.
+    /// Weights of the two samples of each value, in steps.
     weights: [u8; 32],
 }
 
 impl Gather {
-    /// Of the block of pixels from `first` on, where samples count from `before` samples left of the picture.
+    /// Creates the pattern of the block that starts at pixel `first`; sample indices start `before` samples left of the
+    /// image.
     fn new(lattice: Lattice, first: i64, before: usize) -> Self {
         let starts = [first, first + 4].map(|at| lattice.place_beyond(at).cell);
         let apart = (starts[1] - starts[0]) as u32;
@@ -66,7 +68,7 @@ impl Gather {
         };
         for at in 0..8 {
             let Place { cell, phase } = lattice.place_beyond(first + at);
-            // A sample beyond the run weighs nothing, so any will do.
+            // A sample beyond the run has weight zero, so any index will do.
             let from = (cell - starts[at as usize / 4]) as u8;
             let [one, next] = [from, (from + 1).min(3)];
             for channel in 0..4 {
@@ -81,7 +83,7 @@ impl Gather {
     }
 }
 
-/// A widened row, and the samples that it was made of.
+/// A widened row, and the padded samples it was computed from.
 #[derive(Default)]
 pub(super) struct Row {
     padded: Vec<Rgba8>,
@@ -89,12 +91,14 @@ pub(super) struct Row {
 }
 
 impl ExactAvx2 {
-    /// For pictures of `width` px in whose rows so many pixels lie before the first at an even address.
+    /// Prepares passes for images of `width` px. `pixels_to_alignment` is the number of pixels in each row before the
+    /// first aligned address.
     pub(super) fn new(avx2: Avx2, lattice: Lattice, width: u32, pixels_to_alignment: usize) -> Self {
         let (pixels, samples) = lattice.scale.ratio();
         let skipped = (BLOCK - pixels_to_alignment % BLOCK) % BLOCK;
         let before = (-lattice.place_beyond(-(skipped as i64)).cell).max(0) as usize;
-        // Blocks until the pattern repeats: a cell of three pixels fits no block.
+        // Number of blocks until the pattern repeats; with three pixels per cell, a single block is not a multiple of a
+        // cell.
         let blocks: usize = if pixels.is_multiple_of(3) { 3 } else { 1 };
         let first = |block: usize| (block * BLOCK) as i64 - skipped as i64;
         let period = (0..blocks).map(|block| Gather::new(lattice, first(block), before)).collect();
@@ -102,7 +106,7 @@ impl ExactAvx2 {
         Self { avx2, steps: lattice.phases(), width: width as usize, skipped, before, period, samples_per_period }
     }
 
-    /// How far widened values are shifted up; none where codes come from a division.
+    /// Returns the left shift of widened values; 0 if the result is computed by division.
     fn shift(&self) -> i32 {
         if self.steps.is_power_of_two() { 8 - 2 * self.steps.trailing_zeros() as i32 } else { 0 }
     }
@@ -119,7 +123,7 @@ impl Pass for ExactAvx2 {
         padded.clear();
         padded.resize(self.before, samples[0]);
         padded.extend_from_slice(samples);
-        // A run of four samples may begin past the last one, in the block that the picture cuts.
+        // In the block at the right border, a run of four samples may start past the last one.
         let length = padded.len().max((periods + 1) * self.samples_per_period) + 8;
         padded.resize(length, samples[samples.len() - 1]);
         row.wide.resize(periods * self.period.len(), Block::default());
@@ -152,16 +156,16 @@ kernel! {
     }
 }
 
-/// How codes come from sums.
+/// Rounding parameters for the conversion of sums to 8-bit values.
 #[derive(Clone, Copy)]
 struct Rounding {
-    /// Half of one.
+    /// One half in the unit of the sums.
     half: __m256i,
-    /// D², less its factor 9, as a shift.
+    /// Right shift for the power-of-two part of D², without its factor 9.
     shift: i32,
 }
 
-/// Calls [`sweep`] for a number of rows.
+/// Calls [`sweep`] with constants for the number of rows and the kind of rounding.
 macro_rules! with_rows {
     ($count:expr, $divide:expr, ($($arg:expr),*)) => {
         match ($count, $divide) {
@@ -176,7 +180,7 @@ macro_rules! with_rows {
     };
 }
 
-/// The first row of a cell in steps, and the steps from one to the next.
+/// Phase steps: per cell, of the first row, and between two rows.
 #[derive(Clone, Copy)]
 struct Steps {
     of_cell: u32,
@@ -185,7 +189,7 @@ struct Steps {
 }
 
 kernel! {
-    /// Makes the rows of a cell.
+    /// Computes the rows of a cell.
     fn mix(avx2: Avx2, pass: &ExactAvx2, around: [&[Block]; 2], phases: &[u32], rows: &mut [Rgba8]) {
         let count = phases.len();
         let divide = !pass.steps.is_power_of_two();
@@ -214,7 +218,7 @@ kernel! {
     }
 }
 
-/// Makes blocks of `ROWS` rows.
+/// Computes the blocks of `ROWS` rows.
 #[target_feature(enable = "avx2")]
 #[inline(never)]
 fn sweep<const ROWS: usize, const DIVIDE: bool>(
@@ -234,7 +238,7 @@ fn sweep<const ROWS: usize, const DIVIDE: bool>(
     let (each, ninth) = (_mm256_set1_epi16(steps.each as i16), _mm256_set1_epi16(NINTH));
     let shift = _mm_cvtsi32_si128(rounding.shift);
     let upper = _mm256_set1_epi16(0xff00_u16 as i16);
-    // The value in the first row of a cell, and its growth from row to row.
+    // Returns the value in the first row of a cell, and its increment per row.
     let start = |block: usize, plane: usize| {
         let (a, b) = (load(avx2, &above[block][plane]), load(avx2, &below[block][plane]));
         let difference = _mm256_sub_epi16(b, a);

@@ -1,66 +1,66 @@
-//! Interpolation of codes by four or six samples along each axis, in 16-bit fixed point.
+//! Interpolation of 8-bit values with four or six taps along each axis, in 16-bit fixed point.
 //!
-//! A code c is carried as (c − 128) · 64: six bits after the point, centred, so that a sum of two fits `i16`. Weights
-//! come in mirrored pairs: at t the samples weigh w₀ … wₙ, at 1 − t the same in reverse. With the sums s and differences d
-//! of the samples that lie symmetrically,
+//! An 8-bit value c is represented as (c − 128) · 64: six fractional bits, centred, so that a sum of two fits `i16`.
+//! Weights come in mirrored pairs: the samples have weights w₀ … wₙ at t, and the same weights in reverse at 1 − t.
+//! With the sums s and differences d of symmetric samples,
 //!
 //! ```text
 //!   value(t) = Σ even · s + Σ odd · d      value(1 − t) = Σ even · s − Σ odd · d      even, odd = (wₖ ± wₙ₋ₖ) / 2
 //! ```
 //!
-//! so both places cost the multiplications of one. Each product is rounded once to the unit of the sum ([`times`], what
-//! the processor's `pmulhrsw` does); sums are exact. Errors stay below a twelfth of a code, so that a result is that of
-//! exact arithmetic or its neighbour. What is written here in plain Rust defines the result; wider lanes must agree with
-//! it bit for bit.
+//! so both positions need the multiplications of only one. Each product is rounded once to the unit of the sum
+//! ([`times`], like the `pmulhrsw` instruction); sums are exact. Errors stay below 1/12 of an 8-bit step, so a result
+//! differs from exact arithmetic by at most one. This scalar version defines the result; SIMD versions must be
+//! bit-identical.
 
 use super::cells::Pass;
 use crate::image::Rgba8;
 use crate::upscale::lattice::Place;
 
-/// Bits after the point of a value.
+/// Number of fractional bits of a value.
 pub(super) const POINT: u32 = 6;
 
-/// Middle of the codes, which values are relative to.
+/// 8-bit value that is represented as 0.
 const MIDDLE: i16 = 128;
 
-/// What is added to a value before its point is cut off: the middle, and a half so that halves go up.
+/// Added to a value before its fractional bits are dropped: restores the offset and rounds halves up.
 pub(super) const BIAS: i16 = (MIDDLE << POINT) + (1 << (POINT - 1));
 
-/// One, as a sum of `even` weights: half of 2¹⁵, as each counts for two samples.
+/// Fixed-point 1 as a sum of `even` weights: half of 2¹⁵, because each applies to two samples.
 const ONE: i16 = 1 << 14;
 
-/// The value that carries a code.
+/// Converts an 8-bit value to fixed point.
 #[inline]
 pub(super) fn value_of(code: u8) -> i16 {
     (i16::from(code) - MIDDLE) << POINT
 }
 
-/// The code nearest to a value, halves up, within 0 to 255.
+/// Converts to the nearest 8-bit value, rounding halves up and clamping to [0, 255].
 #[inline]
 pub(super) fn code_of(value: i16) -> u8 {
     (value.wrapping_add(BIAS) >> POINT).clamp(0, 255) as u8
 }
 
-/// The product of a weight in 2⁻¹⁵ and a value, rounded half up.
+/// Multiplies a value by a weight in units of 2⁻¹⁵, rounding halves up.
 #[inline]
 pub(super) fn times(weight: i16, value: i16) -> i16 {
     ((i32::from(weight) * i32::from(value) + (1 << 14)) >> 15) as i16
 }
 
-/// The weights at one place between samples, outermost pair first.
+/// Weights at one position between samples, outermost pair first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::upscale) struct Phase<const H: usize> {
-    /// Mean weight of a pair, in 2⁻¹⁵; sums to exactly one half.
+    /// Mean weight of each pair, in units of 2⁻¹⁵; they sum to exactly ½.
     pub(super) even: [i16; H],
-    /// Half the difference of a pair's weights, in 2⁻¹⁵, taken off instead of added where the place is `mirrored`: a
-    /// product rounds otherwise than its negative, and 1 − t is made of the products of t.
+    /// Half the difference of each pair's weights, in units of 2⁻¹⁵. Products are subtracted if the position is
+    /// `mirrored`: negating a product rounds differently, and 1 − t must use the same products as t.
     pub(super) odd: [i16; H],
-    /// Whether the place lies past the middle.
+    /// Whether the position lies past the middle.
     pub(super) mirrored: bool,
 }
 
 impl<const H: usize> Phase<H> {
-    /// From weights that sum to one, those of the 2 · `H` samples around.
+    /// Creates fixed-point weights from the weights of the 2 · `H` surrounding samples, which must sum to 1.
     pub(in crate::upscale) fn new(weights: &[f64]) -> Self {
         let pair = |k: usize| (weights[k], weights[2 * H - 1 - k]);
         let fixed = |weight: f64| (weight * f64::from(1 << 15)).round() as i16;
@@ -68,27 +68,27 @@ impl<const H: usize> Phase<H> {
         let mirrored = pair(H - 1).0 < pair(H - 1).1;
         let sign = if mirrored { -1.0 } else { 1.0 };
         let odd = std::array::from_fn(|k| fixed(sign * (pair(k).0 - pair(k).1) / 2.0));
-        // What rounding took goes to the heaviest pair, lest a plain colour change.
+        // The rounding error goes to the largest pair, so that uniform colours are preserved.
         even[H - 1] += ONE - even.iter().sum::<i16>();
         Self { even, odd, mirrored }
     }
 
-    /// Whether the place is that of a sample, which keeps its value.
+    /// Whether the position is that of a sample, whose value is kept.
     pub(super) fn is_copy(&self) -> bool {
         self.even[H - 1] == ONE && self.odd[H - 1] == ONE && !self.mirrored
     }
 
-    /// Whether the place lies halfway, where there is nothing odd.
+    /// Whether the position is halfway, where all `odd` weights are zero.
     pub(super) fn is_middle(&self) -> bool {
         self.odd == [0; H]
     }
 
-    /// Whether `other` is the place mirrored.
+    /// Whether `other` is the mirrored position.
     pub(super) fn mirrors(&self, other: &Self) -> bool {
         self.even == other.even && self.odd == other.odd && self.mirrored != other.mirrored
     }
 
-    /// The value at the place, from those of the samples around.
+    /// Interpolates the surrounding samples.
     #[inline]
     fn apply(&self, sample: impl Fn(usize) -> i16, deringing: bool) -> i16 {
         let (before, after) = (sample(H - 1), sample(H));
@@ -104,13 +104,13 @@ impl<const H: usize> Phase<H> {
     }
 }
 
-/// The passes over codes in plain Rust; `H` pairs of samples along each axis.
+/// Scalar passes over 8-bit values, with `H` pairs of taps along each axis.
 pub(super) struct Fixed<'a, const H: usize> {
-    /// Weights at the phases of the lattice.
+    /// Weights at each phase of the lattice.
     pub(super) phases: &'a [Phase<H>],
-    /// Where the output columns lie.
+    /// Positions of the output columns.
     pub(super) columns: Vec<Place>,
-    /// Whether values are kept between those of the inner two samples.
+    /// Whether values are clamped to the range of the inner two samples.
     pub(super) deringing: bool,
 }
 

@@ -1,11 +1,11 @@
-//! [`super::fixed`] on sixteen values at a time.
+//! AVX2 version of [`super::fixed`], 16 values at a time.
 //!
-//! Widened rows are kept in the order in which two registers are packed into one of codes: of each block of eight pixels
-//! first 0, 1, 4, 5, then 2, 3, 6, 7. They begin with the first pixel of a cell, which in a centred lattice lies left of
-//! the picture.
+//! Widened rows are stored in the order in which two registers are packed into one of 8-bit values: pixels 0, 1, 4, 5
+//! of each block of eight, then 2, 3, 6, 7. They start with the first pixel of a cell, which lies left of the image in
+//! a centred lattice.
 //!
-//! Registers are put into arrays by loops: a closure handed to a function of the standard library would be compiled without
-//! the wide lanes' features around it, and called for each register.
+//! Arrays of registers are filled by loops: a closure passed to a standard library function would be compiled without
+//! the AVX2 feature and called once per register.
 
 use std::arch::x86_64::{
     __m256i, _mm256_add_epi16, _mm256_cvtepu8_epi16, _mm256_max_epi16, _mm256_min_epi16, _mm256_mulhrs_epi16,
@@ -23,33 +23,33 @@ use crate::upscale::Upscaling;
 use crate::upscale::lanes::{Blocks, MAX_ROWS, SplitRows, load, load_bytes, of_one_length, store, store_codes, window};
 use crate::upscale::lattice::Lattice;
 
-/// Pixels of a block.
+/// Number of pixels in a block.
 const BLOCK: usize = 8;
 
-/// Samples that are widened at once.
+/// Number of samples widened at a time.
 const GROUP: usize = 4;
 
-/// Most values around a group of samples that are read: six samples each for four neighbours, and the next cell.
+/// Maximum number of values read around a group of samples: six samples each for four neighbours, and the next cell.
 const WINDOW: usize = 4 * (6 + GROUP);
 
-/// Eight pixels, as two registers.
+/// Eight pixels in two registers.
 type Block = [[i16; 16]; 2];
 
-/// The passes for pictures whose samples lie in a lattice; `H` pairs of samples along each axis.
+/// Passes for images on a lattice, with `H` pairs of taps along each axis.
 pub(super) struct FixedAvx2<'a, const H: usize> {
     avx2: Avx2,
     phases: &'a [Phase<H>],
     lattice: Lattice,
     deringing: bool,
     width: usize,
-    /// The first cell, and how many of its pixels lie left of the picture.
+    /// Index of the first cell, and the number of its pixels left of the image.
     first_cell: i32,
     skipped: usize,
-    /// Cell relative to the first of its period, and phase, of the pixels of a period.
+    /// Cell, relative to the first one of the period, and phase of each pixel in a period.
     period: Vec<(usize, u32)>,
 }
 
-/// A widened row, and the samples that it was made of.
+/// A widened row, and the padded samples it was computed from.
 #[derive(Default)]
 pub(super) struct Row {
     padded: Vec<i16>,
@@ -57,7 +57,8 @@ pub(super) struct Row {
 }
 
 impl<'a, const H: usize> FixedAvx2<'a, H> {
-    /// For pictures of `width` px, at least one, in whose rows so many pixels lie before the first at an even address.
+    /// Prepares passes for images of `width` px, at least one. `pixels_to_alignment` is the number of pixels in each
+    /// row before the first aligned address.
     pub(super) fn new(
         avx2: Avx2,
         phases: &'a [Phase<H>],
@@ -69,7 +70,7 @@ impl<'a, const H: usize> FixedAvx2<'a, H> {
         let (pixels, samples) = lattice.scale.ratio();
         let mut first_cell = lattice.place(0).cell;
         let mut skipped = (1_i64..).take_while(|back| lattice.place_beyond(-back).cell == first_cell).count();
-        // As many cells left of the picture as bring the other blocks to even addresses, if any do.
+        // Start as many cells left of the image as align the other blocks, if any number does.
         let wanted = (BLOCK - pixels_to_alignment % BLOCK) % BLOCK;
         let cells = wanted.checked_sub(skipped).filter(|px| samples == 1 && px.is_multiple_of(pixels as usize));
         if let Some(px) = cells {
@@ -82,7 +83,7 @@ impl<'a, const H: usize> FixedAvx2<'a, H> {
         Self { avx2, phases, lattice, deringing, width, first_cell, skipped, period }
     }
 
-    /// The samples as values, those at the ends repeated as far as they are read.
+    /// Converts samples to fixed point, repeating the border samples as far as they are read.
     fn pad(&self, samples: &[Rgba8], padded: &mut Vec<i16>) {
         let before = (H as i32 - 1 - self.first_cell) as usize;
         let cells = self.groups() * GROUP;
@@ -94,7 +95,7 @@ impl<'a, const H: usize> FixedAvx2<'a, H> {
         centre(self.avx2, samples.as_flattened(), middle.as_flattened_mut());
     }
 
-    /// Groups of samples in a row.
+    /// Returns the number of sample groups in a row.
     fn groups(&self) -> usize {
         let (pixels, samples) = self.lattice.scale.ratio();
         ((self.skipped + self.width) * samples as usize).div_ceil(pixels as usize).div_ceil(GROUP)
@@ -102,7 +103,7 @@ impl<'a, const H: usize> FixedAvx2<'a, H> {
 }
 
 kernel! {
-    /// Codes as values.
+    /// Converts 8-bit values to fixed point.
     fn centre(avx2: Avx2, codes: &[u8], values: &mut [i16]) {
         let (blocks, rest) = codes.as_chunks::<16>();
         let (into, rest_into) = values.as_chunks_mut::<16>();
@@ -117,7 +118,8 @@ kernel! {
     }
 }
 
-/// What the places of a cell are, in order: perhaps one by itself, then mirrored ones around perhaps a middle.
+/// Structure of the positions in a cell, in order: an optional unpaired one, then mirrored pairs around an optional
+/// middle.
 #[derive(Clone, Copy)]
 struct Shape {
     first: First,
@@ -125,7 +127,7 @@ struct Shape {
     middle: bool,
 }
 
-/// The place that no other mirrors.
+/// Kind of the unpaired first position.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum First {
     None,
@@ -133,7 +135,7 @@ enum First {
     Weighted,
 }
 
-/// Weights of a cell's places, spread over registers.
+/// Weights of the positions in a cell, broadcast to registers.
 struct CellWeights<const H: usize> {
     first: [[__m256i; H]; 2],
     first_mirrored: bool,
@@ -142,7 +144,7 @@ struct CellWeights<const H: usize> {
     deringing: bool,
 }
 
-/// The shape of a cell with these places, if it is one that there is code for.
+/// Returns the structure of a cell with these positions, or `None` if there is no kernel for it.
 fn shape_of<const H: usize>(phases: &[&Phase<H>]) -> Option<Shape> {
     let mirrored = |rest: &[&Phase<H>]| {
         let count = rest.len();
@@ -184,7 +186,7 @@ impl<const H: usize> CellWeights<H> {
     }
 }
 
-/// Sum of products, each rounded to the unit of the sum. Two or three of them.
+/// Computes the dot product of two or three terms, each product rounded to the unit of the sum.
 #[target_feature(enable = "avx2")]
 #[inline]
 fn dot<const H: usize>(weights: &[__m256i; H], values: &[__m256i; H]) -> __m256i {
@@ -193,7 +195,7 @@ fn dot<const H: usize>(weights: &[__m256i; H], values: &[__m256i; H]) -> __m256i
     if H == 2 { sum } else { _mm256_add_epi16(sum, _mm256_mulhrs_epi16(values[H - 1], weights[H - 1])) }
 }
 
-/// Samples around a place: their sums and differences in pairs, outermost first, and the inner two.
+/// Samples around a position: sums and differences of symmetric pairs, outermost first, and the inner two samples.
 struct Around<const H: usize> {
     sums: [__m256i; H],
     differences: [__m256i; H],
@@ -201,7 +203,7 @@ struct Around<const H: usize> {
 }
 
 impl<const H: usize> Around<H> {
-    /// From samples that are read by their place in the order of the weights.
+    /// Combines the samples before (`low`) and after (`high`) a position, outermost first.
     #[target_feature(enable = "avx2")]
     #[inline]
     fn new(low: [__m256i; H], high: [__m256i; H]) -> Self {
@@ -213,7 +215,7 @@ impl<const H: usize> Around<H> {
         around
     }
 
-    /// Of a group of samples, from `cell` samples into a window on.
+    /// Loads the samples around a group, starting `cell` samples into a window.
     #[target_feature(enable = "avx2")]
     #[inline]
     fn group(avx2: Avx2, values: &[i16; WINDOW], cell: usize) -> Self {
@@ -225,7 +227,7 @@ impl<const H: usize> Around<H> {
         Self::new(low, high)
     }
 
-    /// Keeps a value between the inner two samples if asked.
+    /// Clamps a value to the range of the inner two samples if `deringing` is set.
     #[target_feature(enable = "avx2")]
     #[inline]
     fn keep(&self, value: __m256i, bias: __m256i, deringing: bool) -> __m256i {
@@ -237,7 +239,7 @@ impl<const H: usize> Around<H> {
     }
 }
 
-/// The values at all places of a cell, `bias` added. Written out place by place: through loops, values would go by way of
+/// Returns the values at all positions of a cell, plus `bias`. Written without loops, which would pass values through
 /// memory.
 #[target_feature(enable = "avx2")]
 #[inline]
@@ -274,7 +276,7 @@ fn places<const H: usize, const FIRST: u8, const PAIRS: usize, const MIDDLE: boo
     }
 }
 
-/// Calls a function with the constants of a shape.
+/// Calls a function with the constants of a cell structure.
 macro_rules! with_shape {
     ($shape:expr, $call:ident::<$h:ident>($($arg:expr),*)) => {
         match ($shape.first, $shape.pairs, $shape.middle) {
@@ -293,7 +295,7 @@ macro_rules! with_shape {
     };
 }
 
-/// Makes blocks of the rows of a cell from those of the rows around.
+/// Computes blocks of the rows of a cell from the surrounding widened rows.
 #[target_feature(enable = "avx2")]
 #[inline(never)]
 fn sweep<const H: usize, const FIRST: u8, const PAIRS: usize, const MIDDLE: bool>(
@@ -335,10 +337,10 @@ fn sweep<const H: usize, const FIRST: u8, const PAIRS: usize, const MIDDLE: bool
     }
 }
 
-/// The widened rows before a cell, outermost first, and those after it, outermost first.
+/// Widened rows before and after a cell, both outermost first.
 type Rows<'a, const H: usize> = ([&'a [Block]; H], [&'a [Block]; H]);
 
-/// Widens groups of samples twofold or fourfold, the places of a cell in their order.
+/// Widens groups of samples by a factor of 2 or 4, with the positions of a cell in order.
 #[target_feature(enable = "avx2")]
 #[inline(never)]
 fn widen_cells<const H: usize, const FIRST: u8, const PAIRS: usize, const MIDDLE: bool>(
@@ -353,7 +355,7 @@ fn widen_cells<const H: usize, const FIRST: u8, const PAIRS: usize, const MIDDLE
     for (group, blocks) in wide.chunks_exact_mut(count / 2).enumerate() {
         let around: &[i16; WINDOW] = window(padded, 4 * GROUP * group);
         let of = places::<H, FIRST, PAIRS, MIDDLE>(&Around::group(avx2, around, 0), weights, zero);
-        // Within each half: the first two places of one sample, and of the next one.
+        // In each half: the first two positions of one sample, and of the next one.
         let (one, next) = (_mm256_unpacklo_epi64(of[0], of[1]), _mm256_unpackhi_epi64(of[0], of[1]));
         if let [block] = blocks {
             store(avx2, one, &mut block[0]);
@@ -368,7 +370,7 @@ fn widen_cells<const H: usize, const FIRST: u8, const PAIRS: usize, const MIDDLE
     }
 }
 
-/// The value at one place.
+/// Returns the value at one position.
 #[target_feature(enable = "avx2")]
 #[inline]
 fn place<const H: usize>(phase: &Phase<H>, around: &Around<H>, deringing: bool) -> __m256i {
@@ -380,13 +382,13 @@ fn place<const H: usize>(phase: &Phase<H>, around: &Around<H>, deringing: bool) 
     around.keep(sum, _mm256_setzero_si256(), deringing)
 }
 
-/// Where pixel `at` of a widened row is kept: its block, register, and first value there.
+/// Returns the storage location of pixel `at` in a widened row: block, register, and index of its first value.
 #[inline]
 fn slot(at: usize) -> (usize, usize, usize) {
     (at / BLOCK, at / 2 % 2, at / 4 % 2 * 8 + at % 2 * 4)
 }
 
-/// Widens groups of samples by any period.
+/// Widens groups of samples with any period.
 #[target_feature(enable = "avx2")]
 fn widen_any<const H: usize>(avx2: Avx2, padded: &[i16], widening: &Widening<'_, H>, wide: &mut [Block]) {
     let Widening { period, samples_per_period, deringing } = *widening;
@@ -404,7 +406,7 @@ fn widen_any<const H: usize>(avx2: Avx2, padded: &[i16], widening: &Widening<'_,
     }
 }
 
-/// What a row is widened by.
+/// Parameters of widening a row.
 struct Widening<'a, const H: usize> {
     period: &'a [(usize, &'a Phase<H>)],
     samples_per_period: usize,
@@ -437,17 +439,17 @@ kernel! {
     }
 }
 
-/// Some rows of one cell, and what they are made of.
+/// Rows of one cell, and the widened rows around them.
 struct Cell<'a, const H: usize> {
     low: [&'a [Block]; H],
     high: [&'a [Block]; H],
     phases: &'a [&'a Phase<H>],
-    /// Pixels before the first.
+    /// Number of pixels left of the image.
     skipped: usize,
     deringing: bool,
 }
 
-/// Makes the rows of a cell: at once if there is code for their shape, else one by one.
+/// Computes the rows of a cell: together if there is a kernel for their structure, otherwise one by one.
 #[target_feature(enable = "avx2")]
 fn mix<const H: usize>(avx2: Avx2, cell: &Cell<'_, H>, rows: &mut [Rgba8]) {
     let width = rows.len() / cell.phases.len();
@@ -462,7 +464,7 @@ fn mix<const H: usize>(avx2: Avx2, cell: &Cell<'_, H>, rows: &mut [Rgba8]) {
     }
 }
 
-/// Makes rows that have a shape: the blocks that lie within the picture directly, those at its ends aside.
+/// Computes rows of a supported structure: blocks inside the image directly, blocks at its borders in a temporary.
 #[target_feature(enable = "avx2")]
 #[inline(never)]
 fn mix_shape<const H: usize>(avx2: Avx2, cell: &Cell<'_, H>, shape: Shape, rows: &mut [Rgba8]) {
@@ -511,7 +513,7 @@ kernel! {
     }
 }
 
-/// The passes for each number of samples: kernels take no type parameters.
+/// Implements the passes for each number of taps, because kernels take no type parameters.
 macro_rules! passes {
     ($h:literal, $widen:ident, $mix:ident) => {
         impl Pass for FixedAvx2<'_, $h> {

@@ -1,7 +1,8 @@
-//! Interpolation of linear light by two to six samples along each axis, in 32-bit floats.
+//! Interpolation in linear light with two to six taps along each axis, in 32-bit floats.
 //!
-//! Codes are decoded by a table; sums are rounded back to codes with an error below a fiftieth of a code. Products and sums
-//! are taken one by one in the order written here, in lanes of sixteen values of one channel. Alpha is linear as it stands.
+//! Samples are decoded by a table; sums are encoded again with an error below 1/50 of an 8-bit step. Products and sums
+//! are evaluated one by one in the order written here, in lanes of 16 values of one channel. Alpha is stored linearly
+//! and needs no decoding.
 
 use fearless_simd::Level;
 
@@ -12,35 +13,35 @@ use crate::math::lanes::*;
 use crate::upscale::Scale;
 use crate::upscale::lattice::Place;
 
-/// The passes; `N` samples along each axis.
+/// Passes with `N` taps along each axis.
 pub(super) struct Linear<const N: usize> {
-    /// Weights at the phases of the lattice.
+    /// Weights at each phase of the lattice.
     weights: Vec<[f32; N]>,
     columns: Vec<Place>,
-    /// Pixels from one to the next of the same phase, and samples.
+    /// Numbers of pixels and of samples between two pixels of equal phase.
     period: (usize, usize),
     decode: &'static [f32; 256],
     deringing: bool,
     lanes: Lanes,
 }
 
-/// A widened row channel by channel, and the samples that it was made of, those at the ends repeated.
+/// A widened row, split by channel, and the samples it was computed from, with the border samples repeated.
 #[derive(Default)]
 pub(super) struct Row {
     samples: [Vec<f32>; 4],
     wide: [Vec<f32>; 4],
-    /// Whether alpha is full everywhere, so that nobody need weigh it.
+    /// Whether alpha is 255 in every sample, so that it needs no filtering.
     is_opaque: bool,
 }
 
 impl Row {
-    /// How many channels are weighed.
+    /// Returns the number of channels to filter.
     fn channels(&self) -> usize {
         if self.is_opaque { 3 } else { 4 }
     }
 }
 
-/// The lanes of a level.
+/// Returns the lanes for a SIMD level.
 fn lanes_of(level: Level) -> Lanes {
     #[cfg(target_arch = "x86_64")]
     if let Some(lanes) = level.as_avx512().map(Lanes::Avx512).or(level.as_avx2().map(Lanes::Avx2)) {
@@ -51,7 +52,7 @@ fn lanes_of(level: Level) -> Lanes {
 }
 
 impl<const N: usize> Linear<N> {
-    /// For the output columns at these places, one after the other.
+    /// Prepares passes for consecutive output columns at these positions.
     pub(super) fn new(level: Level, weights: &[[f64; N]], scale: Scale, columns: Vec<Place>, deringing: bool) -> Self {
         let (pixels, samples) = scale.ratio();
         Self {
@@ -64,7 +65,7 @@ impl<const N: usize> Linear<N> {
         }
     }
 
-    /// Spreads samples over channels.
+    /// Decodes samples and splits them by channel.
     fn read(&self, samples: &[Rgba8], row: &mut Row) {
         row.is_opaque = samples.iter().fold(255, |least, sample| least & sample[3]) == 255;
         let (Some(first), Some(last)) = (samples.first(), samples.last()) else { return };
@@ -87,12 +88,13 @@ impl<const N: usize> Linear<N> {
         }
     }
 
-    /// Widens a channel where pixels of one phase look at neighbouring samples, all phases together; says how many pixels.
+    /// Widens a channel where pixels of one phase read adjacent samples, for all phases together. Returns the number of
+    /// pixels written.
     #[inline(always)]
     fn widen_runs<S: Simd, const PIXELS: usize>(&self, simd: S, samples: &[f32], wide: &mut [f32]) -> usize {
         let Some(columns) = self.columns.first_chunk::<PIXELS>() else { return 0 };
         let mut done = 0;
-        // From the first of the samples around the cell on, past as many as were put before.
+        // Index of the first sample around each cell, after the samples inserted on the left.
         let mut from = columns.map(|place| (place.cell + 1) as usize);
         for run in wide.chunks_exact_mut(PIXELS * WIDE) {
             let mut sums = [f32x16::splat(simd, 0.0); PIXELS];
@@ -109,7 +111,7 @@ impl<const N: usize> Linear<N> {
     }
 }
 
-/// Sixteen values from each of `N` neighbouring samples on.
+/// Loads 16 values starting at each of `N` adjacent samples.
 #[inline(always)]
 fn each_tap<S: Simd, const N: usize>(simd: S, samples: &[f32]) -> [f32x16<S>; N] {
     let mut taps = [f32x16::splat(simd, 0.0); N];
@@ -119,7 +121,7 @@ fn each_tap<S: Simd, const N: usize>(simd: S, samples: &[f32]) -> [f32x16<S>; N]
     taps
 }
 
-/// Weighs `N` neighbouring values, and keeps the sum between the inner two if asked.
+/// Computes the weighted sum of `N` adjacent values, clamped to the range of the inner two if `deringing` is set.
 #[inline(always)]
 fn weigh<S: Simd, const N: usize>(_simd: S, weights: &[f32; N], deringing: bool, around: [f32x16<S>; N]) -> f32x16<S> {
     let mut sum = around[0] * weights[0];
@@ -133,7 +135,7 @@ fn weigh<S: Simd, const N: usize>(_simd: S, weights: &[f32; N], deringing: bool,
     sum
 }
 
-/// Writes values of some phases in turns.
+/// Writes the values of several phases, interleaved.
 #[inline(always)]
 fn interleave<S: Simd>(_simd: S, phases: &[f32x16<S>], to: &mut [f32]) {
     match *phases {
@@ -193,7 +195,7 @@ impl<const N: usize> Pass for Linear<N> {
     }
 }
 
-/// [`weigh`] for one value.
+/// Computes [`weigh`] for a single value.
 fn weigh_one<const N: usize>(weights: &[f32; N], around: &[f32], deringing: bool) -> f32 {
     let mut sum = weights[0] * around[0];
     for (weight, value) in weights.iter().zip(around).skip(1) {
@@ -206,7 +208,7 @@ fn weigh_one<const N: usize>(weights: &[f32; N], around: &[f32], deringing: bool
     sum
 }
 
-/// A row from the widened rows around.
+/// Computes a row from the surrounding widened rows.
 #[inline(always)]
 fn blend<S: Simd, const N: usize>(simd: S, weights: &[f32; N], around: &[&Row; N], deringing: bool, row: &mut [Rgba8]) {
     let mut opaque = true;
@@ -228,7 +230,7 @@ fn blend<S: Simd, const N: usize>(simd: S, weights: &[f32; N], around: &[&Row; N
     }
 }
 
-/// Sixteen pixels from place `at` on, each as its four codes, the first in the lowest byte.
+/// Computes 16 pixels from column `at` on in packed RGBA, with red in the lowest byte.
 #[inline(always)]
 fn codes<S: Simd, const N: usize>(
     simd: S,
@@ -258,7 +260,7 @@ fn values<S: Simd, const N: usize>(simd: S, around: &[&Row; N], channel: usize, 
     taps
 }
 
-/// [`values`] of alpha, where some rows may be opaque and others not.
+/// Loads alpha like [`values`]; some rows may be opaque and store none.
 #[inline(always)]
 fn alphas<S: Simd, const N: usize>(simd: S, around: &[&Row; N], at: usize) -> [f32x16<S>; N] {
     let mut taps = [f32x16::splat(simd, 1.0); N];
@@ -270,44 +272,44 @@ fn alphas<S: Simd, const N: usize>(simd: S, around: &[&Row; N], at: usize) -> [f
     taps
 }
 
-/// Codes per unit of light at the dark end of sRGB.
+/// 8-bit steps per unit of linear light, in the linear part of the sRGB transfer function.
 const PER_LIGHT: f32 = 255.0 * 12.92;
 
-/// Light from which codes are those of a power.
+/// Linear light above which the sRGB transfer function is a power.
 const LEAST_OF_POWER: f32 = 0.003_130_8;
 
-/// The greatest light below one, which has its code, too: so that all exponents are negative.
+/// Largest float below 1, which encodes like 1: keeps all exponents negative.
 const MOST: f32 = 1.0_f32.next_down();
 
-/// Exponent, as floats keep it, of the octave of light that begins at 2⁻⁸. What lies below is taken with it.
+/// Biased float exponent of the octave that starts at 2⁻⁸. Smaller values use this octave, too.
 const FIRST_OCTAVE: u32 = 119;
 
-/// The exponents of an octave and of what makes numbers from 1 to 2 of it add up to this.
+/// Sum of the biased exponents of a value and of the factor that scales it to [1, 2).
 const EXPONENTS: u32 = 254;
 
-/// 255 · 1.055 · 2^(5 e / 12) for octaves e from −7 to −1, then for −8: in the order of the last three bits of the exponent.
+/// 255 · 1.055 · 2^(5 e / 12) for octaves e from −7 to −1, then −8: indexed by the lowest three bits of the exponent.
 const OF_OCTAVE: [f32; 8] =
     [35.627_758, 47.557_35, 63.481_445, 84.737_564, 113.111_08, 150.985_18, 201.541_03, 26.690_66];
 
-/// m^(5/12) for m from 1 to 2: the polynomial that is off by the least, 1.1 · 10⁻⁵; down to 0.8, 7 · 10⁻⁴.
+/// Minimax polynomial for m^(5/12) with m in [1, 2]: maximum error 1.1 · 10⁻⁵, and 7 · 10⁻⁴ for m down to 0.8.
 const POWER: [f32; 5] = [0.411_229_34, 0.828_860_2, -0.318_287_25, 0.089_037_69, -0.010_829_55];
 
-/// What the power is less.
+/// Offset subtracted from the power term.
 const OFFSET: f32 = 255.0 * 0.055;
 
-/// From here on floats are whole numbers, so that a sum rounds to one, to an even one of two that are as near.
+/// 2²³: adding it to a float rounds the float to an integer, ties to even.
 const WHOLE: f32 = (1 << 23) as f32;
 
-/// The whole numbers nearest to small ones, in the lower bytes.
+/// Rounds small non-negative numbers to integers, in the low bytes.
 #[inline(always)]
 fn whole<S: Simd>(number: f32x16<S>) -> u32x16<S> {
     (number + WHOLE).bitcast()
 }
 
-/// The codes nearest to linear light, in the last bytes: the formula of sRGB, its power by a polynomial for each octave, within a
-/// fiftieth of a code.
+/// Encodes linear light as the nearest 8-bit sRGB values, in the low bytes. The power is approximated by a polynomial
+/// per octave; the error is below 1/50 of an 8-bit step.
 ///
-/// Up to where the power begins the straight line is the smaller of the two, and from there on the power is.
+/// Below the threshold the linear part is the smaller of the two, and above it the power is.
 #[inline(always)]
 fn encode<S: Simd>(simd: S, light: f32x16<S>) -> u32x16<S> {
     let light = light.max(0.0).min(MOST);
@@ -321,7 +323,7 @@ fn encode<S: Simd>(simd: S, light: f32x16<S>) -> u32x16<S> {
     whole((power * of_octave(simd, octave) - OFFSET).min(light * PER_LIGHT))
 }
 
-/// [`OF_OCTAVE`] for sixteen exponents.
+/// Looks up [`OF_OCTAVE`] for 16 exponents.
 #[inline(always)]
 fn of_octave<S: Simd>(simd: S, octave: u32x16<S>) -> f32x16<S> {
     #[cfg(target_arch = "x86_64")]
@@ -357,7 +359,7 @@ mod x86 {
     use super::OF_OCTAVE;
 
     kernel! {
-        /// The instruction looks at the last four bits.
+        /// The instruction uses the lowest four bits of each index.
         #[inline]
         pub(super) fn of_octave_wide(avx512: Avx512, octave: __m512i) -> __m512 {
             let [a, b, c, d, e, f, g, h] = OF_OCTAVE;
@@ -367,7 +369,7 @@ mod x86 {
     }
 
     kernel! {
-        /// The instruction looks at the last three bits.
+        /// The instruction uses the lowest three bits of each index.
         #[inline]
         pub(super) fn of_octave(avx2: Avx2, octave: __m256i) -> __m256 {
             _mm256_permutevar8x32_ps(f32x8::load_array(avx2, OF_OCTAVE).into(), octave)

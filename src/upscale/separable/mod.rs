@@ -1,7 +1,8 @@
-//! Interpolation along rows, then along columns: every method that is nothing but weights.
+//! Separable interpolation, along rows and then along columns: every upscaler that is defined by weights alone.
 //!
-//! Weights at t between two samples are a function; at borders the outermost sample repeats. Codes are filtered exactly by
-//! straight lines and in 16-bit fixed point by longer weights, linear light in floats.
+//! Weights are a function of the position t between two samples; border samples are repeated. sRGB-encoded values are
+//! filtered exactly by linear interpolation and in 16-bit fixed point by longer kernels; linear light is filtered in
+//! floats.
 
 mod cells;
 mod exact;
@@ -27,21 +28,22 @@ use super::{Drawn, Light, Offers, Sampling, Scale, Tap, Upscaler, Upscaling};
 use crate::image::{Image, Rgba8};
 use crate::pipeline::settings::Choice as _;
 
-/// A method that is nothing but the weights of neighbouring samples.
+/// An upscaler defined by weights of adjacent samples alone.
 pub struct Separable {
-    /// See [`Upscaler::id`].
+    /// Id; see [`Upscaler::id`].
     pub(super) id: &'static str,
-    /// See [`Upscaler::name`].
+    /// Display name; see [`Upscaler::name`].
     pub(super) name: &'static str,
-    /// See [`Upscaler::help`].
+    /// Description; see [`Upscaler::help`].
     pub(super) help: &'static str,
-    /// What the samples around weigh.
+    /// Weights of the surrounding samples.
     pub(super) weights: Weights,
-    /// Whether overshoot can be cut off: only where the weights pass through the samples is it told from smoothing.
+    /// Whether de-ringing is available: only for interpolating kernels, where overshoot can be distinguished from
+    /// smoothing.
     pub(super) deringing: bool,
 }
 
-/// Weights of the samples around a place at t in [0, 1) between the inner two, in their order; they sum to one.
+/// Weights of the surrounding samples, in order, at t in [0, 1) between the inner two; they sum to 1.
 #[derive(Clone, Copy)]
 pub(super) enum Weights {
     /// One sample on each side.
@@ -52,24 +54,24 @@ pub(super) enum Weights {
     Six(fn(f64) -> [f64; 6]),
 }
 
-/// Weights at all phases of a lattice.
+/// Returns the weights at all phases of a lattice.
 fn table<const N: usize>(weights: fn(f64) -> [f64; N], lattice: Lattice) -> Vec<[f64; N]> {
     let phases = lattice.phases();
     (0..phases).map(|phase| weights(f64::from(phase) / f64::from(phases))).collect()
 }
 
-/// Where the columns of a picture lie.
+/// Returns the positions of the columns of an image.
 fn columns(lattice: Lattice, width: u32) -> Vec<Place> {
     lattice.places_from(0).take(width as usize).collect()
 }
 
-/// Weights in fixed point.
+/// Returns the weights at all phases in fixed point.
 fn phases<const N: usize, const H: usize>(weights: fn(f64) -> [f64; N], lattice: Lattice) -> Vec<Phase<H>> {
     table(weights, lattice).iter().map(|weights| Phase::new(weights)).collect()
 }
 
 impl Separable {
-    /// Fills a picture; `level` says how wide lanes may be, which changes nothing in the result.
+    /// Fills an image. `level` selects the instruction set, which does not affect the result.
     fn fill(&self, level: Level, how: Upscaling, drawn: &Image<Rgba8>, full: &mut Image<Rgba8>) {
         match (how.light(), self.weights) {
             (Light::Linear, Weights::Two(weights)) => fill_linear(level, weights, how, drawn, full),
@@ -137,7 +139,7 @@ fn fill_fixed<const H: usize>(phases: &[Phase<H>], how: Upscaling, drawn: &Image
     fill(&Fixed { phases, columns, deringing: how.deringing() }, drawn, how.lattice(), full);
 }
 
-/// One pixel, by the arithmetic that fills the whole picture.
+/// Computes one pixel, bit-identical to the whole-image kernel.
 fn pixel_of(weights: Weights, how: Upscaling, drawn: &Image<Rgba8>, (x, y): (u32, u32)) -> Rgba8 {
     let (lattice, deringing) = (how.lattice(), how.deringing());
     let columns = vec![lattice.place(x)];
@@ -209,10 +211,10 @@ impl Upscaler for Separable {
     }
 }
 
-/// Enlargements of these methods.
+/// Scales that these upscalers offer.
 pub(super) const SCALES: &[Scale] = &[Scale::ONE_AND_A_HALF, Scale::TWO, Scale::THREE, Scale::FOUR];
 
-/// The samples along one axis that output pixel `at` is made of, each once, with its weight.
+/// Returns the distinct samples and weights along one axis for output pixel `at`.
 fn axis_taps(weights: Weights, lattice: Lattice, at: u32, samples: u32) -> Vec<(u32, f64)> {
     let Place { cell, phase } = lattice.place(at);
     let t = f64::from(phase) / f64::from(lattice.phases());

@@ -1,10 +1,10 @@
 use super::*;
 use crate::upscale::{BICUBIC, BILINEAR, CATMULL_ROM, LANCZOS2, LANCZOS3, MITCHELL};
 
-/// The weight at a distance in samples.
+/// Kernel: weight as a function of distance in samples.
 type Curve = fn(f64) -> f64;
 
-/// Methods, and their kernels as published: the weight at a distance in samples.
+/// Upscalers and their published kernels.
 const METHODS: [(&Separable, Curve); 6] = [
     (&BILINEAR, |x| (1.0 - x).max(0.0)),
     (&BICUBIC, lagrange),
@@ -14,7 +14,7 @@ const METHODS: [(&Separable, Curve); 6] = [
     (&LANCZOS3, |x| lanczos(x, 3.0)),
 ];
 
-/// The cardinal function of cubic Lagrange interpolation: piecewise, at distances up to 1 and up to 2.
+/// Cardinal function of cubic Lagrange interpolation, piecewise for distances up to 1 and up to 2.
 fn lagrange(x: f64) -> f64 {
     match x {
         _ if x <= 1.0 => (1.0 - x * x) * (2.0 - x) / 2.0,
@@ -23,7 +23,7 @@ fn lagrange(x: f64) -> f64 {
     }
 }
 
-/// Keys's cubic convolution (1981); Catmull-Rom for a = −½.
+/// Cubic convolution of Keys (1981); Catmull-Rom for a = −½.
 fn keys(x: f64, a: f64) -> f64 {
     match x {
         _ if x <= 1.0 => (a + 2.0) * x.powi(3) - (a + 3.0) * x * x + 1.0,
@@ -32,7 +32,7 @@ fn keys(x: f64, a: f64) -> f64 {
     }
 }
 
-/// Mitchell and Netravali's cubic with B = C = ⅓, in eighteenths as they print it.
+/// Mitchell and Netravali's cubic with B = C = ⅓, in eighteenths as published.
 fn mitchell(x: f64) -> f64 {
     match x {
         _ if x < 1.0 => (21.0 * x.powi(3) - 36.0 * x * x + 16.0) / 18.0,
@@ -47,7 +47,7 @@ fn lanczos(x: f64, lobes: f64) -> f64 {
     if x < lobes { sinc(x) * sinc(x / lobes) } else { 0.0 }
 }
 
-/// Noise, extremes and flat runs: what makes sums overshoot and roundings add up.
+/// Returns noise, extremes and flat runs, which provoke overshoot and accumulated rounding errors.
 fn picture(random: &mut fastrand::Rng, width: u32, height: u32) -> Image<Rgba8> {
     Image::from_fn(width, height, |x, y| match (x / 4 + y / 4) % 3 {
         0 => std::array::from_fn(|_| random.u8(..)),
@@ -65,7 +65,7 @@ fn choices() -> impl Iterator<Item = (&'static Separable, Curve, Upscaling)> {
     })
 }
 
-/// Where an output pixel lies, in samples, by the two formulae of resizing.
+/// Returns the position of an output pixel in samples, by the two common resizing formulas.
 fn place(how: Upscaling, at: u32) -> f64 {
     match how.anchor() {
         Anchor::Corner => f64::from(at) / how.scale().value(),
@@ -73,7 +73,7 @@ fn place(how: Upscaling, at: u32) -> f64 {
     }
 }
 
-/// Indices of samples and their weights along one axis, divided by their sum.
+/// Returns sample indices and normalised weights along one axis.
 fn weights(kernel: Curve, at: f64, samples: u32) -> Vec<(u32, f64)> {
     let first = at.floor() as i64 - 3;
     let all: Vec<_> = (first..first + 8).map(|index| (index, kernel((at - index as f64).abs()))).collect();
@@ -81,7 +81,7 @@ fn weights(kernel: Curve, at: f64, samples: u32) -> Vec<(u32, f64)> {
     all.into_iter().map(|(index, weight)| (index.clamp(0, i64::from(samples) - 1) as u32, weight / sum)).collect()
 }
 
-/// Every sample that counts for every pixel, in f64, of codes or of what `value` makes of them.
+/// Computes the exact result in f64 over all samples; `value` converts 8-bit values to the filtering colour space.
 fn reference(
     kernel: Curve,
     how: Upscaling,
@@ -104,10 +104,10 @@ fn reference(
     })
 }
 
-/// Sizes of samples that end anywhere within a block, and one of several bands.
+/// Numbers of samples that end at various positions within a block; the last size spans several bands.
 const SIZES: [(u32, u32); 7] = [(1, 1), (2, 1), (1, 3), (5, 4), (9, 7), (17, 6), (6, 61)];
 
-/// Calls `check` with every choice, its samples and the size to fill, sometimes less than all of the last block.
+/// Calls `check` for every choice, with its samples and an output size that sometimes cuts the last block.
 fn for_all(mut check: impl FnMut(&Separable, Curve, Upscaling, &Image<Rgba8>, (u32, u32))) {
     let mut random = fastrand::Rng::with_seed(5);
     for (method, kernel, how) in choices() {
@@ -125,7 +125,7 @@ fn for_all(mut check: impl FnMut(&Separable, Curve, Upscaling, &Image<Rgba8>, (u
 }
 
 fn filled(method: &Separable, level: Level, how: Upscaling, drawn: &Image<Rgba8>, size: (u32, u32)) -> Image<Rgba8> {
-    // Rubbish, to be overwritten.
+    // Arbitrary values, to be overwritten.
     let mut full = Image::filled(size.0, size.1, [77, 1, 2, 3]);
     method.fill(level, how, drawn, &mut full);
     full
@@ -136,7 +136,8 @@ fn codes_are_those_of_exact_arithmetic_or_next_to_them_and_straight_lines_are_ex
     for_all(|method, kernel, how, drawn, size| {
         let full = filled(method, Level::new(), how, drawn, size);
         let exact = reference(kernel, how, drawn, size, |code, _| f64::from(code));
-        // Of straight lines the sums are fractions with a small denominator: no other lies between them and a half.
+        // Sums of linear interpolation are fractions with a small denominator, so none lies strictly between a half and
+        // the tolerance.
         let tolerance = if method.id == "bilinear" { 0.5 + 1e-9 } else { 0.6 };
         for (code, exact) in full.pixels().as_flattened().iter().zip(exact.pixels().as_flattened()) {
             let exact = exact.clamp(0.0, 255.0);
@@ -270,7 +271,7 @@ fn without_ringing_a_pixel_stays_between_the_four_samples_around_it() {
     });
 }
 
-/// Samples of a polynomial, and its value at a place in samples.
+/// Returns a polynomial as a function of the position in samples.
 fn polynomial(degree: i32) -> impl Fn(f64) -> f64 {
     move |at: f64| 20.0 + 200.0 * (at / 11.0).powi(degree)
 }
@@ -279,7 +280,7 @@ fn polynomial(degree: i32) -> impl Fn(f64) -> f64 {
 fn polynomials_are_reproduced_as_far_as_theory_says() {
     for (method, degree) in [(&BILINEAR, 1), (&BICUBIC, 3), (&CATMULL_ROM, 2), (&MITCHELL, 1)] {
         for degree in 0..=degree {
-            // In f64, by the weights that the method is made with.
+            // In f64, with the weights of the upscaler itself.
             let curve = polynomial(degree);
             for at in 0..40 {
                 let lattice = Lattice { scale: Scale::FOUR, anchor: Anchor::Centre };

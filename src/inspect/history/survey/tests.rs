@@ -15,7 +15,7 @@ fn frame(scene: &Scene, recipe: &Recipe, camera: &Camera) -> Frame {
     run(scene, camera, recipe, VIEW, &mut ())
 }
 
-/// One object of these triangles, three corners each, seen from (0, 0, 3).
+/// Builds one object of unconnected triangles, seen from (0, 0, 3).
 fn scene_of(triangles: &[[Vec3; 3]], world_from_model: Mat4) -> Scene {
     let mut library = Library::default();
     let positions: Vec<Vec3> = triangles.concat();
@@ -34,7 +34,7 @@ fn soup(count: usize) -> Scene {
     scene_of(&triangles, Mat4::IDENTITY)
 }
 
-/// Reports of all pixels.
+/// Returns the reports of all pixels.
 fn reports(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Vec<PixelReport> {
     let survey = Survey::of(scene, recipe, frame);
     let pixels = (0..VIEW.height).flat_map(|y| (0..VIEW.width).map(move |x| (x, y)));
@@ -139,7 +139,8 @@ fn the_near_plane_is_blamed_exactly_where_a_nearer_one_would_let_it_be_seen() {
             let told = absent(cut, Cause::NearPlane);
             count += told.len();
             let all: BTreeSet<_> = there(cut).union(&told).copied().collect();
-            // Snapping moves an edge by a fraction of a pixel; what it moves past the centre is told as a near miss.
+            // Snapping moves an edge by a fraction of a pixel; an edge that passes the centre is reported as a near
+            // miss.
             let beside = |id: &TriangleId| {
                 let passes = |r: &PixelReport| {
                     r.absent.iter().any(|a| a.triangle == *id && a.distance_px.is_some_and(|d| d < 1.0 / 64.0))
@@ -165,7 +166,8 @@ fn a_triangle_beyond_the_far_plane_is_told_with_its_distance() {
         let middle = &reports[(14 * VIEW.width + 20) as usize];
         assert_eq!(
             middle.verdict,
-            "Background: triangle 0 of “wall” would cover it 3.0000 from the eye, which is beyond the far plane at 2: cut away there."
+            "Background: triangle 0 of “wall” would cover it 3.0000 units from the eye, beyond the far plane at 2, and \
+             is clipped there: to show it, move the far plane."
         );
     }
 }
@@ -200,25 +202,23 @@ fn a_corner_that_is_no_number_is_told_at_every_background_pixel() {
     let corner = &reports[0].verdict;
     assert!(corner.starts_with("Background: the nearest triangle, 0 of “wall”, misses by "), "{corner}");
     assert!(
-        corner.ends_with(
-            "But triangle 1 of “wall” has a corner that is not a finite number in clip space, so it is never drawn."
-        ),
+        corner.ends_with("But triangle 1 of “wall” has a NaN or infinite corner in clip space, so it is never drawn."),
         "{corner}"
     );
 }
 
 #[test]
 fn a_triangle_without_area_is_told_where_it_passes() {
-    // Seen from the edge.
+    // A triangle seen edge-on.
     let edge_on = [Vec3::new(-1.0, 0.0, 0.0), Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 0.0, 1.0)];
     let scene = scene_of(&[edge_on], Mat4::IDENTITY);
-    // An odd number of rows: the horizon runs through centres.
+    // With an odd number of rows, the horizon passes through pixel centres.
     let view = Viewport { width: 41, height: 27 };
     let recipe = Recipe::default();
     let frame = run(&scene, &scene.home, &recipe, view, &mut ());
     let survey = Survey::of(&scene, &recipe, &frame);
     let report = explain(&scene, &recipe, &frame, &survey, (20, 13)).unwrap();
-    assert!(report.verdict.contains("passes here, but its snapped corners lie on one line"), "{}", report.verdict);
+    assert!(report.verdict.contains("passes through it, but its snapped corners are collinear"), "{}", report.verdict);
     let above = explain(&scene, &recipe, &frame, &survey, (20, 12)).unwrap();
     assert!(absent(&above, Cause::ZeroArea).is_empty());
 }

@@ -1,4 +1,4 @@
-//! What is known of the stored depths of a tile without looking at them: bounds for each block, or for all.
+//! Bounds of a tile's stored depths, known without reading samples: for each block, or for the whole tile.
 
 use super::super::depths::{DepthPlane, DepthRules, compare_bounds, whole_depths};
 use super::super::edge_number::EdgeNumber;
@@ -8,19 +8,19 @@ use super::{STRIDE, Tile};
 use crate::math::lanes::*;
 use crate::pipeline::depth::Comparison;
 
-/// A triangle that covers a whole tile, in front of everything that was there, or the background.
+/// Full-tile occluder: a triangle that covers a whole tile in front of everything drawn before, or the background.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Backdrop {
-    /// Bounds of the stored depths.
+    /// Least stored depth; `greatest` is the greatest.
     pub(super) least: f32,
     pub(super) greatest: f32,
-    /// None of the background.
+    /// Depth plane of the triangle; `None` for the background.
     pub(super) plane: Option<DepthPlane>,
 }
 
 impl Tile {
-    /// Whether a triangle lies behind a backdrop, or takes its place. If neither, there is none any more: bounds of blocks are
-    /// known.
+    /// Whether a triangle lies behind the full-tile occluder, or replaces it. If neither, the occluder is replaced by
+    /// the depth bounds of all blocks.
     #[inline(always)]
     pub(super) fn meets_backdrop<S: Simd, E: EdgeNumber>(
         &mut self,
@@ -51,7 +51,7 @@ impl Tile {
         true
     }
 
-    /// Finds the bounds of all blocks where there was a backdrop.
+    /// Replaces the full-tile occluder, if there is one, by the depth bounds of all blocks.
     #[inline(always)]
     pub(super) fn part_bounds<S: Simd>(&mut self, simd: S, lattice: &Lattice, rules: &DepthRules) {
         let Some(Backdrop { least, greatest, plane }) = self.backdrop.take() else { return };
@@ -69,10 +69,10 @@ impl Tile {
         }
     }
 
-    /// Whether a triangle lies behind all that the tile holds.
+    /// Whether a triangle lies behind everything that the tile holds.
     #[inline(always)]
     pub(super) fn hides<S: Simd>(&self, simd: S, plane: &DepthPlane, lattice: &Lattice, rules: &DepthRules) -> bool {
-        // A triangle that would be in front at the first sample is not behind everywhere: mostly that is enough to know.
+        // A triangle in front at the first sample is not behind everywhere; in most cases this test suffices.
         let in_front = match rules.comparison {
             Comparison::Always => true,
             Comparison::Less | Comparison::LessEqual => plane.at_first() < self.greatest[0].into(),
@@ -83,7 +83,7 @@ impl Tile {
         }
         let first = (F64::splat(simd, 0.0), 0.0);
         let bounds = plane.bounds(simd, first, lattice.tile_extent(), rules);
-        // Eight columns of blocks.
+        // One lane for each of the eight columns of blocks.
         let (mut least, mut greatest) = (F32::splat(simd, f32::INFINITY), F32::splat(simd, f32::NEG_INFINITY));
         for row in 0..BLOCKS {
             let row = row * BLOCKS..(row + 1) * BLOCKS;
@@ -106,7 +106,7 @@ impl Tile {
         }
     }
 
-    /// Lets the bounds of a block hold after a triangle was drawn into it.
+    /// Widens the depth bounds of a block so that they hold after a triangle is drawn into it.
     #[inline(always)]
     pub(super) fn widen_bounds<E: EdgeNumber>(&mut self, triangle: &Setup<E>, block: usize, rules: &DepthRules) {
         let [low, high] = whole_depths(triangle, rules);
@@ -117,7 +117,7 @@ impl Tile {
         }
     }
 
-    /// The bounds of a block from its samples.
+    /// Measures the depth bounds of a block from its samples.
     #[inline(always)]
     pub(super) fn measure_bounds<S: Simd>(&mut self, simd: S, (bx, by): (usize, usize)) {
         let (mut least, mut greatest) = (F32::splat(simd, f32::INFINITY), F32::splat(simd, f32::NEG_INFINITY));

@@ -1,4 +1,5 @@
-//! Weights, attributes and depth within a triangle. Corners lie on the 1/256 px grid, so that snapping moves none.
+//! Cases for weights, attributes and depth inside a triangle. Vertices lie on the 1/256 px grid, so snapping does not
+//! move them.
 
 use super::dice::{Dice, to_f32};
 use super::{Class, Draft, Family};
@@ -8,25 +9,25 @@ use crate::report::stability::case::{Attributes, Body, CoplanarPair};
 use crate::report::stability::metric::{Bound, Metric};
 use crate::report::stability::oracle::{Region, ScreenCorner, Snap};
 
-/// Pixels asked for in each triangle.
+/// Number of pixels evaluated per triangle.
 const SAMPLES: usize = 24;
 
-/// Side of the ordinary picture, px.
+/// Side of the normal image, in pixels.
 const SIDE: u32 = 64;
 
-/// Side of the large picture, px.
+/// Side of the large image, in pixels.
 const LARGE: u32 = 4096;
 
-/// Numbers all, and weights good to a hundredth of an 8-bit step.
+/// All values finite, and weights accurate to 1/100 of an 8-bit step.
 const CLOSE: &[Bound] = &[Bound::none(Metric::NotFinite), Bound::new(Metric::WeightError, 1e-5)];
 
-/// The same for pictures 4096 px wide: no worse than 2⁻²⁰.
+/// All values finite, and weights accurate to 2⁻²⁰ for images 4096 px wide.
 const CLOSE_WIDE: &[Bound] = &[Bound::none(Metric::NotFinite), Bound::new(Metric::WeightError, 1.0 / 1_048_576.0)];
 
-/// Texture coordinates good to a thousandth of a texel.
+/// All values finite, and texture coordinates accurate to 1/1000 of a texel.
 const CLOSE_TEXELS: &[Bound] = &[Bound::none(Metric::NotFinite), Bound::new(Metric::UvTexels, 1e-3)];
 
-/// The same depth from both triangles.
+/// All values finite, and equal depths from both triangles.
 const EQUAL: &[Bound] = &[Bound::none(Metric::NotFinite), Bound::none(Metric::Flips)];
 
 pub(super) const CLASSES: &[Class] = &[
@@ -34,7 +35,8 @@ pub(super) const CLASSES: &[Class] = &[
         id: "affine",
         name: "Without perspective",
         family: Family::Weights,
-        about: "Equal w at all corners: perspective-correct and affine weights are the same, and only the arithmetic errs.",
+        about: "Equal w at all corners: perspective-correct and affine weights are equal, so all errors come from the \
+            arithmetic.",
         headline: Metric::WeightError,
         bounds: CLOSE,
         draft: affine,
@@ -43,7 +45,7 @@ pub(super) const CLASSES: &[Class] = &[
         id: "perspective",
         name: "Moderate perspective",
         family: Family::Weights,
-        about: "Corners up to a hundred times farther than others: who interpolates affinely on the screen is off by half of \
+        about: "Corners up to a hundred times as far as others: affine interpolation on the screen is wrong by half of \
                 the texture.",
         headline: Metric::WeightError,
         bounds: CLOSE,
@@ -53,8 +55,8 @@ pub(super) const CLASSES: &[Class] = &[
         id: "w-ratio",
         name: "Extreme perspective",
         family: Family::Weights,
-        about: "Distances that differ by 1e3 to 1e15: the nearest corner takes nearly all the weight, and the others must not \
-                drown in its rounding errors.",
+        about: "Distances that differ by a factor of 1e3 to 1e15: the nearest corner takes nearly all the weight, and \
+                its rounding errors must not exceed the other weights.",
         headline: Metric::WeightError,
         bounds: CLOSE,
         draft: w_ratio,
@@ -63,8 +65,8 @@ pub(super) const CLASSES: &[Class] = &[
         id: "thin",
         name: "Thin triangles",
         family: Family::Weights,
-        about: "Slivers through pixel centres: weights are quotients of small differences, and fall outside of 0…1 when these \
-                are rounded.",
+        about: "Slivers through pixel centres: weights are quotients of small differences, and leave the range 0…1 \
+                when these are rounded.",
         headline: Metric::WeightError,
         bounds: CLOSE,
         draft: thin,
@@ -73,7 +75,7 @@ pub(super) const CLASSES: &[Class] = &[
         id: "wide-thin",
         name: "Long thin triangles",
         family: Family::Weights,
-        about: "The same over a large picture: in f32 the products of coordinates have lost the digits that the small area \
+        about: "Slivers across a large picture: in f32, products of coordinates lose the digits that the small area \
                 needs, and textures tear.",
         headline: Metric::WeightError,
         bounds: CLOSE_WIDE,
@@ -83,8 +85,8 @@ pub(super) const CLASSES: &[Class] = &[
         id: "huge-uv",
         name: "Huge texture coordinates",
         family: Family::Weights,
-        about: "Texture coordinates of 1e2 to 1e6 repeats: a float of that size has few digits left for the place within the \
-                texture.",
+        about: "Texture coordinates of 1e2 to 1e6 repeats: a float of that size has few digits left for the position \
+                within the texture.",
         headline: Metric::UvTexels,
         bounds: CLOSE_TEXELS,
         draft: huge_uv,
@@ -93,15 +95,15 @@ pub(super) const CLASSES: &[Class] = &[
         id: "coplanar",
         name: "Coplanar triangles",
         family: Family::Weights,
-        about: "Two different triangles of one plane: their depths should be equal everywhere, but differ by rounding, so they \
-                fight for every pixel.",
+        about: "Two different triangles in one plane: their depths should be equal everywhere, but differ by rounding, \
+                which causes z-fighting.",
         headline: Metric::Flips,
         bounds: EQUAL,
         draft: coplanar,
     },
 ];
 
-/// Up to [`SAMPLES`] pixels whose centres lie in all of the triangles.
+/// Returns up to [`SAMPLES`] pixels whose centres lie inside all triangles.
 fn samples(dice: &mut Dice, side: u32, triangles: &[&[ScreenCorner; 3]]) -> Vec<[u32; 2]> {
     let viewport = Viewport { width: side, height: side };
     let regions: Vec<_> = triangles
@@ -110,7 +112,7 @@ fn samples(dice: &mut Dice, side: u32, triangles: &[&[ScreenCorner; 3]]) -> Vec<
         .collect();
     let spans = regions.first().map(|region| region.spans(viewport)).unwrap_or_default();
     let mut pixels: Vec<[u32; 2]> = Vec::new();
-    // A few of each row, lest large triangles list millions.
+    // Only a few pixels per row: large triangles cover millions.
     for span in spans {
         let width = span.right - span.left;
         let step = (width as usize / SAMPLES).max(1);
@@ -123,21 +125,21 @@ fn samples(dice: &mut Dice, side: u32, triangles: &[&[ScreenCorner; 3]]) -> Vec<
     pixels
 }
 
-/// A draft of one triangle, unless no centre lies in it.
+/// Creates a draft of one triangle, or `None` if it contains no pixel centre.
 fn draft(dice: &mut Dice, note: impl Into<String>, side: u32, vertices: [ScreenCorner; 3]) -> Option<Draft> {
     let eval = samples(dice, side, &[&vertices]);
     let body = Body::TriAttr(Attributes { width: side, height: side, vertices, eval: eval.clone() });
     (!eval.is_empty()).then(|| Draft::new(note, body))
 }
 
-/// A corner anywhere in the picture with random attributes.
+/// Returns a vertex at a random position in the image, with random attributes.
 fn corner(dice: &mut Dice, side: u32, w: f64) -> ScreenCorner {
     let [x, y] = [(); 2].map(|()| dice.on_grid(0, side as i32));
     let [z, u, v] = to_f32([(); 3].map(|()| dice.uniform(0.0, 1.0)));
     ScreenCorner { x, y, z, w: w as f32, uv: [u, v] }
 }
 
-/// Eight triangles whose corners are at distances that `w` gives.
+/// Creates eight triangles; `w` returns the w of each vertex.
 fn eight(dice: &mut Dice, side: u32, note: &str, mut w: impl FnMut(&mut Dice) -> f64) -> Vec<Draft> {
     let mut drafts = Vec::new();
     while drafts.len() < 8 {
@@ -173,8 +175,8 @@ fn w_ratio(dice: &mut Dice) -> Vec<Draft> {
     drafts
 }
 
-/// A sliver from a centre at the left to a centre at the right of the picture, `half` px high on both sides where it starts.
-/// Its axis rises by whole pixels over whole pixels, so it passes through centres on its way.
+/// Creates a sliver from a pixel centre on the left to one on the right of the image. At its start, it extends `half`
+/// px to both sides. Its axis rises by whole pixels over whole pixels, so it passes through pixel centres.
 fn sliver(dice: &mut Dice, side: u32, half: f32) -> Option<Draft> {
     let rises = dice.integer(3..(side as i32 / 8).min(100));
     let run = (side as i32 - 4) / rises * rises;
@@ -189,7 +191,7 @@ fn sliver(dice: &mut Dice, side: u32, half: f32) -> Option<Draft> {
     draft(dice, format!("{half} px high on both sides"), side, corners)
 }
 
-/// Halves of the heights of slivers, all on the grid.
+/// Half heights of the slivers in pixels, all on the snapping grid.
 const HALF_HEIGHTS: [f32; 5] = [0.5, 0.125, 0.031_25, 0.007_812_5, 0.003_906_25];
 
 fn thin(dice: &mut Dice) -> Vec<Draft> {
@@ -219,8 +221,8 @@ fn huge_uv(dice: &mut Dice) -> Vec<Draft> {
 fn coplanar(dice: &mut Dice) -> Vec<Draft> {
     let mut drafts = Vec::new();
     while drafts.len() < 8 {
-        // A parallelogram is flat whatever its corners, and f32 holds them all: places are multiples of 1/256 px, depths
-        // multiples of 2⁻²⁴ in 1/2…1. Its halves along either diagonal overlap.
+        // A parallelogram is always planar, and f32 represents all its vertices exactly: positions are multiples of
+        // 1/256 px, depths multiples of 2⁻²⁴ in [½, 1). Its halves along both diagonals overlap.
         let mut at = |_: usize| {
             let depth = 0.5 + f64::from(dice.integer(0..1 << 23)) / 16_777_216.0;
             [dice.on_grid(0, SIDE as i32).into(), dice.on_grid(0, SIDE as i32).into(), depth]
@@ -236,7 +238,7 @@ fn coplanar(dice: &mut Dice) -> Vec<Draft> {
         let eval = samples(dice, SIDE, &[&first, &second]);
         if eval.len() >= SAMPLES / 2 {
             let body = Body::CoplanarPair(CoplanarPair { width: SIDE, height: SIDE, first, second, eval });
-            drafts.push(Draft::new("two triangles of one plane", body));
+            drafts.push(Draft::new("two triangles in one plane", body));
         }
     }
     drafts

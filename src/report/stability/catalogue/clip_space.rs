@@ -1,18 +1,19 @@
-//! Triangles that reach beyond what can be projected: behind the eye, to infinity, and out of the numbers.
+//! Cases of triangles that extend beyond what can be projected: behind the eye, to infinity, and to non-finite
+//! coordinates.
 
 use super::dice::{Dice, to_f32};
 use super::{Class, Draft, Family};
 use crate::report::stability::case::{Body, ClipSpace};
 use crate::report::stability::metric::{Bound, Metric};
 
-/// Side of the picture, px.
+/// Side of the image, in pixels.
 const SIDE: u32 = 32;
 
-/// Planes of the view that the corners are projected by.
+/// Near and far planes of the view that projects the vertices.
 const NEAR: f64 = 0.1;
 const FAR: f64 = 100.0;
 
-/// Nothing drawn out of place, nothing drawn twice, and weights to f32.
+/// Nothing drawn at the wrong place, no pixel drawn twice, and weights accurate to f32.
 const CLIPPED: &[Bound] = &[
     Bound::none(Metric::WrongStrict),
     Bound::none(Metric::Doubles),
@@ -25,8 +26,8 @@ pub(super) const CLASSES: &[Class] = &[
         id: "near-crossing",
         name: "Through the near plane",
         family: Family::ClipSpace,
-        about: "Triangles that reach behind the eye: dividing by a negative w mirrors the corner, so what is not clipped \
-                before the division turns up on the wrong side of the picture.",
+        about: "Triangles that reach behind the eye: division by a negative w mirrors the corner, so a triangle that \
+                is not clipped before the division appears on the wrong side of the picture.",
         headline: Metric::WrongStrict,
         bounds: CLIPPED,
         draft: near_crossing,
@@ -35,8 +36,8 @@ pub(super) const CLASSES: &[Class] = &[
         id: "zero-w",
         name: "w at and near zero",
         family: Family::ClipSpace,
-        about: "Corners beside the eye, with w of exactly 0, 1e-7 or 1e-30: the division gives infinity or NaN unless the \
-                corner is cut off first.",
+        about: "Corners beside the eye, with w of exactly 0, 1e-7 or 1e-30: the division gives infinity or NaN unless \
+                the corner is clipped first.",
         headline: Metric::WrongStrict,
         bounds: CLIPPED,
         draft: zero_w,
@@ -45,8 +46,8 @@ pub(super) const CLASSES: &[Class] = &[
         id: "eye-inside",
         name: "Around the eye",
         family: Family::ClipSpace,
-        about: "Planes that pass close by the eye, or through it, with corners all around: seen edge-on they shrink to a \
-                line, and their weights to a quotient of two vanishing numbers.",
+        about: "Planes close to the eye or through it, with corners all around: seen edge-on they shrink to a line, \
+                and each weight becomes a quotient of two vanishing numbers.",
         headline: Metric::WrongStrict,
         bounds: CLIPPED,
         draft: eye_inside,
@@ -55,7 +56,8 @@ pub(super) const CLASSES: &[Class] = &[
         id: "clip-huge",
         name: "The largest coordinates",
         family: Family::ClipSpace,
-        about: "Clip coordinates up to 3e38: products of two of them overflow, and differences lose what lies in the picture.",
+        about: "Clip coordinates up to 3e38: products of two of them overflow, and differences lose the part inside \
+            the picture.",
         headline: Metric::WrongStrict,
         bounds: CLIPPED,
         draft: huge,
@@ -64,8 +66,8 @@ pub(super) const CLASSES: &[Class] = &[
         id: "not-finite",
         name: "NaN and infinity",
         family: Family::ClipSpace,
-        about: "A single corner that is no number must cost its triangle and nothing else: nothing may be drawn, and no loop \
-                may run away.",
+        about: "A triangle with a NaN or infinite corner must be discarded without affecting others: nothing may be \
+                drawn, and no loop may run forever.",
         headline: Metric::WrongStrict,
         bounds: CLIPPED,
         draft: not_finite,
@@ -76,7 +78,8 @@ fn clip_space(note: impl Into<String>, triangles: Vec<[[f32; 4]; 3]>) -> Draft {
     Draft::new(note, Body::ClipTri(ClipSpace { width: SIDE, height: SIDE, triangles }))
 }
 
-/// A point of view space, looking down z, in clip space: z/w runs from 0 at [`NEAR`] to 1 at [`FAR`].
+/// Projects a view-space point, given by x, y and distance, to clip space. z/w ranges from 0 at [`NEAR`] to 1 at
+/// [`FAR`].
 fn project([x, y, distance]: [f64; 3]) -> [f32; 4] {
     to_f32([x, y, (distance - NEAR) * FAR / (FAR - NEAR), distance])
 }
@@ -96,7 +99,7 @@ fn near_crossing(dice: &mut Dice) -> Vec<Draft> {
 
 fn zero_w(dice: &mut Dice) -> Vec<Draft> {
     let mut with_w = |w: f32| {
-        // z at the near plane or before it, as a projection would give it for such a w.
+        // z on or in front of the near plane, as a projection would give it for such a w.
         let odd = [dice.uniform(-2.0, 2.0) as f32, dice.uniform(-2.0, 2.0) as f32, w - NEAR as f32, w];
         let other =
             |dice: &mut Dice| project([dice.uniform(-2.0, 2.0), dice.uniform(-2.0, 2.0), dice.uniform(0.5, 4.0)]);
@@ -106,7 +109,7 @@ fn zero_w(dice: &mut Dice) -> Vec<Draft> {
     let ws = [0.0, -0.0, 1e-7, 1e-30, -1e-30, 1e-38, 1e-45];
     let mut drafts: Vec<_> =
         ws.iter().cycle().take(14).map(|w| clip_space(format!("w = {w:e}"), vec![with_w(*w)])).collect();
-    // On the near plane although w vanishes: no camera makes that, and no program may stumble over it.
+    // On the near plane although w vanishes: no camera produces this, but no program may fail on it.
     drafts.extend([0.0, 1e-30].map(|w| {
         let odd = [1.0, 0.5, 0.0, w];
         clip_space(format!("z = 0, w = {w:e}"), vec![[odd, project([-1.0, -1.0, 2.0]), project([1.0, -1.0, 3.0])]])
@@ -126,7 +129,7 @@ fn eye_inside(dice: &mut Dice) -> Vec<Draft> {
             let (sin, cos) = ((start + third / 3.0) * std::f64::consts::TAU).sin_cos();
             let reach = dice.uniform(3.0, 30.0);
             let [x, distance] = [cos * reach, sin * reach];
-            // The plane is turned about the line of sight, so that it is seen from all sides.
+            // Rotated about the view axis, so that the plane is seen from all sides.
             project([x * tilt[0] - height * tilt[1], x * tilt[1] + height * tilt[0], distance])
         })
     };
@@ -138,10 +141,10 @@ fn huge(dice: &mut Dice) -> Vec<Draft> {
     let far = |dice: &mut Dice| dice.sign() * dice.log_uniform(1e6, 3.4e38);
     let mut drafts = Vec::new();
     for _ in 0..6 {
-        // Sideways to the end of the numbers, in front of the eye.
+        // x and y up to the limits of f32, in front of the eye.
         let corners = [(); 3].map(|()| to_f32([far(dice), far(dice), 0.5, 1.0]));
         drafts.push(clip_space("x and y beyond all bounds", vec![corners]));
-        // Ahead and behind, too: w of any size and sign, z in proportion.
+        // In front of and behind the eye: w of any size and sign, with proportional z.
         let corners = [(); 3].map(|()| {
             let w = far(dice);
             to_f32([w * dice.uniform(-2.0, 2.0), w * dice.uniform(-2.0, 2.0), w * 0.5, w])
@@ -150,7 +153,7 @@ fn huge(dice: &mut Dice) -> Vec<Draft> {
     }
     let most = f32::MAX;
     let corners = [[-most, -most, 0.5, 1.0], [most, -most, 0.5, 1.0], [0.0, most, 0.5, 1.0]];
-    drafts.push(clip_space("the largest numbers that there are", vec![corners]));
+    drafts.push(clip_space("the largest finite numbers", vec![corners]));
     drafts
 }
 

@@ -1,4 +1,4 @@
-//! What the depth buffer can tell apart.
+//! Cases for the resolution of the depth buffer.
 
 use super::dice::Dice;
 use super::{Class, Draft, Family};
@@ -6,13 +6,13 @@ use crate::report::stability::case::{Body, Depth, DepthPairs};
 use crate::report::stability::metric::{Bound, Metric};
 use crate::report::stability::oracle::{DepthMapping, DepthStorage};
 
-/// Pairs of neighbouring distances per case of the ordinary classes.
+/// Number of pairs of close distances per case in the normal classes.
 const PAIRS: usize = 150;
 
-/// Pairs per case of the published experiment.
+/// Number of pairs per case in the published experiment.
 const PUBLISHED_PAIRS: u32 = 200_000;
 
-/// Every pair in its order.
+/// All pairs keep their order, and all depths are finite and in range.
 const KEPT_APART: &[Bound] =
     &[Bound::none(Metric::Lost), Bound::none(Metric::NotFinite), Bound::none(Metric::OutOfRange)];
 
@@ -21,28 +21,28 @@ pub(super) const CLASSES: &[Class] = &[
         id: "depth-ranges",
         name: "Near and far planes",
         family: Family::Depth,
-        about: "Distances between planes from 1e-6 to 1e9, with close neighbours: numbers that crowd at the near plane leave \
-                nothing for the distance, and different surfaces get the same depth.",
+        about: "Distances between planes from 1e-6 to 1e9, with close neighbours: depths that crowd at the near plane \
+                leave no precision for far surfaces, so different surfaces get the same depth.",
         headline: Metric::Lost,
         bounds: KEPT_APART,
         draft: ranges,
     },
     Class {
         id: "depth-thin",
-        name: "A thin slice of depth",
+        name: "Thin slice of depth",
         family: Family::Depth,
-        about: "Planes that are close together, such as 10 and 10.5: far − near cancels, and a matrix rounded to f32 puts every \
-                depth off by hundreds of units in the last place.",
+        about: "Near and far planes close together, such as 10 and 10.5: far − near cancels, and a matrix rounded to \
+                f32 puts every depth off by hundreds of units in the last place.",
         headline: Metric::Lost,
         bounds: KEPT_APART,
         draft: thin,
     },
     Class {
         id: "depth-published",
-        name: "The published experiment",
+        name: "Published experiment",
         family: Family::Depth,
-        about: "Random pairs of points on one line of sight, z and z · (1 + gap), as in Upchurch and Desbrun (2012) and Reed \
-                (2015): how many pairs get the same depth, or change places?",
+        about: "Random pairs of points on one line of sight, z and z · (1 + gap), as in Upchurch and Desbrun (2012) \
+                and Reed (2015): share of pairs that get the same depth or swap their order.",
         headline: Metric::Lost,
         bounds: KEPT_APART,
         draft: published,
@@ -50,13 +50,13 @@ pub(super) const CLASSES: &[Class] = &[
 ];
 
 fn draft(near: f64, far: f64, z: Vec<f32>) -> Draft {
-    // Mapping and format are those of the buffer that is looked at.
+    // Placeholder values; the measured buffer replaces mapping and format.
     let (mapping, format) = (DepthMapping::Standard, DepthStorage::F32);
     let (near, far) = (near as f32, far as f32);
     Draft::new(format!("near {near:e}, far {far:e}"), Body::Depth(Depth { mapping, format, near, far: Some(far), z }))
 }
 
-/// Ascending distances between two planes, evenly by orders of magnitude, each with a close neighbour.
+/// Returns ascending distances between two planes, log-uniform, each with a close neighbour.
 fn distances(dice: &mut Dice, near: f64, far: f64) -> Vec<f32> {
     let mut distances: Vec<f32> = (0..PAIRS)
         .flat_map(|_| {

@@ -1,22 +1,22 @@
-//! Random numbers of the kinds that cases need.
+//! Random numbers with the distributions that the cases need.
 
 use std::f64::consts::TAU;
 
-/// A source of random numbers that depends on a seed and the name of a class.
+/// Random number generator seeded by a number and the name of a class.
 #[derive(Clone, Debug)]
 pub(super) struct Dice(fastrand::Rng);
 
 impl Dice {
     pub(super) fn new(seed: u64, class: &str) -> Self {
-        /// Offset and prime of the FNV-1a hash, which makes every class's numbers its own.
+        /// Offset basis and prime of the FNV-1a hash, which gives every class its own sequence.
         const FNV: (u64, u64) = (0xcbf2_9ce4_8422_2325, 0x0100_0000_01b3);
         let hash = class.bytes().fold(FNV.0, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(FNV.1));
         Self(fastrand::Rng::with_seed(seed ^ hash))
     }
 
-    /// A seed for someone else's numbers.
+    /// Returns a seed for another random number generator.
     pub(super) fn seed(&mut self) -> u64 {
-        // 53 bits pass through every JSON reader unharmed.
+        // 53 bits survive every JSON reader.
         self.0.u64(..1 << 53)
     }
 
@@ -28,44 +28,44 @@ impl Dice {
         self.0.bool()
     }
 
-    /// −1 or 1.
+    /// Returns −1 or 1.
     pub(super) fn sign(&mut self) -> f64 {
         if self.0.bool() { 1.0 } else { -1.0 }
     }
 
-    /// Evenly in `low..high`.
+    /// Returns a uniformly distributed number in `low..high`.
     pub(super) fn uniform(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.0.f64()
     }
 
-    /// Evenly by orders of magnitude: 10^`uniform`.
+    /// Returns a log-uniformly distributed number in `low..high`.
     pub(super) fn log_uniform(&mut self, low: f64, high: f64) -> f64 {
         10.0_f64.powf(self.uniform(low.log10(), high.log10()))
     }
 
-    /// A multiple of 1/256 in `low..high`: snapping does not move it.
+    /// Returns a multiple of 1/256 in `low..high`, which snapping does not move.
     pub(super) fn on_grid(&mut self, low: i32, high: i32) -> f32 {
         self.integer(low * 256..high * 256) as f32 / 256.0
     }
 
-    /// The centre of a pixel in `low..high`.
+    /// Returns the coordinate of a pixel centre in `low..high`.
     pub(super) fn centre(&mut self, low: i32, high: i32) -> f32 {
         self.integer(low..high) as f32 + 0.5
     }
 
-    /// A unit vector.
+    /// Returns a random unit vector.
     pub(super) fn direction(&mut self) -> [f64; 2] {
         let (sin, cos) = self.uniform(0.0, TAU).sin_cos();
         [cos, sin]
     }
 
-    /// The corners in another order, and so perhaps the other winding.
+    /// Returns the vertices in random order, which may reverse the winding.
     pub(super) fn shuffled<T>(&mut self, mut corners: [T; 3]) -> [T; 3] {
         self.0.shuffle(&mut corners);
         corners
     }
 
-    /// A list in another order.
+    /// Shuffles a list.
     pub(super) fn shuffle<T>(&mut self, list: &mut [T]) {
         self.0.shuffle(list);
     }

@@ -1,4 +1,4 @@
-//! Triangles that share edges and together cover the picture: every pixel exactly once.
+//! Cases of triangles that share edges and together cover every pixel of the image exactly once.
 
 use std::f64::consts::TAU;
 
@@ -8,19 +8,19 @@ use crate::pipeline::settings::FillRule;
 use crate::report::stability::case::{Body, Coverage};
 use crate::report::stability::metric::{Bound, Metric};
 
-/// A picture by width and height in px.
+/// Width and height of an image, in pixels.
 type Size = [u32; 2];
 
-/// The picture of most meshes.
+/// Image size of most meshes.
 const SMALL: Size = [32, 32];
 
-/// The picture of the large ones.
+/// Image size of the large meshes.
 const LARGE: Size = [1024, 256];
 
-/// How far meshes reach beyond the picture, px.
+/// Extent of meshes beyond the image, in pixels.
 const MARGIN: f64 = 4.0;
 
-/// Every pixel once, and by the right triangle.
+/// Every pixel covered exactly once, and by the correct triangle.
 const WATERTIGHT: &[Bound] = &[Bound::none(Metric::Cracks), Bound::none(Metric::Doubles), Bound::none(Metric::Wrong)];
 
 pub(super) const CLASSES: &[Class] = &[
@@ -28,7 +28,7 @@ pub(super) const CLASSES: &[Class] = &[
         id: "mesh-fan",
         name: "Fans",
         family: Family::Mesh,
-        about: "3 to 200 triangles around one corner: where all edges meet, every rounding of that corner or of a slope \
+        about: "3 to 200 triangles around one corner where all edges meet: every rounding of that corner or of a slope \
                 opens a crack or draws a pixel twice.",
         headline: Metric::Seams,
         bounds: WATERTIGHT,
@@ -38,8 +38,8 @@ pub(super) const CLASSES: &[Class] = &[
         id: "mesh-grid",
         name: "Grids",
         family: Family::Mesh,
-        about: "Up to 12 800 triangles that share all their edges, many of them through pixel centres: with closed edges \
-                every centre on an edge is drawn twice.",
+        about: "Up to 12 800 triangles that share all their edges, many of them through pixel centres: with inclusive \
+                edges, every centre on an edge is drawn twice.",
         headline: Metric::Seams,
         bounds: WATERTIGHT,
         draft: grids,
@@ -48,7 +48,7 @@ pub(super) const CLASSES: &[Class] = &[
         id: "mesh-strips",
         name: "Strips",
         family: Family::Mesh,
-        about: "Long thin neighbours, thinner than a pixel in the end: each pixel must find its one triangle among many \
+        about: "Long thin neighbours, down to less than a pixel wide: each pixel belongs to one triangle among many \
                 that miss it.",
         headline: Metric::Seams,
         bounds: WATERTIGHT,
@@ -58,7 +58,8 @@ pub(super) const CLASSES: &[Class] = &[
         id: "mesh-wide",
         name: "Wide meshes",
         family: Family::Mesh,
-        about: "Fans and flat strips over 1024 × 256 px: edges are long enough for their two triangles to drift apart.",
+        about: "Fans and flat strips over 1024 × 256 px: edges are long enough for their two triangles to disagree \
+            about a pixel.",
         headline: Metric::Seams,
         bounds: WATERTIGHT,
         draft: wide,
@@ -72,13 +73,13 @@ fn mesh(dice: &mut Dice, note: impl Into<String>, [width, height]: Size, triangl
     Draft::new(note, Body::TriCoverage(Coverage { width, height, rule, triangles, exactly_once: true }))
 }
 
-/// `spokes` triangles around `hub`, whose rim lies outside of the picture.
+/// Creates `spokes` triangles around `hub`, whose rim lies outside the image.
 fn fan(dice: &mut Dice, size: Size, hub: [f32; 2], spokes: usize, reach: f64) -> Draft {
     let start = dice.uniform(0.0, TAU);
     let rim: Vec<[f32; 2]> = (0..spokes)
         .map(|i| {
             let angle = start + (i as f64 + dice.uniform(-0.05, 0.05)) / spokes as f64 * TAU;
-            // The chords of three spokes come as near as 0.4 of this, and must pass outside of the picture.
+            // The chords of three spokes come as close as 0.4 of this radius and must lie outside the image.
             let radius = reach * (4.0 * f64::from(size[0].max(size[1]))) * dice.uniform(1.0, 1.1);
             to_f32([f64::from(hub[0]) + radius * angle.cos(), f64::from(hub[1]) + radius * angle.sin()])
         })
@@ -100,8 +101,8 @@ fn fans(dice: &mut Dice) -> Vec<Draft> {
     drafts
 }
 
-/// A grid of cells over the picture and its margin. Inner corners are jittered by a share of a cell, then put onto a
-/// lattice of 1/`lattice` px if there is one.
+/// Creates a grid of cells over the image and its margin. Inner vertices are jittered by a fraction of a cell, then
+/// rounded to multiples of 1/`lattice` px if `lattice` is set.
 fn grid(dice: &mut Dice, cells: usize, jitter: f64, lattice: Option<f64>) -> Draft {
     let size = SMALL;
     let step = (f64::from(size[0]) + 2.0 * MARGIN) / cells as f64;
@@ -126,7 +127,7 @@ fn grid(dice: &mut Dice, cells: usize, jitter: f64, lattice: Option<f64>) -> Dra
             triangles.extend(if dice.bool() { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] });
         }
     }
-    let lattice = lattice.map_or("any place".to_owned(), |l| format!("multiples of 1/{l} px"));
+    let lattice = lattice.map_or("any position".to_owned(), |l| format!("multiples of 1/{l} px"));
     mesh(dice, format!("{cells} × {cells} cells, corners at {lattice}"), size, triangles)
 }
 
@@ -136,7 +137,7 @@ fn grids(dice: &mut Dice) -> Vec<Draft> {
     kinds.into_iter().chain(large).map(|(cells, jitter, lattice)| grid(dice, cells, jitter, lattice)).collect()
 }
 
-/// Quads side by side between two lines of corners, cut in two each.
+/// Creates adjacent quads between two lines of vertices, each split into two triangles.
 fn strip(dice: &mut Dice, note: String, size: Size, sides: &[[[f32; 2]; 2]]) -> Draft {
     let quads = sides.windows(2).flat_map(|pair| {
         let ([a, b], [d, c]) = (pair[0], pair[1]);
@@ -146,7 +147,7 @@ fn strip(dice: &mut Dice, note: String, size: Size, sides: &[[[f32; 2]; 2]]) -> 
     mesh(dice, note, size, triangles)
 }
 
-/// Strips from left to right whose borders are level lines at random heights.
+/// Creates strips from left to right with roughly horizontal borders at random heights.
 fn level(dice: &mut Dice, size: Size, count: usize, tilt: f64) -> Draft {
     let [width, height] = size.map(f64::from);
     let mut heights: Vec<f64> = (1..count).map(|_| dice.uniform(-MARGIN, height + MARGIN)).collect();
@@ -158,7 +159,7 @@ fn level(dice: &mut Dice, size: Size, count: usize, tilt: f64) -> Draft {
             [to_f32([-MARGIN, y + dice.uniform(0.0, tilt)]), to_f32([width + MARGIN, y + dice.uniform(0.0, tilt)])]
         })
         .collect();
-    // Borders that would cross each other share an end instead.
+    // Borders that would cross share an end point instead.
     for end in 0..2 {
         for i in 1..sides.len() {
             sides[i][end][1] = sides[i][end][1].max(sides[i - 1][end][1]);
@@ -167,7 +168,7 @@ fn level(dice: &mut Dice, size: Size, count: usize, tilt: f64) -> Draft {
     strip(dice, format!("{count} strips from left to right"), size, &sides)
 }
 
-/// Equally wide slanted strips from above the picture to below.
+/// Creates slanted strips of equal width, from above the image to below it.
 fn slanted(dice: &mut Dice, count: usize) -> Draft {
     let [width, height] = SMALL.map(f64::from);
     let slant = dice.uniform(5.0, 15.0);

@@ -1,8 +1,8 @@
-//! The catalogue of stiff and extreme cases: for each class what it stresses, and how its cases are made.
+//! Catalogue of stiff and extreme cases: for each class, the difficulty it exercises and a generator of its cases.
 //!
-//! Cases are random but for what makes them hard, and depend on the seed and on their class alone: a class gives the same
-//! cases whether it runs by itself or with all others. A new class is a function that makes drafts, and a line in the
-//! list of its family.
+//! Cases are random except for the property that makes them hard. They depend only on the seed and their class, so a
+//! class yields the same cases alone or together with all others. A new class is a function that creates drafts, and an
+//! entry in the list of its family.
 
 mod attributes;
 
@@ -24,30 +24,30 @@ use super::case::{Body, Case};
 use super::metric::{Bound, Metric};
 use dice::Dice;
 
-/// What a class is about, and so what is measured.
+/// Subject of a class, which determines what is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Family {
-    /// Triangles by themselves: which pixels are inside.
+    /// Coverage of individual triangles.
     Coverage,
-    /// Triangles that share edges: every pixel once.
+    /// Triangles that share edges, so that every pixel is covered exactly once.
     Mesh,
-    /// Triangles that reach beyond what can be projected.
+    /// Triangles that extend beyond what can be projected.
     ClipSpace,
-    /// What a pixel costs where triangles have an unfortunate shape.
+    /// Cost per pixel of triangles with unfavourable shapes.
     Throughput,
-    /// Weights, attributes and depth within a triangle.
+    /// Weights, attributes and depth inside a triangle.
     Weights,
-    /// What the depth buffer can tell apart.
+    /// Resolution of the depth buffer.
     Depth,
 }
 
 impl Family {
-    /// All families, in the order of the pipeline's report.
+    /// All families, in report order.
     pub const ALL: [Self; 6] =
         [Self::Coverage, Self::Mesh, Self::ClipSpace, Self::Throughput, Self::Weights, Self::Depth];
 
-    /// The word in files.
+    /// Returns the id used in files.
     pub fn id(self) -> &'static str {
         match self {
             Self::Coverage => "coverage",
@@ -59,7 +59,7 @@ impl Family {
         }
     }
 
-    /// What a person calls it.
+    /// Returns the display name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Coverage => "Single triangles",
@@ -75,24 +75,24 @@ impl Family {
 /// A class of cases.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Class {
-    /// The word on the command line and in files.
+    /// Id used on the command line and in files.
     pub id: &'static str,
-    /// What a person calls it.
+    /// Display name.
     pub name: &'static str,
-    /// What is measured.
+    /// Family of the class, which determines what is measured.
     pub family: Family,
-    /// One sentence: what it stresses, and what breaks.
+    /// One-sentence description of the difficulty and the typical failure.
     pub about: &'static str,
-    /// The measure that says it best.
+    /// Most informative metric of the class.
     pub headline: Metric,
-    /// What must hold to pass.
+    /// Bounds that a subject must meet to pass.
     pub bounds: &'static [Bound],
-    /// Makes the cases.
+    /// Generator of the cases.
     #[serde(skip)]
     draft: fn(&mut Dice) -> Vec<Draft>,
 }
 
-/// A case without its name.
+/// A case without its id and class.
 #[derive(Clone, Debug)]
 struct Draft {
     note: String,
@@ -106,7 +106,7 @@ impl Draft {
 }
 
 impl Class {
-    /// The cases for a seed.
+    /// Generates the cases for a seed.
     pub fn cases(&self, seed: u64) -> Vec<Case> {
         let mut dice = Dice::new(seed, self.id);
         let drafts = (self.draft)(&mut dice);
@@ -120,13 +120,13 @@ impl Class {
     }
 }
 
-/// All classes, family by family.
+/// Returns all classes, grouped by family.
 pub fn all() -> impl Iterator<Item = &'static Class> {
     let families = [single::CLASSES, mesh::CLASSES, clip_space::CLASSES, throughput::CLASSES];
     families.into_iter().chain([attributes::CLASSES, depth::CLASSES]).flatten()
 }
 
-/// The class of this name.
+/// Returns the class with this id.
 pub fn by_id(id: &str) -> Option<&'static Class> {
     all().find(|class| class.id == id)
 }

@@ -1,4 +1,4 @@
-//! Triangles by themselves: which pixels are inside.
+//! Cases for the coverage of individual triangles.
 
 use super::dice::{Dice, to_f32};
 use super::{Class, Draft, Family};
@@ -6,13 +6,13 @@ use crate::pipeline::settings::FillRule;
 use crate::report::stability::case::{Body, Coverage};
 use crate::report::stability::metric::{Bound, Metric};
 
-/// Side of the picture of most classes, px.
+/// Side of the image in most classes, in pixels.
 const SIDE: u32 = 32;
 
-/// The same as a coordinate.
+/// Side of the image, as a coordinate.
 const SIDE_PX: f64 = SIDE as f64;
 
-/// Every pixel right, for corners where they are declared to be.
+/// Every pixel correct for the vertices after snapping, if any.
 pub(super) const EXACT: &[Bound] = &[Bound::none(Metric::Wrong)];
 
 pub(super) const CLASSES: &[Class] = &[
@@ -20,7 +20,8 @@ pub(super) const CLASSES: &[Class] = &[
         id: "benign",
         name: "Benign triangles",
         family: Family::Coverage,
-        about: "Compact triangles at random places: every method should get all of them right, so this is the yardstick.",
+        about: "Compact triangles at random positions: every method should draw all of them correctly, so this is the \
+            baseline.",
         headline: Metric::Wrong,
         bounds: EXACT,
         draft: benign,
@@ -29,8 +30,8 @@ pub(super) const CLASSES: &[Class] = &[
         id: "on-centres",
         name: "Edges through centres",
         family: Family::Coverage,
-        about: "Corners and edges lie exactly on pixel centres, so the fill rule alone decides; methods that step along \
-                edges drift off the tie, and methods without a rule draw twice.",
+        about: "Corners and edges lie exactly on pixel centres, so the fill rule alone decides; methods that step \
+                along edges drift off the tie, and methods without a fill rule draw pixels twice.",
         headline: Metric::Wrong,
         bounds: EXACT,
         draft: on_centres,
@@ -39,8 +40,8 @@ pub(super) const CLASSES: &[Class] = &[
         id: "slivers",
         name: "Slivers",
         family: Family::Coverage,
-        about: "Triangles 1e-6 to 0.5 px wide: the area is a difference of nearly equal numbers, and what is thinner than \
-                the grid step vanishes when corners are snapped.",
+        about: "Triangles 1e-6 to 0.5 px wide: the area is a difference of nearly equal numbers, and a triangle \
+                thinner than the grid step vanishes when its corners are snapped.",
         headline: Metric::Wrong,
         bounds: EXACT,
         draft: slivers,
@@ -59,7 +60,7 @@ pub(super) const CLASSES: &[Class] = &[
         id: "near-ties",
         name: "Ties within 2⁻⁴⁰ px",
         family: Family::Coverage,
-        about: "An edge misses pixel centres by less than a double-precision number can tell from zero: only exact \
+        about: "An edge misses pixel centres by less than double precision can distinguish from zero: only exact \
                 arithmetic, or snapping, which makes it a tie, decides consistently.",
         headline: Metric::Wrong,
         bounds: EXACT,
@@ -69,8 +70,8 @@ pub(super) const CLASSES: &[Class] = &[
         id: "tiny",
         name: "Tiny triangles",
         family: Family::Coverage,
-        about: "Most of these triangles lie between pixel centres and cover nothing: they show what is paid for setting up \
-                a triangle that is then not seen.",
+        about: "Most of these triangles lie between pixel centres and cover nothing: they show the setup cost of a \
+                triangle without pixels.",
         headline: Metric::Wrong,
         bounds: EXACT,
         draft: tiny,
@@ -79,7 +80,8 @@ pub(super) const CLASSES: &[Class] = &[
         id: "degenerate",
         name: "Degenerate triangles",
         family: Family::Coverage,
-        about: "Points, lines and repeated corners have no area and must cover nothing; dividing by that area gives NaN.",
+        about: "Points, lines and repeated corners have no area and must cover nothing; division by that area gives \
+            NaN.",
         headline: Metric::Wrong,
         bounds: EXACT,
         draft: degenerate,
@@ -108,8 +110,8 @@ pub(super) const CLASSES: &[Class] = &[
         id: "subnormal",
         name: "Subnormal",
         family: Family::Coverage,
-        about: "Corners differ from a centre by the smallest numbers that exist: processors told to flush those to zero, and \
-                products that underflow, see ties where there are none.",
+        about: "Corners differ from a centre by the smallest numbers that exist: flushing these to zero, or products \
+                that underflow, create ties where there are none.",
         headline: Metric::Wrong,
         bounds: EXACT,
         draft: subnormal,
@@ -118,14 +120,14 @@ pub(super) const CLASSES: &[Class] = &[
         id: "wide",
         name: "Wide picture",
         family: Family::Coverage,
-        about: "Long flat edges over many centres: what is added up step by step has 4096 steps to go astray.",
+        about: "Long flat edges over many centres: values accumulated step by step collect the errors of 4096 steps.",
         headline: Metric::Wrong,
         bounds: EXACT,
         draft: wide,
     },
 ];
 
-/// Triangles in a square picture under the top-left rule.
+/// Creates a draft of triangles in a square image under the top-left rule.
 fn square(note: impl Into<String>, triangles: Vec<[[f32; 2]; 3]>) -> Draft {
     coverage(note, [SIDE; 2], triangles)
 }
@@ -135,7 +137,7 @@ pub(super) fn coverage(note: impl Into<String>, [width, height]: [u32; 2], trian
     Draft::new(note, Body::TriCoverage(Coverage { width, height, rule, triangles, exactly_once: false }))
 }
 
-/// As many drafts as asked for, each with `triangles` triangles.
+/// Creates `drafts` drafts of `triangles` triangles each.
 fn several(
     dice: &mut Dice,
     drafts: usize,
@@ -162,7 +164,7 @@ fn benign(dice: &mut Dice) -> Vec<Draft> {
 
 fn on_centres(dice: &mut Dice) -> Vec<Draft> {
     let mut drafts = several(dice, 4, 12, |dice| [(); 3].map(|()| [(); 2].map(|()| dice.centre(-2, 34))));
-    // Half-pixel lattice: edges pass through centres and corners of pixels alike.
+    // Vertices on a half-pixel lattice: edges pass through pixel centres and pixel corners alike.
     drafts.extend(several(dice, 3, 12, |dice| [(); 3].map(|()| [(); 2].map(|()| dice.integer(-4..68) as f32 * 0.5))));
     let [a, b, c, d] = [[4.5, 4.5], [14.5, 4.5], [14.5, 14.5], [4.5, 14.5]];
     drafts.push(square("a square cut by its diagonal through centres", vec![[a, b, c], [c, d, a]]));
@@ -176,7 +178,7 @@ fn slivers(dice: &mut Dice) -> Vec<Draft> {
         let end = [start[0] + along[0] * length, start[1] + along[1] * length];
         [to_f32(start), to_f32(end), to_f32([end[0] - along[1] * width, end[1] + along[0] * width])]
     };
-    // Around a centre at one end, exactly on a centre at the other: the sliver holds the centres between.
+    // Starts on both sides of a pixel centre and ends exactly on one, so that the sliver contains the centres between.
     let between_centres = |dice: &mut Dice| {
         let (from, to) = ([dice.centre(0, 4), dice.centre(0, 31)], [dice.centre(28, 32), dice.centre(0, 31)]);
         let half = dice.log_uniform(1e-6, 0.1) as f32;
@@ -200,8 +202,8 @@ fn needles(dice: &mut Dice) -> Vec<Draft> {
 }
 
 fn near_ties(dice: &mut Dice) -> Vec<Draft> {
-    // An edge from the origin to an odd multiple of (odd, odd) passes through the centre in the middle of each of its
-    // parts; its start is moved by less than f64 can add to the coordinates of its end.
+    // An edge from the origin to an odd multiple of (odd, odd) passes through a pixel centre in the middle of each
+    // step. Its start is moved by less than f64 can add to the coordinates of its end.
     const STEPS: [[f32; 2]; 6] = [[1.0, 1.0], [3.0, 1.0], [1.0, 3.0], [3.0, 5.0], [5.0, 3.0], [7.0, 5.0]];
     let one = |dice: &mut Dice, [dx, dy]: [f32; 2]| {
         let parts = ((SIDE as f32 / dx.max(dy)) as i32 - 1) | 1;
@@ -229,20 +231,20 @@ fn degenerate(dice: &mut Dice) -> Vec<Draft> {
     let ulp = 2.0_f32.powi(-19);
     vec![
         square("a point on a centre", vec![[point; 3]]),
-        square("two corners at one place", vec![[point, point, [x + 7.0, y - 3.0]]]),
+        square("two corners at one position", vec![[point, point, [x + 7.0, y - 3.0]]]),
         square("all on a diagonal through centres", vec![[[2.5, 2.5], [9.5, 9.5], [20.5, 20.5]]]),
         square("all on a row of centres", vec![[[2.5, y], [19.5, y], [9.5, y]]]),
         square("all on a column of centres", vec![[[x, 2.5], [x, 19.5], [x, 9.5]]]),
         square("on one line in decimals, not in binary", vec![[[0.1, 0.1], [0.2, 0.2], [30.3, 30.3]]]),
         square("on one line in decimals, not in binary", vec![[[0.1, 0.3], [10.1, 10.3], [31.1, 31.3]]]),
-        square("nearly two corners at one place", vec![[[4.5, 4.5], [4.5 + ulp, 4.5], [28.5, 28.5]]]),
+        square("two corners at nearly one position", vec![[[4.5, 4.5], [4.5 + ulp, 4.5], [28.5, 28.5]]]),
         square("nearly on one line", vec![[[4.5, 4.5], [16.5, 16.5 + ulp], [28.5, 28.5]]]),
     ]
 }
 
 fn huge(dice: &mut Dice) -> Vec<Draft> {
     let far = |dice: &mut Dice| dice.log_uniform(1e7, 3.4e38);
-    // Corners in three directions around the picture, so that most triangles contain or cross it.
+    // Vertices in three directions around the image, so that most triangles contain or cross it.
     let mut drafts: Vec<_> = (0..12)
         .map(|_| {
             let start = dice.uniform(0.0, 1.0);
@@ -254,7 +256,7 @@ fn huge(dice: &mut Dice) -> Vec<Draft> {
             square(format!("corners up to {:.0e} px away", largest(&corners)), vec![corners])
         })
         .collect();
-    // One corner in the picture.
+    // One vertex inside the image.
     drafts.extend((0..4).map(|_| {
         let near = [dice.uniform(0.0, SIDE_PX), dice.uniform(0.0, SIDE_PX)];
         let [a, b] = [(); 2].map(|()| to_f32([dice.sign() * far(dice), dice.sign() * far(dice)]));
@@ -262,7 +264,7 @@ fn huge(dice: &mut Dice) -> Vec<Draft> {
         square(format!("from the picture to {:.0e} px away", largest(&corners)), vec![corners])
     }));
     let most = f32::MAX;
-    drafts.push(square("the largest numbers that there are", vec![[[-most, -most], [most, -most], [0.0, most]]]));
+    drafts.push(square("the largest finite numbers", vec![[[-most, -most], [most, -most], [0.0, most]]]));
     drafts
 }
 
@@ -291,7 +293,7 @@ fn subnormal(dice: &mut Dice) -> Vec<Draft> {
         square("a left edge one subnormal left of the border", vec![[[-least, 0.0], [16.0, 8.0], [-least, 16.0]]]),
         square("subnormal through and through", vec![[[0.0, 0.0], [least * 9.0, least], [least, least * 7.0]]]),
     ];
-    // Edges through centres on the diagonal, but for a subnormal.
+    // Edges that miss pixel centres on the diagonal by a subnormal number.
     drafts.extend((0..5).map(|_| {
         let corners = [[tiny(dice), tiny(dice)], [31.0, 31.0], [31.0, tiny(dice)]];
         square("a diagonal through centres but for a subnormal", vec![dice.shuffled(corners)])

@@ -11,7 +11,7 @@ use crate::report::stability::spans::{Hits, pixel_count};
 
 const SEED: u64 = 1;
 
-/// All cases of the classes of a family.
+/// Returns all cases of a family.
 fn cases_of(family: Family) -> Vec<Case> {
     all().filter(|class| class.family == family).flat_map(|class| class.cases(SEED)).collect()
 }
@@ -24,7 +24,7 @@ fn coverage_cases() -> impl Iterator<Item = (String, Coverage)> {
     })
 }
 
-/// The class with this name, its coverage cases only.
+/// Returns the triangles of all coverage cases whose id starts with `id`.
 fn triangles_of(id: &str) -> Vec<[[f32; 2]; 3]> {
     let cases = coverage_cases().filter(|(case, _)| case.starts_with(id));
     cases.flat_map(|(_, coverage)| coverage.triangles).collect()
@@ -102,7 +102,7 @@ fn near_ties_are_near_and_no_ties() {
             let view = crate::pipeline::viewport::Viewport { width: 32, height: 32 };
             pixel_count(&Region::triangle(*corners, Snap::Unsnapped, rule).spans(view))
         });
-        // Without the tiny offsets there are ties; with them there is none.
+        // Without the tiny offsets there are ties; with them there are none.
         let flattened = corners.map(|corner| corner.map(|c| if c.abs() < 1e-12 { 0.0 } else { c }));
         open == closed && covered(flattened, Snap::Unsnapped) != covered(*corners, Snap::Unsnapped)
     };

@@ -1,4 +1,5 @@
-//! Shapes that cost more than their pixels: each is timed against a compact triangle of as many pixels.
+//! Cases of triangles that cost more than their pixel count suggests: each is timed against a compact triangle with as
+//! many pixels.
 
 use super::dice::{Dice, to_f32};
 use super::single::{EXACT, coverage};
@@ -10,7 +11,7 @@ pub(super) const CLASSES: &[Class] = &[
         id: "long-slivers",
         name: "Long slivers",
         family: Family::Throughput,
-        about: "One pixel wide from corner to corner of 512 × 512 px: whoever tests every pixel of the bounding box looks at \
+        about: "One pixel wide from corner to corner of 512 × 512 px: a test of every pixel of the bounding box tests \
                 some hundred pixels for each one drawn.",
         headline: Metric::Stiffness,
         bounds: EXACT,
@@ -18,9 +19,9 @@ pub(super) const CLASSES: &[Class] = &[
     },
     Class {
         id: "small-triangles",
-        name: "Triangles of a pixel",
+        name: "One-pixel triangles",
         family: Family::Throughput,
-        about: "Thousands of triangles of about one pixel: nearly all the time goes into setting them up.",
+        about: "Thousands of triangles of about one pixel: triangle setup takes nearly all of the time.",
         headline: Metric::Stiffness,
         bounds: EXACT,
         draft: small_triangles,
@@ -29,7 +30,7 @@ pub(super) const CLASSES: &[Class] = &[
         id: "columns",
         name: "Upright columns",
         family: Family::Throughput,
-        about: "Upright strips one pixel wide: every row is entered for a single pixel, the worst for methods that work row \
+        about: "Upright strips one pixel wide: every row holds a single pixel, the worst case of methods that work row \
                 by row.",
         headline: Metric::Stiffness,
         bounds: EXACT,
@@ -39,15 +40,15 @@ pub(super) const CLASSES: &[Class] = &[
         id: "full-screen",
         name: "Beyond the screen",
         family: Family::Throughput,
-        about: "Corners 1e4 to 3e38 px away around a picture that is filled to the last pixel: the time must be that of the \
-                picture, not of the triangle.",
+        about: "Corners 1e4 to 3e38 px away around a picture that is filled completely: the time must depend on the \
+                picture, not on the triangle.",
         headline: Metric::Stiffness,
         bounds: EXACT,
         draft: full_screen,
     },
 ];
 
-/// Side of the picture of the slivers, px.
+/// Side of the image of the slivers, in pixels.
 const SIDE: u32 = 512;
 
 fn long_slivers(dice: &mut Dice) -> Vec<Draft> {
@@ -57,7 +58,7 @@ fn long_slivers(dice: &mut Dice) -> Vec<Draft> {
         let start = [from, dice.uniform(2.0, side * 0.2)];
         let end = [to, dice.uniform(side * 0.8, side - 2.0)];
         let corners = [to_f32(start), to_f32([start[0] + 1.4, start[1] - 1.4]), to_f32(end)];
-        // Every second one falls the other way.
+        // About half of the slivers are mirrored.
         if dice.bool() { corners.map(|[x, y]| [SIDE as f32 - x, y]) } else { corners }
     };
     (0..2).map(|_| coverage("", [SIDE; 2], (0..8).map(|_| sliver(dice)).collect())).collect()

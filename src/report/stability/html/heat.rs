@@ -1,4 +1,4 @@
-//! Heat maps: classes down, configurations across, a number and a colour in each cell.
+//! Heat maps: one row per class, one column per configuration, with a number and a colour in each cell.
 
 use super::worst::anchor;
 use crate::pipeline::settings::Choice as _;
@@ -8,28 +8,29 @@ use crate::report::stability::column::Column;
 use crate::report::stability::metric::{LEVELS, Metric, Verdict, short};
 use crate::report::stability::sweep::{Cell, ClassReport, Report};
 
-/// Rasterizers × arithmetics.
+/// Returns the heat map of rasterizers × arithmetics.
 pub(super) fn coverage(report: &Report) -> String {
     let families = [Family::Coverage, Family::Mesh, Family::ClipSpace, Family::Throughput];
-    let text = "Single triangles count pixels that are wrong, given where the configuration says that corners are; below, \
-        the same against corners where they were given (raw), or the time per pixel where the two agree. Meshes count pixels that \
-        were not drawn exactly once; clip space those that are clearly wrong; throughput is time over that of a compact \
-        triangle. The published rasterizers compute in numbers of their own.";
+    let text = "Single triangles count wrong pixels relative to the corners that the configuration declares (snapped \
+        or not); below, relative to the corners as given (raw), or the time per pixel if the two counts agree. Meshes \
+        count pixels that were not drawn exactly once; clip space counts pixels that are clearly wrong; throughput is \
+        the time relative to a compact triangle. The published rasterizers compute with their own number types.";
     section(report, &families, "Rasterizers and arithmetics", text)
 }
 
-/// Formulas × arithmetics.
+/// Returns the heat map of interpolation formulas × arithmetics.
 pub(super) fn weights(report: &Report) -> String {
-    let text = "The largest error of a weight against perspective-correct ones; for huge texture coordinates, texels of a \
-        texture 1024 wide; for coplanar triangles, samples where two triangles of one plane have different depths. Below, the \
-        largest error of the interpolated depth in units of the last place, and answers that were no number.";
+    let text = "Largest error of a weight relative to perspective-correct weights; for huge texture coordinates, in \
+        texels of a texture 1024 wide; for coplanar triangles, samples where two triangles in one plane have different \
+        depths. Below, the largest error of the interpolated depth in units in the last place, and answers that are \
+        NaN or infinite.";
     section(report, &[Family::Weights], "Weights and attributes", text)
 }
 
-/// Depth formats, and the published experiment in detail.
+/// Returns the heat map of depth formats, and the published experiment in detail.
 pub(super) fn depth(report: &Report) -> String {
-    let text = "The share of neighbouring distances that get the same stored depth or change places; below, the largest error \
-        in units of the last place that is stored.";
+    let text = "Share of neighbouring distances that get the same stored depth or swap their order; below, the largest \
+        error in units in the last place of the stored format.";
     let table = section(report, &[Family::Depth], "Depth buffer", text);
     let published = report.classes.iter().find(|class| class.class.id == "depth-published");
     match (published, table.strip_suffix("</section>\n")) {
@@ -38,7 +39,7 @@ pub(super) fn depth(report: &Report) -> String {
     }
 }
 
-/// One heat map; nothing if none of its classes ran.
+/// Returns one heat map; empty if none of its classes ran.
 fn section(report: &Report, families: &[Family], title: &str, text: &str) -> String {
     let classes: Vec<&ClassReport> = report.classes.iter().filter(|c| families.contains(&c.class.family)).collect();
     let Some(first) = classes.first().filter(|class| !class.cells.is_empty()) else { return String::new() };
@@ -69,17 +70,17 @@ fn legend() -> String {
     )
 }
 
-/// What stands above a column: its arithmetic, if there is a choice.
+/// Returns the heading of a column's group: its arithmetic, or "As published"; empty for depth formats.
 fn group(column: Column) -> &'static str {
     if column.is_published() { "As published" } else { column.arithmetic_name().unwrap_or_default() }
 }
 
-/// Whether a gap stands before the column of this number.
+/// Whether the column at this index starts a new group.
 fn starts_group(columns: &[Column], index: usize) -> bool {
     index > 0 && group_key(columns, index) != group_key(columns, index - 1)
 }
 
-/// What columns are grouped by: formulas for weights stand together, for all else arithmetics.
+/// Returns the grouping key of a column: the formula for interpolation weights, otherwise the arithmetic.
 fn group_key(columns: &[Column], index: usize) -> &'static str {
     match columns[index] {
         column @ Column::Weights(_) => column.method_name(),
@@ -153,7 +154,7 @@ fn cell(class: &ClassReport, cell: &Cell) -> String {
     format!("<td class=\"{style}\" title=\"{}\">{linked}</td>", escaped(&tooltip(class, cell)))
 }
 
-/// What stands small below the number: the next thing that one wants to know.
+/// Returns the small second line of a cell: the next most informative metric, or the time per pixel.
 fn second_line(class: &ClassReport, cell: &Cell) -> String {
     let value = |metric: Metric| cell.measures.get(metric).filter(|value| *value > 0.0);
     let time = || cell.time.and_then(|time| time.ns_per_pixel).map(|spread| format!("{} ns", short(spread.median)));
@@ -173,12 +174,12 @@ fn second_line(class: &ClassReport, cell: &Cell) -> String {
     second.or_else(time).unwrap_or_default()
 }
 
-/// A count in no more than five characters.
+/// Formats a count in at most five characters.
 fn brief(count: f64) -> String {
     if count < 1e4 { format!("{count:.0}") } else { format!("{count:.1e}") }
 }
 
-/// Everything that is known about a cell, line by line.
+/// Returns all measurements of a cell, one per line.
 fn tooltip(class: &ClassReport, cell: &Cell) -> String {
     let mut lines = vec![format!("{} · {}: {}", class.class.name, cell.column.label(), cell.verdict.name())];
     lines.extend(cell.measures.iter().map(|(metric, value)| format!("{}: {}", metric.name(), metric.format(value))));
@@ -192,7 +193,7 @@ fn tooltip(class: &ClassReport, cell: &Cell) -> String {
     lines.join("\n")
 }
 
-/// The last row: what a pixel costs over all classes.
+/// Returns the last row: the time per pixel over all classes, as a geometric mean.
 fn footer(classes: &[&ClassReport], columns: &[Column]) -> String {
     let mean = |column: &Column| {
         let times = classes.iter().filter_map(|class| {
@@ -216,7 +217,7 @@ fn footer(classes: &[&ClassReport], columns: &[Column]) -> String {
     )
 }
 
-/// The published experiment setting by setting: ties + inversions in per cent of all pairs.
+/// Returns the published experiment by setting: ties + inversions, in percent of all pairs.
 fn experiment(class: &ClassReport) -> String {
     let Some(first) = class.cells.first() else { return String::new() };
     let heads: String =
@@ -233,16 +234,17 @@ fn experiment(class: &ClassReport) -> String {
         format!("<tr><td>{}</td>{}</tr>\n", escaped(&case.note), cells.collect::<String>())
     });
     format!(
-        "<h3>{}</h3>\n<p class=\"soft\">{} Per cent of 200 000 random pairs per setting: tied + inverted. What reversed depth \
-         still loses, it loses on the way from world to view.</p>\n<div class=\"scroll\"><table class=\"plain\">\n<thead><tr>\
-         <th></th>{heads}</tr></thead>\n<tbody>\n{}</tbody></table></div>\n",
+        "<h3>{}</h3>\n<p class=\"soft\">{} Per cent of 200 000 random pairs per setting: tied + inverted. The \
+         remaining loss of reversed depth arises in the transform from world to view.</p>\n<div \
+         class=\"scroll\"><table \
+         class=\"plain\">\n<thead><tr><th></th>{heads}</tr></thead>\n<tbody>\n{}</tbody></table></div>\n",
         escaped(class.class.name),
         escaped(class.class.about),
         rows.collect::<String>()
     )
 }
 
-/// Per cent with as many places as published tables have.
+/// Formats a percentage with as many decimals as the published tables.
 fn percent(value: f64) -> String {
     if value == 0.0 { "0".to_owned() } else { format!("{value:.2}") }
 }

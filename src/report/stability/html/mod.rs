@@ -1,4 +1,4 @@
-//! The report as one page for the browser: no scripts, nothing loaded from elsewhere, light or dark as the reader's system.
+//! Stability report as a self-contained HTML page, without scripts, in the light or dark theme of the reader's system.
 
 mod heat;
 
@@ -11,7 +11,7 @@ use super::sweep::Report;
 use crate::pipeline::settings::Choice as _;
 use crate::report::html::{document, escaped, partial, tiles};
 
-/// The whole page.
+/// Returns the whole page.
 pub fn html(report: &Report) -> String {
     let body = [
         head(report),
@@ -36,12 +36,12 @@ fn head(report: &Report) -> String {
         (count(Verdict::Pass).to_string(), "cells PASS"),
         (count(Verdict::Measured).to_string(), "cells MEASURED"),
         (count(Verdict::Refused).to_string(), "cells REFUSED"),
-        (format!("{:.0} s", report.duration.as_secs_f64()), "to make"),
+        (format!("{:.0} s", report.duration.as_secs_f64()), "to run"),
     ];
     format!(
-        "<h1>Stability report</h1>\n<p class=\"soft\">How wrong, and at what cost: stiff and extreme cases against every \
-         rasterizer, arithmetic and depth format of Rasterscope {}. What is right is decided in exact arithmetic that shares no \
-         code with what is judged.</p>\n{}{}",
+        "<h1>Stability report</h1>\n<p class=\"soft\">Errors and costs of stiff and extreme cases on every rasterizer, \
+         arithmetic and depth format of Rasterscope {}. The correct results come from exact arithmetic that shares no \
+         code with the code under test.</p>\n{}{}",
         escaped(report.machine.version),
         partial(report.partial),
         tiles(figures)
@@ -56,18 +56,18 @@ fn method(report: &Report) -> String {
     let metrics = Metric::ALL.iter().map(|m| format!("<dt>{}</dt><dd>{}</dd>", escaped(m.name()), escaped(m.help())));
     let times = match report.timing_noise {
         Some(noise) => format!(
-            "Times are medians over rounds in which all configurations of a class run in turn, in another order each time, \
-             after a warm-up; short runs are repeated until the clock can tell. One thread, no files. The first configuration \
-             runs twice per round as if it were two. Noise floor: {}.",
+            "Times are medians over rounds in which all configurations of a class run in turn, in a new order each \
+             time, after a warm-up; short runs are repeated until the clock resolves them. One thread, no files. The \
+             first configuration runs twice per round as an A/A pair. Noise floor: {}.",
             noise.words()
         ),
-        None => "No times were taken.".to_owned(),
+        None => "No times were measured.".to_owned(),
     };
     format!(
         "<section>\n<h2>How it was measured</h2>\n<p>Seed {}. {}. {times}</p>\n<p>Stiffness is the time of a case over \
          that of one compact triangle of as many pixels, by the same configuration in the same rounds.</p>\n\
-         <details><summary>What must hold to PASS, class by class</summary><dl>{}</dl></details>\n\
-         <details><summary>What the measures mean</summary><dl>{}</dl></details>\n</section>\n",
+         <details><summary>Bounds for PASS, class by class</summary><dl>{}</dl></details>\n\
+         <details><summary>Definitions of the measures</summary><dl>{}</dl></details>\n</section>\n",
         report.seed,
         escaped(&report.machine.summary()),
         bounds.collect::<String>(),

@@ -1,4 +1,4 @@
-//! Error against time, as drawings.
+//! Scatter plots of error against time.
 
 use std::fmt::Write as _;
 
@@ -9,29 +9,28 @@ use crate::report::stability::metric::short;
 use crate::report::stability::sweep::Report;
 use crate::report::stability::tradeoff::{self, Point};
 
-/// Size of a drawing.
+/// Width and height of a plot, in SVG units.
 const WIDTH: f64 = 640.0;
 const HEIGHT: f64 = 440.0;
 
-/// Room around the plot for axes.
+/// Margins around the plot area for the axes, in SVG units.
 const LEFT: f64 = 62.0;
 const RIGHT: f64 = 14.0;
 const TOP: f64 = 12.0;
 const BOTTOM: f64 = 46.0;
 
-/// Height of the lane below the logarithmic axis where errors of 0 stand.
+/// Height of the lane below the logarithmic axis in which errors of 0 are drawn.
 const ZERO_LANE: f64 = 34.0;
 
-/// Width of a letter of a label, on average.
+/// Average width of a label character.
 const LETTER: f64 = 5.7;
 
-/// Height of a label.
+/// Line height of a label.
 const LINE: f64 = 13.0;
 
-/// Both drawings; nothing without times.
+/// Returns both plots; empty if no times were measured.
 pub(super) fn section(report: &Report) -> String {
-    let coverage =
-        panel(&tradeoff::coverage(report), false, "mean share of wrong pixels, corners where they were given");
+    let coverage = panel(&tradeoff::coverage(report), false, "mean share of wrong pixels, corners as given");
     let weights = panel(&tradeoff::weights(report), true, "largest error of a weight");
     if coverage.is_empty() && weights.is_empty() {
         return String::new();
@@ -41,16 +40,16 @@ pub(super) fn section(report: &Report) -> String {
         svg => format!("<figure>{svg}<figcaption>{caption}</figcaption></figure>\n"),
     };
     format!(
-        "<section>\n<h2>Error against time</h2>\n<p class=\"soft\">Down and to the left is better. Colour tells the arithmetic, \
-         shape the method; filled markers are those that nobody beats in both, joined by the dashed line. Bars run from the \
-         10th to the 90th percentile.</p>\n{}<div class=\"panels\">\n{}{}</div>\n</section>\n",
+        "<section>\n<h2>Error against time</h2>\n<p class=\"soft\">Down and to the left is better. The colour shows \
+         the arithmetic, the shape the method; filled markers, joined by the dashed line, form the Pareto front. Bars \
+         extend from the 10th to the 90th percentile.</p>\n{}<div class=\"panels\">\n{}{}</div>\n</section>\n",
         legend(),
         figure(&coverage, "Coverage: single triangles and meshes, each class with the same weight."),
-        figure(&weights, "Weights: small markers are single classes, large ones the worst of them."),
+        figure(&weights, "Weights: small markers are single classes, large ones the worst class."),
     )
 }
 
-/// Colour of an arithmetic; the published methods have one of their own.
+/// Returns the colour index of the arithmetic of a column. Published methods have their own colour.
 fn color(column: Column) -> usize {
     let place = |arithmetic: Arithmetic| Arithmetic::ALL.iter().position(|a| *a == arithmetic).unwrap_or(0);
     match column {
@@ -61,7 +60,7 @@ fn color(column: Column) -> usize {
     }
 }
 
-/// Number of the shape of a method.
+/// Returns the marker index of the method of a column.
 fn shape(column: Column) -> usize {
     match column {
         Column::Coverage(by) => Rasterizer::ALL.iter().position(|r| *r == by.rasterizer).unwrap_or(0),
@@ -87,7 +86,7 @@ fn legend() -> String {
     )
 }
 
-/// A logarithmic axis, from one power of ten to another.
+/// Range of a logarithmic axis, in powers of ten.
 #[derive(Clone, Copy, Debug)]
 struct Axis {
     low: f64,
@@ -95,11 +94,11 @@ struct Axis {
 }
 
 impl Axis {
-    /// Around all values above 0, with some room on both sides.
+    /// Creates an axis around all positive values, with some margin on both sides. Returns `None` if there are none.
     fn around(values: impl Iterator<Item = f64>) -> Option<Self> {
-        /// Share of the axis that stays free on either side.
+        /// Margin on each side, as a fraction of the range.
         const ROOM: f64 = 0.06;
-        /// Powers of ten at least.
+        /// Minimum range that determines the margin, in powers of ten.
         const LEAST: f64 = 0.5;
         let powers = values.filter(|v| *v > 0.0 && v.is_finite()).map(f64::log10);
         let (low, high) = powers.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
@@ -107,14 +106,14 @@ impl Axis {
         low.is_finite().then_some(Self { low: low - room, high: high + room })
     }
 
-    /// 0 at the low end, 1 at the high one.
+    /// Returns the relative position of a value: 0 at the low end, 1 at the high end.
     fn share(self, value: f64) -> f64 {
         (value.log10() - self.low) / (self.high - self.low)
     }
 
-    /// Values for lines across the drawing: powers of ten, and 2 and 5 times these where there would be few.
+    /// Returns the tick values: powers of ten, with 2 and 5 times these on a short axis.
     fn ticks(self) -> Vec<f64> {
-        /// An axis of more powers than this has lines enough.
+        /// Range in powers of ten up to which ticks at 2 and 5 are added.
         const FEW: f64 = 2.0;
         let factors: &[f64] = if self.high - self.low > FEW { &[1.0] } else { &[1.0, 2.0, 5.0] };
         let step = ((self.high - self.low) / 10.0) as usize + 1;
@@ -124,7 +123,7 @@ impl Axis {
     }
 }
 
-/// Where things stand in a drawing.
+/// Mapping from values to positions in a plot.
 struct Plot {
     ns: Axis,
     error: Axis,
@@ -145,7 +144,7 @@ impl Plot {
     }
 }
 
-/// One drawing; nothing without points.
+/// Returns one plot; empty without points.
 fn panel(points: &[Point], with_classes: bool, y_axis: &str) -> String {
     let times = points.iter().flat_map(|p| [p.ns.p10, p.ns.p90, p.ns.median]);
     let class_times = points.iter().filter(|_| with_classes).flat_map(|p| p.by_class.iter().map(|(_, ns, _)| *ns));
@@ -219,11 +218,12 @@ fn axes(plot: &Plot, y_axis: &str) -> String {
     svg
 }
 
-/// 1, 2 or 5 times a power of ten: written out where that is short, else with a raised exponent.
+/// Formats a tick value, which is 1, 2 or 5 times a power of ten: as a decimal if that is short, otherwise with a
+/// superscript exponent.
 fn tick(value: f64) -> String {
     const RAISED: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     if (0.009..10_000.0).contains(&value) {
-        // Rounded to the two digits that it has.
+        // Rounded to two decimals, which are all it has.
         return ((value * 100.0).round() / 100.0).to_string();
     }
     let power = (value.log10() + 1e-9).floor() as i32;
@@ -234,7 +234,7 @@ fn tick(value: f64) -> String {
     if factor == 1.0 { format!("10{sign}{raised}") } else { format!("{factor}·10{sign}{raised}") }
 }
 
-/// The staircase through the points that nobody beats.
+/// Returns the Pareto front as a step line.
 fn front(plot: &Plot, points: &[Point]) -> String {
     let mut best: Vec<&Point> = points.iter().filter(|point| point.optimal).collect();
     best.sort_by(|a, b| a.ns.median.total_cmp(&b.ns.median));
@@ -255,12 +255,15 @@ fn front(plot: &Plot, points: &[Point]) -> String {
     if path.is_empty() { path } else { format!("<path class=\"front\" d=\"{path}\"/>") }
 }
 
-/// A point with its bar.
+/// Returns a point with its bar from the 10th to the 90th percentile.
 fn drawn(plot: &Plot, point: &Point) -> String {
     let (x, y, color) = (plot.x(point.ns.median), plot.y(point.error), color(point.column));
     let style = if point.optimal { "" } else { "dominated" };
-    let broken =
-        if point.not_finite > 0.0 { format!(", {:.0} answers are no number", point.not_finite) } else { String::new() };
+    let broken = if point.not_finite > 0.0 {
+        format!(", {:.0} answers are NaN or infinite", point.not_finite)
+    } else {
+        String::new()
+    };
     let title = format!("{}: {} at {} ns{broken}", point.column.label(), short(point.error), short(point.ns.median));
     format!(
         "<g><title>{}</title><line class=\"bar k{color}\" x1=\"{:.1}\" x2=\"{:.1}\" y1=\"{y:.1}\" y2=\"{y:.1}\"/>{}</g>",
@@ -271,7 +274,7 @@ fn drawn(plot: &Plot, point: &Point) -> String {
     )
 }
 
-/// A marker of one of seven shapes.
+/// Returns a marker of one of seven shapes.
 fn marker((x, y): (f64, f64), shape: usize, color: usize, r: f64, style: &str) -> String {
     let class = format!("class=\"mark k{color} {style}\"");
     let polygon = |corners: &[(f64, f64)]| {
@@ -299,16 +302,16 @@ fn marker((x, y): (f64, f64), shape: usize, color: usize, r: f64, style: &str) -
     }
 }
 
-/// A rectangle: left, top, right, bottom.
+/// Rectangle as left, top, right, bottom.
 type Rectangle = [f64; 4];
 
-/// Names beside markers, as far as there is room without covering others.
+/// Returns labels beside the markers where they fit without covering others.
 fn labels(plot: &Plot, points: &[Point]) -> String {
     let around = |x: f64, y: f64, r: f64| [x - r, y - r, x + r, y + r];
     let mut taken: Vec<Rectangle> = points.iter().map(|p| around(plot.x(p.ns.median), plot.y(p.error), 6.0)).collect();
     let bar = |p: &Point| [plot.x(p.ns.p10), plot.y(p.error) - 1.0, plot.x(p.ns.p90), plot.y(p.error) + 1.0];
     taken.extend(points.iter().map(bar));
-    // The best first, as they must have one.
+    // Points on the Pareto front first, because their labels matter most.
     let mut order: Vec<&Point> = points.iter().collect();
     order.sort_by_key(|point| !point.optimal);
     let mut svg = String::new();
@@ -316,7 +319,7 @@ fn labels(plot: &Plot, points: &[Point]) -> String {
         let text = name(point.column);
         let (x, y) = (plot.x(point.ns.median), plot.y(point.error));
         let width = text.chars().count() as f64 * LETTER;
-        // Right, left, above, below, and the corners.
+        // Candidate positions: right, left, above, below, then the diagonals.
         let sides = [(9.0, 4.0), (-9.0 - width, 4.0), (-width / 2.0, -10.0), (-width / 2.0, 18.0)];
         let corners = [(8.0, -8.0), (8.0, 16.0), (-8.0 - width, -8.0), (-8.0 - width, 16.0)];
         let places = sides.into_iter().chain(corners);
@@ -339,7 +342,7 @@ fn overlap(a: &Rectangle, b: &Rectangle) -> bool {
     a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3]
 }
 
-/// A short name: the method, and the arithmetic where it has a choice.
+/// Returns a short label: the method, and the arithmetic if there is a choice.
 fn name(column: Column) -> String {
     if column.is_published() { column.method().to_owned() } else { column.label() }
 }

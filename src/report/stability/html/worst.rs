@@ -1,4 +1,4 @@
-//! The cases that went worst, ready to be copied and opened again.
+//! Worst cases, ready to be copied and opened again.
 
 use std::collections::BTreeMap;
 
@@ -7,30 +7,31 @@ use crate::report::html::escaped;
 use crate::report::stability::metric::Measures;
 use crate::report::stability::sweep::{ClassReport, Report, Worst};
 
-/// A case, and the cells that found it worst.
+/// A case, and the labels of the cells for which it was the worst.
 type Entry<'a> = (&'a Worst, Vec<String>);
 
-/// Cases longer than this are not printed: the command line writes them.
+/// Maximum length of a printed case in bytes; longer ones are available from the command line.
 const LONGEST_JSON: usize = 20_000;
 
-/// Where the page shows a case.
+/// Returns the HTML anchor of a case.
 pub(super) fn anchor(class: &ClassReport, worst: &Worst) -> String {
-    /// Offset and prime of the FNV-1a hash, which names cases by their contents.
+    /// Offset basis and prime of the FNV-1a hash, which names cases by their contents.
     const FNV: (u32, u32) = (0x811c_9dc5, 0x0100_0193);
     let json = worst.case.to_json();
     let hash = json.bytes().fold(FNV.0, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(FNV.1));
     format!("{}-{hash:08x}", class.class.id)
 }
 
-/// All of them, class by class.
+/// Returns the worst cases of all classes.
 pub(super) fn section(report: &Report) -> String {
     let classes: String = report.classes.iter().map(class_details).collect();
     if classes.is_empty() {
         return String::new();
     }
     format!(
-        "<section id=\"worst\">\n<h2>Worst cases</h2>\n<p class=\"soft\">For each cell of the maps above the case that went \
-         worst, cut down to the part that shows it. Saved as a file, it can be opened again.</p>\n{classes}</section>\n"
+        "<section id=\"worst\">\n<h2>Worst cases</h2>\n<p class=\"soft\">The worst case of each cell of the maps \
+         above, reduced to the part that shows the fault. Saved as a file, it can be opened \
+         again.</p>\n{classes}</section>\n"
     )
 }
 
@@ -56,7 +57,7 @@ fn class_details(class: &ClassReport) -> String {
 fn case_details(anchor: &str, (worst, cells): &Entry<'_>) -> String {
     let json = worst.case.to_json();
     let shown = if json.len() > LONGEST_JSON {
-        format!("<p class=\"soft\">{} characters: `rasterscope stability --json` has it.</p>", json.len())
+        format!("<p class=\"soft\">{} characters: run `rasterscope stability --json` to get it.</p>", json.len())
     } else {
         format!("<pre>{}</pre>", escaped(&json))
     };
@@ -70,7 +71,7 @@ fn case_details(anchor: &str, (worst, cells): &Entry<'_>) -> String {
     )
 }
 
-/// What is wrong with a case, in one line.
+/// Returns the faults of a case in one line.
 fn summary(measures: &Measures) -> String {
     let faults = measures.iter().filter(|(metric, value)| *value > 0.0 && measures.severity(*metric) > Some(0));
     let faults = faults.filter(|(metric, _)| metric.is_fault());

@@ -1,4 +1,4 @@
-//! Triangles in clip space: pixels, weights and depths after clipping and projecting.
+//! Measurement of clip-space triangles: pixels, weights and depths after clipping and projection.
 
 use std::collections::BTreeMap;
 
@@ -12,10 +12,10 @@ use crate::report::stability::oracle::{ClipTriangle, Region, error};
 use crate::report::stability::spans::{difference, pixel_count};
 use crate::report::stability::subject::ClipFragment;
 
-/// Fragments per triangle whose weights are compared: exact fractions take their time.
+/// Number of fragments per triangle whose weights are compared; exact fractions are slow.
 const COMPARED: usize = 48;
 
-/// What is right about one triangle.
+/// Expected result of one triangle.
 #[derive(Clone, Debug)]
 pub struct ExpectedTriangle {
     triangle: Option<ClipTriangle>,
@@ -24,7 +24,7 @@ pub struct ExpectedTriangle {
 }
 
 impl ExpectedTriangle {
-    /// How many pixels it covers.
+    /// Returns the number of pixels that the triangle covers.
     pub(super) fn pixels(&self) -> u64 {
         pixel_count(&self.spans)
     }
@@ -41,7 +41,7 @@ pub(super) fn expected(case: &ClipSpace) -> Vec<ExpectedTriangle> {
     case.triangles.iter().map(decide).collect()
 }
 
-/// Compares the fragments of each triangle with what is right.
+/// Compares the fragments of each triangle with the expected ones.
 pub(super) fn judge(expected: &[ExpectedTriangle], viewport: Viewport, answers: &[Vec<ClipFragment>]) -> Outcome {
     let mut measures = Measures::default();
     let mut culprits = Vec::new();
@@ -81,7 +81,7 @@ fn judge_one(right: &ExpectedTriangle, viewport: Viewport, fragments: &[ClipFrag
     measures
 }
 
-/// Weights and depth of a fragment that is clearly inside.
+/// Compares weights and depth of a fragment, unless it is outside or borderline.
 fn compare(triangle: &ClipTriangle, region: &Region, fragment: &ClipFragment, measures: &mut Measures) {
     let [x, y] = fragment.pixel;
     if !region.contains(x, y) || region.is_borderline(x, y) {
@@ -108,13 +108,13 @@ mod tests {
 
     const VIEW: Viewport = Viewport { width: 16, height: 16 };
 
-    /// A floor with one corner behind the eye, and one triangle of nothing.
+    /// Returns a floor with one vertex behind the eye, and an all-zero triangle.
     fn case() -> ClipSpace {
         let floor = [[-4.0, -1.0, 5.0, 5.1], [4.0, -1.0, 5.0, 5.1], [0.0, -1.0, -2.0, -1.9]];
         ClipSpace { width: 16, height: 16, triangles: vec![floor, [[0.0; 4]; 3]] }
     }
 
-    /// The fragments that are right, rounded to f64.
+    /// Returns the expected fragments, rounded to f64.
     fn fragments(right: &ExpectedTriangle) -> Vec<ClipFragment> {
         let Some(triangle) = &right.triangle else { return Vec::new() };
         let pixels = right.spans.iter().flat_map(|s| (s.left..s.right).map(|x| [x, s.row]));

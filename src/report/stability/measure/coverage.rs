@@ -1,4 +1,4 @@
-//! Pixels covered against pixels that should be.
+//! Measurement of covered pixels against the expected ones.
 
 use super::Outcome;
 use crate::pipeline::raster::Span;
@@ -8,10 +8,10 @@ use crate::report::stability::metric::{Measures, Metric};
 use crate::report::stability::oracle::{Region, Snap};
 use crate::report::stability::spans::{Hits, difference, pixel_count};
 
-/// Triangles at most that show what went wrong with a case.
+/// Maximum number of triangles reported as the culprits of a case.
 const MOST_CULPRITS: usize = 4;
 
-/// The right pixels of each triangle.
+/// Expected pixels of each triangle.
 #[derive(Clone, Debug)]
 pub struct ExpectedCoverage {
     unsnapped: Vec<Vec<Span>>,
@@ -25,7 +25,7 @@ impl ExpectedCoverage {
         Self { unsnapped: of(Snap::Unsnapped), snapped: of(Snap::Grid256) }
     }
 
-    /// The right pixels of each triangle with its corners at one of two places.
+    /// Returns the expected pixels of each triangle, with its vertices snapped or not.
     fn at(&self, snap: Snap) -> &[Vec<Span>] {
         match snap {
             Snap::Unsnapped => &self.unsnapped,
@@ -33,13 +33,13 @@ impl ExpectedCoverage {
         }
     }
 
-    /// How many pixels all triangles cover together.
+    /// Returns the number of pixels covered by all triangles together.
     pub(super) fn pixels(&self, snap: Snap) -> u64 {
         self.at(snap).iter().map(|spans| pixel_count(spans)).sum()
     }
 }
 
-/// Compares one list of spans per triangle with the right ones, for corners declared to be at `snap`.
+/// Compares the spans of each triangle with the expected ones, for vertices declared to be at `snap`.
 pub(super) fn judge(case: &Coverage, expected: &ExpectedCoverage, snap: Snap, answers: &[Vec<Span>]) -> Outcome {
     let wrong_pixels = |snap: Snap| -> Vec<u64> {
         let pairs = expected.at(snap).iter().zip(answers);
@@ -68,7 +68,7 @@ pub(super) fn judge(case: &Coverage, expected: &ExpectedCoverage, snap: Snap, an
     Outcome::new(measures, culprits)
 }
 
-/// The triangles with the most wrong pixels.
+/// Returns the triangles with the most wrong pixels.
 fn worst(wrong: &[u64]) -> Vec<usize> {
     let mut indices: Vec<usize> = (0..wrong.len()).filter(|index| wrong[*index] > 0).collect();
     indices.sort_by_key(|index| std::cmp::Reverse(wrong[*index]));
@@ -76,7 +76,7 @@ fn worst(wrong: &[u64]) -> Vec<usize> {
     indices
 }
 
-/// The triangles that cover a pixel, or should.
+/// Returns the triangles that cover a pixel or should cover it.
 fn around((column, row): (u32, u32), expected: &[Vec<Span>], answers: &[Vec<Span>]) -> Vec<usize> {
     let holds = |spans: &Vec<Span>| spans.iter().any(|s| s.row == row && (s.left..s.right).contains(&column));
     let touching =
@@ -93,7 +93,7 @@ mod tests {
         Coverage { width: 8, height: 8, rule: FillRule::TopLeft, triangles, exactly_once }
     }
 
-    /// A square over the whole picture in two triangles, cut through pixel centres.
+    /// Returns a square over the whole image as two triangles, split through pixel centres.
     fn square() -> Coverage {
         let [a, b, c, d] = [[0.0, 0.0], [8.0, 0.0], [8.0, 8.0], [0.0, 8.0]];
         case(vec![[a, b, c], [a, c, d]], true)
@@ -119,7 +119,7 @@ mod tests {
     fn cracks_double_hits_and_wrong_pixels_are_told_apart() {
         let case = square();
         let mut answers = ExpectedCoverage::new(&case).unsnapped;
-        // The second triangle leaves out its first pixel on row 7 and takes one of the first triangle's on row 3.
+        // The second triangle omits its first pixel on row 7 and covers one of the first triangle's on row 3.
         let left_out = answers[1].iter_mut().find(|s| s.row == 7).unwrap();
         left_out.left += 1;
         answers[1].push(Span { row: 3, left: 6, right: 7 });
@@ -133,7 +133,7 @@ mod tests {
 
     #[test]
     fn what_snapping_moved_is_wrong_only_against_the_unsnapped() {
-        // The left edge lies a hair right of the centres of column 2: snapped onto them, it owns them.
+        // The left edge lies slightly to the right of the centres of column 2; snapped onto them, it owns them.
         let case = case(vec![[[2.500_5, -4.0], [6.0, 4.0], [2.500_5, 12.0]], [[1.0; 2]; 3]], false);
         let snapped = ExpectedCoverage::new(&case).snapped;
         let (declared, culprits) = judged(&case, Snap::Grid256, &snapped);

@@ -1,4 +1,4 @@
-//! What a depth buffer stores for distances, and which of them it confuses.
+//! Measurement of depth buffers: errors of stored distances, and pairs of distances whose order is lost.
 
 use std::cmp::Ordering;
 
@@ -9,10 +9,10 @@ use crate::report::stability::metric::{Measures, Metric};
 use crate::report::stability::oracle::{exact_depth, ideal_code};
 use crate::report::stability::subject::{DepthBuffer, distance, meaning};
 
-/// Half the angle of view of the random views, as a tangent: about 53° across.
+/// Tangent of half the field of view of the random views: about 53°.
 const TANGENT: f64 = 0.5;
 
-/// What became of the order of two distances, the first of which is smaller.
+/// Records whether the order of two stored depths is preserved, and returns it. The first distance is the smaller one.
 fn note_order(first: f64, second: f64, reversed: bool, measures: &mut Measures) -> Ordering {
     let order = if reversed { second.total_cmp(&first) } else { first.total_cmp(&second) };
     measures.note(Metric::Pairs, 1.0);
@@ -27,7 +27,7 @@ pub(super) fn distances(case: &Depth, format: DepthFormat) -> Outcome {
     judge(case, format, &case.z.iter().map(|z| buffer.stored(*z)).collect::<Vec<_>>())
 }
 
-/// Compares stored values with the right ones, and neighbours with each other.
+/// Compares stored values with the exact ones, and neighbours with each other.
 fn judge(case: &Depth, format: DepthFormat, stored: &[f64]) -> Outcome {
     let (mapping, storage) = meaning(format);
     let right: Vec<_> = case.z.iter().map(|z| exact_depth(mapping, case.near, case.far, *z)).collect();
@@ -56,7 +56,7 @@ fn judge(case: &Depth, format: DepthFormat, stored: &[f64]) -> Outcome {
     Outcome::new(measures, confused.unwrap_or(worst.1))
 }
 
-/// Sees random pairs of points and counts those that are confused.
+/// Stores random pairs of points and counts lost orders.
 pub(super) fn pairs(case: &DepthPairs, format: DepthFormat) -> Outcome {
     let buffer = DepthBuffer::new(format, case.near, case.far);
     let reversed = meaning(format).0.is_reversed();
@@ -67,7 +67,7 @@ pub(super) fn pairs(case: &DepthPairs, format: DepthFormat) -> Outcome {
         let is_broken = !first.is_finite() || !second.is_finite();
         measures.note(Metric::NotFinite, u32::from(is_broken).into());
         let order = note_order(first, second, reversed, &mut measures);
-        // The first of those that are worst.
+        // Keep the first of the worst pairs.
         let badness = if is_broken { 3 } else { order as i8 + 1 };
         if badness > culprit.map_or(0, |(badness, _)| badness) {
             culprit = Some((badness, index));
@@ -76,14 +76,14 @@ pub(super) fn pairs(case: &DepthPairs, format: DepthFormat) -> Outcome {
     Outcome::new(measures, culprit.map(|(_, index)| index).into_iter().collect())
 }
 
-/// One of the pairs, as distances to be stored.
+/// Returns pair number `index` as a case of two distances.
 pub fn only_pair(case: &DepthPairs, index: usize) -> Option<Depth> {
     let DepthPairs { mapping, format, near, far, .. } = *case;
     let pair = pair_distances(case).nth(index)?;
     Some(Depth { mapping, format, near, far: Some(far), z: pair.to_vec() })
 }
 
-/// The distances of all pairs, as the matrices of their views give them.
+/// Returns the distances of all pairs, computed by the matrices of their views.
 fn pair_distances(case: &DepthPairs) -> impl Iterator<Item = [f32; 2]> {
     let mut random = fastrand::Rng::with_seed(case.seed);
     (0..case.pairs).map(move |_| {
@@ -92,8 +92,8 @@ fn pair_distances(case: &DepthPairs) -> impl Iterator<Item = [f32; 2]> {
     })
 }
 
-/// A random view, as the row of its matrix that makes the distance, and two points on one of its lines of sight at
-/// distances z and z · (1 + gap). The eye lies within a unit of the origin.
+/// Returns a random view and two points. The view is the matrix row that computes the distance. The points lie on one
+/// line of sight, at distances z and z · (1 + gap). The eye is within one unit of the origin on each axis.
 fn sight(random: &mut fastrand::Rng, case: &DepthPairs) -> ([f32; 4], [[f32; 3]; 2]) {
     let mut signed = || random.f64() * 2.0 - 1.0;
     let eye = [signed(), signed(), signed()];
@@ -104,7 +104,7 @@ fn sight(random: &mut fastrand::Rng, case: &DepthPairs) -> ([f32; 4], [[f32; 3];
             break [x / length, y / length, z / length];
         }
     };
-    // Anything across the line of sight: what lies along it is taken out again.
+    // A random vector; its component along the view axis is removed below.
     let aside = [signed(), signed(), signed()].map(|a| a * TANGENT);
     let along = dot(aside, forward);
     let direction = [0, 1, 2].map(|axis| aside[axis] + forward[axis] * (1.0 - along));

@@ -1,8 +1,8 @@
-//! How wrong the engine's answers to one case are.
+//! Error of the engine's answers to one case.
 //!
-//! [`Expected`] holds what is right, decided once per case; [`answer`] asks the engine in one of its configurations and
-//! compares. Each kind of case has a function from right and given answers to [`Measures`], which knows nothing of where
-//! the answers come from.
+//! [`Expected`] holds the correct answer, computed once per case. [`answer`] runs the engine in one of its
+//! configurations and compares. Each kind of case has a function from expected and actual answers to [`Measures`],
+//! independent of where the answers come from.
 
 mod clip_space;
 
@@ -23,31 +23,31 @@ use clip_space::ExpectedTriangle;
 use coverage::ExpectedCoverage;
 pub use depth::only_pair;
 
-/// The right answers to a case.
+/// Correct answers to a case.
 #[derive(Clone, Debug)]
 pub enum Expected {
-    /// Pixels.
+    /// Pixels of each triangle.
     Coverage(ExpectedCoverage),
     /// Regions, weights and depths.
     ClipSpace(Vec<ExpectedTriangle>),
     /// Weights, depths and attributes, one entry per triangle.
     Samples(Vec<samples::ExpectedSamples>),
-    /// Depths, which depend on the format and are decided along with it.
+    /// Depths; they depend on the format and are computed during the comparison.
     Depth,
 }
 
-/// What came of one case.
+/// Result of one case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
-    /// How wrong it is; `None` if the engine gave no answer.
+    /// Measured errors; `None` if the engine refused to answer.
     pub measures: Option<Measures>,
-    /// The parts of the case (see [`Case::only`]) that show the fault; empty stands for all of it.
+    /// Indices of the parts of the case (see [`Case::only`]) that show the fault; empty for the whole case.
     pub culprits: Vec<usize>,
 }
 
 impl Outcome {
     fn new(measures: Measures, culprits: Vec<usize>) -> Self {
-        // Joining to nothing fills in what follows from others.
+        // Joining to empty measures computes the derived metrics.
         let mut complete = Measures::default();
         complete.join(&measures);
         Self { measures: Some(complete), culprits }
@@ -59,7 +59,7 @@ impl Outcome {
 }
 
 impl Expected {
-    /// Decides a case.
+    /// Computes the correct answer to a case.
     pub fn new(case: &Case) -> Self {
         match &case.body {
             Body::TriCoverage(body) => Self::Coverage(ExpectedCoverage::new(body)),
@@ -72,7 +72,7 @@ impl Expected {
         }
     }
 
-    /// How many pixels, samples or values a complete answer has.
+    /// Returns the number of pixels, samples or values in a complete answer.
     pub fn units(&self, case: &Case) -> u64 {
         match (self, &case.body) {
             (Self::Coverage(expected), _) => expected.pixels(Snap::Unsnapped),
@@ -85,7 +85,7 @@ impl Expected {
     }
 }
 
-/// Asks the engine about a case and compares. `None` if the column is not about such cases.
+/// Runs the engine on a case and compares. Returns `None` if the column does not apply to such cases.
 pub fn answer(case: &Case, expected: &Expected, column: Column) -> Option<Outcome> {
     let measured = match (&case.body, expected, column) {
         (Body::TriCoverage(body), Expected::Coverage(expected), Column::Coverage(by)) => attempt(|| {
@@ -115,7 +115,7 @@ pub fn answer(case: &Case, expected: &Expected, column: Column) -> Option<Outcom
     Some(measured.unwrap_or_else(Outcome::refused))
 }
 
-/// What the engine answers; nothing if it panics, as a report of stiff cases must outlive the stiffest.
+/// Returns the engine's answer, or `None` if it panics: a report on stiff cases must survive the stiffest.
 fn attempt<T>(ask: impl FnOnce() -> Option<T>) -> Option<T> {
     catch_unwind(AssertUnwindSafe(ask)).ok().flatten()
 }

@@ -1,21 +1,22 @@
-//! Weights, depth and attributes at pixel centres.
+//! Measurement of weights, depth and attributes at pixel centres.
 
 use super::Outcome;
 use crate::report::stability::metric::{Measures, Metric};
 use crate::report::stability::oracle::{ExactSample, ScreenCorner, error, exact_sample, ulps};
 use crate::report::stability::subject::Sampled;
 
-/// Width of the texture whose texels errors are told in.
+/// Width of the texture that defines the size of a texel for errors.
 const TEXTURE_WIDTH: f64 = 1024.0;
 
-/// The right values at each pixel asked for; nothing where the triangle has no area.
+/// Expected values at each evaluated pixel; `None` where the triangle has no area.
 pub(super) type ExpectedSamples = Vec<Option<ExactSample>>;
 
 pub(super) fn expected(corners: &[ScreenCorner; 3], eval: &[[u32; 2]]) -> ExpectedSamples {
     eval.iter().map(|[column, row]| exact_sample(corners, *column, *row)).collect()
 }
 
-/// Compares the samples of one or two triangles with the right ones; two are of one plane and should agree in depth.
+/// Compares the samples of one or two triangles with the expected ones. Two triangles are coplanar and should agree in
+/// depth.
 pub(super) fn judge(expected: &[ExpectedSamples], answers: &[Vec<Sampled>]) -> Outcome {
     let mut all = Measures::default();
     let mut worst = (0.0, None);
@@ -40,12 +41,12 @@ pub(super) fn judge(expected: &[ExpectedSamples], answers: &[Vec<Sampled>]) -> O
     Outcome::new(all, worst.1.into_iter().collect())
 }
 
-/// Orders samples by what is worst about them: no number at all, then two depths where there should be one, then weights,
-/// then depth.
+/// Returns a sort key for the worst fault of a sample: non-finite values first, then differing depths, then weights,
+/// then depth errors.
 fn badness(measures: &Measures) -> f64 {
-    /// Larger than any error of a number that is one.
+    /// Larger than any finite error.
     const NO_NUMBER: f64 = 1e300;
-    /// Larger than any error of a weight, or in texels, that is worth looking at.
+    /// Larger than any relevant error of a weight or in texels.
     const FLIP: f64 = 1e9;
     let value = |metric| measures.get(metric).unwrap_or(0.0);
     value(Metric::NotFinite) * NO_NUMBER

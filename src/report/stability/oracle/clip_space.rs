@@ -1,10 +1,10 @@
-//! Triangles in clip space, decided without clipping and without dividing by w.
+//! Exact results of clip-space triangles, computed without clipping and without dividing by w.
 //!
-//! For corners (xᵢ, yᵢ, zᵢ, wᵢ) let λ(p) be the numbers with Σ λᵢ·(xᵢ, yᵢ, wᵢ) = (x, y, 1) where (x, y) is the place p in
-//! normalised device coordinates. They are affine functions of p, and p shows the triangle exactly where none of them is
-//! negative (Olano and Greer, "Triangle Scan Conversion using 2D Homogeneous Coordinates", 1997). What is behind the eye
-//! has negative ones, so corners with w ≤ 0 need no special case. z/w there is Σ λᵢ·zᵢ, and the weights of the corners in
-//! space are λᵢ / Σ λⱼ.
+//! For vertices (xᵢ, yᵢ, zᵢ, wᵢ), let λ(p) be the numbers with Σ λᵢ·(xᵢ, yᵢ, wᵢ) = (x, y, 1), where (x, y) is the point
+//! p in normalised device coordinates. They are affine functions of p, and p shows the triangle exactly where none of
+//! them is negative (Olano and Greer, "Triangle Scan Conversion using 2D Homogeneous Coordinates", 1997). Points behind
+//! the eye have negative λ, so vertices with w ≤ 0 need no special case. z/w at p is Σ λᵢ·zᵢ, and the
+//! perspective-correct weights of the vertices are λᵢ / Σ λⱼ.
 
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -15,20 +15,21 @@ use super::region::{HalfPlane, Region};
 use crate::pipeline::settings::FillRule;
 use crate::pipeline::viewport::Viewport;
 
-/// A triangle in clip space as seen in one picture.
+/// A clip-space triangle in a viewport.
 #[derive(Clone, Debug)]
 pub struct ClipTriangle {
-    /// λ₀, λ₁, λ₂, all multiplied by `unit`.
+    /// λ₀, λ₁ and λ₂ as functions of the pixel, multiplied by `unit`.
     weights: [HalfPlane; 3],
-    /// z/w multiplied by `unit`.
+    /// z/w as a function of the pixel, multiplied by `unit`.
     depth: HalfPlane,
-    /// > 0.
+    /// Common denominator of the other fields, > 0.
     unit: BigInt,
 }
 
 impl ClipTriangle {
-    /// From corners x, y, z, w with 0 ≤ z ≤ w inside, x = y = 0 in the middle and y up. `None` if a number is not finite,
-    /// or the eye lies in the plane of the triangle, which is then a line at most.
+    /// Creates a triangle from vertices (x, y, z, w), with 0 ≤ z ≤ w inside, x = y = 0 in the centre and y up. Returns
+    /// `None` if a coordinate is not finite, or if the eye lies in the plane of the triangle, so that it is seen
+    /// edge-on.
     pub fn new(corners: [[f32; 4]; 3], viewport: Viewport) -> Option<Self> {
         if corners.iter().flatten().any(|c| !c.is_finite()) {
             return None;
@@ -47,7 +48,7 @@ impl ClipTriangle {
         Some(Self { weights, depth, unit })
     }
 
-    /// What of the triangle is seen between the near and the far plane, both of which belong to it.
+    /// Returns the visible region of the triangle between the near and far planes, inclusive.
     pub fn region(&self, rule: FillRule) -> Region {
         let edges = self.weights.iter().map(|w| HalfPlane { closed: w.owns_its_line(rule), ..w.clone() });
         let near = HalfPlane { closed: true, ..self.depth.clone() };
@@ -60,8 +61,8 @@ impl ClipTriangle {
         Region::new(edges.chain([near, far]).collect())
     }
 
-    /// Weights of the three corners in space, and z/w, at the centre of a pixel; `None` where the triangle's plane is
-    /// not in front of the eye.
+    /// Returns the perspective-correct weights of the three vertices, and z/w, at a pixel centre. Returns `None` where
+    /// the plane of the triangle is not in front of the eye.
     pub fn at(&self, column: u32, row: u32) -> Option<([BigRational; 3], BigRational)> {
         let [a, b, c] = [0, 1, 2].map(|i| self.weights[i].at(column, row));
         let sum = &a + &b + &c;
@@ -73,13 +74,13 @@ impl ClipTriangle {
     }
 }
 
-/// Cross product of (x, y, w) of two corners.
+/// Computes the cross product of (x, y, w) of two vertices.
 fn cross(p: &[BigInt; 4], q: &[BigInt; 4]) -> [BigInt; 3] {
     [&p[1] * &q[3] - &p[3] * &q[1], &p[3] * &q[0] - &p[0] * &q[3], &p[0] * &q[1] - &p[1] * &q[0]]
 }
 
-/// a·x + b·y + c over device coordinates as a function of the pixel, multiplied by width · height:
-/// x = (2·column + 1 − width) / width and y = (height − 2·row − 1) / height.
+/// Converts a·x + b·y + c in device coordinates to a function of the pixel, multiplied by width · height: x
+/// = (2·column + 1 − width) / width and y = (height − 2·row − 1) / height.
 fn over_pixels([a, b, c]: [BigInt; 3], viewport: Viewport) -> HalfPlane {
     let (width, height) = (BigInt::from(viewport.width), BigInt::from(viewport.height));
     HalfPlane {
@@ -90,7 +91,7 @@ fn over_pixels([a, b, c]: [BigInt; 3], viewport: Viewport) -> HalfPlane {
     }
 }
 
-/// Σ `forms`ᵢ · `factors`ᵢ.
+/// Computes Σ `forms`ᵢ · `factors`ᵢ.
 fn combined(forms: &[HalfPlane; 3], factors: [&BigInt; 3]) -> HalfPlane {
     let sum =
         |part: fn(&HalfPlane) -> &BigInt| forms.iter().zip(factors).map(|(form, factor)| part(form) * factor).sum();
@@ -108,7 +109,7 @@ mod tests {
 
     type Corner = [BigRational; 4];
 
-    /// What is left of a polygon where a linear function of its corners is not negative.
+    /// Clips a polygon to the half-space where a linear function of its vertices is not negative.
     fn cut(polygon: &[Corner], side: impl Fn(&Corner) -> BigRational) -> Vec<Corner> {
         let mut left = Vec::new();
         for (index, p) in polygon.iter().enumerate() {
@@ -125,8 +126,8 @@ mod tests {
         left
     }
 
-    /// Signs of the sides of a pixel's centre with respect to a convex polygon that was clipped and projected: 1 inside, −1
-    /// outside, 0 on its border.
+    /// Returns the position of a pixel centre relative to a triangle that was clipped and projected as a polygon: 1
+    /// inside, −1 outside, 0 on its border.
     fn side_of_polygon(corners: [[f32; 4]; 3], column: u32, row: u32) -> i32 {
         let polygon = corners.map(|corner| corner.map(|c| exact(c).unwrap()));
         let polygon = cut(&cut(&polygon, |p| p[2].clone()), |p| &p[3] - &p[2]);
@@ -197,7 +198,7 @@ mod tests {
             [&a, &b, &c].into_iter().zip(corners).map(|(weight, corner)| weight * exact(corner[axis]).unwrap()).sum()
         });
         let [x, y, z, w]: [BigRational; 4] = point;
-        // The middle of the picture of 9 × 7 px.
+        // The centre of the image of 9 × 7 px.
         assert!(x.is_zero() && y.is_zero());
         assert_eq!(z / w, depth);
     }

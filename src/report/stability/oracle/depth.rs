@@ -1,4 +1,4 @@
-//! What a depth buffer ideally holds.
+//! Ideal contents of a depth buffer.
 
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -7,41 +7,41 @@ use serde::{Deserialize, Serialize};
 
 use super::number::{approximate, exact, exact_f64, ulps};
 
-/// How a distance becomes a number in 0…1.
+/// Mapping from a distance to a depth in [0, 1].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DepthMapping {
-    /// 0 at the near plane, 1 at the far plane, by the reciprocal.
+    /// 0 at the near plane, 1 at the far plane, hyperbolic.
     Standard,
-    /// 1 at the near plane, 0 at the far plane, by the reciprocal.
+    /// 1 at the near plane, 0 at the far plane, hyperbolic.
     Reversed,
     /// near / distance: 1 at the near plane, 0 at infinity.
     ReversedInf,
-    /// 0 at the near plane, 1 at the far plane, in proportion to the distance.
+    /// 0 at the near plane, 1 at the far plane, linear in the distance.
     Linear,
 }
 
 impl DepthMapping {
-    /// Whether what is nearer has the larger number.
+    /// Whether nearer distances have larger depths.
     pub fn is_reversed(self) -> bool {
         matches!(self, Self::Reversed | Self::ReversedInf)
     }
 }
 
-/// In what the number is stored.
+/// Storage format of a depth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DepthStorage {
-    /// A float.
+    /// 32-bit float.
     F32,
-    /// A multiple of 1/(2²⁴ − 1).
+    /// 24-bit unsigned normalised: a multiple of 1/(2²⁴ − 1).
     Unorm24,
-    /// A multiple of 1/(2¹⁶ − 1).
+    /// 16-bit unsigned normalised: a multiple of 1/(2¹⁶ − 1).
     Unorm16,
 }
 
 impl DepthStorage {
-    /// Largest code, where codes are whole numbers.
+    /// Returns the largest integer code; `None` for floats.
     fn largest_code(self) -> Option<u32> {
         match self {
             Self::F32 => None,
@@ -50,7 +50,7 @@ impl DepthStorage {
         }
     }
 
-    /// How far a stored number (0…1) is from the exact one, in units of the last place; infinite if it is no number.
+    /// Returns the error of a stored depth in units of the last place; infinite if the depth is not finite.
     pub fn error(self, stored: f64, right: &BigRational) -> f64 {
         let Some(largest) = self.largest_code() else { return ulps(stored, right) };
         let to_codes = |value: BigRational| value * BigInt::from(largest);
@@ -59,8 +59,8 @@ impl DepthStorage {
     }
 }
 
-/// The exact number for a distance: `far` is taken as infinite where there is none. `None` if a number is not finite, or
-/// the planes leave no room.
+/// Returns the exact depth of a distance. [`DepthMapping::ReversedInf`] ignores `far`. Returns `None` if the distance
+/// is zero or a number is not finite. Other mappings also need a far plane that differs from the near plane.
 pub fn exact_depth(mapping: DepthMapping, near: f32, far: Option<f32>, distance: f32) -> Option<BigRational> {
     let (near, z) = (exact(near)?, exact(distance)?);
     if z.is_zero() {
@@ -75,8 +75,8 @@ pub fn exact_depth(mapping: DepthMapping, near: f32, far: Option<f32>, distance:
     })
 }
 
-/// The number rounded once to what is stored: codes as whole numbers, floats as they are, both ordered like the numbers.
-/// Two distances with the same code cannot be told apart, however well anything is computed.
+/// Rounds a depth once to its storage format: an integer code, or a float; both preserve the order. Two distances with
+/// the same result are indistinguishable, however precise the computation.
 pub fn ideal_code(storage: DepthStorage, value: &BigRational) -> BigRational {
     match storage.largest_code() {
         Some(largest) => {
@@ -87,9 +87,9 @@ pub fn ideal_code(storage: DepthStorage, value: &BigRational) -> BigRational {
     }
 }
 
-/// The float next to a number in 0…1, of two at equal distance the even one.
+/// Returns the float nearest to a number in [0, 1], ties to even.
 fn nearest_f32(value: &BigRational) -> BigRational {
-    // Rounding twice may miss by one; the neighbours decide.
+    // Rounding twice may be off by one, so the neighbours are compared, too.
     let guess = (approximate(value) as f32).to_bits();
     let candidates = [guess.saturating_sub(1), guess, guess + 1];
     let distance =

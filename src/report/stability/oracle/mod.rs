@@ -1,15 +1,15 @@
-//! What is right, decided in exact arithmetic.
+//! Correct answers, computed in exact arithmetic.
 //!
-//! Nothing here rounds, and nothing here is shared with the code that it judges: coordinates become integers of any
-//! length, weights become fractions of such integers, and each question is answered in the plainest way that is not
-//! foolish. Coverage solves the half-planes of a triangle row by row, so it costs rows and not pixels; triangles that
-//! reach behind the eye are decided in homogeneous coordinates, without clipping and without a division by w.
+//! Nothing here rounds, and nothing is shared with the code under test. Coordinates become integers of arbitrary
+//! length, weights become fractions of such integers, and each question is answered in the simplest practical way.
+//! Coverage intersects the half-planes of a triangle row by row, so its cost depends on rows, not pixels. Triangles
+//! that reach behind the eye are solved in homogeneous coordinates, without clipping and without division by w.
 //!
 //! ```text
-//! number    f32 → integer or fraction, rounding to the 1/256 px grid, distances in ulp
-//! region    half-planes → spans of pixels; which pixels are too close to call
+//! number    f32 → integer or fraction, rounding to the 1/256 px grid, errors in ulp
+//! region    half-planes → spans of pixels; borderline pixels
 //! weights   barycentric and perspective-correct weights, depth and attributes at a pixel centre
-//! depth     what each depth buffer ideally stores
+//! depth     ideal contents of each depth buffer
 //! ```
 
 mod clip_space;

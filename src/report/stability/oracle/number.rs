@@ -1,60 +1,60 @@
-//! From binary floating point to exact numbers.
+//! Conversion from binary floating point to exact numbers.
 
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{One as _, Pow as _, Signed as _, ToPrimitive as _, Zero as _};
 
-/// Bits of the fraction field of an f32.
+/// Number of bits in the fraction field of an f32.
 const FRACTION_BITS: u32 = 23;
 
-/// Exponent of the last place of the smallest f32, 2⁻¹⁴⁹.
+/// Exponent of the smallest positive f32, 2⁻¹⁴⁹.
 const LEAST_EXPONENT: i32 = -149;
 
-/// The value of a finite f32; `None` for NaN and the infinities.
+/// Returns the exact value of a finite f32; `None` for NaN and infinities.
 pub fn exact(value: f32) -> Option<BigRational> {
     BigRational::from_float(value)
 }
 
-/// The value of a finite f64; `None` for NaN and the infinities.
+/// Returns the exact value of a finite f64; `None` for NaN and infinities.
 pub(super) fn exact_f64(value: f64) -> Option<BigRational> {
     BigRational::from_float(value)
 }
 
-/// A number near a fraction, for people and for comparisons between errors.
+/// Returns an approximation of a fraction, for display and for comparing errors.
 pub fn approximate(value: &BigRational) -> f64 {
     value.to_f64().unwrap_or(f64::NAN)
 }
 
-/// How far an answer is from the exact one; infinite if it is no number.
+/// Returns the absolute error of an answer; infinite if it is not finite.
 pub fn error(answer: f64, right: &BigRational) -> f64 {
     exact_f64(answer).map_or(f64::INFINITY, |answer| approximate(&(answer - right).abs()))
 }
 
-/// How far an answer is from the exact one, in units of the last place of an f32 of that magnitude; infinite if it is no
-/// number. 0.5 at most means correctly rounded.
+/// Returns the error of an answer in units of the last place of an f32 of the same magnitude; infinite if it is not
+/// finite. At most 0.5 means correctly rounded.
 pub fn ulps(answer: f64, right: &BigRational) -> f64 {
     exact_f64(answer).map_or(f64::INFINITY, |answer| approximate(&((answer - right).abs() / last_place(right))))
 }
 
-/// The last place of an f32 of the magnitude of `value`: 2^(e − 23) where 2^e ≤ |value| < 2^(e + 1), but never less than
-/// the smallest f32.
+/// Returns the unit of the last place of an f32 of the magnitude of `value`: 2^(e − 23) where 2^e ≤ |value| <
+/// 2^(e + 1), but at least the smallest positive f32.
 fn last_place(value: &BigRational) -> BigRational {
     let bits = |n: &BigInt| n.magnitude().bits() as i32;
     if value.is_zero() {
         return power_of_two(LEAST_EXPONENT);
     }
-    // The quotient of a number of n bits and one of d bits lies between 2^(n − d − 1) and 2^(n − d + 1).
+    // The quotient of an n-bit and a d-bit number lies between 2^(n − d − 1) and 2^(n − d + 1).
     let guess = bits(value.numer()) - bits(value.denom());
     let exponent = if value.abs() < power_of_two(guess) { guess - 1 } else { guess };
     power_of_two((exponent - FRACTION_BITS as i32).max(LEAST_EXPONENT))
 }
 
-/// 2^`exponent`.
+/// Returns 2^`exponent`.
 fn power_of_two(exponent: i32) -> BigRational {
     BigRational::from_integer(BigInt::from(2)).pow(exponent)
 }
 
-/// Mantissa and exponent of a finite f32: value = mantissa · 2^exponent, the mantissa odd or zero.
+/// Decomposes a finite f32 into mantissa and exponent: value = mantissa · 2^exponent, with an odd or zero mantissa.
 fn parts(value: f32) -> (i64, i32) {
     let bits = value.to_bits();
     let (field, fraction) = (bits >> FRACTION_BITS & 0xff, i64::from(bits & ((1 << FRACTION_BITS) - 1)));
@@ -70,25 +70,25 @@ fn parts(value: f32) -> (i64, i32) {
     (if value.is_sign_negative() { -mantissa } else { mantissa }, exponent + zeros as i32)
 }
 
-/// How many binary places a finite f32 needs behind the point.
+/// Returns the number of fractional bits that a finite f32 needs.
 pub(super) fn places(value: f32) -> u32 {
     parts(value).1.min(0).unsigned_abs()
 }
 
-/// `value` · 2^`scale` of a finite f32, an integer if `scale` is at least its [`places`].
+/// Returns `value` · 2^`scale` of a finite f32; `scale` must be at least its number of [`places`].
 pub(super) fn scaled(value: f32, scale: u32) -> BigInt {
     let (mantissa, exponent) = parts(value);
     BigInt::from(mantissa) << (exponent + scale as i32)
 }
 
-/// A finite f32 rounded to the nearest multiple of 2^−`places`, ties to even, in units of that.
+/// Rounds a finite f32 to the nearest multiple of 2^−`target_places`, ties to even, and returns it in this unit.
 pub(super) fn rounded(value: f32, target_places: u32) -> BigInt {
     let surplus = places(value).saturating_sub(target_places);
     let precise = scaled(value, target_places + surplus);
     if surplus == 0 {
         return precise;
     }
-    // Shifting right rounds down, also for negative numbers.
+    // The right shift rounds down, for negative numbers as well.
     let below = &precise >> surplus;
     let twice_rest = (precise - (&below << surplus)) * 2;
     let whole = BigInt::one() << surplus;

@@ -1,4 +1,4 @@
-//! Regions of the picture bounded by straight lines, and the pixels whose centres lie in them.
+//! Regions of the image bounded by lines, and the pixels whose centres they contain.
 
 use num_bigint::BigInt;
 use num_traits::{Euclid as _, Signed as _, ToPrimitive as _, Zero as _};
@@ -8,24 +8,24 @@ use crate::pipeline::raster::Span;
 use crate::pipeline::settings::FillRule;
 use crate::pipeline::viewport::Viewport;
 
-/// Where the corners of a triangle are taken to be.
+/// Vertex positions assumed for a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Snap {
-    /// Where they are given.
+    /// Vertices as given.
     Unsnapped,
-    /// At the nearest multiple of 1/256 px, ties to even.
+    /// Vertices rounded to multiples of 1/256 px, ties to even.
     Grid256,
 }
 
-/// Binary places of [`Snap::Grid256`].
+/// Number of fractional bits of [`Snap::Grid256`].
 const GRID_PLACES: u32 = 8;
 
-/// A centre closer than one part in this many of a pixel to a line is a borderline case: whoever snaps or rounds on the way
-/// to the screen may see it on either side.
+/// Reciprocal of the borderline distance, in 1/px. A centre this close to a line may fall on either side for anyone who
+/// snaps or rounds during projection.
 const BORDERLINE: i32 = 128;
 
-/// The half-plane where `by_column` · column + `by_row` · row + `origin`, taken at the centres of pixels, is positive; with
-/// the line itself if it is `closed`.
+/// Half-plane where `by_column` · column + `by_row` · row + `origin` is positive at pixel centres, including the line
+/// itself if it is `closed`.
 #[derive(Clone, Debug)]
 pub(super) struct HalfPlane {
     pub(super) by_column: BigInt,
@@ -35,14 +35,15 @@ pub(super) struct HalfPlane {
 }
 
 impl HalfPlane {
-    /// The value at the centre of a pixel.
+    /// Returns the value at a pixel centre.
     pub(super) fn at(&self, column: u32, row: u32) -> BigInt {
         &self.by_column * column + &self.by_row * row + &self.origin
     }
 
-    /// First and last column of a row that lie in the half-plane, where it has such; `None` if no column does.
+    /// Returns the first and last columns of a row in the half-plane, each `None` if unbounded; `None` as a whole if
+    /// there are no columns.
     fn columns(&self, row: u32) -> Option<(Option<BigInt>, Option<BigInt>)> {
-        // Values are integers: positive means at least 1.
+        // Values are integers, so positive means at least 1.
         let value = &self.by_row * row + &self.origin - u8::from(!self.closed);
         if self.by_column.is_zero() {
             return (!value.is_negative()).then_some((None, None));
@@ -51,16 +52,16 @@ impl HalfPlane {
         Some(if self.by_column.is_positive() { (Some(-steps), None) } else { (None, Some(steps)) })
     }
 
-    /// Whether the centre of a pixel is within a 1/[`BORDERLINE`] px of the line. The gradient is per pixel, so the
-    /// distance is |value| / √(`by_column`² + `by_row`²).
+    /// Whether a pixel centre is within 1/[`BORDERLINE`] px of the line. The gradient is per pixel, so the distance is
+    /// |value| / √(`by_column`² + `by_row`²).
     fn is_close(&self, column: u32, row: u32) -> bool {
         let value = self.at(column, row) * BORDERLINE;
         let squared_gradient = &self.by_column * &self.by_column + &self.by_row * &self.by_row;
         &value * &value <= squared_gradient
     }
 
-    /// Whether the fill rule gives centres on the line to the region inside: they are pushed by an infinitesimal step, far
-    /// more sideways than up or down, and go where they land.
+    /// Whether the fill rule assigns centres on the line to the inside. The rule is equivalent to an infinitesimal
+    /// shift of the centre, much larger horizontally than vertically.
     pub(super) fn owns_its_line(&self, rule: FillRule) -> bool {
         let (right, down) = match rule {
             FillRule::TopLeft => (1, 1),
@@ -75,21 +76,22 @@ impl HalfPlane {
     }
 }
 
-/// What lies in all of several half-planes. Without any it is empty: a triangle without area covers nothing.
+/// Intersection of half-planes. Empty if there are none: a triangle without area covers nothing.
 #[derive(Clone, Debug, Default)]
 pub struct Region {
     pub(super) bounds: Vec<HalfPlane>,
-    /// Rows outside need not be looked at.
+    /// First and last rows that may be covered; `None` if unbounded.
     rows: Option<(u32, u32)>,
 }
 
 impl Region {
-    /// The region that several half-planes have in common.
+    /// Creates the intersection of half-planes.
     pub(super) fn new(bounds: Vec<HalfPlane>) -> Self {
         Self { bounds, rows: None }
     }
 
-    /// A triangle on the screen, corners in px, of either winding. Without area, or if a corner is not finite, it is empty.
+    /// Creates a screen-space triangle of either winding, with vertices in pixels. It is empty if it has no area or a
+    /// coordinate is not finite.
     pub fn triangle(corners_px: [[f32; 2]; 3], snap: Snap, rule: FillRule) -> Self {
         if corners_px.iter().flatten().any(|c| !c.is_finite()) {
             return Self::default();
@@ -108,12 +110,12 @@ impl Region {
         Self { bounds: bounds.collect(), rows: Some(rows_around(corners_px)) }
     }
 
-    /// Whether there is nothing that could be covered.
+    /// Whether the region is empty by construction.
     pub fn is_empty(&self) -> bool {
         self.bounds.is_empty()
     }
 
-    /// The pixels of a picture whose centres lie in the region: at most one span per row, from the top.
+    /// Returns the pixels whose centres lie in the region: at most one span per row, from top to bottom.
     pub fn spans(&self, viewport: Viewport) -> Vec<Span> {
         if self.is_empty() {
             return Vec::new();
@@ -134,7 +136,7 @@ impl Region {
         (left < right).then_some(Span { row, left, right })
     }
 
-    /// Whether the centre of a pixel lies in the region.
+    /// Whether the region contains a pixel centre.
     pub fn contains(&self, column: u32, row: u32) -> bool {
         let inside = |bound: &HalfPlane| {
             let value = bound.at(column, row);
@@ -143,8 +145,8 @@ impl Region {
         !self.is_empty() && self.bounds.iter().all(inside)
     }
 
-    /// Whether the centre of a pixel is within 1/128 px of a line that bounds the region, and not clearly outside of
-    /// another.
+    /// Whether a pixel centre is within 1/128 px of a line that bounds the region, and not clearly outside another
+    /// line.
     pub fn is_borderline(&self, column: u32, row: u32) -> bool {
         let lines = || self.bounds.iter().filter(|b| !b.by_column.is_zero() || !b.by_row.is_zero());
         let clearly_outside = |bound: &HalfPlane| bound.at(column, row).is_negative() && !bound.is_close(column, row);
@@ -152,7 +154,8 @@ impl Region {
     }
 }
 
-/// The corners in units of 2^−scale px, integers all, and the scale: at least 1, as centres lie at halves.
+/// Returns the vertices as integers in units of 2^−scale px, and the scale. The scale is at least 1, because pixel
+/// centres are multiples of ½.
 fn integer_corners(corners_px: [[f32; 2]; 3], snap: Snap) -> ([[BigInt; 2]; 3], u32) {
     match snap {
         Snap::Grid256 => (corners_px.map(|corner| corner.map(|c| rounded(c, GRID_PLACES))), GRID_PLACES),
@@ -163,7 +166,7 @@ fn integer_corners(corners_px: [[f32; 2]; 3], snap: Snap) -> ([[BigInt; 2]; 3], 
     }
 }
 
-/// The side of the line `from` → `to` that is clockwise of it (y down): positive where (to − from) × (p − from) is.
+/// Returns the half-plane clockwise of the line `from` → `to` (y down), where (to − from) × (p − from) is positive.
 fn line(from: &[BigInt; 2], to: &[BigInt; 2], scale: u32) -> HalfPlane {
     let (by_x, by_y) = (&from[1] - &to[1], &to[0] - &from[0]);
     let constant = -(&by_x * &from[0] + &by_y * &from[1]);
@@ -177,11 +180,11 @@ fn negated(bound: HalfPlane) -> HalfPlane {
     HalfPlane { by_column: -by_column, by_row: -by_row, origin: -origin, closed }
 }
 
-/// First and last row that the triangle may reach, wider by one than it is, as snapping may move it.
+/// Returns the first and last rows that the triangle may reach, with one row of margin for snapping.
 fn rows_around(corners_px: [[f32; 2]; 3]) -> (u32, u32) {
     let ys = corners_px.map(|[_, y]| y);
     let (top, bottom) = (ys[0].min(ys[1]).min(ys[2]), ys[0].max(ys[1]).max(ys[2]));
-    // Casts to integers stop at their ends.
+    // Float-to-integer casts saturate.
     ((top.floor() as u32).saturating_sub(1), (bottom.ceil() as u32).saturating_add(1))
 }
 
@@ -195,7 +198,8 @@ mod tests {
 
     const VIEW: Viewport = Viewport { width: 12, height: 10 };
 
-    /// Coverage by the signs of three areas in fractions; on an edge, by their change along the step of the fill rule.
+    /// Computes coverage from the signs of three areas in fractions; on an edge, from their change along the shift of
+    /// the fill rule.
     fn covers(corners: &[[BigRational; 2]; 3], column: u32, row: u32, rule: FillRule) -> bool {
         let half = BigRational::new(1.into(), 2.into());
         let centre = [column, row].map(|pixel| BigRational::from_integer(pixel.into()) + &half);
@@ -221,7 +225,8 @@ mod tests {
         winding != 0 && sides.iter().all(inside)
     }
 
-    /// A coordinate of one of several kinds: anywhere, on centres, on the grid, between grid steps, far away, tiny.
+    /// Returns a coordinate of one of several kinds: arbitrary, on centres, on the grid, between grid steps, far away,
+    /// tiny.
     fn coordinate(random: &mut fastrand::Rng, kind: u8) -> f32 {
         let anywhere = random.f32() * 20.0 - 4.0;
         match kind {
@@ -291,7 +296,7 @@ mod tests {
 
     #[test]
     fn borderline_is_what_lies_within_a_128th_of_a_pixel_of_an_edge() {
-        // A left edge at x = 3.5 + d, the other edges far away.
+        // A left edge at x = 3.5 + d, with the other edges far away.
         let at = |d: f32| {
             Region::triangle([[3.5 + d, -90.0], [90.0, 5.0], [3.5 + d, 90.0]], Snap::Unsnapped, FillRule::TopLeft)
         };

@@ -1,40 +1,40 @@
-//! Weights, depth and attributes at the centre of a pixel.
+//! Exact weights, depth and attributes at a pixel centre.
 
 use num_rational::BigRational;
 use num_traits::Zero as _;
 
 use super::number::exact;
 
-/// A corner on the screen, with what is interpolated.
+/// Screen-space vertex with attributes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScreenCorner {
-    /// Right, px.
+    /// Horizontal position in pixels, increasing to the right.
     pub x: f32,
-    /// Down, px.
+    /// Vertical position in pixels, increasing downwards.
     pub y: f32,
-    /// Depth after the division by w.
+    /// Depth after the perspective division.
     pub z: f32,
-    /// w of clip space, > 0.
+    /// Clip-space w, > 0.
     pub w: f32,
     /// Texture coordinates.
     pub uv: [f32; 2],
 }
 
-/// Everything that there is to know at the centre of a pixel.
+/// Exact interpolated values at a pixel centre.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ExactSample {
-    /// Weights of the corners on the screen.
+    /// Screen-space (affine) weights of the vertices.
     pub affine: [BigRational; 3],
-    /// Weights of the corners in space.
+    /// Perspective-correct weights of the vertices.
     pub perspective: [BigRational; 3],
-    /// Depth, an affine function of the screen.
+    /// Depth, an affine function of screen position.
     pub depth: BigRational,
-    /// Texture coordinates by the weights in space.
+    /// Perspective-correct texture coordinates.
     pub uv: [BigRational; 2],
 }
 
-/// The exact values at the centre of a pixel, corners taken where they are. `None` for a triangle without area, with a
-/// number that is not finite, or with w = 0.
+/// Computes the exact values at a pixel centre, without snapping vertices. Returns `None` for a triangle without area,
+/// with a non-finite number, or with w = 0.
 pub fn exact_sample(corners: &[ScreenCorner; 3], column: u32, row: u32) -> Option<ExactSample> {
     let places = all(corners.map(|c| all([c.x, c.y].map(exact))))?;
     let half = BigRational::new(1.into(), 2.into());
@@ -58,7 +58,7 @@ pub fn exact_sample(corners: &[ScreenCorner; 3], column: u32, row: u32) -> Optio
     Some(ExactSample { affine, perspective, depth, uv: [u?, v?] })
 }
 
-/// Doubled signed area of a triangle.
+/// Computes the doubled signed area of a triangle.
 fn doubled_area(a: &[BigRational; 2], b: &[BigRational; 2], c: &[BigRational; 2]) -> BigRational {
     (&b[0] - &a[0]) * (&c[1] - &a[1]) - (&c[0] - &a[0]) * (&b[1] - &a[1])
 }
@@ -67,7 +67,7 @@ fn mean(weights: &[BigRational; 3], values: [BigRational; 3]) -> BigRational {
     weights.iter().zip(values).map(|(weight, value)| weight * value).sum()
 }
 
-/// All of them, if all are there.
+/// Returns all values if none is missing.
 fn all<T, const N: usize>(values: [Option<T>; N]) -> Option<[T; N]> {
     let found: Vec<T> = values.into_iter().collect::<Option<_>>()?;
     found.try_into().ok()
@@ -89,14 +89,14 @@ mod tests {
 
     #[test]
     fn weights_reproduce_the_place_and_the_plane_through_the_corners() {
-        // z = x / 16 + y / 32 and, in space, the texture coordinates of a point seen in perspective.
+        // z = x / 16 + y / 32, and texture coordinates of a point seen in perspective.
         let at = |p: [f32; 2], w: f32| corner(p, p[0] / 16.0 + p[1] / 32.0, w, [p[0] * w, p[1] * w]);
         let corners = [at([1.0, 0.5], 1.0), at([9.0, 2.25], 4.0), at([3.5, 8.0], 0.5)];
         let sample = exact_sample(&corners, 4, 3).unwrap();
         assert_eq!(sample.affine.iter().sum::<BigRational>(), BigRational::one());
         assert_eq!(sample.perspective.iter().sum::<BigRational>(), BigRational::one());
         assert_eq!(sample.depth, rational(9, 32) + rational(7, 64), "4.5 / 16 + 3.5 / 32");
-        // u = x·w at the corners, so u over the interpolated w is the place on the screen.
+        // u = x·w at the vertices, so u divided by the interpolated w is the screen position.
         let w = mean(&sample.perspective, corners.map(|c| exact(c.w).unwrap()));
         assert_eq!(&sample.uv[0] / &w, rational(9, 2));
         assert_eq!(&sample.uv[1] / &w, rational(7, 2));

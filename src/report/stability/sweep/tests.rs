@@ -7,7 +7,7 @@ use crate::report::stability::html::html;
 use crate::report::stability::text::text;
 use crate::report::stability::tradeoff;
 
-/// A plan of a few small classes of all families.
+/// Returns a plan with these classes.
 fn plan(classes: &[&str], timed: bool) -> Plan {
     let classes = classes.iter().map(|id| catalogue::by_id(id).unwrap()).collect();
     Plan { classes, timed, ..Plan::default() }
@@ -17,7 +17,7 @@ fn report(plan: &Plan) -> Report {
     run(plan, &|_| {}, &AtomicBool::new(false)).unwrap()
 }
 
-/// Everything small, judged only, and only once.
+/// Returns a report on small classes without times, computed only once.
 fn small() -> &'static Report {
     static SMALL: LazyLock<Report> = LazyLock::new(|| {
         let classes = [
@@ -72,7 +72,7 @@ fn the_worst_cases_show_the_fault_when_they_are_opened_again() {
                 let value = |metric| measures.and_then(|measures| measures.get(metric));
                 value(class.class.headline) > Some(0.0) || value(Metric::NotFinite) > Some(0.0)
             };
-            // Seams need the whole mesh; all else is to be seen in the part as well.
+            // Seams need the whole mesh; all other faults must appear in the part as well.
             if class.class.headline != Metric::Seams && faulty(worst.measures) {
                 assert!(faulty(outcome.measures), "{}: {}", cell.column.label(), case.to_json());
                 opened += 1;
@@ -188,9 +188,9 @@ fn every_form_of_the_report_has_every_cell() {
     assert!(!page.contains("Error against time"), "there are no times");
 }
 
-/// Names of tags that `page` opens and does not close, or closes without opening.
+/// Returns the names of tags that `page` opens without closing, or closes without opening.
 fn unbalanced(page: &str) -> Vec<String> {
-    /// Tags that have no end.
+    /// Void tags, which have no end tag.
     const VOID: [&str; 2] = ["meta", "!doctype"];
     let mut open: Vec<String> = Vec::new();
     let mut faults = Vec::new();
@@ -219,7 +219,7 @@ fn the_page_is_sound_and_loads_nothing() {
     for foreign in ["<script", "http://", "https://", "@import", "url("] {
         assert!(!page.contains(foreign), "{foreign}");
     }
-    // Every link leads to a case on the page.
+    // Every link points to a case on the page.
     let targets = page.split("href=\"#").skip(1).map(|rest| rest.split('"').next().unwrap());
     let mut links = 0;
     for target in targets {

@@ -1,15 +1,16 @@
-//! Points of a polygon on an integer grid, where orientation is exact.
+//! Points of a polygon on an integer grid, where orientation tests are exact.
 
 use glam::DVec2;
 use i_triangle::i_overlay::i_float::int::point::IntPoint;
 
-/// A point of the grid. Coordinates are at most [`HALF_EXTENT`] in magnitude.
+/// Point of the grid. Coordinates are at most [`HALF_EXTENT`] in magnitude.
 pub(super) type GridPoint = IntPoint<i32>;
 
-/// Grid steps from the centre of a polygon to the farther sides of its box: finer than the corners, which are f32.
+/// Grid steps from the centre of a polygon to the farther sides of its bounding box. The grid is finer than the
+/// corners' f32 precision.
 const HALF_EXTENT: f64 = (1 << 29) as f64;
 
-/// Returns the points rounded to a grid that spans their box.
+/// Returns the points rounded to a grid that spans their bounding box.
 pub(super) fn to_grid(points: &[DVec2]) -> Vec<GridPoint> {
     let bounds = |pick: fn(DVec2, DVec2) -> DVec2| points.iter().copied().reduce(pick).unwrap_or(DVec2::ZERO);
     let (low, high) = (bounds(DVec2::min), bounds(DVec2::max));
@@ -19,13 +20,13 @@ pub(super) fn to_grid(points: &[DVec2]) -> Vec<GridPoint> {
     points.iter().map(|point| *point - center).map(|point| GridPoint::new(round(point.x), round(point.y))).collect()
 }
 
-/// Returns twice the area of a triangle: positive if it is counter-clockwise. Exact: below 2⁶² for points of the grid.
+/// Returns twice the signed area of a triangle, positive if it is counter-clockwise. Exact: below 2⁶² for grid points.
 pub(super) fn orientation(a: GridPoint, b: GridPoint, c: GridPoint) -> i64 {
     let [ab, ac] = [b, c].map(|point| [point.x - a.x, point.y - a.y].map(i64::from));
     ab[0] * ac[1] - ab[1] * ac[0]
 }
 
-/// Returns the scalar product of the vectors from `b` to `a` and to `c`.
+/// Returns the dot product of the vectors from `b` to `a` and from `b` to `c`.
 pub(super) fn dot(a: GridPoint, b: GridPoint, c: GridPoint) -> i64 {
     let [ba, bc] = [a, c].map(|point| [point.x - b.x, point.y - b.y].map(i64::from));
     ba[0] * bc[0] + ba[1] * bc[1]

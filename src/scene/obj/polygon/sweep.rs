@@ -1,10 +1,10 @@
-//! Triangles of a polygon that does not touch itself, by one sweep in O(n log n).
+//! Sweep-line triangulation of a polygon that does not touch itself, in O(n log n).
 //!
-//! The sweep line visits the corners from left to right. Of each part of the line inside the polygon it keeps the lower
-//! edge and the chain of corners to the left that are not cut off yet, from the lower edge's to the upper edge's; a new
-//! corner cuts off what it sees of the chain (Hertel and Mehlhorn, "Fast Triangulation of Simple Polygons", 1983).
-//! Neighbouring edges are tested for contact on the way (Shamos and Hoey, "Geometric Intersection Problems", 1976), so
-//! that no other outline gets through. All decisions are exact, on an integer grid.
+//! The sweep line visits the corners from left to right. Each part of the line inside the polygon has a lower edge and
+//! a chain of corners. The chain holds the corners on the left that are not yet cut off, from the lower to the upper
+//! edge. A new corner cuts off the visible part of the chain (Hertel and Mehlhorn, "Fast Triangulation of Simple
+//! Polygons", 1983). Neighbouring edges are tested for contact during the sweep (Shamos and Hoey, "Geometric
+//! Intersection Problems", 1976), which rejects all other outlines. All decisions are exact, on an integer grid.
 
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, VecDeque};
@@ -12,26 +12,26 @@ use std::ops::Bound::{Excluded, Unbounded};
 
 use super::grid::{GridPoint, crosses, dot, orientation};
 
-/// Number of corners between tests of cancellation.
+/// Number of corners between cancellation checks.
 const CORNERS_PER_TEST: usize = 1 << 12;
 
-/// An edge of the polygon with its ends in the order of the sweep.
+/// Edge of the polygon, with its ends in sweep order.
 #[derive(Clone, Copy)]
 struct Edge {
     left: GridPoint,
     right: GridPoint,
-    /// Number of the corner that the edge starts from.
+    /// Index of the corner where the edge starts.
     number: usize,
 }
 
 impl Edge {
-    /// Position of `point` relative to the edge: positive above, negative below, 0 on its line.
+    /// Returns the position of `point` relative to the edge: positive above, negative below, 0 on its line.
     fn side(&self, point: GridPoint) -> i64 {
         orientation(self.left, self.right, point)
     }
 
-    /// Order of two edges, the second of which starts no farther left: by its left end, or by its right end if the left
-    /// one lies on the line.
+    /// Returns the order of two edges, of which `later` starts at the same x or farther right. Compares its left end,
+    /// or its right end if the left one lies on the line.
     fn order(&self, later: &Self) -> Ordering {
         let side = self.side(later.left);
         let side = if side == 0 { self.side(later.right) } else { side };
@@ -63,17 +63,18 @@ impl PartialEq for Edge {
 
 impl Eq for Edge {}
 
-/// Corners left of the sweep line that are not cut off yet, from the lower edge to the upper edge.
+/// Corners left of the sweep line that are not yet cut off, from the lower edge to the upper edge.
 #[derive(Default)]
 struct Chain {
     corners: VecDeque<usize>,
-    /// Place of the rightmost corner, which sees the whole sweep line of the part.
+    /// Index in `corners` of the rightmost corner, from which the whole part of the sweep line is visible.
     rightmost: usize,
 }
 
-/// Returns the triangles of the closed polygon, which is counter-clockwise: one fewer than corners but one, each
-/// counter-clockwise, with numbers of corners. `None` if edges touch other than at their common corner, if the polygon is
-/// clockwise, or once it is cancelled.
+/// Returns the triangles of a closed counter-clockwise polygon: two fewer than corners, each counter-clockwise, as
+/// corner indices.
+///
+/// Returns `None` if edges touch anywhere but at a common corner, if the polygon is clockwise, or if it is cancelled.
 pub(super) fn triangulate(corners: &[GridPoint], is_cancelled: &dyn Fn() -> bool) -> Option<Vec<[u32; 3]>> {
     let count = corners.len();
     let is_spike = |i: usize| {
@@ -100,13 +101,14 @@ pub(super) fn triangulate(corners: &[GridPoint], is_cancelled: &dyn Fn() -> bool
 
 struct Sweep<'a> {
     corners: &'a [GridPoint],
-    /// Edges that the sweep line meets from bottom to top; those with the inside above have the chain of that part.
+    /// Edges that cross the sweep line, from bottom to top. An edge with the inside above it has the chain of that
+    /// part.
     line: BTreeMap<Edge, Option<Chain>>,
     triangles: Vec<[u32; 3]>,
 }
 
 impl Sweep<'_> {
-    /// Moves the sweep line over a corner. `None` if edges touch.
+    /// Moves the sweep line over a corner. Returns `None` if edges touch.
     fn visit(&mut self, corner: usize) -> Option<()> {
         let count = self.corners.len();
         let (previous, next) = ((corner + count - 1) % count, (corner + 1) % count);
@@ -114,13 +116,13 @@ impl Sweep<'_> {
         let (arriving, leaving) = (self.edge(previous), self.edge(corner));
         let is_convex = orientation(a, b, c) > 0;
         match (a < b, c < b) {
-            // The lower edge of a part goes on.
+            // The lower edge of a part continues.
             (true, false) => {
                 let mut chain = self.remove(&arriving)??;
                 self.add_below(&mut chain, corner);
                 self.insert(leaving, Some(chain))
             }
-            // The upper edge of a part goes on.
+            // The upper edge of a part continues.
             (false, true) => {
                 self.remove(&leaving)?;
                 let mut chain = self.take_below(&leaving)?;
@@ -132,7 +134,7 @@ impl Sweep<'_> {
                 self.insert(leaving, Some(Chain { corners: [corner].into(), rightmost: 0 }))?;
                 self.insert(arriving, None)
             }
-            // Splits a part in two.
+            // The corner splits a part in two.
             (false, false) => {
                 let mut lower = self.take_below(&arriving)?;
                 let mut upper = lower.split();
@@ -150,7 +152,7 @@ impl Sweep<'_> {
                 }
                 Some(())
             }
-            // Two parts become one.
+            // The corner merges two parts.
             (true, true) => {
                 let mut upper = self.remove(&arriving)??;
                 self.remove(&leaving)?;
@@ -174,8 +176,8 @@ impl Sweep<'_> {
         !are_neighbors && crosses([a.left, a.right], [b.left, b.right])
     }
 
-    /// Takes an edge that ends off the line. `None` if its neighbours touch, or if it is not found because edges have
-    /// changed places, which cross then.
+    /// Removes an edge that ends from the line. Returns `None` if its neighbours touch, or if it is not found because
+    /// crossing edges have changed their order.
     fn remove(&mut self, edge: &Edge) -> Option<Option<Chain>> {
         let chain = self.line.remove(edge)?;
         let below = self.line.range(..edge).next_back();
@@ -184,7 +186,7 @@ impl Sweep<'_> {
         is_free.then_some(chain)
     }
 
-    /// Puts an edge that begins on the line. `None` if it touches a neighbour.
+    /// Inserts an edge that begins into the line. Returns `None` if it touches a neighbour.
     fn insert(&mut self, edge: Edge, chain: Option<Chain>) -> Option<()> {
         let below = self.line.range(..&edge).next_back();
         let above = self.line.range(&edge..).next();
@@ -195,18 +197,18 @@ impl Sweep<'_> {
         Some(())
     }
 
-    /// Takes the chain of the part below an edge that is not on the line.
+    /// Takes the chain of the part below an edge that is not in the line.
     fn take_below(&mut self, edge: &Edge) -> Option<Chain> {
         self.line.range_mut(..edge).next_back()?.1.take()
     }
 
-    /// Puts the chain of the part below an edge that is not on the line.
+    /// Stores the chain of the part below an edge that is not in the line.
     fn put_below(&mut self, edge: &Edge, chain: Chain) -> Option<()> {
         *self.line.range_mut(..edge).next_back()?.1 = Some(chain);
         Some(())
     }
 
-    /// Adds a corner at the lower end of a chain, after cutting off what it sees.
+    /// Adds a corner at the lower end of a chain, after cutting off the visible corners.
     fn add_below(&mut self, chain: &mut Chain, corner: usize) {
         while let (Some(&low), Some(&high)) = (chain.corners.front(), chain.corners.get(1)) {
             if !self.cut(low, high, corner) {
@@ -218,7 +220,7 @@ impl Sweep<'_> {
         chain.rightmost = 0;
     }
 
-    /// Adds a corner at the upper end of a chain, after cutting off what it sees.
+    /// Adds a corner at the upper end of a chain, after cutting off the visible corners.
     fn add_above(&mut self, chain: &mut Chain, corner: usize) {
         while let [Some(&low), Some(&high)] =
             [chain.corners.len().checked_sub(2).and_then(|i| chain.corners.get(i)), chain.corners.back()]
@@ -232,7 +234,8 @@ impl Sweep<'_> {
         chain.rightmost = chain.corners.len() - 1;
     }
 
-    /// Cuts off the triangle of a new corner and an edge of a chain, unless the corner does not see the edge.
+    /// Cuts off the triangle of a new corner and an edge of a chain. Returns `false` if the edge is not visible from
+    /// the corner.
     fn cut(&mut self, low: usize, high: usize, corner: usize) -> bool {
         let is_seen = orientation(self.corners[low], self.corners[corner], self.corners[high]) > 0;
         if is_seen {
@@ -243,7 +246,8 @@ impl Sweep<'_> {
 }
 
 impl Chain {
-    /// Splits the chain at its rightmost corner, which both parts keep; returns the upper part. Moves the shorter part.
+    /// Splits the chain at its rightmost corner, which both parts keep, and returns the upper part. Moves the shorter
+    /// part.
     fn split(&mut self) -> Self {
         let shared = self.corners[self.rightmost];
         let mut upper = if self.rightmost > self.corners.len() / 2 {
@@ -256,7 +260,7 @@ impl Chain {
         Self { corners: upper, rightmost: 0 }
     }
 
-    /// Appends a chain that begins with this one's last corner, which becomes the rightmost. Moves the shorter chain.
+    /// Appends a chain that starts with this chain's last corner, which becomes the rightmost. Moves the shorter chain.
     fn join(&mut self, mut upper: Self) {
         self.rightmost = self.corners.len() - 1;
         self.corners.pop_back();
@@ -281,7 +285,7 @@ mod tests {
         super::triangulate(corners, &|| false)
     }
 
-    /// Compares every edge with every other.
+    /// Returns whether no two edges touch, except at common corners, by comparing all pairs.
     fn is_simple(corners: &[GridPoint]) -> bool {
         let count = corners.len();
         let edge = |i: usize| [corners[i], corners[(i + 1) % count]];
@@ -297,8 +301,8 @@ mod tests {
         (1..corners.len() - 1).map(|i| orientation(corners[0], corners[i], corners[i + 1])).sum()
     }
 
-    /// Triangles of a simple polygon turn as it does, have its area and share each inner edge: there is no other way to
-    /// cut it.
+    /// Asserts that triangles have the winding and the total area of a simple polygon and share each inner edge. These
+    /// conditions suffice for a valid triangulation.
     fn assert_cut(corners: &[GridPoint], triangles: &[[u32; 3]]) {
         assert_eq!(triangles.len(), corners.len() - 2, "{corners:?}");
         let mut open: HashMap<[u32; 2], i32> = HashMap::new();
@@ -344,7 +348,7 @@ mod tests {
         assert!(simple > 5_000, "{simple}");
     }
 
-    /// A simple polygon around the origin with corners at random distances, turned by a random amount.
+    /// Returns a simple polygon around the origin with corners at random distances and a random rotation.
     fn star(count: usize, random: &mut fastrand::Rng) -> Vec<GridPoint> {
         let turn = random.f64() * std::f64::consts::TAU;
         (0..count)
@@ -370,7 +374,7 @@ mod tests {
     #[test]
     fn long_straight_and_hollow_sides_take_no_quadratic_time() {
         let count = 200_000;
-        // Only the last corner sees the whole of a straight side, or of a hollow one.
+        // Only from the last corner is the whole of a straight or concave side visible.
         let straight = |x: i32| GridPoint::new(x, 1000);
         let hollow = |x: i32| GridPoint::new(x, (i64::from(x - count / 2).pow(2) / 40) as i32 + 1000);
         for side in [&straight as &dyn Fn(i32) -> GridPoint, &hollow] {

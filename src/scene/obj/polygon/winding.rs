@@ -1,8 +1,8 @@
-//! Triangles of a polygon that crosses itself, by its winding numbers.
+//! Triangulation of a self-intersecting polygon by its winding numbers.
 //!
-//! Regions that the outline goes around counter-clockwise face as the polygon does, clockwise ones face away; where the
-//! windings cancel there is nothing. The crate `i_overlay` finds the regions and `i_triangle` cuts them. Its time grows
-//! with the number of crossings, which are therefore counted before, up to a limit.
+//! Regions that the outline encloses counter-clockwise face like the polygon, clockwise regions face the other way, and
+//! regions where the windings cancel are empty. The crate `i_overlay` finds the regions, and `i_triangle` triangulates
+//! them. Their time grows with the number of crossings, which are therefore counted first, up to a limit.
 
 use std::collections::HashMap;
 
@@ -14,29 +14,31 @@ use i_triangle::int::validation::Validation;
 
 use super::grid::{GridPoint, crosses, dot, orientation};
 
-/// Largest number of crossings for each corner, besides [`FREE_CROSSINGS`].
+/// Maximum number of crossings per corner, in addition to [`FREE_CROSSINGS`].
 const CROSSINGS_PER_CORNER: usize = 8;
 
-/// Number of crossings that any polygon may have.
+/// Number of crossings allowed for any polygon.
 const FREE_CROSSINGS: usize = 1000;
 
-/// Largest number of crossings of any polygon: about 100 MB while it is cut.
+/// Maximum number of crossings of any polygon, which takes about 100 MB during triangulation.
 const MAX_CROSSINGS: usize = 200_000;
 
-/// Largest number of pairs of edges that are compared because the sweep line meets both: about 0.2 s.
+/// Maximum number of edge pairs that are on the sweep line together, which takes about 0.2 s.
 const MAX_PAIRS: usize = 100_000_000;
 
-/// A point where the outline crosses itself, on the edge from corner `edge` to the next.
+/// Point where the outline crosses itself, on the edge from corner `edge` to the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::scene::obj) struct Crossing {
-    /// Number of the corner that the edge starts from.
+    /// Index of the corner where the edge starts.
     pub(in crate::scene::obj) edge: u32,
-    /// Place on the edge, from 0 at its start to 1 at its end.
+    /// Position on the edge, from 0 at its start to 1 at its end.
     pub(in crate::scene::obj) place: f64,
 }
 
-/// Returns the triangles of the regions by winding number and appends the points that they need to `crossings`: numbers from
-/// `corners.len()` on mean these. `None` if the outline crosses itself too often, or once it is cancelled.
+/// Returns the triangles of the regions by winding number and appends the points where edges cross to `crossings`.
+///
+/// Indices from `corners.len()` on refer to `crossings`. Returns `None` if the outline crosses itself too often or if
+/// it is cancelled.
 pub(super) fn triangulate(
     corners: &[GridPoint],
     crossings: &mut Vec<Crossing>,
@@ -60,7 +62,7 @@ pub(super) fn triangulate(
                     (corners.len() + crossings.len() - 1) as u32
                 })
             });
-            // The crate turns all triangles counter-clockwise.
+            // The crate makes all triangles counter-clockwise.
             triangles.push(if rule == FillRule::Positive { [a, b, c] } else { [a, c, b] });
         }
     }
@@ -68,29 +70,30 @@ pub(super) fn triangulate(
 }
 
 fn cutter(corners: usize) -> IntTriangulator<i32, u32> {
-    // Corners in the middle of an edge may belong to a neighbouring face, too.
+    // Corners in the middle of an edge are kept, because they may also belong to a neighbouring face.
     let validation = Validation { options: IntOverlayOptions::keep_all_points(), ..Validation::default() };
     IntTriangulator::new(corners, validation, Default::default())
 }
 
-/// Number of edges between tests of cancellation.
+/// Number of edges between cancellation checks.
 const EDGES_PER_TEST: usize = 1 << 10;
 
-/// Grid steps between the true crossing of two edges and the point that the crate rounds it to, at most, as a power of two.
+/// Binary logarithm of the cell size: the maximum distance, in grid steps, between the true crossing of two edges and
+/// the crate's rounded point.
 const CELL_BITS: u32 = 4;
 
-/// The edges of a polygon and where they cross.
+/// Edges of a polygon and their crossings.
 struct Outline<'a> {
     corners: &'a [GridPoint],
-    /// Numbers of edges that cross another one, by the cell of the crossing.
+    /// Indices of edges that cross another one, by the grid cell of the crossing.
     cells: HashMap<[i32; 2], Vec<u32>>,
 }
 
 impl<'a> Outline<'a> {
-    /// Finds all crossings; `None` if there are too many, or once it is cancelled.
+    /// Finds all crossings. Returns `None` if there are too many or if it is cancelled.
     fn new(corners: &'a [GridPoint], is_cancelled: &dyn Fn() -> bool) -> Option<Self> {
         let mut this = Self { corners, cells: HashMap::new() };
-        // An outline that runs along an edge repeatedly crosses others there only once.
+        // An outline that repeats an edge crosses other edges there only once.
         let mut known = HashMap::with_capacity(corners.len());
         let mut edges: Vec<_> = (0..corners.len() as u32)
             .map(|number| (this.edge(number), number))
@@ -98,7 +101,7 @@ impl<'a> Outline<'a> {
                 a != b && *known.entry([a.min(b), a.max(b)].map(|p| *p)).or_insert(*number) == *number
             })
             .collect();
-        // The sweep line meets fewest edges at once if it moves along the shorter sides of their boxes.
+        // The sweep line meets the fewest edges at once if it moves along the axis in which the edges are shorter.
         let extent = |pick: fn(GridPoint) -> i32| -> u64 {
             edges.iter().map(|([a, b], _)| u64::from(pick(*a).abs_diff(pick(*b)))).sum()
         };
@@ -141,7 +144,8 @@ impl<'a> Outline<'a> {
         [self.corners[number], self.corners[(number + 1) % self.corners.len()]]
     }
 
-    /// The crossing that `point` is: on the nearest edge among those that cross another one nearby, else among all.
+    /// Returns the crossing at `point`, on the nearest edge that crosses another one nearby, or on the nearest of all
+    /// edges.
     fn crossing_at(&self, point: GridPoint) -> Crossing {
         let [x, y] = [point.x >> CELL_BITS, point.y >> CELL_BITS];
         let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| [x + dx, y + dy]));
@@ -154,14 +158,14 @@ impl<'a> Outline<'a> {
         Crossing { edge, place: self.place(edge, point) }
     }
 
-    /// Place of the point of an edge that is nearest to `point`, from 0 to 1.
+    /// Returns the position on an edge nearest to `point`, from 0 to 1.
     fn place(&self, edge: u32, point: GridPoint) -> f64 {
         let [start, end] = self.edge(edge);
         let length = dot(end, start, end);
         if length == 0 { 0.0 } else { (dot(end, start, point) as f64 / length as f64).clamp(0.0, 1.0) }
     }
 
-    /// Distance of `point` from an edge in grid steps.
+    /// Returns the distance of `point` from an edge, in grid steps.
     fn distance(&self, edge: u32, point: GridPoint) -> f64 {
         let [start, end] = self.edge(edge);
         let place = self.place(edge, point);
@@ -171,7 +175,7 @@ impl<'a> Outline<'a> {
     }
 }
 
-/// Returns whether two segments have more in common than an end.
+/// Returns whether two segments have more in common than one end.
 fn crosses_inside([a, b]: [GridPoint; 2], [c, d]: [GridPoint; 2]) -> bool {
     let runs_back = |joint: GridPoint, end: GridPoint, other: GridPoint| {
         orientation(joint, end, other) == 0 && dot(end, joint, other) > 0
@@ -185,7 +189,7 @@ fn crosses_inside([a, b]: [GridPoint; 2], [c, d]: [GridPoint; 2]) -> bool {
     }
 }
 
-/// Returns the point where two segments that cross do so, rounded; of parallel ones an end that both have.
+/// Returns the rounded intersection of two crossing segments; for parallel ones, an end that lies on both.
 fn intersection([a, b]: [GridPoint; 2], [c, d]: [GridPoint; 2]) -> [i32; 2] {
     let (from, to) = (orientation(c, d, a) as f64, orientation(c, d, b) as f64);
     if from == to {

@@ -1,4 +1,4 @@
-//! The figures under a picture, and under its rectangle.
+//! Figures below a picture, and those of its region.
 
 use eframe::egui::{self, Align2, Color32, FontId, Rect, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 
@@ -11,26 +11,26 @@ use crate::ui::format;
 use crate::ui::session::Session;
 use crate::ui::theme::{font_size, space, tokens};
 
-/// Height of a line of figures, in points.
+/// Height of a row of figures, in points.
 pub(super) const LINE: f32 = 15.0;
 
-/// Room of one figure with its name, in points.
+/// Width of one figure with its name, in points.
 const FIGURE: f32 = 108.0;
 
-/// Lines that the figures of a picture take in a column of this width, in points.
+/// Returns the number of rows that a picture's figures take in a column `width` points wide.
 pub(super) fn figure_lines(width: f32) -> usize {
     if width < 2.0 * FIGURE { NAMED.len().div_ceil(2) } else { NAMED.len().div_ceil((width / FIGURE) as usize) }
 }
 
-/// How many figures of a picture are shown in a column of this width, in points: the most telling ones.
+/// Returns the number of figures shown in a column `width` points wide; the most informative ones come first.
 fn figure_count(width: f32) -> usize {
     if width < 2.0 * FIGURE { NAMED.len().div_ceil(2) } else { NAMED.len() }
 }
 
-/// A figure's name, and how it is written.
+/// Name of a figure, and the function that formats it.
 type Named = (&'static str, fn(&Figures) -> String);
 
-/// The figures with their names, the most telling first.
+/// All figures, the most informative first.
 const NAMED: [Named; 6] = [
     ("PSNR", |f| {
         if f.codes.mse == 0.0 { "identical".to_owned() } else { format!("{} dB", format::fixed(f.codes.psnr_db, 2)) }
@@ -42,9 +42,10 @@ const NAMED: [Named; 6] = [
     ("differ", |f| format!("{} px", format::count(f.codes.differing_pixels))),
 ];
 
-/// What figures mean, for those who ask.
-const FIGURES_HELP: &str = "Against the reference named above. PSNR and MSE of sRGB codes; SSIM: 1 is equal; FLIP: 0 is \
-    equal, 1 black against white; max: the largest difference of a code; differ: how many pixels are not the same";
+/// Tooltip that explains the figures.
+const FIGURES_HELP: &str = "Compared with the reference. PSNR and MSE: of sRGB codes; SSIM: 1 means equal; FLIP: 0 \
+                            means equal, 1 black against white; max: largest difference of a code; differ: number of \
+                            differing pixels. Reference";
 
 pub(super) fn figures_of_both(ui: &Ui, footer: Rect, compared: &Compared, session: &Session) {
     let (left, right) = footer.split_left_right_at_fraction(0.5);
@@ -52,7 +53,7 @@ pub(super) fn figures_of_both(ui: &Ui, footer: Rect, compared: &Compared, sessio
     figures_of(ui, 1, right, compared, session);
 }
 
-/// The figures of a tile, and below those of the rectangle.
+/// Draws the figures of a tile, and below them those of the region.
 pub(super) fn figures_of(ui: &Ui, index: usize, footer: Rect, compared: &Compared, session: &Session) {
     let Some(tile) = compared.tiles.get(index) else { return };
     let response = ui.interact(footer, egui::Id::unique(("figures of tile", index)), Sense::hover());
@@ -61,7 +62,7 @@ pub(super) fn figures_of(ui: &Ui, index: usize, footer: Rect, compared: &Compare
     let words = match &tile.measured {
         None => "measuring …".to_owned(),
         Some(measured) => match &measured.figures {
-            None => "no figures: this picture and the reference have other sizes".to_owned(),
+            None => "no figures: this picture and the reference have different sizes".to_owned(),
             Some(figures) => draw_figures(ui, footer, figures, tokens(ui).text),
         },
     };
@@ -93,7 +94,7 @@ fn words_of(figures: &Figures, count: usize) -> String {
     words.collect::<Vec<_>>().join(" · ")
 }
 
-/// Figures in columns from the top of a rectangle on; also as words.
+/// Draws figures in columns from the top of `rect`. Returns them as text.
 fn draw_figures(ui: &Ui, rect: Rect, figures: &Figures, color: Color32) -> String {
     let painter = ui.painter();
     let count = figure_count(rect.width());

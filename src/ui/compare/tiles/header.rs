@@ -1,4 +1,4 @@
-//! The row over a picture: its letter, and its upscaler to be changed there.
+//! The row above a picture: its letter and a list of upscalers.
 
 use eframe::egui::{self, Rect, Role, Ui, UiBuilder, WidgetInfo, vec2};
 
@@ -13,10 +13,10 @@ use crate::ui::theme::{CONTROL_HEIGHT, space};
 use crate::ui::widgets::{combo, icon_button};
 use crate::upscale::{Anchor, Upscaling};
 
-/// Height of the row over a picture, in points.
+/// Height of the row above a picture, in points.
 pub(super) const HEADER: f32 = CONTROL_HEIGHT + space::XS;
 
-/// What stands over a picture: one row, or one half of it for each of A and B.
+/// Draws the row above a picture: one header, or one half each for A and B.
 pub(super) fn headers(ui: &mut Ui, index: usize, place: Place, session: &Session, commands: &mut Vec<Command>) {
     if session.comparison.mode == Mode::Tiles {
         header(ui, index, place.header, session, commands);
@@ -27,7 +27,7 @@ pub(super) fn headers(ui: &mut Ui, index: usize, place: Place, session: &Session
     }
 }
 
-/// Letter and upscaler of a tile, to be changed there.
+/// Draws the letter of a tile and the list that sets its upscaler.
 fn header(ui: &mut Ui, tile: usize, rect: Rect, session: &Session, commands: &mut Vec<Command>) {
     let recipe = session.state.tiles.recipe(tile, session.state.recipe);
     let builder = UiBuilder::new()
@@ -41,7 +41,7 @@ fn header(ui: &mut Ui, tile: usize, rect: Rect, session: &Session, commands: &mu
     let active = tile == session.state.tiles.active;
     let label = row.selectable_label(active, text);
     label.widget_info(|| WidgetInfo::selected(Role::Button, true, active, format!("Tile {name}")));
-    if label.on_hover_text("Edit this one at the left and question it at the right").clicked() {
+    if label.on_hover_text("Edit its settings on the left and inspect its pixels on the right").clicked() {
         commands.push(Command::Compare(Change::Activate(tile)));
     }
     let width = row.available_width() - if removable { CONTROL_HEIGHT + space::S } else { 0.0 };
@@ -51,13 +51,13 @@ fn header(ui: &mut Ui, tile: usize, rect: Rect, session: &Session, commands: &mu
     if let Some(upscaler) = chosen {
         commands.push(Command::Compare(Change::Recipe(tile, Box::new(Recipe { upscaler, ..recipe }))));
     }
-    if removable && icon_button(&mut row, crate::ui::theme::Icon::X, &format!("Take {name} away")).clicked() {
+    if removable && icon_button(&mut row, crate::ui::theme::Icon::X, &format!("Remove {name}")).clicked() {
         commands.push(Command::Compare(Change::Remove(tile)));
     }
 }
 
-/// Lists all upscalers, and returns another one if it is selected. The caption states `anchor` if there is one: that of the
-/// other pictures differs.
+/// Draws the list of upscalers and returns the newly selected one. `anchor` is given if the sample positions of the
+/// pictures differ; the caption then states it.
 fn upscalers(ui: &mut Ui, width: f32, recipe: Recipe, anchor: Option<Anchor>) -> Option<Upscaling> {
     let mut chosen = recipe.upscaler;
     let caption = if anchor.is_some() { chosen.label_with_anchor() } else { chosen.label() };
@@ -67,7 +67,7 @@ fn upscalers(ui: &mut Ui, width: f32, recipe: Recipe, anchor: Option<Anchor>) ->
         }
     });
     if let Some(anchor) = anchor {
-        let help = format!("The pictures compared have different anchors. Here “{}”: {}", anchor.name(), anchor.help());
+        let help = format!("The compared pictures have different anchors. Here “{}”: {}", anchor.name(), anchor.help());
         list.response.on_hover_text(help);
     }
     (chosen != recipe.upscaler).then_some(chosen)

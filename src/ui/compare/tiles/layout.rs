@@ -1,4 +1,4 @@
-//! Where tiles lie on the canvas, and what belongs to each.
+//! Layout of the tiles on the canvas.
 
 use eframe::egui::{Rect, Vec2, vec2};
 
@@ -11,7 +11,7 @@ use crate::ui::theme::space;
 /// Gap between tiles, in points.
 const GAP: f32 = space::XS;
 
-/// One tile of this frame of the window.
+/// Rectangles of one tile in the current pass, in points.
 #[derive(Clone, Copy)]
 pub(super) struct Place {
     pub(super) header: Rect,
@@ -19,7 +19,7 @@ pub(super) struct Place {
     pub(super) footer: Rect,
 }
 
-/// Where tiles lie on the canvas.
+/// Computes the rectangles of all tiles on the canvas.
 pub(super) fn places(canvas: Rect, session: &Session) -> Vec<Place> {
     let comparison = &session.comparison;
     let shown = if comparison.mode == Mode::Tiles { comparison.shown(&session.state.tiles) } else { 1 };
@@ -27,7 +27,8 @@ pub(super) fn places(canvas: Rect, session: &Session) -> Vec<Place> {
         PictureSize::Fixed(width, height) => width as f32 / height.max(1) as f32,
         PictureSize::Canvas => 1.4,
     };
-    // Room for them is there before the rectangle is drawn, so that the pictures do not change under it.
+    // Space for the region's figures is reserved before the region is drawn, so that drawing it does not resize the
+    // pictures.
     let blocks = if comparison.region.is_some() || comparison.draws_region { 2.0 } else { 1.0 };
     let layout = |columns: usize| {
         let rows = shown.div_ceil(columns);
@@ -40,7 +41,7 @@ pub(super) fn places(canvas: Rect, session: &Session) -> Vec<Place> {
     let area = |columns: &usize| {
         let (_, picture, _) = layout(*columns);
         let height = picture.y.min(picture.x / aspect);
-        // Of two ways that show much the same, the one without gaps.
+        // Prefers the layout without empty cells if picture areas are nearly equal.
         height * height * aspect * shown as f32 / (*columns * shown.div_ceil(*columns)) as f32
     };
     let columns = (1..=shown.max(1)).max_by(|a, b| area(a).total_cmp(&area(b))).unwrap_or(1);

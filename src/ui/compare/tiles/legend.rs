@@ -1,4 +1,4 @@
-//! What the colours of a difference stand for.
+//! Legend of a difference image.
 
 use eframe::egui::{Align2, Color32, FontId, Rect, Ui, Vec2, vec2};
 
@@ -8,7 +8,7 @@ use crate::pipeline::settings::Choice as _;
 use crate::ui::format;
 use crate::ui::theme::{RADIUS, font_size, space, tokens};
 
-/// What the colours of the difference stand for, in the lower left corner.
+/// Draws the legend of the difference image into the lower left corner of the picture.
 pub(super) fn legend(ui: &Ui, picture: Rect, (kind, gain): (Difference, u32)) {
     const WIDTH: f32 = 220.0;
     const BAR: f32 = 8.0;

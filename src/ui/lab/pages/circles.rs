@@ -1,4 +1,4 @@
-//! Controls of the page of circles.
+//! Controls of the circle page.
 
 use eframe::egui::Ui;
 
@@ -6,10 +6,10 @@ use super::{hint, list};
 use crate::lab::circles::CircleLesson;
 
 pub(super) fn ui(ui: &mut Ui, lesson: &mut CircleLesson) {
-    list(ui, "Way to draw", &mut lesson.method);
+    list(ui, "Method", &mut lesson.method);
     ui.add_space(crate::ui::theme::space::S);
     ui.checkbox(&mut lesson.sides, "Show the sign of F").on_hover_text(
-        "Colours each pixel by the side of the curve that its centre lies on: the sign of the implicit form",
+        "Colours each pixel by the side of the curve that its centre lies on: the sign of the implicit function",
     );
-    hint(ui, "Drag the centre and the radius; an ellipse has two of them.");
+    hint(ui, "Drag the centre and the radius; an ellipse has two radii.");
 }

@@ -1,4 +1,4 @@
-//! The controls of each page, one file each.
+//! Controls of the lab's pages, one file each.
 
 mod circles;
 
@@ -22,7 +22,7 @@ use crate::pipeline::settings::Choice;
 use crate::ui::theme::{space, tokens};
 use crate::ui::widgets::section_header;
 
-/// Draws the controls of the present page.
+/// Draws the controls of the current page.
 pub(super) fn controls(ui: &mut Ui, lab: &Lab, changes: &mut Vec<Change>) {
     let mut lesson = lab.lesson().clone();
     match &mut lesson {
@@ -45,7 +45,7 @@ pub(super) fn controls(ui: &mut Ui, lab: &Lab, changes: &mut Vec<Change>) {
     }
 }
 
-/// Alternatives as a list of their own, each with what it does: for those that a page is about.
+/// Draws all alternatives as radio buttons with their help texts, for the choice that a page teaches.
 fn list<C: Choice>(ui: &mut Ui, title: &str, value: &mut C) {
     section_header(ui, title, |_| {});
     for choice in C::ALL {
@@ -53,7 +53,7 @@ fn list<C: Choice>(ui: &mut Ui, title: &str, value: &mut C) {
     }
 }
 
-/// Inputs to start from; the one that was clicked.
+/// Draws a button for each preset. Returns the one that was clicked.
 fn presets<C: Choice>(ui: &mut Ui) -> Option<C> {
     section_header(ui, "Start from", |_| {});
     let mut clicked = None;
@@ -67,7 +67,7 @@ fn presets<C: Choice>(ui: &mut Ui) -> Option<C> {
     clicked
 }
 
-/// What the mouse does on this page.
+/// Draws a hint about the mouse on this page.
 fn hint(ui: &mut Ui, text: &str) {
     ui.add_space(space::S);
     ui.label(RichText::new(text).color(tokens(ui).text_weak).small());

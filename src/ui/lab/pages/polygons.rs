@@ -1,4 +1,4 @@
-//! Controls of the page of polygons.
+//! Controls of the polygon page.
 
 use eframe::egui::Ui;
 
@@ -7,22 +7,24 @@ use crate::lab::polygons::{PolygonLesson, PolygonPreset};
 use crate::ui::theme::{self, Icon};
 
 pub(super) fn ui(ui: &mut Ui, lesson: &mut PolygonLesson) {
-    list(ui, "What is done", &mut lesson.method);
+    list(ui, "Operation", &mut lesson.method);
     if let Some(preset) = presets::<PolygonPreset>(ui) {
         lesson.contours = preset.contours();
     }
     ui.add_space(theme::space::S);
     ui.horizontal(|ui| {
-        if ui.button((theme::icon(Icon::Plus), "Add contour")).on_hover_text("A small triangle in the middle").clicked()
+        if ui
+            .button((theme::icon(Icon::Plus), "Add contour"))
+            .on_hover_text("Adds a small triangle in the middle")
+            .clicked()
         {
             lesson.add_contour();
         }
-        let turn = ui
-            .button("Turn around")
-            .on_hover_text("Reverses the order of the last contour's corners, and so its winding");
+        let turn =
+            ui.button("Reverse").on_hover_text("Reverses the order of the last contour's corners, and so its winding");
         if let (true, Some(last)) = (turn.clicked(), lesson.contours.last_mut()) {
             last.reverse();
         }
     });
-    hint(ui, "Drag corners. Double-click adds one to the nearest side, right-click removes one.");
+    hint(ui, "Drag corners. Double-click to add one to the nearest side, right-click to remove one.");
 }

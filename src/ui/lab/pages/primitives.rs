@@ -1,4 +1,4 @@
-//! Controls of the page of drawing primitives.
+//! Controls of the page about primitive topologies.
 
 use eframe::egui::Ui;
 
@@ -6,7 +6,7 @@ use super::{hint, list, presets};
 use crate::lab::primitives::{PrimitiveLesson, VertexPreset};
 
 pub(super) fn ui(ui: &mut Ui, lesson: &mut PrimitiveLesson) {
-    list(ui, "Vertices are read as", &mut lesson.kind);
+    list(ui, "Primitive type", &mut lesson.kind);
     if let Some(preset) = presets::<VertexPreset>(ui) {
         lesson.vertices = preset.vertices();
     }

@@ -1,4 +1,4 @@
-//! Controls of the page of sampling.
+//! Controls of the sampling page.
 
 use eframe::egui::{Slider, Ui};
 
@@ -6,7 +6,7 @@ use super::{hint, list};
 use crate::lab::sampling::{SamplingLesson, SamplingMethod, SamplingScene};
 use crate::ui::widgets::{row, slider};
 
-/// Most points each way.
+/// Maximum number of sample points per axis.
 const MAX_POINTS: u32 = 8;
 
 pub(super) fn ui(ui: &mut Ui, lesson: &mut SamplingLesson) {
@@ -14,7 +14,7 @@ pub(super) fn ui(ui: &mut Ui, lesson: &mut SamplingLesson) {
     list(ui, "Value of a pixel", &mut lesson.method);
     ui.add_space(crate::ui::theme::space::S);
     if matches!(lesson.method, SamplingMethod::Grid | SamplingMethod::Jittered) {
-        row(ui, "Points", "Points each way: n × n per pixel", |ui| {
+        row(ui, "Points", "Points per axis: n × n per pixel", |ui| {
             ui.add(Slider::new(&mut lesson.points, 1..=MAX_POINTS));
         });
     }

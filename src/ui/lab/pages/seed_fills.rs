@@ -1,4 +1,4 @@
-//! Controls of the page of seed fill.
+//! Controls of the seed fill page.
 
 use eframe::egui::Ui;
 
@@ -16,15 +16,16 @@ pub(super) fn ui(ui: &mut Ui, lesson: &mut SeedFillLesson, brush: &mut Paint) {
     ui.add_space(crate::ui::theme::space::S);
     row(ui, "Paint", "What the main mouse button paints on the grid", |ui| {
         let options = [
-            (Paint::Wall, "Wall", "A boundary fill stops here, and so does a flood"),
-            (Paint::Spot, "Spot", "Another colour: only a flood stops here"),
-            (Paint::Paper, "Paper", "Takes away what is painted"),
+            (Paint::Wall, "Wall", "Stops a boundary fill and a flood fill"),
+            (Paint::Spot, "Spot", "Another colour: stops only a flood fill"),
+            (Paint::Paper, "Paper", "Erases what is painted"),
         ];
         choice(ui, brush, &options);
     });
     hint(
         ui,
-        "Open a picture with Ctrl+O, or drop one here, to fill in it: what is dark becomes wall, what has a colour spot.",
+        "Open a picture with Ctrl+O, or drop one here, to fill it: dark pixels become walls, coloured pixels become \
+         spots.",
     );
-    hint(ui, "Drag the seed (ring). Paint with the main button, wipe with the right one.");
+    hint(ui, "Drag the seed (ring). Paint with the main button, erase with the right one.");
 }

@@ -1,4 +1,4 @@
-//! Controls of the page of triangles.
+//! Controls of the triangle page.
 
 use eframe::egui::Ui;
 
@@ -11,7 +11,7 @@ pub(super) fn ui(ui: &mut Ui, lesson: &mut TriangleLesson) {
     list(ui, "Shown", &mut lesson.view);
     ui.add_space(crate::ui::theme::space::S);
     row(ui, "Rasterizer", "How covered pixels are found", |ui| pick(ui, &mut lesson.rasterizer));
-    row(ui, "Arithmetic", "The numbers that decide", |ui| pick(ui, &mut lesson.arithmetic));
-    row(ui, "Fill rule", "Who owns a centre on an edge", |ui| pick(ui, &mut lesson.rule));
-    hint(ui, "Drag the corners; they keep to half pixels, where centres lie exactly on edges.");
+    row(ui, "Arithmetic", "The number format that decides coverage", |ui| pick(ui, &mut lesson.arithmetic));
+    row(ui, "Fill rule", "Which triangle owns a pixel centre on an edge", |ui| pick(ui, &mut lesson.rule));
+    hint(ui, "Drag the corners; they snap to half pixels, where centres lie exactly on edges.");
 }

@@ -1,4 +1,4 @@
-//! A part of a case that is answered in the background.
+//! Background evaluation of a part of a case.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -13,39 +13,39 @@ use crate::ui::task::{Listening, Task};
 /// Part of a case to evaluate, and the options for it.
 #[derive(Clone, Debug)]
 pub struct Question {
-    /// The case.
+    /// Case to evaluate.
     pub case: Arc<Case>,
-    /// Number of the part.
+    /// Index of the part.
     pub part: usize,
     /// Algorithms and arithmetic of the evaluation.
     pub options: Options,
 }
 
 impl Question {
-    /// Whether both have the same answer.
+    /// Whether both questions have the same result.
     pub(super) fn is_same(&self, other: &Self) -> bool {
         self.is_about(&other.case) && (self.part, self.options) == (other.part, other.options)
     }
 
-    /// Whether this is about a case.
+    /// Whether the question is about this case, compared by pointer.
     pub(super) fn is_about(&self, case: &Arc<Case>) -> bool {
         Arc::ptr_eq(&self.case, case)
     }
 }
 
-/// A question with its answer.
+/// Question with its result.
 #[derive(Debug)]
 pub struct Evaluation {
-    /// The question.
+    /// Evaluated question.
     pub question: Question,
-    /// Its answer.
+    /// Result to display.
     pub(super) shown: Shown,
-    /// The figures of an answer in pixels.
+    /// Figures of a result in pixels; default for text.
     pub(super) figures: Figures,
 }
 
 impl Evaluation {
-    /// Answers a question; `None` if it was cancelled.
+    /// Evaluates a question. Returns `None` if cancelled.
     pub fn new(question: Question, control: &Control<'_>) -> Option<Self> {
         let shown = show(&question.case, question.part, question.options, control)?;
         let figures = match &shown {
@@ -56,12 +56,12 @@ impl Evaluation {
     }
 }
 
-/// An evaluation on a thread of its own. Dropping it cancels it.
+/// Evaluation in a background thread; dropping it cancels it.
 #[derive(Debug)]
 pub(super) struct Running {
     pub(super) question: Question,
     pub(super) since: Instant,
-    /// Completed share, in [0, 1].
+    /// Completed share in [0, 1].
     pub(super) progress: Option<f32>,
     task: Task<f32, Evaluation>,
 }
@@ -74,13 +74,13 @@ impl Running {
         Self { question, since: Instant::now(), progress: None, task: Task::start(context, work) }
     }
 
-    /// Returns the evaluation once it is complete. If the thread panicked, it says so instead of the answer.
+    /// Returns the evaluation once it is complete. If the thread panicked, its result is an error message.
     pub(super) fn poll(&mut self) -> Option<Evaluation> {
         match self.task.listen(&mut self.progress) {
             Listening::Ended(Some(evaluation)) => Some(*evaluation),
             Listening::BrokeOff => Some(Evaluation {
                 question: self.question.clone(),
-                shown: Shown::Text(vec!["The answer stopped by an error of the program".to_owned()]),
+                shown: Shown::Text(vec!["The evaluation stopped: internal error".to_owned()]),
                 figures: Figures::default(),
             }),
             Listening::GoesOn | Listening::Ended(None) => None,

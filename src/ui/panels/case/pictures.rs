@@ -1,7 +1,7 @@
-//! The pixels of a case: one picture or two side by side, moved and enlarged together.
+//! The pixels of a case: one picture, or two side by side that pan and zoom together.
 //!
-//! Pictures of cases may be larger than any texture. Only their visible part is made into one, with at most as many texels as
-//! there are pixels on screen, and anew when the view changes.
+//! Pictures of cases may exceed the maximum texture size. Only the visible part becomes a texture, with at most as many
+//! texels as screen pixels. It is rebuilt when the view changes.
 
 use eframe::egui::{
     Align2, Color32, ColorImage, FontId, Pos2, Rect, Sense, Stroke, TextureHandle, TextureOptions, Ui, Vec2, pos2, vec2,
@@ -10,45 +10,46 @@ use eframe::egui::{
 use crate::report::comparison::{Agreement, Comparison};
 use crate::ui::theme::{font_size, space, tokens};
 
-/// Screen points that a pixel must have for the grid to be drawn.
+/// Minimum size of a pixel, in points, for grid lines to be drawn.
 const GRID_FROM: f32 = 7.0;
 
-/// Largest screen points per pixel.
+/// Maximum size of a pixel, in points.
 const LARGEST_PIXEL: f32 = 64.0;
 
-/// Neither covers the pixel.
+/// Pixel covered by neither the engine nor the exact result.
 const OUTSIDE: Color32 = Color32::from_rgb(0x22, 0x25, 0x2B);
 
-/// Both cover it.
+/// Pixel covered by both.
 const COVERED: Color32 = Color32::from_rgb(0xB9, 0xC3, 0xD2);
 
-/// The engine alone covers it: orange, told from blue by everybody.
+/// Pixel covered by the engine only. Orange is distinguishable from blue with all common colour vision deficiencies.
 const EXTRA: Color32 = Color32::from_rgb(0xF5, 0x8A, 0x1F);
 
-/// The exact answer alone covers it.
+/// Pixel covered by the exact result only.
 const MISSING: Color32 = Color32::from_rgb(0x2F, 0x7D, 0xF6);
 
-/// The view of a case, and the textures of its visible part.
+/// View of a case, and the textures of its visible part.
 #[derive(Default)]
 pub(super) struct Pictures {
-    /// Points per pixel and the pixel in the middle; fitted if none.
+    /// Points per pixel and the picture position at the centre; `None` fits the picture.
     view: Option<(f32, Vec2)>,
     tiles: [Option<(Visible, TextureHandle)>; 2],
 }
 
-/// The visible part of a picture, and the resolution that it is drawn in.
+/// Visible part of a picture, and the texture resolution it is drawn at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Visible {
-    /// First column and row.
+    /// First visible column and row.
     first: [u32; 2],
-    /// Column and row behind the last pixel.
+    /// One past the last visible column and row.
     end: [u32; 2],
-    /// Texels along both axes, at most one for each pixel.
+    /// Number of texels along both axes, at most one per pixel.
     texels: [usize; 2],
 }
 
 impl Visible {
-    /// The part of a picture of `size` px within `rect`, where `pixel` says which place of the picture lies at a point.
+    /// Returns the part of a picture of `size` px within `rect`. `pixel` maps points on screen to positions in the
+    /// picture.
     fn new(size: (u32, u32), rect: Rect, pixel: impl Fn(Pos2) -> Vec2, pixels_per_point: f32) -> Self {
         let (least, greatest) = (pixel(rect.min), pixel(rect.max));
         let along = |least: f32, greatest: f32, size: u32, points: f32| {
@@ -62,7 +63,7 @@ impl Visible {
         Self { first: [left, top], end: [right, bottom], texels: [columns, rows] }
     }
 
-    /// Asks for the colour of the pixel in the middle of each texel.
+    /// Builds the texture image: each texel has the colour of the pixel at its middle.
     fn image(self, color: impl Fn(u32, u32) -> Color32) -> ColorImage {
         let [columns, rows] = [0, 1].map(|axis| {
             let (first, texels) = (self.first[axis], self.texels[axis] as u64);
@@ -79,18 +80,18 @@ impl Visible {
 }
 
 impl Pictures {
-    /// Forgets the textures: the picture is another one.
+    /// Drops the textures because the picture has changed.
     pub(super) fn invalidate(&mut self) {
         self.tiles = [None, None];
     }
 
-    /// Brings a pixel into the middle, enlarged.
+    /// Centres a pixel and zooms in.
     pub(super) fn visit(&mut self, (x, y): (u32, u32)) {
         let scale = self.view.map_or(24.0, |(scale, _)| scale.max(16.0));
         self.view = Some((scale, vec2(x as f32 + 0.5, y as f32 + 0.5)));
     }
 
-    /// Draws them.
+    /// Draws one picture, or two side by side.
     pub(super) fn ui(&mut self, ui: &mut Ui, comparison: &Comparison) {
         let (area, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         let count = if comparison.exact.is_some() { 2.0 } else { 1.0 };
@@ -122,7 +123,7 @@ impl Pictures {
             Agreement::Covered => COVERED,
             Agreement::Missing => MISSING,
         };
-        let colors: [(_, &dyn Fn(u32, u32) -> Color32); 2] = [("What is drawn", &ours), ("Exact answer", &exact)];
+        let colors: [(_, &dyn Fn(u32, u32) -> Color32); 2] = [("Drawn", &ours), ("Exact result", &exact)];
         let mut hovered = None;
         for (index, (title, color)) in colors.into_iter().take(count as usize).enumerate() {
             let left = area.left() + space::S + index as f32 * (tile.x + space::S);
@@ -149,8 +150,8 @@ impl Pictures {
             let word = match comparison.agreement(x as u32, y as u32) {
                 Agreement::Outside => "not covered",
                 Agreement::Covered => "covered",
-                Agreement::Extra => "drawn, though it is outside",
-                Agreement::Missing => "not drawn, though it is inside",
+                Agreement::Extra => "drawn, but outside",
+                Agreement::Missing => "not drawn, but inside",
             };
             let (column, row) = (x + comparison.origin.0, y + comparison.origin.1);
             response.on_hover_text_at_pointer(format!("pixel {column}, {row}: {word}"));
@@ -180,13 +181,14 @@ fn picture(
     }
     let stroke = Stroke::new(1.5, tokens(ui).accent);
     for outline in &comparison.outlines {
-        // Corners up to 10³⁸ px away: clipped to what floats of the painter bear.
+        // Corners may lie up to 10³⁸ px away: clamped to the range that the painter's floats handle.
         let near = |c: f64| c.clamp(-1e5, 1e5) as f32;
         let corner = |index: usize| {
             let [x, y] = outline[index % outline.len()];
             place(vec2(near(x), near(y)))
         };
-        // Side by side, not as one line: joined at the tip of a needle, that is as long as the needle again.
+        // Separate segments, not one polyline: the miter join at the tip of a needle would be as long as the needle
+        // itself.
         for side in 0..outline.len() {
             painter.line_segment([corner(side), corner(side + 1)], stroke);
         }
@@ -199,7 +201,7 @@ mod tests {
 
     const TILE: Rect = Rect { min: Pos2::ZERO, max: Pos2::new(500.0, 300.0) };
 
-    /// The part of a picture that is visible at this scale with the pixel `center` in the middle.
+    /// Returns the visible part of a picture at `scale` points per pixel, with the position `center` in the middle.
     fn visible(size: (u32, u32), scale: f32, center: Vec2) -> Visible {
         Visible::new(size, TILE, |point| (point - TILE.center()) / scale + center, 1.0)
     }

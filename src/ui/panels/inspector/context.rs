@@ -1,4 +1,4 @@
-//! The picked pixel among its neighbours: what the canvas shows there, enlarged, without enlarging the canvas.
+//! Enlarged neighbourhood of the picked pixel, as shown on the canvas.
 
 use eframe::egui::{self, Pos2, Rect, Role, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, vec2};
 
@@ -7,16 +7,16 @@ use crate::ui::command::Command;
 use crate::ui::engine::View;
 use crate::ui::theme::{self, tokens};
 
-/// Pixels on each side of the picked one.
+/// Number of pixels on each side of the picked one.
 const REACH: i64 = 7;
 
-/// Side of a pixel, in points.
+/// Side of a magnified pixel, in points.
 const CELL: f32 = 8.0;
 
-/// Height and width of the whole, in points.
+/// Height and width of the widget, in points.
 pub(super) const SIDE: f32 = 132.0;
 
-/// Draws the neighbours; a click picks one of them.
+/// Draws the neighbourhood; a click picks one of its pixels.
 pub(super) fn ui(ui: &mut Ui, view: &View, picked: (u32, u32), commands: &mut Vec<Command>) {
     let (frame, response) = ui.allocate_exact_size(Vec2::splat(SIDE), Sense::click());
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Around the picked pixel"));
@@ -29,7 +29,7 @@ pub(super) fn ui(ui: &mut Ui, view: &View, picked: (u32, u32), commands: &mut Ve
     let middle = cell(frame, 0, 0);
     ui.painter().rect_stroke(middle, 0.0, Stroke::new(2.0, egui::Color32::BLACK), StrokeKind::Outside);
     ui.painter().rect_stroke(middle, 0.0, Stroke::new(1.5, tokens(ui).accent), StrokeKind::Outside);
-    let what = "The picked pixel in the middle, seven pixels around it; a click picks another";
+    let what = "The picked pixel and seven pixels on each side; click to pick another";
     let there = response.hover_pos().and_then(|at| pixel_at(frame, at, picked));
     let Some((x, y)) = there.filter(|(x, y)| view.picture.get(*x, *y).is_some()) else {
         response.on_hover_text(what);
@@ -41,19 +41,19 @@ pub(super) fn ui(ui: &mut Ui, view: &View, picked: (u32, u32), commands: &mut Ve
     response.on_hover_text(format!("{x}, {y}: {}\n{what}", one_line(view.value(x, y))));
 }
 
-/// Where the pixel so far to the right and down of the picked one is drawn.
+/// Returns the cell of the pixel at this offset from the picked one, in points.
 fn cell(frame: Rect, right: i64, down: i64) -> Rect {
     Rect::from_center_size(frame.center() + vec2(right as f32, down as f32) * CELL, Vec2::splat(CELL))
 }
 
-/// The pixel that is drawn at a place.
+/// Returns the pixel drawn at a point, if there is one.
 fn pixel_at(frame: Rect, at: Pos2, picked: (u32, u32)) -> Option<(u32, u32)> {
     let from_middle = ((at - frame.center()) / CELL).round();
     let (right, down) = (from_middle.x as i64, from_middle.y as i64);
     (right.abs() <= REACH && down.abs() <= REACH).then(|| beside(picked, right, down)).flatten()
 }
 
-/// The pixel so far to the right and down, if it may be one.
+/// Returns the pixel at this offset, unless a coordinate is negative or overflows.
 fn beside((x, y): (u32, u32), right: i64, down: i64) -> Option<(u32, u32)> {
     Some((u32::try_from(i64::from(x) + right).ok()?, u32::try_from(i64::from(y) + down).ok()?))
 }

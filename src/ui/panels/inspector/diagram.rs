@@ -1,4 +1,4 @@
-//! A fragment's triangle on the screen with the sample in it, and the weights of its corners.
+//! Diagram of a fragment's triangle in screen space with its sample, and the weights of its corners.
 
 use eframe::egui::{self, Align2, Color32, FontId, Pos2, RichText, Sense, Stroke, Ui, Vec2, vec2};
 
@@ -8,16 +8,17 @@ use crate::inspect::{FragmentRecord, PixelReport};
 use crate::ui::format;
 use crate::ui::theme::{self, tokens};
 
-/// Where the sample lies.
+/// Position of the sample relative to the triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Place {
-    /// In the triangle.
+    /// Inside the triangle.
     Inside,
-    /// Beside it.
+    /// Outside the triangle.
     Outside,
 }
 
-/// The triangle on the screen with the sample: in it, with sub-triangles in the colours of their weights, or beside it.
+/// Draws the triangle in screen space with the sample. A sample inside splits it into sub-triangles in the colours of
+/// the weights.
 pub(super) fn triangle_diagram(ui: &mut Ui, corners_px: [[f32; 2]; 3], place: Place, report: &PixelReport) {
     let (response, painter) = ui.allocate_painter(vec2(ui.available_width(), SIDE), Sense::hover());
     let frame = response.rect;
@@ -62,8 +63,11 @@ pub(super) fn triangle_diagram(ui: &mut Ui, corners_px: [[f32; 2]; 3], place: Pl
     painter.circle(sample, 3.5, tokens(ui).accent, Stroke::new(1.0, Color32::BLACK));
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Barycentric diagram"));
     response.on_hover_text(match place {
-        Place::Inside => "The triangle on the screen and the pixel's centre in it. The area opposite to a corner, over the whole area, is that corner's weight λ",
-        Place::Outside => "The triangle on the screen and the pixel's centre, which lies outside of it",
+        Place::Inside => {
+            "The triangle on the screen with the pixel's centre inside. The weight λ of a corner is the \
+                          area opposite to it, divided by the whole area"
+        }
+        Place::Outside => "The triangle on the screen and the pixel's centre, which lies outside",
     });
 }
 
@@ -71,13 +75,17 @@ fn corners_center(corners: &[Pos2; 3]) -> Pos2 {
     ((corners[0].to_vec2() + corners[1].to_vec2() + corners[2].to_vec2()) / 3.0).to_pos2()
 }
 
-/// Both kinds of weights, corner by corner.
+/// Draws the weights of the corners, both in screen space and as used for interpolation.
 pub(super) fn weights(ui: &mut Ui, fragment: &FragmentRecord) {
     egui::Grid::new("weights").num_columns(3).spacing([12.0, 2.0]).min_col_width(92.0).show(ui, |ui| {
         ui.label("");
         for (heading, help) in [
-            ("λ on screen", "Area opposite to the corner over the whole area, on the screen"),
-            ("λ in space", "The weight that attributes are interpolated with: λ/w over the sum of all three, unless interpolation is affine"),
+            ("λ on screen", "Area opposite to the corner, divided by the whole area, on the screen"),
+            (
+                "λ in space",
+                "Weight for attribute interpolation: λ/w divided by the sum of all three, unless \
+                            interpolation is affine",
+            ),
         ] {
             ui.label(RichText::new(heading).small().color(tokens(ui).text_weak)).on_hover_text(help);
         }

@@ -1,5 +1,5 @@
-//! The history of the pixel as a list: what it was cleared to, every fragment in drawing order with what it changed, the
-//! triangles that have none here and why, and what was left in the end. Chips choose what is listed.
+//! The history of the pixel as a list: its clear value, every fragment in drawing order with its effect, triangles
+//! without a fragment here with the reason, and the final value. Chips filter the list.
 
 use eframe::egui::{self, Align, Button, Color32, Label, Layout, RichText, Sense, Ui, UiBuilder};
 
@@ -14,31 +14,31 @@ use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, tokens};
 use crate::ui::widgets::{Status, chip, icon_button, section_header, swatch};
 
-/// Fragments listed from the first and from the last one on; a pixel may have ten thousand.
+/// Number of fragments listed from each end; a pixel may have ten thousand.
 const LISTED_AT_AN_END: usize = 50;
 
-/// Absent triangles that are listed; the first ones say most.
+/// Maximum number of absent triangles listed; the first ones are the most relevant.
 const LISTED_ABSENT: usize = 60;
 
-/// What of the history is shown.
+/// Selection and filters of the history.
 pub(super) struct History {
-    /// What is explained below; the visible fragment if none was chosen.
+    /// Entry that is explained below the list; `None` means the visible fragment.
     pub(super) chosen: Option<Chosen>,
-    /// For each of [`Kind::ALL`] whether it is listed.
+    /// Whether each of [`Kind::ALL`] is listed.
     listed: [bool; Kind::ALL.len()],
 }
 
-/// An entry of the list.
+/// Entry of the list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Chosen {
-    /// One of the fragments.
+    /// Index of a fragment.
     Fragment(usize),
-    /// One of the triangles that have none.
+    /// Index of an absent triangle.
     Absent(usize),
 }
 
 impl Default for History {
-    /// Everything but near misses, which are many.
+    /// Lists everything except near misses, which are many.
     fn default() -> Self {
         Self { chosen: None, listed: [0, 1, 2, 3, 4].map(|place| Kind::ALL[place] != Kind::Missed) }
     }
@@ -56,10 +56,10 @@ impl History {
             }
         });
         self.filters(ui, report);
-        state_row(ui, "clear", "What the pixel's centre held before the first triangle", report.clear);
+        state_row(ui, "clear", "State of the pixel's centre before the first triangle", report.clear);
         self.fragments(ui, session, report, commands);
         self.absent(ui, session, report, commands);
-        state_row(ui, "final", "What the pixel's centre holds in the end", report.last());
+        state_row(ui, "final", "Final state of the pixel's centre", report.last());
     }
 
     fn filters(&mut self, ui: &mut Ui, report: &PixelReport) {
@@ -95,7 +95,7 @@ impl History {
             if count > 2 * LISTED_AT_AN_END && (LISTED_AT_AN_END..count - LISTED_AT_AN_END).contains(&index) {
                 if index == LISTED_AT_AN_END {
                     let left_out = count - 2 * LISTED_AT_AN_END;
-                    ui.weak(format!("… {} more, all in the copied JSON …", format::count(left_out as u64)));
+                    ui.weak(format!("… {} more, all listed in the copied JSON …", format::count(left_out as u64)));
                 }
                 continue;
             }
@@ -120,18 +120,18 @@ impl History {
             }
         }
         if let Some(more) = listed.len().checked_sub(LISTED_ABSENT).filter(|more| *more > 0) {
-            ui.weak(format!("… {} more, all in the copied JSON …", format::count(more as u64)));
+            ui.weak(format!("… {} more, all listed in the copied JSON …", format::count(more as u64)));
         }
     }
 }
 
-/// What stands on a filter: the word, where there is room for it and something to list, and how much that is.
+/// Returns the text of a filter chip: its count, after its name if `words` is set and the count is not 0.
 fn chip_text(kind: Kind, count: usize, words: bool) -> String {
     let number = format::count(count as u64);
     if words && count > 0 { format!("{} {number}", kind.name()) } else { number }
 }
 
-/// Whether all filters stand in one row with their words; else the words are in their tooltips only.
+/// Whether all filters with their names fit in one row. Otherwise the names are only in the tooltips.
 fn words_fit(ui: &Ui, report: &PixelReport) -> bool {
     let font = egui::FontId::proportional(theme::font_size::SMALL);
     let spacing = ui.spacing();
@@ -153,7 +153,7 @@ fn icon(kind: Kind) -> Icon {
     }
 }
 
-/// What the sample holds at one end of its history.
+/// Draws the state of the sample before or after its history.
 fn state_row(ui: &mut Ui, word: &str, help: &str, state: SampleState) {
     ui.horizontal(|ui| {
         chip(ui, Status::Neutral, word, help);
@@ -164,24 +164,24 @@ fn state_row(ui: &mut Ui, word: &str, help: &str, state: SampleState) {
     });
 }
 
-/// One entry of the list.
+/// Row of the list.
 struct Row<'a> {
     status: Status,
     word: &'a str,
-    /// Number of the triangle and name of its object.
+    /// Triangle number and object name.
     title: String,
     reason: &'a str,
-    /// Before and after it.
+    /// States of the sample before and after the entry.
     change: Option<[SampleState; 2]>,
-    /// Its place in the list of rasterized triangles.
+    /// Index in the list of rasterized triangles.
     submission: Option<usize>,
-    /// Its triangle.
+    /// Triangle of the entry.
     triangle: TriangleId,
-    /// Whether that alone is selected in the picture.
+    /// Whether the selection in the picture is this triangle alone.
     is_selected: bool,
-    /// Whether there is more to be shown of it.
+    /// Whether the entry has details to show.
     can_be_chosen: bool,
-    /// What it is called where it is not seen.
+    /// Accessible name.
     name: String,
 }
 
@@ -192,7 +192,7 @@ impl<'a> Row<'a> {
             Outcome::Overwritten => (Status::Neutral, "overwritten"),
             Outcome::BlendedOver => (Status::Passed, "seen through"),
             Outcome::DepthRejected => (Status::Rejected, "rejected"),
-            Outcome::CutOut => (Status::Rejected, "cut out"),
+            Outcome::CutOut => (Status::Rejected, "alpha test"),
         };
         Self {
             status,
@@ -224,23 +224,23 @@ impl<'a> Row<'a> {
     }
 }
 
-/// One entry; true when clicked.
+/// Draws one row. Returns whether it was clicked.
 fn row(ui: &mut Ui, chosen: bool, row: &Row<'_>, commands: &mut Vec<Command>) -> bool {
     let fill = if chosen { tokens(ui).raised } else { Color32::TRANSPARENT };
     let frame = egui::Frame::new().fill(fill).corner_radius(theme::RADIUS).inner_margin(4);
     let sense = if row.can_be_chosen { Sense::click() } else { Sense::hover() };
-    // The row senses clicks before what stands in it, so that its button is above.
+    // The row registers for clicks before its content, so that its buttons lie above it.
     let builder = UiBuilder::new().sense(sense);
     let response = ui
         .scope_builder(builder, |ui| {
-            // Else a click on the text would select it, not the row.
+            // With selectable labels a click on the text would select the text instead of the row.
             ui.style_mut().interaction.selectable_labels = false;
             frame.show(ui, |ui| row_content(ui, row, commands));
         })
         .response;
     response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, chosen, &row.name));
     let response =
-        if row.can_be_chosen { response.on_hover_text("Click to see where it lies and its numbers") } else { response };
+        if row.can_be_chosen { response.on_hover_text("Click to show its position and numbers") } else { response };
     response.clicked()
 }
 
@@ -260,7 +260,7 @@ fn row_content(ui: &mut Ui, row: &Row<'_>, commands: &mut Vec<Command>) {
     ui.add(Label::new(RichText::new(row.reason).small().color(tokens(ui).text)).wrap());
 }
 
-/// Draws the frame as it was right after the triangle.
+/// Draws a button that shows the frame right after this triangle.
 fn jump_button(ui: &mut Ui, row: &Row<'_>, commands: &mut Vec<Command>) {
     let Some(submission) = row.submission else { return };
     let help = "Show the frame right after this triangle: moves the triangle slider";
@@ -269,12 +269,12 @@ fn jump_button(ui: &mut Ui, row: &Row<'_>, commands: &mut Vec<Command>) {
     }
 }
 
-/// Selects the triangle, wherever it lies, or no triangle if it is selected.
+/// Draws a button that selects the triangle, or clears the selection if it is already selected.
 fn select_button(ui: &mut Ui, row: &Row<'_>, commands: &mut Vec<Command>) {
     let (icon, help) = if row.is_selected {
-        (Icon::ScanEye, "Select this triangle no more")
+        (Icon::ScanEye, "Deselect this triangle")
     } else {
-        (Icon::Scan, "Select this triangle: all else is dimmed in the picture, and the view from outside marks it  (M)")
+        (Icon::Scan, "Select this triangle: dims everything else and marks it in the scene from outside  (M)")
     };
     if icon_button(ui, icon, help).clicked() {
         let members = (!row.is_selected).then_some(row.triangle);
@@ -287,7 +287,7 @@ fn is_selected(session: &Session, triangle: TriangleId) -> bool {
     session.selection.len() == 1 && session.selection.contains(triangle)
 }
 
-/// Colours before and after, from right to left.
+/// Draws the colours before and after the entry, from right to left.
 fn change(ui: &mut Ui, row: &Row<'_>) {
     let Some([before, after]) = row.change else { return };
     swatch(ui, to_color(after.color)).on_hover_text(format!("after: {}", codes(after.color)));

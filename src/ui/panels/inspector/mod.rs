@@ -1,5 +1,5 @@
-//! The picked pixel at the right: what it shows and why, where the sample lies in its triangle, its history, and the
-//! numbers of the chosen fragment.
+//! The inspector on the right: the picked pixel with its verdict, the sample in its triangle, the history, and the
+//! numbers of the selected fragment.
 
 mod context;
 
@@ -17,9 +17,11 @@ use self::numbers::{absent_numbers, numbers};
 use crate::image::Rgba8;
 use crate::inspect::view::Value;
 use crate::inspect::{FragmentRecord, PixelReport};
+use crate::manual::Chapter;
 use crate::ui::checks;
 use crate::ui::command::Command;
 use crate::ui::format;
+use crate::ui::manual::manual_button;
 use crate::ui::overlays;
 use crate::ui::panels::bottom::Tab;
 use crate::ui::session::Session;
@@ -29,7 +31,7 @@ use crate::ui::watch;
 use crate::ui::what_if;
 use crate::ui::widgets::{copy_button, empty_state, section_header, swatch, value_row};
 
-/// What the panel shows of the pixel.
+/// State of the inspector.
 #[derive(Default)]
 pub struct Inspector {
     history: History,
@@ -39,7 +41,7 @@ pub struct Inspector {
 impl Inspector {
     /// Draws the panel.
     pub fn ui(&mut self, ui: &mut Ui, session: &Session, hovered: Option<(u32, u32)>, commands: &mut Vec<Command>) {
-        hover_line(ui, session, hovered);
+        hover_line(ui, session, hovered, commands);
         overlays::readout::ui(ui, session, hovered);
         ui.separator();
         let report = session.view.as_ref().and_then(|view| view.report.as_deref());
@@ -48,7 +50,7 @@ impl Inspector {
                 ui,
                 Icon::Crosshair,
                 "No pixel is picked",
-                "Click one in the picture: its whole story appears here.",
+                "Click a pixel in the picture to list every fragment and explain the result.",
             );
             return;
         };
@@ -88,8 +90,8 @@ impl Inspector {
             }
             if let Some(fragment) = fragment {
                 numbers(ui, fragment);
-                let help = "Writes the triangle that this pixel shows into a case file in the current folder: the smallest \
-                            thing to report, or to open again";
+                let help = "Writes the visible triangle of this pixel to a case file in the current folder: a minimal \
+                            case to report or to open again";
                 if ui.button("Save triangle as case").on_hover_text(help).clicked() {
                     commands.push(Command::SaveCase);
                 }
@@ -98,16 +100,16 @@ impl Inspector {
     }
 }
 
-/// A button that writes out the arithmetic of a fragment.
+/// Draws a button that opens the arithmetic of a fragment in its tab.
 fn arithmetic_button(ui: &mut Ui, report: &PixelReport, fragment: &FragmentRecord, commands: &mut Vec<Command>) {
     let Some(index) = report.fragments.iter().position(|other| std::ptr::eq(other, fragment)) else { return };
-    let help = "Every step from the corners of the triangle to the pixel, with the numbers and what each step rounded";
-    if ui.button("Write out its arithmetic").on_hover_text(help).clicked() {
+    let help = "Every step from the corners of the triangle to the pixel, with numbers and rounding errors";
+    if ui.button("Show its arithmetic").on_hover_text(help).clicked() {
         commands.push(Command::Trace(trace::Change::Fragment(index)));
     }
 }
 
-/// The fragment that violates an assertion, if that is why the pixel is picked.
+/// Returns the fragment that violates an assertion at this pixel, if there is one.
 fn violating(session: &Session, report: &PixelReport) -> Option<Chosen> {
     let (found, frame) = session.checks.found.as_ref()?;
     let (_, violation) = found.first_violation()?;
@@ -116,8 +118,8 @@ fn violating(session: &Session, report: &PixelReport) -> Option<Chosen> {
     Some(Chosen::Fragment(index))
 }
 
-/// What the shown buffer holds under the pointer.
-fn hover_line(ui: &mut Ui, session: &Session, hovered: Option<(u32, u32)>) {
+/// Draws the value of the shown buffer under the pointer.
+fn hover_line(ui: &mut Ui, session: &Session, hovered: Option<(u32, u32)>, commands: &mut Vec<Command>) {
     let here = hovered.and_then(|(x, y)| {
         let view = what_if::seen(ui, session)?;
         let color = view.picture.get(x, y)?;
@@ -125,6 +127,7 @@ fn hover_line(ui: &mut Ui, session: &Session, hovered: Option<(u32, u32)>) {
     });
     ui.horizontal(|ui| {
         ui.set_height(theme::CONTROL_HEIGHT);
+        manual_button(ui, Chapter::InspectingAPixel, commands);
         ui.label(RichText::new("Pointer").color(tokens(ui).text_weak));
         if let Some((x, y, color, value)) = here {
             swatch(ui, to_color(color));
@@ -181,7 +184,7 @@ fn headline(ui: &mut Ui, report: &PixelReport, commands: &mut Vec<Command>) {
     ui.add_space(theme::space::XS);
 }
 
-/// What the pixel is the mean of, if it has several samples, and what it was before the filter over the picture.
+/// Draws the samples that a multisampled pixel averages, and its colour before the post filter.
 fn samples(ui: &mut Ui, report: &PixelReport) {
     if let Some(before) = report.unfiltered {
         section_header(ui, "Before the post filter", |_| {});
@@ -217,5 +220,5 @@ fn sources(ui: &mut Ui, report: &PixelReport, commands: &mut Vec<Command>) {
         });
     }
     let sum: f32 = report.sources.iter().map(|s| s.tap.weight).sum();
-    value_row(ui, "Sum of weights", &format::f32_full(sum), "One, so that a flat area keeps its colour");
+    value_row(ui, "Sum of weights", &format::f32_full(sum), "1, so that a flat area keeps its colour");
 }

@@ -1,4 +1,4 @@
-//! The numbers of one fragment: depth, corners, edges, transparency and shading.
+//! Numbers of one fragment: depth, corners, edges, transparency and shading.
 
 use eframe::egui::{self, RichText, Ui};
 
@@ -12,14 +12,14 @@ use crate::ui::format;
 use crate::ui::theme::{self, tokens};
 use crate::ui::widgets::{section_header, swatch, value_row};
 
-/// What a step of the depth buffer is.
-const STEP_HELP: &str = "World units along the line of sight between the fragment's depth and the next that the buffer can \
-                         hold: surfaces closer than that may fight";
+/// Tooltip that explains the step of the depth buffer.
+const STEP_HELP: &str = "Distance along the line of sight, in world units, from the fragment's depth to the next \
+                         storable depth: surfaces closer than that may z-fight";
 
-/// Everything that was computed for a fragment.
+/// Draws all values computed for a fragment.
 pub(super) fn numbers(ui: &mut Ui, fragment: &FragmentRecord) {
     section_header(ui, "Depth", |_| {});
-    depth_rows(ui, "Depth of the fragment", fragment.depth, "As it is stored if the fragment wins");
+    depth_rows(ui, "Depth of the fragment", fragment.depth, "Value stored if the fragment passes the depth test");
     if let Some(bias) = fragment.depth_bias {
         float_row(
             ui,
@@ -30,24 +30,25 @@ pub(super) fn numbers(ui: &mut Ui, fragment: &FragmentRecord) {
     }
     match fragment.stored_depth {
         Some(stored) => {
-            depth_rows(ui, "Stored before", stored, "What the depth buffer held when this fragment came");
+            depth_rows(ui, "Stored before", stored, "Content of the depth buffer before this fragment");
             let step = format::f32_full(fragment.depth.resolution as f32);
             value_row(ui, "One step here", &step, STEP_HELP);
         }
         None => {
-            value_row(ui, "Stored before", "–", "There is no depth test, so nothing is stored");
+            value_row(ui, "Stored before", "–", "Without a depth test, nothing is stored");
         }
     }
     section_header(ui, "Corners", |_| {});
     corner_table(ui, fragment);
     section_header(ui, "Edges", |_| {});
     let (exact, unit) = match fragment.arithmetic {
-        Arithmetic::Fixed => ("Exact edge value in 1/65536 px²", "The sum of the three edge values, exactly"),
-        Arithmetic::Exact => {
-            ("Edge value in px² times a power of two; its sign is exact", "The sum of the three, but for rounding")
-        }
+        Arithmetic::Fixed => ("Exact edge value in 1/65536 px²", "Exactly the sum of the three edge values"),
+        Arithmetic::Exact => (
+            "Edge value in px² times a power of two; its sign is exact",
+            "Sum of the three edge values, up to rounding",
+        ),
         Arithmetic::F32 | Arithmetic::F64 => {
-            ("Edge value in px² times a power of two, rounded", "The sum of the three, but for rounding")
+            ("Edge value in px² times a power of two, rounded", "Sum of the three edge values, up to rounding")
         }
     };
     for (i, edge) in fragment.edges.into_iter().enumerate() {
@@ -56,18 +57,18 @@ pub(super) fn numbers(ui: &mut Ui, fragment: &FragmentRecord) {
     }
     value_row(ui, "Doubled area", &format::edge(fragment.doubled_area), unit);
     let triangle = fragment.triangle.0.to_string();
-    value_row(ui, "Triangle", &triangle, "Its number in the scene, in drawing order, counted from 0");
+    value_row(ui, "Triangle", &triangle, "Number in the scene, in drawing order, from 0");
     value_row(
         ui,
         "Rasterized as",
         &(fragment.submission + 1).to_string(),
-        "Where the triangle slider must stand for this fragment to be there",
+        "Position of the triangle slider from which this fragment is drawn",
     );
     if let Some(alpha) = fragment.alpha {
         let help = if fragment.transparency == Transparency::Blended {
-            "The share with which the fragment covers what lies behind: opacity × alpha of the texture"
+            "Coverage of what lies behind: opacity × alpha of the texture"
         } else {
-            "Alpha of the texture; below one half the surface is not there"
+            "Alpha of the texture; below one half the alpha test discards the fragment"
         };
         section_header(ui, "Transparency", |_| {});
         float_row(ui, "Alpha", alpha, help);
@@ -77,13 +78,13 @@ pub(super) fn numbers(ui: &mut Ui, fragment: &FragmentRecord) {
     }
 }
 
-/// What is known of a triangle that has no fragment here.
+/// Draws the values known of a triangle without a fragment at this pixel.
 pub(super) fn absent_numbers(ui: &mut Ui, absent: &Absent) {
     section_header(ui, "Triangle without a fragment", |_| {});
-    value_row(ui, "Triangle", &absent.triangle.0.to_string(), "Its number in the scene, counted from 0");
+    value_row(ui, "Triangle", &absent.triangle.0.to_string(), "Number in the scene, from 0");
     if let Some(distance) = absent.distance_px {
-        let help =
-            "From the pixel's centre to the nearest point of the triangle; in fixed point between snapped corners";
+        let help = "Distance from the pixel's centre to the nearest point of the triangle, in fixed point of the \
+                    snapped triangle";
         value_row(ui, "Distance, px", &format!("{distance:.6}"), help);
     }
     for (i, edge) in absent.edges.into_iter().flatten().enumerate() {
@@ -92,11 +93,11 @@ pub(super) fn absent_numbers(ui: &mut Ui, absent: &Absent) {
     }
 }
 
-/// A depth, and the code that the buffer holds for it if it holds codes.
+/// Draws a depth, and its code if the depth format stores integers.
 fn depth_rows(ui: &mut Ui, label: &str, depth: DepthRecord, help: &str) {
     float_row(ui, label, depth.value, help);
     if let Some(code) = depth.code {
-        value_row(ui, "… as a code", &code.to_string(), "The whole number that the buffer holds for it");
+        value_row(ui, "… as a code", &code.to_string(), "The integer that the buffer stores for this depth");
     }
 }
 
@@ -139,7 +140,7 @@ fn shading_numbers(ui: &mut Ui, shading: &ShadingRecord) {
         float_row(ui, "N·L", cosine, "Cosine between normal and light");
     }
     if let Some(light) = shading.light {
-        float_row(ui, "Light", light, "The factor that light multiplies the colour with");
+        float_row(ui, "Light", light, "Factor that light multiplies the colour with");
     }
     if let Some(highlight) = shading.highlight {
         float_row(ui, "Highlight", highlight, "max(0, N·H)^Ns, the factor of the specular colour");

@@ -1,29 +1,31 @@
-//! Edge-adaptive spatial upsampling.
+//! Edge-adaptive spatial upsampling (EASU).
 //!
-//! Around an output pixel stand the four nearest samples f, g, j, k and eight more:
+//! An output pixel is surrounded by its four nearest samples f, g, j, k and eight more:
 //!
 //! ```text
-//!     b c            1. at each of the four: the slope of luma across and down, and how straight it runs (1 for an
-//!   e f g h             even slope, 0 for a ridge), mixed by their nearness to the pixel
-//!   i j k l          2. that gives the direction of the edge, and a kernel stretched along it: a polynomial that
-//!     n o               resembles Lanczos's, narrower across a clear edge
-//!                    3. the weighted mean, kept within the range of f, g, j, k
+//!     b c            1. At each of f, g, j, k: horizontal and vertical luma slopes, and straightness (1 for an
+//!   e f g h             even slope, 0 for a ridge). These are interpolated bilinearly at the pixel.
+//!   i j k l          2. They give the edge direction and a kernel stretched along it: a polynomial that
+//!     n o               resembles Lanczos and is narrower across a clear edge.
+//!                    3. The result is the weighted mean, clamped to the range of f, g, j, k.
 //! ```
 //!
-//! The publication writes the weight at a squared distance s from the pixel, measured along the edge and across it and cut
-//! off at 1/λ for a lobe λ, as (25/16 (2/5 s − 1)² − 9/16) (λ s − 1)². That is ¼ · (s − 1) (s − 4) (λ s − 1)². With
-//! w = 1 − λ s, cut off at 0, it is w² (w² − (2 − 5 λ) w + (1 − λ) (1 − 4 λ)) but for a factor that all weights of a pixel
-//! have, and as they are divided by their sum, it is left out. λ s is a quadratic form in x and y.
+//! Let s be the squared distance from the pixel, scaled along and across the edge. For a lobe λ, the publication gives
+//! the weight as (25/16 (2/5 s − 1)² − 9/16) (λ s − 1)², cut off at s = 1/λ. That equals ¼ · (s − 1) (s − 4)
+//! (λ s − 1)². With w = 1 − λ s, clamped to 0, it is w² (w² − (2 − 5 λ) w + (1 − λ) (1 − 4 λ)) times a factor common to
+//! all weights of a pixel. The factor cancels when the weights are normalised, so it is omitted. λ s is a quadratic
+//! form in x and y.
 //!
-//! Channels are codes. Slopes belong to samples, so they are found once for each. Alpha is weighed like a colour.
+//! Channels are 8-bit sRGB-encoded values. Slopes depend only on the samples, so they are computed once per sample.
+//! Alpha is filtered like a colour channel.
 //!
-//! Slopes and the kernel are floats. The twelve weights are numbers of sixteen bits, as a register holds twice as many of
-//! them: fixed point, each product rounded once ([`times_one`]). Sums of weighed samples are exact again. Rounding moves a colour
-//! by a fifth of a code at most where samples are black and white at random, and three tenths are the most that a search for bad
-//! cases found; of the codes of photographs one in a thousand is a neighbour of the nearest.
+//! Slopes and the kernel are floats. The twelve weights are 16-bit fixed point, because a register holds twice as many
+//! of them; each product is rounded once ([`times_one`]). Sums of weighted samples are exact. Rounding changes a
+//! channel by at most 0.2 of an 8-bit step for random black and white samples, and by at most 0.3 in a search for bad
+//! cases. In photographs, one channel value in a thousand differs by one from the nearest.
 //!
-//! This file has the arithmetic of one pixel. [`wide`] has the same for many, from what [`source`] found about samples, with
-//! the operations of [`super::words`].
+//! This file contains the scalar version for one pixel. [`wide`] is the SIMD version; it reads the per-sample data of
+//! [`source`] and uses the operations of [`super::words`].
 
 mod source;
 mod wide;
@@ -34,24 +36,25 @@ use crate::upscale::lattice::{Lattice, Place};
 
 pub(super) use wide::{Scratch, fill};
 
-/// Below this a squared slope has no direction: (1/181)² of the range of codes, less than a code over the width of the
-/// kernel.
+/// Squared slope below which there is no edge direction: (1/181)² of the 8-bit range, less than one step over the width
+/// of the kernel.
 const LEAST_SLOPE: f32 = 255.0 * 255.0 / 32768.0;
 
-/// What a clear edge takes off the lobe.
+/// Change of the lobe λ at a clear edge, relative to ½.
 const LOBE_OF_EDGE: f32 = 0.25 - 0.04 - 0.5;
 
-/// From here on floats are whole numbers, so that a sum rounds to one, which stands in its last byte.
+/// 2²³: adding it to a float rounds the float to an integer, which is then the low byte of the bit pattern.
 const WHOLE: f32 = (1 << 23) as f32;
 
-/// Places of the twelve samples relative to f, columns and rows.
+/// Columns and rows of the twelve samples relative to f.
 const PLACES: [(i32, i32); 12] =
     [(0, -1), (1, -1), (-1, 0), (0, 0), (1, 0), (2, 0), (-1, 1), (0, 1), (1, 1), (2, 1), (0, 2), (1, 2)];
 
-/// The four nearest, as places in [`PLACES`].
+/// Indices of the four nearest samples in [`PLACES`].
 const NEAREST: [usize; 4] = [3, 4, 7, 8];
 
-/// The slope at a value between two, and how straight it runs: 1 where both sides share it, 0 at a ridge.
+/// Returns the slope between the two neighbours of a value, and the straightness: 1 if both sides share the slope, 0 at
+/// a ridge.
 #[inline(always)]
 fn slope(before: f32, at: f32, after: f32) -> (f32, f32) {
     let slope = after - before;
@@ -62,7 +65,7 @@ fn slope(before: f32, at: f32, after: f32) -> (f32, f32) {
     (slope, straight * straight)
 }
 
-/// Where the pixel lies between f and its neighbours, in samples.
+/// Position of the pixel relative to f, in samples, in [0, 1).
 #[derive(Clone, Copy)]
 struct Spot {
     x: f32,
@@ -75,56 +78,56 @@ impl Spot {
         Self { x, y }
     }
 
-    /// From what is known about the four nearest what it is here.
+    /// Interpolates a quantity of the four nearest samples bilinearly.
     fn mix(self, [f, g, j, k]: [f32; 4]) -> f32 {
         let (left, right) = (f * (1.0 - self.y) + j * self.y, g * (1.0 - self.y) + k * self.y);
         left * (1.0 - self.x) + right * self.x
     }
 }
 
-/// One while w is found: down to −2, which no sample reaches, it stays within sixteen bits.
+/// Fixed-point 1 while w is computed. The range of 16 bits reaches down to w = −2, which no sample reaches.
 const ONE: i16 = 15 << 10;
 
-/// One as w, which is doubled once it is between 0 and 1, and as a factor of it.
+/// Fixed-point 1 of w after doubling, once w is in [0, 1], and of the factor of w.
 const ONE_DOUBLED: f32 = 2.0 * ONE as f32;
 
-/// One as a square of w.
+/// Fixed-point 1 of w².
 const ONE_SQUARED: f32 = ONE_DOUBLED * ONE_DOUBLED / 32768.0;
 
-/// One as a factor of x², xy or y², which are at most ½. The squared distance of two samples has to stay within sixteen bits
-/// as a [`Distances`]: four times [`ONE`] over this is less than one.
+/// Fixed-point 1 of the factors of x², xy and y², which are at most ½. The squared distance between two samples must
+/// fit in 16 bits in [`Distances`]: four times [`ONE`] divided by this is less than 1.
 const FACTOR: f32 = 61_500.0;
 
-/// The kernel at a pixel, turned along the edge and scaled along both of its axes: floats that are to be rounded.
+/// Kernel at a pixel, rotated along the edge and scaled along both axes, in floats yet to be rounded.
 #[derive(Clone, Copy)]
 struct Shape {
-    /// Factors of x², xy and y² in the squared distance times the lobe, in 1 / [`FACTOR`].
+    /// Coefficients of x², xy and y² in λ s, in units of 1 / [`FACTOR`].
     xx: f32,
     xy: f32,
     yy: f32,
-    /// Factor of w, in 1 / [`ONE_DOUBLED`], and what that is taken off from, in 1 / [`ONE_SQUARED`].
+    /// Coefficients 2 − 5 λ, in units of 1 / [`ONE_DOUBLED`], and (1 − λ) (1 − 4 λ), in units of 1 / [`ONE_SQUARED`].
     slope: f32,
     rest: f32,
 }
 
 impl Shape {
-    /// From the mixed slopes and straightness.
+    /// Computes the kernel from the interpolated slopes and straightness.
     fn new(across: f32, down: f32, straightness: f32) -> Self {
         let flat = across * across + down * down < LEAST_SLOPE;
         let (across, down) = if flat { (1.0, 0.0) } else { (across, down) };
         let (xx, yy) = (across * across, down * down);
         let (squared, most) = (xx + yy, xx.max(yy));
-        // One division for two: by the squared length, and by its greater part.
+        // One division replaces two: by the squared length, and by its larger component.
         let inverse = 1.0 / (squared * most);
         let stretch = ((squared * squared) * inverse).sqrt();
-        // The squares of the direction's components, and their product.
+        // Squares of the components of the direction, and their product.
         let inverse = most * inverse;
         let (xx, xy, yy) = (xx * inverse, (across * down) * inverse, yy * inverse);
         let half = straightness * 0.5;
         let edge = half * half;
         let (along, across) = ((stretch - 1.0) * edge + 1.0, 1.0 - edge * 0.5);
         let (along, across) = (along * along, across * across);
-        // A lobe of ½ is a plain blob; near ¼ the kernel resembles Lanczos with two lobes.
+        // A lobe of ½ gives a plain blob; near ¼ the kernel resembles Lanczos with two lobes.
         let lobe = edge * LOBE_OF_EDGE + 0.5;
         let factor = lobe * FACTOR;
         let (blob, turned) = (across * factor, (along - across) * factor);
@@ -137,7 +140,7 @@ impl Shape {
         }
     }
 
-    /// Weights of the twelve samples, but for a factor that all have.
+    /// Returns the weights of the twelve samples, up to a common factor.
     fn weights(&self, distances: &Distances) -> [i16; 12] {
         let [xx, xy, yy, slope, rest] =
             [self.xx, self.xy, self.yy, self.slope, self.rest].map(|value| value.round_ties_even() as i16);
@@ -152,13 +155,14 @@ impl Shape {
     }
 }
 
-/// How far the samples stand from a pixel, for products with the factors of a [`Shape`] that are in 1 / [`ONE`].
+/// Offsets of the samples from a pixel, scaled so that products with the coefficients of a [`Shape`] are in units of
+/// 1 / [`ONE`].
 #[derive(Clone, Copy)]
 struct Distances {
-    /// Of four columns and four rows, squared.
+    /// Squared offsets of the four columns and four rows.
     xx: [i16; 4],
     yy: [i16; 4],
-    /// Of the twelve samples across times down.
+    /// Horizontal times vertical offset of each of the twelve samples.
     xy: [i16; 12],
 }
 
@@ -171,12 +175,12 @@ impl Distances {
     }
 }
 
-/// The share of a weight of one.
+/// Returns the factor that normalises the weights.
 fn share(weights: &[i16; 12]) -> f32 {
     1.0 / f32::from(weights.iter().sum::<i16>())
 }
 
-/// One channel of a pixel from weights and the twelve samples, within the range of the four nearest.
+/// Computes one channel of a pixel: the weighted mean of twelve samples, clamped to the range of the four nearest.
 fn code(weights: &[i16; 12], share: f32, samples: &[u8; 12]) -> u8 {
     let sum: i32 = weights.iter().zip(samples).map(|(weight, sample)| i32::from(*weight) * i32::from(*sample)).sum();
     let [f, g, j, k] = NEAREST.map(|place| samples[place]);
@@ -185,7 +189,7 @@ fn code(weights: &[i16; 12], share: f32, samples: &[u8; 12]) -> u8 {
     (value + WHOLE).to_bits() as u8
 }
 
-/// Weights at one pixel, by the cell that it lies in, and the share of a weight of one.
+/// Returns the column and row positions of a pixel, its weights, and the factor that normalises them.
 fn weights_at(drawn: &Image<Rgba8>, lattice: Lattice, (x, y): (u32, u32)) -> (Place, Place, [i16; 12], f32) {
     let (column, row) = (lattice.place(x), lattice.place(y));
     let luma = |x: i32, y: i32| {
@@ -205,14 +209,14 @@ fn weights_at(drawn: &Image<Rgba8>, lattice: Lattice, (x, y): (u32, u32)) -> (Pl
     (column, row, weights, share(&weights))
 }
 
-/// One pixel, by the arithmetic that fills the whole picture.
+/// Computes one pixel, bit-identical to [`fill`].
 pub(super) fn pixel(drawn: &Image<Rgba8>, lattice: Lattice, at: (u32, u32)) -> Rgba8 {
     let (column, row, weights, share) = weights_at(drawn, lattice, at);
     let samples = PLACES.map(|(x, y)| drawn.at_clamped((column.cell + x).into(), (row.cell + y).into()));
     std::array::from_fn(|channel| code(&weights, share, &samples.map(|sample| sample[channel])))
 }
 
-/// The samples of one pixel, each once: row, column and weight.
+/// Returns the distinct samples that contribute to a pixel: row, column and weight.
 pub(super) fn taps(drawn: &Image<Rgba8>, lattice: Lattice, at: (u32, u32)) -> Vec<(u32, u32, f32)> {
     let (column, row, weights, share) = weights_at(drawn, lattice, at);
     let inside = |at: i32, length: u32| at.clamp(0, length as i32 - 1) as u32;

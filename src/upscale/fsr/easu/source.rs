@@ -1,4 +1,4 @@
-//! What is found about samples once, for all pixels that look at them.
+//! Per-sample data, computed once for all pixels that read it.
 
 use std::ops::Range;
 
@@ -6,38 +6,38 @@ use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 use crate::upscale::lattice::{Lattice, Place};
 
-/// How many pixels of one phase, in neighbouring cells, are prepared together; they are made by [`WIDE`].
+/// Number of pixels of one phase, in adjacent cells, whose kernels are prepared together. They are filtered [`WIDE`] at
+/// a time.
 pub(super) const AHEAD: usize = 4 * WIDE;
 
-/// Cells of a tile: what is known about the samples of so many stays in the nearest cache from row to row.
+/// Number of cells in a tile: the data of its samples stays in the L1 cache from row to row.
 pub(super) const TILE: usize = 4 * AHEAD;
 
-/// Samples that are repeated around the picture: more than the kernel reaches and one more for slopes, so that cells begin with
-/// lines of the cache.
+/// Number of border samples on each side: more than the kernel and slopes need, so that cells start at cache lines.
 pub(super) const MARGIN: usize = WIDE;
 
-/// Channels, each with the next sample's: [`pair`].
+/// Number of channels; each value also holds that of the next sample, see [`pair`].
 const CHANNELS: usize = 4;
 
-/// What else is known about a sample: slope across and down, straightness, luma.
+/// Number of float planes per sample: horizontal slope, vertical slope, straightness, luma.
 const PLANES: usize = 4;
 
-/// Where slope across, slope down and straightness stand among the planes.
+/// Plane indices of horizontal slope, vertical slope and straightness.
 const SLOPES: Range<usize> = 0..3;
 
-/// Where luma does.
+/// Plane index of luma.
 const LUMA: usize = 3;
 
-/// Two lines of the cache. Planes of a row lie an odd number of such pairs apart, and so not at the same places of their pages, whose
-/// lines drive each other out of the nearest cache.
+/// Two cache lines, in 4-byte values. The stride of a plane is an odd multiple of this, so that equal positions of
+/// adjacent planes do not map to the same L1 cache set.
 const TWO_LINES: usize = 2 * WIDE;
 
-/// Values of a plane of a row of so many samples.
+/// Returns the stride of a plane for rows of `samples` samples.
 fn stride_of(samples: usize) -> usize {
     ((samples + 2 * MARGIN + AHEAD + WIDE).div_ceil(TWO_LINES) | 1) * TWO_LINES
 }
 
-/// Values from the start of a line of the cache on, in memory that is used again.
+/// Reusable buffer whose values start at a cache line.
 #[derive(Default)]
 struct Values<T> {
     memory: Vec<T>,
@@ -45,7 +45,7 @@ struct Values<T> {
 }
 
 impl<T: Copy + Default> Values<T> {
-    /// At least so many.
+    /// Makes room for at least `count` values.
     fn reserve(&mut self, count: usize) {
         let line = 64 / size_of::<T>();
         if self.memory.len() < count + line {
@@ -65,24 +65,24 @@ impl<T: Copy + Default> Values<T> {
     }
 }
 
-/// Rows of samples, channel by channel, with a margin, and the slopes there.
+/// Sample rows with a margin, split by channel, and their slopes.
 #[derive(Default)]
 pub(super) struct Source {
-    /// Values of a plane of a row; a whole number of [`WIDE`].
+    /// Number of values in a plane of a row; a multiple of [`WIDE`].
     stride: usize,
-    /// The sample row that the planes begin with; rows beyond the picture repeat its outermost.
+    /// Sample row at which the planes start. Rows outside the image repeat its first or last row.
     first_row: i32,
-    /// Row after row of all channels.
+    /// Channels of all rows, row by row.
     channels: Values<u32>,
-    /// Row after row of all planes.
+    /// Planes of all rows, row by row.
     planes: Values<f32>,
-    /// Whether alpha is full everywhere, so that nobody need weigh it.
+    /// Whether alpha is 255 in every sample, so that it needs no filtering.
     pub(super) opaque: bool,
 }
 
 impl Source {
-    /// These rows of samples, of a picture of at least one: from the one before the first cells to the second after the last, as
-    /// four are looked at. Slopes are found in all of them but the first and the last.
+    /// Reads the sample rows `rows` of a non-empty image: from one row before the first cell to two rows after the
+    /// last, because the kernel spans four. Computes slopes in all rows except the first and the last.
     pub(super) fn read(&mut self, lanes: Lanes, drawn: &Image<Rgba8>, rows: Range<i32>) {
         self.stride = stride_of(drawn.width() as usize);
         self.first_row = rows.start;
@@ -115,11 +115,11 @@ impl Source {
         self.channels.row_mut(row * CHANNELS + channel, self.stride)
     }
 
-    /// Puts a row of samples into the channels and the planes, and says whether all are opaque.
+    /// Writes a row of samples to the channels and the luma plane. Returns whether all samples are opaque.
     #[inline(always)]
     fn spread<S: Simd>(&mut self, simd: S, samples: &[Rgba8], row: usize) -> bool {
         let end = MARGIN + samples.len();
-        // Beyond this nobody looks.
+        // Values beyond this index are never read.
         let last = end + AHEAD + WIDE;
         let luma = |[r, g, b, _]: Rgba8| 0.5 * (f32::from(r) + f32::from(b)) + f32::from(g);
         let (left, right) = (samples[0], samples[samples.len() - 1]);
@@ -160,7 +160,8 @@ impl Source {
         (opaque & full).simd_eq(full).all_true() && rest.iter().all(|sample| sample[3] == 255)
     }
 
-    /// Finds the slopes of a row of the planes that has one above and one below, at so many samples and those beside them.
+    /// Computes the slopes of a row at `samples` samples and their neighbours. The row must have one above and one
+    /// below.
     #[inline(always)]
     fn find_slopes<S: Simd>(&mut self, simd: S, row: usize, samples: usize) {
         for at in (MARGIN - WIDE / 2..MARGIN + samples + 2).step_by(WIDE) {
@@ -174,14 +175,15 @@ impl Source {
         }
     }
 
-    /// Four rows of a channel, from the one before a cell's own on: a sample and the next, as [`pair`] has them.
+    /// Returns four rows of a channel, starting one row above that of the cell; each value holds two samples, see
+    /// [`pair`].
     #[inline(always)]
     pub(super) fn channel(&self, channel: usize, cell: i32) -> [&[u32]; 4] {
         let first = (cell - 1 - self.first_row) as usize;
         each!(below in [0, 1, 2, 3] => self.channels.row((first + below) * CHANNELS + channel, self.stride))
     }
 
-    /// Slopes, or how straight they run, in a cell's own row and the one below.
+    /// Returns slopes or straightness in the row of a cell and the row below.
     #[inline(always)]
     fn slopes(&self, which: usize, cell: i32) -> [&[f32]; 2] {
         let first = (cell - self.first_row) as usize;
@@ -189,12 +191,12 @@ impl Source {
     }
 }
 
-/// A sample's code and the next one's, as a product with two weights needs them.
+/// Packs the values of a sample and the next one as 16-bit halves, as the pairwise dot product needs them.
 fn pair(own: u8, next: u8) -> u32 {
     u32::from(own) | u32::from(next) << 16
 }
 
-/// Sixteen samples, each as its four codes, the first in the lowest byte.
+/// Loads 16 samples in packed RGBA, with red in the lowest byte.
 #[inline(always)]
 fn packed<S: Simd>(simd: S, samples: &[Rgba8; WIDE]) -> u32x16<S> {
     let mut words = [0; WIDE];
@@ -204,7 +206,7 @@ fn packed<S: Simd>(simd: S, samples: &[Rgba8; WIDE]) -> u32x16<S> {
     u32x16::load_array(simd, words)
 }
 
-/// [`super::slope`] in lanes.
+/// Computes [`super::slope`] in lanes.
 #[inline(always)]
 fn slopes<S: Simd>(simd: S, before: f32x16<S>, at: f32x16<S>, after: f32x16<S>) -> (f32x16<S>, f32x16<S>) {
     let zero = f32x16::splat(simd, 0.0);
@@ -214,48 +216,48 @@ fn slopes<S: Simd>(simd: S, before: f32x16<S>, at: f32x16<S>, after: f32x16<S>) 
     (slope, straight * straight)
 }
 
-/// What the pixels of one row have in common: what is found once for both neighbours of a cell, or for all phases across. Of the
-/// cells of one tile.
+/// Data shared by the pixels of one row within a tile: computed once for both neighbours of a cell, or for all
+/// horizontal phases.
 #[derive(Default)]
 pub(super) struct RowOfCells {
     stride: usize,
-    /// The first place in the rows of the source that anything is found for.
+    /// Index of the first cell of the tile.
     from: usize,
     cell: Option<i32>,
-    /// Of each channel the least and the greatest of the four samples at the corners of a cell, by its first sample; then slope
-    /// across, slope down and straightness in this row of pixels, above and below each other mixed.
+    /// Per channel, the minimum and maximum of the four samples at the corners of a cell, indexed by its first sample.
+    /// Then horizontal slope, vertical slope and straightness, interpolated vertically at this row of pixels.
     rows: Values<f32>,
 }
 
-/// Where the greatest and the slopes stand among the rows, after the least.
+/// Row index of the maxima; that of the interpolated slopes is [`MIXED`]. The minima come first.
 const GREATEST: usize = 4;
 const MIXED: usize = 8;
 
 impl RowOfCells {
-    /// Begins rows of a source.
+    /// Allocates rows for a source.
     pub(super) fn prepare(&mut self, source: &Source) {
         self.stride = source.stride;
         self.rows.reserve(source.stride * (MIXED + SLOPES.len()));
     }
 
-    /// Begins a tile with the cell after so many.
+    /// Starts a tile at cell `from`.
     pub(super) fn begin(&mut self, from: usize) {
         (self.from, self.cell) = (from, None);
     }
 
-    /// The least and the greatest of a channel.
+    /// Returns the minimum and maximum of a channel per cell.
     #[inline(always)]
     pub(super) fn bounds(&self, channel: usize) -> [&[f32]; 2] {
         each!(row in [channel, GREATEST + channel] => self.rows.row(row, self.stride))
     }
 
-    /// Slope across, slope down and straightness, in this order.
+    /// Returns horizontal slope, vertical slope or straightness, for `which` = 0, 1 or 2.
     #[inline(always)]
     pub(super) fn slopes(&self, which: usize) -> &[f32] {
         self.rows.row(MIXED + which, self.stride)
     }
 
-    /// Finds what a row of pixels needs.
+    /// Computes the data for a row of pixels at vertical position `place`.
     #[inline(always)]
     pub(super) fn find<S: Simd>(&mut self, simd: S, source: &Source, lattice: Lattice, place: Place) {
         let range = self.from + MARGIN - WIDE..self.from + MARGIN + TILE + WIDE;
@@ -289,7 +291,7 @@ impl RowOfCells {
     }
 }
 
-/// Sixteen values from place `at` of a row on.
+/// Loads 16 values of a row from index `at` on.
 #[inline(always)]
 pub(super) fn values<S: Simd>(simd: S, row: &[f32], at: usize) -> f32x16<S> {
     f32x16::from_slice(simd, &row[at..at + WIDE])

@@ -1,8 +1,8 @@
-//! The arithmetic of [`super`] for sixteen pixels at a time: those of one phase in neighbouring cells, which look at
-//! neighbouring samples. Floats are added in the same order, and sums of whole numbers are exact, so it gives the same
-//! bits.
+//! SIMD version of [`super`] for 16 pixels at a time: pixels of one phase in adjacent cells, which read adjacent
+//! samples. Floats are added in the same order, and integer sums are exact, so results are bit-identical.
 //!
-//! Written without closures: those that the standard library calls would be compiled without the wide lanes' features.
+//! The code avoids closures: those called by the standard library would be compiled without the features of the wide
+//! lanes.
 
 use super::source::{AHEAD, MARGIN, RowOfCells, Source, TILE, values};
 use super::{Distances, FACTOR, LEAST_SLOPE, LOBE_OF_EDGE, ONE, ONE_DOUBLED, ONE_SQUARED, Spot, WHOLE};
@@ -12,16 +12,16 @@ use crate::upscale::fsr::words::{pairs, rounded, times};
 use crate::upscale::lanes::window;
 use crate::upscale::lattice::{Lattice, Place};
 
-/// Samples across that a run of [`WIDE`] pixels of one phase looks at.
+/// Number of sample columns read by a run of [`WIDE`] pixels of one phase.
 const RUN: usize = WIDE + 3;
 
-/// Runs that are made side by side.
+/// Number of runs processed in parallel.
 const RUNS: usize = AHEAD / WIDE;
 
-/// Samples across that so many runs look at.
+/// Number of sample columns read by [`RUNS`] runs.
 const SPAN: usize = AHEAD + 3;
 
-/// Fills rows of `width` px, the first of which is row `first` of the picture, from samples, at least one.
+/// Fills rows of `width` px from a non-empty image of samples; the first one is row `first` of the full image.
 pub(in super::super) fn fill(
     lanes: Lanes,
     drawn: &Image<Rgba8>,
@@ -51,19 +51,19 @@ pub(in super::super) fn fill(
     }
 }
 
-/// What the pixels of a phase have in common.
+/// Data shared by all pixels of a phase.
 struct Phase {
-    /// Where the first of them stands.
+    /// Cell of the first pixel of the phase.
     cell: i32,
     spot: Spot,
     distances: WideDistances,
 }
 
-/// All phases: so many pixels stand for so many samples.
+/// All phases of a lattice. In each direction, `pixels` output pixels correspond to `samples` samples.
 struct Phases {
     pixels: usize,
     samples: usize,
-    /// Row by row.
+    /// Phases in row-major order.
     all: Vec<Phase>,
 }
 
@@ -79,13 +79,13 @@ impl Phases {
         Self { pixels: pixels as usize, samples: samples as usize, all }
     }
 
-    /// Those of a row of pixels.
+    /// Returns the phases of a row of pixels.
     fn of_row(&self, row: u32) -> &[Phase] {
         &self.all[row as usize % self.pixels * self.pixels..][..self.pixels]
     }
 }
 
-/// Memory for what is found about samples.
+/// Scratch buffers, reused between calls.
 #[derive(Default)]
 pub(in super::super) struct Scratch {
     source: Source,
@@ -93,20 +93,20 @@ pub(in super::super) struct Scratch {
     runs: [Run; RUNS],
 }
 
-/// What is found about a run of pixels before it has colours.
+/// Intermediate values of a run of pixels.
 #[derive(Default)]
 struct Run {
-    /// See [`Part::is_plain`].
+    /// Result of [`Part::is_plain`].
     is_plain: bool,
-    /// [`Direction`].
+    /// Stored [`Direction`].
     direction: [[f32; WIDE]; 4],
-    /// [`Shape`], rounded: factor by factor, in the order of pixels that [`rounded`] leaves.
+    /// Stored [`Shape`]: each coefficient rounded, in the pixel order that [`rounded`] produces.
     shape: [[i16; WIDE]; 5],
 }
 
-/// What a row of pixels is made of.
+/// Inputs of a row of pixels.
 struct Row<'a> {
-    /// Of each channel four rows of samples, from the one before the cells' own on.
+    /// Four rows of samples per channel, starting one row above that of the cells.
     samples: [[&'a [u32]; 4]; 4],
     of_cells: &'a RowOfCells,
     opaque: bool,
@@ -118,7 +118,7 @@ impl<'a> Row<'a> {
         Self { samples, of_cells, opaque: source.opaque }
     }
 
-    /// What is looked at for the cells whose first samples stand at place `at` of the rows and after it.
+    /// Returns the inputs of the cells whose first samples start at index `at` of the rows.
     #[inline(always)]
     fn part(&self, at: usize) -> Part<'a> {
         let [red, green, blue, alpha] = each!(channel in [0, 1, 2, 3] => {
@@ -137,16 +137,16 @@ impl<'a> Row<'a> {
     }
 }
 
-/// Part of a row: what [`RUNS`] runs look at.
+/// Inputs of [`RUNS`] runs.
 struct Part<'a> {
     slopes: [&'a [f32; AHEAD + 1]; 3],
     colors: [Channel<'a>; 3],
-    /// None if all are opaque.
+    /// Alpha channel; `None` if all samples are opaque.
     alpha: Option<Channel<'a>>,
 }
 
 impl Part<'_> {
-    /// Whether in all cells of a run the four nearest samples are the same, and so the pixels between them.
+    /// Whether the four nearest samples are equal in all cells of a run, and so the pixels between them.
     #[inline(always)]
     fn is_plain<S: Simd>(&self, simd: S, at: usize) -> bool {
         let [red, green, blue] = each!(channel in [0, 1, 2] => self.colors[channel].is_plain(simd, at));
@@ -157,7 +157,7 @@ impl Part<'_> {
         }
     }
 
-    /// The pixels of such a run.
+    /// Returns the pixels of a plain run; see [`Self::is_plain`].
     #[inline(always)]
     fn plain<S: Simd>(&self, simd: S, at: usize) -> u32x16<S> {
         let [red, green, blue] =
@@ -169,11 +169,11 @@ impl Part<'_> {
         red | green << 8 | blue << 16 | alpha << 24
     }
 
-    /// The pixels of another run, from its weights.
+    /// Filters the pixels of a run with its weights.
     #[inline(always)]
     fn codes<S: Simd>(&self, simd: S, at: usize, weights: &Weights<S>) -> u32x16<S> {
         let [red, green, blue] = each!(channel in [0, 1, 2] => self.colors[channel].codes(simd, at, weights));
-        // What stands above the last byte of the first is overwritten, that of the others is shifted out or overwritten.
+        // Bits above the low byte of red are overwritten; those of green and blue are shifted out or overwritten.
         let color = red | green << 8 | blue << 16;
         match &self.alpha {
             None => color | 0xff00_0000,
@@ -182,15 +182,16 @@ impl Part<'_> {
     }
 }
 
-/// Codes of one channel: of each sample from the one before the first cell on, and of the next, and what bounds them in each cell.
+/// Values of one channel: pairs of adjacent samples, starting one sample before the first cell, and the bounds in each
+/// cell.
 struct Channel<'a> {
     samples: [&'a [u32; SPAN]; 4],
     least: &'a [f32; AHEAD],
     greatest: &'a [f32; AHEAD],
 }
 
-/// Fills the pixels of a row from cell `from` on, phase after phase. `codes` are those of one phase, cell after cell, a pixel as its
-/// four codes, the first in the lowest byte.
+/// Fills the pixels of a row from cell `from` to cell `end`, phase by phase. `codes` holds the packed RGBA pixels of
+/// each phase, cell by cell, with red in the lowest byte.
 #[inline(always)]
 fn fill_tile<S: Simd>(
     simd: S,
@@ -229,8 +230,8 @@ fn fill_tile<S: Simd>(
     }
 }
 
-/// Makes the pixels of a part of a row, each step for all runs before the next: a step is a chain of sums, a division or a root, each
-/// of which waits for the one before, and those of other runs fill the time if they are close enough.
+/// Computes the pixels of a part of a row, each step for all runs before the next. A step is a dependency chain of sums
+/// with a division or a square root; interleaving runs hides its latency.
 #[inline(always)]
 fn fill_runs<S: Simd>(simd: S, of: &Part<'_>, phase: &Phase, runs: &mut [Run; RUNS], codes: &mut [u32; AHEAD]) {
     for (index, run) in runs.iter_mut().enumerate() {
@@ -256,7 +257,7 @@ fn fill_runs<S: Simd>(simd: S, of: &Part<'_>, phase: &Phase, runs: &mut [Run; RU
     }
 }
 
-/// [`Spot::mix`], its second half.
+/// Computes the horizontal half of [`Spot::mix`].
 #[inline(always)]
 fn mixed<S: Simd>(simd: S, row: &[f32], at: usize, spot: Spot) -> f32x16<S> {
     values(simd, row, at) * (1.0 - spot.x) + values(simd, row, at + 1) * spot.x
@@ -268,7 +269,7 @@ impl Channel<'_> {
         values(simd, self.least, at).simd_eq(values(simd, self.greatest, at))
     }
 
-    /// [`super::code`]: floats whose last bytes are the codes, as their bits.
+    /// Computes [`super::code`] in lanes: the bits of floats whose low byte is the 8-bit value.
     #[inline(always)]
     fn codes<S: Simd>(&self, simd: S, at: usize, weights: &Weights<S>) -> u32x16<S> {
         let [above, upper, lower, below]: [&[u32; RUN]; 4] =
@@ -288,7 +289,7 @@ impl Channel<'_> {
     }
 }
 
-/// The first half of [`super::Shape`], up to its division.
+/// First half of [`super::Shape`], up to its division.
 struct Direction<S: Simd> {
     across: f32x16<S>,
     down: f32x16<S>,
@@ -333,7 +334,7 @@ struct Shape<S: Simd> {
 }
 
 impl<S: Simd> Shape<S> {
-    /// The second half.
+    /// Computes the second half of [`super::Shape`].
     #[inline(always)]
     fn new(simd: S, Direction { across, down, inverse, edge }: Direction<S>) -> Self {
         let one = f32x16::splat(simd, 1.0);
@@ -356,7 +357,7 @@ impl<S: Simd> Shape<S> {
         }
     }
 
-    /// Rounds and stores the factors, one after the other.
+    /// Rounds and stores the coefficients, one vector after the other.
     #[inline(always)]
     fn store(self, to: &mut [[i16; WIDE]; 5]) {
         let [xx, xy, yy, slope, rest] = to;
@@ -368,7 +369,7 @@ impl<S: Simd> Shape<S> {
     }
 }
 
-/// [`Distances`], each once for each of sixteen pixels.
+/// [`Distances`], with each value repeated for 16 pixels.
 struct WideDistances {
     xx: [[i16; WIDE]; 4],
     yy: [[i16; WIDE]; 4],
@@ -381,15 +382,15 @@ impl WideDistances {
     }
 }
 
-/// Weights of the twelve samples but for a factor that all have, two side by side as the samples stand, and the share of a
-/// weight of one.
+/// Weights of the twelve samples up to a common factor, interleaved in pairs of adjacent samples, and the factor that
+/// normalises them.
 struct Weights<S: Simd> {
     pairs: [[i16x16<S>; 2]; 6],
     share: f32x16<S>,
 }
 
 impl<S: Simd> Weights<S> {
-    /// From a [`Shape`] that was stored.
+    /// Computes the weights from a stored [`Shape`].
     #[inline(always)]
     fn new(simd: S, shape: &[[i16; WIDE]; 5], distances: &WideDistances) -> Self {
         let [xx, xy, yy, slope, rest] = each!(of in [0, 1, 2, 3, 4] => i16x16::load_array_ref(simd, &shape[of]));

@@ -1,0 +1,96 @@
+//! Write an upscaler and measure its error.
+//!
+//! Run it with `cargo run --release --example own_upscaler`. EPX (Eric Johnston, 1992) doubles pixel art: a corner of a
+//! doubled pixel takes the colour of its two neighbours if these are equal.
+
+use std::sync::Arc;
+
+use rasterscope::chain::{Recipe, Renderer};
+use rasterscope::image::{Image, Rgba8};
+use rasterscope::measure::error::compare;
+use rasterscope::pipeline::viewport::Viewport;
+use rasterscope::scene::builtin;
+use rasterscope::upscale::{Anchor, Drawn, Light, Offers, Sampling, Scale, Tap, Upscaler, Upscaling};
+
+/// EPX at scale 2.
+struct Epx;
+
+impl Epx {
+    /// Returns the drawn sample that output pixel (x, y) copies.
+    fn source(samples: &Image<Rgba8>, x: u32, y: u32) -> (u32, u32) {
+        let (i, j) = (i64::from(x / 2), i64::from(y / 2));
+        // Towards the corner of the sample that the pixel occupies.
+        let (dx, dy) = (if x % 2 == 0 { -1 } else { 1 }, if y % 2 == 0 { -1 } else { 1 });
+        let at = |i: i64, j: i64| samples.at_clamped(i, j);
+        let (beside, above) = (at(i + dx, j), at(i, j + dy));
+        let is_corner = beside == above && beside != at(i, j - dy) && above != at(i - dx, j);
+        if is_corner {
+            ((i + dx).clamp(0, i64::from(samples.width()) - 1) as u32, j as u32)
+        } else {
+            (i as u32, j as u32)
+        }
+    }
+}
+
+impl Upscaler for Epx {
+    fn id(&self) -> &'static str {
+        "epx"
+    }
+
+    fn name(&self) -> &'static str {
+        "EPX"
+    }
+
+    fn help(&self) -> &'static str {
+        "Doubles pixel art and rounds its corners. Invents no colour."
+    }
+
+    fn offers(&self) -> Offers {
+        let scales = &[Scale::TWO];
+        Offers { scales, anchors: &[Anchor::Centre], lights: &[Light::Bytes], deringing: false, sharpening: false }
+    }
+
+    fn sampling(&self, how: Upscaling) -> Sampling {
+        Sampling::of_lattice(how.lattice())
+    }
+
+    fn upscale(&self, how: Upscaling, drawn: &Drawn<'_>, full: &mut Image<Rgba8>) {
+        let size = full.size();
+        for y in 0..size.1 {
+            for x in 0..size.0 {
+                full.set(x, y, self.pixel(how, drawn, size, (x, y)));
+            }
+        }
+    }
+
+    // One pixel alone and its sources: with these two, the inspector can explain every pixel.
+    fn pixel(&self, _how: Upscaling, drawn: &Drawn<'_>, _size: (u32, u32), (x, y): (u32, u32)) -> Rgba8 {
+        let (column, row) = Self::source(drawn.color, x, y);
+        drawn.color.at(column, row)
+    }
+
+    fn taps(&self, _how: Upscaling, drawn: &Drawn<'_>, _size: (u32, u32), (x, y): (u32, u32)) -> Vec<Tap> {
+        let (x, y) = Self::source(drawn.color, x, y);
+        vec![Tap { x, y, weight: 1.0 }]
+    }
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let scene = Arc::new(builtin::ALL[0].build());
+    let viewport = Viewport { width: 640, height: 360 };
+    let mut renderer = Renderer::default();
+    let reference = renderer.render_settled(&scene, &scene.camera, &Recipe::default(), viewport);
+
+    // Every quarter of the pixels: the samples that the built-in doubling draws, too.
+    let mut recipe = Recipe::default();
+    recipe.set_all(&["upscaler.method=nearest", "upscaler.scale=2", "upscaler.anchor=centre"])?;
+    let frame = renderer.render_settled(&scene, &scene.camera, &recipe, viewport);
+    let mut doubled = Image::filled(viewport.width, viewport.height, [0; 4]);
+    Epx.upscale(recipe.upscaler, &Drawn::from(&frame.drawn.color), &mut doubled);
+
+    for (name, picture) in [(recipe.upscaler.upscaler().name(), frame.image()), (Epx.name(), &doubled)] {
+        let error = compare(picture, reference.image()).ok_or("pictures of different sizes")?;
+        println!("{name:8} PSNR {:.2} dB, SSIM {:.4}", error.psnr_db, error.ssim);
+    }
+    Ok(())
+}

@@ -1,0 +1,181 @@
+//! The manual: the pages of `assets/manual`, as the window shows and searches them.
+
+use std::borrow::Cow;
+
+/// Declares the chapters: variant and file, in reading order.
+macro_rules! chapters {
+    ($($(#[$attribute:meta])* $chapter:ident = $file:literal,)+) => {
+        /// Chapter of the manual.
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+        pub enum Chapter {
+            $($(#[$attribute])* #[doc = concat!("`assets/manual/", $file, "`.")] $chapter,)+
+        }
+
+        impl Chapter {
+            /// All chapters, in reading order.
+            pub const ALL: &[Self] = &[$(Self::$chapter),+];
+
+            /// Name of the file in `assets/manual`.
+            pub fn file(self) -> &'static str {
+                match self {
+                    $(Self::$chapter => $file,)+
+                }
+            }
+
+            /// Text of the file, in Markdown.
+            pub fn text(self) -> &'static str {
+                match self {
+                    $(Self::$chapter => include_str!(concat!("../assets/manual/", $file)),)+
+                }
+            }
+        }
+    };
+}
+
+chapters! {
+    #[default]
+    GettingStarted = "01-getting-started.md",
+    InspectingAPixel = "02-inspecting-a-pixel.md",
+    Stages = "03-stages.md",
+    ComparingUpscalers = "04-comparing-upscalers.md",
+    ErrorAgainstTime = "05-error-against-time.md",
+    Stability = "06-stability.md",
+    SkippedWork = "07-skipped-work.md",
+    Lab = "08-2d-lab.md",
+    Settings = "09-settings.md",
+    Commands = "10-commands.md",
+    CaseFiles = "11-case-files.md",
+    ScenesAndFileFormats = "12-scenes-and-file-formats.md",
+    Conventions = "13-conventions.md",
+    ReadingPlots = "14-reading-plots.md",
+    Reference = "15-reference.md",
+    Changelog = "16-changelog.md",
+}
+
+/// Part of a chapter: its title with what follows, or a heading of second level with what follows.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Section {
+    /// Words of the heading.
+    pub heading: &'static str,
+    /// Heading and text, without pictures and comments.
+    pub markdown: String,
+}
+
+/// Section that contains the words of a search.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Passage {
+    /// Chapter of the section.
+    pub chapter: Chapter,
+    /// Index of the section in [`Chapter::sections`].
+    pub section: usize,
+    /// Heading of the section.
+    pub heading: &'static str,
+    /// First line of the section that contains one of the words, without Markdown marks.
+    pub line: String,
+}
+
+impl Chapter {
+    /// Title: the words of the first heading.
+    pub fn title(self) -> &'static str {
+        self.text().lines().find_map(|line| line.strip_prefix("# ")).unwrap_or(self.file())
+    }
+
+    /// Returns the chapter that a link within the manual leads to, if it leads to one.
+    pub fn of_link(link: &str) -> Option<Self> {
+        let file = link.split('#').next()?;
+        Self::ALL.iter().copied().find(|chapter| chapter.file() == file)
+    }
+
+    /// Sections in reading order. Pictures are left out: they show the window that the reader is looking at.
+    pub fn sections(self) -> Vec<Section> {
+        let mut sections: Vec<Section> = Vec::new();
+        let mut is_code = false;
+        for line in self.text().lines() {
+            is_code ^= line.starts_with("```");
+            let heading = if is_code { None } else { line.strip_prefix("# ").or(line.strip_prefix("## ")) };
+            if let Some(heading) = heading {
+                sections.push(Section { heading, markdown: String::new() });
+            }
+            if let Some(Section { markdown, .. }) = sections.last_mut()
+                && (is_code || !(line.starts_with("![") || line.starts_with("<!--")))
+            {
+                markdown.push_str(line);
+                markdown.push('\n');
+            }
+        }
+        sections
+    }
+}
+
+impl Section {
+    /// Targets of all links in the section.
+    pub fn links(&self) -> impl Iterator<Item = &str> {
+        self.markdown.split("](").skip(1).filter_map(|rest| rest.split(')').next())
+    }
+}
+
+/// Returns the sections that contain all words of `query`, regardless of case: those with a word in the heading first, otherwise
+/// in reading order.
+pub fn find(query: &str) -> Vec<Passage> {
+    let words: Vec<String> = query.split_whitespace().map(str::to_lowercase).collect();
+    let mut found = Vec::new();
+    if words.is_empty() {
+        return found;
+    }
+    for chapter in Chapter::ALL {
+        for (index, section) in chapter.sections().into_iter().enumerate() {
+            let text = section.markdown.to_lowercase();
+            if words.iter().all(|word| text.contains(word)) {
+                let has_word = |text: &str| words.iter().any(|word| text.to_lowercase().contains(word));
+                let line = section.markdown.lines().skip(1).find(|line| has_word(line)).unwrap_or_default();
+                found.push(Passage {
+                    chapter: *chapter,
+                    section: index,
+                    heading: section.heading,
+                    line: plain(line).into_owned(),
+                });
+            }
+        }
+    }
+    let has_all = |heading: &str| words.iter().all(|word| heading.to_lowercase().contains(word));
+    found.sort_by_key(|passage| !has_all(passage.heading));
+    found
+}
+
+/// Returns a line of Markdown without its marks.
+fn plain(line: &str) -> Cow<'_, str> {
+    let line = line.trim_start_matches(['#', '-', '*', '|', '>', ' ']);
+    if line.contains(['*', '`', '|']) { Cow::Owned(line.replace(['*', '`', '|'], "")) } else { Cow::Borrowed(line) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_chapter_begins_with_its_title_and_has_distinct_headings() {
+        for chapter in Chapter::ALL {
+            assert!(chapter.text().starts_with("# "), "{}", chapter.file());
+            let headings: Vec<_> = chapter.sections().iter().map(|section| section.heading).collect();
+            let distinct: std::collections::BTreeSet<_> = headings.iter().collect();
+            assert_eq!(distinct.len(), headings.len(), "{}: {headings:?}", chapter.file());
+        }
+    }
+
+    #[test]
+    fn a_search_finds_headings_first_and_needs_all_words() {
+        let found = find("Getting STARTED");
+        assert_eq!((found[0].chapter, found[0].section), (Chapter::GettingStarted, 0));
+        assert!(find("getting qqqqq").is_empty());
+        assert!(find("  ").is_empty());
+    }
+
+    #[test]
+    fn pictures_and_markers_are_left_out_but_code_is_not() {
+        for section in Chapter::ALL.iter().flat_map(|chapter| chapter.sections()) {
+            assert!(!section.markdown.lines().any(|line| line.starts_with("![")), "{}", section.heading);
+        }
+        let code = Chapter::ALL.iter().flat_map(|chapter| chapter.sections()).any(|s| s.markdown.contains("```sh"));
+        assert!(code);
+    }
+}

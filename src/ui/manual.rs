@@ -1,0 +1,172 @@
+//! The manual in the window: chapters on the left, search above, the page on the right.
+
+use std::collections::HashMap;
+
+use eframe::egui::{self, Key, Label, RichText, ScrollArea, Sense, TextEdit, Ui, WidgetInfo, vec2};
+use egui_commonmark::{CommonMarkCache, CommonMarkViewer};
+
+use super::command::Command;
+use super::theme::{Icon, space, tokens};
+use super::widgets::icon_button;
+use crate::manual::{Chapter, Passage, Section, find};
+
+/// Size of the window when it first opens, in points.
+const DEFAULT_SIZE_POINTS: [f32; 2] = [820.0, 560.0];
+
+/// Width of the list of chapters and results, in points.
+const LIST_POINTS: f32 = 220.0;
+
+/// Results listed at most.
+const MOST_RESULTS: usize = 40;
+
+/// Manual window: which page is open, and what is searched for.
+#[derive(Default)]
+pub struct ManualWindow {
+    is_open: bool,
+    chapter: Chapter,
+    query: String,
+    /// Section to scroll to in the next frame.
+    scroll_to: Option<usize>,
+    /// Whether the search field gets the keyboard focus in the next frame.
+    focuses_search: bool,
+    cache: CommonMarkCache,
+    /// Chapters by the file name that links use.
+    links: HashMap<String, Chapter>,
+}
+
+impl ManualWindow {
+    /// Opens the window at a chapter, or for a search at the chapter last read.
+    pub fn open(&mut self, chapter: Option<Chapter>) {
+        self.is_open = true;
+        match chapter {
+            Some(chapter) => self.go_to(chapter, 0),
+            None => self.focuses_search = true,
+        }
+        if self.links.is_empty() {
+            for chapter in Chapter::ALL.iter().copied() {
+                for section in chapter.sections() {
+                    for link in section.links() {
+                        self.cache.add_link_hook(link);
+                        if let Some(target) = Chapter::of_link(link) {
+                            self.links.insert(link.to_owned(), target);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Whether the window is open.
+    pub fn is_open(&self) -> bool {
+        self.is_open
+    }
+
+    /// Closes the window.
+    pub fn close(&mut self) {
+        self.is_open = false;
+    }
+
+    fn go_to(&mut self, chapter: Chapter, section: usize) {
+        self.chapter = chapter;
+        self.scroll_to = Some(section);
+    }
+
+    /// Draws the window if it is open.
+    pub fn ui(&mut self, ui: &Ui) {
+        let mut is_open = self.is_open;
+        let room = ui.ctx().content_rect().size() - vec2(40.0, 80.0);
+        egui::Window::new("Manual")
+            .open(&mut is_open)
+            .default_size(vec2(DEFAULT_SIZE_POINTS[0], DEFAULT_SIZE_POINTS[1]).min(room))
+            .max_size(room)
+            .collapsible(false)
+            .show(ui.ctx(), |ui| {
+                ui.horizontal_top(|ui| {
+                    ui.vertical(|ui| {
+                        ui.set_width(LIST_POINTS);
+                        self.list(ui);
+                    });
+                    ui.separator();
+                    ui.vertical(|ui| self.page(ui));
+                });
+            });
+        self.is_open = is_open;
+    }
+
+    /// Draws the search field, and below it the results or all chapters.
+    fn list(&mut self, ui: &mut Ui) {
+        let field =
+            ui.add(TextEdit::singleline(&mut self.query).hint_text("Search the manual").desired_width(LIST_POINTS));
+        field.widget_info(|| WidgetInfo::labeled(egui::Role::TextInput, true, "Search the manual"));
+        if std::mem::take(&mut self.focuses_search) {
+            field.request_focus();
+        }
+        let entered = field.lost_focus() && ui.input(|i| i.key_pressed(Key::Enter));
+        ui.add_space(space::S);
+        ScrollArea::vertical().id_salt("chapters").auto_shrink(false).show(ui, |ui| {
+            if self.query.trim().is_empty() {
+                for chapter in Chapter::ALL.iter().copied() {
+                    if ui.selectable_label(self.chapter == chapter, chapter.title()).clicked() {
+                        self.go_to(chapter, 0);
+                    }
+                }
+                return;
+            }
+            let passages = find(&self.query);
+            if passages.is_empty() {
+                ui.label(RichText::new("No section contains these words.").color(tokens(ui).text_weak));
+            }
+            if let Some(first) = passages.first().filter(|_| entered) {
+                self.go_to(first.chapter, first.section);
+            }
+            for passage in passages.iter().take(MOST_RESULTS) {
+                if result(ui, passage) {
+                    self.go_to(passage.chapter, passage.section);
+                }
+            }
+        });
+    }
+
+    /// Draws the open chapter.
+    fn page(&mut self, ui: &mut Ui) {
+        let scroll_to = self.scroll_to.take();
+        ScrollArea::vertical().id_salt(("page", self.chapter)).auto_shrink(false).show(ui, |ui| {
+            for (index, Section { markdown, .. }) in self.chapter.sections().into_iter().enumerate() {
+                let top = ui.cursor().min;
+                CommonMarkViewer::new().show(ui, &mut self.cache, &markdown);
+                if scroll_to == Some(index) {
+                    let heading = egui::Rect::from_min_size(top, vec2(1.0, 1.0));
+                    ui.scroll_to_rect(heading, Some(egui::Align::Min));
+                }
+            }
+        });
+        let clicked = self.links.iter().find(|(link, _)| self.cache.get_link_hook(link) == Some(true));
+        if let Some((_, chapter)) = clicked {
+            let chapter = *chapter;
+            self.go_to(chapter, 0);
+        }
+    }
+}
+
+/// Draws a search result: heading, chapter and the matching line. Returns whether it was clicked.
+fn result(ui: &mut Ui, passage: &Passage) -> bool {
+    let weak = tokens(ui).text_weak;
+    let response = ui
+        .scope(|ui| {
+            ui.add(Label::new(RichText::new(&passage.heading).strong()).truncate().selectable(false));
+            ui.add(Label::new(RichText::new(passage.chapter.title()).small().color(weak)).truncate().selectable(false));
+            ui.add(Label::new(RichText::new(&passage.line).small()).truncate().selectable(false));
+            ui.add_space(space::S);
+        })
+        .response
+        .interact(Sense::click());
+    response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, &passage.heading));
+    response.on_hover_cursor(egui::CursorIcon::PointingHand).clicked()
+}
+
+/// Adds the “?” of a panel, which opens its chapter of the manual.
+pub fn manual_button(ui: &mut Ui, chapter: Chapter, commands: &mut Vec<Command>) {
+    if icon_button(ui, Icon::CircleQuestionMark, &format!("Manual: {}", chapter.title())).clicked() {
+        commands.push(Command::OpenManual(Some(chapter)));
+    }
+}
