@@ -1,6 +1,27 @@
 //! Rasterscope: a software rendering pipeline that can be stopped and inspected at any stage.
 //!
 //! Modules are listed in the order of the data flow; each imports only from those above it.
+//!
+//! # Examples
+//! Render a frame and explain one of its pixels:
+//!
+//! ```
+//! use std::sync::Arc;
+//!
+//! use rasterscope::chain::{Recipe, Renderer};
+//! use rasterscope::inspect::inspect;
+//! use rasterscope::pipeline::viewport::Viewport;
+//! use rasterscope::scene::builtin;
+//!
+//! let scene = Arc::new(builtin::by_id("interpenetrating").unwrap().build());
+//! let (recipe, viewport) = (Recipe::default(), Viewport { width: 64, height: 36 });
+//! let frame = Renderer::default().render_settled(&scene, &scene.home, &recipe, viewport);
+//!
+//! let report = inspect(&scene, &recipe, &frame, 32, 18).unwrap();
+//! assert_eq!(report.color, frame.image().at(32, 18));
+//! assert_eq!(report.visible().unwrap().instance, "blue");
+//! assert!(report.verdict.contains("“blue”"));
+//! ```
 
 pub mod text;
 
@@ -38,3 +59,5 @@ pub mod manual;
 
 #[cfg(feature = "ui")]
 pub mod ui;
+
+pub mod cli;

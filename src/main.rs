@@ -1,8 +1,5 @@
-//! Program entry point: opens the window if started without a command, and runs headless commands otherwise. See
-//! `rasterscope --help`.
-
-mod cli;
+//! The program. See `rasterscope --help`.
 
 fn main() -> std::process::ExitCode {
-    cli::run()
+    rasterscope::cli::run()
 }

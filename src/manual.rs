@@ -116,6 +116,16 @@ impl Section {
 
 /// Returns the sections that contain all words of `query`, regardless of case: those with a word in the heading first, otherwise
 /// in reading order.
+///
+/// # Examples
+/// ```
+/// use rasterscope::manual::{Chapter, find};
+///
+/// let passages = find("getting STARTED");
+/// assert_eq!(passages[0].chapter, Chapter::GettingStarted);
+/// assert_eq!(passages[0].heading, Chapter::GettingStarted.title());
+/// assert!(find("getting qqqqq").is_empty());
+/// ```
 pub fn find(query: &str) -> Vec<Passage> {
     let words: Vec<String> = query.split_whitespace().map(str::to_lowercase).collect();
     let mut found = Vec::new();

@@ -238,7 +238,7 @@ fn faults_in_the_model_are_errors_with_file_and_line() {
         ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", ":4:", "does not exist"),
         ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4294967299\n", ":4:", "does not exist"),
         ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 1 2\n", ":4:", "start at 1"),
-        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf -1 -2 -9\n", ":4:", "reaches back"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf -1 -2 -9\n", ":4:", "before the first"),
         ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 \\", ":4:", "fewer than three"),
         ("v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2 3\n", ":4:", "lines"),
         ("", "", "no faces"),

@@ -1,4 +1,4 @@
-//! Quantitative and comparative sentences of README and help, each with its proof: a check in this file, a test
+//! Quantitative and comparative sentences of manual and help, each with its proof: a check in this file, a test
 //! elsewhere, or a command whose output shows it, for claims about time.
 
 use std::collections::BTreeSet;
@@ -248,52 +248,52 @@ const CLAIMS: &[Claim] = &[
         proof: Proof::Test("src/scene/builtin/cubes.rs", "cubes_share_one_mesh_and_so_a_fraction_of_the_memory"),
     },
     Claim {
-        source: "README.md",
+        source: "assets/manual/03-stages.md",
         words: "ends in exactly one bin, and the sums are checked",
         proof: Proof::Test("tests/fate_sums.rs", "sums_match_in_every_builtin_scene"),
     },
     Claim {
-        source: "README.md",
+        source: "assets/manual/05-error-against-time.md",
         words: "the floor is the 90th percentile of the relative differences of all pairs",
         proof: Proof::Test("src/measure/noise.rs", "the_floor_is_the_90th_percentile_of_the_medians_of_blocks"),
     },
     Claim {
-        source: "README.md",
+        source: "assets/manual/11-case-files.md",
         words: "areas are right to the last bit or the one before",
         proof: Proof::Test("tests/exact_cases.rs", "areas_are_right_to_the_last_bit"),
     },
     Claim {
-        source: "README.md",
+        source: "assets/manual/11-case-files.md",
         words: "answers whose lists take more than 192 MiB are refused before they are computed",
         proof: Proof::Test("src/case/control/tests.rs", "answers_beyond_the_limit_are_refused_with_the_limit_and_soon"),
     },
     Claim {
-        source: "README.md",
+        source: "assets/manual/13-conventions.md",
         words: "onto a grid of 1/256 px before any edge is built",
         proof: Proof::Test("src/math/fixed.rs", "snapping_rounds_to_nearest_with_ties_to_even"),
     },
     Claim {
-        source: "README.md",
-        words: "tests hold that it arrives at the same colour everywhere",
+        source: "assets/manual/02-inspecting-a-pixel.md",
+        words: "tests verify that the replay gives the same colour at every pixel of every built-in scene, under every upscaler",
         proof: Proof::Test(
             "tests/replay.rs",
             "every_pixel_of_every_builtin_scene_replays_to_the_frame_under_every_upscaler",
         ),
     },
     Claim {
-        source: "README.md",
+        source: "assets/manual/04-comparing-upscalers.md",
         words: "after 2 and 16 frames, and so do the commands: further frames of that view are equal, bit for bit",
         proof: Proof::Test("src/chain/tests.rs", "a_settled_picture_changes_no_more"),
     },
     Claim {
-        source: "README.md",
+        source: "assets/manual/13-conventions.md",
         words: "how many of 200 000 pairs of surfaces, between the planes 0.1 and 10 000 and 0.01 % of their distance apart, \
                 get the very same depth",
         proof: Proof::Here(depths_tie_as_often_as_the_table_says),
     },
     Claim {
-        source: "README.md",
-        words: "compares colours, depths and picture with those drawn triangle after triangle, bit for bit",
+        source: "assets/manual/05-error-against-time.md",
+        words: "compares colours, depths and picture with those of classic execution, bit for bit",
         proof: Proof::Command("bench chess --verify"),
     },
 ];
@@ -425,7 +425,7 @@ fn claims_that_were_refuted_stay_out() {
         ("src/antialias/settings.rs", "Converges fastest"),
         ("src/antialias/settings.rs", "as good as the truth"),
         ("src/upscale/nearest.rs", "(scale − 1)/2"),
-        ("README.md", "| pairs that tie |"),
+        ("assets/manual/13-conventions.md", "| pairs that tie |"),
     ];
     for (file, words) in refuted {
         assert!(!flowing(&read(file)).contains(words), "{file}: {words}");
@@ -599,7 +599,7 @@ const GAP: f64 = 1e-4;
 fn depths_tie_as_often_as_the_table_says() {
     const PLANES: [f64; 2] = [0.1, 1e4];
     let [near, far] = [PLANES[0], PLANES[1] / (1.0 + GAP)];
-    let readme = read("README.md");
+    let chapter = read("assets/manual/13-conventions.md");
     for (format, mapping, encoding) in [
         ("f32", DepthMapping::Standard, DepthEncoding::F32),
         ("reversed-f32", DepthMapping::Reversed, DepthEncoding::F32),
@@ -610,7 +610,7 @@ fn depths_tie_as_often_as_the_table_says() {
     ] {
         let scale = DepthScale::perspective(mapping, encoding, PLANES[0] as f32, PLANES[1] as f32);
         let found = [ties(&scale, |t| near * (far / near).powf(t)), ties(&scale, |t| near + (far - near) * t)];
-        let row = readme.lines().find(|line| line.starts_with(&format!("| `{format}` | ")) && line.ends_with("% |"));
+        let row = chapter.lines().find(|line| line.starts_with(&format!("| `{format}` | ")) && line.ends_with("% |"));
         let row = row.unwrap_or_else(|| panic!("no row of {format}"));
         let cells: Vec<&str> = row.trim_end_matches('|').rsplit('|').map(str::trim).take(2).collect();
         for (cell, found) in cells.iter().rev().zip(found) {

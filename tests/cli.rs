@@ -13,6 +13,7 @@ use rasterscope::inspect::assertions::Assertion;
 use rasterscope::inspect::outline::OutlineKind;
 use rasterscope::inspect::{Buffer, Intermediate, Stage};
 use rasterscope::lab::Page;
+use rasterscope::manual::Chapter;
 use rasterscope::measure::motion::Turn;
 use rasterscope::measure::reference::Reference;
 use rasterscope::pipeline::settings::Choice as _;
@@ -100,13 +101,13 @@ fn help_tells_ranges_and_exit_codes() {
         assert!(help(&["render"]).contains(&format!("{key}: {values}")), "{key}");
     }
     for command in COMMANDS_WITH_SETTINGS.into_iter().chain([&["scenes"][..], &["stability"]]) {
-        assert_eq!(help(command).matches("Exit codes: 0 done; 2 ").count(), 1, "{command:?}");
+        assert_eq!(help(command).matches("Exit codes: 0 success; 1 ").count(), 1, "{command:?}");
     }
 }
 
 #[test]
-fn the_readme_names_every_setting_scene_method_buffer_and_kind_and_class_of_cases() {
-    let readme = include_str!("../README.md");
+fn the_manual_names_every_setting_scene_method_buffer_and_kind_and_class_of_cases() {
+    let manual: String = Chapter::ALL.iter().map(|chapter| chapter.text()).collect();
     let settings = Recipe::keys().into_iter().map(|(key, _)| key);
     let scenes = builtin::ALL.iter().map(|scene| scene.id.to_owned());
     let methods = upscale::ALL.iter().map(|upscaler| upscaler.id().to_owned());
@@ -119,7 +120,7 @@ fn the_readme_names_every_setting_scene_method_buffer_and_kind_and_class_of_case
     let names =
         settings.chain(scenes).chain(methods).chain(buffers).chain(kinds).chain(classes).chain(pages).chain(assertions);
     for name in names {
-        assert!(readme.contains(&format!("`{name}`")), "{name}");
+        assert!(manual.contains(&format!("`{name}`")), "{name}");
     }
 }
 
@@ -477,8 +478,8 @@ fn the_plan_tells_what_draws_leave_out_and_why_the_same_in_words_and_as_json() {
     assert!(text.starts_with("128 cubes, 64 × 48 px\n\n128 draws: "), "{text}");
     let told = |part: &str| text.lines().find_map(|line| line.trim().strip_prefix(part)).map(str::trim);
     assert_eq!(told("Vertices"), Some("run"));
-    assert_eq!(told("Clipping"), Some("left out: the whole object is inside the view"));
-    assert_eq!(told("Normals"), Some("left out: this shading reads no normal"));
+    assert_eq!(told("Clipping"), Some("skipped: the whole object is inside the view"));
+    assert_eq!(told("Normals"), Some("skipped: this shading reads no normal"));
 
     let output = run(&folder, &[&args[..], &["--json"]].concat());
     assert_success(&output);
@@ -756,7 +757,7 @@ fn a_case_beyond_the_program_is_refused_in_words() {
     assert_success(&output);
     assert_eq!(stdout(&output), "{\"id\":\"refused\",\"error\":\"no upscaler has the kernel `gauss`\"}\n");
     let output = run(&folder, &["case", "case.json", "-o", "result.json"]);
-    assert_eq!(stdout(&output), "result.json: refused, as no upscaler has the kernel `gauss`\n");
+    assert_eq!(stdout(&output), "result.json: refused: no upscaler has the kernel `gauss`\n");
 }
 
 #[test]
@@ -789,7 +790,7 @@ fn of_many_cases_the_broken_ones_are_told_and_the_others_answered() {
     let complaints: Vec<_> = stderr(&output).lines().collect();
     let starts = [
         "error: 2.json:1:1: EOF while parsing an object",
-        "error: 4.json: an earlier case has the id `a line`, too",
+        "error: 4.json: an earlier case has the same id, `a line`",
         "error: 5.json: unknown kind `cube`, expected one of `tri_coverage`, ",
         "error: 6.json: cannot read it: ",
     ];
@@ -1025,7 +1026,7 @@ fn a_bench_tells_what_frames_cost_in_words_and_in_json() {
     }
     let turning = run(&folder(), &[&size[..], &["--turn", "-0.5"]].concat());
     assert_success(&turning);
-    assert!(stdout(&turning).contains("3 frames, turned by -0.5° from frame to frame"), "{}", stdout(&turning));
+    assert!(stdout(&turning).contains("3 frames, camera orbits by -0.5° per frame"), "{}", stdout(&turning));
     assert!(stdout(&turning).contains("90th percentile of 1 A/A pair"), "{}", stdout(&turning));
     let upscaled = run(&folder(), &[&size[..], &["--set", "upscaler.method=nearest", "--json"]].concat());
     let report: serde_json::Value = serde_json::from_str(stdout(&upscaled)).unwrap();
@@ -1115,7 +1116,7 @@ fn every_triangle_can_be_stepped_to_and_bench_tells_what_that_costs() {
     let args = ["bench", "cubes", "--scrub", "--size", "64x48", "--frames", "2"];
     let told = run(&folder(), &args);
     assert_success(&told);
-    for words in ["first walk", "copies", "one triangle on", "one triangle back", "one fragment on", "jump"] {
+    for words in ["first pass", "copies", "one triangle on", "one triangle back", "one fragment on", "jump"] {
         assert!(stdout(&told).contains(words), "{words}: {}", stdout(&told));
     }
     let json = run(&folder(), &[&args[..], &["--json"]].concat());

@@ -225,6 +225,8 @@ fn only_one_module_opens_files() {
         }
         let source = fs::read_to_string(&path).unwrap();
         let code = source.split("#[cfg(test)]\nmod tests").next().unwrap();
+        // Examples in documentation may do as they like.
+        let code: String = code.lines().filter(|line| !line.trim_start().starts_with("//")).collect();
         let calls = [
             "fs::write",
             "File::create",

@@ -79,12 +79,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let scene = Arc::new(builtin::ALL[0].build());
     let viewport = Viewport { width: 640, height: 360 };
     let mut renderer = Renderer::default();
-    let reference = renderer.render_settled(&scene, &scene.camera, &Recipe::default(), viewport);
+    let reference = renderer.render_settled(&scene, &scene.home, &Recipe::default(), viewport);
 
     // Every quarter of the pixels: the samples that the built-in doubling draws, too.
     let mut recipe = Recipe::default();
     recipe.set_all(&["upscaler.method=nearest", "upscaler.scale=2", "upscaler.anchor=centre"])?;
-    let frame = renderer.render_settled(&scene, &scene.camera, &recipe, viewport);
+    let frame = renderer.render_settled(&scene, &scene.home, &recipe, viewport);
     let mut doubled = Image::filled(viewport.width, viewport.height, [0; 4]);
     Epx.upscale(recipe.upscaler, &Drawn::from(&frame.drawn.color), &mut doubled);
 

@@ -54,6 +54,18 @@ impl Pattern {
     }
 
     /// Returns the sample positions in pixel (x, y), px from its top left corner.
+    ///
+    /// # Examples
+    /// ```
+    /// use rasterscope::antialias::pattern::Pattern;
+    ///
+    /// let offsets = Pattern::Regular { side: 2 }.offsets(0, 0);
+    /// assert_eq!(offsets, [[0.25, 0.25], [0.75, 0.25], [0.25, 0.75], [0.75, 0.75]]);
+    ///
+    /// // Each sample of the rotated grid has a row of its own.
+    /// let rows: Vec<f64> = Pattern::RotatedGrid.offsets(0, 0).iter().map(|[_, y]| *y).collect();
+    /// assert_eq!(rows, [0.125, 0.375, 0.625, 0.875]);
+    /// ```
     pub fn offsets(self, x: u32, y: u32) -> Vec<[f64; 2]> {
         match self {
             Self::Regular { side } => grid(side.max(1), |_, _| [0.5; 2]),

@@ -204,6 +204,21 @@ pub enum Answer {
 }
 
 /// Evaluates a case. Errors: an unsupported request, or cancellation.
+///
+/// # Examples
+/// ```
+/// use std::path::Path;
+///
+/// use rasterscope::case::{Answer, Case, Control, Options, answer};
+///
+/// let json = br#"{"id": "diagonal", "kind": "line", "p0": [0, 0], "p1": [2, 2], "last_pixel": true}"#;
+/// let case = Case::parse(json, Path::new("diagonal.json"))?;
+/// let Answer::Line(line) = answer(&case, Options::default(), &Control::default())? else {
+///     panic!("the case is a line");
+/// };
+/// assert_eq!(line.pixels, [(0, 0), (1, 1), (2, 2)]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn answer(case: &Case, options: Options, control: &Control<'_>) -> Result<Answer, Unanswered> {
     Ok(match &case.task {
         Task::TriCoverage(task) => Answer::TriCoverage(task.answer(options, control)?),

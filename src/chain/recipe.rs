@@ -80,6 +80,22 @@ pub enum SetError {
 impl Recipe {
     /// Changes one setting by its dotted key, as in `light.direction=0.4,0.7,0.6`. Keys and values may be written with
     /// `-` or `_`. On error nothing changes.
+    ///
+    /// # Examples
+    /// ```
+    /// use rasterscope::chain::Recipe;
+    /// use rasterscope::pipeline::settings::Shading;
+    ///
+    /// let mut recipe = Recipe::default();
+    /// recipe.set("shading=gouraud")?;
+    /// assert_eq!(recipe.pipeline.shading, Shading::Gouraud);
+    ///
+    /// // The error lists the accepted values, and the recipe is unchanged.
+    /// let error = recipe.set("shading=phong").unwrap_err();
+    /// assert!(error.to_string().contains("lambert"));
+    /// assert_eq!(recipe.pipeline.shading, Shading::Gouraud);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn set(&mut self, assignment: &str) -> Result<(), SetError> {
         let (_, value) = assignment.split_once('=').ok_or_else(|| SetError::NotAPair(assignment.to_owned()))?;
         let key = key_of(assignment);
@@ -111,6 +127,18 @@ impl Recipe {
 
     /// Changes several settings, in any order: methods and filters are set before the settings that depend on them. On
     /// error nothing changes.
+    ///
+    /// # Examples
+    /// ```
+    /// use rasterscope::chain::Recipe;
+    /// use rasterscope::upscale::Scale;
+    ///
+    /// let mut recipe = Recipe::default();
+    /// recipe.set_all(&["upscaler.scale=4", "upscaler.method=bicubic"])?;
+    /// assert_eq!(recipe.upscaler.method(), "bicubic");
+    /// assert_eq!(recipe.upscaler.scale(), Scale::FOUR);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn set_all(&mut self, assignments: &[impl AsRef<str>]) -> Result<(), SetError> {
         let mut changed = *self;
         let depends = |assignment: &&str| {
@@ -126,6 +154,15 @@ impl Recipe {
     }
 
     /// Returns all dotted keys, each with a description of the values that it accepts.
+    ///
+    /// # Examples
+    /// ```
+    /// use rasterscope::chain::Recipe;
+    ///
+    /// let keys = Recipe::keys();
+    /// let (_, values) = keys.iter().find(|(key, _)| key == "light.ambient").unwrap();
+    /// assert_eq!(values, "number, 0…1");
+    /// ```
     pub fn keys() -> Vec<(String, String)> {
         let mut keys = Vec::new();
         collect_keys(&json(&Self::default()), "", &mut keys);

@@ -22,6 +22,26 @@ use crate::scene::{Camera, Scene};
 use crate::upscale::{Drawn, History, Surfaces};
 
 /// Draws frames by their recipes, on all threads if the recipe allows it, and reuses buffers from frame to frame.
+///
+/// # Examples
+/// ```
+/// use std::sync::Arc;
+///
+/// use rasterscope::chain::{KeepDepth, Recipe, Renderer};
+/// # use rasterscope::pipeline::viewport::Viewport;
+/// # use rasterscope::scene::builtin;
+///
+/// let scene = Arc::new(builtin::by_id("cubes").unwrap().build());
+/// let (recipe, viewport) = (Recipe::default(), Viewport { width: 64, height: 36 });
+/// let mut renderer = Renderer::default();
+/// let first = renderer.render(&scene, &scene.home, &recipe, viewport, KeepDepth::Yes);
+/// let picture = first.image().clone();
+///
+/// // The second frame is drawn into the buffers of the first one.
+/// renderer.recycle(first);
+/// let second = renderer.render(&scene, &scene.home, &recipe, viewport, KeepDepth::Yes);
+/// assert_eq!(*second.image(), picture);
+/// ```
 #[derive(Debug)]
 pub struct Renderer {
     memory: tiled::Memory,

@@ -21,6 +21,23 @@ use crate::upscale::{Drawn, History};
 
 /// Draws one frame of the viewport's size with the classic execution. `observer` sees one sample per pixel, at its
 /// centre, even if a pixel has several. Cannot fail, because a scene is always renderable.
+///
+/// # Examples
+/// ```
+/// use rasterscope::chain::{Recipe, run};
+/// use rasterscope::pipeline::observe::Counters;
+/// # use rasterscope::pipeline::viewport::Viewport;
+/// # use rasterscope::scene::builtin;
+///
+/// let scene = builtin::by_id("interpenetrating").unwrap().build();
+/// let (recipe, viewport) = (Recipe::default(), Viewport { width: 64, height: 36 });
+/// let mut counters = Counters::default();
+/// let frame = run(&scene, &scene.home, &recipe, viewport, &mut counters);
+///
+/// assert_eq!(frame.rasterized(), 2);
+/// assert!(counters.shaded > 0 && counters.passed <= counters.covered);
+/// assert_eq!(counters.shaded, counters.passed, "both triangles are opaque");
+/// ```
 pub fn run<O: Observer>(
     scene: &Scene,
     camera: &Camera,

@@ -3,15 +3,15 @@
 use std::sync::atomic::Ordering;
 
 use clap::{Args, ValueEnum};
-use rasterscope::chain::Recipe;
-use rasterscope::math::lanes::Lanes;
-use rasterscope::measure::against::Figures;
-use rasterscope::measure::bench::{BenchReport, Frames, bench};
-use rasterscope::measure::motion::{MotionError, Shot, Turn, between};
-use rasterscope::measure::noise;
-use rasterscope::measure::stages::StageSummary;
-use rasterscope::measure::timing::Summary;
-use rasterscope::upscale::Upscaling;
+use crate::chain::Recipe;
+use crate::math::lanes::Lanes;
+use crate::measure::against::Figures;
+use crate::measure::bench::{BenchReport, Frames, bench};
+use crate::measure::motion::{MotionError, Shot, Turn, between};
+use crate::measure::noise;
+use crate::measure::stages::StageSummary;
+use crate::measure::timing::Summary;
+use crate::upscale::Upscaling;
 use serde::Serialize;
 
 use super::bench_scrub;

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use rasterscope::chain::run;
-use rasterscope::inspect::scrub::{BUDGET, Moment, Scrubber};
-use rasterscope::measure::timing::{Summary, summarize};
-use rasterscope::pipeline::viewport::Viewport;
+use crate::chain::run;
+use crate::inspect::scrub::{BUDGET, Moment, Scrubber};
+use crate::measure::timing::{Summary, summarize};
+use crate::pipeline::viewport::Viewport;
 use serde::Serialize;
 
 use super::scene_args::View;

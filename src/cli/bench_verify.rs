@@ -1,7 +1,7 @@
 //! `rasterscope bench --verify`: checks that all ways to draw a frame give the same bits.
 
-use rasterscope::measure::equality::{Difference, Equality, Quantity, Way, verify as compare};
-use rasterscope::pipeline::viewport::Viewport;
+use crate::measure::equality::{Difference, Equality, Quantity, Way, verify as compare};
+use crate::pipeline::viewport::Viewport;
 
 use super::failure::Failure;
 use super::scene_args::View;

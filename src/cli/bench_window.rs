@@ -1,7 +1,7 @@
 //! `rasterscope bench --window`: cost of the window itself, without the picture.
 
-use rasterscope::measure::window_cost::WindowCost;
-use rasterscope::pipeline::viewport::Viewport;
+use crate::measure::window_cost::WindowCost;
+use crate::pipeline::viewport::Viewport;
 
 use super::failure::Failure;
 use super::scene_args::View;

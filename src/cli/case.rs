@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
-use rasterscope::case::{Case, CaseResult, Control, Options, Outcome, solve};
-use rasterscope::disk;
-use rasterscope::pipeline::settings::{Arithmetic, Rasterizer};
+use crate::case::{Case, CaseResult, Control, Options, Outcome, solve};
+use crate::disk;
+use crate::pipeline::settings::{Arithmetic, Rasterizer};
 
 use super::failure::Failure;
 use super::{interrupt, output, parse};

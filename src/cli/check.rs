@@ -3,8 +3,8 @@
 use std::sync::atomic::AtomicBool;
 
 use clap::Args;
-use rasterscope::inspect::assertions::{Assertion, Finding, Report, check};
-use rasterscope::pipeline::settings::Choice as _;
+use crate::inspect::assertions::{Assertion, Finding, Report, check};
+use crate::pipeline::settings::Choice as _;
 
 use super::failure::Failure;
 use super::scene_args::{Drawn, FrameArgs};

@@ -4,16 +4,16 @@ use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
 use clap::Args;
-use rasterscope::chain::{Frame, Recipe, Renderer};
-use rasterscope::image::file::write_png;
-use rasterscope::inspect::fields::{FieldChange, changes};
-use rasterscope::inspect::what_if::Changes;
-use rasterscope::inspect::{Buffer, capture, view};
-use rasterscope::measure::error::{ImageError, compare};
-use rasterscope::measure::machine::Machine;
-use rasterscope::measure::motion::{MotionError, Shot, Turn, between};
-use rasterscope::measure::noise;
-use rasterscope::measure::pair::{PairTimer, PairTimes};
+use crate::chain::{Frame, Recipe, Renderer};
+use crate::image::file::write_png;
+use crate::inspect::fields::{FieldChange, changes};
+use crate::inspect::what_if::Changes;
+use crate::inspect::{Buffer, capture, view};
+use crate::measure::error::{ImageError, compare};
+use crate::measure::machine::Machine;
+use crate::measure::motion::{MotionError, Shot, Turn, between};
+use crate::measure::noise;
+use crate::measure::pair::{PairTimer, PairTimes};
 use serde::Serialize;
 
 use super::failure::Failure;
@@ -125,7 +125,7 @@ fn compared(
     view: &View,
     (a, before): (&Recipe, &Frame),
     (b, after): (&Recipe, &Frame),
-) -> Result<(Changes, rasterscope::image::Image<rasterscope::image::Rgba8>), Failure> {
+) -> Result<(Changes, crate::image::Image<crate::image::Rgba8>), Failure> {
     let captured =
         |recipe: &Recipe, frame: &Frame| capture(&view.scene, recipe, frame).completed_for(buffer, recipe, frame);
     let buffers = (buffer != Buffer::Color).then(|| [captured(a, before), captured(b, after)]);
@@ -163,7 +163,7 @@ fn text(report: &DiffReport) -> String {
         text += "A and B have the same settings\n";
     }
     let pixels = u64::from(width) * u64::from(height);
-    let name = rasterscope::pipeline::settings::Choice::id(report.buffer);
+    let name = crate::pipeline::settings::Choice::id(report.buffer);
     let (count, share) = (report.changed_pixels, report.changed_share * 100.0);
     text += &format!("{name}: {count} of {pixels} pixels changed ({share:.4} %)\n");
     if let Some(ImageError { mse, psnr_db, ssim, max_abs, .. }) = report.picture_error {

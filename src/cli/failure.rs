@@ -4,12 +4,12 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use super::interrupt::INTERRUPTED;
-use rasterscope::case::CaseError;
-use rasterscope::chain::SetError;
-use rasterscope::drawing::file::DrawingFileError;
-use rasterscope::image::file::ImageFileError;
-use rasterscope::pipeline::viewport::Viewport;
-use rasterscope::scene::SceneError;
+use crate::case::CaseError;
+use crate::chain::SetError;
+use crate::drawing::file::DrawingFileError;
+use crate::image::file::ImageFileError;
+use crate::pipeline::viewport::Viewport;
+use crate::scene::SceneError;
 use thiserror::Error;
 
 /// Exit code for unusable input and unwritable output.

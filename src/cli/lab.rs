@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use rasterscope::image::file;
-use rasterscope::lab::drawing::write_recording;
-use rasterscope::lab::recording::Recording;
-use rasterscope::lab::{Lesson, Page};
-use rasterscope::pipeline::settings::Choice as _;
+use crate::image::file;
+use crate::lab::drawing::write_recording;
+use crate::lab::recording::Recording;
+use crate::lab::{Lesson, Page};
+use crate::pipeline::settings::Choice as _;
 
 use super::failure::Failure;
 use super::{output, parse};

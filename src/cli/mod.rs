@@ -44,7 +44,7 @@ use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 
 use failure::Failure;
-use rasterscope::disk;
+use crate::disk;
 use seen_args::WindowArgs;
 
 /// An interactive workbench for a software rendering pipeline
@@ -130,7 +130,7 @@ enum Command {
 }
 
 /// Runs the program with the arguments of the process.
-pub(crate) fn run() -> ExitCode {
+pub fn run() -> ExitCode {
     disk::protect_inputs();
     let outcome = match Cli::try_parse() {
         Ok(cli) => execute(&cli),

@@ -4,7 +4,7 @@ use std::fmt::Display;
 use std::io::{self, ErrorKind, Write as _, stderr, stdout};
 use std::path::Path;
 
-use rasterscope::{disk, text};
+use crate::{disk, text};
 use serde::Serialize;
 
 use super::failure::Failure;

@@ -4,11 +4,11 @@ use std::ffi::OsStr;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Arg, Command};
-use rasterscope::inspect::overlays::{Layer, Overlay};
-use rasterscope::pipeline::settings::Choice;
-use rasterscope::pipeline::viewport::Viewport;
-use rasterscope::scene::UpAxis;
-use rasterscope::scene::obj::TrMeaning;
+use crate::inspect::overlays::{Layer, Overlay};
+use crate::pipeline::settings::Choice;
+use crate::pipeline::viewport::Viewport;
+use crate::scene::UpAxis;
+use crate::scene::obj::TrMeaning;
 
 /// Parses a size such as `1280x720`.
 pub(crate) fn size(text: &str) -> Result<Viewport, String> {

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use clap::Args;
-use rasterscope::inspect::{Survey, Trace, explain};
-use rasterscope::measure::timing::summarize;
-use rasterscope::scene::seams::Seams;
+use crate::inspect::{Survey, Trace, explain};
+use crate::measure::timing::summarize;
+use crate::scene::seams::Seams;
 
 use super::failure::Failure;
 use super::pixel_text::describe;

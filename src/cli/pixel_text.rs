@@ -2,11 +2,11 @@
 
 use std::fmt::Debug;
 
-use rasterscope::image::Rgba8;
-use rasterscope::inspect::history::SampleState;
-use rasterscope::inspect::pixel::{ShadingRecord, SourceRecord, TextureMap};
-use rasterscope::inspect::{DepthRecord, FragmentRecord, Outcome, PixelReport};
-use rasterscope::pipeline::settings::{Arithmetic, Choice as _};
+use crate::image::Rgba8;
+use crate::inspect::history::SampleState;
+use crate::inspect::pixel::{ShadingRecord, SourceRecord, TextureMap};
+use crate::inspect::{DepthRecord, FragmentRecord, Outcome, PixelReport};
+use crate::pipeline::settings::{Arithmetic, Choice as _};
 
 /// Formats the whole report in several lines.
 pub(crate) fn describe(report: &PixelReport) -> String {

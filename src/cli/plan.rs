@@ -5,16 +5,16 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use clap::Args;
-use rasterscope::chain::{Recipe, execution};
-use rasterscope::measure::leaving_out::{Saving, Savings, savings};
-use rasterscope::measure::noise;
-use rasterscope::pipeline::plan::Part;
-use rasterscope::pipeline::settings::Execution;
-use rasterscope::pipeline::viewport::Viewport;
-use rasterscope::pipeline::{prepare, tiled};
-use rasterscope::report::leaving_out::{Row, table, views};
-use rasterscope::report::plan::{Group, Whole, groups, text, whole, whole_text};
-use rasterscope::scene::{Camera, Scene};
+use crate::chain::{Recipe, execution};
+use crate::measure::leaving_out::{Saving, Savings, savings};
+use crate::measure::noise;
+use crate::pipeline::plan::Part;
+use crate::pipeline::settings::Execution;
+use crate::pipeline::viewport::Viewport;
+use crate::pipeline::{prepare, tiled};
+use crate::report::leaving_out::{Row, table, views};
+use crate::report::plan::{Group, Whole, groups, text, whole, whole_text};
+use crate::scene::{Camera, Scene};
 use serde::Serialize;
 
 use super::failure::Failure;

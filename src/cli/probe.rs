@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use clap::Args;
-use rasterscope::case::MinimalCase;
-use rasterscope::image::file::write_png;
-use rasterscope::inspect::probe::{
+use crate::case::MinimalCase;
+use crate::image::file::write_png;
+use crate::inspect::probe::{
     Changed, Fragile, Heat, Jittered, Probe, ProbeResult, Subject, picture, run as probe,
 };
-use rasterscope::pipeline::settings::Choice as _;
+use crate::pipeline::settings::Choice as _;
 use serde::Serialize;
 
 use super::failure::Failure;
@@ -94,7 +94,7 @@ struct Told<'a> {
     width: u32,
     height: u32,
     probe: Probe,
-    summary: rasterscope::inspect::probe::Summary,
+    summary: crate::inspect::probe::Summary,
     ranking: &'a [Fragile],
 }
 

@@ -5,14 +5,14 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use clap::Args;
-use rasterscope::chain::Recipe;
-use rasterscope::measure::motion::Turn;
-use rasterscope::measure::reference::Reference;
-use rasterscope::pipeline::viewport::Viewport;
-use rasterscope::report::upscaling::csv::csv;
-use rasterscope::report::upscaling::page::page;
-use rasterscope::report::upscaling::sweep::{self, Plan, Progress, Subject, every_upscaler};
-use rasterscope::scene::obj::Loaded;
+use crate::chain::Recipe;
+use crate::measure::motion::Turn;
+use crate::measure::reference::Reference;
+use crate::pipeline::viewport::Viewport;
+use crate::report::upscaling::csv::csv;
+use crate::report::upscaling::page::page;
+use crate::report::upscaling::sweep::{self, Plan, Progress, Subject, every_upscaler};
+use crate::scene::obj::Loaded;
 
 use super::failure::Failure;
 use super::progress::ProgressLine;

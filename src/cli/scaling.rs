@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use rasterscope::chain::Recipe;
-use rasterscope::measure::scaling::{Plan, Quantity, Scaling, ScalingError, measure};
-use rasterscope::report::scaling::{csv, page, text};
+use crate::chain::Recipe;
+use crate::measure::scaling::{Plan, Quantity, Scaling, ScalingError, measure};
+use crate::report::scaling::{csv, page, text};
 
 use super::failure::Failure;
 use super::progress::ProgressLine;

@@ -6,12 +6,12 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use rasterscope::chain::{Frame, Recipe, Renderer, run};
-use rasterscope::inspect::scrub::{Moment, Scrubber};
-use rasterscope::pipeline::settings::{Arithmetic, Rasterizer};
-use rasterscope::pipeline::viewport::Viewport;
-use rasterscope::scene::obj::{Loaded, TrMeaning};
-use rasterscope::scene::{Camera, LoadControl, MemoryLimit, Scene, SceneSource, Warning, builtin, camera_file};
+use crate::chain::{Frame, Recipe, Renderer, run};
+use crate::inspect::scrub::{Moment, Scrubber};
+use crate::pipeline::settings::{Arithmetic, Rasterizer};
+use crate::pipeline::viewport::Viewport;
+use crate::scene::obj::{Loaded, TrMeaning};
+use crate::scene::{Camera, LoadControl, MemoryLimit, Scene, SceneSource, Warning, builtin, camera_file};
 
 use super::failure::Failure;
 use super::parse::Up;
@@ -90,8 +90,8 @@ impl MemoryArgs {
 const SLOW_LOAD: Duration = Duration::from_secs(1);
 
 const CAMERA_HELP: &str = "View, as JSON or as a path to a JSON file, for example\n\
-    {\"eye\": [0, 1, 5], \"target\": [0, 0, 0], \"up\": [0, 1, 0], \"fov_y_degrees\": 45, \"near\": 0.1, \"far\": \
-    100}\n\
+    {\"eye\": [0, 1, 5], \"target\": [0, 0, 0], \"up\": [0, 1, 0], \"fov_y_degrees\": 45, \
+    \"near\": 0.1, \"far\": 100}\n\
     in world space. `up` can be omitted, `fov_y_radians` can replace `fov_y_degrees`, and `height` (in world units) \
     instead of the angle gives an orthographic view. Default: the scene's home view";
 

@@ -1,6 +1,6 @@
 //! `rasterscope scenes`: lists the built-in scenes.
 
-use rasterscope::scene::builtin;
+use crate::scene::builtin;
 
 use super::failure::Failure;
 use super::output;

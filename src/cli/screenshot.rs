@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use rasterscope::image::file::write_png;
-use rasterscope::image::{Image, Rgba8};
-use rasterscope::inspect::Intermediate;
-use rasterscope::inspect::fates::TriangleFate;
-use rasterscope::inspect::mesh_view::MeshStyle;
-use rasterscope::inspect::scrub::Moment;
-use rasterscope::lab::Page;
-use rasterscope::pipeline::viewport::Viewport;
+use crate::image::file::write_png;
+use crate::image::{Image, Rgba8};
+use crate::inspect::Intermediate;
+use crate::inspect::fates::TriangleFate;
+use crate::inspect::mesh_view::MeshStyle;
+use crate::inspect::scrub::Moment;
+use crate::lab::Page;
+use crate::pipeline::viewport::Viewport;
 
 use super::failure::Failure;
 use super::scene_args::SceneArgs;
@@ -169,6 +169,8 @@ pub(crate) enum Compare {
 pub(crate) enum Open {
     /// Key sheet: all keys by topic
     Keys,
+    /// Manual
+    Manual,
     /// Command palette: a search over all commands
     Palette,
     /// List of bookmarks, with one bookmark

@@ -1,11 +1,11 @@
 //! View of the frame: the options that "Copy as command" adds to scene, camera and settings.
 
 use clap::Args;
-use rasterscope::inspect::display::Display;
-use rasterscope::inspect::overlays::Layer;
-use rasterscope::inspect::scrub::Moment;
-use rasterscope::inspect::{Buffer, Intermediate, Stage};
-use rasterscope::pipeline::viewport::Viewport;
+use crate::inspect::display::Display;
+use crate::inspect::overlays::Layer;
+use crate::inspect::scrub::Moment;
+use crate::inspect::{Buffer, Intermediate, Stage};
+use crate::pipeline::viewport::Viewport;
 
 use super::failure::Failure;
 use super::parse::{self, Either};

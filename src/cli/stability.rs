@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use rasterscope::pipeline::settings::{Arithmetic, Rasterizer};
-use rasterscope::report::stability::catalogue::{self, Class};
-use rasterscope::report::stability::sweep::{self, DEFAULT_SEED, Plan, Progress, Report};
-use rasterscope::report::stability::{csv::csv, html::html, text::text};
+use crate::pipeline::settings::{Arithmetic, Rasterizer};
+use crate::report::stability::catalogue::{self, Class};
+use crate::report::stability::sweep::{self, DEFAULT_SEED, Plan, Progress, Report};
+use crate::report::stability::{csv::csv, html::html, text::text};
 
 use super::failure::Failure;
 use super::progress::ProgressLine;

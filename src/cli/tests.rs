@@ -1,7 +1,7 @@
-use rasterscope::inspect::display::Display;
-use rasterscope::inspect::{Buffer, Intermediate, Place, Stage};
-use rasterscope::pipeline::settings::Choice as _;
-use rasterscope::scene::{Projection, SceneSource};
+use crate::inspect::display::Display;
+use crate::inspect::{Buffer, Intermediate, Place, Stage};
+use crate::pipeline::settings::Choice as _;
+use crate::scene::{Projection, SceneSource};
 
 use super::*;
 
@@ -55,7 +55,7 @@ fn places() -> Vec<Place> {
         scene: "cubes".into(),
         mirrored: false,
         camera,
-        recipe: rasterscope::chain::Recipe::default(),
+        recipe: crate::chain::Recipe::default(),
         picture: Some((320, 200)),
         buffer: Buffer::Color,
         stage: None,

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
 use clap::Args;
-use rasterscope::drawing::file;
-use rasterscope::inspect::outline::{OutlineControl, OutlineKind, OutlineRequest, outline};
+use crate::drawing::file;
+use crate::inspect::outline::{OutlineControl, OutlineKind, OutlineRequest, outline};
 
 use super::failure::Failure;
 use super::progress::ProgressLine;

@@ -6,20 +6,20 @@
 
 use std::panic::{self, AssertUnwindSafe};
 
-use rasterscope::chain::Recipe;
-use rasterscope::image::{Image, Rgba8};
-use rasterscope::measure::window_cost::WindowCost;
-use rasterscope::pipeline::viewport::Viewport;
-use rasterscope::ui::command::Command;
-use rasterscope::ui::compare::{Change, Mode};
-use rasterscope::ui::engine::Shown;
-use rasterscope::ui::overlays;
-use rasterscope::ui::panels::bottom;
-use rasterscope::ui::place;
-use rasterscope::ui::range;
-use rasterscope::ui::watch;
-use rasterscope::ui::what_if;
-use rasterscope::ui::{self, ScreenshotRequest, Seen, WindowStart};
+use crate::chain::Recipe;
+use crate::image::{Image, Rgba8};
+use crate::measure::window_cost::WindowCost;
+use crate::pipeline::viewport::Viewport;
+use crate::ui::command::Command;
+use crate::ui::compare::{Change, Mode};
+use crate::ui::engine::Shown;
+use crate::ui::overlays;
+use crate::ui::panels::bottom;
+use crate::ui::place;
+use crate::ui::range;
+use crate::ui::watch;
+use crate::ui::what_if;
+use crate::ui::{self, ScreenshotRequest, Seen, WindowStart};
 
 use super::failure::Failure;
 use super::parse::Either;
@@ -99,6 +99,7 @@ fn comparison(compare: Compare) -> Change {
 fn open_first(open: Open) -> Vec<Command> {
     match open {
         Open::Keys => vec![Command::ToggleKeys],
+        Open::Manual => vec![Command::OpenManual(None)],
         Open::Palette => vec![Command::OpenPalette],
         Open::Bookmarks => vec![Command::Place(place::Change::Bookmark), Command::Place(place::Change::Manage)],
     }

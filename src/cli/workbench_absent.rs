@@ -1,9 +1,9 @@
 //! Replacement for the workbench in builds without it (feature `ui` off): every function returns an error that says so.
 
-use rasterscope::chain::Recipe;
-use rasterscope::image::{Image, Rgba8};
-use rasterscope::measure::window_cost::WindowCost;
-use rasterscope::pipeline::viewport::Viewport;
+use crate::chain::Recipe;
+use crate::image::{Image, Rgba8};
+use crate::measure::window_cost::WindowCost;
+use crate::pipeline::viewport::Viewport;
 
 use super::failure::Failure;
 use super::scene_args::View;

@@ -86,6 +86,23 @@ pub fn format_of(path: &Path) -> Result<Format, DrawingFileError> {
 }
 
 /// Writes a drawing with `scale` pixels, or points of a page, per unit, in the format that the file name selects.
+///
+/// # Examples
+/// ```
+/// use glam::DVec2;
+/// use rasterscope::drawing::Drawing;
+/// use rasterscope::drawing::file::write;
+///
+/// let mut drawing = Drawing { size: DVec2::new(64.0, 36.0), background: [255; 3], shapes: Vec::new() };
+/// drawing.square(8.0, 8.0, 16.0, [200, 30, 30]);
+///
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("square.svg");
+/// write(&path, &drawing, 1.0)?;
+/// let svg = std::fs::read_to_string(&path)?;
+/// assert!(svg.contains("<polygon") && svg.contains("#c81e1e"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn write(path: &Path, drawing: &Drawing, scale: f64) -> Result<(), DrawingFileError> {
     save(path, &encode(path, drawing, scale)?)
 }

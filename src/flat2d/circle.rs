@@ -32,6 +32,18 @@ const REFLECTIONS: u8 = 8;
 ///
 /// The order follows the octant: first all reflections of the topmost pixel, and last those at the diagonals. A radius
 /// of 0 gives only the centre pixel.
+///
+/// # Examples
+/// ```
+/// use rasterscope::flat2d::circle::midpoint_circle;
+///
+/// let pixels: Vec<_> = midpoint_circle((10, 10), 3).collect();
+/// assert_eq!(pixels.len(), 16);
+/// assert!(pixels.contains(&(10, 13)) && pixels.contains(&(12, 12)));
+///
+/// let dot: Vec<_> = midpoint_circle((10, 10), 0).collect();
+/// assert_eq!(dot, [(10, 10)]);
+/// ```
 pub fn midpoint_circle(center: (i32, i32), radius: u32) -> Circle {
     let radius = i64::from(radius);
     Circle { center, x: 0, y: radius, decision: 1 - radius, reflection: 0 }

@@ -33,6 +33,14 @@ pub struct MidpointLine {
 
 /// Returns the pixels from `p0` to `p1`, both included, in that order: max(|Δx|, |Δy|) + 1 pixels. Accepts any
 /// coordinates.
+///
+/// # Examples
+/// ```
+/// use rasterscope::flat2d::line::midpoint_line;
+///
+/// let pixels: Vec<_> = midpoint_line((0, 0), (4, 2)).collect();
+/// assert_eq!(pixels, [(0, 0), (1, 0), (2, 1), (3, 1), (4, 2)]);
+/// ```
 pub fn midpoint_line(p0: (i64, i64), p1: (i64, i64)) -> MidpointLine {
     let (width, height) = (p0.0.abs_diff(p1.0), p0.1.abs_diff(p1.1));
     let slanted = (step_towards(p0.0, p1.0), step_towards(p0.1, p1.1));

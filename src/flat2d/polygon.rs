@@ -133,6 +133,22 @@ pub struct PolygonFill {
 /// Returns the spans of the polygon within these closed contours, row by row from the top and left to right.
 ///
 /// Two spans of a row never touch.
+///
+/// # Examples
+/// ```
+/// use glam::DVec2;
+/// use rasterscope::flat2d::Span;
+/// use rasterscope::flat2d::polygon::{Corners, Filling, InsideRule, SamplePoint, fill};
+///
+/// let outline = [(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)].map(DVec2::from).to_vec();
+/// let hole = [(1.0, 1.0), (3.0, 1.0), (3.0, 3.0), (1.0, 3.0)].map(DVec2::from).to_vec();
+/// let (rule, corners, sample) = (InsideRule::EvenOdd, Corners::AsGiven, SamplePoint::Center);
+/// let filling = Filling { rule, corners, sample, width: 64, height: 36 };
+///
+/// let spans: Vec<_> = fill(&[outline, hole], filling).take(3).collect();
+/// assert_eq!(spans[0], Span { y: 0, x0: 0, x1: 4 });
+/// assert_eq!(spans[1..], [Span { y: 1, x0: 0, x1: 1 }, Span { y: 1, x0: 3, x1: 4 }]);
+/// ```
 pub fn fill(contours: &[Vec<DVec2>], filling: Filling) -> PolygonFill {
     let corner = |point: DVec2| match filling.corners {
         Corners::AsGiven => point,

@@ -164,6 +164,20 @@ pub fn decode(srgb: f32) -> f32 {
 }
 
 /// Returns the sRGB value of linear light in [0, 1].
+///
+/// # Examples
+/// ```
+/// use rasterscope::image::color::{decode, decode_byte, encode, quantize};
+///
+/// // Half of the light has sRGB code 188, not 128.
+/// assert_eq!(quantize(encode(0.5)), 188);
+/// assert!((decode(188.0 / 255.0) - 0.5).abs() < 0.01);
+///
+/// // Every code survives the round trip.
+/// for code in 0..=255 {
+///     assert_eq!(quantize(encode(decode_byte(code))), code);
+/// }
+/// ```
 pub fn encode(linear: f32) -> f32 {
     if linear <= 0.003_130_8 { linear * 12.92 } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }

@@ -173,6 +173,21 @@ fn to_rgba(decoded: DynamicImage) -> Image<Rgba8> {
 }
 
 /// Writes a PNG: RGB if every pixel is opaque, else RGBA. Replaces an existing file; creates no folders.
+///
+/// # Examples
+/// ```
+/// use rasterscope::image::Image;
+/// use rasterscope::image::file::{encode_png, read, write_png};
+///
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("gradient.png");
+/// let image = Image::from_fn(64, 36, |x, y| [x as u8, y as u8, 0, 255]);
+/// write_png(&path, &image)?;
+///
+/// assert_eq!(read(&path)?, image);
+/// assert_eq!(std::fs::read(&path)?, encode_png(&image)?);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn write_png(path: &Path, image: &Image<Rgba8>) -> Result<(), ImageFileError> {
     encode_png(image)
         .and_then(|bytes| disk::write(path, &bytes))

@@ -38,6 +38,17 @@ impl<T: Copy> Image<T> {
     }
 
     /// Returns a picture computed by calling `value` with (x, y) of every pixel, row by row from the top.
+    ///
+    /// # Examples
+    /// ```
+    /// use rasterscope::image::Image;
+    ///
+    /// let image = Image::from_fn(64, 36, |x, y| x + 100 * y);
+    /// assert_eq!(image.size(), (64, 36));
+    /// assert_eq!(image.at(5, 2), 205);
+    /// assert_eq!(image.get(64, 2), None);
+    /// assert_eq!(image.at_clamped(-3, 99), 3500, "the value at (0, 35)");
+    /// ```
     pub fn from_fn(width: u32, height: u32, mut value: impl FnMut(u32, u32) -> T) -> Self {
         let mut pixels = Vec::with_capacity(width as usize * height as usize);
         for y in 0..height {

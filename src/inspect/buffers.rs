@@ -49,6 +49,27 @@ pub struct Buffers {
 }
 
 /// Draws the frame again and records all quantities except the hits.
+///
+/// # Examples
+/// ```
+/// # use rasterscope::chain::{Recipe, run};
+/// # use rasterscope::pipeline::viewport::Viewport;
+/// # use rasterscope::scene::builtin;
+/// #
+/// # let scene = builtin::by_id("interpenetrating").unwrap().build();
+/// # let (recipe, viewport) = (Recipe::default(), Viewport { width: 64, height: 36 });
+/// # let frame = run(&scene, &scene.home, &recipe, viewport, &mut ());
+/// use rasterscope::inspect::capture;
+/// use rasterscope::scene::TriangleId;
+///
+/// let buffers = capture(&scene, &recipe, &frame);
+/// assert_eq!(buffers.overdraw.at(32, 18), 2);
+/// assert_eq!(buffers.triangle.at(32, 18), TriangleId(1));
+/// assert_eq!(buffers.triangle.at(0, 0), TriangleId::NONE);
+///
+/// let [a, b, c] = buffers.lambda.at(32, 18);
+/// assert!((a + b + c - 1.0).abs() < 1e-5);
+/// ```
 pub fn capture(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Buffers {
     let (width, height) = frame.drawn.color.size();
     let mut buffers = Buffers {

@@ -227,6 +227,25 @@ impl PixelReport {
 }
 
 /// Replays pixel (x, y) of a frame. Returns `None` outside the picture.
+///
+/// # Examples
+/// ```
+/// use rasterscope::chain::{Recipe, run};
+/// use rasterscope::inspect::{Outcome, inspect};
+/// # use rasterscope::pipeline::viewport::Viewport;
+/// # use rasterscope::scene::builtin;
+///
+/// let scene = builtin::by_id("interpenetrating").unwrap().build();
+/// let (recipe, viewport) = (Recipe::default(), Viewport { width: 64, height: 36 });
+/// let frame = run(&scene, &scene.home, &recipe, viewport, &mut ());
+///
+/// // Both triangles cover the pixel, and the one drawn last is nearer.
+/// let report = inspect(&scene, &recipe, &frame, 32, 18).unwrap();
+/// assert_eq!(report.color, frame.image().at(32, 18));
+/// assert_eq!(report.fragments.len(), 2);
+/// assert_eq!(report.fragments[0].outcome, Outcome::Overwritten);
+/// assert_eq!(report.fragments[1].outcome, Outcome::Visible);
+/// ```
 pub fn inspect(scene: &Scene, recipe: &Recipe, frame: &Frame, x: u32, y: u32) -> Option<PixelReport> {
     let mut report = replayed(scene, recipe, frame, x, y)?;
     report.verdict = verdict(&report, scene, recipe, frame);

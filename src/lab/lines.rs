@@ -400,11 +400,8 @@ fn midpoint_steps(mut line: MidpointLine, [from, to]: [DVec2; 2]) -> Box<dyn Ite
             says: format!("Pixel ({}, {}); {why}", pixel.0, pixel.1),
             state: vec![
                 pair("D", number(decision as f64, 0)),
-                pair("added by a straight step", number(2.0 * width.min(height) as f64, 0)),
-                pair(
-                    "added by a diagonal step",
-                    number(2.0 * width.min(height) as f64 - 2.0 * width.max(height) as f64, 0),
-                ),
+                pair("added if straight", number(2.0 * width.min(height) as f64, 0)),
+                pair("added if diagonal", number(2.0 * width.min(height) as f64 - 2.0 * width.max(height) as f64, 0)),
                 pair("octant", octant(last.0 - first.0, last.1 - first.1)),
             ],
         })

@@ -67,7 +67,7 @@ fn all_line_methods_show_the_line_between_whole_ends() {
         assert!(beside <= 2 || *method == LineMethod::Distance, "{method:?}: {beside}");
     }
     let drift = |method| {
-        fact(&LineLesson { method, ..LineLesson::default() }.record(), "drift if 1000 times as long").replace('−', "-")
+        fact(&LineLesson { method, ..LineLesson::default() }.record(), "drift at 1000 × the length").replace('−', "-")
     };
     let px = |method| drift(method).trim_end_matches(" px").parse::<f64>().unwrap().abs();
     assert!(px(LineMethod::Addition) > 5.0 * px(LineMethod::Intersection), "{}", drift(LineMethod::Addition));
@@ -89,13 +89,13 @@ fn pixels_that_the_other_direction_covers_are_outlined_unless_ties_do_not_depend
     let outlines = |lesson: &LineLesson| {
         lesson.record().figure.iter().filter(|mark| matches!(mark, Mark::Outline(_, Tone::A))).count()
     };
-    let differing = |lesson: &LineLesson| fact(&lesson.record(), "other pixels from the second end").to_owned();
+    let differing = |lesson: &LineLesson| fact(&lesson.record(), "pixels that differ when reversed").to_owned();
     assert_eq!((outlines(&plain), differing(&plain).as_str()), (10, "10"));
     let independent = LineLesson { direction_independent: true, ..plain };
     assert_eq!((outlines(&independent), differing(&independent).as_str()), (0, "0"));
     let back = LineLesson { ends: [ends[1], ends[0]], ..independent.clone() };
     assert_eq!(pixels(&independent.record()), pixels(&back.record()));
-    assert!(back.record().steps.iter().any(|step| step.says.contains("a tie: slanted on")));
+    assert!(back.record().steps.iter().any(|step| step.says.contains("a tie: diagonal step")));
 }
 
 #[test]
@@ -242,7 +242,7 @@ fn a_shared_side_is_drawn_once_by_sound_rules_and_not_by_others() {
     lesson.corners[2] = DVec2::new(9.5, 23.5);
     let told = |rule| {
         let recording = TriangleLesson { rule, ..lesson.clone() }.record();
-        [fact(&recording, "drawn twice"), fact(&recording, "missed along the shared side")]
+        [fact(&recording, "drawn twice"), fact(&recording, "missed on the shared edge")]
             .map(|n| n.parse::<u32>().unwrap())
     };
     assert_eq!(told(FillRule::TopLeft), [0, 0]);
@@ -300,8 +300,8 @@ fn a_wheel_that_turns_by_a_spoke_a_frame_seems_to_stand() {
     let scene = SamplingScene::Wheel;
     let lesson = SamplingLesson { scene, turns_per_frame: 0.125, ..SamplingLesson::default() };
     let recording = lesson.record();
-    assert_eq!(fact(&recording, "seen as turning"), "0.000");
+    assert_eq!(fact(&recording, "apparent turns"), "0.000");
     assert_eq!(recording.steps[0].cells, recording.steps[1].cells);
     let backwards = SamplingLesson { turns_per_frame: 0.115, ..lesson }.record();
-    assert_eq!(fact(&backwards, "seen as turning"), "−0.010");
+    assert_eq!(fact(&backwards, "apparent turns"), "−0.010");
 }

@@ -50,6 +50,20 @@ impl Difference {
 
 /// Computes the difference of every pixel, in 8-bit steps, squared 8-bit steps or FLIP. Returns `None` if the sizes
 /// differ or there are no pixels.
+///
+/// # Examples
+/// ```
+/// use rasterscope::image::Image;
+/// use rasterscope::measure::difference::{Difference, picture, values};
+///
+/// let a = Image::filled(64, 36, [10, 200, 7, 255]);
+/// let b = Image::filled(64, 36, [13, 190, 7, 255]);
+/// let absolute = values(Difference::Absolute, &a, &b).unwrap();
+/// assert_eq!(absolute, Image::filled(64, 36, 10.0));
+///
+/// let none = values(Difference::Absolute, &a, &a).unwrap();
+/// assert_eq!(picture(Difference::Absolute, 1, &none).at(0, 0), Difference::Absolute.color(0.0));
+/// ```
 pub fn values(kind: Difference, a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<Image<f32>> {
     if kind == Difference::Flip {
         return flip::map(a, b);

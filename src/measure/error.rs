@@ -41,6 +41,21 @@ pub struct ImageError {
 }
 
 /// Compares two images. Returns `None` if their sizes differ or they have no pixels.
+///
+/// # Examples
+/// ```
+/// use rasterscope::image::Image;
+/// use rasterscope::measure::error::compare;
+///
+/// let black = Image::filled(64, 36, [0, 0, 0, 255]);
+/// let mut other = black.clone();
+/// other.set(3, 1, [0, 30, 0, 255]);
+///
+/// let error = compare(&black, &other).unwrap();
+/// assert_eq!((error.max_abs, error.differing_pixels), (30, 1));
+/// assert_eq!(error.mse, 30.0 * 30.0 / (3.0 * 64.0 * 36.0));
+/// assert_eq!(compare(&black, &black).unwrap().psnr_db, f64::INFINITY);
+/// ```
 pub fn compare(a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<ImageError> {
     if a.size() != b.size() || a.pixels().is_empty() {
         return None;

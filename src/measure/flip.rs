@@ -123,6 +123,21 @@ impl Perceived {
 
 /// Returns the error of every pixel in [0, 1], or `None` if the sizes differ or there are no pixels. The result is
 /// symmetric. Alpha is ignored.
+///
+/// # Examples
+/// ```
+/// use rasterscope::image::Image;
+/// use rasterscope::measure::flip::map;
+///
+/// let grey = Image::filled(64, 36, [120, 120, 120, 255]);
+/// let mut other = grey.clone();
+/// other.set(32, 18, [255, 0, 0, 255]);
+///
+/// let errors = map(&grey, &other).unwrap();
+/// assert!(errors.at(32, 18) > 0.0);
+/// assert_eq!(errors.at(0, 0), 0.0, "far from the only pixel that differs");
+/// assert_eq!(map(&other, &grey), Some(errors));
+/// ```
 pub fn map(a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<Image<f32>> {
     if a.size() != b.size() {
         return None;

@@ -19,8 +19,8 @@ choice! {
         Native = "native", "Native, 1 sample",
             "One sample at the centre of each pixel: the picture that an upscaler approximates.";
         Converged = "converged", "Converged, 256 samples",
-            "The mean of 256 low-discrepancy samples of every pixel in linear light, free of visible aliasing. Native \
-            has an error against it, too.";
+            "The mean of 256 low-discrepancy samples of every pixel in linear light: the picture that anti-aliasing \
+            approximates. Native has an error against it, too.";
     }
 }
 

@@ -167,7 +167,7 @@ mod tests {
         let told = text(most);
         assert!(told.starts_with(&format!("{} draws: ", most.draws)) && told.contains(", … "), "{told}");
         assert_eq!(told.lines().count(), 1 + Part::ALL.len());
-        assert!(told.contains("  Alpha test            left out: no texture that is read has alpha\n"), "{told}");
+        assert!(told.contains("  Alpha test            skipped: no texture that is read has alpha\n"), "{told}");
         assert!(told.contains("  Depth buffer          run\n"), "{told}");
     }
 }

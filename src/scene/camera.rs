@@ -78,6 +78,18 @@ const POLE_MARGIN: f32 = 0.01;
 
 impl Camera {
     /// Creates a perspective view, with near and far planes derived from the distance between eye and target.
+    ///
+    /// # Examples
+    /// ```
+    /// use glam::Vec3;
+    /// use rasterscope::scene::Camera;
+    ///
+    /// let camera = Camera::look_at(Vec3::new(0.0, 0.0, 4.0), Vec3::ZERO);
+    /// assert_eq!(camera.distance(), 4.0);
+    /// assert_eq!(camera.forward(), Vec3::NEG_Z);
+    /// assert_eq!(camera.right(), Vec3::X);
+    /// assert!(camera.near < 4.0 && camera.far > 4.0);
+    /// ```
     pub fn look_at(eye: Vec3, target: Vec3) -> Self {
         let distance = (eye.as_dvec3().distance(target.as_dvec3()) as f32).max(f32::MIN_POSITIVE);
         Self {

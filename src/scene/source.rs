@@ -52,6 +52,21 @@ impl SceneSource {
     }
 
     /// Builds the scene, or loads it within the default memory limit. Only files can fail; see [`obj::load`].
+    ///
+    /// # Examples
+    /// ```
+    /// use rasterscope::scene::SceneSource;
+    ///
+    /// let folder = tempfile::tempdir()?;
+    /// let path = folder.path().join("square.obj");
+    /// std::fs::write(&path, "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n")?;
+    ///
+    /// let loaded = SceneSource::named(path).load()?;
+    /// assert_eq!(loaded.scene.name, "square");
+    /// assert_eq!(loaded.scene.triangle_count(), 2);
+    /// assert!(loaded.warnings.is_empty());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn load(&self) -> Result<Loaded, SceneError> {
         self.load_with(LoadControl::quiet(MemoryLimit::default()))
     }

@@ -153,14 +153,14 @@ fn result(ui: &mut Ui, passage: &Passage) -> bool {
     let weak = tokens(ui).text_weak;
     let response = ui
         .scope(|ui| {
-            ui.add(Label::new(RichText::new(&passage.heading).strong()).truncate().selectable(false));
+            ui.add(Label::new(RichText::new(passage.heading).strong()).truncate().selectable(false));
             ui.add(Label::new(RichText::new(passage.chapter.title()).small().color(weak)).truncate().selectable(false));
             ui.add(Label::new(RichText::new(&passage.line).small()).truncate().selectable(false));
             ui.add_space(space::S);
         })
         .response
         .interact(Sense::click());
-    response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, &passage.heading));
+    response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, passage.heading));
     response.on_hover_cursor(egui::CursorIcon::PointingHand).clicked()
 }
 

@@ -66,6 +66,18 @@ impl Upscaling {
 
     /// Creates the upscaler with this id at the nearest scale that it offers, with its default options. Returns `None`
     /// for an unknown id.
+    ///
+    /// # Examples
+    /// ```
+    /// use rasterscope::upscale::{Scale, Upscaling};
+    ///
+    /// let upscaling = Upscaling::new("bilinear", 2).unwrap();
+    /// assert_eq!((upscaling.method(), upscaling.scale()), ("bilinear", Scale::TWO));
+    ///
+    /// // Native rendering offers only ×1, and there is no upscaler “dlss”.
+    /// assert_eq!(Upscaling::new("native", 4).unwrap().scale(), Scale::ONE);
+    /// assert_eq!(Upscaling::new("dlss", 2), None);
+    /// ```
     pub fn new(method: &str, scale: impl Into<Scale>) -> Option<Self> {
         let method = ALL.iter().position(|u| u.id() == method)?;
         let offers = ALL[method].offers();
@@ -183,6 +195,18 @@ impl Upscaling {
     }
 
     /// Upscales drawn samples to an image of `width` × `height` px.
+    ///
+    /// # Examples
+    /// ```
+    /// use rasterscope::image::Image;
+    /// use rasterscope::upscale::{Drawn, Upscaling};
+    ///
+    /// let upscaling = Upscaling::new("nearest", 2).unwrap();
+    /// let drawn = Image::from_fn(32, 18, |x, y| [x as u8, y as u8, 0, 255]);
+    /// let full = upscaling.upscale(&Drawn::from(&drawn), 64, 36);
+    /// assert_eq!(full.size(), (64, 36));
+    /// assert_eq!(full.at(11, 7), drawn.at(5, 3));
+    /// ```
     pub fn upscale(self, drawn: &Drawn<'_>, width: u32, height: u32) -> Image<Rgba8> {
         let mut full = Image::filled(width, height, [0; 4]);
         self.upscaler().upscale(self, drawn, &mut full);

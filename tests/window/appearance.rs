@@ -8,9 +8,7 @@ use crate::bench::Bench;
 
 #[test]
 fn the_key_sheet_lists_all_keys_and_gestures() {
-    for (modifiers, key) in
-        [(Modifiers::SHIFT, Key::Slash), (Modifiers::NONE, Key::Questionmark), (Modifiers::NONE, Key::F1)]
-    {
+    for (modifiers, key) in [(Modifiers::SHIFT, Key::Slash), (Modifiers::NONE, Key::Questionmark)] {
         let mut bench = Bench::small("triangle");
         bench.press_with(modifiers, key);
         assert!(bench.says("Keys and mouse"), "{key:?}");
@@ -25,7 +23,7 @@ fn the_key_sheet_lists_all_keys_and_gestures() {
 #[test]
 fn keys_do_nothing_under_a_dialog() {
     let mut bench = Bench::small("triangle");
-    bench.press(Key::F1);
+    bench.press(Key::Questionmark);
     let pick = bench.session().pick;
     bench.press(Key::ArrowLeft);
     bench.press(Key::Home);

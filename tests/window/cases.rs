@@ -207,7 +207,7 @@ fn a_case_that_is_answered_in_numbers_says_so() {
     std::fs::write(&path, json).unwrap();
     let mut bench = Bench::small("triangle");
     bench.drop_file(&path);
-    assert!(bench.mentions("Answered in numbers") && bench.mentions("0.66666"));
+    assert!(bench.mentions("The answer consists of numbers") && bench.mentions("0.66666"));
 }
 
 #[test]

@@ -12,6 +12,7 @@ mod files;
 mod growth;
 mod history;
 mod lab;
+mod manual;
 mod measuring;
 mod outside;
 mod overlays;

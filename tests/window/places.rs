@@ -129,7 +129,7 @@ fn the_copied_command_says_what_is_shown() {
 #[test]
 fn the_key_sheet_is_filtered() {
     let mut bench = Bench::small("triangle");
-    bench.press(Key::F1);
+    bench.press(Key::Questionmark);
     assert!(bench.says("Undo the last setting") && bench.says("Bookmark this place"));
     bench.window.get_by_label("Filter the keys").focus();
     bench.rest();

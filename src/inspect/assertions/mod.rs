@@ -103,6 +103,30 @@ const ROWS_AT_ONCE: usize = 32;
 
 /// Checks assertions on every fragment of a frame, at the sample at the centre of each drawn pixel. Calls `tell` with
 /// the progress, in [0, 1]. Returns `None` once `stop` is set.
+///
+/// # Examples
+/// ```
+/// use std::sync::atomic::AtomicBool;
+///
+/// use rasterscope::chain::{Recipe, run};
+/// use rasterscope::inspect::assertions::{Assertion, check};
+/// # use rasterscope::pipeline::viewport::Viewport;
+/// # use rasterscope::scene::builtin;
+///
+/// # let scene = builtin::by_id("shared-edges").unwrap().build();
+/// # let viewport = Viewport { width: 64, height: 40 };
+/// let mut recipe = Recipe::default();
+/// recipe.set("fill_rule=inclusive")?;
+/// let frame = run(&scene, &scene.home, &recipe, viewport, &mut ());
+///
+/// // The inclusive fill rule draws samples on shared edges twice.
+/// let stop = AtomicBool::new(false);
+/// let report = check(&scene, &recipe, &frame, &[Assertion::Owner], &|_| {}, &stop).unwrap();
+/// let (assertion, violation) = report.first_violation().unwrap();
+/// assert_eq!(assertion, Assertion::Owner);
+/// assert!(violation.x < 64 && violation.y < 40);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn check(
     scene: &Scene,
     recipe: &Recipe,

@@ -177,6 +177,23 @@ pub struct Fates {
 impl Fates {
     /// Computes the fates for the frame that `recipe` draws of `scene`. Includes all of its triangles, even if `frame`
     /// contains only the first few.
+    ///
+    /// # Examples
+    /// ```
+    /// # use rasterscope::chain::{Recipe, run};
+    /// # use rasterscope::pipeline::viewport::Viewport;
+    /// # use rasterscope::scene::builtin;
+    /// #
+    /// # let scene = builtin::by_id("interpenetrating").unwrap().build();
+    /// # let (recipe, viewport) = (Recipe::default(), Viewport { width: 64, height: 36 });
+    /// # let frame = run(&scene, &scene.home, &recipe, viewport, &mut ());
+    /// use rasterscope::inspect::fates::{Fates, TriangleFate};
+    ///
+    /// let fates = Fates::of(&scene, &recipe, &frame);
+    /// assert_eq!(fates.triangles, [TriangleFate::Visible; 2]);
+    /// assert_eq!(fates.triangle_counts().sum(), 2);
+    /// assert!(fates.account.is_balanced());
+    /// ```
     pub fn of(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Self {
         let mut rejections = Rejections::new(scene.triangle_count());
         let geometry = prepare_again(scene, recipe, frame, &mut rejections);

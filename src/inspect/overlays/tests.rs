@@ -332,7 +332,7 @@ fn tiles_are_handed_what_is_said_of(recipe: Recipe) {
         assert!(inside().all(|(x, y)| sheet.values.at(x, y) == sheet.values.at(first.0, first.1)));
     }
     bench.recipe.pipeline.arithmetic = Arithmetic::F64;
-    assert!(bench.sheet(Overlay::TileLoad).absence.is_some_and(|why| why.contains("fixed point")));
+    assert!(bench.sheet(Overlay::TileLoad).absence.is_some_and(|why| why.contains("fixed-point")));
 }
 
 #[test]

@@ -59,6 +59,27 @@ pub struct Trace {
 impl Trace {
     /// Traces a fragment of a replayed pixel. `fragment` is an index into [`PixelReport::fragments`]; by default it is
     /// the visible one. Without any fragment, the trace contains only the steps from drawn samples to the pixel.
+    ///
+    /// # Examples
+    /// ```
+    /// # use rasterscope::chain::{Recipe, run};
+    /// # use rasterscope::pipeline::viewport::Viewport;
+    /// # use rasterscope::scene::builtin;
+    /// #
+    /// # let scene = builtin::by_id("interpenetrating").unwrap().build();
+    /// # let (recipe, viewport) = (Recipe::default(), Viewport { width: 64, height: 36 });
+    /// # let frame = run(&scene, &scene.home, &recipe, viewport, &mut ());
+    /// use rasterscope::inspect::trace::Number;
+    /// use rasterscope::inspect::{Trace, inspect};
+    ///
+    /// let report = inspect(&scene, &recipe, &frame, 32, 18).unwrap();
+    /// let trace = Trace::of(&scene, &recipe, &frame, &report, None);
+    /// assert_eq!(trace.triangle, report.visible().map(|fragment| fragment.triangle));
+    ///
+    /// // The last line is the blue channel of the finished pixel.
+    /// let line = trace.lines.last().unwrap();
+    /// assert_eq!(line.number(), Some(Number::U8(report.color[2])));
+    /// ```
     pub fn of(scene: &Scene, recipe: &Recipe, frame: &Frame, report: &PixelReport, fragment: Option<usize>) -> Self {
         let fragment = fragment.filter(|index| *index < report.fragments.len()).or_else(|| main_fragment(report));
         let mut scribe = Scribe::new();

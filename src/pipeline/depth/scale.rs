@@ -74,6 +74,20 @@ impl DepthScale {
 
     /// Returns the mapping of a perspective view with these planes, 0 < `near` < `far`.
     /// [`DepthMapping::ReversedInfinite`] ignores `far`.
+    ///
+    /// # Examples
+    /// ```
+    /// use rasterscope::pipeline::depth::{DepthEncoding, DepthScale};
+    /// use rasterscope::scene::DepthMapping;
+    ///
+    /// let scale = DepthScale::perspective(DepthMapping::Standard, DepthEncoding::Unorm16, 1.0, 100.0);
+    /// assert_eq!((scale.stored(1.0), scale.stored(100.0)), (0.0, 1.0));
+    /// assert_eq!(scale.encoding().code(scale.stored(100.0)), Some(65_535));
+    ///
+    /// // The first unit of distance takes more than half of all codes.
+    /// assert!(scale.stored(2.0) > 0.5);
+    /// assert!(scale.resolution(scale.stored(90.0)) > 1000.0 * scale.resolution(scale.stored(2.0)));
+    /// ```
     pub fn perspective(mapping: DepthMapping, encoding: DepthEncoding, near: f32, far: f32) -> Self {
         Self::with_law(Law::Perspective(mapping), encoding, [near, far])
     }

@@ -67,6 +67,15 @@ pub const ALL: &[Builtin] = &[
 ];
 
 /// Finds a scene by its [`Builtin::id`].
+///
+/// # Examples
+/// ```
+/// use rasterscope::scene::builtin::by_id;
+///
+/// let scene = by_id("interpenetrating").unwrap().build();
+/// assert_eq!(scene.triangle_count(), 2);
+/// assert!(by_id("teapot").is_none());
+/// ```
 pub fn by_id(id: &str) -> Option<&'static Builtin> {
     ALL.iter().find(|b| b.id == id)
 }

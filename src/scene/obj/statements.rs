@@ -1,6 +1,6 @@
 //! Table of OBJ and MTL statements: rendered ones, and those that are read but do not change the picture.
 //!
-//! The loader takes its warning texts from here. A test compares the table in the README with [`markdown`], so that
+//! The loader takes its warning texts from here. A test compares the table in the manual with [`markdown`], so that
 //! both agree.
 
 /// File format of a statement.
@@ -181,7 +181,7 @@ impl Statement {
     }
 }
 
-/// Returns the table for the README, one row for each format and treatment.
+/// Returns the table for the manual, one row for each format and treatment.
 pub fn markdown() -> String {
     let mut text = "| | rendered | read, not rendered: one warning each |\n| --- | --- | --- |\n".to_owned();
     for (format, title) in [(Format::Obj, "OBJ"), (Format::Mtl, "MTL"), (Format::Option, "texture options")] {
@@ -199,8 +199,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_readme_has_this_table() {
-        assert!(include_str!("../../../README.md").contains(&markdown()), "the README should have:\n{}", markdown());
+    fn the_manual_has_this_table() {
+        assert!(include_str!("../../../assets/manual/12-scenes-and-file-formats.md").contains(&markdown()), "the manual should have:\n{}", markdown());
     }
 
     #[test]
