@@ -9,7 +9,7 @@
 //! the same folder, are flushed to the disk, and take the name of the output by a rename. At any moment the name
 //! therefore refers to the complete old file or to the complete new file, never to a part.
 
-pub mod stored_path;
+pub(crate) mod stored_path;
 
 use std::collections::BTreeSet;
 use std::fs::{File, OpenOptions};
@@ -30,7 +30,7 @@ static INPUTS: Mutex<Option<BTreeSet<PathBuf>>> = Mutex::new(None);
 ///
 /// # Errors
 /// The file is unreadable, not a regular file, or larger than `max_bytes`.
-pub fn read(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
+pub(crate) fn read(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
     note_input(path);
     read_own(path, max_bytes)
 }
@@ -40,7 +40,7 @@ pub fn read(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
 ///
 /// # Errors
 /// Errors are those of [`read`].
-pub fn read_own(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
+pub(crate) fn read_own(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
     let metadata = std::fs::metadata(path)?;
     if metadata.is_dir() {
         return Err(refused("it is a folder".to_owned()));
@@ -62,24 +62,24 @@ pub fn read_own(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
 }
 
 /// Returns the length of the file at `path` in bytes; 0 if it is unknown.
-pub fn length(path: &Path) -> u64 {
+pub(crate) fn length(path: &Path) -> u64 {
     std::fs::metadata(path).map_or(0, |metadata| metadata.len())
 }
 
 /// Whether the regular file at `path` starts with these bytes; `false` if it cannot be read.
-pub fn starts_with(path: &Path, prefix: &[u8]) -> bool {
+pub(crate) fn starts_with(path: &Path, prefix: &[u8]) -> bool {
     let mut start = vec![0; prefix.len()];
     let is_regular = std::fs::metadata(path).is_ok_and(|metadata| metadata.is_file());
     is_regular && File::open(path).and_then(|mut file| file.read_exact(&mut start)).is_ok() && start == prefix
 }
 
 /// Makes [`write`] refuse, from now on, to replace a file that this process has read.
-pub fn protect_inputs() {
+pub(crate) fn protect_inputs() {
     lock_inputs().get_or_insert_default();
 }
 
 /// Marks a file as an input before it is read.
-pub fn note_input(path: &Path) {
+pub(crate) fn note_input(path: &Path) {
     let mut inputs = lock_inputs();
     if let (Some(inputs), Ok(path)) = (inputs.as_mut(), path.canonicalize()) {
         inputs.insert(path);
@@ -95,7 +95,7 @@ fn lock_inputs() -> std::sync::MutexGuard<'static, Option<BTreeSet<PathBuf>>> {
 ///
 /// # Errors
 /// The file cannot be written, or it is a protected input. An existing file is then unchanged.
-pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
+pub(crate) fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     write_by(path, |file| file.write_all(bytes))
 }
 
@@ -104,7 +104,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
 ///
 /// # Errors
 /// As for [`write`], and errors of `produce`. An existing file is then unchanged.
-pub fn write_by(path: &Path, produce: impl FnOnce(&mut dyn io::Write) -> io::Result<()>) -> io::Result<()> {
+pub(crate) fn write_by(path: &Path, produce: impl FnOnce(&mut dyn io::Write) -> io::Result<()>) -> io::Result<()> {
     match Target::of(path)? {
         Target::Direct(path) => {
             let mut file = OpenOptions::new().write(true).open(path)?;
@@ -133,7 +133,7 @@ pub fn write_by(path: &Path, produce: impl FnOnce(&mut dyn io::Write) -> io::Res
 ///
 /// # Errors
 /// The file cannot be written.
-pub fn write_new(folder: &Path, stem: &str, extension: &str, bytes: &[u8]) -> io::Result<PathBuf> {
+pub(crate) fn write_new(folder: &Path, stem: &str, extension: &str, bytes: &[u8]) -> io::Result<PathBuf> {
     let numbered = |number: u32| match number {
         1 => folder.join(format!("{stem}.{extension}")),
         _ => folder.join(format!("{stem}-{number}.{extension}")),
@@ -156,7 +156,7 @@ pub fn write_new(folder: &Path, stem: &str, extension: &str, bytes: &[u8]) -> io
 ///
 /// # Errors
 /// Errors are those of [`write`]. A disk that becomes full later is not detected.
-pub fn check_writable(path: &Path) -> io::Result<()> {
+pub(crate) fn check_writable(path: &Path) -> io::Result<()> {
     match Target::of(path)? {
         Target::Direct(path) => OpenOptions::new().write(true).open(path).map(drop),
         Target::Replaced(path) => {
@@ -172,7 +172,7 @@ pub fn check_writable(path: &Path) -> io::Result<()> {
 ///
 /// # Errors
 /// The file cannot be opened, or another process has held the lock for two seconds.
-pub fn lock(path: &Path) -> io::Result<File> {
+pub(crate) fn lock(path: &Path) -> io::Result<File> {
     const TRIES: u32 = 100;
     let file = OpenOptions::new().create(true).truncate(false).write(true).open(path)?;
     for _ in 0..TRIES {

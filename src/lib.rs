@@ -25,13 +25,13 @@
 
 pub mod text;
 
-pub mod disk;
+pub(crate) mod disk;
 
 pub mod math;
 
 pub mod image;
 
-pub mod flat2d;
+pub(crate) mod flat2d;
 
 pub mod drawing;
 

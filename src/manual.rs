@@ -54,24 +54,24 @@ chapters! {
 
 /// Part of a chapter: its title with what follows, or a heading of second level with what follows.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Section {
+pub(crate) struct Section {
     /// Words of the heading.
-    pub heading: &'static str,
+    pub(crate) heading: &'static str,
     /// Heading and text, without pictures and comments.
-    pub markdown: String,
+    pub(crate) markdown: String,
 }
 
 /// Section that contains the words of a search.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Passage {
+pub(crate) struct Passage {
     /// Chapter of the section.
-    pub chapter: Chapter,
+    pub(crate) chapter: Chapter,
     /// Index of the section in [`Chapter::sections`].
-    pub section: usize,
+    pub(crate) section: usize,
     /// Heading of the section.
-    pub heading: &'static str,
+    pub(crate) heading: &'static str,
     /// First line of the section that contains one of the words, without Markdown marks.
-    pub line: String,
+    pub(crate) line: String,
 }
 
 impl Chapter {
@@ -81,13 +81,13 @@ impl Chapter {
     }
 
     /// Returns the chapter that a link within the manual leads to, if it leads to one.
-    pub fn of_link(link: &str) -> Option<Self> {
+    pub(crate) fn of_link(link: &str) -> Option<Self> {
         let file = link.split('#').next()?;
         Self::ALL.iter().copied().find(|chapter| chapter.file() == file)
     }
 
     /// Sections in reading order. Pictures are left out: they show the window that the reader is looking at.
-    pub fn sections(self) -> Vec<Section> {
+    pub(crate) fn sections(self) -> Vec<Section> {
         let mut sections: Vec<Section> = Vec::new();
         let mut is_code = false;
         for line in self.text().lines() {
@@ -109,7 +109,7 @@ impl Chapter {
 
 impl Section {
     /// Targets of all links in the section.
-    pub fn links(&self) -> impl Iterator<Item = &str> {
+    pub(crate) fn links(&self) -> impl Iterator<Item = &str> {
         self.markdown.split("](").skip(1).filter_map(|rest| rest.split(')').next())
     }
 }
@@ -126,7 +126,7 @@ impl Section {
 /// assert_eq!(passages[0].heading, Chapter::GettingStarted.title());
 /// assert!(find("getting qqqqq").is_empty());
 /// ```
-pub fn find(query: &str) -> Vec<Passage> {
+pub(crate) fn find(query: &str) -> Vec<Passage> {
     let words: Vec<String> = query.split_whitespace().map(str::to_lowercase).collect();
     let mut found = Vec::new();
     if words.is_empty() {

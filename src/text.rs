@@ -10,7 +10,7 @@ use std::path::Path;
 const LONGEST_MESSAGE: usize = 200;
 
 /// Returns `text` with control characters, line separators and bidirectional controls replaced by U+FFFD.
-pub fn clean(text: &str) -> Cow<'_, str> {
+pub(crate) fn clean(text: &str) -> Cow<'_, str> {
     if text.contains(is_unsafe) {
         Cow::Owned(text.chars().map(|c| if is_unsafe(c) { char::REPLACEMENT_CHARACTER } else { c }).collect())
     } else {
@@ -19,13 +19,13 @@ pub fn clean(text: &str) -> Cow<'_, str> {
 }
 
 /// Returns `text` as one clean line: runs of white space and line ends become single spaces.
-pub fn one_line(text: &str) -> String {
+pub(crate) fn one_line(text: &str) -> String {
     let words: Vec<_> = text.split_whitespace().map(clean).collect();
     words.join(" ")
 }
 
 /// Returns a foreign message as one clean line of at most 200 characters.
-pub fn message(text: &str) -> String {
+pub(crate) fn message(text: &str) -> String {
     let line = one_line(text);
     match line.char_indices().nth(LONGEST_MESSAGE - 1) {
         Some((end, last)) if end + last.len_utf8() < line.len() => format!("{}…", &line[..end]),
@@ -34,7 +34,7 @@ pub fn message(text: &str) -> String {
 }
 
 /// Returns a path for display, cleaned.
-pub fn path(path: &Path) -> String {
+pub(crate) fn path(path: &Path) -> String {
     one_line(&path.display().to_string())
 }
 

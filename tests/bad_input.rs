@@ -1,7 +1,7 @@
 //! Broken, hostile and merely unusual files: each is rejected or loaded with a warning as its table row allows, and
 //! none causes a panic, a hang, excessive memory or silently wrong geometry.
 
-#![expect(clippy::print_stderr, reason = "a test that had nothing to read says so, and the table prints its count")]
+#![expect(clippy::print_stderr, reason = "the tables print their counts")]
 
 mod samples;
 mod sound;
@@ -23,7 +23,7 @@ use sound::sound;
 
 const LONGEST: Duration = Duration::from_secs(10);
 
-/// A row of the table of samples.
+/// A row of a table of files.
 struct Row {
     file: String,
     /// Allowed results: `ERR`, `WARN` or `LOAD`.
@@ -31,14 +31,9 @@ struct Row {
     why: String,
 }
 
-fn samples() -> Option<PathBuf> {
-    let folder = samples::folder();
-    let found = folder.join("bad/INDEX.md").is_file();
-    if !found {
-        eprintln!("no samples at {}: only the inline cases were tested", folder.display());
-    }
-    found.then_some(folder)
-}
+/// A square with texture coordinates.
+const TEXTURED_SQUARE: &str = "mtllib square.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n\
+                               vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n";
 
 fn rows(index: &str) -> Vec<Row> {
     let cells = |line: &str| line.split('|').map(|cell| cell.trim().to_owned()).collect::<Vec<_>>();
@@ -68,10 +63,22 @@ impl Row {
         self.file.rsplit('/').next().unwrap()
     }
 
-    /// Returns the model to load: the file itself, or the model that uses the picture.
-    fn model(&self, bad: &Path) -> PathBuf {
+    /// Returns the model to load: the file itself, or a model that uses the picture. Without such a model beside the
+    /// picture, it is written to `scratch`, together with a copy of the picture.
+    fn model(&self, bad: &Path, scratch: &Path) -> PathBuf {
         let file = bad.join(&self.file);
-        if self.is_picture() { file.with_file_name(format!("wrap/{}.obj", self.name())) } else { file }
+        if !self.is_picture() {
+            return file;
+        }
+        let beside = file.with_file_name(format!("wrap/{}.obj", self.name()));
+        if beside.is_file() {
+            return beside;
+        }
+        std::fs::copy(&file, scratch.join(self.name())).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
+        let library = format!("newmtl m\nKd 1 1 1\nmap_Kd {}\n", self.name());
+        std::fs::write(scratch.join("square.mtl"), library).unwrap();
+        std::fs::write(scratch.join("square.obj"), TEXTURED_SQUARE).unwrap();
+        scratch.join("square.obj")
     }
 
     /// Returns the line number that the table states.
@@ -95,7 +102,8 @@ fn load(model: &Path) -> Result<Result<Loaded, SceneError>, String> {
 }
 
 fn check(row: &Row, bad: &Path) -> Result<&'static str, String> {
-    let outcome = load(&row.model(bad))?;
+    let scratch = tempfile::tempdir().unwrap();
+    let outcome = load(&row.model(bad, scratch.path()))?;
     let (code, messages) = match &outcome {
         Err(error) => ("ERR", vec![error.to_string()]),
         Ok(loaded) if loaded.warnings.is_empty() => ("LOAD", vec![]),
@@ -137,14 +145,12 @@ fn peak_memory() -> Option<u64> {
     Some(line.split_whitespace().nth(1)?.parse::<u64>().ok()? * 1024)
 }
 
-#[test]
-fn every_row_of_the_table_ends_as_it_allows() {
-    let Some(folder) = samples() else { return };
-    let bad = folder.join("bad");
-    let rows = rows(&std::fs::read_to_string(bad.join("INDEX.md")).unwrap());
-    let announced: usize = 106;
-    assert_eq!(rows.len(), announced, "rows of the table");
-    let results: Vec<_> = rows.iter().map(|row| (row, check(row, &bad))).collect();
+/// Checks all files of the table in a folder, which has `count` rows.
+fn check_table(bad: &Path, count: usize) {
+    let index = bad.join("INDEX.md");
+    let rows = rows(&std::fs::read_to_string(&index).unwrap_or_else(|e| panic!("{}: {e}", index.display())));
+    assert_eq!(rows.len(), count, "rows of the table");
+    let results: Vec<_> = rows.iter().map(|row| (row, check(row, bad))).collect();
     let count = |code: &str| results.iter().filter(|(_, r)| r.as_ref().is_ok_and(|c| *c == code)).count();
     let failures: Vec<_> =
         results.iter().filter_map(|(row, r)| r.as_ref().err().map(|e| format!("{}: {e}", row.file))).collect();
@@ -157,60 +163,120 @@ fn every_row_of_the_table_ends_as_it_allows() {
         count("LOAD"),
     );
     assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+#[test]
+fn every_row_of_the_tables_ends_as_it_allows() {
+    check_table(&samples::own().join("bad"), 127);
+    if let Some(folder) = samples::external() {
+        check_table(&folder.join("bad"), 106);
+    }
     if let Some(peak) = peak_memory() {
         eprintln!("peak memory {} MiB", peak >> 20);
         assert!(peak < 1_000_000_000, "{peak} bytes at the peak");
     }
 }
 
-#[test]
-fn samples_with_a_known_result_have_it() {
-    let Some(folder) = samples() else { return };
-    let sample = |name: &str| obj::load(&folder.join("bad/obj").join(name));
-    assert!((area(&sample("s49_concave_polygon.obj").unwrap()) - 10.0).abs() < 1e-4);
+/// Files whose result is known, all in one folder.
+struct Known<'a> {
+    folder: PathBuf,
+    /// A concave polygon with its area.
+    concave: (&'a str, f32),
+    /// A triangle of area ½ and a polyline.
+    lines: &'a str,
+    /// Line 4 has an index above 2³² that is valid modulo 2³².
+    index_over_u32: &'a str,
+    /// A polygon of many corners on the unit circle.
+    round: &'a str,
+    /// A material library named by a path to `/etc/os-release`.
+    library_outside: &'a str,
+}
 
-    let lines = sample("s60_lines_are_not_faces.obj").unwrap();
+fn check_known(known: &Known<'_>) {
+    let sample = |name: &str| obj::load(&known.folder.join(name));
+    let (concave, expected) = known.concave;
+    assert!((area(&sample(concave).unwrap()) - expected).abs() < 1e-4);
+
+    let lines = sample(known.lines).unwrap();
     assert_eq!((lines.scene.triangle_count(), area(&lines)), (1, 0.5));
 
-    assert!(matches!(sample("s04_index_over_u32.obj"), Err(SceneError::Line { line: 4, .. })));
+    assert!(matches!(sample(known.index_over_u32), Err(SceneError::Line { line: 4, .. })));
 
-    let polygon = sample("s29_polygon_20k.obj").unwrap();
+    let polygon = sample(known.round).unwrap();
     assert!((area(&polygon) - std::f32::consts::PI).abs() < 1e-4);
 
-    let outside = sample("s25_mtllib_traversal.obj").unwrap();
+    let outside = sample(known.library_outside).unwrap();
     let told = outside.warnings.iter().map(ToString::to_string).collect::<String>();
     let secret = std::fs::read_to_string("/etc/os-release").unwrap_or_default();
     assert!(secret.lines().filter(|line| !line.is_empty()).all(|line| !told.contains(line)), "{told}");
 }
 
-/// Each position of the square sample has itself as its texture coordinate, with v flipped to run down.
 #[test]
-fn texture_coordinates_stay_at_their_corners() {
-    let Some(folder) = samples() else { return };
-    for (name, triangles_with_uv) in [("s39_mixed_corner_forms.obj", 0), ("s59_uv_starts_late.obj", 1)] {
-        let loaded = obj::load(&folder.join("bad/obj").join(name)).unwrap();
-        let with_uv: Vec<_> = loaded.scene.library.meshes().iter().filter(|m| !m.uvs.is_empty()).collect();
-        assert_eq!(with_uv.iter().map(|m| m.triangles.len()).sum::<usize>(), triangles_with_uv, "{name}");
-        for mesh in with_uv {
-            for (position, uv) in mesh.positions.iter().zip(&mesh.uvs) {
-                assert_eq!(*uv, Vec2::new(position.x, 1.0 - position.y), "{name}");
-            }
+fn files_with_a_known_result_have_it() {
+    check_known(&Known {
+        folder: samples::own().join("bad/obj"),
+        concave: ("concave.obj", 12.0),
+        lines: "lines-are-no-faces.obj",
+        index_over_u32: "index-over-u32.obj",
+        round: "large-polygon.obj",
+        library_outside: "library-outside.obj",
+    });
+    if let Some(folder) = samples::external() {
+        check_known(&Known {
+            folder: folder.join("bad/obj"),
+            concave: ("s49_concave_polygon.obj", 10.0),
+            lines: "s60_lines_are_not_faces.obj",
+            index_over_u32: "s04_index_over_u32.obj",
+            round: "s29_polygon_20k.obj",
+            library_outside: "s25_mtllib_traversal.obj",
+        });
+    }
+}
+
+/// Checks a model whose positions have themselves as texture coordinates, with v flipped to run down.
+fn check_texture_coordinates(model: &Path, triangles_with_uv: usize) {
+    let loaded = obj::load(model).unwrap();
+    let with_uv: Vec<_> = loaded.scene.library.meshes().iter().filter(|m| !m.uvs.is_empty()).collect();
+    let triangles = with_uv.iter().map(|m| m.triangles.len()).sum::<usize>();
+    assert_eq!(triangles, triangles_with_uv, "{}", model.display());
+    for mesh in with_uv {
+        for (position, uv) in mesh.positions.iter().zip(&mesh.uvs) {
+            assert_eq!(*uv, Vec2::new(position.x, 1.0 - position.y), "{}", model.display());
         }
     }
 }
 
 #[test]
-fn a_cmyk_picture_has_the_colours_of_the_original() {
-    let Some(folder) = samples() else { return };
-    let read = |name: &str| rasterscope::image::file::read(&folder.join(name)).unwrap();
-    let (cmyk, original) = (read("bad/images-valid/s_cmyk.jpg"), read("images/chelsea.png"));
-    let mean = |image: &rasterscope::image::Image<[u8; 4]>, channel: usize| {
+fn texture_coordinates_stay_at_their_corners() {
+    let own = samples::own().join("bad/obj");
+    check_texture_coordinates(&own.join("mixed-corners.obj"), 0);
+    check_texture_coordinates(&own.join("uv-starts-late.obj"), 1);
+    if let Some(folder) = samples::external() {
+        check_texture_coordinates(&folder.join("bad/obj/s39_mixed_corner_forms.obj"), 0);
+        check_texture_coordinates(&folder.join("bad/obj/s59_uv_starts_late.obj"), 1);
+    }
+}
+
+/// Compares the mean colour of two pictures.
+fn check_mean_colour(picture: &Path, original: &Path) {
+    let [picture, original] =
+        [picture, original].map(|path| file::read(path).unwrap_or_else(|e| panic!("{}: {e}", path.display())));
+    let mean = |image: &Image<[u8; 4]>, channel: usize| {
         let sum: u64 = image.pixels().iter().map(|p| u64::from(p[channel])).sum();
         sum as f32 / image.pixels().len() as f32
     };
     for channel in 0..3 {
-        let (got, wanted) = (mean(&cmyk, channel), mean(&original, channel));
+        let (got, wanted) = (mean(&picture, channel), mean(&original, channel));
         assert!((got - wanted).abs() < 4.0, "channel {channel}: {got} instead of {wanted}");
+    }
+}
+
+#[test]
+fn a_cmyk_picture_has_the_colours_of_the_original() {
+    let own = samples::own().join("bad/images-valid");
+    check_mean_colour(&own.join("cmyk.jpg"), &own.join("cmyk-as-rgb.png"));
+    if let Some(folder) = samples::external() {
+        check_mean_colour(&folder.join("bad/images-valid/s_cmyk.jpg"), &folder.join("images/chelsea.png"));
     }
 }
 

@@ -6,9 +6,10 @@
 
 mod common;
 
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use common::models;
+use common::samples;
 use rasterscope::chain::{Recipe, run};
 use rasterscope::inspect::Fates;
 use rasterscope::inspect::fates::TriangleFate;
@@ -121,15 +122,26 @@ fn sums_match_in_every_builtin_scene() {
     assert!(met.cut.into_inner() > 0);
 }
 
+/// Returns the models in a folder and in the folders below it.
+fn model_files(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
+    let paths = entries.map(|entry| entry.expect("a readable folder").path());
+    let (folders, files): (Vec<_>, Vec<_>) = paths.partition(|path| path.is_dir());
+    let is_model = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "obj");
+    let below = folders.iter().flat_map(|folder| model_files(folder));
+    files.into_iter().filter(is_model).chain(below).collect()
+}
+
 #[test]
 fn sums_match_in_every_model() {
-    let Some(folder) = models() else { return };
-    let kinds = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()).filter(|path| path.is_dir());
-    let files = kinds.flat_map(|kind| std::fs::read_dir(kind).unwrap()).map(|entry| entry.unwrap().path());
-    let files: Vec<_> = files.filter(|path| path.extension().is_some_and(|extension| extension == "obj")).collect();
-    // Models of points and lines only, and files that are no models, cannot be loaded; other tests cover that.
-    let scenes: Vec<_> = files.par_iter().filter_map(|path| Some(obj::load(path).ok()?.scene)).collect();
-    assert!(scenes.len() > 30, "{} of {} files", scenes.len(), files.len());
-    let met = check_all(&scenes);
-    assert!(met.cut.into_inner() > 0);
+    let own = Some((samples::own(), 21));
+    let external = samples::external().map(|folder| (folder, 31));
+    for (folder, least) in own.into_iter().chain(external) {
+        let files = model_files(&folder.join("models"));
+        // Models of points and lines only, and files that are no models, cannot be loaded; other tests cover that.
+        let scenes: Vec<_> = files.par_iter().filter_map(|path| Some(obj::load(path).ok()?.scene)).collect();
+        assert!(scenes.len() >= least, "{} of {} files", scenes.len(), files.len());
+        let met = check_all(&scenes);
+        assert!(met.cut.into_inner() > 0);
+    }
 }

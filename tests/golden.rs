@@ -10,17 +10,20 @@
 
 mod common;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use common::{recipe, render};
-use rasterscope::chain::{Frame, Recipe};
+use glam::Quat;
+use rasterscope::chain::{Frame, KeepDepth, Recipe, Renderer};
 use rasterscope::image::{Image, Rgba8, file};
 use rasterscope::inspect::buffers::{Buffer, capture};
 use rasterscope::inspect::stages::{self, Stage};
 use rasterscope::inspect::view;
 use rasterscope::pipeline::settings::{Choice as _, DepthFormat};
+use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::{Scene, builtin};
 use rasterscope::upscale::{self, Scale, Upscaling};
 
@@ -61,7 +64,6 @@ fn switches() -> impl Iterator<Item = (String, Image<Rgba8>)> {
         ("chess", "color-space=bytes"),
         ("chess", "wireframe=true"),
         ("chess", "antialias.method=regular"),
-        ("chess", "antialias.method=recursive"),
         ("chess", "antialias.method=jittered"),
         ("chess", "antialias.method=rotated-grid"),
         ("chess", "antialias.method=low-discrepancy"),
@@ -98,15 +100,47 @@ fn depth_formats() -> impl Iterator<Item = (String, Image<Rgba8>)> {
     })
 }
 
-/// Returns pictures of every upscaler at its largest scale.
+/// Upscalers whose first frame, which has no history, is the picture of another upscaler.
+const FIRST_FRAME_OF_ANOTHER: [&str; 1] = ["checkerboard-temporal"];
+
+/// Returns pictures of every upscaler at its largest scale; with history, too, of those that read earlier frames.
 fn upscalers() -> Vec<(String, Image<Rgba8>)> {
-    let chess = scene("chess");
-    let picture = |id: &str| {
-        let upscaler = Upscaling::new(id, Scale::FOUR)?;
+    let chess = Arc::new(scene("chess"));
+    let mut pictures = Vec::new();
+    for method in upscale::ALL.iter().filter(|upscaler| upscaler.id() != "native") {
+        let id = method.id();
+        let upscaler = Upscaling::new(id, Scale::FOUR).expect("an upscaler of the registry");
         let recipe = Recipe { upscaler, ..Recipe::default() };
-        Some((format!("chess.{id}-{}", upscaler.scale()), image(&chess, &recipe)))
-    };
-    upscale::ALL.iter().filter(|u| u.id() != "native").filter_map(|u| picture(u.id())).collect()
+        let name = format!("chess.{id}-{}", upscaler.scale());
+        if method.reads().past {
+            pictures.push((format!("{name}.history"), image_with_history(&chess, &recipe)));
+        }
+        if !FIRST_FRAME_OF_ANOTHER.contains(&id) {
+            pictures.push((name, image(&chess, &recipe)));
+        }
+    }
+    pictures
+}
+
+/// Number of frames of a picture with history.
+const FRAMES: u8 = 4;
+
+/// Angle between two frames of a picture with history, in degrees.
+const DEGREES_PER_FRAME: f32 = 0.5;
+
+/// Returns the last of some frames drawn by one renderer, while the camera orbits the target of the scene and ends in
+/// the home view.
+fn image_with_history(scene: &Arc<Scene>, recipe: &Recipe) -> Image<Rgba8> {
+    let viewport = Viewport { width: SIZE.0, height: SIZE.1 };
+    let mut renderer = Renderer::default();
+    let mut last = None;
+    for frames_left in (0..FRAMES).rev() {
+        let angle = (-DEGREES_PER_FRAME * f32::from(frames_left)).to_radians();
+        let mut camera = scene.home;
+        camera.eye = camera.target + Quat::from_rotation_y(angle) * (camera.eye - camera.target);
+        last = Some(renderer.render(scene, &camera, recipe, viewport, KeepDepth::Yes));
+    }
+    last.expect("at least one frame").image().clone()
 }
 
 /// Returns pictures of buffers as the window shows them.
@@ -186,4 +220,17 @@ fn every_picture_is_its_golden_and_every_golden_has_its_picture() {
     let files = files.map(|f| f.expect("a readable folder").file_name().to_string_lossy().into_owned());
     complaints.extend(files.filter(|f| !names.contains(f)).map(|f| format!("{f} belongs to no picture")));
     assert!(complaints.is_empty(), "{}", complaints.join("\n"));
+}
+
+/// A picture that equals another one checks nothing more.
+#[test]
+fn no_two_goldens_are_equal() {
+    let mut names = BTreeMap::new();
+    for file in fs::read_dir(golden_folder()).expect("there are goldens") {
+        let path = file.expect("a readable folder").path();
+        let bytes = fs::read(&path).expect("a readable golden");
+        if let Some(other) = names.insert(bytes, path.clone()) {
+            panic!("{} and {} are equal", path.display(), other.display());
+        }
+    }
 }

@@ -5,7 +5,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Crates that only the window may use.
-const WINDOW_TOOLKIT: [&str; 7] = ["egui", "eframe", "egui_plot", "egui_extras", "egui_commonmark", "egui_kittest", "rfd"];
+const WINDOW_TOOLKIT: [&str; 7] =
+    ["egui", "eframe", "egui_plot", "egui_extras", "egui_commonmark", "egui_kittest", "rfd"];
 
 /// Markers of unfinished work, split so that this file does not contain them.
 const UNFINISHED: [[&str; 2]; 4] = [["TO", "DO"], ["FIX", "ME"], ["unimple", "mented"], ["to", "do"]];

@@ -1,16 +1,19 @@
-//! Real models: triangle counts equal to an independent count, and the materials and textures of their libraries.
+//! Models: triangle counts equal to an independent count, and the materials and textures of their libraries. Every test
+//! reads the project's own models, and real ones if there are external samples.
 
 mod common;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use common::models;
+use common::samples;
 use rasterscope::scene::obj::{self, Loaded};
 use rasterscope::scene::{DepthMapping, MeshData, SceneError};
 
 /// Models with faces, or triangles of polygons, that have no area or repeat others. The loader drops them, which the
 /// independent count (corners − 2) does not know. Name, remaining triangles, reason.
-const WITHOUT_AREA: [(&str, usize, &str); 3] = [
+const WITHOUT_AREA: [(&str, usize, &str); 5] = [
+    ("around.obj", 12, "a cube, one face of which runs around its four corners five times"),
+    ("slit.obj", 14 - 2, "two faces have two corners in one place"),
     ("spider/spider.obj", 1368 - 56, "56 faces have two corners in one place"),
     ("odd/box_longline.obj", 12, "a cube, one face of which runs around its four corners 233 times"),
     ("odd/issue-319-002.obj", 14 - 1, "one polygon has two corners in one place"),
@@ -29,22 +32,32 @@ fn rows(table: &str) -> Vec<(String, usize)> {
         .collect()
 }
 
-fn load(models: &Path, name: &str) -> Loaded {
-    obj::load(&models.join(name)).unwrap_or_else(|e| panic!("{e}"))
+/// Returns the path of one of the project's own models.
+fn own(name: &str) -> PathBuf {
+    samples::own().join("models").join(name)
 }
 
-fn textures_and_materials(loaded: &Loaded) -> (usize, usize) {
-    (loaded.scene.library.textures().len(), loaded.scene.library.materials().len())
+/// Returns the path of an external model; `None` if there are no external samples.
+fn external(name: &str) -> Option<PathBuf> {
+    Some(samples::external()?.join("models").join(name))
 }
 
-#[test]
-fn every_model_has_as_many_triangles_as_counted_independently() {
-    let Some(models) = models() else { return };
-    let rows = rows(&std::fs::read_to_string(models.join("SOURCES.md")).unwrap());
-    assert_eq!(rows.len(), 39, "rows of the table");
+fn load(model: &Path) -> Loaded {
+    obj::load(model).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Loads one of the project's own models, and an external one if there are external samples.
+fn load_both(own_name: &str, external_name: &str) -> impl Iterator<Item = Loaded> {
+    [Some(own(own_name)), external(external_name)].into_iter().flatten().map(|model| load(&model))
+}
+
+/// Checks the triangles of all models in a table of `count` rows.
+fn check_triangles(table: &Path, count: usize) {
+    let rows = rows(&std::fs::read_to_string(table).unwrap_or_else(|e| panic!("{}: {e}", table.display())));
+    assert_eq!(rows.len(), count, "rows of the table");
     let mut failures = Vec::new();
     for (name, counted) in rows {
-        let result = obj::load(&models.join(&name));
+        let result = obj::load(&table.with_file_name(&name));
         let expected = WITHOUT_AREA.iter().find(|(n, ..)| *n == name).map_or(counted, |(_, left, _)| *left);
         match result {
             // `3.1+e2` is not a valid number, so an error is correct.
@@ -60,67 +73,92 @@ fn every_model_has_as_many_triangles_as_counted_independently() {
 }
 
 #[test]
+fn every_model_has_as_many_triangles_as_counted_independently() {
+    check_triangles(&own("INDEX.md"), 23);
+    if let Some(table) = external("SOURCES.md") {
+        check_triangles(&table, 39);
+    }
+}
+
+/// Checks the numbers of textures, of materials, and of materials with a texture.
+fn check_materials(model: &Path, expected: [usize; 3]) {
+    let library = load(model).scene.library;
+    let textured = library.materials().iter().filter(|m| m.texture.is_some()).count();
+    assert_eq!([library.textures().len(), library.materials().len(), textured], expected, "{}", model.display());
+}
+
+#[test]
 fn textured_models_have_their_materials_and_textures_once_each() {
-    let Some(models) = models() else { return };
-    for (name, expected) in [
-        ("spider/spider.obj", (5, 5)),
-        ("spot/spot_textured_triangulated.obj", (1, 1)),
-        ("spot/spot_textured_quadrangulated.obj", (1, 1)),
-        ("viking-room/viking_room.obj", (1, 1)),
-        ("cornell-box/CornellBox-Original.obj", (0, 8)),
+    // Two materials share a picture.
+    check_materials(&own("crates.obj"), [3, 5, 4]);
+    check_materials(&own("options.obj"), [1, 1, 1]);
+    check_materials(&own("libraries.obj"), [0, 1, 0]);
+    check_materials(&own("opacity.obj"), [0, 2, 0]);
+    for (name, textures, materials) in [
+        ("spider/spider.obj", 5, 5),
+        ("spot/spot_textured_triangulated.obj", 1, 1),
+        ("spot/spot_textured_quadrangulated.obj", 1, 1),
+        ("viking-room/viking_room.obj", 1, 1),
+        ("cornell-box/CornellBox-Original.obj", 0, 8),
     ] {
-        let loaded = load(&models, name);
-        assert_eq!(textures_and_materials(&loaded), expected, "{name}");
-        let textured = loaded.scene.library.materials().iter().filter(|m| m.texture.is_some()).count();
-        assert_eq!(textured, expected.0, "{name}");
+        if let Some(model) = external(name) {
+            check_materials(&model, [textures, materials, textures]);
+        }
     }
 }
 
 #[test]
 fn line_ends_make_no_difference() {
-    let Some(models) = models() else { return };
-    let meshes = |name: &str| -> Vec<MeshData> {
-        let loaded = load(&models, name);
+    let meshes = |loaded: Loaded| -> Vec<MeshData> {
         loaded.scene.library.meshes().iter().map(|m| MeshData { name: String::new(), ..(**m).clone() }).collect()
     };
-    assert_eq!(meshes("utah-teapot/teapot.obj"), meshes("utah-teapot/teapot_crlf.obj"));
+    let with_lf = load_both("vase.obj", "utah-teapot/teapot.obj");
+    let with_crlf = load_both("vase_crlf.obj", "utah-teapot/teapot_crlf.obj");
+    for (with_lf, with_crlf) in with_lf.zip(with_crlf) {
+        assert_eq!(meshes(with_lf), meshes(with_crlf));
+    }
 }
 
 #[test]
 fn vertex_colours_are_kept() {
-    let Some(models) = models() else { return };
-    let loaded = load(&models, "spot/spot_vertexcolors.obj");
-    let mesh = &loaded.scene.library.meshes()[0];
-    assert_eq!(mesh.colors.len(), mesh.positions.len());
-    assert!(mesh.colors.iter().any(|c| *c != mesh.colors[0]));
+    for loaded in load_both("vertex-colours.obj", "spot/spot_vertexcolors.obj") {
+        let mesh = &loaded.scene.library.meshes()[0];
+        assert_eq!(mesh.colors.len(), mesh.positions.len());
+        assert!(mesh.colors.iter().any(|c| *c != mesh.colors[0]));
+    }
 }
 
 #[test]
-fn computed_normals_are_smooth_on_a_bunny_and_sharp_on_a_box() {
-    let Some(models) = models() else { return };
-    let bunny = load(&models, "stanford-bunny/stanford-bunny.obj");
-    let (vertices, referenced) = (bunny.scene.library.meshes()[0].positions.len(), 34_834);
-    assert!(vertices < referenced * 11 / 10, "{vertices} vertices for {referenced} positions");
-    let cube = load(&models, "odd/cube-vertex-w-component.obj");
-    for mesh in cube.scene.library.meshes() {
-        assert!(mesh.normals.iter().all(|n| n.abs().max_element() == 1.0), "{:?}", mesh.normals);
+fn computed_normals_are_smooth_on_a_round_model_and_sharp_on_a_box() {
+    let round = load_both("ball.obj", "stanford-bunny/stanford-bunny.obj");
+    for (loaded, referenced) in round.zip([314, 34_834]) {
+        let vertices = loaded.scene.library.meshes()[0].positions.len();
+        assert!(vertices < referenced * 11 / 10, "{vertices} vertices for {referenced} positions");
+    }
+    for cube in load_both("homogeneous.obj", "odd/cube-vertex-w-component.obj") {
+        for mesh in cube.scene.library.meshes() {
+            assert!(!mesh.normals.is_empty());
+            assert!(mesh.normals.iter().all(|n| n.abs().max_element() == 1.0), "{:?}", mesh.normals);
+        }
     }
 }
 
 #[test]
 fn opacity_is_read_from_d_wherever_tr_stands() {
-    let Some(models) = models() else { return };
-    let loaded = load(&models, "odd/tr-and-d-issue-43.obj");
-    assert!(loaded.scene.library.materials().iter().all(|m| m.opacity == 0.75));
+    for loaded in load_both("opacity.obj", "odd/tr-and-d-issue-43.obj") {
+        assert!(!loaded.scene.library.materials().is_empty());
+        assert!(loaded.scene.library.materials().iter().all(|m| m.opacity == 0.75));
+    }
 }
 
 #[test]
 fn every_corner_of_the_first_view_shows_the_model_from_outside() {
-    let Some(models) = models() else { return };
-    let scene = load(&models, "armadillo/armadillo.obj").scene;
-    let clip_from_world = scene.home.clip_from_world(1.0, DepthMapping::Standard);
-    for corner in scene.bounds().corners() {
-        let clip = clip_from_world * corner.extend(1.0);
-        assert!(clip.x.abs() <= clip.w && clip.y.abs() <= clip.w && (0.0..=clip.w).contains(&clip.z), "{clip}");
+    let others = ["box.obj", "vase.obj", "star.obj", "crates.obj"].map(|name| load(&own(name)));
+    for loaded in load_both("corridor.obj", "armadillo/armadillo.obj").chain(others) {
+        let clip_from_world = loaded.scene.home.clip_from_world(1.0, DepthMapping::Standard);
+        for corner in loaded.scene.bounds().corners() {
+            let clip = clip_from_world * corner.extend(1.0);
+            assert!(clip.x.abs() <= clip.w && clip.y.abs() <= clip.w && (0.0..=clip.w).contains(&clip.z), "{clip}");
+        }
     }
 }

@@ -6,6 +6,7 @@ mod cases;
 
 use std::collections::BTreeSet;
 
+use cases::Origin;
 use rasterscope::pipeline::raster::Span;
 use rasterscope::pipeline::settings::FillRule;
 use rasterscope::pipeline::viewport::Viewport;
@@ -21,13 +22,13 @@ use serde_json::Value;
 /// Tolerance for stored answers, which are rounded to the nearest f64, whereas ours use another division.
 const FROZEN: f64 = 1e-15;
 
-/// Returns the cases of a kind whose class starts with `prefix`, each with its answer.
-fn cases_of(kind: &str, prefix: &str) -> Vec<(Case, Value)> {
+/// Returns the cases of a kind whose class starts with `prefix`, each with its source and its answer.
+fn cases_of(kind: &str, prefix: &str) -> Vec<(Origin, Case, Value)> {
     let all = cases::of_kinds(&[kind]).into_iter();
     let wanted = all.filter(|sample| sample.case["class"].as_str().is_some_and(|class| class.starts_with(prefix)));
     let read = |sample: cases::Sample| {
         let case = serde_json::from_value(sample.case);
-        (case.unwrap_or_else(|e| panic!("{}: {e}", sample.path.display())), sample.expected)
+        (sample.origin, case.unwrap_or_else(|e| panic!("{}: {e}", sample.path.display())), sample.expected)
     };
     wanted.map(read).collect()
 }
@@ -125,10 +126,11 @@ fn check_depth(id: &str, case: &Depth, answer: &Value) {
     assert_eq!(Value::from(ties), answer["ideal"]["ties"], "{id}");
 }
 
-/// Checks all cases of some classes. If there are any, there must be at least `least`.
-fn check(kind: &str, prefix: &str, least: usize) {
+/// Checks all cases of some classes: at least `own` of the project, and at least `external` of the external samples if
+/// there are any.
+fn check(kind: &str, prefix: &str, own: usize, external: usize) {
     let all = cases_of(kind, prefix);
-    for (case, answer) in &all {
+    for (_, case, answer) in &all {
         match &case.body {
             Body::TriCoverage(body) => check_coverage(&case.id, body, answer),
             Body::ClipTri(body) => check_clip_space(&case.id, body, answer),
@@ -138,32 +140,36 @@ fn check(kind: &str, prefix: &str, least: usize) {
         }
     }
     eprintln!("{} cases of {prefix}… agree", all.len());
-    assert!(all.is_empty() || all.len() >= least, "only {} cases of {prefix}…", all.len());
+    let count = |wanted: Origin| all.iter().filter(|(origin, ..)| *origin == wanted).count();
+    let wanted_external = if cases::samples::external().is_some() { external } else { 0 };
+    for (origin, wanted) in [(Origin::Own, own), (Origin::External, wanted_external)] {
+        assert!(count(origin) >= wanted, "only {} cases of {prefix}…: {origin:?}", count(origin));
+    }
 }
 
 #[test]
 fn single_triangles_cover_the_same_pixels() {
-    check("tri_coverage", "cov_", 138);
+    check("tri_coverage", "cov_", 17, 138);
 }
 
 #[test]
 fn meshes_cover_the_same_pixels() {
-    check("tri_coverage", "mesh_", 37);
+    check("tri_coverage", "mesh_", 5, 37);
 }
 
 #[test]
 fn triangles_in_clip_space_show_the_same_pixels_weights_and_depths() {
-    check("clip_tri", "clip", 34);
+    check("clip_tri", "clip", 9, 34);
 }
 
 #[test]
 fn weights_depth_and_attributes_are_the_same() {
-    check("tri_attr", "attr_", 60);
+    check("tri_attr", "attr_", 8, 60);
 }
 
 #[test]
 fn depth_buffers_ideally_hold_the_same() {
-    check("depth", "depth", 42);
+    check("depth", "depth", 15, 42);
 }
 
 #[test]

@@ -22,7 +22,7 @@ type Place = [DoubleDouble; 2];
 
 /// Iterator over the pixels of a triangle's bounding box; see [`triangle_area`].
 #[derive(Clone, Debug)]
-pub struct TriangleArea {
+pub(crate) struct TriangleArea {
     edges: [HalfPlane; 3],
     columns: Range<u32>,
     rows: Range<u32>,
@@ -34,7 +34,7 @@ pub struct TriangleArea {
 /// in px², in (0, 1]. Corners are in px, of either winding, with the limits given in [`crate::flat2d`]. A triangle
 /// without area covers no pixel. For a pixel that is only touched at its border, an area of up to 10⁻³⁰ px² may be
 /// reported.
-pub fn triangle_area(corners: [DVec2; 3], width: u32, height: u32) -> TriangleArea {
+pub(crate) fn triangle_area(corners: [DVec2; 3], width: u32, height: u32) -> TriangleArea {
     let [a, b, c] = corners;
     let edges = [(a, b), (b, c), (c, a)].map(|(from, to)| HalfPlane::right_of(from, to, width, height));
     let winding = side(a, b, c);
@@ -49,18 +49,18 @@ pub fn triangle_area(corners: [DVec2; 3], width: u32, height: u32) -> TriangleAr
 
 impl TriangleArea {
     /// Returns the pixel to be examined next; `None` at the end.
-    pub fn probe(&self) -> Option<(u32, u32)> {
+    pub(crate) fn probe(&self) -> Option<(u32, u32)> {
         (self.columns.contains(&self.probe.0) && self.rows.contains(&self.probe.1)).then_some(self.probe)
     }
 
     /// Returns the number of pixels yet to be examined; an upper bound within a row.
-    pub fn probes_left(&self) -> u64 {
+    pub(crate) fn probes_left(&self) -> u64 {
         self.columns.len() as u64 * u64::from(self.rows.end.saturating_sub(self.probe.1))
     }
 
     /// Examines one pixel. Returns it with its covered area, or an inner `None` if that is zero; the outer `None` is
     /// the end.
-    pub fn step(&mut self) -> Option<Option<(u32, u32, f64)>> {
+    pub(crate) fn step(&mut self) -> Option<Option<(u32, u32, f64)>> {
         let (x, y) = self.probe()?;
         self.probe = if x + 1 < self.columns.end { (x + 1, y) } else { (self.columns.start, y + 1) };
         let area = self.area(x, y);

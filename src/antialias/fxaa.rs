@@ -31,7 +31,7 @@ const SUBPIXEL: f32 = 0.75;
 const LEAST_SHARE: f32 = 1.0 / 256.0;
 
 /// Pixels that an edge is followed each way. An edge ends where the luma on its line changes by a quarter of its gradient.
-pub const SEARCH_PX: u32 = 16;
+pub(crate) const SEARCH_PX: u32 = 16;
 
 /// Pixels that are searched together.
 const BLOCK: usize = 32;
@@ -48,7 +48,7 @@ thread_local! {
 }
 
 /// Filters a picture, mixing in linear light or in codes. The result is written into `memory` where there is any.
-pub fn apply(picture: &Image<Rgba8>, linear: bool, memory: Option<Image<Rgba8>>) -> Image<Rgba8> {
+pub(crate) fn apply(picture: &Image<Rgba8>, linear: bool, memory: Option<Image<Rgba8>>) -> Image<Rgba8> {
     apply_on(Lanes::best(), picture, linear, memory)
 }
 

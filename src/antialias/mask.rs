@@ -18,7 +18,7 @@ const CHANNELS: usize = 3;
 
 /// Applies a mask to every pixel, on sRGB codes or in linear light. Sums are rounded half up and clamped once, at the
 /// end.
-pub fn apply(mask: &Mask, picture: &Image<Rgba8>, linear: bool) -> Image<Rgba8> {
+pub(crate) fn apply(mask: &Mask, picture: &Image<Rgba8>, linear: bool) -> Image<Rgba8> {
     let width = picture.width();
     let tables = Tables::get();
     let lanes = Lanes::best();

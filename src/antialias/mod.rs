@@ -1,17 +1,17 @@
 //! Anti-aliasing: sample patterns, resolve of samples, area coverage, and filters over finished pictures.
 
-pub mod area;
+pub(crate) mod area;
 
-pub mod fxaa;
+pub(crate) mod fxaa;
 
-pub mod mask;
+pub(crate) mod mask;
 
-pub mod pattern;
+pub(crate) mod pattern;
 
-pub mod post;
+pub(crate) mod post;
 
-pub mod resolve;
+pub(crate) mod resolve;
 
-pub mod settings;
+pub(crate) mod settings;
 
-pub mod weight;
+pub(crate) mod weight;

@@ -6,7 +6,7 @@
 
 /// Pattern of samples in a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Pattern {
+pub(crate) enum Pattern {
     /// Centres of `side` × `side` squares.
     Regular {
         /// Number of squares along an axis, at least 1.
@@ -38,13 +38,13 @@ pub enum Pattern {
 
 impl Pattern {
     /// Greatest level of [`Pattern::Recursive`]: 256 samples.
-    pub const MOST_LEVELS: u32 = 4;
+    pub(crate) const MOST_LEVELS: u32 = 4;
 
     /// Number of candidate positions of a jittered sample along an axis of its square.
-    pub const JITTER: u32 = 4;
+    pub(crate) const JITTER: u32 = 4;
 
     /// Returns the number of samples per pixel.
-    pub fn count(self) -> u32 {
+    pub(crate) fn count(self) -> u32 {
         match self {
             Self::Regular { side } | Self::Jittered { side, .. } => side.max(1).pow(2),
             Self::Recursive { level } => 4_u32.pow(level.min(Self::MOST_LEVELS)),
@@ -66,7 +66,7 @@ impl Pattern {
     /// let rows: Vec<f64> = Pattern::RotatedGrid.offsets(0, 0).iter().map(|[_, y]| *y).collect();
     /// assert_eq!(rows, [0.125, 0.375, 0.625, 0.875]);
     /// ```
-    pub fn offsets(self, x: u32, y: u32) -> Vec<[f64; 2]> {
+    pub(crate) fn offsets(self, x: u32, y: u32) -> Vec<[f64; 2]> {
         match self {
             Self::Regular { side } => grid(side.max(1), |_, _| [0.5; 2]),
             Self::Recursive { level } => quartered(level.min(Self::MOST_LEVELS)),
@@ -87,7 +87,7 @@ impl Pattern {
 
 /// Returns the index of a sample's candidate position in pixel (x, y) under a seed. Candidates are numbered row by row
 /// in the sample's square.
-pub fn jitter(x: u32, y: u32, sample: u32, seed: u32) -> usize {
+pub(crate) fn jitter(x: u32, y: u32, sample: u32, seed: u32) -> usize {
     // Odd constants without simple ratios spread the inputs before the generator mixes them, so neighbours share no
     // pattern.
     let spread = u64::from(x).wrapping_mul(0x9E37_79B9_7F4A_7C15)
@@ -98,7 +98,7 @@ pub fn jitter(x: u32, y: u32, sample: u32, seed: u32) -> usize {
 }
 
 /// Computes [`jitter`] of one sample for the given columns of row `y`.
-pub fn jitter_row((columns, y): (&[u32], u32), sample: u32, seed: u32, places: &mut [u8]) {
+pub(crate) fn jitter_row((columns, y): (&[u32], u32), sample: u32, seed: u32, places: &mut [u8]) {
     for (place, x) in places.iter_mut().zip(columns) {
         *place = jitter(*x, y, sample, seed) as u8;
     }
@@ -111,7 +111,7 @@ fn jittered_place(place: usize) -> [f64; 2] {
 }
 
 /// Returns the candidate positions that [`jitter`] numbers, for each of `side` × `side` squares.
-pub fn jittered_places(side: u32) -> Vec<Vec<[f64; 2]>> {
+pub(crate) fn jittered_places(side: u32) -> Vec<Vec<[f64; 2]>> {
     let all = (0..(Pattern::JITTER * Pattern::JITTER) as usize).map(|place| grid(side, |_, _| jittered_place(place)));
     let all: Vec<_> = all.collect();
     (0..(side * side) as usize).map(|square| all.iter().map(|places| places[square]).collect()).collect()

@@ -8,7 +8,7 @@ use crate::image::{Image, Rgba8};
 use crate::pipeline::settings::ColorSpace;
 
 /// Returns the filtered picture, in `memory` if the filter can reuse it; `None` if there is nothing to do.
-pub fn apply(filter: &PostFilter, picture: &Image<Rgba8>, memory: Option<Image<Rgba8>>) -> Option<Image<Rgba8>> {
+pub(crate) fn apply(filter: &PostFilter, picture: &Image<Rgba8>, memory: Option<Image<Rgba8>>) -> Option<Image<Rgba8>> {
     let linear = filter.light == ColorSpace::Linear;
     if filter.filter == Filter::Fxaa {
         return Some(fxaa::apply(picture, linear, memory));
@@ -17,7 +17,7 @@ pub fn apply(filter: &PostFilter, picture: &Image<Rgba8>, memory: Option<Image<R
 }
 
 /// Returns the convolution mask of a filter; `None` if the filter is not a convolution.
-pub fn mask_of(filter: &PostFilter) -> Option<Mask> {
+pub(crate) fn mask_of(filter: &PostFilter) -> Option<Mask> {
     match filter.filter {
         Filter::None | Filter::Fxaa => None,
         Filter::Blur => Some(Mask::blur(filter.strength.round() as usize)),
@@ -29,7 +29,7 @@ pub fn mask_of(filter: &PostFilter) -> Option<Mask> {
 }
 
 /// Returns the distance, in px, up to which a filter reads around a pixel; `None` if there is nothing to do.
-pub fn reach(filter: &PostFilter) -> Option<u32> {
+pub(crate) fn reach(filter: &PostFilter) -> Option<u32> {
     match filter.filter {
         Filter::Fxaa => Some(fxaa::SEARCH_PX),
         _ => mask_of(filter).map(|mask| mask.reach()),

@@ -10,7 +10,7 @@ use crate::pipeline::tiled::{Picks, Sums};
 
 /// Accumulator for the mean of samples. The order of the samples affects the last bits only.
 #[derive(Clone, Debug)]
-pub struct Mean {
+pub(crate) struct Mean {
     sums: Image<[f32; 3]>,
     samples: u32,
     light: ColorSpace,
@@ -18,12 +18,12 @@ pub struct Mean {
 
 impl Mean {
     /// Returns an accumulator without samples, for a picture of `width` × `height` px.
-    pub fn new(width: u32, height: u32, light: ColorSpace) -> Self {
+    pub(crate) fn new(width: u32, height: u32, light: ColorSpace) -> Self {
         Self { sums: Image::filled(width, height, [0.0; 3]), samples: 0, light }
     }
 
     /// Adds one sample for every pixel, from a picture of the same size.
-    pub fn add(&mut self, picture: &Image<Rgba8>) {
+    pub(crate) fn add(&mut self, picture: &Image<Rgba8>) {
         let numbers = numbers(self.light);
         let sums = self.sums.pixels_mut().par_iter_mut().with_min_len(MIN_LEN);
         sums.zip(picture.pixels()).for_each(|(sum, color)| add(sum, *color, numbers));
@@ -31,12 +31,12 @@ impl Mean {
     }
 
     /// Returns the number of samples that each pixel has.
-    pub fn samples(&self) -> u32 {
+    pub(crate) fn samples(&self) -> u32 {
         self.samples
     }
 
     /// Returns the mean colours, opaque.
-    pub fn picture(&self) -> Image<Rgba8> {
+    pub(crate) fn picture(&self) -> Image<Rgba8> {
         let mut picture = Image::filled(self.sums.width(), self.sums.height(), [0; 4]);
         let pixels = picture.pixels_mut().par_iter_mut().with_min_len(MIN_LEN);
         pixels.zip(self.sums.pixels()).for_each(|(pixel, sum)| *pixel = finished(*sum, self.samples, self.light));
@@ -48,7 +48,7 @@ impl Mean {
 const MIN_LEN: usize = 4096;
 
 /// Returns the colour of one pixel with these samples, equal to the result of [`Mean`].
-pub fn mean(samples: &[Rgba8], light: ColorSpace) -> Rgba8 {
+pub(crate) fn mean(samples: &[Rgba8], light: ColorSpace) -> Rgba8 {
     let (mut sum, numbers) = ([0.0; 3], numbers(light));
     samples.iter().for_each(|color| add(&mut sum, *color, numbers));
     finished(sum, samples.len() as u32, light)
@@ -56,7 +56,7 @@ pub fn mean(samples: &[Rgba8], light: ColorSpace) -> Rgba8 {
 
 /// Computes the colours of pixels on SIMD lanes, sixteen pixels at a time, equal to [`mean`]. `picks` holds indices
 /// into `colors`: for each sixteen pixels, one set of sixteen per sample.
-pub fn means(lanes: Lanes, colors: &[Rgba8], picks: &[Picks], light: ColorSpace, out: &mut [Rgba8]) {
+pub(crate) fn means(lanes: Lanes, colors: &[Rgba8], picks: &[Picks], light: ColorSpace, out: &mut [Rgba8]) {
     let sixteens = out.len().div_ceil(WIDE);
     if sixteens == 0 {
         return;
@@ -82,7 +82,7 @@ fn means_of_sixteen<S: Simd>(simd: S, colors: &[Rgba8], picks: &[Picks], light: 
 }
 
 /// Adds one sample per pixel to sums of sixteen pixels each, on SIMD lanes, in the same way as [`mean`].
-pub fn add_samples(lanes: Lanes, colors: &[Rgba8], light: ColorSpace, sums: &mut [Sums]) {
+pub(crate) fn add_samples(lanes: Lanes, colors: &[Rgba8], light: ColorSpace, sums: &mut [Sums]) {
     on_lanes!(lanes, simd => add_sixteens(simd, colors, numbers(light), sums));
 }
 
@@ -102,7 +102,7 @@ fn add_sixteens<S: Simd>(simd: S, colors: &[Rgba8], numbers: &[f32; 256], sums: 
 }
 
 /// Computes the colours of pixels from sums of `samples` samples each, on SIMD lanes, equal to [`mean`].
-pub fn means_of_sums(lanes: Lanes, sums: &[Sums], samples: u32, light: ColorSpace, out: &mut [Rgba8]) {
+pub(crate) fn means_of_sums(lanes: Lanes, sums: &[Sums], samples: u32, light: ColorSpace, out: &mut [Rgba8]) {
     for (out, sums) in out.chunks_mut(WIDE).zip(sums) {
         let means = on_lanes!(lanes, simd => {
             let sums = each!(channel in [0, 1, 2] => f32x16::load_array_ref(simd, &sums[channel]));

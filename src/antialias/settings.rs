@@ -55,12 +55,12 @@ impl Samples {
     }
 
     /// Returns the number of samples per pixel.
-    pub fn count(self) -> u32 {
+    pub(crate) fn count(self) -> u32 {
         1 << (2 * self.level())
     }
 
     /// Returns the number of squares along an axis.
-    pub fn side(self) -> u32 {
+    pub(crate) fn side(self) -> u32 {
         1 << self.level()
     }
 }
@@ -68,15 +68,15 @@ impl Samples {
 /// Sampling of drawn pixels, and resolve of their samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(default)]
-pub struct Antialiasing {
+pub(crate) struct Antialiasing {
     /// Sample positions, and the work done per sample.
-    pub method: Method,
+    pub(crate) method: Method,
     /// Number of samples; the rotated grid always has four.
-    pub samples: Samples,
+    pub(crate) samples: Samples,
     /// Seed of the positions of jittered samples.
-    pub seed: u32,
+    pub(crate) seed: u32,
     /// Colour space in which samples are averaged.
-    pub light: ColorSpace,
+    pub(crate) light: ColorSpace,
 }
 
 impl Default for Antialiasing {
@@ -87,23 +87,23 @@ impl Default for Antialiasing {
 
 impl Antialiasing {
     /// Whether each pixel has a single sample, at its centre.
-    pub fn is_off(self) -> bool {
+    pub(crate) fn is_off(self) -> bool {
         self.method == Method::None
     }
 
     /// Whether sample positions differ from pixel to pixel, or shading does not run per sample. Samples are then not
     /// drawn in passes.
-    pub fn is_per_pixel(self) -> bool {
+    pub(crate) fn is_per_pixel(self) -> bool {
         matches!(self.method, Method::Jittered | Method::Multisample)
     }
 
     /// Whether the picture is the mean of several passes, each with one sample per pixel.
-    pub fn has_passes(self) -> bool {
+    pub(crate) fn has_passes(self) -> bool {
         !self.is_off() && !self.is_per_pixel()
     }
 
     /// Returns the sample pattern.
-    pub fn pattern(self) -> Pattern {
+    pub(crate) fn pattern(self) -> Pattern {
         let (side, count) = (self.samples.side(), self.samples.count());
         match self.method {
             Method::None => Pattern::Regular { side: 1 },
@@ -117,12 +117,12 @@ impl Antialiasing {
     }
 
     /// Returns the number of samples per pixel.
-    pub fn count(self) -> u32 {
+    pub(crate) fn count(self) -> u32 {
         self.pattern().count()
     }
 
     /// Returns the display name with the number of samples, such as "Multisampling, 4 samples".
-    pub fn label(self) -> String {
+    pub(crate) fn label(self) -> String {
         if self.is_off() { "1 sample".to_owned() } else { format!("{}, {} samples", self.method.name(), self.count()) }
     }
 }
@@ -151,7 +151,7 @@ choice! {
 impl Filter {
     /// Returns the maximum strength: the limit of the largest mask or, for sharpening, of useful values. `None` if the
     /// filter has no strength.
-    pub fn most_strength(self) -> Option<f32> {
+    pub(crate) fn most_strength(self) -> Option<f32> {
         let reach = MOST_REACH as f32;
         match self {
             Self::None | Self::Fxaa | Self::Own => None,
@@ -164,7 +164,7 @@ impl Filter {
 }
 
 /// Weights of a custom mask: five rows of five.
-pub type Weights = [f32; 25];
+pub(crate) type Weights = [f32; 25];
 
 /// Mask that changes nothing.
 const UNIT: Weights = {
@@ -176,18 +176,18 @@ const UNIT: Weights = {
 /// Post filter: filter over the finished picture.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct PostFilter {
+pub(crate) struct PostFilter {
     /// Kind of filter.
-    pub filter: Filter,
+    pub(crate) filter: Filter,
     /// Strength of the filter: px from the centre to the edge of a blur, standard deviation in px of a Gaussian blur,
     /// amount of sharpening, or length in px of a motion blur. At most [`Filter::most_strength`].
-    pub strength: f32,
+    pub(crate) strength: f32,
     /// Direction of a motion blur, in degrees from right towards down.
-    pub angle_degrees: f32,
+    pub(crate) angle_degrees: f32,
     /// Weights of a custom mask, row by row; a 3 × 3 mask is centred.
-    pub mask: Weights,
+    pub(crate) mask: Weights,
     /// Colour space in which the filter works. FXAA always finds edges in sRGB codes.
-    pub light: ColorSpace,
+    pub(crate) light: ColorSpace,
 }
 
 impl Default for PostFilter {
@@ -197,7 +197,7 @@ impl Default for PostFilter {
 }
 
 /// Returns nine weights, three rows of three, centred in five rows of five.
-pub fn widened(weights: [f32; 9]) -> Weights {
+pub(crate) fn widened(weights: [f32; 9]) -> Weights {
     let mut wide = [0.0; 25];
     for (index, weight) in weights.into_iter().enumerate() {
         wide[(index / 3 + 1) * 5 + index % 3 + 1] = weight;
@@ -207,18 +207,18 @@ pub fn widened(weights: [f32; 9]) -> Weights {
 
 impl PostFilter {
     /// Whether the filter changes nothing.
-    pub fn is_off(&self) -> bool {
+    pub(crate) fn is_off(&self) -> bool {
         self.filter == Filter::None
     }
 
     /// Returns the settings with another filter and the strength clamped to that filter's range.
-    pub fn with_filter(self, filter: Filter) -> Self {
+    pub(crate) fn with_filter(self, filter: Filter) -> Self {
         let strength = filter.most_strength().map_or(self.strength, |most| self.strength.clamp(0.0, most));
         Self { filter, strength, ..self }
     }
 
     /// Returns an error if a number is out of range or not finite.
-    pub fn check(&self) -> Result<(), String> {
+    pub(crate) fn check(&self) -> Result<(), String> {
         let Self { filter, strength, .. } = self;
         if let Some(most) = filter.most_strength().filter(|most| !(0.0..=*most).contains(strength)) {
             return Err(format!("the strength of the filter `{}` must lie in 0…{most}, not {strength}", filter.id()));

@@ -10,11 +10,11 @@
 use glam::DVec2;
 
 /// Number of rows into which a filter is cut.
-pub const ROWS: u32 = 64;
+pub(crate) const ROWS: u32 = 64;
 
 /// Filter weight of a point, by its position relative to the pixel's centre.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Weight {
+pub(crate) enum Weight {
     /// Constant over the pixel.
     Box,
     /// Falls linearly from the centre to the sides of a square of 2 × 2 px.
@@ -25,7 +25,7 @@ pub enum Weight {
 
 impl Weight {
     /// Returns the distance from the centre to which the filter reaches, px.
-    pub fn radius_px(self) -> f64 {
+    pub(crate) fn radius_px(self) -> f64 {
         match self {
             Self::Box => 0.5,
             Self::Pyramid | Self::Cone => 1.0,
@@ -33,7 +33,7 @@ impl Weight {
     }
 
     /// Returns the height of the filter at a position relative to the centre, px; 1 at the centre.
-    pub fn at(self, place: DVec2) -> f64 {
+    pub(crate) fn at(self, place: DVec2) -> f64 {
         match self {
             Self::Box => f64::from(place.abs().max_element() <= 0.5),
             Self::Pyramid => (1.0 - place.abs().max_element()).max(0.0),
@@ -61,7 +61,7 @@ impl Weight {
 }
 
 /// Returns the fraction of a pixel's filter that a convex polygon covers, in [0, 1]; corners in px, of either winding.
-pub fn weighted_coverage(polygon: &[DVec2], center: DVec2, weight: Weight) -> f64 {
+pub(crate) fn weighted_coverage(polygon: &[DVec2], center: DVec2, weight: Weight) -> f64 {
     let height = 2.0 * weight.radius_px() / f64::from(ROWS);
     let (mut covered, mut whole) = (0.0, 0.0);
     for row in 0..ROWS {

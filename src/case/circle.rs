@@ -9,9 +9,9 @@ use crate::flat2d::circle::midpoint_circle;
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct Circle {
     /// Column and row of the centre pixel.
-    pub c: Exactly<i32, 2>,
+    pub(crate) c: Exactly<i32, 2>,
     /// Radius, px.
-    pub r: u32,
+    pub(crate) r: u32,
 }
 
 impl Check for Circle {}

@@ -15,11 +15,11 @@ use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct ClipTri {
     /// Width of the picture, px.
-    pub width: u32,
+    pub(crate) width: u32,
     /// Height of the picture, px.
-    pub height: u32,
+    pub(crate) height: u32,
     /// Corners as [x, y, z, w], of either winding. A triangle with a non-finite corner is discarded.
-    pub triangles: Vec<Exactly<Exactly<Float, 4>, 3>>,
+    pub(crate) triangles: Vec<Exactly<Exactly<Float, 4>, 3>>,
 }
 
 impl Check for ClipTri {
@@ -30,13 +30,13 @@ impl Check for ClipTri {
 
 impl ClipTri {
     /// Returns the corners of one triangle as [x, y, z, w]; `None` if `triangle` is out of range.
-    pub fn corners(&self, triangle: usize) -> Option<[[f32; 4]; 3]> {
+    pub(crate) fn corners(&self, triangle: usize) -> Option<[[f32; 4]; 3]> {
         let Exactly(corners) = self.triangles.get(triangle)?;
         Some(corners.map(|Exactly(position)| position.map(|number| number.0)))
     }
 
     /// Returns the size of the picture, in pixels.
-    pub fn viewport(&self) -> Viewport {
+    pub(crate) fn viewport(&self) -> Viewport {
         Viewport { width: self.width, height: self.height }
     }
 
@@ -102,7 +102,7 @@ fn pixels(span: Span) -> impl Iterator<Item = (u32, u32)> {
 
 /// One covered sample: triangle index, column, row, perspective-correct weights p0, p1, p2 of the original triangle's
 /// corners, and depth.
-pub type ClipSample = (usize, u32, u32, f64, f64, f64, f64);
+pub(crate) type ClipSample = (usize, u32, u32, f64, f64, f64, f64);
 
 /// Answer to a [`ClipTri`] case.
 #[derive(Clone, Debug, PartialEq, Serialize)]

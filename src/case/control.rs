@@ -8,7 +8,7 @@ use super::{Refusal, Unanswered};
 
 /// Memory limit for the lists of an answer, in bytes. Including the case itself and working memory, evaluation stays
 /// well below 512 MB.
-pub const MAX_ANSWER_BYTES: u64 = 192 << 20;
+pub(crate) const MAX_ANSWER_BYTES: u64 = 192 << 20;
 
 /// Returns the maximum number of entries of type `T` in an answer.
 const fn most<T>() -> u64 {
@@ -43,7 +43,7 @@ impl<'a> Control<'a> {
     ///
     /// `progress` receives the completed share in [0, 1], which never decreases. After `stop` is set, evaluation ends
     /// within a few milliseconds.
-    pub fn new(progress: &'a dyn Fn(f32), stop: &'a AtomicBool) -> Self {
+    pub(crate) fn new(progress: &'a dyn Fn(f32), stop: &'a AtomicBool) -> Self {
         Self { progress, stop, reported: Cell::new(0) }
     }
 

@@ -10,11 +10,11 @@ use crate::pipeline::settings::Arithmetic;
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct CoplanarPair {
     /// Corners of the first triangle.
-    pub first: Exactly<Vertex, 3>,
+    pub(crate) first: Exactly<Vertex, 3>,
     /// Corners of the second triangle.
-    pub second: Exactly<Vertex, 3>,
+    pub(crate) second: Exactly<Vertex, 3>,
     /// Column and row of each pixel to evaluate.
-    pub eval: Vec<Exactly<i64, 2>>,
+    pub(crate) eval: Vec<Exactly<i64, 2>>,
 }
 
 impl Check for CoplanarPair {
@@ -46,7 +46,7 @@ impl CoplanarPair {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CoplanarPairAnswer {
     /// Attributes of the first triangle.
-    pub first: Vec<SampleAttributes>,
+    pub(crate) first: Vec<SampleAttributes>,
     /// Attributes of the second triangle.
-    pub second: Vec<SampleAttributes>,
+    pub(crate) second: Vec<SampleAttributes>,
 }

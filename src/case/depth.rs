@@ -10,21 +10,21 @@ use crate::scene::DepthMapping;
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct Depth {
     /// Mapping from view depth to normalised depth.
-    pub mapping: Mapping,
+    pub(crate) mapping: Mapping,
     /// Storage format of the depth buffer.
-    pub format: DepthFormat,
+    pub(crate) format: DepthFormat,
     /// View depth of the near plane, > 0.
-    pub near: Real,
+    pub(crate) near: Real,
     /// View depth of the far plane. `None` is valid only for a mapping without a far plane.
-    pub far: Option<Real>,
+    pub(crate) far: Option<Real>,
     /// View depths, all > 0, ascending.
-    pub z: Vec<Real>,
+    pub(crate) z: Vec<Real>,
 }
 
 /// Mapping from view depth z, between the planes n (near) and f (far), to depth in [0, 1].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Mapping {
+pub(crate) enum Mapping {
     /// f (z − n) / (z (f − n)): 0 at the near plane, 1 at the far plane.
     Standard,
     /// n (f − z) / (z (f − n)): 1 at the near plane, 0 at the far plane.
@@ -40,7 +40,7 @@ pub enum Mapping {
 /// Storage format of a depth in [0, 1].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum DepthFormat {
+pub(crate) enum DepthFormat {
     /// 32-bit float.
     F32,
     /// 16-bit normalised integer.
@@ -100,5 +100,5 @@ impl Depth {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DepthAnswer {
     /// Stored values in [0, 1], one per view depth.
-    pub depth: Vec<f64>,
+    pub(crate) depth: Vec<f64>,
 }

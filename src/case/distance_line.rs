@@ -9,13 +9,13 @@ use crate::flat2d::distance_line::distance_line;
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct DistanceLine {
     /// Width of the picture, px.
-    pub width: u32,
+    pub(crate) width: u32,
     /// Height of the picture, px.
-    pub height: u32,
+    pub(crate) height: u32,
     /// First end, px.
-    pub p0: Point,
+    pub(crate) p0: Point,
     /// Second end, px.
-    pub p1: Point,
+    pub(crate) p1: Point,
 }
 
 impl Check for DistanceLine {

@@ -9,11 +9,11 @@ use crate::flat2d::ellipse::midpoint_ellipse;
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct Ellipse {
     /// Column and row of the centre pixel.
-    pub c: Exactly<i32, 2>,
+    pub(crate) c: Exactly<i32, 2>,
     /// Horizontal semi-axis, px.
-    pub a: u32,
+    pub(crate) a: u32,
     /// Vertical semi-axis, px.
-    pub b: u32,
+    pub(crate) b: u32,
 }
 
 impl Check for Ellipse {}
@@ -33,7 +33,7 @@ impl Ellipse {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EllipseAnswer {
     /// Column and row of each pixel, without duplicates.
-    pub pixels: Vec<(i64, i64)>,
+    pub(crate) pixels: Vec<(i64, i64)>,
 }
 
 #[cfg(test)]

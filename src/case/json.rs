@@ -13,7 +13,7 @@ use crate::image::Image;
 /// Number within the range of 32-bit floats: 0, or a magnitude from 2⁻¹⁴⁹ to `f32::MAX`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(try_from = "f64")]
-pub struct Real(pub f64);
+pub(crate) struct Real(pub(crate) f64);
 
 impl TryFrom<f64> for Real {
     type Error = String;
@@ -40,7 +40,7 @@ const WORDS: [(&str, f32); 3] = [("NaN", f32::NAN), ("Infinity", f32::INFINITY),
 /// Any 32-bit float: a number in the range of [`Real`], rounded to the nearest f32, or one of the words `NaN`,
 /// `Infinity` and `-Infinity`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Float(pub f32);
+pub(crate) struct Float(pub(crate) f32);
 
 impl<'de> Deserialize<'de> for Float {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -89,7 +89,7 @@ impl Visitor<'_> for FloatVisitor {
 /// Point, written as [x, y].
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(from = "Exactly<Real, 2>")]
-pub struct Point(pub DVec2);
+pub(crate) struct Point(pub(crate) DVec2);
 
 impl From<Exactly<Real, 2>> for Point {
     fn from(Exactly([x, y]): Exactly<Real, 2>) -> Self {
@@ -99,7 +99,7 @@ impl From<Exactly<Real, 2>> for Point {
 
 /// List of exactly `N` values. Deserializing a list of any other length returns an error with both lengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Exactly<T, const N: usize>(pub [T; N]);
+pub(crate) struct Exactly<T, const N: usize>(pub(crate) [T; N]);
 
 impl<'de, T: Deserialize<'de>, const N: usize> Deserialize<'de> for Exactly<T, N> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {

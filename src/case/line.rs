@@ -9,14 +9,14 @@ use crate::flat2d::line::{direction_independent_line, midpoint_line};
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct Line {
     /// Column and row of the first pixel.
-    pub p0: Exactly<i64, 2>,
+    pub(crate) p0: Exactly<i64, 2>,
     /// Column and row of the last pixel.
-    pub p1: Exactly<i64, 2>,
+    pub(crate) p1: Exactly<i64, 2>,
     /// Whether the last pixel belongs to the line. If `false`, the segments of a polyline share no pixel.
-    pub last_pixel: bool,
+    pub(crate) last_pixel: bool,
     /// Whether the line from `p1` to `p0` covers the same pixels. If `false`, ties depend on the direction.
     #[serde(default)]
-    pub direction_independent: bool,
+    pub(crate) direction_independent: bool,
 }
 
 impl Check for Line {}

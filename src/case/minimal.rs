@@ -11,9 +11,9 @@ const SIDE_PX: u32 = 64;
 
 /// A `tri_coverage` case of one triangle, with a note on its origin. Readers of cases ignore unknown fields.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct MinimalCase {
+pub(crate) struct MinimalCase {
     /// Identifier of the case, built from the triangle and the pixel.
-    pub id: String,
+    pub(crate) id: String,
     kind: &'static str,
     class: &'static str,
     note: String,
@@ -33,7 +33,7 @@ impl MinimalCase {
     ///
     /// The picture of the case is a window around the pixel if shifting the triangle by whole pixels causes no
     /// rounding. Otherwise the case keeps the full picture.
-    pub fn new(
+    pub(crate) fn new(
         triangle: &ScreenTriangle,
         pixel: (u32, u32),
         viewport: Viewport,
@@ -70,7 +70,7 @@ impl MinimalCase {
     }
 
     /// Returns the content of the case file, as indented JSON.
-    pub fn to_json(&self) -> String {
+    pub(crate) fn to_json(&self) -> String {
         // Corners of drawn triangles and all numbers in the settings are finite, so serialization cannot fail.
         serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
     }

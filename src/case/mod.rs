@@ -26,25 +26,54 @@ mod tri_attr;
 mod tri_coverage;
 mod upscale;
 
-pub use circle::{Circle, CircleAnswer};
-pub use clip_tri::{ClipSample, ClipTri, ClipTriAnswer};
-pub use control::{Control, MAX_ANSWER_BYTES};
-pub use coplanar_pair::{CoplanarPair, CoplanarPairAnswer};
-pub use depth::{Depth, DepthAnswer, DepthFormat, Mapping};
-pub use distance_line::{DistanceLine, DistanceLineAnswer};
-pub use ellipse::{Ellipse, EllipseAnswer};
-pub use file::CaseError;
-pub use json::{Exactly, Float, Point, Real};
-pub use line::{Line, LineAnswer};
-pub use minimal::MinimalCase;
-pub use poly_fill::{PolyFill, PolyFillAnswer, PolygonRule};
-pub use real_line::{RealLine, RealLineAnswer};
-pub use region_fill::{FillMode, RegionFill, RegionFillAnswer};
-pub use texture::{Texture, TextureAddress, TextureAnswer, TextureFilter};
-pub use tri_area::{TriArea, TriAreaAnswer};
-pub use tri_attr::{SampleAttributes, TriAttr, TriAttrAnswer, Vertex};
-pub use tri_coverage::{Covered, TriCoverage, TriCoverageAnswer};
-pub use upscale::{Upscale, UpscaleAnswer};
+pub(crate) use circle::Circle;
+pub(crate) use circle::CircleAnswer;
+pub(crate) use clip_tri::ClipSample;
+pub(crate) use clip_tri::ClipTri;
+pub(crate) use clip_tri::ClipTriAnswer;
+pub use control::Control;
+pub(crate) use control::MAX_ANSWER_BYTES;
+pub(crate) use coplanar_pair::CoplanarPair;
+pub(crate) use coplanar_pair::CoplanarPairAnswer;
+pub(crate) use depth::Depth;
+pub(crate) use depth::DepthAnswer;
+pub(crate) use depth::DepthFormat;
+pub(crate) use depth::Mapping;
+pub(crate) use distance_line::DistanceLine;
+pub(crate) use distance_line::DistanceLineAnswer;
+pub(crate) use ellipse::Ellipse;
+pub(crate) use ellipse::EllipseAnswer;
+pub(crate) use file::CaseError;
+pub(crate) use json::Exactly;
+pub(crate) use json::Float;
+pub(crate) use json::Point;
+pub(crate) use json::Real;
+pub(crate) use line::Line;
+pub(crate) use line::LineAnswer;
+pub(crate) use minimal::MinimalCase;
+pub(crate) use poly_fill::PolyFill;
+pub(crate) use poly_fill::PolyFillAnswer;
+pub(crate) use poly_fill::PolygonRule;
+pub(crate) use real_line::RealLine;
+pub(crate) use real_line::RealLineAnswer;
+pub(crate) use region_fill::FillMode;
+pub(crate) use region_fill::RegionFill;
+pub(crate) use region_fill::RegionFillAnswer;
+pub(crate) use texture::Texture;
+pub(crate) use texture::TextureAddress;
+pub(crate) use texture::TextureAnswer;
+pub(crate) use texture::TextureFilter;
+pub(crate) use tri_area::TriArea;
+pub(crate) use tri_area::TriAreaAnswer;
+pub(crate) use tri_attr::SampleAttributes;
+pub(crate) use tri_attr::TriAttr;
+pub(crate) use tri_attr::TriAttrAnswer;
+pub(crate) use tri_attr::Vertex;
+pub(crate) use tri_coverage::Covered;
+pub(crate) use tri_coverage::TriCoverage;
+pub(crate) use tri_coverage::TriCoverageAnswer;
+pub(crate) use upscale::Upscale;
+pub(crate) use upscale::UpscaleAnswer;
 
 use std::path::Path;
 
@@ -63,7 +92,7 @@ pub struct Case {
     /// Identifier, valid as a file name.
     pub id: String,
     /// Input of the algorithm.
-    pub task: Task,
+    pub(crate) task: Task,
 }
 
 impl Case {
@@ -74,7 +103,7 @@ impl Case {
     }
 
     /// Parses a case from JSON text. Error messages name `path`.
-    pub fn parse(json: &[u8], path: &Path) -> Result<Self, CaseError> {
+    pub(crate) fn parse(json: &[u8], path: &Path) -> Result<Self, CaseError> {
         file::parse(json, path)
     }
 }
@@ -83,10 +112,10 @@ impl Case {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options {
     /// Rasterizer that finds the samples inside a triangle.
-    pub rasterizer: Rasterizer,
+    pub(crate) rasterizer: Rasterizer,
     /// Arithmetic that decides coverage. Polygons are always filled exactly: with snapped corners in fixed point, and
     /// with the given corners otherwise.
-    pub arithmetic: Arithmetic,
+    pub(crate) arithmetic: Arithmetic,
 }
 
 impl Options {
@@ -110,11 +139,11 @@ impl Default for Options {
 /// Reason why a valid case is not answered, in one sentence.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{0}")]
-pub struct Refusal(pub(crate) String);
+pub(crate) struct Refusal(pub(crate) String);
 
 /// Reason why a case has no answer.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub enum Unanswered {
+pub(crate) enum Unanswered {
     /// The program does not support the request.
     #[error(transparent)]
     Refused(#[from] Refusal),
@@ -219,7 +248,7 @@ pub enum Answer {
 /// assert_eq!(line.pixels, [(0, 0), (1, 1), (2, 2)]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn answer(case: &Case, options: Options, control: &Control<'_>) -> Result<Answer, Unanswered> {
+pub(crate) fn answer(case: &Case, options: Options, control: &Control<'_>) -> Result<Answer, Unanswered> {
     Ok(match &case.task {
         Task::TriCoverage(task) => Answer::TriCoverage(task.answer(options, control)?),
         Task::TriAttr(task) => Answer::TriAttr(task.answer(options.arithmetic, control)?),

@@ -12,16 +12,16 @@ const MAX_CORNERS: usize = 1 << 20;
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct PolyFill {
     /// Width of the picture, px.
-    pub width: u32,
+    pub(crate) width: u32,
     /// Height of the picture, px.
-    pub height: u32,
+    pub(crate) height: u32,
     /// Rule that decides which points are inside.
-    pub rule: PolygonRule,
+    pub(crate) rule: PolygonRule,
     /// Sample position on both axes, px: 0.5 at pixel centres, 0 at integer coordinates.
     #[serde(default = "middle")]
-    pub center: Real,
+    pub(crate) center: Real,
     /// Corners of each contour, px. Contours are closed implicitly.
-    pub contours: Vec<Vec<Point>>,
+    pub(crate) contours: Vec<Vec<Point>>,
 }
 
 fn middle() -> Real {
@@ -31,7 +31,7 @@ fn middle() -> Real {
 /// Inside rule for contours that may overlap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum PolygonRule {
+pub(crate) enum PolygonRule {
     /// Points with an odd winding number are inside.
     EvenOdd,
     /// Points with a non-zero winding number are inside.
@@ -53,7 +53,7 @@ impl Check for PolyFill {
 
 impl PolyFill {
     /// Returns the corners of the contours, px.
-    pub fn outlines(&self) -> Vec<Vec<[f64; 2]>> {
+    pub(crate) fn outlines(&self) -> Vec<Vec<[f64; 2]>> {
         self.contours.iter().map(|contour| contour.iter().map(|Point(p)| [p.x, p.y]).collect()).collect()
     }
 

@@ -9,9 +9,9 @@ use crate::flat2d::real_line::{MAX_COORDINATE_PX, real_line};
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct RealLine {
     /// First end, px.
-    pub p0: Point,
+    pub(crate) p0: Point,
     /// Second end, px.
-    pub p1: Point,
+    pub(crate) p1: Point,
 }
 
 impl Check for RealLine {}

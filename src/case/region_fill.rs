@@ -11,23 +11,23 @@ use crate::image::Image;
 pub struct RegionFill {
     /// Colours before the fill, row by row.
     #[serde(deserialize_with = "json::rows")]
-    pub grid: Image<i64>,
+    pub(crate) grid: Image<i64>,
     /// Column and row of the seed pixel.
-    pub seed: Exactly<u32, 2>,
+    pub(crate) seed: Exactly<u32, 2>,
     /// Criterion that ends the fill.
-    pub mode: FillMode,
+    pub(crate) mode: FillMode,
     /// Connectivity: 4 if neighbours share a side, 8 if they share a side or a corner.
-    pub connectivity: u32,
+    pub(crate) connectivity: u32,
     /// Fill colour.
-    pub new: i64,
+    pub(crate) new: i64,
     /// Colour at which a boundary fill stops; required in that mode.
-    pub boundary: Option<i64>,
+    pub(crate) boundary: Option<i64>,
 }
 
 /// Criterion that ends a fill.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum FillMode {
+pub(crate) enum FillMode {
     /// Fills the connected region that has the colour of the seed.
     Flood,
     /// Fills the region enclosed by the boundary colour.

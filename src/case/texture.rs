@@ -13,19 +13,19 @@ use crate::pipeline::settings::{Address, ColorSpace, Filter};
 pub struct Texture {
     /// Texels as 8-bit codes, row by row from the top.
     #[serde(deserialize_with = "json::rows")]
-    pub texels: Image<Real>,
+    pub(crate) texels: Image<Real>,
     /// Filter between texel centres.
-    pub filter: TextureFilter,
+    pub(crate) filter: TextureFilter,
     /// Address mode for coordinates outside [0, 1].
-    pub address: TextureAddress,
+    pub(crate) address: TextureAddress,
     /// Texture coordinates to sample, v down.
-    pub uv: Vec<Point>,
+    pub(crate) uv: Vec<Point>,
 }
 
 /// Filter between texel centres.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum TextureFilter {
+pub(crate) enum TextureFilter {
     /// Nearest texel.
     Point,
     /// Weighted mean of the four surrounding texels.
@@ -35,7 +35,7 @@ pub enum TextureFilter {
 /// Address mode for coordinates outside [0, 1].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum TextureAddress {
+pub(crate) enum TextureAddress {
     /// Clamps to the border texels.
     Clamp,
     /// Repeats the texture.

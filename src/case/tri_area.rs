@@ -12,11 +12,11 @@ use crate::pipeline::viewport::Viewport;
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct TriArea {
     /// Width of the picture, px.
-    pub width: u32,
+    pub(crate) width: u32,
     /// Height of the picture, px.
-    pub height: u32,
+    pub(crate) height: u32,
     /// Corners in px, of either winding.
-    pub triangle: Exactly<Point, 3>,
+    pub(crate) triangle: Exactly<Point, 3>,
 }
 
 impl Check for TriArea {
@@ -27,7 +27,7 @@ impl Check for TriArea {
 
 impl TriArea {
     /// Returns the corners, px.
-    pub fn outline(&self) -> Vec<[f64; 2]> {
+    pub(crate) fn outline(&self) -> Vec<[f64; 2]> {
         self.triangle.0.iter().map(|Point(p)| [p.x, p.y]).collect()
     }
 

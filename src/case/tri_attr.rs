@@ -16,26 +16,26 @@ use crate::scene::TriangleId;
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct TriAttr {
     /// Corners of the triangle.
-    pub vertices: Exactly<Vertex, 3>,
+    pub(crate) vertices: Exactly<Vertex, 3>,
     /// Column and row of each pixel to evaluate.
-    pub eval: Vec<Exactly<i64, 2>>,
+    pub(crate) eval: Vec<Exactly<i64, 2>>,
 }
 
 /// Corner of a triangle in screen space.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-pub struct Vertex {
+pub(crate) struct Vertex {
     /// Horizontal position, px.
-    pub x: Float,
+    pub(crate) x: Float,
     /// Vertical position, px, down.
-    pub y: Float,
+    pub(crate) y: Float,
     /// Depth after the perspective division, z/w.
-    pub z: Float,
+    pub(crate) z: Float,
     /// Clip-space w, > 0.
-    pub w: Float,
+    pub(crate) w: Float,
     /// Horizontal texture coordinate.
-    pub u: Float,
+    pub(crate) u: Float,
     /// Vertical texture coordinate.
-    pub v: Float,
+    pub(crate) v: Float,
 }
 
 impl Check for TriAttr {
@@ -133,7 +133,7 @@ impl Vertex {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TriAttrAnswer {
     /// Fraction bits of the grid to which corners were snapped; `None` if they were used as given.
-    pub snap_bits: Option<u32>,
+    pub(crate) snap_bits: Option<u32>,
     /// Attributes of the requested pixels, in any order.
     pub pixels: Vec<SampleAttributes>,
 }
@@ -148,9 +148,9 @@ pub struct SampleAttributes {
     /// Perspective-correct barycentric weights of the corners.
     pub perspective_weights: [f64; 3],
     /// Depth z/w, interpolated with the affine weights.
-    pub depth: f64,
+    pub(crate) depth: f64,
     /// Perspective-correct texture coordinates u and v.
-    pub uv: [f64; 2],
+    pub(crate) uv: [f64; 2],
 }
 
 impl Serialize for SampleAttributes {

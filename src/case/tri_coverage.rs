@@ -12,14 +12,14 @@ use crate::pipeline::viewport::Viewport;
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct TriCoverage {
     /// Width of the picture, px.
-    pub width: u32,
+    pub(crate) width: u32,
     /// Height of the picture, px.
-    pub height: u32,
+    pub(crate) height: u32,
     /// Fill rule: decides ownership of samples on an edge.
     #[serde(with = "rule")]
-    pub rule: FillRule,
+    pub(crate) rule: FillRule,
     /// Corners in px, of either winding. A triangle with a non-finite corner covers nothing.
-    pub triangles: Vec<Exactly<Exactly<Float, 2>, 3>>,
+    pub(crate) triangles: Vec<Exactly<Exactly<Float, 2>, 3>>,
 }
 
 impl Check for TriCoverage {
@@ -30,13 +30,13 @@ impl Check for TriCoverage {
 
 impl TriCoverage {
     /// Returns the corners of one triangle, px; `None` if `triangle` is out of range.
-    pub fn corners_px(&self, triangle: usize) -> Option<[[f32; 2]; 3]> {
+    pub(crate) fn corners_px(&self, triangle: usize) -> Option<[[f32; 2]; 3]> {
         let Exactly(corners) = self.triangles.get(triangle)?;
         Some(corners.map(|Exactly(corner)| corner.map(|number| number.0)))
     }
 
     /// Returns the size of the picture, in pixels.
-    pub fn viewport(&self) -> Viewport {
+    pub(crate) fn viewport(&self) -> Viewport {
         Viewport { width: self.width, height: self.height }
     }
 

@@ -13,13 +13,13 @@ use crate::upscale::{Anchor, Drawn, Scale, Upscaling};
 pub struct Upscale {
     /// Samples as 8-bit codes, row by row from the top.
     #[serde(deserialize_with = "json::rows")]
-    pub image: Image<Real>,
+    pub(crate) image: Image<Real>,
     /// Scale factor per axis: a whole number or 1.5.
-    pub scale: Real,
+    pub(crate) scale: Real,
     /// Name of the filter kernel, such as `lanczos2`.
-    pub kernel: String,
+    pub(crate) kernel: String,
     /// Alignment: `corner` puts output pixel scale · k at sample k; `center` aligns the centres of both pictures.
-    pub phase: String,
+    pub(crate) phase: String,
 }
 
 /// Kernel names in cases, with the upscaling method that implements each.
@@ -120,7 +120,7 @@ fn weighted(how: Upscaling, drawn: &Image<Rgba8>, size: (u32, u32), at: (u32, u3
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct UpscaleAnswer {
     /// Whether `values` are rounded to codes.
-    pub quantized: bool,
+    pub(crate) quantized: bool,
     /// Weighted sums of codes, row by row.
     pub values: Vec<Vec<f64>>,
     /// Output codes of the upscaler, row by row.

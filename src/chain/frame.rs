@@ -24,21 +24,21 @@ use crate::upscale::{Drawn, History, Sampling, Surfaces};
 
 /// Wall-clock time of each part of a frame.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct FrameTimes {
+pub(crate) struct FrameTimes {
     /// Geometry stages, from plan to cull, of all passes.
-    pub geometry: Duration,
+    pub(crate) geometry: Duration,
     /// Pixel stages, from rasterize to shade, of all passes. Includes averaging if samples differ from pixel to pixel.
-    pub pixels: Duration,
+    pub(crate) pixels: Duration,
     /// Averaging of the supersampling passes.
-    pub resolve: Duration,
+    pub(crate) resolve: Duration,
     /// Finding the surface of each pixel, for upscalers that read it.
-    pub surfaces: Duration,
+    pub(crate) surfaces: Duration,
     /// Filling in pixels that were not drawn, and storing the frame as history.
-    pub upscale: Duration,
+    pub(crate) upscale: Duration,
     /// Post filter and wireframe.
-    pub post: Duration,
+    pub(crate) post: Duration,
     /// Time from the plan to the finished picture.
-    pub total: Duration,
+    pub(crate) total: Duration,
 }
 
 /// Finished frame with the data that it was made from.
@@ -53,32 +53,32 @@ pub struct Frame {
     /// Drawn samples: colours, averaged if a pixel has several, and depths of the pixel centres.
     pub drawn: Framebuffer,
     /// Anti-aliasing of the drawn pixels.
-    pub antialias: Antialiasing,
+    pub(crate) antialias: Antialiasing,
     /// Camera of the view.
-    pub camera: Camera,
+    pub(crate) camera: Camera,
     /// Surface of every pixel; `None` unless the upscaler reads it and depths are kept.
-    pub surfaces: Option<Arc<Surfaces>>,
+    pub(crate) surfaces: Option<Arc<Surfaces>>,
     /// Preceding frame; `None` unless the upscaler reads it and there is one.
-    pub past: Option<Arc<History>>,
+    pub(crate) past: Option<Arc<History>>,
     /// Rasterized triangles.
     pub geometry: LazyGeometry,
     /// One plan per instance.
     pub plans: Vec<DrawPlan>,
     /// Size of the full picture, in px.
-    pub viewport: Viewport,
+    pub(crate) viewport: Viewport,
     /// Size of the picture that `geometry` and `drawn` belong to, in px: the full picture, or a smaller one of the same
     /// view.
     pub raster: Viewport,
     /// Selection of the samples that were drawn.
-    pub sampling: Sampling,
+    pub(crate) sampling: Sampling,
     /// Triangles of the full picture, if the wireframe needs them and `geometry` belongs to a smaller picture.
     pub(super) outlines: Option<TriangleList>,
     /// Execution that drew the frame.
-    pub execution: Execution,
+    pub(crate) execution: Execution,
     /// Wall-clock times of its parts.
-    pub times: FrameTimes,
+    pub(crate) times: FrameTimes,
     /// Counts and times of the tiled execution; `None` for the classic one.
-    pub tiled: Option<TiledReport>,
+    pub(crate) tiled: Option<TiledReport>,
 }
 
 impl Frame {
@@ -88,7 +88,7 @@ impl Frame {
     }
 
     /// Returns the full picture before post filter and wireframe; the finished picture if neither was applied.
-    pub fn unfiltered(&self) -> &Image<Rgba8> {
+    pub(crate) fn unfiltered(&self) -> &Image<Rgba8> {
         match &self.unfiltered {
             Unfiltered::Finished => self.image(),
             Unfiltered::Drawn => &self.drawn.color,
@@ -97,12 +97,12 @@ impl Frame {
     }
 
     /// Returns `color` as the drawn colours, with all other inputs of the upscaler.
-    pub fn as_drawn<'a>(&'a self, color: &'a Image<Rgba8>) -> Drawn<'a> {
+    pub(crate) fn as_drawn<'a>(&'a self, color: &'a Image<Rgba8>) -> Drawn<'a> {
         Drawn { color, seen: seen(self.surfaces.as_deref(), &self.camera, self.past.as_deref()) }
     }
 
     /// Whether the next frame of the same view may be better, because the upscaler's history has not converged yet.
-    pub fn wants_another(&self, recipe: &Recipe) -> bool {
+    pub(crate) fn wants_another(&self, recipe: &Recipe) -> bool {
         let before = self.past.as_ref().filter(|past| past.camera == self.camera).map_or(0, |past| past.still);
         self.surfaces.is_some() && before + 1 < recipe.upscaler.upscaler().settles_after(recipe.upscaler)
     }
@@ -140,18 +140,18 @@ impl Frame {
     }
 
     /// Returns the fraction of the picture's pixels that were drawn, in [0, 1].
-    pub fn drawn_share(&self) -> f64 {
+    pub(crate) fn drawn_share(&self) -> f64 {
         let Viewport { width, height } = self.viewport;
         self.drawn_pixels() as f64 / (f64::from(width) * f64::from(height))
     }
 
     /// Returns the number of drawn pixels.
-    pub fn drawn_pixels(&self) -> u64 {
+    pub(crate) fn drawn_pixels(&self) -> u64 {
         self.drawn.grid.drawn_pixels(self.raster.width, self.raster.height)
     }
 
     /// Whether a pixel of the full picture was drawn itself.
-    pub fn is_drawn(&self, x: u32, y: u32) -> bool {
+    pub(crate) fn is_drawn(&self, x: u32, y: u32) -> bool {
         matches!(self.sampling, Sampling::Grid(grid) if grid.sample_at(x, y).is_some())
     }
 
@@ -167,13 +167,13 @@ impl Frame {
     }
 
     /// Returns the pixel of the full picture in which a packed sample lies.
-    pub fn pixel_of(&self, sample: (u32, u32)) -> (u32, u32) {
+    pub(crate) fn pixel_of(&self, sample: (u32, u32)) -> (u32, u32) {
         self.sampling.pixel(sample, (self.viewport.width, self.viewport.height))
     }
 
     /// Returns the rasterized triangles in px of the full picture; empty if the frame was drawn smaller and without
     /// wireframe.
-    pub fn outlines(&self) -> &[ScreenTriangle] {
+    pub(crate) fn outlines(&self) -> &[ScreenTriangle] {
         match self.sampling {
             Sampling::Grid(_) => &self.geometry.triangles,
             Sampling::Lattice(_) => self.outlines.as_deref().unwrap_or_default(),
@@ -181,31 +181,31 @@ impl Frame {
     }
 
     /// Returns the number of rasterized triangles, counting each piece of clipped ones.
-    pub fn rasterized(&self) -> usize {
+    pub(crate) fn rasterized(&self) -> usize {
         self.tiled.as_ref().map_or_else(|| self.geometry.triangles.len(), |report| report.counts.rasterized as usize)
     }
 
     /// Returns the camera that was drawn: the frame's own, or one moved to the sample positions. `recipe` must be the
     /// frame's.
-    pub fn drawn_from(&self, recipe: &Recipe) -> Camera {
+    pub(crate) fn drawn_from(&self, recipe: &Recipe) -> Camera {
         let (_, place) = sampling_after(self.past.as_deref(), recipe);
         camera_of(&self.camera, self.sampling, self.viewport, place)
     }
 
     /// Returns the mapping between distances and the depths of the frame.
-    pub fn depth_scale(&self) -> &DepthScale {
+    pub(crate) fn depth_scale(&self) -> &DepthScale {
         &self.drawn.depth_scale
     }
 
     /// Draws the frame's list of triangles again after a change, with one sample per pixel.
-    pub fn redraw(&mut self, scene: &Scene, recipe: &Recipe) {
+    pub(crate) fn redraw(&mut self, scene: &Scene, recipe: &Recipe) {
         let drawn = redraw(scene, recipe, self, Until::Shade, &mut ());
         *self = self.at_moment(recipe, drawn, Geometry::clone(&self.geometry));
     }
 
     /// Returns the frame as of an earlier moment. `drawn` holds the samples drawn by then, one per pixel, and
     /// `geometry` the triangles drawn by then.
-    pub fn at_moment(&self, recipe: &Recipe, drawn: Framebuffer, geometry: Geometry) -> Self {
+    pub(crate) fn at_moment(&self, recipe: &Recipe, drawn: Framebuffer, geometry: Geometry) -> Self {
         let Finished { picture, unfiltered, .. } = {
             let triangles = || self.outlines.as_ref().unwrap_or(&geometry.triangles);
             finish(recipe, &self.as_drawn(&drawn.color), self.viewport, Spare::default(), triangles)

@@ -5,14 +5,21 @@ mod frame;
 mod pixel_samples;
 mod recipe;
 mod renderer;
-mod run;
-pub mod samples;
+pub mod run;
+pub(crate) mod samples;
 #[cfg(test)]
 mod tests;
 mod view;
-pub mod whole;
+pub(crate) mod whole;
 
-pub use frame::{Frame, FrameTimes, LazyGeometry};
-pub use recipe::{Recipe, SetError};
-pub use renderer::{KeepDepth, Renderer, execution};
-pub use run::{prepare_again, redraw, run};
+pub use frame::Frame;
+pub(crate) use frame::FrameTimes;
+pub(crate) use frame::LazyGeometry;
+pub use recipe::Recipe;
+pub(crate) use recipe::SetError;
+pub use renderer::KeepDepth;
+pub use renderer::Renderer;
+pub use renderer::execution;
+pub(crate) use run::prepare_again;
+pub use run::redraw;
+pub(crate) use run::run;

@@ -14,18 +14,18 @@ use crate::upscale::{self, Offers, Scale, Upscaler, Upscaling};
 #[serde(default)]
 pub struct Recipe {
     /// Execution of the pipeline; it does not affect the picture.
-    pub execution: Execution,
+    pub(crate) execution: Execution,
     /// Settings of the pipeline.
     #[serde(flatten)]
     pub pipeline: Settings,
     /// Sampling of the drawn pixels.
-    pub antialias: Antialiasing,
+    pub(crate) antialias: Antialiasing,
     /// Selection of the drawn pixels, and the method that fills in the others.
     pub upscaler: Upscaling,
     /// Filter over the finished picture.
-    pub post: PostFilter,
+    pub(crate) post: PostFilter,
     /// Whether the edges of all drawn triangles are drawn over the picture.
-    pub wireframe: bool,
+    pub(crate) wireframe: bool,
 }
 
 impl Default for Recipe {
@@ -170,7 +170,7 @@ impl Recipe {
     }
 
     /// Returns an error if a number is out of range, for ranges that types do not express.
-    pub fn check(&self) -> Result<(), String> {
+    pub(crate) fn check(&self) -> Result<(), String> {
         let light = &self.pipeline.light;
         if !light.direction.is_finite() || light.direction == glam::Vec3::ZERO {
             return Err("the direction of the light must be finite and not zero".to_owned());

@@ -94,7 +94,7 @@ pub enum KeepDepth {
 
 impl Renderer {
     /// Returns a renderer that computes on these SIMD lanes.
-    pub fn on(lanes: Lanes) -> Self {
+    pub(crate) fn on(lanes: Lanes) -> Self {
         Self { lanes, ..Self::default() }
     }
 
@@ -250,7 +250,7 @@ impl Renderer {
     }
 
     /// Takes the buffers of a frame that is no longer needed.
-    pub fn recycle(&mut self, frame: Frame) {
+    pub(crate) fn recycle(&mut self, frame: Frame) {
         let (drawn, full, past) = frame.into_memory();
         self.spare = Some(drawn.color);
         self.spare_depth = drawn.depth.or(self.spare_depth.take());
@@ -262,7 +262,7 @@ impl Renderer {
     }
 
     /// Returns the number of bytes held from frame to frame.
-    pub fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         self.memory.bytes()
             + self.spare.as_ref().map_or(0, Image::bytes)
             + self.spare_full.full.as_ref().map_or(0, Image::bytes)

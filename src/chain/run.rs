@@ -38,7 +38,7 @@ use crate::upscale::{Drawn, History};
 /// assert!(counters.shaded > 0 && counters.passed <= counters.covered);
 /// assert_eq!(counters.shaded, counters.passed, "both triangles are opaque");
 /// ```
-pub fn run<O: Observer>(
+pub(crate) fn run<O: Observer>(
     scene: &Scene,
     camera: &Camera,
     recipe: &Recipe,
@@ -170,7 +170,7 @@ pub fn redraw<O: Observer>(
 
 /// Runs the geometry stages of a frame again with an observer, for all triangles, even if the frame's own list was
 /// truncated. `recipe` may differ from the frame's own in anything but the upscaler.
-pub fn prepare_again<O: Observer>(scene: &Scene, recipe: &Recipe, frame: &Frame, observer: &mut O) -> Geometry {
+pub(crate) fn prepare_again<O: Observer>(scene: &Scene, recipe: &Recipe, frame: &Frame, observer: &mut O) -> Geometry {
     prepare(scene, &frame.drawn_from(recipe), &recipe.pipeline, frame.raster, observer)
 }
 

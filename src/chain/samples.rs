@@ -78,7 +78,7 @@ fn candidates(antialias: Antialiasing) -> Vec<Vec<[f32; 2]>> {
 
 /// Returns the candidate positions of each sample of a pixel, in grid steps of 1/256 px from the pixel's centre; empty
 /// unless the method is per pixel.
-pub fn places_on_grid(antialias: Antialiasing) -> Vec<Vec<[i32; 2]>> {
+pub(crate) fn places_on_grid(antialias: Antialiasing) -> Vec<Vec<[i32; 2]>> {
     if !antialias.is_per_pixel() {
         return Vec::new();
     }
@@ -105,7 +105,7 @@ fn sampled(
 
 /// Replays the samples of pixels of a frame, in the order in which they were drawn: one per pixel unless the frame is
 /// anti-aliased. Pixels that were not drawn have no samples.
-pub fn replay(scene: &Scene, recipe: &Recipe, frame: &Frame, pixels: &[(u32, u32)]) -> Vec<Vec<Rgba8>> {
+pub(crate) fn replay(scene: &Scene, recipe: &Recipe, frame: &Frame, pixels: &[(u32, u32)]) -> Vec<Vec<Rgba8>> {
     let Frame { antialias, sampling, viewport, camera, .. } = frame;
     if antialias.is_off() {
         return of_pass(scene, recipe, frame, &frame.geometry, pixels)
@@ -157,14 +157,14 @@ fn of_pixel(scene: &Scene, recipe: &Recipe, frame: &Frame, (x, y): (u32, u32)) -
 }
 
 /// Returns the sample positions in a drawn pixel, px from its top left corner, in the order of [`replay`].
-pub fn places(antialias: Antialiasing, (x, y): (u32, u32)) -> Vec<[f64; 2]> {
+pub(crate) fn places(antialias: Antialiasing, (x, y): (u32, u32)) -> Vec<[f64; 2]> {
     antialias.pattern().offsets(x, y)
 }
 
 /// Progressive picture that adds one sample per pixel at a time, so that a caller can show progress and stop. Samples
 /// follow the low-discrepancy pattern; a single sample lies at the pixel's centre. Their mean is taken in linear light.
 #[derive(Debug)]
-pub struct Gathering {
+pub(crate) struct Gathering {
     scene: Arc<Scene>,
     camera: Camera,
     recipe: Recipe,
@@ -177,7 +177,7 @@ pub struct Gathering {
 impl Gathering {
     /// Starts a picture of a recipe's pipeline alone: no upscaler, no filter, no wireframe, and textures read without
     /// mip-mapping.
-    pub fn new(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, viewport: Viewport, samples: u32) -> Self {
+    pub(crate) fn new(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, viewport: Viewport, samples: u32) -> Self {
         let mut bare = Recipe { pipeline: recipe.pipeline, execution: recipe.execution, ..Recipe::default() };
         if bare.pipeline.filter == TextureFilter::Trilinear {
             bare.pipeline.filter = TextureFilter::Bilinear;
@@ -194,7 +194,7 @@ impl Gathering {
     }
 
     /// Draws the next sample of every pixel; returns `false` if none is left.
-    pub fn step(&mut self) -> bool {
+    pub(crate) fn step(&mut self) -> bool {
         let Some(place) = self.places.get(self.mean.samples() as usize) else { return false };
         let seen = camera_of(&self.camera, Sampling::Grid(SampleGrid::FULL), self.viewport, *place);
         let frame = self.renderer.render(&self.scene, &seen, &self.recipe, self.viewport, KeepDepth::No);
@@ -204,12 +204,12 @@ impl Gathering {
     }
 
     /// Returns the fraction of the samples that are drawn, in [0, 1].
-    pub fn progress(&self) -> f32 {
+    pub(crate) fn progress(&self) -> f32 {
         self.mean.samples() as f32 / self.places.len() as f32
     }
 
     /// Returns the mean of the samples drawn so far.
-    pub fn picture(&self) -> Image<Rgba8> {
+    pub(crate) fn picture(&self) -> Image<Rgba8> {
         self.mean.picture()
     }
 }

@@ -12,7 +12,7 @@ use crate::scene::Scene;
 /// Part of a frame's work that may not be needed, whatever its draws do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum FramePart {
+pub(crate) enum FramePart {
     /// Rasterizing and shading every pixel of the picture.
     EveryPixel,
     /// Drawing the object and the distance of every pixel once more in full resolution, unless the preceding frame had
@@ -32,7 +32,7 @@ pub enum FramePart {
 
 impl FramePart {
     /// All parts, in the order of the stages.
-    pub const ALL: [Self; 7] = [
+    pub(crate) const ALL: [Self; 7] = [
         Self::EveryPixel,
         Self::Surfaces,
         Self::AntiAliasing,
@@ -43,7 +43,7 @@ impl FramePart {
     ];
 
     /// Display name.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::EveryPixel => "Every pixel",
             Self::Surfaces => "Full-size G-buffer",
@@ -56,7 +56,7 @@ impl FramePart {
     }
 
     /// Returns whether a frame runs the part, with the reason if it does not.
-    pub fn step(self, scene: &Scene, recipe: &Recipe, keep_depth: KeepDepth) -> Step {
+    pub(crate) fn step(self, scene: &Scene, recipe: &Recipe, keep_depth: KeepDepth) -> Step {
         let (native, depth_test) = (recipe.upscaler.is_native(), recipe.pipeline.depth_test);
         let tiled = execution(scene, recipe).0 == Execution::Tiled;
         Step::unless(match self {
@@ -77,7 +77,7 @@ impl FramePart {
 }
 
 /// Returns the number of pixels rasterized for a picture of this size: the maximum over the frames of a view.
-pub fn rasterized_pixels(recipe: &Recipe, viewport: Viewport) -> u64 {
+pub(crate) fn rasterized_pixels(recipe: &Recipe, viewport: Viewport) -> u64 {
     let sampling = recipe.upscaler.sampling();
     let Viewport { width, height } = raster_of(sampling, viewport);
     sampling.grid().drawn_pixels(width, height)

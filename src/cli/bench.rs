@@ -2,7 +2,6 @@
 
 use std::sync::atomic::Ordering;
 
-use clap::{Args, ValueEnum};
 use crate::chain::Recipe;
 use crate::math::lanes::Lanes;
 use crate::measure::against::Figures;
@@ -12,6 +11,7 @@ use crate::measure::noise;
 use crate::measure::stages::StageSummary;
 use crate::measure::timing::Summary;
 use crate::upscale::Upscaling;
+use clap::{Args, ValueEnum};
 use serde::Serialize;
 
 use super::bench_scrub;

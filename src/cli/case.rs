@@ -6,10 +6,10 @@ use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use clap::Args;
 use crate::case::{Case, CaseResult, Control, Options, Outcome, solve};
 use crate::disk;
 use crate::pipeline::settings::{Arithmetic, Rasterizer};
+use clap::Args;
 
 use super::failure::Failure;
 use super::{interrupt, output, parse};

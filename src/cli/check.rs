@@ -2,9 +2,9 @@
 
 use std::sync::atomic::AtomicBool;
 
-use clap::Args;
 use crate::inspect::assertions::{Assertion, Finding, Report, check};
 use crate::pipeline::settings::Choice as _;
+use clap::Args;
 
 use super::failure::Failure;
 use super::scene_args::{Drawn, FrameArgs};

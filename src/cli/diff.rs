@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
-use clap::Args;
 use crate::chain::{Frame, Recipe, Renderer};
 use crate::image::file::write_png;
 use crate::inspect::fields::{FieldChange, changes};
@@ -14,6 +13,7 @@ use crate::measure::machine::Machine;
 use crate::measure::motion::{MotionError, Shot, Turn, between};
 use crate::measure::noise;
 use crate::measure::pair::{PairTimer, PairTimes};
+use clap::Args;
 use serde::Serialize;
 
 use super::failure::Failure;

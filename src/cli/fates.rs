@@ -1,10 +1,10 @@
 //! `rasterscope fates`: fates of all triangles and fragments of a frame, in total and per object.
 
-use clap::Args;
 use crate::inspect::Fates;
 use crate::inspect::fates::{Account, FragmentCounts, FragmentFate, ObjectFates, TriangleCounts, TriangleFate};
 use crate::pipeline::settings::Choice;
 use crate::pipeline::viewport::Viewport;
+use clap::Args;
 use serde::Serialize;
 
 use super::failure::Failure;

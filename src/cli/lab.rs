@@ -2,12 +2,12 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
 use crate::image::file;
 use crate::lab::drawing::write_recording;
 use crate::lab::recording::Recording;
 use crate::lab::{Lesson, Page};
 use crate::pipeline::settings::Choice as _;
+use clap::Args;
 
 use super::failure::Failure;
 use super::{output, parse};

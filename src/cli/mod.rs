@@ -43,8 +43,8 @@ use std::process::ExitCode;
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 
-use failure::Failure;
 use crate::disk;
+use failure::Failure;
 use seen_args::WindowArgs;
 
 /// An interactive workbench for a software rendering pipeline

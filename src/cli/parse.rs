@@ -2,13 +2,13 @@
 
 use std::ffi::OsStr;
 
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use clap::{Arg, Command};
 use crate::inspect::overlays::{Layer, Overlay};
 use crate::pipeline::settings::Choice;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::UpAxis;
 use crate::scene::obj::TrMeaning;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::{Arg, Command};
 
 /// Parses a size such as `1280x720`.
 pub(crate) fn size(text: &str) -> Result<Viewport, String> {

@@ -4,10 +4,10 @@ use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Instant;
 
-use clap::Args;
 use crate::inspect::{Survey, Trace, explain};
 use crate::measure::timing::summarize;
 use crate::scene::seams::Seams;
+use clap::Args;
 
 use super::failure::Failure;
 use super::pixel_text::describe;

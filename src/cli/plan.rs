@@ -4,7 +4,6 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use clap::Args;
 use crate::chain::{Recipe, execution};
 use crate::measure::leaving_out::{Saving, Savings, savings};
 use crate::measure::noise;
@@ -15,6 +14,7 @@ use crate::pipeline::{prepare, tiled};
 use crate::report::leaving_out::{Row, table, views};
 use crate::report::plan::{Group, Whole, groups, text, whole, whole_text};
 use crate::scene::{Camera, Scene};
+use clap::Args;
 use serde::Serialize;
 
 use super::failure::Failure;

@@ -3,13 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-use clap::Args;
 use crate::case::MinimalCase;
 use crate::image::file::write_png;
-use crate::inspect::probe::{
-    Changed, Fragile, Heat, Jittered, Probe, ProbeResult, Subject, picture, run as probe,
-};
+use crate::inspect::probe::{Changed, Fragile, Heat, Jittered, Probe, ProbeResult, Subject, picture, run as probe};
 use crate::pipeline::settings::Choice as _;
+use clap::Args;
 use serde::Serialize;
 
 use super::failure::Failure;

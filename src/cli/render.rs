@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
-use clap::Args;
 use crate::chain::{Frame, KeepDepth, Recipe, Renderer};
 use crate::image::file::write_png;
 use crate::image::pfm::{Floats, write_pfm};
@@ -19,6 +18,7 @@ use crate::measure::stages::{StageSummary, stage_times, summarize_stages};
 use crate::pipeline::settings::Choice as _;
 use crate::scene::seams::Seams;
 use crate::scene::{Camera, Scene};
+use clap::Args;
 
 use super::failure::Failure;
 use super::parse::Either;

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use clap::Args;
 use crate::chain::Recipe;
 use crate::measure::motion::Turn;
 use crate::measure::reference::Reference;
@@ -13,6 +12,7 @@ use crate::report::upscaling::csv::csv;
 use crate::report::upscaling::page::page;
 use crate::report::upscaling::sweep::{self, Plan, Progress, Subject, every_upscaler};
 use crate::scene::obj::Loaded;
+use clap::Args;
 
 use super::failure::Failure;
 use super::progress::ProgressLine;

@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::Args;
 use crate::chain::Recipe;
 use crate::measure::scaling::{Plan, Quantity, Scaling, ScalingError, measure};
 use crate::report::scaling::{csv, page, text};
+use clap::Args;
 
 use super::failure::Failure;
 use super::progress::ProgressLine;

@@ -5,13 +5,13 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
-use clap::Args;
 use crate::chain::{Frame, Recipe, Renderer, run};
 use crate::inspect::scrub::{Moment, Scrubber};
 use crate::pipeline::settings::{Arithmetic, Rasterizer};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::obj::{Loaded, TrMeaning};
 use crate::scene::{Camera, LoadControl, MemoryLimit, Scene, SceneSource, Warning, builtin, camera_file};
+use clap::Args;
 
 use super::failure::Failure;
 use super::parse::Up;

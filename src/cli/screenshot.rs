@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
 use crate::image::file::write_png;
 use crate::image::{Image, Rgba8};
 use crate::inspect::Intermediate;
@@ -11,6 +10,7 @@ use crate::inspect::mesh_view::MeshStyle;
 use crate::inspect::scrub::Moment;
 use crate::lab::Page;
 use crate::pipeline::viewport::Viewport;
+use clap::{Args, ValueEnum};
 
 use super::failure::Failure;
 use super::scene_args::SceneArgs;

@@ -1,11 +1,11 @@
 //! View of the frame: the options that "Copy as command" adds to scene, camera and settings.
 
-use clap::Args;
 use crate::inspect::display::Display;
 use crate::inspect::overlays::Layer;
 use crate::inspect::scrub::Moment;
 use crate::inspect::{Buffer, Intermediate, Stage};
 use crate::pipeline::viewport::Viewport;
+use clap::Args;
 
 use super::failure::Failure;
 use super::parse::{self, Either};

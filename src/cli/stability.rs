@@ -2,12 +2,12 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use crate::pipeline::settings::{Arithmetic, Rasterizer};
 use crate::report::stability::catalogue::{self, Class};
 use crate::report::stability::sweep::{self, DEFAULT_SEED, Plan, Progress, Report};
 use crate::report::stability::{csv::csv, html::html, text::text};
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use super::failure::Failure;
 use super::progress::ProgressLine;

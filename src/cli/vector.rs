@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
-use clap::Args;
 use crate::drawing::file;
 use crate::inspect::outline::{OutlineControl, OutlineKind, OutlineRequest, outline};
+use clap::Args;
 
 use super::failure::Failure;
 use super::progress::ProgressLine;

@@ -8,7 +8,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// Path that can always be serialised.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct StoredPath(pub PathBuf);
+pub(crate) struct StoredPath(pub(crate) PathBuf);
 
 /// JSON forms of a path.
 #[derive(Deserialize, Serialize)]
@@ -19,12 +19,12 @@ enum Form {
 }
 
 /// Serialises a path.
-pub fn serialize<S: Serializer>(path: &Path, to: S) -> Result<S::Ok, S::Error> {
+pub(crate) fn serialize<S: Serializer>(path: &Path, to: S) -> Result<S::Ok, S::Error> {
     form(path).serialize(to)
 }
 
 /// Deserialises a path.
-pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<PathBuf, D::Error> {
+pub(crate) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<PathBuf, D::Error> {
     Form::deserialize(from).map(path)
 }
 

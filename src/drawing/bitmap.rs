@@ -22,7 +22,7 @@ const CORNERS: u32 = 96;
 const CAP_SIDES: u32 = 8;
 
 /// Draws a bitmap with `scale` pixels per unit, and at least one pixel. Text is left out, because no font is available.
-pub fn bitmap(drawing: &Drawing, scale: f64) -> Image<Rgba8> {
+pub(crate) fn bitmap(drawing: &Drawing, scale: f64) -> Image<Rgba8> {
     let [width, height] = [drawing.size.x, drawing.size.y].map(|side| (side * scale).round().max(1.0) as u32);
     let [r, g, b] = drawing.background;
     let mut image = Image::filled(width, height, [r, g, b, 255]);

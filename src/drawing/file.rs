@@ -14,7 +14,7 @@ use crate::{disk, text};
 
 /// Format of a drawing's file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
+pub(crate) enum Format {
     /// SVG: drawing commands as text.
     Svg,
     /// PDF: drawing commands on one page.
@@ -25,7 +25,7 @@ pub enum Format {
 
 /// Format of a bitmap's file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PixelFormat {
+pub(crate) enum PixelFormat {
     /// PNG: lossless, compressed.
     Png,
     /// BMP: lossless, uncompressed.
@@ -39,7 +39,7 @@ pub enum PixelFormat {
 }
 
 /// File name extensions, in lower case, with their formats.
-pub const EXTENSIONS: [(&str, Format); 9] = [
+pub(crate) const EXTENSIONS: [(&str, Format); 9] = [
     ("svg", Format::Svg),
     ("pdf", Format::Pdf),
     ("png", Format::Pixels(PixelFormat::Png)),
@@ -53,7 +53,7 @@ pub const EXTENSIONS: [(&str, Format); 9] = [
 
 /// Reason why a drawing was not written.
 #[derive(Debug, Error)]
-pub enum DrawingFileError {
+pub(crate) enum DrawingFileError {
     /// The file name has no known extension.
     #[error("{}: the name must end in one of {}", path.display(), EXTENSIONS.map(|(end, _)| end).join(", "))]
     UnknownFormat {
@@ -79,7 +79,7 @@ pub enum DrawingFileError {
 }
 
 /// Returns the format that a file name selects.
-pub fn format_of(path: &Path) -> Result<Format, DrawingFileError> {
+pub(crate) fn format_of(path: &Path) -> Result<Format, DrawingFileError> {
     let end = path.extension().map(|end| end.to_string_lossy().to_lowercase()).unwrap_or_default();
     let known = EXTENSIONS.iter().find(|(known, _)| *known == end);
     known.map(|(_, format)| *format).ok_or_else(|| DrawingFileError::UnknownFormat { path: path.to_owned() })
@@ -103,12 +103,12 @@ pub fn format_of(path: &Path) -> Result<Format, DrawingFileError> {
 /// assert!(svg.contains("<polygon") && svg.contains("#c81e1e"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn write(path: &Path, drawing: &Drawing, scale: f64) -> Result<(), DrawingFileError> {
+pub(crate) fn write(path: &Path, drawing: &Drawing, scale: f64) -> Result<(), DrawingFileError> {
     save(path, &encode(path, drawing, scale)?)
 }
 
 /// Returns the bytes of the file that [`write`] would write to `path`.
-pub fn encode(path: &Path, drawing: &Drawing, scale: f64) -> Result<Vec<u8>, DrawingFileError> {
+pub(crate) fn encode(path: &Path, drawing: &Drawing, scale: f64) -> Result<Vec<u8>, DrawingFileError> {
     Ok(match format_of(path)? {
         Format::Svg => svg::text(drawing, scale).into_bytes(),
         Format::Pdf => pdf::bytes(drawing, scale),
@@ -118,7 +118,7 @@ pub fn encode(path: &Path, drawing: &Drawing, scale: f64) -> Result<Vec<u8>, Dra
 
 /// Returns the bytes of a GIF that shows the drawings one after the other in a loop, each for the duration `each`.
 /// Errors name `path`.
-pub fn encode_animation(
+pub(crate) fn encode_animation(
     path: &Path,
     drawings: impl Iterator<Item = Drawing>,
     scale: f64,
@@ -141,7 +141,7 @@ pub fn encode_animation(
 }
 
 /// Writes the encoded bytes of a drawing to a file.
-pub fn save(path: &Path, bytes: &[u8]) -> Result<(), DrawingFileError> {
+pub(crate) fn save(path: &Path, bytes: &[u8]) -> Result<(), DrawingFileError> {
     disk::write(path, bytes).map_err(|source| DrawingFileError::Unwritable { path: path.to_owned(), source })
 }
 

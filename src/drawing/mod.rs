@@ -3,31 +3,31 @@
 //! A [`Drawing`] is written as SVG ([`svg`]) or PDF ([`pdf`]), or drawn into a [`bitmap`] of any size; [`file`] selects
 //! the format by the file name.
 
-pub mod svg;
+pub(crate) mod svg;
 
-pub mod pdf;
+pub(crate) mod pdf;
 
-pub mod bitmap;
+pub(crate) mod bitmap;
 
-pub mod file;
+pub(crate) mod file;
 
 use glam::DVec2;
 
 /// Colour, as sRGB codes.
-pub type Rgb = [u8; 3];
+pub(crate) type Rgb = [u8; 3];
 
 /// Colour and width of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stroke {
+pub(crate) struct Stroke {
     /// Colour of the line.
-    pub color: Rgb,
+    pub(crate) color: Rgb,
     /// Width, in units of the drawing.
-    pub width: f64,
+    pub(crate) width: f64,
 }
 
 /// Shape; later ones are drawn over earlier ones.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Shape {
+pub(crate) enum Shape {
     /// Closed polygon, filled by the even-odd rule, and its outline.
     Polygon {
         /// Corners, in units of the drawing.
@@ -74,11 +74,11 @@ pub enum Shape {
 
 /// Area of a [`Shape::Partition`], filled by the even-odd rule.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Region {
+pub(crate) struct Region {
     /// Closed boundaries: outer ones and those of holes.
-    pub contours: Vec<Vec<DVec2>>,
+    pub(crate) contours: Vec<Vec<DVec2>>,
     /// Fill colour.
-    pub fill: Rgb,
+    pub(crate) fill: Rgb,
 }
 
 /// Widths of the lines around the regions of a partition, one per pass of a vector format over it, in units of the
@@ -94,24 +94,24 @@ pub(crate) const SEAM_WIDTHS: [f64; 4] = [30.0, 3.0, 0.0, 0.0];
 
 /// Picture made of shapes: x to the right, y down, from 0 to its size.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Drawing {
+pub(crate) struct Drawing {
     /// Width and height in units, both greater than 0.
-    pub size: DVec2,
+    pub(crate) size: DVec2,
     /// Background colour, below all shapes.
-    pub background: Rgb,
+    pub(crate) background: Rgb,
     /// Shapes, from bottom to top.
-    pub shapes: Vec<Shape>,
+    pub(crate) shapes: Vec<Shape>,
 }
 
 impl Drawing {
     /// Returns the number of shapes, counting each region of a partition as one.
-    pub fn shape_count(&self) -> usize {
+    pub(crate) fn shape_count(&self) -> usize {
         let count = |shape: &Shape| if let Shape::Partition(regions) = shape { regions.len() } else { 1 };
         self.shapes.iter().map(count).sum()
     }
 
     /// Adds a filled square with its top left corner at (x, y), in units of the drawing.
-    pub fn square(&mut self, x: f64, y: f64, side: f64, fill: Rgb) {
+    pub(crate) fn square(&mut self, x: f64, y: f64, side: f64, fill: Rgb) {
         let corners = [(x, y), (x + side, y), (x + side, y + side), (x, y + side)].map(DVec2::from);
         self.shapes.push(Shape::Polygon { corners: corners.to_vec(), fill: Some(fill), stroke: None });
     }

@@ -20,7 +20,7 @@ const FIRST_FORM: i32 = 6;
 const QUARTER: f64 = 0.552_284_749_8;
 
 /// Returns the bytes of a PDF file whose page has `scale` points (1/72 inch) per unit.
-pub fn bytes(drawing: &Drawing, scale: f64) -> Vec<u8> {
+pub(crate) fn bytes(drawing: &Drawing, scale: f64) -> Vec<u8> {
     let [width, height] = [drawing.size.x, drawing.size.y].map(|side| (side * scale) as f32);
     let mut content = Content::new();
     // The y axis of a PDF page points up.

@@ -13,7 +13,7 @@ const PIXELS_PER_UNIT: f64 = 1.0;
 const PAGE: &str = "page";
 
 /// Returns the text of an SVG file that viewers first show with `scale` pixels per unit.
-pub fn text(drawing: &Drawing, scale: f64) -> String {
+pub(crate) fn text(drawing: &Drawing, scale: f64) -> String {
     let (width, height) = (drawing.size.x, drawing.size.y);
     let page = || Rectangle::new().set("width", width).set("height", height);
     let has_partition = drawing.shapes.iter().any(|shape| matches!(shape, Shape::Partition(_)));

@@ -11,7 +11,7 @@ use glam::Vec2;
 /// Each is the area of the triangle that the point forms with the side opposite a corner, divided by the whole area.
 /// They sum to 1 except for rounding, and inside the triangle all lie in [0, 1]. They are not finite for a triangle
 /// without area.
-pub fn weights_by_area([a, b, c]: [Vec2; 3], point: Vec2) -> [f32; 3] {
+pub(crate) fn weights_by_area([a, b, c]: [Vec2; 3], point: Vec2) -> [f32; 3] {
     let doubled = |p: Vec2, q: Vec2, r: Vec2| (q - p).perp_dot(r - p);
     let whole = doubled(a, b, c);
     [doubled(point, b, c) / whole, doubled(point, c, a) / whole, doubled(point, a, b) / whole]
@@ -19,20 +19,20 @@ pub fn weights_by_area([a, b, c]: [Vec2; 3], point: Vec2) -> [f32; 3] {
 
 /// Intermediate values and result of [`along_sides_then_row`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RowInterpolation {
+pub(crate) struct RowInterpolation {
     /// Position x and value on the side from the top to the bottom corner, at the height of the row.
-    pub long: (f32, f32),
+    pub(crate) long: (f32, f32),
     /// Position x and value on the shorter side that the row crosses, at the height of the row.
-    pub short: (f32, f32),
+    pub(crate) short: (f32, f32),
     /// Interpolated value at the point.
-    pub value: f32,
+    pub(crate) value: f32,
 }
 
 /// Interpolates corner values at a point: linearly along the two sides that its row crosses, then linearly between
 /// them.
 ///
 /// Returns `None` above and below the triangle, and for a triangle without height.
-pub fn along_sides_then_row(corners: [Vec2; 3], values: [f32; 3], point: Vec2) -> Option<RowInterpolation> {
+pub(crate) fn along_sides_then_row(corners: [Vec2; 3], values: [f32; 3], point: Vec2) -> Option<RowInterpolation> {
     let mut order = [0, 1, 2];
     order.sort_by(|i, j| corners[*i].y.total_cmp(&corners[*j].y));
     let [top, middle, bottom] = order;

@@ -7,7 +7,7 @@
 
 /// Iterator over the pixels of a circle; see [`midpoint_circle`].
 #[derive(Clone, Debug)]
-pub struct Circle {
+pub(crate) struct Circle {
     center: (i32, i32),
     /// Position in the octant, relative to the centre; x ≤ y until the end.
     x: i64,
@@ -44,19 +44,19 @@ const REFLECTIONS: u8 = 8;
 /// let dot: Vec<_> = midpoint_circle((10, 10), 0).collect();
 /// assert_eq!(dot, [(10, 10)]);
 /// ```
-pub fn midpoint_circle(center: (i32, i32), radius: u32) -> Circle {
+pub(crate) fn midpoint_circle(center: (i32, i32), radius: u32) -> Circle {
     let radius = i64::from(radius);
     Circle { center, x: 0, y: radius, decision: 1 - radius, reflection: 0 }
 }
 
 impl Circle {
     /// Returns the current position in the octant, relative to the centre; `None` at the end.
-    pub fn octant(&self) -> Option<(i64, i64)> {
+    pub(crate) fn octant(&self) -> Option<(i64, i64)> {
         (self.x <= self.y).then_some((self.x, self.y))
     }
 
     /// Returns the decision variable. It is ≥ 0 if the midpoint ahead lies outside the circle, so that y will shrink.
-    pub fn decision(&self) -> i64 {
+    pub(crate) fn decision(&self) -> i64 {
         self.decision
     }
 

@@ -8,7 +8,7 @@
 use std::f64::consts::TAU;
 
 /// Returns one pixel above and one below the centre for each column, from the left.
-pub fn explicit_circle(center: (i32, i32), radius: u32) -> impl Iterator<Item = (i64, i64)> {
+pub(crate) fn explicit_circle(center: (i32, i32), radius: u32) -> impl Iterator<Item = (i64, i64)> {
     let radius = i64::from(radius);
     (-radius..=radius).flat_map(move |x| {
         let height = ((radius * radius - x * x) as f64).sqrt().round() as i64;
@@ -17,7 +17,7 @@ pub fn explicit_circle(center: (i32, i32), radius: u32) -> impl Iterator<Item = 
 }
 
 /// Returns one pixel for each of `angles` equal angles, starting at the right and going clockwise on a screen.
-pub fn parametric_circle(center: (i32, i32), radius: u32, angles: u32) -> impl Iterator<Item = (i64, i64)> {
+pub(crate) fn parametric_circle(center: (i32, i32), radius: u32, angles: u32) -> impl Iterator<Item = (i64, i64)> {
     (0..angles).map(move |i| {
         let (sin, cos) = (f64::from(i) / f64::from(angles) * TAU).sin_cos();
         let at = |center: i32, share: f64| (f64::from(center) + f64::from(radius) * share).round() as i64;
@@ -26,7 +26,7 @@ pub fn parametric_circle(center: (i32, i32), radius: u32, angles: u32) -> impl I
 }
 
 /// Returns the number of angles with which the parametric form steps by at most one pixel.
-pub fn angles_without_gaps(radius: u32) -> u32 {
+pub(crate) fn angles_without_gaps(radius: u32) -> u32 {
     (TAU * f64::from(radius)).ceil().max(1.0) as u32
 }
 

@@ -10,7 +10,7 @@ use crate::image::Image;
 
 /// Square of weights around a pixel.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Mask {
+pub(crate) struct Mask {
     side: usize,
     weights: Vec<f32>,
     /// Factors of a separable mask: each weight is the product of its column's factor and its row's factor.
@@ -18,17 +18,17 @@ pub struct Mask {
 }
 
 /// Maximum reach of a mask from its centre, px.
-pub const MOST_REACH: usize = 15;
+pub(crate) const MOST_REACH: usize = 15;
 
 /// Maximum side of a mask, px.
 const MOST_SIDE: usize = 2 * MOST_REACH + 1;
 
 /// Cut-off of a Gaussian mask, in standard deviations from its centre.
-pub const BELL_DEVIATIONS: f32 = 3.0;
+pub(crate) const BELL_DEVIATIONS: f32 = 3.0;
 
 /// Reason why weights do not form a mask.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
-pub enum MaskError {
+pub(crate) enum MaskError {
     /// The number of weights is not the square of an odd side within the limit.
     #[error("{0} weights are not a square with an odd side up to {MOST_SIDE}, such as 9 or 25")]
     Shape(usize),
@@ -39,7 +39,7 @@ pub enum MaskError {
 
 impl Mask {
     /// Creates a mask from a square of weights, row by row from the top.
-    pub fn square(weights: &[f32]) -> Result<Self, MaskError> {
+    pub(crate) fn square(weights: &[f32]) -> Result<Self, MaskError> {
         let side = weights.len().isqrt();
         if side * side != weights.len() || side.is_multiple_of(2) || side > MOST_SIDE {
             return Err(MaskError::Shape(weights.len()));
@@ -57,19 +57,19 @@ impl Mask {
     }
 
     /// Returns a box blur over (2 · `reach` + 1)² pixels, with `reach` limited to [`MOST_REACH`].
-    pub fn blur(reach: usize) -> Self {
+    pub(crate) fn blur(reach: usize) -> Self {
         let side = 2 * reach.min(MOST_REACH) + 1;
         Self::separable(vec![1.0 / side as f32; side])
     }
 
     /// Returns the 3 × 3 binomial blur, which weights the centre most.
-    pub fn binomial() -> Self {
+    pub(crate) fn binomial() -> Self {
         Self::separable(vec![0.25, 0.5, 0.25])
     }
 
     /// Returns a Gaussian blur of standard deviation `sigma` px, cut off at [`BELL_DEVIATIONS`] standard deviations or
     /// [`MOST_REACH`] px.
-    pub fn gaussian(sigma: f32) -> Self {
+    pub(crate) fn gaussian(sigma: f32) -> Self {
         let reach = (BELL_DEVIATIONS * sigma).ceil().clamp(1.0, MOST_REACH as f32) as i32;
         let bell = |at: i32| (-((at * at) as f32) / (2.0 * sigma * sigma).max(f32::MIN_POSITIVE)).exp();
         let sum: f32 = (-reach..=reach).map(bell).sum();
@@ -77,7 +77,7 @@ impl Mask {
     }
 
     /// Returns a sharpening mask: adds `amount` times the pixel's difference from the mean of its four neighbours.
-    pub fn sharpen(amount: f32) -> Self {
+    pub(crate) fn sharpen(amount: f32) -> Self {
         let beside = -amount / 4.0;
         Self { side: 3, weights: vec![0.0, beside, 0.0, beside, 1.0 + amount, beside, 0.0, beside, 0.0], factors: None }
     }
@@ -86,7 +86,7 @@ impl Mask {
     ///
     /// The path is `length` px long, limited to twice [`MOST_REACH`], and points `angle` radians from the right,
     /// clockwise on a screen. Each pixel is weighted by the length of the path inside it.
-    pub fn motion(length: f32, angle: f32) -> Self {
+    pub(crate) fn motion(length: f32, angle: f32) -> Self {
         /// Samples per pixel of path length.
         const STEPS_PER_PX: f32 = 64.0;
         let length = length.clamp(0.0, 2.0 * MOST_REACH as f32);
@@ -103,36 +103,36 @@ impl Mask {
     }
 
     /// Returns the sum of all weights, which is the gain for a uniform image.
-    pub fn sum(&self) -> f32 {
+    pub(crate) fn sum(&self) -> f32 {
         self.weights.iter().sum()
     }
 
     /// Returns the factors of a separable mask, for columns from the left as well as rows from the top. Each weight is
     /// the product of two factors.
-    pub fn factors(&self) -> Option<&[f32]> {
+    pub(crate) fn factors(&self) -> Option<&[f32]> {
         self.factors.as_deref()
     }
 
     /// Returns the reach to each side of the centre, px.
-    pub fn reach(&self) -> u32 {
+    pub(crate) fn reach(&self) -> u32 {
         (self.side / 2) as u32
     }
 
     /// Returns the weights row by row, each with its offset from the pixel: columns to the right and rows down.
-    pub fn weights(&self) -> impl Iterator<Item = ((i64, i64), f32)> {
+    pub(crate) fn weights(&self) -> impl Iterator<Item = ((i64, i64), f32)> {
         let reach = i64::from(self.reach());
         let place = move |index: usize| ((index % self.side) as i64 - reach, (index / self.side) as i64 - reach);
         self.weights.iter().enumerate().map(move |(index, weight)| (place(index), *weight))
     }
 
     /// Returns the (weight, value) terms of the sum for one pixel, row by row.
-    pub fn terms_at(&self, image: &Image<f64>, (x, y): (u32, u32)) -> impl Iterator<Item = (f64, f64)> {
+    pub(crate) fn terms_at(&self, image: &Image<f64>, (x, y): (u32, u32)) -> impl Iterator<Item = (f64, f64)> {
         let value = move |right, down| image.at_clamped(i64::from(x) + right, i64::from(y) + down);
         self.weights().map(move |((right, down), weight)| (weight.into(), value(right, down)))
     }
 
     /// Convolves an image of numbers. Negative weights can produce values outside the range of the input.
-    pub fn apply_to_numbers(&self, image: &Image<f64>) -> Image<f64> {
+    pub(crate) fn apply_to_numbers(&self, image: &Image<f64>) -> Image<f64> {
         Image::from_fn(image.width(), image.height(), |x, y| {
             self.terms_at(image, (x, y)).map(|(weight, value)| weight * value).sum()
         })

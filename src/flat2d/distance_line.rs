@@ -18,7 +18,7 @@ use crate::math::expansion::Expansion;
 
 /// Scan of the bounding box of a segment; see [`distance_line`].
 #[derive(Clone, Debug)]
-pub struct DistanceLine {
+pub(crate) struct DistanceLine {
     band: Band,
     columns: Range<u32>,
     rows: Range<u32>,
@@ -29,7 +29,7 @@ pub struct DistanceLine {
 /// Returns the pixels of the line from `p0` to `p1` in a picture of this size, row by row from the top.
 ///
 /// Pixels lie at integer coordinates. A segment without length has no pixels.
-pub fn distance_line(p0: DVec2, p1: DVec2, width: u32, height: u32) -> DistanceLine {
+pub(crate) fn distance_line(p0: DVec2, p1: DVec2, width: u32, height: u32) -> DistanceLine {
     let (least, greatest) = (p0.min(p1) - 0.5, p0.max(p1) + 0.5);
     let columns = whole_numbers_within(least.x, greatest.x, width);
     let rows = if p0 == p1 { 0..0 } else { whole_numbers_within(least.y, greatest.y, height) };
@@ -39,17 +39,17 @@ pub fn distance_line(p0: DVec2, p1: DVec2, width: u32, height: u32) -> DistanceL
 
 impl DistanceLine {
     /// Returns the next pixel to test; `None` at the end.
-    pub fn probe(&self) -> Option<(u32, u32)> {
+    pub(crate) fn probe(&self) -> Option<(u32, u32)> {
         (self.columns.contains(&self.probe.0) && self.rows.contains(&self.probe.1)).then_some(self.probe)
     }
 
     /// Returns the number of pixels still to test. Within a row this is an upper bound.
-    pub fn probes_left(&self) -> u64 {
+    pub(crate) fn probes_left(&self) -> u64 {
         self.columns.len() as u64 * u64::from(self.rows.end.saturating_sub(self.probe.1))
     }
 
     /// Tests one pixel and returns it if it belongs to the line; the outer `None` marks the end.
-    pub fn step(&mut self) -> Option<Option<(u32, u32)>> {
+    pub(crate) fn step(&mut self) -> Option<Option<(u32, u32)>> {
         let (x, y) = self.probe()?;
         self.probe = if x + 1 < self.columns.end { (x + 1, y) } else { (self.columns.start, y + 1) };
         Some(self.band.contains(x, y).then_some((x, y)))

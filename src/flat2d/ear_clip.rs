@@ -13,7 +13,7 @@ use super::side;
 
 /// Iterator that cuts off ears; see [`clip_ears`].
 #[derive(Clone, Debug)]
-pub struct EarClip<'a> {
+pub(crate) struct EarClip<'a> {
     points: &'a [DVec2],
     /// Indices of the remaining corners, in order.
     left: Vec<usize>,
@@ -22,7 +22,7 @@ pub struct EarClip<'a> {
 
 /// Returns the triangles of a simple polygon, as indices of its corners. In a self-intersecting polygon it cuts off
 /// only the ears that exist.
-pub fn clip_ears(points: &[DVec2]) -> EarClip<'_> {
+pub(crate) fn clip_ears(points: &[DVec2]) -> EarClip<'_> {
     let from = |i: usize| points[i] - points[0];
     let doubled_area: f64 = (2..points.len()).map(|i| from(i - 1).perp_dot(from(i))).sum();
     EarClip { points, left: (0..points.len()).collect(), turn: doubled_area.total_cmp(&0.0) }
@@ -30,7 +30,7 @@ pub fn clip_ears(points: &[DVec2]) -> EarClip<'_> {
 
 impl EarClip<'_> {
     /// Returns the indices of the remaining corners, in order. Fewer than three remain if the whole polygon was cut.
-    pub fn remaining(&self) -> &[usize] {
+    pub(crate) fn remaining(&self) -> &[usize] {
         &self.left
     }
 

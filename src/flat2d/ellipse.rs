@@ -8,7 +8,7 @@
 
 /// Iterator over the pixels of an ellipse; see [`midpoint_ellipse`].
 #[derive(Clone, Debug)]
-pub struct Ellipse {
+pub(crate) struct Ellipse {
     center: (i32, i32),
     /// Semi-axes along x and y, px.
     half: (i128, i128),
@@ -24,30 +24,30 @@ const REFLECTIONS: u8 = 4;
 /// Returns the pixels of an ellipse around a pixel, with integer semi-axes, without duplicates.
 ///
 /// The order follows the quadrant: first all reflections of the topmost pixel, and last those at the sides.
-pub fn midpoint_ellipse(center: (i32, i32), half_width: u32, half_height: u32) -> Ellipse {
+pub(crate) fn midpoint_ellipse(center: (i32, i32), half_width: u32, half_height: u32) -> Ellipse {
     let half = (i128::from(half_width), i128::from(half_height));
     Ellipse { center, half, x: 0, y: half.1, reflection: 0 }
 }
 
 impl Ellipse {
     /// Returns the current position in the quadrant, relative to the centre; `None` at the end.
-    pub fn quadrant(&self) -> Option<(i128, i128)> {
+    pub(crate) fn quadrant(&self) -> Option<(i128, i128)> {
         (self.y >= 0 && self.x <= self.half.0).then_some((self.x, self.y))
     }
 
     /// Whether the ellipse is flatter than 45° ahead, so that x grows at every step.
-    pub fn is_flat(&self) -> bool {
+    pub(crate) fn is_flat(&self) -> bool {
         let (a, b) = self.half;
         a * a * (2 * self.y - 1) > 2 * b * b * (self.x + 1)
     }
 
     /// Returns four times F at the midpoint (x + 1, y − ½), between right and diagonal; negative inside.
-    pub fn right_or_diagonal(&self) -> i128 {
+    pub(crate) fn right_or_diagonal(&self) -> i128 {
         self.quadruple_at(2 * self.x + 2, 2 * self.y - 1)
     }
 
     /// Returns four times F at the midpoint (x + ½, y − 1), between diagonal and down; negative inside.
-    pub fn diagonal_or_down(&self) -> i128 {
+    pub(crate) fn diagonal_or_down(&self) -> i128 {
         self.quadruple_at(2 * self.x + 1, 2 * self.y - 2)
     }
 

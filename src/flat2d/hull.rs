@@ -12,7 +12,7 @@ use super::side;
 
 /// Step of the algorithm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum HullStep {
+pub(crate) enum HullStep {
     /// Appended the point with this index to the chain.
     Added(usize),
     /// Dropped the point with this index from the end of the chain, because it does not turn right.
@@ -21,7 +21,7 @@ pub enum HullStep {
 
 /// Iterator over the steps of the hull algorithm; see [`convex_hull`].
 #[derive(Clone, Debug)]
-pub struct ConvexHull<'a> {
+pub(crate) struct ConvexHull<'a> {
     points: &'a [DVec2],
     /// Indices of the points, from left to right and back again, without duplicates.
     tour: Vec<usize>,
@@ -31,7 +31,7 @@ pub struct ConvexHull<'a> {
 }
 
 /// Computes the hull of finite points step by step. [`ConvexHull::corners`] returns the hull at the end.
-pub fn convex_hull(points: &[DVec2]) -> ConvexHull<'_> {
+pub(crate) fn convex_hull(points: &[DVec2]) -> ConvexHull<'_> {
     let mut tour: Vec<_> = (0..points.len()).collect();
     tour.sort_by(|a, b| points[*a].x.total_cmp(&points[*b].x).then(points[*a].y.total_cmp(&points[*b].y)));
     tour.dedup_by_key(|point| points[*point].to_array().map(f64::to_bits));
@@ -42,7 +42,7 @@ pub fn convex_hull(points: &[DVec2]) -> ConvexHull<'_> {
 
 impl ConvexHull<'_> {
     /// Returns the indices of the corners found so far, clockwise on a screen.
-    pub fn corners(&self) -> &[usize] {
+    pub(crate) fn corners(&self) -> &[usize] {
         // The tour ends at the point where it began.
         let closed = self.next == self.tour.len() && self.chain.len() > 1;
         &self.chain[..self.chain.len() - usize::from(closed)]
@@ -80,7 +80,7 @@ impl Iterator for ConvexHull<'_> {
 ///
 /// The weights are not unique. These are the barycentric weights in the triangle that contains the point, from the fan
 /// around the first corner.
-pub fn convex_weights(corners: &[DVec2], point: DVec2) -> Option<Vec<f64>> {
+pub(crate) fn convex_weights(corners: &[DVec2], point: DVec2) -> Option<Vec<f64>> {
     (1..corners.len().saturating_sub(1)).find_map(|i| {
         let [a, b, c] = [corners[0], corners[i], corners[i + 1]];
         let area = (b - a).perp_dot(c - a);

@@ -16,7 +16,7 @@ use std::cmp::Ordering;
 
 /// Iterator over the pixels of a line; see [`midpoint_line`].
 #[derive(Clone, Debug)]
-pub struct MidpointLine {
+pub(crate) struct MidpointLine {
     /// Next pixel; `None` at the end.
     next: Option<(i64, i64)>,
     last: (i64, i64),
@@ -41,7 +41,7 @@ pub struct MidpointLine {
 /// let pixels: Vec<_> = midpoint_line((0, 0), (4, 2)).collect();
 /// assert_eq!(pixels, [(0, 0), (1, 0), (2, 1), (3, 1), (4, 2)]);
 /// ```
-pub fn midpoint_line(p0: (i64, i64), p1: (i64, i64)) -> MidpointLine {
+pub(crate) fn midpoint_line(p0: (i64, i64), p1: (i64, i64)) -> MidpointLine {
     let (width, height) = (p0.0.abs_diff(p1.0), p0.1.abs_diff(p1.1));
     let slanted = (step_towards(p0.0, p1.0), step_towards(p0.1, p1.1));
     let straight = if width >= height { (slanted.0, 0) } else { (0, slanted.1) };
@@ -55,7 +55,7 @@ pub fn midpoint_line(p0: (i64, i64), p1: (i64, i64)) -> MidpointLine {
 /// Where the line passes exactly between two pixels, it takes the pixel that `midpoint_line` takes from the lesser end.
 /// The lesser end has the smaller x or, if these are equal, the smaller y. The line from `p1` to `p0` therefore covers
 /// the same pixels in the opposite order.
-pub fn direction_independent_line(p0: (i64, i64), p1: (i64, i64)) -> MidpointLine {
+pub(crate) fn direction_independent_line(p0: (i64, i64), p1: (i64, i64)) -> MidpointLine {
     MidpointLine { slants_on_tie: p1 < p0, ..midpoint_line(p0, p1) }
 }
 
@@ -64,12 +64,12 @@ impl MidpointLine {
     ///
     /// It is positive if the line passes beyond the midpoint between the two candidates, so that the step leaves the
     /// row or column.
-    pub fn decision(&self) -> i128 {
+    pub(crate) fn decision(&self) -> i128 {
         self.decision
     }
 
     /// Whether the step after the next pixel leaves the row or column.
-    pub fn slants(&self) -> bool {
+    pub(crate) fn slants(&self) -> bool {
         self.decision > 0 || self.slants_on_tie && self.decision == 0
     }
 }
@@ -104,7 +104,7 @@ fn step_towards(from: i64, to: i64) -> i64 {
 /// The direction is kept, and an end inside the rectangle is returned unchanged. Returns `None` if the line misses the
 /// rectangle or an end is not finite. Pixels are half-open, so a caller that takes the floor must cap it at the last
 /// column and row.
-pub fn clip_to(p0: (f64, f64), p1: (f64, f64), width: u32, height: u32) -> Option<((f64, f64), (f64, f64))> {
+pub(crate) fn clip_to(p0: (f64, f64), p1: (f64, f64), width: u32, height: u32) -> Option<((f64, f64), (f64, f64))> {
     let (enter, leave) = part_inside(p0, p1, width, height)?;
     let (width, height) = (f64::from(width), f64::from(height));
     // The weighted sum avoids an overflowing difference of huge ends. The clamp corrects rounding of t and of the
@@ -117,7 +117,7 @@ pub fn clip_to(p0: (f64, f64), p1: (f64, f64), width: u32, height: u32) -> Optio
 }
 
 /// Returns the part kept by [`clip_to`], as parameters from 0 at `p0` to 1 at `p1`.
-pub fn part_inside(p0: (f64, f64), p1: (f64, f64), width: u32, height: u32) -> Option<(f64, f64)> {
+pub(crate) fn part_inside(p0: (f64, f64), p1: (f64, f64), width: u32, height: u32) -> Option<(f64, f64)> {
     if ![p0.0, p0.1, p1.0, p1.1].into_iter().all(f64::is_finite) {
         return None;
     }

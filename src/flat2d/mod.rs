@@ -5,35 +5,35 @@
 //! must be 0 or have a magnitude from 2⁻¹⁴⁹ to 2¹²⁸, like all finite f32 values. They may have more significant digits
 //! than f32.
 
-pub mod barycentric;
+pub(crate) mod barycentric;
 
-pub mod circle;
+pub(crate) mod circle;
 
-pub mod circle_forms;
+pub(crate) mod circle_forms;
 
-pub mod convolve;
+pub(crate) mod convolve;
 
-pub mod ellipse;
+pub(crate) mod ellipse;
 
-pub mod distance_line;
+pub(crate) mod distance_line;
 
-pub mod slope_line;
+pub(crate) mod slope_line;
 
-pub mod line;
+pub(crate) mod line;
 
-pub mod polygon;
+pub(crate) mod polygon;
 
-pub mod ear_clip;
+pub(crate) mod ear_clip;
 
-pub mod hull;
+pub(crate) mod hull;
 
-pub mod primitives;
+pub(crate) mod primitives;
 
-pub mod real_line;
+pub(crate) mod real_line;
 
-pub mod seed_fill;
+pub(crate) mod seed_fill;
 
-pub mod stack_fill;
+pub(crate) mod stack_fill;
 
 use std::cmp::Ordering;
 use std::ops::Range;
@@ -43,13 +43,13 @@ use robust::{Coord, orient2d};
 
 /// Non-empty run of pixels in one row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Span {
+pub(crate) struct Span {
     /// Row of the run.
-    pub y: u32,
+    pub(crate) y: u32,
     /// First column of the run.
-    pub x0: u32,
+    pub(crate) x0: u32,
     /// One past the last column.
-    pub x1: u32,
+    pub(crate) x1: u32,
 }
 
 /// Returns the side of the directed line from `a` to `b` on which `p` lies, with y down.

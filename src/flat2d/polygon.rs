@@ -29,7 +29,7 @@ use edge::{Edge, Row, Slant};
 
 /// Rule that decides what is inside, from the winding number around a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum InsideRule {
+pub(crate) enum InsideRule {
     /// Odd winding numbers are inside: where contours overlap, inside and outside alternate.
     EvenOdd,
     /// Non-zero winding numbers are inside: an overlap is inside unless the contours have opposite orientations.
@@ -38,7 +38,7 @@ pub enum InsideRule {
 
 /// Positions of the corners when edges are built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Corners {
+pub(crate) enum Corners {
     /// Corners are used as given.
     AsGiven,
     /// Corners are snapped to the nearest point of the pipeline's 1/256 px grid.
@@ -47,7 +47,7 @@ pub enum Corners {
 
 /// Sample position within a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SamplePoint {
+pub(crate) enum SamplePoint {
     /// Pixel centre, half a pixel right of and below the integer coordinates.
     Center,
     /// Integer coordinates, as in the pixel lattice of textbooks.
@@ -66,33 +66,33 @@ impl SamplePoint {
 
 /// Parameters of a polygon fill.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Filling {
+pub(crate) struct Filling {
     /// Rule that decides what is inside.
-    pub rule: InsideRule,
+    pub(crate) rule: InsideRule,
     /// Positions of the corners: as given or snapped.
-    pub corners: Corners,
+    pub(crate) corners: Corners,
     /// Sample position within each pixel.
-    pub sample: SamplePoint,
+    pub(crate) sample: SamplePoint,
     /// Width of the picture, px.
-    pub width: u32,
+    pub(crate) width: u32,
     /// Height of the picture, px.
-    pub height: u32,
+    pub(crate) height: u32,
 }
 
 /// Edge that crosses the current row.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ActiveEdge {
+pub(crate) struct ActiveEdge {
     /// Upper end, px.
-    pub top: DVec2,
+    pub(crate) top: DVec2,
     /// Lower end, px.
-    pub bottom: DVec2,
+    pub(crate) bottom: DVec2,
     /// Position x of the crossing in the row, px, up to float rounding.
-    pub crossing_px: f64,
+    pub(crate) crossing_px: f64,
     /// First column whose sample lies at or right of the crossing, exactly; the picture's width if there is none.
-    pub column: u32,
+    pub(crate) column: u32,
     /// Change of the winding number when crossing from the left: 1 if the edge was given from top to bottom, otherwise
     /// −1.
-    pub winding: i32,
+    pub(crate) winding: i32,
 }
 
 /// Active edge that crosses its rows in several columns, with a copy of the data that each row needs.
@@ -108,7 +108,7 @@ struct Slanted {
 
 /// Iterator over the spans of a polygon; see [`fill`].
 #[derive(Clone, Debug)]
-pub struct PolygonFill {
+pub(crate) struct PolygonFill {
     filling: Filling,
     /// Edge table, sorted by first row, and the number of its edges activated so far.
     edges: Vec<Edge>,
@@ -149,7 +149,7 @@ pub struct PolygonFill {
 /// assert_eq!(spans[0], Span { y: 0, x0: 0, x1: 4 });
 /// assert_eq!(spans[1..], [Span { y: 1, x0: 0, x1: 1 }, Span { y: 1, x0: 3, x1: 4 }]);
 /// ```
-pub fn fill(contours: &[Vec<DVec2>], filling: Filling) -> PolygonFill {
+pub(crate) fn fill(contours: &[Vec<DVec2>], filling: Filling) -> PolygonFill {
     let corner = |point: DVec2| match filling.corners {
         Corners::AsGiven => point,
         Corners::Snapped => DVec2::new(snap_to_grid(point.x), snap_to_grid(point.y)),
@@ -178,17 +178,17 @@ pub fn fill(contours: &[Vec<DVec2>], filling: Filling) -> PolygonFill {
 
 impl PolygonFill {
     /// Returns the edge table: all edges sorted by the first row that they cross, as (row, upper end, lower end).
-    pub fn edge_table(&self) -> impl Iterator<Item = (u32, DVec2, DVec2)> {
+    pub(crate) fn edge_table(&self) -> impl Iterator<Item = (u32, DVec2, DVec2)> {
         self.edges.iter().map(|edge| (edge.rows.start, edge.top, edge.bottom))
     }
 
     /// Returns the row of the most recent span.
-    pub fn row(&self) -> u32 {
+    pub(crate) fn row(&self) -> u32 {
         self.row
     }
 
     /// Returns the active edge list: all edges that cross the row, in the order of the table.
-    pub fn active_edges(&self) -> impl Iterator<Item = ActiveEdge> {
+    pub(crate) fn active_edges(&self) -> impl Iterator<Item = ActiveEdge> {
         let row = self.row;
         let active = self.edges[..self.started].iter().filter(move |edge| edge.rows.contains(&row));
         active.map(move |edge| ActiveEdge {
@@ -202,7 +202,7 @@ impl PolygonFill {
 
     /// Returns the next span of the row. At the end of the row, returns `Some(None)` and advances to the next row; the
     /// outer `None` marks the end.
-    pub fn step(&mut self) -> Option<Option<Span>> {
+    pub(crate) fn step(&mut self) -> Option<Option<Span>> {
         let span = self.next_span();
         if span.is_none() {
             self.next_row()?;

@@ -12,7 +12,7 @@ use super::side;
 
 /// Primitive type: the way in which vertices are assembled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Primitive {
+pub(crate) enum Primitive {
     /// Each vertex is a point.
     Points,
     /// Each pair of vertices is a line.
@@ -37,7 +37,7 @@ pub enum Primitive {
 
 /// Assembled primitive, as indices of vertices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Piece {
+pub(crate) enum Piece {
     /// Single point.
     Point(usize),
     /// Line between two vertices.
@@ -47,7 +47,7 @@ pub enum Piece {
 }
 
 /// Assembles `count` vertices into primitives, in drawing order. Incomplete primitives at the end are ignored.
-pub fn pieces(primitive: Primitive, count: usize) -> Vec<Piece> {
+pub(crate) fn pieces(primitive: Primitive, count: usize) -> Vec<Piece> {
     let triangle = |a, b, c| Piece::Triangle([a, b, c]);
     let pairs = count.saturating_sub(1);
     match primitive {
@@ -74,17 +74,17 @@ fn fan_of([a, b, c, d]: [usize; 4]) -> [Piece; 2] {
 
 /// Properties of an outline that decide whether a fan covers its interior.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Verdict {
+pub(crate) struct Verdict {
     /// Whether no two sides cross or touch, except neighbours at their common corner.
-    pub simple: bool,
+    pub(crate) simple: bool,
     /// Whether the outline is simple and all corners turn the same way or are straight.
-    pub convex: bool,
+    pub(crate) convex: bool,
     /// Whether all corners lie in one plane.
-    pub flat: bool,
+    pub(crate) flat: bool,
 }
 
 /// Checks the closed outline of these corners, viewed along z. The checks in x and y are exact.
-pub fn judge(corners: &[DVec3]) -> Verdict {
+pub(crate) fn judge(corners: &[DVec3]) -> Verdict {
     let flat_view: Vec<_> = corners.iter().map(|corner| corner.truncate()).collect();
     let simple = is_simple(&flat_view);
     Verdict { simple, convex: simple && turns_one_way(&flat_view), flat: is_flat(corners) }

@@ -14,11 +14,11 @@ use super::side;
 use crate::math::expansion::Expansion;
 
 /// Maximum magnitude of an end's coordinate, px. Much farther out, f64 cannot represent half pixels.
-pub const MAX_COORDINATE_PX: f64 = (1_u64 << 50) as f64;
+pub(crate) const MAX_COORDINATE_PX: f64 = (1_u64 << 50) as f64;
 
 /// Iterator over the pixels of a line; see [`real_line`].
 #[derive(Clone, Debug)]
-pub struct RealLine {
+pub(crate) struct RealLine {
     /// Whether y is the longer axis. The fields below use the longer axis as x.
     steep: bool,
     /// End with the smaller x, and the other end.
@@ -35,7 +35,7 @@ pub struct RealLine {
 /// Returns the pixels from `p0` to `p1`. There are none if the line lies between two adjacent integer coordinates.
 ///
 /// Returns `None` if an end is not finite or has a coordinate beyond [`MAX_COORDINATE_PX`].
-pub fn real_line(p0: DVec2, p1: DVec2) -> Option<RealLine> {
+pub(crate) fn real_line(p0: DVec2, p1: DVec2) -> Option<RealLine> {
     if !(p0.abs().max_element() <= MAX_COORDINATE_PX && p1.abs().max_element() <= MAX_COORDINATE_PX) {
         return None;
     }
@@ -63,17 +63,17 @@ fn is_steep(p0: DVec2, p1: DVec2) -> bool {
 
 impl RealLine {
     /// Whether y is the longer axis, on which every integer coordinate gets a pixel.
-    pub fn is_steep(&self) -> bool {
+    pub(crate) fn is_steep(&self) -> bool {
         self.steep
     }
 
     /// Returns the coordinate of the next pixel along the longer axis; `None` at the end.
-    pub fn major(&self) -> Option<i64> {
+    pub(crate) fn major(&self) -> Option<i64> {
         (self.major != self.end).then_some(self.major)
     }
 
     /// Returns the coordinate of the previous pixel along the shorter axis, where the search for the next pixel starts.
-    pub fn minor(&self) -> i64 {
+    pub(crate) fn minor(&self) -> i64 {
         self.minor
     }
 

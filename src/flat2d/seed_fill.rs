@@ -16,7 +16,7 @@ use crate::image::Image;
 
 /// Criterion that ends a fill.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Region<T> {
+pub(crate) enum Region<T> {
     /// Fills the connected region that has the colour of the seed.
     Flood,
     /// Fills up to this colour. Pixels that already have the new colour count as filled.
@@ -25,7 +25,7 @@ pub enum Region<T> {
 
 /// Neighbourhood that connects pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Connectivity {
+pub(crate) enum Connectivity {
     /// Neighbours share a side.
     Four,
     /// Neighbours share a side or a corner.
@@ -34,7 +34,7 @@ pub enum Connectivity {
 
 /// Fill in progress; each item of the iterator fills one span of the image. See [`seed_fill`].
 #[derive(Debug)]
-pub struct SeedFill<'a, T> {
+pub(crate) struct SeedFill<'a, T> {
     image: &'a mut Image<T>,
     connectivity: Connectivity,
     new: T,
@@ -50,7 +50,7 @@ enum Fillable<T> {
 }
 
 /// Fills `image` with `new` from `seed`, in disjoint spans. A seed outside the picture fills nothing.
-pub fn seed_fill<T: Copy + PartialEq>(
+pub(crate) fn seed_fill<T: Copy + PartialEq>(
     image: &mut Image<T>,
     seed: (u32, u32),
     region: Region<T>,
@@ -68,12 +68,12 @@ pub fn seed_fill<T: Copy + PartialEq>(
 
 impl<T: Copy + PartialEq> SeedFill<'_, T> {
     /// Returns the image in its current state.
-    pub fn image(&self) -> &Image<T> {
+    pub(crate) fn image(&self) -> &Image<T> {
         self.image
     }
 
     /// Returns the stack of seeds, the next one last. Some may already be filled.
-    pub fn seeds(&self) -> &[(u32, u32)] {
+    pub(crate) fn seeds(&self) -> &[(u32, u32)] {
         &self.seeds
     }
 

@@ -8,7 +8,7 @@ use glam::DVec2;
 
 /// Method that computes the coordinate along the shorter axis at each step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stepping {
+pub(crate) enum Stepping {
     /// Evaluates y = m (x − x₀) + y₀ at every step.
     Intersection,
     /// Adds the slope to the previous value, y ← y + m.
@@ -17,7 +17,7 @@ pub enum Stepping {
 
 /// Iterator over the pixels of a line; see [`slope_line`].
 #[derive(Clone, Debug)]
-pub struct SlopeLine {
+pub(crate) struct SlopeLine {
     stepping: Stepping,
     /// Whether y is the longer axis. The fields below use the longer axis as x.
     steep: bool,
@@ -36,7 +36,7 @@ pub struct SlopeLine {
 /// Returns the pixels from `p0` to `p1`, one per step of the longer axis, including the pixel nearest to each end.
 ///
 /// The ends are rounded to f32. Returns `None` if a coordinate of an end exceeds 2²⁴, beyond which f32 has no fraction.
-pub fn slope_line(p0: DVec2, p1: DVec2, stepping: Stepping) -> Option<SlopeLine> {
+pub(crate) fn slope_line(p0: DVec2, p1: DVec2, stepping: Stepping) -> Option<SlopeLine> {
     const MAX_COORDINATE_PX: f64 = (1 << 24) as f64;
     if !(p0.abs().max_element() <= MAX_COORDINATE_PX && p1.abs().max_element() <= MAX_COORDINATE_PX) {
         return None;
@@ -59,17 +59,17 @@ fn round(value: f32) -> i64 {
 
 impl SlopeLine {
     /// Whether y is the longer axis, along which the line steps.
-    pub fn is_steep(&self) -> bool {
+    pub(crate) fn is_steep(&self) -> bool {
         self.steep
     }
 
     /// Returns the coordinate of the next pixel along the shorter axis, before rounding; `None` at the end.
-    pub fn value(&self) -> Option<f32> {
+    pub(crate) fn value(&self) -> Option<f32> {
         (self.major != self.end).then_some(self.minor)
     }
 
     /// Returns [`value`](Self::value) computed in f64 from the unrounded ends.
-    pub fn exact_value(&self) -> f64 {
+    pub(crate) fn exact_value(&self) -> f64 {
         if self.from.x == self.to.x {
             return self.from.y;
         }

@@ -13,7 +13,7 @@ const CORNERS: [(i32, i32); 4] = [(1, 1), (-1, 1), (-1, -1), (1, -1)];
 
 /// Fill in progress; see [`stack_fill`].
 #[derive(Debug)]
-pub struct StackFill<'a, T> {
+pub(crate) struct StackFill<'a, T> {
     image: &'a mut Image<T>,
     connectivity: Connectivity,
     new: T,
@@ -23,7 +23,7 @@ pub struct StackFill<'a, T> {
 }
 
 /// Fills `image` with `new` from `seed`, one pixel per item. A seed outside the picture fills nothing.
-pub fn stack_fill<T: Copy + PartialEq>(
+pub(crate) fn stack_fill<T: Copy + PartialEq>(
     image: &mut Image<T>,
     seed: (u32, u32),
     region: Region<T>,
@@ -36,7 +36,7 @@ pub fn stack_fill<T: Copy + PartialEq>(
 
 impl<T: Copy + PartialEq> StackFill<'_, T> {
     /// Returns the stack of pending pixels, the next one last. Some may already be filled.
-    pub fn stack(&self) -> &[(u32, u32)] {
+    pub(crate) fn stack(&self) -> &[(u32, u32)] {
         &self.stack
     }
 

@@ -9,11 +9,11 @@ use crate::math::lanes::*;
 /// Tables for fast conversion. Loops should keep one reference, because each call of [`Tables::get`] costs as much as a
 /// lookup.
 #[derive(Debug)]
-pub struct Tables {
+pub(crate) struct Tables {
     /// Linear light of each sRGB code.
-    pub linear_of_code: [f32; 256],
+    pub(crate) linear_of_code: [f32; 256],
     /// Each code as a float.
-    pub code: [f32; 256],
+    pub(crate) code: [f32; 256],
     /// Entry of each bucket of linear values: code · 2¹⁶ + (2¹⁶ − next). code is that of the bucket's least value, and
     /// next is the first place in the bucket with the next code. Place plus entry is a code in fixed point with 16
     /// fractional bits, so one read finds it.
@@ -58,7 +58,7 @@ static TABLES: LazyLock<Tables> = LazyLock::new(|| {
 
 impl Tables {
     /// Returns the single instance.
-    pub fn get() -> &'static Self {
+    pub(crate) fn get() -> &'static Self {
         &TABLES
     }
 
@@ -66,7 +66,7 @@ impl Tables {
     ///
     /// Exact: the code is found by comparing with the thresholds between codes, not by an approximated power.
     #[inline]
-    pub fn encode(&self, linear: f32) -> u8 {
+    pub(crate) fn encode(&self, linear: f32) -> u8 {
         let clamped = if linear > 0.0 { linear.min(1.0) } else { 0.0 };
         let above = clamped.to_bits().saturating_sub(LEAST_BITS);
         ((self.buckets[(above >> BUCKET_SHIFT) as usize] + above % PLACES) >> CODE_SHIFT) as u8
@@ -74,7 +74,7 @@ impl Tables {
 
     /// [`Self::encode`] for sixteen values.
     #[inline(always)]
-    pub fn encode_lanes<S: Simd>(&self, simd: S, linear: f32x16<S>) -> u32x16<S> {
+    pub(crate) fn encode_lanes<S: Simd>(&self, simd: S, linear: f32x16<S>) -> u32x16<S> {
         self.encode_lanes_by(simd, gathers_are_quick(), linear)
     }
 
@@ -91,7 +91,7 @@ impl Tables {
 impl Tables {
     /// Returns the table's values for sixteen codes, each less than 256.
     #[inline(always)]
-    pub fn lookup<S: Simd>(simd: S, table: &[f32; 256], codes: u32x16<S>) -> f32x16<S> {
+    pub(crate) fn lookup<S: Simd>(simd: S, table: &[f32; 256], codes: u32x16<S>) -> f32x16<S> {
         Self::lookup_by(simd, gathers_are_quick(), table, codes)
     }
 
@@ -159,7 +159,7 @@ mod x86 {
 }
 
 /// Returns the linear light of an sRGB value in [0, 1].
-pub fn decode(srgb: f32) -> f32 {
+pub(crate) fn decode(srgb: f32) -> f32 {
     if srgb <= 0.04045 { srgb / 12.92 } else { ((srgb + 0.055) / 1.055).powf(2.4) }
 }
 
@@ -178,28 +178,28 @@ pub fn decode(srgb: f32) -> f32 {
 ///     assert_eq!(quantize(encode(decode_byte(code))), code);
 /// }
 /// ```
-pub fn encode(linear: f32) -> f32 {
+pub(crate) fn encode(linear: f32) -> f32 {
     if linear <= 0.003_130_8 { linear * 12.92 } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
 /// Returns the linear light of an 8-bit sRGB code.
-pub fn decode_byte(code: u8) -> f32 {
+pub(crate) fn decode_byte(code: u8) -> f32 {
     TABLES.linear_of_code[code as usize]
 }
 
 /// Returns the 8-bit code of a value in [0, 1], rounded half up; clamps, and returns 0 for NaN.
 #[inline]
-pub fn quantize(value: f32) -> u8 {
+pub(crate) fn quantize(value: f32) -> u8 {
     (value * 255.0 + 0.5) as u8
 }
 
 /// Returns the linear light of a colour given in sRGB values.
-pub fn decode_rgb(srgb: Vec3) -> Vec3 {
+pub(crate) fn decode_rgb(srgb: Vec3) -> Vec3 {
     Vec3::new(decode(srgb.x), decode(srgb.y), decode(srgb.z))
 }
 
 /// Returns the luma of sRGB codes by the Rec. 709 weights, in [0, 255].
-pub fn luma([r, g, b, _]: [u8; 4]) -> f32 {
+pub(crate) fn luma([r, g, b, _]: [u8; 4]) -> f32 {
     0.2126 * f32::from(r) + 0.7152 * f32::from(g) + 0.0722 * f32::from(b)
 }
 

@@ -85,7 +85,7 @@ pub fn read(path: &Path) -> Result<Image<Rgba8>, ImageFileError> {
 
 /// Picture file whose header has been read.
 #[derive(Debug)]
-pub struct PictureFile {
+pub(crate) struct PictureFile {
     path: PathBuf,
     bytes: Vec<u8>,
     format: ImageFormat,
@@ -98,7 +98,7 @@ pub struct PictureFile {
 impl PictureFile {
     /// Reads a file and the size of its picture. The picture is never empty, and has at most 16 384 pixels per side and
     /// 8192 × 8192 in total.
-    pub fn read_header(path: &Path) -> Result<Self, ImageFileError> {
+    pub(crate) fn read_header(path: &Path) -> Result<Self, ImageFileError> {
         let bytes = disk::read(path, MAX_FILE_BYTES)
             .map_err(|source| ImageFileError::Unreadable { path: path.to_owned(), source })?;
         let (format, kind) = recognize(path, &bytes)?;
@@ -114,12 +114,12 @@ impl PictureFile {
     }
 
     /// Returns width and height in pixels.
-    pub fn size(&self) -> (u32, u32) {
+    pub(crate) fn size(&self) -> (u32, u32) {
         (self.width, self.height)
     }
 
     /// Decodes the pixels to straight 8-bit RGBA.
-    pub fn decode(self) -> Result<Image<Rgba8>, ImageFileError> {
+    pub(crate) fn decode(self) -> Result<Image<Rgba8>, ImageFileError> {
         let decoded = reader(&self.bytes, self.format).decode();
         decoded.map(to_rgba).map_err(|e| undecodable(&self.path, self.kind, &e.to_string()))
     }
@@ -130,7 +130,7 @@ fn undecodable(path: &Path, kind: &'static str, reason: &str) -> ImageFileError 
 }
 
 /// Whether a path has the suffix of a picture file.
-pub fn is_named_picture(path: &Path) -> bool {
+pub(crate) fn is_named_picture(path: &Path) -> bool {
     path.extension().and_then(ImageFormat::from_extension).is_some()
 }
 
@@ -195,7 +195,7 @@ pub fn write_png(path: &Path, image: &Image<Rgba8>) -> Result<(), ImageFileError
 }
 
 /// Returns the bytes of a PNG file: RGB if every pixel is opaque, else RGBA. Fails for a picture without pixels.
-pub fn encode_png(image: &Image<Rgba8>) -> std::io::Result<Vec<u8>> {
+pub(crate) fn encode_png(image: &Image<Rgba8>) -> std::io::Result<Vec<u8>> {
     let (width, height) = image.size();
     let mut file = Vec::new();
     let encoder = PngEncoder::new(&mut file);

@@ -1,10 +1,10 @@
 //! Pictures in memory, colour spaces, and picture files.
 
-pub mod color;
+pub(crate) mod color;
 
 pub mod file;
 
-pub mod pfm;
+pub(crate) mod pfm;
 
 /// Four 8-bit channels: red, green, blue (sRGB codes) and alpha (straight, not premultiplied).
 pub type Rgba8 = [u8; 4];
@@ -25,7 +25,7 @@ impl<T: Copy> Image<T> {
 
     /// Returns a picture that reuses the buffer of another one. Its content is arbitrary; newly allocated pixels have
     /// `value`.
-    pub fn reusing(memory: Option<Self>, width: u32, height: u32, value: T) -> Self {
+    pub(crate) fn reusing(memory: Option<Self>, width: u32, height: u32, value: T) -> Self {
         let mut pixels = memory.map_or_else(Vec::new, |image| image.pixels);
         pixels.resize(width as usize * height as usize, value);
         Self { width, height, pixels }
@@ -79,7 +79,7 @@ impl<T: Copy> Image<T> {
     }
 
     /// Returns the value at (x, y), or `None` outside.
-    pub fn get(&self, x: u32, y: u32) -> Option<T> {
+    pub(crate) fn get(&self, x: u32, y: u32) -> Option<T> {
         (x < self.width && y < self.height).then(|| self.at(x, y))
     }
 
@@ -99,7 +99,7 @@ impl<T: Copy> Image<T> {
     }
 
     /// Returns row `y`, left to right. Panics outside.
-    pub fn row(&self, y: u32) -> &[T] {
+    pub(crate) fn row(&self, y: u32) -> &[T] {
         let start = y as usize * self.width as usize;
         &self.pixels[start..start + self.width as usize]
     }
@@ -110,7 +110,7 @@ impl<T: Copy> Image<T> {
     }
 
     /// Returns all values, row by row, for writing.
-    pub fn pixels_mut(&mut self) -> &mut [T] {
+    pub(crate) fn pixels_mut(&mut self) -> &mut [T] {
         &mut self.pixels
     }
 
@@ -120,7 +120,7 @@ impl<T: Copy> Image<T> {
     }
 
     /// Resizes in place, reusing the buffer, and fills with `value`.
-    pub fn reset(&mut self, width: u32, height: u32, value: T) {
+    pub(crate) fn reset(&mut self, width: u32, height: u32, value: T) {
         self.width = width;
         self.height = height;
         self.pixels.clear();
@@ -128,7 +128,7 @@ impl<T: Copy> Image<T> {
     }
 
     /// Returns the number of bytes allocated for the pixels.
-    pub fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         self.pixels.capacity() * size_of::<T>()
     }
 
@@ -141,7 +141,7 @@ impl<T: Copy> Image<T> {
 
 impl Image<Rgba8> {
     /// Returns the pixels as bytes, four per pixel.
-    pub fn as_bytes(&self) -> &[u8] {
+    pub(crate) fn as_bytes(&self) -> &[u8] {
         self.pixels.as_flattened()
     }
 }

@@ -11,7 +11,7 @@ use crate::disk;
 
 /// Picture of 32-bit floats.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Floats {
+pub(crate) enum Floats {
     /// One number per pixel.
     One(Image<f32>),
     /// Three numbers per pixel.
@@ -20,7 +20,7 @@ pub enum Floats {
 
 impl Floats {
     /// Returns the picture as the bytes of a PFM file.
-    pub fn encode(&self) -> Vec<u8> {
+    pub(crate) fn encode(&self) -> Vec<u8> {
         match self {
             Self::One(image) => encode("Pf", image, |value| [value].to_vec()),
             Self::Three(image) => encode("PF", image, |values| values.to_vec()),
@@ -39,7 +39,7 @@ fn encode<T: Copy>(magic: &str, image: &Image<T>, numbers: impl Fn(T) -> Vec<f32
 }
 
 /// Writes a PFM file. Replaces an existing file; creates no folders.
-pub fn write_pfm(path: &Path, floats: &Floats) -> Result<(), ImageFileError> {
+pub(crate) fn write_pfm(path: &Path, floats: &Floats) -> Result<(), ImageFileError> {
     disk::write(path, &floats.encode()).map_err(|source| ImageFileError::Unwritable { path: path.to_owned(), source })
 }
 

@@ -10,17 +10,17 @@ use crate::scene::TriangleId;
 /// Pipeline counters, and the number of fragments with a NaN or infinite depth or weight among those that passed the
 /// depth test.
 #[derive(Clone, Copy, Debug)]
-pub struct BadFragments {
+pub(crate) struct BadFragments {
     /// Counters of all pipeline events.
-    pub counters: Counters,
+    pub(crate) counters: Counters,
     /// Number of fragments with a NaN or infinite depth or weight.
-    pub bad: u64,
+    pub(crate) bad: u64,
     settings: Settings,
 }
 
 impl BadFragments {
     /// Creates zeroed counters for a frame drawn with `settings`.
-    pub fn new(settings: Settings) -> Self {
+    pub(crate) fn new(settings: Settings) -> Self {
         Self { counters: Counters::default(), bad: 0, settings }
     }
 

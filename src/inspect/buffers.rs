@@ -35,17 +35,17 @@ pub struct Buffers {
     /// nearest.
     pub triangle: Image<TriangleId>,
     /// Screen-space weights of the winner, for corners 0, 1 and 2.
-    pub lambda: Image<[f32; 3]>,
+    pub(crate) lambda: Image<[f32; 3]>,
     /// Weights of the winner that attributes are interpolated with.
-    pub perspective_lambda: Image<[f32; 3]>,
+    pub(crate) perspective_lambda: Image<[f32; 3]>,
     /// Whether a depth was stored at each sample; blended triangles store none.
-    pub depth_stored: Image<bool>,
+    pub(crate) depth_stored: Image<bool>,
     /// Number of triangles that cover each sample.
     pub overdraw: Image<u32>,
     /// Number of times that each sample was shaded.
-    pub shaded: Image<u32>,
+    pub(crate) shaded: Image<u32>,
     /// Cracks and double hits; `None` if they were not searched for.
-    pub hits: Option<Hits>,
+    pub(crate) hits: Option<Hits>,
 }
 
 /// Draws the frame again and records all quantities except the hits.
@@ -87,7 +87,7 @@ pub fn capture(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Buffers {
 
 impl Buffers {
     /// Adds the data that a buffer needs beyond [`capture`]: only [`Buffer::Hits`] needs any.
-    pub fn completed_for(self, buffer: Buffer, recipe: &Recipe, frame: &Frame) -> Self {
+    pub(crate) fn completed_for(self, buffer: Buffer, recipe: &Recipe, frame: &Frame) -> Self {
         if buffer != Buffer::Hits || self.hits.is_some() {
             return self;
         }
@@ -97,12 +97,12 @@ impl Buffers {
 
 impl Buffers {
     /// Whether hits were counted but lack the faults along open seams.
-    pub fn misses_seams(&self) -> bool {
+    pub(crate) fn misses_seams(&self) -> bool {
         self.hits.as_ref().is_some_and(|hits| hits.mesh.is_none())
     }
 
     /// Adds the faults along the open seams of the scene, if hits were counted.
-    pub fn with_seams(self, scene: &Scene, recipe: &Recipe, frame: &Frame, seams: &Seams) -> Self {
+    pub(crate) fn with_seams(self, scene: &Scene, recipe: &Recipe, frame: &Frame, seams: &Seams) -> Self {
         Self { hits: self.hits.map(|hits| hits.with_seams(scene, recipe, frame, seams)), ..self }
     }
 }

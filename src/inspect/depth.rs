@@ -8,25 +8,25 @@ use crate::pipeline::depth::DepthScale;
 
 /// A depth as stored in the depth buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct DepthRecord {
+pub(crate) struct DepthRecord {
     /// The depth, in [0, 1].
-    pub value: f32,
+    pub(crate) value: f32,
     /// Integer code in the depth buffer; `None` for a floating-point buffer.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub code: Option<u32>,
+    pub(crate) code: Option<u32>,
     /// Distance along the line of sight between this depth and the next representable one, in world units. Infinite
     /// (null in JSON) if the next one is infinitely far.
-    pub resolution: f64,
+    pub(crate) resolution: f64,
 }
 
 impl DepthRecord {
     /// Creates a record of a stored value of a buffer with this scale.
-    pub fn new(value: f32, scale: &DepthScale) -> Self {
+    pub(crate) fn new(value: f32, scale: &DepthScale) -> Self {
         Self { value, code: scale.encoding().code(value), resolution: scale.resolution(value) }
     }
 
     /// Number of depth-buffer steps between two depths of the same scale.
-    pub fn steps_from(&self, other: &Self) -> u32 {
+    pub(crate) fn steps_from(&self, other: &Self) -> u32 {
         match self.code.zip(other.code) {
             Some((a, b)) => a.abs_diff(b),
             None => self.value.to_bits().abs_diff(other.value.to_bits()),

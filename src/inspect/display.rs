@@ -27,11 +27,11 @@ choice! {
 }
 
 /// Colour for NaN in every colour map.
-pub const NOT_A_NUMBER: Rgba8 = [255, 0, 190, 255];
+pub(crate) const NOT_A_NUMBER: Rgba8 = [255, 0, 190, 255];
 
 impl ColorMap {
     /// Returns the colour at a position, clamped to [0, 1]; [`NOT_A_NUMBER`] for NaN.
-    pub fn color(self, position: f32) -> Rgba8 {
+    pub(crate) fn color(self, position: f32) -> Rgba8 {
         if position.is_nan() {
             return NOT_A_NUMBER;
         }
@@ -57,15 +57,15 @@ impl ColorMap {
 /// Display settings of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
-pub struct Display {
+pub(crate) struct Display {
     /// Rule that determines the ends of the range.
-    pub rule: Rule,
+    pub(crate) rule: Rule,
     /// Colour map; `None` for the default map of the quantity.
-    pub map: Option<ColorMap>,
+    pub(crate) map: Option<ColorMap>,
     /// Whether the map is reversed.
-    pub reversed: bool,
+    pub(crate) reversed: bool,
     /// Whether red, green and blue (or the three weights) are shown; a single channel is shown as grey.
-    pub channels: [bool; 3],
+    pub(crate) channels: [bool; 3],
 }
 
 impl Default for Display {
@@ -76,7 +76,7 @@ impl Default for Display {
 
 /// Kind of the values of a picture, which determines labels and controls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Kind {
+pub(crate) enum Kind {
     /// Red, green and blue as 8-bit codes.
     Colors,
     /// Three weights of the corners of a triangle.
@@ -89,7 +89,7 @@ pub enum Kind {
 
 impl Kind {
     /// Returns the kind of a buffer's values.
-    pub fn of(buffer: Buffer) -> Self {
+    pub(crate) fn of(buffer: Buffer) -> Self {
         match buffer {
             Buffer::Color => Self::Colors,
             Buffer::Lambda | Buffer::PerspectiveLambda => Self::Weights,
@@ -99,7 +99,7 @@ impl Kind {
     }
 
     /// Returns the names of the channels.
-    pub fn channels(self) -> &'static [&'static str] {
+    pub(crate) fn channels(self) -> &'static [&'static str] {
         match self {
             Self::Colors => &["R", "G", "B"],
             Self::Weights => &["λ0", "λ1", "λ2"],
@@ -120,7 +120,7 @@ impl Kind {
 
 impl Display {
     /// Returns the range that a buffer of a frame is displayed with; `None` if the buffer has no range.
-    pub fn range(&self, buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>) -> Option<Range> {
+    pub(crate) fn range(&self, buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>) -> Option<Range> {
         let value = |x: u32, y: u32| view::value(buffer, frame, buffers, x, y);
         let natural = || view::range(buffer, frame, buffers);
         self.range_of(Kind::of(buffer), frame.image().size(), natural, value)
@@ -128,7 +128,7 @@ impl Display {
 
     /// Returns the range that a picture of values of a known kind is displayed with. `natural` returns the default
     /// range of numbers. If it returns `None`, the range is fitted to all values.
-    pub fn range_of(
+    pub(crate) fn range_of(
         &self,
         kind: Kind,
         size: (u32, u32),
@@ -144,7 +144,7 @@ impl Display {
     }
 
     /// Returns the position of a number on the colour map, in [0, 1]; NaN for NaN.
-    pub fn position(&self, range: Range, number: f32) -> f32 {
+    pub(crate) fn position(&self, range: Range, number: f32) -> f32 {
         if number.is_nan() {
             return number;
         }
@@ -158,7 +158,7 @@ impl Display {
     }
 
     /// Returns the colour of a number. `buffer` is the buffer that contains the number, if any.
-    pub fn number_color(&self, buffer: Option<Buffer>, range: Range, number: f32) -> Rgba8 {
+    pub(crate) fn number_color(&self, buffer: Option<Buffer>, range: Range, number: f32) -> Rgba8 {
         let position = self.position(range, number);
         match (self.map, buffer) {
             _ if position.is_nan() => NOT_A_NUMBER,
@@ -169,7 +169,7 @@ impl Display {
     }
 
     /// Returns the colour at a position in [0, 1] between the ends of the range.
-    pub fn legend_color(&self, buffer: Option<Buffer>, range: Range, share: f32) -> Rgba8 {
+    pub(crate) fn legend_color(&self, buffer: Option<Buffer>, range: Range, share: f32) -> Rgba8 {
         // Interpolates without a difference: `high - low` may overflow to infinity.
         self.number_color(buffer, range, range.low * (1.0 - share) + range.high * share)
     }
@@ -202,7 +202,7 @@ impl Display {
     }
 
     /// Renders a buffer as a full picture. With default settings this is [`view::picture`].
-    pub fn picture(
+    pub(crate) fn picture(
         &self,
         buffer: Buffer,
         frame: &Frame,
@@ -222,7 +222,7 @@ impl Display {
     }
 
     /// Renders a picture of values. `buffer` is the buffer that contains the values, if any.
-    pub fn picture_of(
+    pub(crate) fn picture_of(
         &self,
         buffer: Option<Buffer>,
         (width, height): (u32, u32),
@@ -236,7 +236,7 @@ impl Display {
 
 /// Returns whether a value lies below the range, and whether any of its channels lies above it. A colour is below only
 /// if all of its channels are. Colour codes 0 and 255 count as outside, because they may be clipped.
-pub fn beyond(value: Value, range: Range) -> (bool, bool) {
+pub(crate) fn beyond(value: Value, range: Range) -> (bool, bool) {
     let is_code = matches!(value, Value::Color(_));
     let below = |v: f32| v < range.low || is_code && v <= 0.0;
     let above = |v: f32| v > range.high || is_code && v >= 255.0;

@@ -13,32 +13,32 @@ const REACH_PX: u32 = 4;
 
 /// One sample that contributes to a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Source {
+pub(crate) struct Source {
     /// Position and weight of the sample.
-    pub tap: Tap,
+    pub(crate) tap: Tap,
     /// Colour of the sample, as sRGB codes.
-    pub color: Rgba8,
+    pub(crate) color: Rgba8,
 }
 
 /// The samples that a pixel of the full picture is computed from.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Mixture {
+pub(crate) struct Mixture {
     /// The contributing samples, each once.
-    pub sources: Vec<Source>,
+    pub(crate) sources: Vec<Source>,
     /// Sum of all weights: 1 up to rounding.
-    pub weight: f64,
+    pub(crate) weight: f64,
     /// Weighted sums of red, green and blue as codes, neither clamped nor rounded.
-    pub sum: [f64; 3],
+    pub(crate) sum: [f64; 3],
     /// The pixel as the upscaler computed it.
-    pub pixel: Rgba8,
+    pub(crate) pixel: Rgba8,
     /// Whether the history (the previous frame) contributes to the pixel. It is not among the samples.
-    pub remembers: bool,
+    pub(crate) remembers: bool,
 }
 
 impl Mixture {
     /// Returns the samples of a pixel of the frame; `None` outside the picture. `how` contains the upscaling settings
     /// of the frame.
-    pub fn of(frame: &Frame, how: Upscaling, at: (u32, u32)) -> Option<Self> {
+    pub(crate) fn of(frame: &Frame, how: Upscaling, at: (u32, u32)) -> Option<Self> {
         let pixel = frame.image().get(at.0, at.1)?;
         let taps = taps(frame, how, at);
         let sources = taps.into_iter().map(|tap| Some(Source { tap, color: color_of(frame, tap)? }));
@@ -51,7 +51,7 @@ impl Mixture {
     }
 
     /// Returns the weighted sums clamped to the range of codes, [0, 255].
-    pub fn clamped(&self) -> [f64; 3] {
+    pub(crate) fn clamped(&self) -> [f64; 3] {
         self.sum.map(|code| code.clamp(0.0, 255.0))
     }
 }
@@ -83,7 +83,7 @@ fn sum_of(sources: &[Source], light: Light, channel: usize) -> f64 {
 
 /// Returns the pixels of the full picture that a drawn sample contributes to, with its weight in each. `sample` is
 /// given in the coordinates of a [`Tap`].
-pub fn fed_by(frame: &Frame, how: Upscaling, sample: (u32, u32)) -> Vec<((u32, u32), f32)> {
+pub(crate) fn fed_by(frame: &Frame, how: Upscaling, sample: (u32, u32)) -> Vec<((u32, u32), f32)> {
     let (middle, reach) = around(frame, how, sample);
     let range = |at: u32, size: u32| at.saturating_sub(reach)..at.saturating_add(reach + 1).min(size);
     let mut fed = Vec::new();

@@ -11,24 +11,24 @@ const UPSCALER_KEYS: &str = "upscaler.";
 
 /// A setting with different values in two recipes, each in the syntax of [`Recipe::set`].
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct FieldChange {
+pub(crate) struct FieldChange {
     /// Dotted key of the setting.
-    pub key: String,
+    pub(crate) key: String,
     /// Value in the first recipe.
-    pub before: String,
+    pub(crate) before: String,
     /// Value in the second recipe.
-    pub after: String,
+    pub(crate) after: String,
 }
 
 impl FieldChange {
     /// Returns the change as text, such as “fill_rule: top-left → inclusive”.
-    pub fn words(&self) -> String {
+    pub(crate) fn words(&self) -> String {
         format!("{}: {} → {}", self.key, self.before, self.after)
     }
 }
 
 /// Returns every key of a recipe with its value in the syntax of [`Recipe::set`], in the order of [`Recipe::keys`].
-pub fn fields(recipe: &Recipe) -> Vec<(String, String)> {
+pub(crate) fn fields(recipe: &Recipe) -> Vec<(String, String)> {
     let mut fields = Vec::new();
     // Every value of a recipe is representable in JSON.
     collect(&serde_json::to_value(recipe).unwrap_or(Value::Null), "", &mut fields);
@@ -49,7 +49,7 @@ fn collect(tree: &Value, prefix: &str, fields: &mut Vec<(String, String)>) {
 }
 
 /// Returns the settings that differ, in the order of [`Recipe::keys`].
-pub fn changes(before: &Recipe, after: &Recipe) -> Vec<FieldChange> {
+pub(crate) fn changes(before: &Recipe, after: &Recipe) -> Vec<FieldChange> {
     let pairs = fields(before).into_iter().zip(fields(after));
     pairs
         .filter(|((_, before), (_, after))| before != after)
@@ -59,7 +59,7 @@ pub fn changes(before: &Recipe, after: &Recipe) -> Vec<FieldChange> {
 
 /// Returns the `key=value` assignments that turn the default recipe into `recipe` with [`Recipe::set_all`]; empty for
 /// the default one.
-pub fn assignments(recipe: &Recipe) -> Vec<String> {
+pub(crate) fn assignments(recipe: &Recipe) -> Vec<String> {
     let changed = changes(&Recipe::default(), recipe);
     // Changing the upscaling method resets its other settings, so all of them are included.
     let other_upscaler = changed.iter().any(|change| change.key.starts_with(UPSCALER_KEYS));
@@ -71,7 +71,7 @@ pub fn assignments(recipe: &Recipe) -> Vec<String> {
 
 /// Returns the values that a key accepts from a closed set, given the rest of the recipe; empty if it accepts any
 /// number.
-pub fn choices(recipe: &Recipe, values: &str, key: &str) -> Vec<String> {
+pub(crate) fn choices(recipe: &Recipe, values: &str, key: &str) -> Vec<String> {
     let is_taken = |word: &&str| {
         let mut changed = *recipe;
         changed.set(&format!("{key}={word}")).is_ok()

@@ -31,7 +31,7 @@ const PERCENT: std::ops::RangeInclusive<u32> = 4..=25_600;
 
 /// Result of a search.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Found {
+pub(crate) enum Found {
     /// The target is visible: a central pixel of it, and the number of visible samples.
     Seen((u32, u32), usize),
     /// The target is covered everywhere: a central pixel of it, and the number of covered samples.
@@ -46,7 +46,7 @@ impl Wanted {
     /// Parses "12,34", "800% 12,34", "tri 56", "vertex 7 of knot", or the name of an object or a part of it. A vertex
     /// without an object name belongs to the object with the number `near`. The error names the text that was not
     /// found.
-    pub fn parse(
+    pub(crate) fn parse(
         text: &str,
         scene: &Scene,
         Viewport { width, height }: Viewport,
@@ -93,7 +93,7 @@ impl Wanted {
     }
 
     /// Returns the display name.
-    pub fn words(&self) -> String {
+    pub(crate) fn words(&self) -> String {
         match self {
             Self::Pixel(x, y) | Self::View(x, y, _) => format!("Pixel {x}, {y}"),
             Self::Triangle(id) => format!("Triangle {}", id.0),
@@ -130,7 +130,7 @@ fn parse_triangle(text: &str) -> Option<u64> {
 }
 
 /// Searches for a target in a frame by drawing its triangles again.
-pub fn find(scene: &Scene, recipe: &Recipe, frame: &Frame, wanted: &Wanted) -> Found {
+pub(crate) fn find(scene: &Scene, recipe: &Recipe, frame: &Frame, wanted: &Wanted) -> Found {
     let is_wanted: &dyn Fn(&ScreenTriangle) -> bool = match wanted {
         Wanted::Pixel(x, y) | Wanted::View(x, y, _) => return Found::Seen((*x, *y), 1),
         Wanted::Vertex(object, number) => return vertex::find(scene, recipe, frame, (*object, *number)),

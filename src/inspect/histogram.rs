@@ -4,21 +4,21 @@ use super::view::Range;
 
 /// Number of values in each bin of a range.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Histogram {
+pub(crate) struct Histogram {
     /// Range that the bins divide evenly, both ends included.
-    pub range: Range,
+    pub(crate) range: Range,
     /// Number of values in each bin, from the low end.
-    pub bins: Vec<u64>,
+    pub(crate) bins: Vec<u64>,
     /// Number of values below the range.
-    pub below: u64,
+    pub(crate) below: u64,
     /// Number of values above the range.
-    pub above: u64,
+    pub(crate) above: u64,
 }
 
 impl Histogram {
     /// Counts the finite `values` in `bins` equal bins (at least one). If the range has no width, all go into the first
     /// bin.
-    pub fn of(values: impl IntoIterator<Item = f32>, range: Range, bins: usize) -> Self {
+    pub(crate) fn of(values: impl IntoIterator<Item = f32>, range: Range, bins: usize) -> Self {
         let mut histogram = Self { range, bins: vec![0; bins.max(1)], below: 0, above: 0 };
         for value in values {
             histogram.add(value);
@@ -27,7 +27,7 @@ impl Histogram {
     }
 
     /// Counts one more value; ignores NaN and infinities.
-    pub fn add(&mut self, value: f32) {
+    pub(crate) fn add(&mut self, value: f32) {
         if !value.is_finite() {
             return;
         }
@@ -42,7 +42,7 @@ impl Histogram {
     }
 
     /// Returns the index of the bin of a value within the range.
-    pub fn bin_of(&self, value: f32) -> usize {
+    pub(crate) fn bin_of(&self, value: f32) -> usize {
         // In double precision the width cannot overflow.
         let (low, high) = (f64::from(self.range.low), f64::from(self.range.high));
         let width = high - low;
@@ -51,14 +51,14 @@ impl Histogram {
     }
 
     /// Returns the lower and upper bound of a bin.
-    pub fn span_of(&self, bin: usize) -> (f64, f64) {
+    pub(crate) fn span_of(&self, bin: usize) -> (f64, f64) {
         let (low, high) = (f64::from(self.range.low), f64::from(self.range.high));
         let at = |bin: usize| low + (high - low) * bin as f64 / self.bins.len() as f64;
         (at(bin), at(bin + 1))
     }
 
     /// Returns the count of the fullest bin.
-    pub fn most(&self) -> u64 {
+    pub(crate) fn most(&self) -> u64 {
         self.bins.iter().copied().max().unwrap_or(0)
     }
 }

@@ -44,20 +44,20 @@ pub enum FaultKind {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Fault {
     /// Column in the full picture.
-    pub x: u32,
+    pub(crate) x: u32,
     /// Row in the full picture.
-    pub y: u32,
+    pub(crate) y: u32,
     /// Whether the sample has too few or too many hits.
-    pub kind: FaultKind,
+    pub(crate) kind: FaultKind,
     /// Triangles that hit the sample, in drawing order. A clipped triangle appears once for each piece that does.
-    pub hit_by: Vec<TriangleId>,
+    pub(crate) hit_by: Vec<TriangleId>,
     /// Triangles that hit the sample in the reference.
-    pub due: Vec<TriangleId>,
+    pub(crate) due: Vec<TriangleId>,
     /// Two triangles that share an edge here. The first is the missing one of a crack, or the superfluous one of a
     /// double hit.
-    pub sharing: [TriangleId; 2],
+    pub(crate) sharing: [TriangleId; 2],
     /// T-junction or unwelded vertex that opens the edge; `None` if the two triangles share the ends of the edge.
-    pub junction: Option<Junction>,
+    pub(crate) junction: Option<Junction>,
 }
 
 /// Hit counts and faults of a frame.
@@ -70,7 +70,7 @@ pub struct Hits {
     /// Number of samples with a wrong count that do not lie along a shared edge.
     pub elsewhere: usize,
     /// Numbers of T-junctions and unwelded vertices of the scene; `None` until their faults are added.
-    pub mesh: Option<SeamCounts>,
+    pub(crate) mesh: Option<SeamCounts>,
 }
 
 impl Hits {
@@ -103,7 +103,7 @@ impl Hits {
     }
 
     /// Returns the number of faults at T-junctions, or at unwelded vertices.
-    pub fn count_at(&self, kind: JunctionKind) -> usize {
+    pub(crate) fn count_at(&self, kind: JunctionKind) -> usize {
         self.faults.iter().filter(|fault| fault.junction.is_some_and(|junction| junction.kind == kind)).count()
     }
 
@@ -114,7 +114,7 @@ impl Hits {
 
     /// Describes the numbers of cracks and double hits, of faults at T-junctions and unwelded vertices, and of wrong
     /// samples elsewhere. Omits zeros except for the first two.
-    pub fn summary(&self) -> String {
+    pub(crate) fn summary(&self) -> String {
         let number = |count: usize, one: &str, many: &str| format!("{count} {}", if count == 1 { one } else { many });
         let cracks = number(self.count(FaultKind::Crack), "crack", "cracks");
         let doubles = number(self.count(FaultKind::DoubleHit), "double hit", "double hits");

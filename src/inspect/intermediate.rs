@@ -55,29 +55,29 @@ pub(crate) fn inv_w_at(triangle: &ScreenTriangle, sample: &Sample) -> f32 {
 
 /// One intermediate value at every sample of a frame.
 #[derive(Clone, Debug)]
-pub struct Captured {
+pub(crate) struct Captured {
     /// The intermediate value that was captured.
-    pub which: Intermediate,
+    pub(crate) which: Intermediate,
     /// Values in the packed layout of the frame's framebuffer; `None` where nothing was drawn or the value was not
     /// computed.
-    pub values: Image<Option<f32>>,
+    pub(crate) values: Image<Option<f32>>,
 }
 
 impl Captured {
     /// Returns the value at a pixel of the full picture.
-    pub fn value(&self, frame: &Frame, x: u32, y: u32) -> Value {
+    pub(crate) fn value(&self, frame: &Frame, x: u32, y: u32) -> Value {
         let Some((column, row)) = frame.sample_at(x, y) else { return Value::NotDrawn };
         self.values.at(column, row).map_or(Value::Nothing, Value::Number)
     }
 
     /// Returns the range of the finite values, for the ends of the colour map; `None` without any.
-    pub fn range(&self) -> Option<Range> {
+    pub(crate) fn range(&self) -> Option<Range> {
         Range::fit(self.values.pixels().iter().filter_map(|value| *value))
     }
 }
 
 /// Draws the frame again and records one intermediate value at every sample.
-pub fn capture(scene: &Scene, recipe: &Recipe, frame: &Frame, which: Intermediate) -> Captured {
+pub(crate) fn capture(scene: &Scene, recipe: &Recipe, frame: &Frame, which: Intermediate) -> Captured {
     let (width, height) = frame.drawn.color.size();
     let shaders = scene.instances.iter().zip(&frame.plans);
     let mut capture = Capture {

@@ -7,10 +7,10 @@ use crate::image::Rgba8;
 use crate::pipeline::viewport::Viewport;
 
 /// Greatest sRGB code that counts as black: on a screen in a lit room, lower codes are indistinguishable from 0.
-pub const BLACK_CODE: u8 = 12;
+pub(crate) const BLACK_CODE: u8 = 12;
 
 /// Whether all channels of a colour are at most [`BLACK_CODE`].
-pub fn is_black([r, g, b, _]: Rgba8) -> bool {
+pub(crate) fn is_black([r, g, b, _]: Rgba8) -> bool {
     r.max(g).max(b) <= BLACK_CODE
 }
 
@@ -22,9 +22,9 @@ pub struct Lesson {
     /// Question about the visible artefact.
     pub question: &'static str,
     /// Settings that differ from the default recipe, as `key=value`.
-    pub settings: &'static [&'static str],
+    pub(crate) settings: &'static [&'static str],
     /// Position of the spot, as fractions of width and height.
-    pub place: [f32; 2],
+    pub(crate) place: [f32; 2],
     /// Part of the verdict that names the cause.
     pub cause: &'static str,
 }
@@ -70,7 +70,7 @@ pub const ALL: &[Lesson] = &[
 
 impl Lesson {
     /// Returns the default recipe with the lesson's settings.
-    pub fn recipe(&self) -> Recipe {
+    pub(crate) fn recipe(&self) -> Recipe {
         let mut recipe = Recipe::default();
         // A test covers each setting; an invalid one would leave the default unchanged.
         let _ = recipe.set_all(self.settings);

@@ -7,24 +7,24 @@ use super::view::{Range, Value};
 use crate::measure::region::Region;
 
 /// Number of bins of a histogram: about three points per bin in the widest strip.
-pub const BINS: usize = 256;
+pub(crate) const BINS: usize = 256;
 
 /// Statistics and histograms of a picture of values.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Measured {
+pub(crate) struct Measured {
     /// Statistics of each channel over the whole picture.
-    pub whole: Vec<Statistics>,
+    pub(crate) whole: Vec<Statistics>,
     /// Rectangle and statistics of each channel within it, if one was selected.
-    pub part: Option<(Region, Vec<Statistics>)>,
+    pub(crate) part: Option<(Region, Vec<Statistics>)>,
     /// Histogram of each channel over the whole picture, all with the same range; empty without finite values.
-    pub histograms: Vec<Histogram>,
+    pub(crate) histograms: Vec<Histogram>,
     /// Range of the values of all channels; `None` without finite values.
-    pub extent: Option<Range>,
+    pub(crate) extent: Option<Range>,
 }
 
 /// Measures a picture of `size` pixels with `count` channels. Histograms span `axis`, or the range of all values if it
 /// is `None`. Pixels without a value are ignored.
-pub fn measure(
+pub(crate) fn measure(
     size: (u32, u32),
     count: usize,
     axis: Option<Range>,

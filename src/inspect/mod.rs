@@ -6,82 +6,90 @@
 
 pub mod assertions;
 
-pub mod bad_fragments;
+pub(crate) mod bad_fragments;
 
 mod blending;
 
-pub mod buffers;
+pub(crate) mod buffers;
 
-pub mod depth;
+pub(crate) mod depth;
 
-pub mod display;
+pub(crate) mod display;
 
 pub mod fates;
 
-pub mod feeds;
+pub(crate) mod feeds;
 
-pub mod fields;
+pub(crate) mod fields;
 
-pub mod find;
+pub(crate) mod find;
 
-pub mod histogram;
+pub(crate) mod histogram;
 
 pub mod history;
 
 pub mod hits;
 
-pub mod intermediate;
+pub(crate) mod intermediate;
 
 pub mod lesson;
 
-pub mod measured;
+pub(crate) mod measured;
 
-pub mod mesh_view;
+pub(crate) mod mesh_view;
 
-pub mod normals;
+pub(crate) mod normals;
 
 pub mod outline;
 
 pub mod overlays;
 
-pub mod pixel;
+pub(crate) mod pixel;
 
-pub mod place;
+pub(crate) mod place;
 
-pub mod planes;
+pub(crate) mod planes;
 
-pub mod probe;
+pub(crate) mod probe;
 
 pub mod range;
 
 pub mod scrub;
 
-pub mod selection;
+pub(crate) mod selection;
 
 pub mod stages;
 
-pub mod statistics;
+pub(crate) mod statistics;
 
 pub mod trace;
 
 mod verdict;
 
-pub mod vertices;
+pub(crate) mod vertices;
 
 pub mod view;
 
-pub mod watch;
+pub(crate) mod watch;
 
-pub mod what_if;
+pub(crate) mod what_if;
 
-pub use buffers::{Buffer, capture};
-pub use depth::DepthRecord;
+pub use buffers::Buffer;
+pub use buffers::capture;
+pub(crate) use depth::DepthRecord;
 pub use fates::Fates;
-pub use history::{Survey, explain};
-pub use hits::{Fault, FaultKind, Hits};
+pub use history::Survey;
+pub use history::explain;
+pub(crate) use hits::Fault;
+pub use hits::FaultKind;
+pub use hits::Hits;
 pub use intermediate::Intermediate;
-pub use pixel::{FragmentRecord, Outcome, PixelReport, SampleRecord, inspect};
-pub use place::Place;
-pub use selection::TriangleSelection;
+pub(crate) use pixel::FragmentRecord;
+pub(crate) use pixel::Outcome;
+pub(crate) use pixel::PixelReport;
+pub(crate) use pixel::SampleRecord;
+pub use pixel::inspect;
+pub(crate) use place::Place;
+pub(crate) use selection::TriangleSelection;
 pub use stages::Stage;
 pub use trace::Trace;

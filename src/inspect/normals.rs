@@ -14,14 +14,14 @@ use crate::scene::{Camera, DepthMapping, Instance, Scene, TriangleId};
 
 /// Default length, as a fraction of the diagonal of the scene's bounding box. It is short enough for objects on a floor
 /// many times their size.
-pub const DEFAULT_LENGTH: f32 = 0.005;
+pub(crate) const DEFAULT_LENGTH: f32 = 0.005;
 
 /// Minimum w of a projected point.
 const LEAST_W: f64 = f32::MIN_POSITIVE as f64;
 
 /// Kind of a normal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum NormalKind {
+pub(crate) enum NormalKind {
     /// Vertex normals, which shading interpolates.
     Vertex,
     /// Face normals at the centroids of triangles, on the side whose winding is counter-clockwise.
@@ -30,23 +30,23 @@ pub enum NormalKind {
 
 /// Projected normals.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct NormalLines {
+pub(crate) struct NormalLines {
     /// Start and end of each line in px, clipped at the near and far planes.
-    pub lines: Vec<[[f64; 2]; 2]>,
+    pub(crate) lines: Vec<[[f64; 2]; 2]>,
     /// Number of vertices or triangles in view whose normal has zero length.
-    pub without: usize,
+    pub(crate) without: usize,
 }
 
 /// Projection of normals to the screen.
 #[derive(Clone, Copy, Debug)]
-pub struct Projector {
+pub(crate) struct Projector {
     clip_from_world: DMat4,
     viewport: Viewport,
 }
 
 impl Projector {
     /// Creates the projection of a camera for a picture of this size, in pixels.
-    pub fn new(camera: &Camera, viewport: Viewport) -> Self {
+    pub(crate) fn new(camera: &Camera, viewport: Viewport) -> Self {
         Self { clip_from_world: camera.clip_from_world_f64(viewport.aspect(), DepthMapping::Standard), viewport }
     }
 
@@ -76,7 +76,7 @@ impl Projector {
 }
 
 /// Projects the normals of some triangles, `length` world units long. Shared vertices are included once per object.
-pub fn normal_lines(
+pub(crate) fn normal_lines(
     scene: &Scene,
     kind: NormalKind,
     length: f64,
@@ -149,7 +149,7 @@ impl<'a> Object<'a> {
 }
 
 /// Converts a fraction of the diagonal of the scene's bounding box to world units.
-pub fn world_length(scene: &Scene, share: f32) -> f64 {
+pub(crate) fn world_length(scene: &Scene, share: f32) -> f64 {
     let bounds = scene.bounds();
     if bounds.is_empty() { 0.0 } else { f64::from(share) * bounds.min.as_dvec3().distance(bounds.max.as_dvec3()) }
 }

@@ -18,7 +18,7 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-pub use control::OutlineControl;
+pub(crate) use control::OutlineControl;
 
 use crossing::Surfaces;
 use visible::Visibility;
@@ -52,21 +52,21 @@ const MOST_SAMPLES_PER_PX: u32 = 5;
 
 /// View of a scene to draw as shapes.
 #[derive(Clone, Copy, Debug)]
-pub struct OutlineRequest<'a> {
+pub(crate) struct OutlineRequest<'a> {
     /// Scene whose triangles become shapes.
-    pub scene: &'a Arc<Scene>,
+    pub(crate) scene: &'a Arc<Scene>,
     /// Camera that the scene is seen by.
-    pub camera: &'a Camera,
+    pub(crate) camera: &'a Camera,
     /// Settings of the frame. Lines ignore the upscaler and the depth settings.
-    pub recipe: &'a Recipe,
+    pub(crate) recipe: &'a Recipe,
     /// Size of the drawing; one unit per pixel.
-    pub viewport: Viewport,
+    pub(crate) viewport: Viewport,
     /// Kind of shapes.
-    pub kind: OutlineKind,
+    pub(crate) kind: OutlineKind,
 }
 
 /// Draws a view as shapes; `None` if cancelled.
-pub fn outline(request: &OutlineRequest<'_>, control: OutlineControl<'_>) -> Option<Drawing> {
+pub(crate) fn outline(request: &OutlineRequest<'_>, control: OutlineControl<'_>) -> Option<Drawing> {
     let OutlineRequest { scene, camera, recipe, viewport, kind } = *request;
     let size = DVec2::new(viewport.width.into(), viewport.height.into());
     let frame = || Renderer::default().render(scene, camera, &plain(recipe), viewport, KeepDepth::Yes);

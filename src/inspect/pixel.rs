@@ -26,7 +26,7 @@ use crate::upscale::Tap;
 /// Outcome of a fragment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Outcome {
+pub(crate) enum Outcome {
     /// The pixel shows the fragment.
     Visible,
     /// The fragment was written, and a later fragment covered it.
@@ -41,7 +41,7 @@ pub enum Outcome {
 
 impl Outcome {
     /// Whether the fragment was written, visible in the end or not.
-    pub fn is_written(self) -> bool {
+    pub(crate) fn is_written(self) -> bool {
         matches!(self, Self::Visible | Self::Overwritten | Self::BlendedOver)
     }
 }
@@ -50,54 +50,54 @@ impl Outcome {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FragmentRecord {
     /// Triangle of the scene.
-    pub triangle: TriangleId,
+    pub(crate) triangle: TriangleId,
     /// Name of the instance of the triangle.
-    pub instance: String,
+    pub(crate) instance: String,
     /// Position in the list of rasterized triangles.
-    pub submission: usize,
+    pub(crate) submission: usize,
     /// Transparency of its surface: opaque, alpha-tested or blended.
-    pub transparency: Transparency,
+    pub(crate) transparency: Transparency,
     /// Outcome of the fragment.
-    pub outcome: Outcome,
+    pub(crate) outcome: Outcome,
     /// Reason for the outcome, as one sentence with the deciding numbers.
-    pub reason: String,
+    pub(crate) reason: String,
     /// Arithmetic that coverage was decided in.
-    pub arithmetic: Arithmetic,
+    pub(crate) arithmetic: Arithmetic,
     /// Corners in px, snapped in fixed point.
-    pub corners_px: [[f32; 2]; 3],
+    pub(crate) corners_px: [[f32; 2]; 3],
     /// Edge values in the unit of their [`Sample`].
-    pub edges: [f64; 3],
+    pub(crate) edges: [f64; 3],
     /// Doubled area in the same unit.
-    pub doubled_area: f64,
+    pub(crate) doubled_area: f64,
     /// Screen-space weights λ.
-    pub affine_weights: [f32; 3],
+    pub(crate) affine_weights: [f32; 3],
     /// Weights that attributes are interpolated with.
-    pub attribute_weights: [f32; 3],
+    pub(crate) attribute_weights: [f32; 3],
     /// 1/w at the corners.
-    pub inv_w: [f32; 3],
+    pub(crate) inv_w: [f32; 3],
     /// Depth at the corners, before depth bias and before it is quantised.
-    pub corner_depths: [f32; 3],
+    pub(crate) corner_depths: [f32; 3],
     /// Offset that the depth bias adds to all depths of the triangle; `None` if no bias is set.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub depth_bias: Option<f32>,
+    pub(crate) depth_bias: Option<f32>,
     /// Depth of the fragment, as it is stored if the fragment wins.
-    pub depth: DepthRecord,
+    pub(crate) depth: DepthRecord,
     /// Stored depth before the fragment; `None` without a depth test.
-    pub stored_depth: Option<DepthRecord>,
+    pub(crate) stored_depth: Option<DepthRecord>,
     /// Alpha of opacity and texture, as used for the alpha test or for blending. `None` for opaque surfaces and
     /// rejected fragments.
-    pub alpha: Option<f32>,
+    pub(crate) alpha: Option<f32>,
     /// Shading; `None` if the fragment was not shaded.
     pub shading: Option<ShadingRecord>,
     /// State of the sample before the fragment.
-    pub before: SampleState,
+    pub(crate) before: SampleState,
     /// State of the sample after the fragment; unchanged if the fragment was rejected.
-    pub after: SampleState,
+    pub(crate) after: SampleState,
 }
 
 impl FragmentRecord {
     /// Whether the fragment, if written, completely covers earlier ones.
-    pub fn covers_all(&self) -> bool {
+    pub(crate) fn covers_all(&self) -> bool {
         self.transparency != Transparency::Blended || self.alpha.is_some_and(|alpha| alpha >= 1.0)
     }
 }
@@ -106,30 +106,30 @@ impl FragmentRecord {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ShadingRecord {
     /// Texture coordinates, v down.
-    pub uv: Option<[f32; 2]>,
+    pub(crate) uv: Option<[f32; 2]>,
     /// Unit normal, in world space.
-    pub normal: Option<[f32; 3]>,
+    pub(crate) normal: Option<[f32; 3]>,
     /// Interpolated vertex colour, in the colour space of lighting.
-    pub vertex_color: Option<[f32; 3]>,
+    pub(crate) vertex_color: Option<[f32; 3]>,
     /// N·L, the cosine of the angle between normal and light.
-    pub cosine: Option<f32>,
+    pub(crate) cosine: Option<f32>,
     /// Factor by which light multiplies the surface colour.
-    pub light: Option<f32>,
+    pub(crate) light: Option<f32>,
     /// Factor of the specular colour: max(0, N·H)^Ns.
-    pub highlight: Option<f32>,
+    pub(crate) highlight: Option<f32>,
     /// Emitted light, in the colour space of lighting.
-    pub emission: Option<[f32; 3]>,
+    pub(crate) emission: Option<[f32; 3]>,
     /// Texels read from all maps of the material, with weights that sum to 1 for each map.
-    pub texels: Vec<TexelRecord>,
+    pub(crate) texels: Vec<TexelRecord>,
     /// Colour below that it was blended with, as sRGB codes; `None` if it was not blended.
-    pub below: Option<Rgba8>,
+    pub(crate) below: Option<Rgba8>,
     /// Colour that was written, as sRGB codes.
     pub color: Rgba8,
 }
 
 impl ShadingRecord {
     /// Returns the texels of one map.
-    pub fn texels_of(&self, map: TextureMap) -> impl Iterator<Item = &TexelRecord> {
+    pub(crate) fn texels_of(&self, map: TextureMap) -> impl Iterator<Item = &TexelRecord> {
         self.texels.iter().filter(move |texel| texel.map == map)
     }
 }
@@ -146,77 +146,77 @@ choice! {
 
 /// One texel read for a fragment.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct TexelRecord {
+pub(crate) struct TexelRecord {
     /// Map that contains the texel.
-    pub map: TextureMap,
+    pub(crate) map: TextureMap,
     /// Mip level: 0 is the full texture, and each further level has half the side lengths.
-    pub level: usize,
+    pub(crate) level: usize,
     /// Position in the mip level, and weight.
     #[serde(flatten)]
-    pub tap: TexelTap,
+    pub(crate) tap: TexelTap,
     /// Colour of the texel, as 8-bit codes.
-    pub color: Rgba8,
+    pub(crate) color: Rgba8,
 }
 
 /// A drawn pixel that an upscaler read.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct SourceRecord {
+pub(crate) struct SourceRecord {
     /// Position in the drawn picture, and weight.
     #[serde(flatten)]
-    pub tap: Tap,
+    pub(crate) tap: Tap,
     /// Replayed colour, as sRGB codes.
-    pub color: Rgba8,
+    pub(crate) color: Rgba8,
 }
 
 /// One of the samples that a drawn pixel is averaged from.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct SampleRecord {
+pub(crate) struct SampleRecord {
     /// Position of the sample relative to the pixel's top-left corner, in px.
-    pub place: [f64; 2],
+    pub(crate) place: [f64; 2],
     /// Replayed colour, as sRGB codes.
-    pub color: Rgba8,
+    pub(crate) color: Rgba8,
 }
 
 /// Report on one pixel of the full picture.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PixelReport {
     /// Column in the full picture.
-    pub x: u32,
+    pub(crate) x: u32,
     /// Row in the full picture.
-    pub y: u32,
+    pub(crate) y: u32,
     /// Explanation of the pixel's colour, as a short text.
     pub verdict: String,
     /// Replayed colour of the pixel, as sRGB codes.
     pub color: Rgba8,
     /// Pixel of the drawn picture whose fragments are listed: this pixel if it was drawn, or else the source with the
     /// largest weight.
-    pub drawn_at: [u32; 2],
+    pub(crate) drawn_at: [u32; 2],
     /// Samples whose mean is the colour of the drawn pixel; empty if the only one is at its centre.
-    pub samples: Vec<SampleRecord>,
+    pub(crate) samples: Vec<SampleRecord>,
     /// State of the sample at the pixel's centre before the first fragment.
-    pub clear: SampleState,
+    pub(crate) clear: SampleState,
     /// All fragments at the pixel's centre, in drawing order.
-    pub fragments: Vec<FragmentRecord>,
+    pub(crate) fragments: Vec<FragmentRecord>,
     /// Triangles without a fragment here, each with its reason; filled in only by [`super::history::explain`].
-    pub absent: Vec<Absent>,
+    pub(crate) absent: Vec<Absent>,
     /// Final depth in the depth buffer; `None` without one.
-    pub final_depth: Option<DepthRecord>,
+    pub(crate) final_depth: Option<DepthRecord>,
     /// Drawn pixels that this pixel is computed from; a single one with weight 1 if it was drawn itself.
-    pub sources: Vec<SourceRecord>,
+    pub(crate) sources: Vec<SourceRecord>,
     /// Position in the previous frame, in px from the picture's corner, that the upscaler reprojected history from. The
     /// history has no weight among the sources.
-    pub remembered_at: Option<[f64; 2]>,
+    pub(crate) remembered_at: Option<[f64; 2]>,
     /// Colour before the post filter; `None` without a filter.
-    pub unfiltered: Option<Rgba8>,
+    pub(crate) unfiltered: Option<Rgba8>,
     /// Triangle whose edge the wireframe draws over this pixel.
-    pub wireframe: Option<TriangleId>,
+    pub(crate) wireframe: Option<TriangleId>,
     /// Crack or double hit along a shared edge; `None` for pixels that were not drawn.
     pub fault: Option<Fault>,
 }
 
 impl PixelReport {
     /// Returns the state of the sample at the pixel's centre after its last fragment.
-    pub fn last(&self) -> SampleState {
+    pub(crate) fn last(&self) -> SampleState {
         self.fragments.last().map_or(self.clear, |fragment| fragment.after)
     }
 
@@ -371,7 +371,7 @@ fn draw_centre<O: Observer>(
 }
 
 /// Returns the position of a pixel's sample in the full picture, in px.
-pub fn sample_position_px(x: u32, y: u32) -> [f32; 2] {
+pub(crate) fn sample_position_px(x: u32, y: u32) -> [f32; 2] {
     [x, y].map(|c| to_pixels(i64::from(c) * SUBPIXELS + HALF_PIXEL))
 }
 

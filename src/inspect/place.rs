@@ -24,47 +24,47 @@ use crate::scene::{Camera, camera_file};
 pub struct Place {
     /// Scene: the id of a built-in one, or a path.
     #[serde(with = "stored_path")]
-    pub scene: PathBuf,
+    pub(crate) scene: PathBuf,
     /// Whether the scene is mirrored in z. `camera` views the mirrored scene.
-    pub mirrored: bool,
+    pub(crate) mirrored: bool,
     /// Camera of the view.
-    pub camera: Camera,
+    pub(crate) camera: Camera,
     /// Recipe that the frame is drawn with.
-    pub recipe: Recipe,
+    pub(crate) recipe: Recipe,
     /// Size of the picture in px; `None` for the size of the canvas.
-    pub picture: Option<(u32, u32)>,
+    pub(crate) picture: Option<(u32, u32)>,
     /// Displayed buffer, if neither a stage nor an intermediate value is displayed.
-    pub buffer: Buffer,
+    pub(crate) buffer: Buffer,
     /// Displayed pipeline stage.
-    pub stage: Option<Stage>,
+    pub(crate) stage: Option<Stage>,
     /// Displayed intermediate value, if no stage is displayed.
     #[serde(default)]
-    pub number: Option<Intermediate>,
+    pub(crate) number: Option<Intermediate>,
     /// Range, colour map and channels of the display.
     #[serde(default)]
-    pub display: Display,
+    pub(crate) display: Display,
     /// Overlays, bottom to top.
     #[serde(default)]
-    pub overlays: Vec<Layer>,
+    pub(crate) overlays: Vec<Layer>,
     /// Number of rasterized triangles to draw; `None` for all.
-    pub triangles: Option<usize>,
+    pub(crate) triangles: Option<usize>,
     /// Number of fragments to draw of the last triangle; `None` for all.
     #[serde(default)]
-    pub fragments: Option<usize>,
+    pub(crate) fragments: Option<usize>,
     /// Inspected pixel: column and row in the full picture.
-    pub pixel: Option<(u32, u32)>,
+    pub(crate) pixel: Option<(u32, u32)>,
 }
 
 impl Place {
     /// Returns an error if the place cannot be restored: stored data may come from another version, or be damaged.
-    pub fn check(&self) -> Result<(), String> {
+    pub(crate) fn check(&self) -> Result<(), String> {
         self.recipe.check()?;
         self.camera.check()?;
         self.picture.map_or(Ok(()), |(width, height)| Viewport { width, height }.check())
     }
 
     /// Returns the command line that restores this place, with words quoted where a shell requires it.
-    pub fn command_line(&self) -> String {
+    pub(crate) fn command_line(&self) -> String {
         let scene = self.scene.to_string_lossy();
         // The prefix `./` prevents a path from being parsed as an option.
         let scene = if scene.starts_with('-') { format!("./{scene}") } else { scene.into_owned() };
@@ -103,7 +103,7 @@ impl Place {
     }
 
     /// Describes the place briefly, such as "pixel 12, 34, Depth".
-    pub fn words(&self) -> String {
+    pub(crate) fn words(&self) -> String {
         let shown = match (self.stage, self.number) {
             (Some(stage), _) => Some(stage.name()),
             (None, Some(number)) => Some(number.name()),

@@ -6,7 +6,7 @@ use crate::image::pfm::Floats;
 
 /// Returns the exact values of a picture of `size` pixels: three numbers per pixel for colours (codes, 0 to 255) and
 /// weights, or else one; NaN where there is none. Triangle ids become numbers, exact up to 2²⁴.
-pub fn planes(size: (u32, u32), value: impl Fn(u32, u32) -> Value) -> Floats {
+pub(crate) fn planes(size: (u32, u32), value: impl Fn(u32, u32) -> Value) -> Floats {
     let three = |x, y| match value(x, y) {
         Value::Color([r, g, b, _]) => Some([r, g, b].map(f32::from)),
         Value::Weights(weights) => Some(weights),

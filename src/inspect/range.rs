@@ -33,7 +33,7 @@ pub enum Rule {
 
 /// Returns the numbers of a pixel, one per channel: three for colours and weights, one for numbers and counts, none for
 /// other values.
-pub fn channels(value: Value) -> impl Iterator<Item = f32> {
+pub(crate) fn channels(value: Value) -> impl Iterator<Item = f32> {
     let (numbers, count) = match value {
         Value::NotDrawn | Value::Nothing | Value::Triangle(_) => ([0.0; 3], 0),
         Value::Number(number) => ([number, 0.0, 0.0], 1),
@@ -47,7 +47,7 @@ pub fn channels(value: Value) -> impl Iterator<Item = f32> {
 impl Fit {
     /// Returns the range of the selected values of a picture of `size` pixels. For values with several channels, only
     /// the `chosen` ones count. `None` without a finite value.
-    pub fn range(self, size: (u32, u32), chosen: [bool; 3], value: impl Fn(u32, u32) -> Value) -> Option<Range> {
+    pub(crate) fn range(self, size: (u32, u32), chosen: [bool; 3], value: impl Fn(u32, u32) -> Value) -> Option<Range> {
         let all = Region { left: 0, top: 0, right: size.0, bottom: size.1 };
         let region = if let Self::Within(region) = self { region } else { all };
         let values = pixels(region, size).flat_map(|(x, y)| {
@@ -63,7 +63,7 @@ impl Fit {
 }
 
 /// Returns the pixels of a rectangle that lie within a picture, in reading order.
-pub fn pixels(region: Region, (width, height): (u32, u32)) -> impl Iterator<Item = (u32, u32)> {
+pub(crate) fn pixels(region: Region, (width, height): (u32, u32)) -> impl Iterator<Item = (u32, u32)> {
     let columns = region.left..region.right.min(width);
     (region.top..region.bottom.min(height)).flat_map(move |y| columns.clone().map(move |x| (x, y)))
 }

@@ -13,7 +13,7 @@ pub struct TriangleSelection {
 
 impl TriangleSelection {
     /// Creates a set from triangles in any order; duplicates are ignored.
-    pub fn new(label: impl Into<String>, members: impl IntoIterator<Item = TriangleId>) -> Self {
+    pub(crate) fn new(label: impl Into<String>, members: impl IntoIterator<Item = TriangleId>) -> Self {
         let mut set = Self { label: label.into(), ..Self::default() };
         for TriangleId(id) in members {
             let (word, bit) = (id as usize / 64, 1 << (id % 64));
@@ -27,27 +27,27 @@ impl TriangleSelection {
     }
 
     /// Returns the label that describes the members.
-    pub fn label(&self) -> &str {
+    pub(crate) fn label(&self) -> &str {
         &self.label
     }
 
     /// Returns the number of members.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.len
     }
 
     /// Whether the set is empty.
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.len == 0
     }
 
     /// Whether a triangle is a member.
-    pub fn contains(&self, TriangleId(id): TriangleId) -> bool {
+    pub(crate) fn contains(&self, TriangleId(id): TriangleId) -> bool {
         self.bits.get(id as usize / 64).is_some_and(|word| word >> (id % 64) & 1 == 1)
     }
 
     /// Returns the members, in scene order.
-    pub fn iter(&self) -> impl Iterator<Item = TriangleId> + '_ {
+    pub(crate) fn iter(&self) -> impl Iterator<Item = TriangleId> + '_ {
         let words = self.bits.iter().zip((0..).step_by(64));
         words.flat_map(|(word, first)| {
             (0..64).filter(move |bit| word >> bit & 1 == 1).map(move |bit| TriangleId(first + bit))

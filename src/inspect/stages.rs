@@ -39,7 +39,7 @@ const CUT: Rgba8 = [240, 150, 40, 255];
 const DROPPED: Rgba8 = [214, 72, 72, 255];
 
 /// Colour of pixels that were not drawn.
-pub const NOT_DRAWN: Rgba8 = [12, 12, 12, 255];
+pub(crate) const NOT_DRAWN: Rgba8 = [12, 12, 12, 255];
 
 /// Returns the picture after `stage` of the frame that `recipe` draws.
 pub fn picture(scene: &Scene, camera: &Camera, recipe: &Recipe, frame: &Frame, stage: Stage) -> Image<Rgba8> {

@@ -4,26 +4,26 @@ use serde::Serialize;
 
 /// Statistics of the numbers [added](Statistics::add) so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Statistics {
+pub(crate) struct Statistics {
     /// Number of finite values; all other statistics include only these.
-    pub finite: u64,
+    pub(crate) finite: u64,
     /// Number of NaN values.
-    pub nan: u64,
+    pub(crate) nan: u64,
     /// Number of infinite values, of either sign.
-    pub infinite: u64,
+    pub(crate) infinite: u64,
     /// Minimum; 0 without finite values.
-    pub min: f32,
+    pub(crate) min: f32,
     /// Maximum; 0 without finite values.
-    pub max: f32,
+    pub(crate) max: f32,
     /// Mean; 0 without finite values.
-    pub mean: f64,
+    pub(crate) mean: f64,
     /// Sum of squared differences from the mean.
     squares: f64,
 }
 
 impl Statistics {
     /// Returns the statistics of all `values`.
-    pub fn of(values: impl IntoIterator<Item = f32>) -> Self {
+    pub(crate) fn of(values: impl IntoIterator<Item = f32>) -> Self {
         let mut statistics = Self::default();
         values.into_iter().for_each(|value| statistics.add(value));
         statistics
@@ -31,7 +31,7 @@ impl Statistics {
 
     /// Adds one value. Mean and deviation are updated without cancellation (Welford, "Note on a Method for Calculating
     /// Corrected Sums of Squares and Products", 1962).
-    pub fn add(&mut self, value: f32) {
+    pub(crate) fn add(&mut self, value: f32) {
         if value.is_nan() {
             self.nan += 1;
             return;
@@ -50,12 +50,12 @@ impl Statistics {
     }
 
     /// Returns the standard deviation σ of the finite values, as of a whole population; 0 without any.
-    pub fn deviation(&self) -> f64 {
+    pub(crate) fn deviation(&self) -> f64 {
         if self.finite == 0 { 0.0 } else { (self.squares / self.finite as f64).sqrt() }
     }
 
     /// Returns the number of all values, finite or not.
-    pub fn count(&self) -> u64 {
+    pub(crate) fn count(&self) -> u64 {
         self.finite + self.nan + self.infinite
     }
 }

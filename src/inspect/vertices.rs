@@ -17,29 +17,29 @@ use crate::scene::{Camera, Mesh, Scene, TriangleId};
 /// Set of frustum planes that a vertex lies beyond, one bit for each of [`Plane::ALL`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(transparent)]
-pub struct Outcode(u8);
+pub(crate) struct Outcode(u8);
 
 impl Outcode {
     /// Computes the outcode of a clip-space position. `has_zero_at_far` states whether z = 0 is the far plane. A NaN
     /// distance counts as inside its plane.
-    pub fn of(position: Vec4, has_zero_at_far: bool) -> Self {
+    pub(crate) fn of(position: Vec4, has_zero_at_far: bool) -> Self {
         let beyond = |plane: &Plane| plane.of_view(has_zero_at_far).distance(position, 1.0) < 0.0;
         Self(Plane::ALL.iter().enumerate().filter(|(_, plane)| beyond(plane)).fold(0, |bits, (bit, _)| bits | 1 << bit))
     }
 
     /// Returns the planes, in the order of clipping.
-    pub fn planes(self) -> impl Iterator<Item = Plane> {
+    pub(crate) fn planes(self) -> impl Iterator<Item = Plane> {
         Plane::ALL.into_iter().enumerate().filter(move |(bit, _)| self.0 >> bit & 1 == 1).map(|(_, plane)| plane)
     }
 
     /// Whether the vertex lies beyond no plane.
-    pub fn is_inside(self) -> bool {
+    pub(crate) fn is_inside(self) -> bool {
         self.0 == 0
     }
 }
 
 /// Returns the display name of a plane.
-pub fn plane_name(plane: Plane) -> &'static str {
+pub(crate) fn plane_name(plane: Plane) -> &'static str {
     match plane {
         Plane::Near => "near",
         Plane::Eye => "eye",
@@ -53,48 +53,48 @@ pub fn plane_name(plane: Plane) -> &'static str {
 
 /// Position of a vertex on the screen.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct OnScreen {
+pub(crate) struct OnScreen {
     /// Normalised device coordinates: x/w, y/w, z/w.
-    pub ndc: Vec3,
+    pub(crate) ndc: Vec3,
     /// Position before snapping, in px.
-    pub px: [f32; 2],
+    pub(crate) px: [f32; 2],
     /// Snapped position, in 1/256 px.
-    pub snapped: [i32; 2],
+    pub(crate) snapped: [i32; 2],
     /// Depth before quantisation, in [0, 1].
-    pub depth: f64,
+    pub(crate) depth: f64,
     /// 1/w of the clip-space position.
-    pub inv_w: f32,
+    pub(crate) inv_w: f32,
 }
 
 /// One vertex at every stage.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct VertexStages {
+pub(crate) struct VertexStages {
     /// Index of the vertex in the mesh.
-    pub index: u32,
+    pub(crate) index: u32,
     /// Position in model space.
-    pub model: Vec3,
+    pub(crate) model: Vec3,
     /// Normal in model space.
-    pub normal: Vec3,
+    pub(crate) normal: Vec3,
     /// Texture coordinates, v down; `None` if the mesh has none.
-    pub uv: Option<Vec2>,
+    pub(crate) uv: Option<Vec2>,
     /// Colour as sRGB-encoded values in [0, 1]; `None` if the mesh has none.
-    pub color: Option<Vec3>,
+    pub(crate) color: Option<Vec3>,
     /// Position in world space.
-    pub world: DVec3,
+    pub(crate) world: DVec3,
     /// Position in view space.
-    pub view: DVec3,
+    pub(crate) view: DVec3,
     /// Position in clip space.
-    pub clip: Vec4,
+    pub(crate) clip: Vec4,
     /// Frustum planes that the vertex lies beyond.
-    pub outcode: Outcode,
+    pub(crate) outcode: Outcode,
     /// Screen position; `None` if w is below the minimum or the clip position is not finite. Triangles with such a
     /// vertex are clipped before the division.
-    pub screen: Option<OnScreen>,
+    pub(crate) screen: Option<OnScreen>,
 }
 
 /// Vertices of one object as seen by a camera.
 #[derive(Clone, Copy, Debug)]
-pub struct ObjectVertices<'a> {
+pub(crate) struct ObjectVertices<'a> {
     mesh: &'a Mesh,
     matrices: DrawMatrices,
     world_from_model: DMat4,
@@ -106,7 +106,7 @@ pub struct ObjectVertices<'a> {
 
 impl<'a> ObjectVertices<'a> {
     /// Prepares the vertices of an object by its number; `None` if the scene has no such object.
-    pub fn new(
+    pub(crate) fn new(
         scene: &'a Scene,
         camera: &Camera,
         settings: &Settings,
@@ -127,12 +127,12 @@ impl<'a> ObjectVertices<'a> {
     }
 
     /// Returns the number of vertices.
-    pub fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.mesh.positions.len()
     }
 
     /// Returns one vertex at every stage; `None` past the last one.
-    pub fn stages(&self, index: u32) -> Option<VertexStages> {
+    pub(crate) fn stages(&self, index: u32) -> Option<VertexStages> {
         let place = index as usize;
         let model = *self.mesh.positions.get(place)?;
         let world = self.world_from_model.transform_point3(model.as_dvec3());
@@ -165,7 +165,7 @@ impl<'a> ObjectVertices<'a> {
 
 /// Returns the object of a triangle, and the indices of its corners in the mesh. `None` if the scene has no such
 /// triangle.
-pub fn corners_of(scene: &Scene, triangle: TriangleId) -> Option<(usize, [u32; 3])> {
+pub(crate) fn corners_of(scene: &Scene, triangle: TriangleId) -> Option<(usize, [u32; 3])> {
     let firsts = scene.first_triangles();
     // Last object that begins at or before the triangle; an object without triangles begins where the next one does.
     let instance = firsts.partition_point(|first| *first <= triangle).checked_sub(1)?;

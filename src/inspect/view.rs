@@ -15,21 +15,21 @@ use crate::scene::TriangleId;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Range {
     /// Value at the start of the map.
-    pub low: f32,
+    pub(crate) low: f32,
     /// Value at the end of the map.
-    pub high: f32,
+    pub(crate) high: f32,
 }
 
 impl Range {
     /// Returns the range from minimum to maximum of the finite `values`; `None` if there are none.
-    pub fn fit(values: impl Iterator<Item = f32>) -> Option<Self> {
+    pub(crate) fn fit(values: impl Iterator<Item = f32>) -> Option<Self> {
         values.filter(|v| v.is_finite()).fold(None, |range: Option<Self>, v| {
             Some(range.map_or(Self { low: v, high: v }, |r| Self { low: r.low.min(v), high: r.high.max(v) }))
         })
     }
 
     /// Returns the position of a value within the range, clamped to [0, 1].
-    pub fn position(self, value: f32) -> f32 {
+    pub(crate) fn position(self, value: f32) -> f32 {
         let width = self.high - self.low;
         if width > 0.0 { ((value - self.low) / width).clamp(0.0, 1.0) } else { 0.0 }
     }
@@ -37,20 +37,20 @@ impl Range {
 
 /// Returns the colour at a position in [0, 1] on the map for magnitudes (viridis: even steps, safe for the
 /// colour-blind).
-pub fn magnitude_color(position: f32) -> Rgba8 {
+pub(crate) fn magnitude_color(position: f32) -> Rgba8 {
     let [r, g, b] = colorous::VIRIDIS.eval_continuous(f64::from(position.clamp(0.0, 1.0))).as_array();
     [r, g, b, 255]
 }
 
 /// Colour of a sample along a shared edge with too few hits; distinguishable from [`DOUBLE_HIT`] for the colour-blind.
-pub const CRACK: Rgba8 = [48, 132, 255, 255];
+pub(crate) const CRACK: Rgba8 = [48, 132, 255, 255];
 
 /// Colour of a sample along a shared edge with too many hits.
-pub const DOUBLE_HIT: Rgba8 = [255, 150, 0, 255];
+pub(crate) const DOUBLE_HIT: Rgba8 = [255, 150, 0, 255];
 
 /// Returns the colour at a position in [0, 1] on the map of a buffer: grey for [`Buffer::Hits`], whose faults are
 /// coloured.
-pub fn map_color(buffer: Buffer, position: f32) -> Rgba8 {
+pub(crate) fn map_color(buffer: Buffer, position: f32) -> Rgba8 {
     /// Greys at both ends, neither so dark nor so light that marks on them would be lost.
     const GREYS: (f32, f32) = (0.11, 0.84);
     if buffer != Buffer::Hits {
@@ -80,7 +80,7 @@ pub enum Value {
 }
 
 /// Returns the value of a buffer at a pixel inside the picture. Colour and depth do not need `buffers`.
-pub fn value(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, x: u32, y: u32) -> Value {
+pub(crate) fn value(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, x: u32, y: u32) -> Value {
     if buffer == Buffer::Color {
         return frame.image().get(x, y).map_or(Value::NotDrawn, Value::Color);
     }
@@ -106,7 +106,7 @@ pub fn value(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, x: u32, y
 }
 
 /// Returns the reason why a buffer has no values in this frame; `None` if it has some.
-pub fn absence(buffer: Buffer, frame: &Frame) -> Option<&'static str> {
+pub(crate) fn absence(buffer: Buffer, frame: &Frame) -> Option<&'static str> {
     (buffer == Buffer::Depth && frame.drawn.depth.is_none()).then_some("no depth buffer: the depth test is off")
 }
 
@@ -123,7 +123,7 @@ fn depth_of(frame: &Frame, buffers: Option<&Buffers>, column: u32, row: u32) -> 
 
 /// Returns the range of a buffer that uses a colour map: minimum to maximum of stored depths, or 0 to the maximum of
 /// counts.
-pub fn range(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>) -> Option<Range> {
+pub(crate) fn range(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>) -> Option<Range> {
     match buffer {
         Buffer::Depth => {
             let (width, height) = frame.drawn.color.size();
@@ -149,7 +149,7 @@ pub fn range(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>) -> Option
 }
 
 /// Renders a buffer as a full picture. `range` defaults to [0, 1].
-pub fn picture(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, range: Option<Range>) -> Image<Rgba8> {
+pub(crate) fn picture(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, range: Option<Range>) -> Image<Rgba8> {
     let range = range.unwrap_or(Range { low: 0.0, high: 1.0 });
     let (width, height) = frame.image().size();
     let mut image = Image::from_fn(width, height, |x, y| match value(buffer, frame, buffers, x, y) {
@@ -169,7 +169,7 @@ pub fn picture(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, range: 
 }
 
 /// Returns the colour of faults of one kind.
-pub fn fault_color(kind: FaultKind) -> Rgba8 {
+pub(crate) fn fault_color(kind: FaultKind) -> Rgba8 {
     match kind {
         FaultKind::Crack => CRACK,
         FaultKind::DoubleHit => DOUBLE_HIT,

@@ -11,39 +11,39 @@ use crate::scene::{Scene, TriangleId};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Watched {
     /// Column in the full picture.
-    pub x: u32,
+    pub(crate) x: u32,
     /// Row in the full picture.
-    pub y: u32,
+    pub(crate) y: u32,
     /// Values at the pixel; `None` outside the picture.
-    pub values: Option<Values>,
+    pub(crate) values: Option<Values>,
 }
 
 /// Values at a watched pixel. If the pixel was not drawn itself, all except the colour belong to the drawn pixel with
 /// the largest weight.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Values {
+pub(crate) struct Values {
     /// Colour in the finished picture, as sRGB codes.
-    pub color: Rgba8,
+    pub(crate) color: Rgba8,
     /// Whether the pixel was drawn itself.
-    pub is_drawn: bool,
+    pub(crate) is_drawn: bool,
     /// Visible triangle; the last one drawn of several blended ones.
-    pub triangle: Option<TriangleId>,
+    pub(crate) triangle: Option<TriangleId>,
     /// Name of the object of the triangle.
-    pub object: Option<String>,
+    pub(crate) object: Option<String>,
     /// Final depth in the depth buffer; `None` without one.
-    pub depth: Option<f32>,
+    pub(crate) depth: Option<f32>,
     /// Screen-space weights of the visible triangle.
-    pub lambda: Option<[f32; 3]>,
+    pub(crate) lambda: Option<[f32; 3]>,
     /// Weights of the visible triangle that attributes are interpolated with.
-    pub perspective_lambda: Option<[f32; 3]>,
+    pub(crate) perspective_lambda: Option<[f32; 3]>,
     /// Number of fragments at the pixel's centre.
-    pub overdraw: usize,
+    pub(crate) overdraw: usize,
     /// Number of those fragments that were shaded.
-    pub shaded: usize,
+    pub(crate) shaded: usize,
 }
 
 /// Replays pixels of a frame and returns their values, in the given order.
-pub fn watch(scene: &Scene, recipe: &Recipe, frame: &Frame, pixels: &[(u32, u32)]) -> Vec<Watched> {
+pub(crate) fn watch(scene: &Scene, recipe: &Recipe, frame: &Frame, pixels: &[(u32, u32)]) -> Vec<Watched> {
     let row = |(x, y): &(u32, u32)| {
         let values = inspect(scene, recipe, frame, *x, *y).map(|report| values(&report, frame.is_drawn(*x, *y)));
         Watched { x: *x, y: *y, values }

@@ -12,16 +12,16 @@ use super::view::{Value, value};
 
 /// Pixels that differ between two frames of the same size.
 #[derive(Clone, Debug)]
-pub struct Changes {
+pub(crate) struct Changes {
     /// Whether each pixel differs.
-    pub mask: Image<bool>,
+    pub(crate) mask: Image<bool>,
     /// Number of pixels that differ.
-    pub count: u64,
+    pub(crate) count: u64,
 }
 
 impl Changes {
     /// Compares the values of a buffer. Returns `None` if the frames have different sizes.
-    pub fn of_buffer(
+    pub(crate) fn of_buffer(
         buffer: Buffer,
         (a, a_buffers): (&Frame, Option<&Buffers>),
         (b, b_buffers): (&Frame, Option<&Buffers>),
@@ -31,7 +31,7 @@ impl Changes {
     }
 
     /// Compares the values of two pictures of the given sizes. Returns `None` if the sizes differ.
-    pub fn of_values(
+    pub(crate) fn of_values(
         (a_size, a): ((u32, u32), impl Fn(u32, u32) -> Value),
         (b_size, b): ((u32, u32), impl Fn(u32, u32) -> Value),
     ) -> Option<Self> {
@@ -39,7 +39,7 @@ impl Changes {
     }
 
     /// Compares colours, ignoring alpha. Returns `None` if the pictures have different sizes.
-    pub fn of_pictures(a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<Self> {
+    pub(crate) fn of_pictures(a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<Self> {
         let (width, height) = a.size();
         (a.size() == b.size())
             .then(|| Self::of_mask(Image::from_fn(width, height, |x, y| a.at(x, y)[..3] != b.at(x, y)[..3])))
@@ -51,13 +51,13 @@ impl Changes {
     }
 
     /// Returns the fraction of pixels that differ, in [0, 1].
-    pub fn share(&self) -> f64 {
+    pub(crate) fn share(&self) -> f64 {
         self.count as f64 / self.mask.pixels().len().max(1) as f64
     }
 
     /// Returns the next or previous changed pixel relative to `from` in reading order, wrapping around at the end.
     /// Without `from`, returns the first or the last one.
-    pub fn beside(&self, from: Option<(u32, u32)>, forwards: bool) -> Option<(u32, u32)> {
+    pub(crate) fn beside(&self, from: Option<(u32, u32)>, forwards: bool) -> Option<(u32, u32)> {
         let (width, height) = self.mask.size();
         let all = width as usize * height as usize;
         let start =
@@ -73,7 +73,7 @@ impl Changes {
     }
 
     /// Returns `picture` with unchanged pixels mapped to dark greys.
-    pub fn marked(&self, picture: &Image<Rgba8>) -> Image<Rgba8> {
+    pub(crate) fn marked(&self, picture: &Image<Rgba8>) -> Image<Rgba8> {
         /// Greys of black and white: far below changed colours, but bright enough to recognise the scene.
         const GREYS: (f64, f64) = (16.0, 72.0);
         let (width, height) = picture.size();

@@ -34,13 +34,13 @@ const LARGEST: i32 = 60;
 #[derive(Clone, Debug, PartialEq)]
 pub struct CircleLesson {
     /// Pixel at the centre, as column and row.
-    pub center: (i32, i32),
+    pub(crate) center: (i32, i32),
     /// Half axes, in pixels; the first is the radius of a circle.
-    pub half: (u32, u32),
+    pub(crate) half: (u32, u32),
     /// Selected algorithm.
-    pub method: CircleMethod,
+    pub(crate) method: CircleMethod,
     /// Whether the grid shows which pixels lie inside the circle.
-    pub sides: bool,
+    pub(crate) sides: bool,
 }
 
 impl Default for CircleLesson {

@@ -44,13 +44,13 @@ const MAX_FRAMES: usize = 150;
 const FRAME_TIME: Duration = Duration::from_millis(80);
 
 /// Writes the file that [`encode_recording`] returns.
-pub fn write_recording(path: &Path, recording: &Recording, steps: usize) -> Result<(), DrawingFileError> {
+pub(crate) fn write_recording(path: &Path, recording: &Recording, steps: usize) -> Result<(), DrawingFileError> {
     save(path, &encode_recording(path, recording, steps)?)
 }
 
 /// Returns the bytes of a file with the recording after its first `steps` steps. The format follows from the extension;
 /// a GIF animates all steps.
-pub fn encode_recording(path: &Path, recording: &Recording, steps: usize) -> Result<Vec<u8>, DrawingFileError> {
+pub(crate) fn encode_recording(path: &Path, recording: &Recording, steps: usize) -> Result<Vec<u8>, DrawingFileError> {
     if format_of(path)? != Format::Pixels(PixelFormat::Gif) {
         return encode(path, &drawing(recording, steps), SCALE);
     }
@@ -61,7 +61,7 @@ pub fn encode_recording(path: &Path, recording: &Recording, steps: usize) -> Res
 }
 
 /// Returns the drawing of a recording after its first `steps` steps; one unit is one pixel of the grid.
-pub fn drawing(recording: &Recording, steps: usize) -> Drawing {
+pub(crate) fn drawing(recording: &Recording, steps: usize) -> Drawing {
     let (width, height) = recording.size;
     let mut drawing = Drawing { size: DVec2::new(width.into(), height.into()), background: PAPER, shapes: Vec::new() };
     for cell in recording.cells(steps) {

@@ -45,7 +45,7 @@ impl LineMethod {
     }
 
     /// Returns the filter weight of area sampling; `None` for other methods.
-    pub fn weight(self) -> Option<Weight> {
+    pub(crate) fn weight(self) -> Option<Weight> {
         match self {
             Self::AreaBox => Some(Weight::Box),
             Self::AreaPyramid => Some(Weight::Pyramid),
@@ -65,15 +65,15 @@ const FRAME: u32 = 4;
 #[derive(Clone, Debug, PartialEq)]
 pub struct LineLesson {
     /// End points, where integers are pixel centres.
-    pub ends: [DVec2; 2],
+    pub(crate) ends: [DVec2; 2],
     /// Selected algorithm.
-    pub method: LineMethod,
+    pub(crate) method: LineMethod,
     /// Whether the pixel of the second end is drawn. If not, the lines of a polyline share no pixel.
-    pub last_pixel: bool,
+    pub(crate) last_pixel: bool,
     /// Whether the midpoint method breaks ties so that both directions cover the same pixels.
-    pub direction_independent: bool,
+    pub(crate) direction_independent: bool,
     /// Whether the line is clipped to a rectangle first.
-    pub clip: bool,
+    pub(crate) clip: bool,
 }
 
 impl Default for LineLesson {

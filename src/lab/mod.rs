@@ -5,25 +5,25 @@
 //! *lesson*, one per file, advances them by one item at a time and records their state in a [`recording`]. [`drawing`]
 //! converts recordings to vector graphics and bitmaps.
 
-pub mod recording;
+pub(crate) mod recording;
 
-pub mod drawing;
+pub(crate) mod drawing;
 
-pub mod picture;
+pub(crate) mod picture;
 
-pub mod lines;
+pub(crate) mod lines;
 
-pub mod circles;
+pub(crate) mod circles;
 
-pub mod polygons;
+pub(crate) mod polygons;
 
 pub mod seed_fills;
 
-pub mod primitives;
+pub(crate) mod primitives;
 
-pub mod triangles;
+pub(crate) mod triangles;
 
-pub mod sampling;
+pub(crate) mod sampling;
 
 use glam::DVec2;
 
@@ -91,7 +91,7 @@ macro_rules! each {
 
 impl Lesson {
     /// Creates the lesson of a page with its default input.
-    pub fn new(page: Page) -> Self {
+    pub(crate) fn new(page: Page) -> Self {
         match page {
             Page::Lines => Self::Lines(LineLesson::default()),
             Page::Circles => Self::Circles(CircleLesson::default()),
@@ -104,7 +104,7 @@ impl Lesson {
     }
 
     /// Returns the page of the lesson.
-    pub fn page(&self) -> Page {
+    pub(crate) fn page(&self) -> Page {
         match self {
             Self::Lines(_) => Page::Lines,
             Self::Circles(_) => Page::Circles,
@@ -117,32 +117,32 @@ impl Lesson {
     }
 
     /// Runs the algorithm and records its steps.
-    pub fn record(&self) -> Recording {
+    pub(crate) fn record(&self) -> Recording {
         each!(self, lesson => lesson.record())
     }
 
     /// Runs the algorithm without recording, for timing. Returns the number of its items.
-    pub fn walk(&self) -> usize {
+    pub(crate) fn walk(&self) -> usize {
         each!(self, lesson => lesson.walk())
     }
 
     /// Returns an explanation of the algorithm for students.
-    pub fn explanation(&self) -> &'static str {
+    pub(crate) fn explanation(&self) -> &'static str {
         each!(self, lesson => lesson.explanation())
     }
 
     /// Returns the draggable points of the input, in pixels.
-    pub fn handles(&self) -> Vec<DVec2> {
+    pub(crate) fn handles(&self) -> Vec<DVec2> {
         each!(self, lesson => lesson.handles())
     }
 
     /// Moves the point with this index to `to`, in pixels.
-    pub fn move_handle(&mut self, handle: usize, to: DVec2) {
+    pub(crate) fn move_handle(&mut self, handle: usize, to: DVec2) {
         each!(self, lesson => lesson.move_handle(handle, to));
     }
 
     /// Whether a reference exists that methods can be compared with.
-    pub fn compare_is_possible(&self) -> bool {
+    pub(crate) fn compare_is_possible(&self) -> bool {
         match self {
             Self::Primitives(lesson) => lesson.has_outlines(),
             _ => true,
@@ -150,7 +150,7 @@ impl Lesson {
     }
 
     /// Makes a picture the input of the page. Returns `false` if the page has no picture.
-    pub fn set_picture(&mut self, picture: &Image<Rgba8>) -> bool {
+    pub(crate) fn set_picture(&mut self, picture: &Image<Rgba8>) -> bool {
         match self {
             Self::SeedFill(lesson) => lesson.set_picture(picture),
             Self::Sampling(lesson) => lesson.set_picture(picture),
@@ -160,7 +160,7 @@ impl Lesson {
     }
 
     /// Compares all methods of the page with the reference; `None` if there is none.
-    pub fn compare(&self) -> Option<Comparison> {
+    pub(crate) fn compare(&self) -> Option<Comparison> {
         match self {
             Self::Lines(lesson) => Some(lesson.compare()),
             Self::Circles(lesson) => Some(lesson.compare()),

@@ -12,7 +12,7 @@ const COLOR_FROM: f32 = 64.0;
 
 /// Reduces a picture to a grid: dark cells are walls, coloured ones spots, others paper. The aspect ratio is kept;
 /// cells outside the picture are paper.
-pub fn painted(picture: &Image<Rgba8>, (width, height): (u32, u32)) -> Image<Paint> {
+pub(crate) fn painted(picture: &Image<Rgba8>, (width, height): (u32, u32)) -> Image<Paint> {
     let [wide, high] = [picture.width(), picture.height()].map(f64::from);
     let cell_px = (wide / f64::from(width)).max(high / f64::from(height));
     let left = (f64::from(width) - wide / cell_px) / 2.0;
@@ -49,13 +49,13 @@ fn paint(color: [f32; 3]) -> Paint {
 }
 
 /// Returns the luma of each pixel in [0, 1], computed on the sRGB-encoded values.
-pub fn brightness(picture: &Image<Rgba8>) -> Image<f64> {
+pub(crate) fn brightness(picture: &Image<Rgba8>) -> Image<f64> {
     picture.map(|pixel| f64::from(luma(pixel)) / 255.0)
 }
 
 /// Returns a Siemens star, a test pattern for lenses and printers: its wedges meet in the centre, where they are finer
 /// than any pixel.
-pub fn siemens_star() -> Image<f64> {
+pub(crate) fn siemens_star() -> Image<f64> {
     const SIDES: (u32, u32) = (480, 360);
     const WEDGES: f64 = 36.0;
     Image::from_fn(SIDES.0, SIDES.1, |x, y| {

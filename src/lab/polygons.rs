@@ -35,7 +35,7 @@ choice! {
 
 impl PolygonPreset {
     /// Returns the contours of the preset, in pixels.
-    pub fn contours(self) -> Vec<Vec<DVec2>> {
+    pub(crate) fn contours(self) -> Vec<Vec<DVec2>> {
         let contour = |corners: &[(f64, f64)]| corners.iter().copied().map(DVec2::from).collect::<Vec<_>>();
         let square = |low: f64, high: f64| {
             contour(&[(low + 4.0, low), (high + 4.0, low), (high + 4.0, high), (low + 4.0, high)])
@@ -80,11 +80,11 @@ const SIZE: (u32, u32) = (32, 24);
 #[derive(Clone, Debug, PartialEq)]
 pub struct PolygonLesson {
     /// Closed contours, in pixels.
-    pub contours: Vec<Vec<DVec2>>,
+    pub(crate) contours: Vec<Vec<DVec2>>,
     /// Selected operation.
-    pub method: PolygonMethod,
+    pub(crate) method: PolygonMethod,
     /// Point whose convex weights are shown beside the hull, in pixels.
-    pub probe: DVec2,
+    pub(crate) probe: DVec2,
 }
 
 impl Default for PolygonLesson {
@@ -104,7 +104,7 @@ impl PolygonLesson {
     }
 
     /// Inserts a corner at `at` (in pixels) into the nearest side. Starts a contour if there are none.
-    pub fn add_corner(&mut self, at: DVec2) {
+    pub(crate) fn add_corner(&mut self, at: DVec2) {
         let distance = |a: DVec2, b: DVec2| {
             let along = b - a;
             let t = ((at - a).dot(along) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
@@ -121,7 +121,7 @@ impl PolygonLesson {
     }
 
     /// Removes a corner by the index of its handle. Contours without corners are removed, too.
-    pub fn remove_corner(&mut self, handle: usize) {
+    pub(crate) fn remove_corner(&mut self, handle: usize) {
         let mut number = handle;
         for contour in &mut self.contours {
             if number < contour.len() {
@@ -134,7 +134,7 @@ impl PolygonLesson {
     }
 
     /// Adds a small triangle in the middle of the grid as a contour of its own.
-    pub fn add_contour(&mut self) {
+    pub(crate) fn add_contour(&mut self) {
         let middle = DVec2::new(SIZE.0.into(), SIZE.1.into()) / 2.0;
         let corners = [(0.0, -3.0), (3.0, 2.5), (-3.0, 2.5)].map(|corner| middle + DVec2::from(corner));
         self.contours.push(corners.to_vec());

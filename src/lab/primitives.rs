@@ -61,7 +61,7 @@ choice! {
 
 impl VertexPreset {
     /// Returns the vertices of the preset: x and y in pixels, z without a unit.
-    pub fn vertices(self) -> Vec<DVec3> {
+    pub(crate) fn vertices(self) -> Vec<DVec3> {
         let ring = |radii: [f64; 8]| {
             let at = |i: usize| {
                 DVec2::from_angle(i as f64 / 8.0 * std::f64::consts::TAU) * radii[i] + DVec2::new(16.0, 12.0)
@@ -95,9 +95,9 @@ const SIZE: (u32, u32) = (32, 24);
 #[derive(Clone, Debug, PartialEq)]
 pub struct PrimitiveLesson {
     /// Vertices: x and y in pixels, z without a unit.
-    pub vertices: Vec<DVec3>,
+    pub(crate) vertices: Vec<DVec3>,
     /// Selected topology.
-    pub kind: PrimitiveKind,
+    pub(crate) kind: PrimitiveKind,
 }
 
 impl Default for PrimitiveLesson {

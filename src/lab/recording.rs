@@ -5,11 +5,11 @@ use std::time::{Duration, Instant};
 use glam::DVec2;
 
 /// Maximum number of recorded steps of one run; further steps are cut off.
-pub const MAX_STEPS: usize = 20_000;
+pub(crate) const MAX_STEPS: usize = 20_000;
 
 /// Ink of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Ink {
+pub(crate) enum Ink {
     /// Fully set.
     Full,
     /// Partly covered: 0 is paper, 1 is fully set.
@@ -26,23 +26,23 @@ pub enum Ink {
 
 /// A pixel and its ink.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cell {
+pub(crate) struct Cell {
     /// Column; may lie outside the grid.
-    pub x: i64,
+    pub(crate) x: i64,
     /// Row; may lie outside the grid.
-    pub y: i64,
+    pub(crate) y: i64,
     /// Ink of the pixel.
-    pub ink: Ink,
+    pub(crate) ink: Ink,
 }
 
 /// Constructs a cell from its position and its ink.
-pub fn cell((x, y): (i64, i64), ink: Ink) -> Cell {
+pub(crate) fn cell((x, y): (i64, i64), ink: Ink) -> Cell {
     Cell { x, y, ink }
 }
 
 /// Meaning of a mark, expressed by its colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Tone {
+pub(crate) enum Tone {
     /// True shape.
     Ideal,
     /// Auxiliary geometry.
@@ -59,7 +59,7 @@ pub enum Tone {
 
 /// Geometry drawn over the pixels, in pixels: pixel (i, j) fills the square from (i, j) to (i + 1, j + 1).
 #[derive(Clone, Debug, PartialEq)]
-pub enum Mark {
+pub(crate) enum Mark {
     /// Straight line between two points.
     Line(DVec2, DVec2, Tone),
     /// Closed polygon outline.
@@ -74,72 +74,72 @@ pub enum Mark {
 
 /// One step of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Step {
+pub(crate) struct Step {
     /// Pixels set by the step.
-    pub cells: Vec<Cell>,
+    pub(crate) cells: Vec<Cell>,
     /// Geometry that the step examined.
-    pub marks: Vec<Mark>,
+    pub(crate) marks: Vec<Mark>,
     /// Description of the step, in one sentence.
-    pub says: String,
+    pub(crate) says: String,
     /// State of the algorithm, as names and values.
-    pub state: Vec<(String, String)>,
+    pub(crate) state: Vec<(String, String)>,
 }
 
 /// A recorded run on a small input.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Recording {
+pub(crate) struct Recording {
     /// Columns and rows of the grid.
-    pub size: (u32, u32),
+    pub(crate) size: (u32, u32),
     /// Pixels of the input picture.
-    pub ground: Vec<Cell>,
+    pub(crate) ground: Vec<Cell>,
     /// The true shape.
-    pub figure: Vec<Mark>,
+    pub(crate) figure: Vec<Mark>,
     /// Steps in order.
-    pub steps: Vec<Step>,
+    pub(crate) steps: Vec<Step>,
     /// Results of the whole run, as names and values.
-    pub facts: Vec<(String, String)>,
+    pub(crate) facts: Vec<(String, String)>,
     /// Whether the run had more than [`MAX_STEPS`] steps.
-    pub cut_off: bool,
+    pub(crate) cut_off: bool,
 }
 
 impl Recording {
     /// Creates a recording of an empty grid.
-    pub fn new(size: (u32, u32)) -> Self {
+    pub(crate) fn new(size: (u32, u32)) -> Self {
         Self { size, ..Self::default() }
     }
 
     /// Appends the steps of a run until the recording has [`MAX_STEPS`].
-    pub fn collect(&mut self, steps: impl Iterator<Item = Step>) {
+    pub(crate) fn collect(&mut self, steps: impl Iterator<Item = Step>) {
         let mut steps = steps;
         self.steps.extend(steps.by_ref().take(MAX_STEPS - self.steps.len()));
         self.cut_off |= self.steps.len() == MAX_STEPS && steps.next().is_some();
     }
 
     /// Appends a result of the whole run.
-    pub fn fact(&mut self, name: &str, value: impl Into<String>) {
+    pub(crate) fn fact(&mut self, name: &str, value: impl Into<String>) {
         self.facts.push((name.to_owned(), value.into()));
     }
 
     /// Returns the pixels after the first `steps` steps in drawing order; later cells cover earlier ones.
-    pub fn cells(&self, steps: usize) -> impl Iterator<Item = &Cell> {
+    pub(crate) fn cells(&self, steps: usize) -> impl Iterator<Item = &Cell> {
         let done = &self.steps[..steps.min(self.steps.len())];
         self.ground.iter().chain(done.iter().flat_map(|step| &step.cells))
     }
 
     /// Returns the geometry after the first `steps` steps: the true shape and the marks of the last of these steps.
-    pub fn marks(&self, steps: usize) -> impl Iterator<Item = &Mark> {
+    pub(crate) fn marks(&self, steps: usize) -> impl Iterator<Item = &Mark> {
         let last = steps.min(self.steps.len()).checked_sub(1).map(|last| &self.steps[last]);
         self.figure.iter().chain(last.into_iter().flat_map(|step| &step.marks))
     }
 }
 
 /// Returns a name and a value, both as text.
-pub fn pair(name: &str, value: impl Into<String>) -> (String, String) {
+pub(crate) fn pair(name: &str, value: impl Into<String>) -> (String, String) {
     (name.to_owned(), value.into())
 }
 
 /// Formats a number with a fixed number of decimals and a true minus sign.
-pub fn number(value: f64, decimals: usize) -> String {
+pub(crate) fn number(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     // Values that round to zero have no sign.
     if text.trim_start_matches('-').chars().all(|c| c == '0' || c == '.') {
@@ -149,7 +149,7 @@ pub fn number(value: f64, decimals: usize) -> String {
 }
 
 /// Measures the time of one run: the minimum over 3 rounds, each averaging as many runs as take 0.4 ms.
-pub fn time_of(mut run: impl FnMut() -> usize) -> Duration {
+pub(crate) fn time_of(mut run: impl FnMut() -> usize) -> Duration {
     const ROUND: Duration = Duration::from_micros(400);
     const ROUNDS: usize = 3;
     let round = || {
@@ -165,26 +165,26 @@ pub fn time_of(mut run: impl FnMut() -> usize) -> Duration {
 
 /// A method with its error and its time.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Rival {
+pub(crate) struct Rival {
     /// Display name.
-    pub name: &'static str,
+    pub(crate) name: &'static str,
     /// Error against the reference, in the unit that the comparison states.
-    pub error: f64,
+    pub(crate) error: f64,
     /// Time of one run.
-    pub time: Duration,
+    pub(crate) time: Duration,
 }
 
 /// Comparison of several methods for the same task.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Comparison {
+pub(crate) struct Comparison {
     /// Description of the task.
-    pub task: String,
+    pub(crate) task: String,
     /// Meaning of the methods' `error`, with its unit.
-    pub error: &'static str,
+    pub(crate) error: &'static str,
     /// Compared methods.
-    pub rivals: Vec<Rival>,
+    pub(crate) rivals: Vec<Rival>,
     /// Summary of the comparison in one sentence, if it has one.
-    pub note: Option<String>,
+    pub(crate) note: Option<String>,
 }
 
 #[cfg(test)]

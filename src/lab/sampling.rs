@@ -94,21 +94,21 @@ const SPOKES: f64 = 8.0;
 #[derive(Clone, Debug, PartialEq)]
 pub struct SamplingLesson {
     /// Selected scene.
-    pub scene: SamplingScene,
+    pub(crate) scene: SamplingScene,
     /// Selected method.
-    pub method: SamplingMethod,
+    pub(crate) method: SamplingMethod,
     /// Sample points per axis within a pixel.
-    pub points: u32,
+    pub(crate) points: u32,
     /// Direction of the edge, in degrees.
-    pub angle_degrees: f32,
+    pub(crate) angle_degrees: f32,
     /// A point on the edge, or the centre of the pattern, in pixels.
-    pub middle: DVec2,
+    pub(crate) middle: DVec2,
     /// Turns of the wheel per frame.
-    pub turns_per_frame: f32,
+    pub(crate) turns_per_frame: f32,
     /// Pixel whose values are shown.
-    pub chosen: (u32, u32),
+    pub(crate) chosen: (u32, u32),
     /// Picture of [`SamplingScene::Picture`]: values in [0, 1], stretched over the whole grid.
-    pub source: Arc<Image<f64>>,
+    pub(crate) source: Arc<Image<f64>>,
 }
 
 impl Default for SamplingLesson {
@@ -398,12 +398,12 @@ impl SamplingLesson {
     }
 
     /// Selects the picture scene with this picture as its source.
-    pub fn set_picture(&mut self, picture: &Image<Rgba8>) {
+    pub(crate) fn set_picture(&mut self, picture: &Image<Rgba8>) {
         (self.scene, self.source) = (SamplingScene::Picture, Arc::new(brightness(picture)));
     }
 
     /// Selects the pixel whose values are shown; positions outside the grid are ignored.
-    pub fn choose(&mut self, (x, y): (u32, u32)) {
+    pub(crate) fn choose(&mut self, (x, y): (u32, u32)) {
         if x < SIZE.0 && y < SIZE.1 {
             self.chosen = (x, y);
         }

@@ -68,15 +68,15 @@ const SIZE: (u32, u32) = (30, 20);
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeedFillLesson {
     /// Grid to fill.
-    pub grid: Image<Paint>,
+    pub(crate) grid: Image<Paint>,
     /// First pixel of the fill.
-    pub seed: (u32, u32),
+    pub(crate) seed: (u32, u32),
     /// Definition of the region.
-    pub region: RegionKind,
+    pub(crate) region: RegionKind,
     /// Connectivity of the region.
-    pub neighbours: Neighbours,
+    pub(crate) neighbours: Neighbours,
     /// Order of the fill.
-    pub order: FillOrder,
+    pub(crate) order: FillOrder,
 }
 
 impl Default for SeedFillLesson {
@@ -89,7 +89,7 @@ impl Default for SeedFillLesson {
 
 impl SeedFillPreset {
     /// Returns the grid of the preset and its seed.
-    pub fn grid(self) -> (Image<Paint>, (u32, u32)) {
+    pub(crate) fn grid(self) -> (Image<Paint>, (u32, u32)) {
         let (width, height) = SIZE;
         let paint = |is_wall: &dyn Fn(u32, u32) -> bool| {
             Image::from_fn(width, height, |x, y| if is_wall(x, y) { Paint::Wall } else { Paint::Paper })
@@ -121,7 +121,7 @@ impl SeedFillPreset {
 
 impl SeedFillLesson {
     /// Replaces the grid by a picture reduced to its size: dark cells are walls, coloured ones spots.
-    pub fn set_picture(&mut self, picture: &Image<Rgba8>) {
+    pub(crate) fn set_picture(&mut self, picture: &Image<Rgba8>) {
         self.grid = painted(picture, SIZE);
     }
 
@@ -140,7 +140,7 @@ impl SeedFillLesson {
     }
 
     /// Paints a pixel; positions outside the grid are ignored.
-    pub fn paint(&mut self, (x, y): (u32, u32), paint: Paint) {
+    pub(crate) fn paint(&mut self, (x, y): (u32, u32), paint: Paint) {
         if self.grid.get(x, y).is_some() {
             self.grid.set(x, y, paint);
         }

@@ -34,15 +34,15 @@ const VALUES: [f32; 3] = [0.0, 0.5, 1.0];
 #[derive(Clone, Debug, PartialEq)]
 pub struct TriangleLesson {
     /// Corners A, B, C and D, in pixels.
-    pub corners: [DVec2; 4],
+    pub(crate) corners: [DVec2; 4],
     /// Algorithm that finds covered samples.
-    pub rasterizer: Rasterizer,
+    pub(crate) rasterizer: Rasterizer,
     /// Arithmetic of the edge functions.
-    pub arithmetic: Arithmetic,
+    pub(crate) arithmetic: Arithmetic,
     /// Fill rule for pixel centres on an edge.
-    pub rule: FillRule,
+    pub(crate) rule: FillRule,
     /// Selected view.
-    pub view: TriangleView,
+    pub(crate) view: TriangleView,
 }
 
 impl Default for TriangleLesson {

@@ -6,41 +6,41 @@ use glam::{Mat4, Vec3};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aabb {
     /// Smallest corner.
-    pub min: Vec3,
+    pub(crate) min: Vec3,
     /// Largest corner.
-    pub max: Vec3,
+    pub(crate) max: Vec3,
 }
 
 impl Aabb {
     /// Box that contains every finite point.
-    pub const EVERYTHING: Self = Self { min: Vec3::MIN, max: Vec3::MAX };
+    pub(crate) const EVERYTHING: Self = Self { min: Vec3::MIN, max: Vec3::MAX };
 
     /// Box that contains no point.
-    pub const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
+    pub(crate) const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
 
     /// Returns the smallest box that contains all `points`; [`Aabb::EMPTY`] if there are none.
-    pub fn around(points: impl IntoIterator<Item = Vec3>) -> Self {
+    pub(crate) fn around(points: impl IntoIterator<Item = Vec3>) -> Self {
         points.into_iter().fold(Self::EMPTY, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
     }
 
     /// Whether the box contains no point.
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.min.cmpgt(self.max).any()
     }
 
     /// Returns the smallest box that contains both.
-    pub fn union(self, other: Self) -> Self {
+    pub(crate) fn union(self, other: Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
     /// Returns the centre. Halves are added, so that the result stays finite for the largest coordinates.
-    pub fn center(&self) -> Vec3 {
+    pub(crate) fn center(&self) -> Vec3 {
         self.min * 0.5 + self.max * 0.5
     }
 
     /// Returns the radius of the sphere around [`Aabb::center`] through the corners. Computed in f64, so that it cannot
     /// overflow.
-    pub fn radius(&self) -> f32 {
+    pub(crate) fn radius(&self) -> f32 {
         let half = self.max.as_dvec3() * 0.5 - self.min.as_dvec3() * 0.5;
         half.length() as f32
     }
@@ -54,7 +54,7 @@ impl Aabb {
     }
 
     /// Returns the smallest box around the eight transformed corners. `target_from_source` must be affine.
-    pub fn transformed(&self, target_from_source: Mat4) -> Self {
+    pub(crate) fn transformed(&self, target_from_source: Mat4) -> Self {
         if self.is_empty() {
             return Self::EMPTY;
         }

@@ -10,37 +10,37 @@ use super::expansion::{two_product, two_sum};
 
 /// The number `hi` + `lo`, where `hi` is the float nearest to the sum.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DoubleDouble {
+pub(crate) struct DoubleDouble {
     hi: f64,
     lo: f64,
 }
 
 impl DoubleDouble {
     /// The number 0.
-    pub const ZERO: Self = Self { hi: 0.0, lo: 0.0 };
+    pub(crate) const ZERO: Self = Self { hi: 0.0, lo: 0.0 };
 
     /// The number 1.
-    pub const ONE: Self = Self { hi: 1.0, lo: 0.0 };
+    pub(crate) const ONE: Self = Self { hi: 1.0, lo: 0.0 };
 
     /// Returns `a` − `b`, exactly.
-    pub fn difference(a: f64, b: f64) -> Self {
+    pub(crate) fn difference(a: f64, b: f64) -> Self {
         let (hi, lo) = two_sum(a, -b);
         Self { hi, lo }
     }
 
     /// Returns `a` · `b`, exactly.
-    pub fn product(a: f64, b: f64) -> Self {
+    pub(crate) fn product(a: f64, b: f64) -> Self {
         let (hi, lo) = two_product(a, b);
         Self { hi, lo }
     }
 
     /// Returns the nearest float.
-    pub fn rounded(self) -> f64 {
+    pub(crate) fn rounded(self) -> f64 {
         self.hi
     }
 
     /// Returns the magnitude.
-    pub fn abs(self) -> Self {
+    pub(crate) fn abs(self) -> Self {
         if self.hi < 0.0 { -self } else { self }
     }
 

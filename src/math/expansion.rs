@@ -10,7 +10,7 @@ use std::ops::{Add, Mul, Sub};
 
 /// Returns a + b rounded, and the rounding error (Knuth). Their sum is exact.
 #[inline]
-pub fn two_sum(a: f64, b: f64) -> (f64, f64) {
+pub(crate) fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     let from_b = sum - a;
     (sum, (a - (sum - from_b)) + (b - from_b))
@@ -18,21 +18,21 @@ pub fn two_sum(a: f64, b: f64) -> (f64, f64) {
 
 /// Returns a · b rounded, and the rounding error. Their sum is exact.
 #[inline]
-pub fn two_product(a: f64, b: f64) -> (f64, f64) {
+pub(crate) fn two_product(a: f64, b: f64) -> (f64, f64) {
     let product = a * b;
     (product, a.mul_add(b, -product))
 }
 
 /// A number as the exact sum of non-overlapping floats: each is smaller than the last bit of the next.
 #[derive(Clone, Debug, Default)]
-pub struct Expansion {
+pub(crate) struct Expansion {
     /// Terms in ascending order of magnitude, none of them zero.
     parts: Vec<f64>,
 }
 
 impl Expansion {
     /// Returns `a` − `b`, exactly.
-    pub fn difference(a: f64, b: f64) -> Self {
+    pub(crate) fn difference(a: f64, b: f64) -> Self {
         let mut exact = Self::default();
         exact.grow(a);
         exact.grow(-b);
@@ -41,7 +41,7 @@ impl Expansion {
 
     /// Returns the sign as an order relative to zero: the sign of the largest part, which outweighs all others
     /// together.
-    pub fn sign(&self) -> Ordering {
+    pub(crate) fn sign(&self) -> Ordering {
         self.parts.last().map_or(Ordering::Equal, |largest| largest.total_cmp(&0.0))
     }
 

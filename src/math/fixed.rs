@@ -5,32 +5,32 @@
 //! specification, 3.2.4.1 and 15.16).
 
 /// Fraction bits of a snapped screen coordinate.
-pub const SUBPIXEL_BITS: u32 = 8;
+pub(crate) const SUBPIXEL_BITS: u32 = 8;
 
 /// Grid steps per pixel.
-pub const SUBPIXELS: i64 = 1 << SUBPIXEL_BITS;
+pub(crate) const SUBPIXELS: i64 = 1 << SUBPIXEL_BITS;
 
 /// Half a pixel in grid steps: the distance of a pixel's centre from its top-left corner along each axis.
-pub const HALF_PIXEL: i64 = SUBPIXELS / 2;
+pub(crate) const HALF_PIXEL: i64 = SUBPIXELS / 2;
 
 /// Rounds a screen coordinate in pixels to the nearest grid step, ties to even.
 ///
 /// The multiplication by 256 is exact (a power of two), so there is one rounding. Saturates for values beyond the range
 /// of `i64` and returns 0 for NaN; the guard band prevents both.
-pub fn snap(pixels: f32) -> i64 {
+pub(crate) fn snap(pixels: f32) -> i64 {
     (pixels * SUBPIXELS as f32).round_ties_even() as i64
 }
 
 /// Rounds a coordinate in pixels to the nearest grid position, ties to even, and returns it in pixels. There is no
 /// other error: the grid step is a power of two, and values too large to have a fraction are on the grid already. Valid
 /// for magnitudes up to 2¹⁰⁰⁰.
-pub fn snap_to_grid(pixels: f64) -> f64 {
+pub(crate) fn snap_to_grid(pixels: f64) -> f64 {
     const STEPS_PER_PIXEL: f64 = SUBPIXELS as f64;
     (pixels * STEPS_PER_PIXEL).round_ties_even() / STEPS_PER_PIXEL
 }
 
 /// Converts a grid position to pixels. Exact for everything inside the guard band.
-pub fn to_pixels(subpixels: i64) -> f32 {
+pub(crate) fn to_pixels(subpixels: i64) -> f32 {
     subpixels as f32 / SUBPIXELS as f32
 }
 

@@ -7,11 +7,30 @@
 #[cfg(target_arch = "x86_64")]
 use std::sync::LazyLock;
 
-pub use fearless_simd::prelude::*;
-pub use fearless_simd::{
-    Level, Simd, f32x4, f32x8, f32x16, f64x4, f64x8, i16x16, i16x32, i32x8, i32x16, mask16x32, mask32x8, mask32x16,
-    mask64x8, u8x32, u8x64, u16x32, u32x4, u32x8, u32x16, u64x2, u64x8,
-};
+pub(crate) use fearless_simd::Level;
+pub(crate) use fearless_simd::Simd;
+pub(crate) use fearless_simd::f32x4;
+pub(crate) use fearless_simd::f32x8;
+pub(crate) use fearless_simd::f32x16;
+pub(crate) use fearless_simd::f64x4;
+pub(crate) use fearless_simd::f64x8;
+pub(crate) use fearless_simd::i16x16;
+pub(crate) use fearless_simd::i16x32;
+pub(crate) use fearless_simd::i32x8;
+pub(crate) use fearless_simd::i32x16;
+pub(crate) use fearless_simd::mask16x32;
+pub(crate) use fearless_simd::mask32x8;
+pub(crate) use fearless_simd::mask32x16;
+pub(crate) use fearless_simd::mask64x8;
+pub(crate) use fearless_simd::prelude::*;
+pub(crate) use fearless_simd::u8x32;
+pub(crate) use fearless_simd::u8x64;
+pub(crate) use fearless_simd::u16x32;
+pub(crate) use fearless_simd::u32x4;
+pub(crate) use fearless_simd::u32x8;
+pub(crate) use fearless_simd::u32x16;
+pub(crate) use fearless_simd::u64x2;
+pub(crate) use fearless_simd::u64x8;
 
 /// Instruction set that every processor of the architecture has: SSE2.
 #[cfg(target_arch = "x86_64")]
@@ -22,20 +41,20 @@ type Baseline = fearless_simd::x86::Sse2;
 type Baseline = fearless_simd::Fallback;
 
 /// Lanes that a kernel processes at a time.
-pub const LANES: usize = 8;
+pub(crate) const LANES: usize = 8;
 
 /// Lanes that an f32-only kernel processes at a time. Registers of sixteen floats then need half as many instructions.
-pub const WIDE: usize = 2 * LANES;
+pub(crate) const WIDE: usize = 2 * LANES;
 
 /// Eight f32 lanes.
-pub type F32<S> = f32x8<S>;
+pub(crate) type F32<S> = f32x8<S>;
 
 /// Eight f64 lanes.
-pub type F64<S> = f64x8<S>;
+pub(crate) type F64<S> = f64x8<S>;
 
 /// Instruction set that kernels are run with.
 #[derive(Clone, Copy, Debug)]
-pub enum Lanes {
+pub(crate) enum Lanes {
     /// AVX-512 with the extensions of Ice Lake, Zen 4 and later processors: eight doubles per register.
     #[cfg(target_arch = "x86_64")]
     Avx512(fearless_simd::x86::Avx512),
@@ -48,12 +67,12 @@ pub enum Lanes {
 
 impl Lanes {
     /// Returns the best instruction set of this processor.
-    pub fn best() -> Self {
+    pub(crate) fn best() -> Self {
         Self::avx512().or_else(Self::avx2).unwrap_or_else(Self::baseline)
     }
 
     /// Returns all instruction sets of this processor, the best first.
-    pub fn all() -> impl Iterator<Item = Self> {
+    pub(crate) fn all() -> impl Iterator<Item = Self> {
         [Self::avx512(), Self::avx2(), Some(Self::baseline())].into_iter().flatten()
     }
 
@@ -64,7 +83,7 @@ impl Lanes {
     }
 
     /// Returns AVX-512 if this processor has it.
-    pub fn avx512() -> Option<Self> {
+    pub(crate) fn avx512() -> Option<Self> {
         #[cfg(target_arch = "x86_64")]
         return Level::new().as_avx512().map(Self::Avx512);
         #[cfg(not(target_arch = "x86_64"))]
@@ -72,7 +91,7 @@ impl Lanes {
     }
 
     /// Returns AVX2 if this processor has it.
-    pub fn avx2() -> Option<Self> {
+    pub(crate) fn avx2() -> Option<Self> {
         #[cfg(target_arch = "x86_64")]
         return Level::new().as_avx2().map(Self::Avx2);
         #[cfg(not(target_arch = "x86_64"))]
@@ -81,18 +100,18 @@ impl Lanes {
 
     /// Returns the baseline of the architecture: SSE2.
     #[cfg(target_arch = "x86_64")]
-    pub fn baseline() -> Self {
+    pub(crate) fn baseline() -> Self {
         Self::Baseline(Level::new().as_sse2().expect("every x86-64 processor has SSE2"))
     }
 
     /// Returns the baseline of the architecture: plain scalar code.
     #[cfg(not(target_arch = "x86_64"))]
-    pub fn baseline() -> Self {
+    pub(crate) fn baseline() -> Self {
         Self::Baseline(Baseline::new())
     }
 
     /// Returns the display name.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             #[cfg(target_arch = "x86_64")]
             Self::Avx512(_) => "AVX-512",
@@ -107,7 +126,7 @@ impl Lanes {
 /// one element after the other, each more slowly than a scalar load: on Zen 4, pictures drawn with gathers take 1.1 to
 /// 1.4 times as long.
 #[inline(always)]
-pub fn gathers_are_quick() -> bool {
+pub(crate) fn gathers_are_quick() -> bool {
     #[cfg(target_arch = "x86_64")]
     {
         static ARE_QUICK: LazyLock<bool> = LazyLock::new(|| {
@@ -156,21 +175,21 @@ pub(crate) use each;
 
 /// Widens eight floats to doubles, without rounding.
 #[inline(always)]
-pub fn widen<S: Simd>(simd: S, x: F32<S>) -> F64<S> {
+pub(crate) fn widen<S: Simd>(simd: S, x: F32<S>) -> F64<S> {
     let (low, high) = simd.widen_f32x8(x);
     simd.combine_f64x4(low, high)
 }
 
 /// Rounds eight doubles to the nearest floats.
 #[inline(always)]
-pub fn narrow<S: Simd>(simd: S, x: F64<S>) -> F32<S> {
+pub(crate) fn narrow<S: Simd>(simd: S, x: F64<S>) -> F32<S> {
     let (low, high) = simd.split_f64x8(x);
     simd.narrow_f64x4(low, high)
 }
 
 /// Converts eight integers to doubles, without rounding.
 #[inline(always)]
-pub fn doubles_of<S: Simd>(simd: S, numbers: i32x8<S>) -> F64<S> {
+pub(crate) fn doubles_of<S: Simd>(simd: S, numbers: i32x8<S>) -> F64<S> {
     #[cfg(target_arch = "x86_64")]
     if let Some(avx2) = simd.level().as_avx2() {
         let [low, high] = x86::doubles_of(avx2, i32x8::load_array(avx2, numbers.to_array()).into());
@@ -184,19 +203,19 @@ pub fn doubles_of<S: Simd>(simd: S, numbers: i32x8<S>) -> F64<S> {
 
 /// Converts integers below 2³¹ to floats. Treats them as signed, because few processors convert unsigned integers.
 #[inline(always)]
-pub fn float_of<S: Simd>(numbers: u32x16<S>) -> f32x16<S> {
+pub(crate) fn float_of<S: Simd>(numbers: u32x16<S>) -> f32x16<S> {
     numbers.bitcast::<i32x16<S>>().to_float()
 }
 
 /// Truncates floats in [0, 2³¹) toward zero. Converts to signed integers, for the same reason as [`float_of`].
 #[inline(always)]
-pub fn whole_part<S: Simd>(numbers: f32x16<S>) -> u32x16<S> {
+pub(crate) fn whole_part<S: Simd>(numbers: f32x16<S>) -> u32x16<S> {
     numbers.to_int::<i32x16<S>>().bitcast()
 }
 
 /// Returns the lower and the upper 32 bits of eight numbers.
 #[inline(always)]
-pub fn halves<S: Simd>(simd: S, numbers: [u64; LANES]) -> (u32x8<S>, u32x8<S>) {
+pub(crate) fn halves<S: Simd>(simd: S, numbers: [u64; LANES]) -> (u32x8<S>, u32x8<S>) {
     let [first, second, third, fourth] = each!((i, j) in [(0, 1), (2, 3), (4, 5), (6, 7)] => {
         u64x2::load_array(simd, [numbers[i], numbers[j]]).bitcast::<u32x4<S>>()
     });
@@ -206,13 +225,13 @@ pub fn halves<S: Simd>(simd: S, numbers: [u64; LANES]) -> (u32x8<S>, u32x8<S>) {
 
 /// Transposes eight rows of four floats into four columns.
 #[inline(always)]
-pub fn transpose_quads<S: Simd>([a, b, c, d, e, f, g, h]: [f32x4<S>; LANES]) -> [F32<S>; 4] {
+pub(crate) fn transpose_quads<S: Simd>([a, b, c, d, e, f, g, h]: [f32x4<S>; LANES]) -> [F32<S>; 4] {
     transpose_halves([a.combine(e), b.combine(f), c.combine(g), d.combine(h)])
 }
 
 /// Transposes four columns of eight floats into eight rows.
 #[inline(always)]
-pub fn rows_of_quads<S: Simd>(columns: [F32<S>; 4]) -> [f32x4<S>; LANES] {
+pub(crate) fn rows_of_quads<S: Simd>(columns: [F32<S>; 4]) -> [f32x4<S>; LANES] {
     let [(a, e), (b, f), (c, g), (d, h)] = {
         let rows = transpose_halves(columns);
         each!(i in [0, 1, 2, 3] => rows[i].split())
@@ -222,7 +241,7 @@ pub fn rows_of_quads<S: Simd>(columns: [F32<S>; 4]) -> [f32x4<S>; LANES] {
 
 /// Transposes sixteen rows of four floats into four columns.
 #[inline(always)]
-pub fn transpose_wide<S: Simd>(r: [f32x4<S>; WIDE]) -> [f32x16<S>; 4] {
+pub(crate) fn transpose_wide<S: Simd>(r: [f32x4<S>; WIDE]) -> [f32x16<S>; 4] {
     #[cfg(target_arch = "x86_64")]
     if let Some(avx512) = r[0].simd.level().as_avx512() {
         let rows = each!(i in [0, 1, 2, 3] => {
@@ -243,7 +262,7 @@ pub fn transpose_wide<S: Simd>(r: [f32x4<S>; WIDE]) -> [f32x16<S>; 4] {
 
 /// Returns four vectors: vector `i` holds lane `i` four times, then lane `i + 4` four times.
 #[inline(always)]
-pub fn repeat_each<S: Simd>(simd: S, numbers: F32<S>) -> [F32<S>; 4] {
+pub(crate) fn repeat_each<S: Simd>(simd: S, numbers: F32<S>) -> [F32<S>; 4] {
     let numbers = numbers.to_array();
     each!(i in [0, 1, 2, 3] => {
         let [low, high] = each!(place in [i, i + LANES / 2] => f32x4::splat(simd, numbers[place]));
@@ -253,7 +272,7 @@ pub fn repeat_each<S: Simd>(simd: S, numbers: F32<S>) -> [F32<S>; 4] {
 
 /// Transposes the lower halves of four rows as a 4 × 4 matrix, and likewise the upper halves.
 #[inline(always)]
-pub fn transpose_halves<S: Simd>(rows: [F32<S>; 4]) -> [F32<S>; 4] {
+pub(crate) fn transpose_halves<S: Simd>(rows: [F32<S>; 4]) -> [F32<S>; 4] {
     let simd = rows[0].simd;
     #[cfg(target_arch = "x86_64")]
     if let Some(avx2) = simd.level().as_avx2() {
@@ -329,7 +348,7 @@ mod x86 {
 
 /// Clamps doubles to the range from `least` to `greatest`, as `f64::clamp` does. NaN must not occur.
 #[inline(always)]
-pub fn clamp_f64<S: Simd>(x: F64<S>, least: f64, greatest: f64) -> F64<S> {
+pub(crate) fn clamp_f64<S: Simd>(x: F64<S>, least: f64, greatest: f64) -> F64<S> {
     x.max(least).min(greatest)
 }
 

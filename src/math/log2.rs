@@ -19,7 +19,7 @@ const BIAS: i32 = f32::MAX_EXP - 1;
 /// one rounding. The result is an integer at powers of two, and monotonic. For other numbers it is meaningless, but the
 /// same on lanes.
 #[inline(always)]
-pub fn log2(x: f32) -> f32 {
+pub(crate) fn log2(x: f32) -> f32 {
     let bits = x.to_bits();
     let exponent = (bits >> FRACTION_BITS) as i32 - BIAS;
     let f = f32::from_bits(bits & FRACTION | 1.0_f32.to_bits()) - 1.0;
@@ -30,7 +30,7 @@ pub fn log2(x: f32) -> f32 {
 
 /// [`log2`] for sixteen lanes.
 #[inline(always)]
-pub fn log2_lanes<S: Simd>(x: f32x16<S>) -> f32x16<S> {
+pub(crate) fn log2_lanes<S: Simd>(x: f32x16<S>) -> f32x16<S> {
     let bits = x.bitcast::<u32x16<S>>();
     let exponent = (bits >> FRACTION_BITS).bitcast::<i32x16<S>>() - BIAS;
     let f = (bits & FRACTION | 1.0_f32.to_bits()).bitcast::<f32x16<S>>() - 1.0;

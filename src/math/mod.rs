@@ -14,34 +14,34 @@
 //! | colour | textures and the final image are 8-bit sRGB; shading works in linear light unless told otherwise |
 //! | texel | texture coordinate u·width − 0.5, so texel centres sit at half-integers; v is flipped once, on load |
 
-pub mod double_double;
+pub(crate) mod double_double;
 
-pub mod expansion;
+pub(crate) mod expansion;
 
-pub mod fixed;
+pub(crate) mod fixed;
 
-pub mod lanes;
+pub(crate) mod lanes;
 
-pub mod log2;
+pub(crate) mod log2;
 
-pub mod prefetch;
+pub(crate) mod prefetch;
 
 mod bounds;
 
-pub use bounds::Aabb;
+pub(crate) use bounds::Aabb;
 
 use glam::{DVec3, Vec3};
 
 /// Returns `v` normalised, or `fallback` if its largest component is zero or not finite. Divides by that component
 /// first, so no square overflows.
-pub fn unit_or(v: DVec3, fallback: Vec3) -> Vec3 {
+pub(crate) fn unit_or(v: DVec3, fallback: Vec3) -> Vec3 {
     let largest = v.abs().max_element();
     if largest > 0.0 && largest.is_finite() { (v / largest).normalize().as_vec3() } else { fallback }
 }
 
 /// [`unit_or`] for eight vectors, given as x, y and z lanes.
 #[inline(always)]
-pub fn unit_or_lanes<S: lanes::Simd>(simd: S, v: [lanes::F64<S>; 3], fallback: Vec3) -> [lanes::F32<S>; 3] {
+pub(crate) fn unit_or_lanes<S: lanes::Simd>(simd: S, v: [lanes::F64<S>; 3], fallback: Vec3) -> [lanes::F32<S>; 3] {
     if let Some(unit) = unit_lanes_nearly(simd, v) {
         return unit;
     }
@@ -81,7 +81,7 @@ fn unit_lanes_nearly<S: lanes::Simd>(simd: S, v: [lanes::F64<S>; 3]) -> Option<[
 /// Returns the largest integer not above `x`, exactly as [`f32::floor`]. Without SSE 4.1 the latter is a function call
 /// of about thirty instructions: a third of the time of a textured pixel.
 #[inline]
-pub fn floor(x: f32) -> f32 {
+pub(crate) fn floor(x: f32) -> f32 {
     /// Magnitude from which every float is an integer: 2²³.
     const ALL_INTEGERS: f32 = 8_388_608.0;
     if x.abs() < ALL_INTEGERS {

@@ -9,7 +9,7 @@
         reason = "a million small triangles, whose vertices lie all over the memory, are rasterized a sixth faster"
     )
 )]
-pub fn prefetch<T>(items: &[T], place: usize) {
+pub(crate) fn prefetch<T>(items: &[T], place: usize) {
     #[cfg(target_arch = "x86_64")]
     {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};

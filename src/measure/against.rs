@@ -12,27 +12,27 @@ use crate::image::{Image, Rgba8};
 pub struct Figures {
     /// Error metrics on 8-bit sRGB-encoded values.
     #[serde(flatten)]
-    pub codes: ImageError,
+    pub(crate) codes: ImageError,
     /// Mean FLIP error, in [0, 1].
-    pub flip: f64,
+    pub(crate) flip: f64,
 }
 
 /// Reference image with its FLIP preprocessing cached, about 24 bytes per pixel.
 #[derive(Clone, Debug)]
-pub struct Standard {
+pub(crate) struct Standard {
     picture: Image<Rgba8>,
     perceived: flip::Perceived,
 }
 
 impl Standard {
     /// Preprocesses a reference image.
-    pub fn new(picture: Image<Rgba8>) -> Self {
+    pub(crate) fn new(picture: Image<Rgba8>) -> Self {
         Self { perceived: flip::Perceived::new(&picture), picture }
     }
 
     /// Compares an image with this reference and also returns the FLIP error of every pixel. Returns `None` if the
     /// sizes differ or there are no pixels.
-    pub fn figures(&self, picture: &Image<Rgba8>) -> Option<(Figures, Image<f32>)> {
+    pub(crate) fn figures(&self, picture: &Image<Rgba8>) -> Option<(Figures, Image<f32>)> {
         let codes = compare(picture, &self.picture)?;
         let map = flip::Perceived::new(picture).difference(&self.perceived)?;
         Some((Figures { codes, flip: flip::mean(&map) }, map))
@@ -50,7 +50,7 @@ pub fn figures(picture: &Image<Rgba8>, reference: &Image<Rgba8>) -> Option<(Figu
 /// Compares an image with a reference within a rectangle. `flip` holds the FLIP errors of the whole image, whose
 /// filters also read pixels outside the rectangle; SSIM reads only pixels inside. Returns `None` if the rectangle
 /// contains no pixel of the images.
-pub fn figures_within(
+pub(crate) fn figures_within(
     region: Region,
     picture: &Image<Rgba8>,
     reference: &Image<Rgba8>,

@@ -24,66 +24,66 @@ const WARM_UP_FRAMES: i64 = 3;
 
 /// Time to write the bytes of a frame without drawing anything: a lower bound for every frame time.
 #[derive(Clone, Debug, Serialize)]
-pub struct Writing {
+pub(crate) struct Writing {
     /// Milliseconds to fill as many bytes as the frame holds, with the same threads.
-    pub ms: Summary,
+    pub(crate) ms: Summary,
     /// Median frame time divided by the median of `ms`.
-    pub frame_over_writing: f64,
+    pub(crate) frame_over_writing: f64,
 }
 
 /// Benchmark result of one view.
 #[derive(Clone, Debug, Serialize)]
-pub struct BenchReport {
+pub(crate) struct BenchReport {
     /// Name of the scene.
-    pub scene: String,
+    pub(crate) scene: String,
     /// Image width and height, in pixels.
-    pub size: [u32; 2],
+    pub(crate) size: [u32; 2],
     /// Number of threads in the rayon pool.
-    pub threads: usize,
+    pub(crate) threads: usize,
     /// Machine and build, with the system load at the start and at the end.
-    pub machine: Machine,
+    pub(crate) machine: Machine,
     /// Camera motion over the measured frames; the sequence repeats until enough frames are timed.
-    pub turn: Turn,
+    pub(crate) turn: Turn,
     /// Execution mode, classic or tiled, of the last frame.
-    pub execution: &'static str,
+    pub(crate) execution: &'static str,
     /// Whether the benchmark was cancelled before all frames were drawn.
-    pub partial: bool,
+    pub(crate) partial: bool,
     /// Noise floor: odd frames against even frames. `None` for a single frame.
-    pub noise: Option<Noise>,
+    pub(crate) noise: Option<Noise>,
     /// Milliseconds of a whole frame.
-    pub frame_ms: Summary,
+    pub(crate) frame_ms: Summary,
     /// Milliseconds of each stage, in pipeline order; the medians add up to the median frame time.
-    pub stages: Vec<StageSummary>,
+    pub(crate) stages: Vec<StageSummary>,
     /// Baseline: time to write the bytes of the frame.
-    pub writing: Writing,
+    pub(crate) writing: Writing,
     /// Counters of the last frame, in pipeline order.
-    pub counts: Vec<(&'static str, u64)>,
+    pub(crate) counts: Vec<(&'static str, u64)>,
     /// Bytes held by the frame, the renderer and the scene.
-    pub bytes: Bytes,
+    pub(crate) bytes: Bytes,
     /// Median frame time per triangle of the scene, in nanoseconds.
-    pub ns_per_triangle: f64,
+    pub(crate) ns_per_triangle: f64,
     /// Median frame time per pixel of the image, in nanoseconds.
-    pub ns_per_pixel: f64,
+    pub(crate) ns_per_pixel: f64,
 }
 
 /// Memory in bytes.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub struct Bytes {
+pub(crate) struct Bytes {
     /// Bytes of the images of one frame, including its depth buffer if it is kept.
-    pub frame: usize,
+    pub(crate) frame: usize,
     /// Bytes that the renderer keeps from frame to frame.
-    pub renderer: usize,
+    pub(crate) renderer: usize,
     /// Bytes of meshes and textures.
-    pub scene: usize,
+    pub(crate) scene: usize,
 }
 
 /// Frame count and cancellation flag of a measurement.
 #[derive(Clone, Copy, Debug)]
-pub struct Frames<'a> {
+pub(crate) struct Frames<'a> {
     /// Number of measured frames, at least 1.
-    pub count: usize,
+    pub(crate) count: usize,
     /// Cancellation flag; when set, the measurement ends with the frames drawn so far.
-    pub cancel: &'a AtomicBool,
+    pub(crate) cancel: &'a AtomicBool,
 }
 
 /// Durations and counters of one timed frame.
@@ -98,7 +98,7 @@ struct Sample {
 
 /// Times the frames of a sequence repeatedly, each with its history in the sequence, on the current rayon pool. Returns
 /// `None` if cancelled before the first measured frame was complete.
-pub fn bench(
+pub(crate) fn bench(
     shot: &Shot<'_>,
     recipe: &Recipe,
     Frames { count, cancel }: Frames<'_>,

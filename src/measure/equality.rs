@@ -16,7 +16,7 @@ use crate::scene::{Camera, Scene};
 /// Compared quantity, in pipeline order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Quantity {
+pub(crate) enum Quantity {
     /// Colours of the rasterized samples.
     Color,
     /// Stored depths of the rasterized samples.
@@ -27,17 +27,17 @@ pub enum Quantity {
 
 /// Difference between two frames.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Difference {
+pub(crate) struct Difference {
     /// First quantity in pipeline order that differs.
-    pub quantity: Quantity,
+    pub(crate) quantity: Quantity,
     /// Number of samples or pixels that differ in this quantity.
-    pub samples: usize,
+    pub(crate) samples: usize,
     /// Column and row of the first differing sample in row-major order.
-    pub first: (u32, u32),
+    pub(crate) first: (u32, u32),
     /// Value in the reference, or its image size if the sizes differ.
-    pub expected: String,
+    pub(crate) expected: String,
     /// Value in the other frame, or its image size if the sizes differ.
-    pub found: String,
+    pub(crate) found: String,
 }
 
 impl Difference {
@@ -49,22 +49,22 @@ impl Difference {
 
 /// One configuration of tiled execution and its result.
 #[derive(Clone, Debug, Serialize)]
-pub struct Way {
+pub(crate) struct Way {
     /// Name of the SIMD lanes.
-    pub lanes: &'static str,
+    pub(crate) lanes: &'static str,
     /// Number of threads.
-    pub threads: usize,
+    pub(crate) threads: usize,
     /// First difference from the classic frame; `None` if the frames are identical.
-    pub difference: Option<Difference>,
+    pub(crate) difference: Option<Difference>,
 }
 
 /// Result of comparing classic with tiled execution.
 #[derive(Clone, Debug, Serialize)]
-pub struct Equality {
+pub(crate) struct Equality {
     /// All configurations compared.
-    pub ways: Vec<Way>,
+    pub(crate) ways: Vec<Way>,
     /// Reason why the recipe cannot run tiled; `None` if it can.
-    pub obstacle: Option<&'static str>,
+    pub(crate) obstacle: Option<&'static str>,
 }
 
 /// Stack size of a render thread, in bytes. The default is too small for unoptimised builds, whose kernels for several
@@ -77,7 +77,7 @@ const STACK_BYTES: usize = 8 << 20;
 /// # Errors
 ///
 /// Fails if a thread pool cannot be started.
-pub fn verify(
+pub(crate) fn verify(
     scene: &Arc<Scene>,
     camera: &Camera,
     recipe: &Recipe,

@@ -24,7 +24,7 @@ use crate::image::color::Tables;
 use crate::image::{Image, Rgba8};
 
 /// Pixels per degree of visual angle: distance · (pixels / screen width) · π / 180, for the usual viewing conditions.
-pub const PIXELS_PER_DEGREE: f64 = 0.7 * (3840.0 / 0.7) * std::f64::consts::PI / 180.0;
+pub(crate) const PIXELS_PER_DEGREE: f64 = 0.7 * (3840.0 / 0.7) * std::f64::consts::PI / 180.0;
 
 /// Exponent applied to colour distances.
 const COLOR_EXPONENT: f32 = 0.7;
@@ -64,7 +64,7 @@ const RGB_FROM_XYZ: [Color; 3] = [
 
 /// Preprocessed image, as perceived at the usual viewing distance.
 #[derive(Clone, Debug)]
-pub struct Perceived {
+pub(crate) struct Perceived {
     /// L\*a\*b\* of the blurred image, with a\* and b\* scaled by lightness.
     lab: Image<[f32; 3]>,
     /// Edge and point strengths.
@@ -73,7 +73,7 @@ pub struct Perceived {
 
 impl Perceived {
     /// Filters an image. Alpha is ignored.
-    pub fn new(picture: &Image<Rgba8>) -> Self {
+    pub(crate) fn new(picture: &Image<Rgba8>) -> Self {
         let (width, height) = picture.size();
         let opponents = Opponents::new();
         let filters = Filters::new();
@@ -100,7 +100,7 @@ impl Perceived {
 
     /// Returns the error of every pixel in [0, 1], or `None` if the sizes differ or there are no pixels. The result is
     /// symmetric.
-    pub fn difference(&self, other: &Self) -> Option<Image<f32>> {
+    pub(crate) fn difference(&self, other: &Self) -> Option<Image<f32>> {
         if self.lab.size() != other.lab.size() || self.lab.pixels().is_empty() {
             return None;
         }
@@ -138,7 +138,7 @@ impl Perceived {
 /// assert_eq!(errors.at(0, 0), 0.0, "far from the only pixel that differs");
 /// assert_eq!(map(&other, &grey), Some(errors));
 /// ```
-pub fn map(a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<Image<f32>> {
+pub(crate) fn map(a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<Image<f32>> {
     if a.size() != b.size() {
         return None;
     }

@@ -19,33 +19,33 @@ use crate::scene::{Camera, Scene};
 
 /// Cost of a part that some draws of a view skip.
 #[derive(Clone, Debug, Serialize)]
-pub struct Saving {
+pub(crate) struct Saving {
     /// Skipped part; `None` stands for all parts together.
-    pub part: Option<Part>,
+    pub(crate) part: Option<Part>,
     /// Number of draws that run the part only when it is forced.
-    pub draws: usize,
+    pub(crate) draws: usize,
     /// Milliseconds of a frame with the part forced minus those of the planned frame of the same round.
-    pub saved_ms: Summary,
+    pub(crate) saved_ms: Summary,
     /// Whether the median saving is within the noise floor.
-    pub within_noise: bool,
+    pub(crate) within_noise: bool,
     /// Whether the image is identical with and without the part.
-    pub same_picture: bool,
+    pub(crate) same_picture: bool,
 }
 
 /// Savings from everything that a view skips.
 #[derive(Clone, Debug, Serialize)]
-pub struct Savings {
+pub(crate) struct Savings {
     /// Milliseconds of a frame as planned.
-    pub planned_ms: Summary,
+    pub(crate) planned_ms: Summary,
     /// Noise floor, from drawing the planned frame twice per round.
-    pub noise: Noise,
+    pub(crate) noise: Noise,
     /// Milliseconds to compute the plans of a frame: the only overhead for a view that skips nothing.
-    pub planning_ms: Summary,
+    pub(crate) planning_ms: Summary,
     /// Parts that the plan runs for every draw, not counting draws outside the view.
-    pub needed: Vec<Part>,
+    pub(crate) needed: Vec<Part>,
     /// Savings for each part that can be forced and is skipped by some draw, then for all of them together if there are
     /// several.
-    pub savings: Vec<Saving>,
+    pub(crate) savings: Vec<Saving>,
 }
 
 /// Number of warm-up rounds before the measured ones.
@@ -63,7 +63,7 @@ struct Way {
 
 /// Times a view as planned (twice, for the noise floor) and with each skipped part forced. Measures `rounds` ≥ 1 rounds
 /// on the current rayon pool. `progress` receives the completed fraction in [0, 1]. Returns `None` if cancelled.
-pub fn savings(
+pub(crate) fn savings(
     scene: &Arc<Scene>,
     camera: &Camera,
     recipe: &Recipe,

@@ -4,27 +4,27 @@ use serde::Serialize;
 
 /// Machine, build, and system load during a measurement.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Machine {
+pub(crate) struct Machine {
     /// Operating system and processor architecture.
-    pub platform: String,
+    pub(crate) platform: String,
     /// Model name of the processor; `None` where the system does not report it.
-    pub processor: Option<String>,
+    pub(crate) processor: Option<String>,
     /// Number of hardware threads.
-    pub threads: usize,
+    pub(crate) threads: usize,
     /// Load average over one minute when the measurement began, in runnable processes; `None` where the system does not
     /// report it.
-    pub load_at_start: Option<f64>,
+    pub(crate) load_at_start: Option<f64>,
     /// Load average over one minute when the measurement ended; `None` before that.
-    pub load_at_end: Option<f64>,
+    pub(crate) load_at_end: Option<f64>,
     /// Whether the build is optimised; times of debug builds are not representative.
-    pub optimized: bool,
+    pub(crate) optimized: bool,
     /// Version of this program.
-    pub version: &'static str,
+    pub(crate) version: &'static str,
 }
 
 impl Machine {
     /// Describes the current machine and build at the start of a measurement.
-    pub fn at_start() -> Self {
+    pub(crate) fn at_start() -> Self {
         let named = |line: &str| Some(line.strip_prefix("model name")?.split_once(':')?.1.trim().to_owned());
         Self {
             platform: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
@@ -38,12 +38,12 @@ impl Machine {
     }
 
     /// Records the current load average as the load at the end of the measurement.
-    pub fn at_end(self) -> Self {
+    pub(crate) fn at_end(self) -> Self {
         Self { load_at_end: load_average(), ..self }
     }
 
     /// Returns processor, hardware threads, platform, build and load as one line without a full stop.
-    pub fn summary(&self) -> String {
+    pub(crate) fn summary(&self) -> String {
         let processor = self.processor.as_deref().unwrap_or("unknown processor");
         let build = if self.optimized { "" } else { ", not optimized" };
         let load = match (self.load_at_start, self.load_at_end) {

@@ -2,38 +2,38 @@
 
 pub mod against;
 
-pub mod bench;
+pub(crate) mod bench;
 
-pub mod difference;
+pub(crate) mod difference;
 
-pub mod equality;
+pub(crate) mod equality;
 
 pub mod error;
 
-pub mod flip;
+pub(crate) mod flip;
 
-pub mod leaving_out;
+pub(crate) mod leaving_out;
 
-pub mod machine;
+pub(crate) mod machine;
 
 pub mod motion;
 
-pub mod noise;
+pub(crate) mod noise;
 
-pub mod pair;
+pub(crate) mod pair;
 
 pub mod reference;
 
 pub mod region;
 
-pub mod response;
+pub(crate) mod response;
 
-pub mod rounds;
+pub(crate) mod rounds;
 
-pub mod scaling;
+pub(crate) mod scaling;
 
-pub mod stages;
+pub(crate) mod stages;
 
-pub mod timing;
+pub(crate) mod timing;
 
-pub mod window_cost;
+pub(crate) mod window_cost;

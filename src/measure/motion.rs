@@ -23,9 +23,9 @@ use crate::upscale::Upscaling;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Turn {
     /// Angle between two frames in degrees; 0 is the still view.
-    pub degrees: f32,
+    pub(crate) degrees: f32,
     /// Number of measured frames, at least 1.
-    pub frames: u32,
+    pub(crate) frames: u32,
 }
 
 impl Turn {
@@ -33,21 +33,21 @@ impl Turn {
     pub const STILL: Self = Self { degrees: 0.0, frames: 1 };
 
     /// Number of warm-up frames for methods that read earlier frames; longer than the history of every method.
-    pub const WARM_UP: u32 = 20;
+    pub(crate) const WARM_UP: u32 = 20;
 
     /// Returns an orbit of `degrees` per frame over the default number of frames, or a still view for 0°.
-    pub fn by(degrees: f32) -> Self {
+    pub(crate) fn by(degrees: f32) -> Self {
         if degrees == 0.0 { Self::STILL } else { Self { degrees, ..Self::default() } }
     }
 
     /// Whether the camera is still.
-    pub fn is_still(&self) -> bool {
+    pub(crate) fn is_still(&self) -> bool {
         self.degrees == 0.0
     }
 
     /// Returns the camera of frame `number`, counted from 0. The last frame uses the camera `last`; negative numbers
     /// are warm-up frames.
-    pub fn camera(&self, last: &Camera, number: i64) -> Camera {
+    pub(crate) fn camera(&self, last: &Camera, number: i64) -> Camera {
         let mut camera = *last;
         let frames_before = i64::from(self.frames) - 1 - number;
         if !self.is_still() && frames_before != 0 {
@@ -58,7 +58,7 @@ impl Turn {
 
     /// Returns the number of the frame that a timing run draws in round `round`: the measured frames, repeated in
     /// order. Warm-up rounds have negative numbers, as have warm-up frames.
-    pub fn frame_of_round(&self, round: i64) -> i64 {
+    pub(crate) fn frame_of_round(&self, round: i64) -> i64 {
         if round < 0 { round } else { round % i64::from(self.frames) }
     }
 }
@@ -71,32 +71,32 @@ impl Default for Turn {
 
 /// A frame sequence: scene, final view and camera motion.
 #[derive(Clone, Copy, Debug)]
-pub struct Shot<'a> {
+pub(crate) struct Shot<'a> {
     /// Scene to draw.
-    pub scene: &'a Arc<Scene>,
+    pub(crate) scene: &'a Arc<Scene>,
     /// Camera of the last frame.
-    pub camera: &'a Camera,
+    pub(crate) camera: &'a Camera,
     /// Image size, in pixels.
-    pub viewport: Viewport,
+    pub(crate) viewport: Viewport,
     /// Motion of the camera up to the final view.
-    pub turn: Turn,
+    pub(crate) turn: Turn,
 }
 
 /// Error over the frames of a sequence.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct MotionError {
+pub(crate) struct MotionError {
     /// Number of frames, at least 1.
-    pub frames: usize,
+    pub(crate) frames: usize,
     /// Mean over the frames: MSE, SSIM, FLIP and the number of differing pixels are averaged. PSNR is computed from the
     /// mean MSE, and the largest difference is the maximum over all frames.
-    pub mean: Figures,
+    pub(crate) mean: Figures,
     /// Metrics of the frame with the largest FLIP error.
-    pub worst: Figures,
+    pub(crate) worst: Figures,
 }
 
 impl MotionError {
     /// Summarises the metrics of each frame. Returns `None` for an empty slice.
-    pub fn of(frames: &[Figures]) -> Option<Self> {
+    pub(crate) fn of(frames: &[Figures]) -> Option<Self> {
         let worst = *frames.iter().max_by(|a, b| a.flip.total_cmp(&b.flip))?;
         let count = frames.len() as f64;
         let mean_of = |value: fn(&Figures) -> f64| frames.iter().map(value).sum::<f64>() / count;
@@ -113,7 +113,7 @@ impl MotionError {
 
 /// Playback of a sequence with one recipe; every frame gets the history it has in the sequence.
 #[derive(Debug)]
-pub struct Playback {
+pub(crate) struct Playback {
     recipe: Recipe,
     lanes: Lanes,
     /// Renderer with history; `None` for recipes that read no earlier frame.
@@ -130,25 +130,25 @@ struct Run {
 
 impl Playback {
     /// Creates a playback for `recipe` with the best lanes of the processor; draws nothing yet.
-    pub fn new(recipe: Recipe) -> Self {
+    pub(crate) fn new(recipe: Recipe) -> Self {
         Self::on(recipe, Lanes::best())
     }
 
     /// Creates a playback for `recipe` with the given lanes; draws nothing yet.
-    pub fn on(recipe: Recipe, lanes: Lanes) -> Self {
+    pub(crate) fn on(recipe: Recipe, lanes: Lanes) -> Self {
         let reads_past = recipe.upscaler.upscaler().reads().past;
         let history = reads_past.then(|| Run { renderer: Renderer::on(lanes), frames: 0..0 });
         Self { recipe, lanes, history }
     }
 
     /// Returns the recipe of this playback.
-    pub fn recipe(&self) -> &Recipe {
+    pub(crate) fn recipe(&self) -> &Recipe {
         &self.recipe
     }
 
     /// Draws at most one warm-up frame that frame `number` > −[`Turn::WARM_UP`] depends on. Returns whether there was
     /// one to draw.
-    pub fn warm_up(&mut self, shot: &Shot<'_>, number: i64) -> bool {
+    pub(crate) fn warm_up(&mut self, shot: &Shot<'_>, number: i64) -> bool {
         let Some(run) = &mut self.history else { return false };
         let Some(missing) = run.missing(shot.turn, number) else { return false };
         if missing != run.frames.end || run.frames.is_empty() {
@@ -161,7 +161,7 @@ impl Playback {
 
     /// Draws frame `number` after the frames that its history depends on, and returns the result of `look`. Recipes
     /// without history use the renderer `shared`.
-    pub fn draw<T>(
+    pub(crate) fn draw<T>(
         &mut self,
         shot: &Shot<'_>,
         number: i64,
@@ -176,7 +176,7 @@ impl Playback {
     }
 
     /// Returns the bytes held by the renderer of a recipe with history; 0 without history.
-    pub fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         self.history.as_ref().map_or(0, |run| run.renderer.bytes())
     }
 }
@@ -217,7 +217,7 @@ fn drawn<T>(
 /// Incremental error measurement of several recipes over a sequence: each frame with every recipe, before the next
 /// frame.
 #[derive(Debug)]
-pub struct Judge {
+pub(crate) struct Judge {
     reference: Reference,
     playbacks: Vec<Playback>,
     renderer: Renderer,
@@ -232,7 +232,7 @@ pub struct Judge {
 
 impl Judge {
     /// Prepares to measure recipes against a reference; draws nothing yet.
-    pub fn new(reference: Reference, recipes: impl IntoIterator<Item = Recipe>) -> Self {
+    pub(crate) fn new(reference: Reference, recipes: impl IntoIterator<Item = Recipe>) -> Self {
         let playbacks: Vec<_> = recipes.into_iter().map(Playback::new).collect();
         Self {
             reference,
@@ -247,7 +247,7 @@ impl Judge {
 
     /// Draws at most one frame, either of a reference or with a recipe. When that completes a frame of a recipe, calls
     /// `look` with the frame and the FLIP error of every pixel, and returns the index of the recipe.
-    pub fn step(&mut self, shot: &Shot<'_>, look: impl FnOnce(usize, &Frame, Image<f32>)) -> Option<usize> {
+    pub(crate) fn step(&mut self, shot: &Shot<'_>, look: impl FnOnce(usize, &Frame, Image<f32>)) -> Option<usize> {
         if self.is_complete(shot.turn) {
             return None;
         }
@@ -283,22 +283,22 @@ impl Judge {
     }
 
     /// Whether all frames are measured.
-    pub fn is_complete(&self, turn: Turn) -> bool {
+    pub(crate) fn is_complete(&self, turn: Turn) -> bool {
         self.judged >= self.total(turn)
     }
 
     /// Returns the number of frames to measure, over all recipes.
-    pub fn total(&self, turn: Turn) -> usize {
+    pub(crate) fn total(&self, turn: Turn) -> usize {
         self.playbacks.len() * turn.frames as usize
     }
 
     /// Returns the number of frames measured so far, over all recipes.
-    pub fn judged(&self) -> usize {
+    pub(crate) fn judged(&self) -> usize {
         self.judged
     }
 
     /// Returns the error of a recipe over the frames measured so far, or `None` before the first.
-    pub fn error(&self, recipe: usize) -> Option<MotionError> {
+    pub(crate) fn error(&self, recipe: usize) -> Option<MotionError> {
         MotionError::of(self.figures.get(recipe)?)
     }
 }
@@ -306,7 +306,11 @@ impl Judge {
 /// Returns the error of the sequence of recipe `b` against that of recipe `a`, frame by frame with equal cameras.
 /// `go_on` receives the completed fraction in [0, 1] before each frame and returns whether to continue; the result is
 /// `None` if it returns `false`.
-pub fn between(shot: &Shot<'_>, [a, b]: [&Recipe; 2], go_on: &mut dyn FnMut(f32) -> bool) -> Option<MotionError> {
+pub(crate) fn between(
+    shot: &Shot<'_>,
+    [a, b]: [&Recipe; 2],
+    go_on: &mut dyn FnMut(f32) -> bool,
+) -> Option<MotionError> {
     let mut playbacks = [a, b].map(|recipe| Playback::new(*recipe));
     let mut renderer = Renderer::default();
     let mut measured = Vec::new();

@@ -11,10 +11,10 @@ use serde::Serialize;
 use super::timing::summarize;
 
 /// Label of a difference that is not larger than the noise floor.
-pub const WITHIN: &str = "within noise";
+pub(crate) const WITHIN: &str = "within noise";
 
 /// Label of a difference that is larger than the noise floor.
-pub const ABOVE: &str = "larger than the noise";
+pub(crate) const ABOVE: &str = "larger than the noise";
 
 /// Minimum number of rounds per block: the fewest whose median ignores an outlier.
 const ROUNDS_PER_BLOCK: usize = 3;
@@ -26,42 +26,42 @@ const MOST_BLOCKS: usize = 10;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Noise {
     /// Number of A/A pairs, at least 1.
-    pub pairs: usize,
+    pub(crate) pairs: usize,
     /// 90th percentile of the relative differences of the pairs: 0.02 means 2 % of the shorter time.
-    pub p90: f64,
+    pub(crate) p90: f64,
 }
 
 impl Noise {
     /// Returns the noise floor at a time of `ms` milliseconds, in milliseconds.
-    pub fn ms(&self, ms: f64) -> f64 {
+    pub(crate) fn ms(&self, ms: f64) -> f64 {
         self.p90 * ms
     }
 
     /// Whether the difference of two times is within the noise floor.
-    pub fn covers(&self, a_ms: f64, b_ms: f64) -> bool {
+    pub(crate) fn covers(&self, a_ms: f64, b_ms: f64) -> bool {
         relative_difference(a_ms, b_ms) <= self.p90
     }
 
     /// Whether a change of `change_ms` to a time of `of_ms` is within the noise floor, both in milliseconds.
-    pub fn covers_change(&self, change_ms: f64, of_ms: f64) -> bool {
+    pub(crate) fn covers_change(&self, change_ms: f64, of_ms: f64) -> bool {
         change_ms.abs() <= self.ms(of_ms)
     }
 
     /// Returns the noise floor and the number of pairs as text, for example “±1.8 % (90th percentile of 25 A/A pairs)”.
-    pub fn words(&self) -> String {
+    pub(crate) fn words(&self) -> String {
         let pairs = if self.pairs == 1 { "1 A/A pair".to_owned() } else { format!("{} A/A pairs", self.pairs) };
         format!("±{:.1} % (90th percentile of {pairs})", self.p90 * 100.0)
     }
 }
 
 /// Returns the label of a difference: [`WITHIN`] or [`ABOVE`].
-pub fn label(within_noise: bool) -> &'static str {
+pub(crate) fn label(within_noise: bool) -> &'static str {
     if within_noise { WITHIN } else { ABOVE }
 }
 
 /// A/A pairs of a run.
 #[derive(Clone, Debug, Default)]
-pub struct Pairs {
+pub(crate) struct Pairs {
     /// Relative differences, one per pair.
     differences: Vec<f64>,
 }
@@ -69,7 +69,7 @@ pub struct Pairs {
 impl Pairs {
     /// Adds the pairs of a recipe that was timed twice per round. Both series hold one time per round, in order; rounds
     /// missing from either series are ignored.
-    pub fn add(&mut self, first: &[f64], again: &[f64]) {
+    pub(crate) fn add(&mut self, first: &[f64], again: &[f64]) {
         let rounds = first.len().min(again.len());
         let blocks = (rounds / ROUNDS_PER_BLOCK).clamp(1, MOST_BLOCKS);
         for block in 0..blocks {
@@ -82,18 +82,18 @@ impl Pairs {
     }
 
     /// Adds the pairs of one recipe timed frame after frame; odd frames form the second series.
-    pub fn add_alternating(&mut self, times: &[f64]) {
+    pub(crate) fn add_alternating(&mut self, times: &[f64]) {
         let series = [0, 1].map(|first| times.iter().skip(first).step_by(2).copied().collect::<Vec<_>>());
         self.add(&series[0], &series[1]);
     }
 
     /// Adds the pairs of another run.
-    pub fn append(&mut self, other: Self) {
+    pub(crate) fn append(&mut self, other: Self) {
         self.differences.extend(other.differences);
     }
 
     /// Returns the noise floor, or `None` if there are no pairs.
-    pub fn noise(&self) -> Option<Noise> {
+    pub(crate) fn noise(&self) -> Option<Noise> {
         let summary = summarize(&self.differences)?;
         Some(Noise { pairs: summary.n, p90: summary.p90 })
     }

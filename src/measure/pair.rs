@@ -10,22 +10,22 @@ use crate::chain::Recipe;
 
 /// Frame times of two recipes, in milliseconds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct PairTimes {
+pub(crate) struct PairTimes {
     /// Times of recipe A.
-    pub a_ms: Summary,
+    pub(crate) a_ms: Summary,
     /// Times of recipe B.
-    pub b_ms: Summary,
+    pub(crate) b_ms: Summary,
     /// Time of B minus time of A in the same round.
-    pub change_ms: Summary,
+    pub(crate) change_ms: Summary,
     /// Noise floor, from timing both recipes against themselves in the same rounds.
-    pub noise: Noise,
+    pub(crate) noise: Noise,
     /// Whether the median change is within the noise floor.
-    pub within_noise: bool,
+    pub(crate) within_noise: bool,
 }
 
 impl PairTimes {
     /// Summarises the times of two recipes, one per round. Returns `None` without a round.
-    pub fn of(a_ms: &[f64], b_ms: &[f64], noise: Noise) -> Option<Self> {
+    pub(crate) fn of(a_ms: &[f64], b_ms: &[f64], noise: Noise) -> Option<Self> {
         let changes: Vec<_> = a_ms.iter().zip(b_ms).map(|(a, b)| b - a).collect();
         let (a_ms, b_ms, change_ms) = (summarize(a_ms)?, summarize(b_ms)?, summarize(&changes)?);
         let within_noise = noise.covers_change(change_ms.median, a_ms.median.min(b_ms.median));
@@ -33,31 +33,31 @@ impl PairTimes {
     }
 
     /// Returns the noise floor in milliseconds, at the shorter of the two medians.
-    pub fn noise_ms(&self) -> f64 {
+    pub(crate) fn noise_ms(&self) -> f64 {
         self.noise.ms(self.a_ms.median.min(self.b_ms.median))
     }
 }
 
 /// Incremental timer that draws two recipes in alternation.
 #[derive(Debug)]
-pub struct PairTimer {
+pub(crate) struct PairTimer {
     timer: RoundTimer,
 }
 
 impl PairTimer {
     /// Prepares to time `a` and `b` over `rounds` measured rounds, at least one.
-    pub fn new(a: Recipe, b: Recipe, rounds: usize) -> Self {
+    pub(crate) fn new(a: Recipe, b: Recipe, rounds: usize) -> Self {
         Self { timer: RoundTimer::new(&[a, b], rounds) }
     }
 
     /// Returns the fraction of the frames drawn so far, in [0, 1].
-    pub fn progress(&self) -> f32 {
+    pub(crate) fn progress(&self) -> f32 {
         let (done, of) = self.timer.progress();
         done as f32 / of.max(1) as f32
     }
 
     /// Draws at most one frame; returns the times once all rounds are complete.
-    pub fn step(&mut self, shot: &Shot<'_>) -> Option<PairTimes> {
+    pub(crate) fn step(&mut self, shot: &Shot<'_>) -> Option<PairTimes> {
         self.timer.step(shot);
         if !self.timer.is_complete() {
             return None;

@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use crate::chain::Recipe;
-pub use crate::chain::samples::Gathering;
+pub(crate) use crate::chain::samples::Gathering;
 use crate::image::{Image, Rgba8};
 use crate::pipeline::settings::{Choice, choice};
 use crate::pipeline::viewport::Viewport;
@@ -26,7 +26,7 @@ choice! {
 
 impl Reference {
     /// Returns the number of samples per pixel.
-    pub fn samples(self) -> u32 {
+    pub(crate) fn samples(self) -> u32 {
         match self {
             Self::Native => 1,
             Self::Converged => 256,
@@ -34,13 +34,13 @@ impl Reference {
     }
 
     /// Begins to render the reference of a recipe: its pipeline without upscaler, post filter and wireframe.
-    pub fn begin(self, scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, viewport: Viewport) -> Gathering {
+    pub(crate) fn begin(self, scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, viewport: Viewport) -> Gathering {
         Gathering::new(scene, camera, recipe, viewport, self.samples())
     }
 
     /// Renders the complete reference. `go_on` receives the completed fraction in [0, 1] after each sample and returns
     /// whether to continue; the result is `None` if it returns `false`.
-    pub fn picture(
+    pub(crate) fn picture(
         self,
         scene: &Arc<Scene>,
         camera: &Camera,

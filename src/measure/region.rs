@@ -10,18 +10,18 @@ use crate::image::{Image, Rgba8};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Region {
     /// First column.
-    pub left: u32,
+    pub(crate) left: u32,
     /// First row.
-    pub top: u32,
+    pub(crate) top: u32,
     /// One past the last column.
-    pub right: u32,
+    pub(crate) right: u32,
     /// One past the last row.
-    pub bottom: u32,
+    pub(crate) bottom: u32,
 }
 
 impl Region {
     /// Returns the part of an image inside the rectangle, or `None` if they do not overlap.
-    pub fn of<T: Copy>(self, picture: &Image<T>) -> Option<Image<T>> {
+    pub(crate) fn of<T: Copy>(self, picture: &Image<T>) -> Option<Image<T>> {
         let (right, bottom) = (self.right.min(picture.width()), self.bottom.min(picture.height()));
         if self.left >= right || self.top >= bottom {
             return None;
@@ -30,7 +30,7 @@ impl Region {
     }
 
     /// Applies [`compare`] to the parts of two images inside the rectangle. SSIM reads no pixels outside.
-    pub fn compare(self, a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<ImageError> {
+    pub(crate) fn compare(self, a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<ImageError> {
         if a.size() != b.size() {
             return None;
         }
@@ -39,7 +39,7 @@ impl Region {
 
     /// Returns the mean inside the rectangle of per-pixel errors such as those of [`flip::map`]. These errors also
     /// depend on pixels outside it.
-    pub fn mean(self, errors: &Image<f32>) -> Option<f64> {
+    pub(crate) fn mean(self, errors: &Image<f32>) -> Option<f64> {
         Some(flip::mean(&self.of(errors)?))
     }
 }

@@ -15,25 +15,25 @@ const HEIGHT: f64 = 64.0;
 const SAMPLES: u32 = 16;
 
 /// Side of the zone plate, in pixels.
-pub const PLATE: u32 = 96;
+pub(crate) const PLATE: u32 = 96;
 
 /// Responses of an upscaler. Positions are in pixels from the bright sample or the edge; heights are 0 for dark and 1
 /// for bright.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Responses {
+pub(crate) struct Responses {
     /// Impulse response: positions and heights along a row through one bright sample among dark ones.
-    pub impulse: Vec<[f64; 2]>,
+    pub(crate) impulse: Vec<[f64; 2]>,
     /// Step response: positions and heights across a vertical edge with the dark side on the left.
-    pub step: Vec<[f64; 2]>,
+    pub(crate) step: Vec<[f64; 2]>,
     /// Upscaled zone plate: rings whose period falls from the centre to 2 px at the border.
-    pub zone_plate: Image<Rgba8>,
+    pub(crate) zone_plate: Image<Rgba8>,
     /// Zone plate at native resolution, for comparison.
-    pub zone_plate_native: Image<Rgba8>,
+    pub(crate) zone_plate_native: Image<Rgba8>,
 }
 
 impl Responses {
     /// Computes the responses of an upscaler.
-    pub fn of(how: Upscaling) -> Self {
+    pub(crate) fn of(how: Upscaling) -> Self {
         let side = (f64::from(SAMPLES) * how.scale().value()) as u32;
         let middle = f64::from(side) / 2.0;
         let (nearest_x, nearest_y) = nearest_sample(how, side, middle);
@@ -53,7 +53,7 @@ impl Responses {
     }
 
     /// Returns the smallest and largest heights of the step response; values outside [0, 1] are overshoot.
-    pub fn overshoot(&self) -> (f64, f64) {
+    pub(crate) fn overshoot(&self) -> (f64, f64) {
         let heights = || self.step.iter().map(|[_, height]| *height);
         (heights().fold(0.0, f64::min), heights().fold(1.0, f64::max))
     }

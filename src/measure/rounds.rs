@@ -11,7 +11,7 @@ use super::motion::{Playback, Shot};
 use super::noise::{Noise, Pairs};
 
 /// Number of warm-up rounds before the measured ones: caches and clock frequencies settle.
-pub const WARM_UP_ROUNDS: usize = 2;
+pub(crate) const WARM_UP_ROUNDS: usize = 2;
 
 /// Maximum number of recipes drawn twice per round. They are spread evenly over all recipes, as cheap and expensive
 /// ones differ in noise.
@@ -30,16 +30,16 @@ struct Entry {
 
 /// Times of a measured frame.
 #[derive(Clone, Copy, Debug)]
-pub struct Timed {
+pub(crate) struct Timed {
     /// Index of the recipe.
-    pub recipe: usize,
+    pub(crate) recipe: usize,
     /// Times of the frame.
-    pub times: FrameTimes,
+    pub(crate) times: FrameTimes,
 }
 
 /// Incremental timer that draws several recipes round by round.
 #[derive(Debug)]
-pub struct RoundTimer {
+pub(crate) struct RoundTimer {
     /// All recipes in their order, followed by the repetitions.
     entries: Vec<Entry>,
     recipes: usize,
@@ -55,7 +55,7 @@ pub struct RoundTimer {
 
 impl RoundTimer {
     /// Prepares to time recipes over `rounds` measured rounds, at least one.
-    pub fn new(recipes: &[Recipe], rounds: usize) -> Self {
+    pub(crate) fn new(recipes: &[Recipe], rounds: usize) -> Self {
         let twins = twins(recipes.len());
         let entry = |recipe: usize| Entry { recipe, playback: Playback::new(recipes[recipe]), times: Vec::new() };
         let entries: Vec<_> = (0..recipes.len()).chain(twins).map(entry).collect();
@@ -72,7 +72,7 @@ impl RoundTimer {
     }
 
     /// Draws at most one frame. Returns its times if the frame is measured and is not a repetition.
-    pub fn step(&mut self, shot: &Shot<'_>) -> Option<Timed> {
+    pub(crate) fn step(&mut self, shot: &Shot<'_>) -> Option<Timed> {
         if self.is_complete() {
             return None;
         }
@@ -99,34 +99,34 @@ impl RoundTimer {
     }
 
     /// Whether all rounds are complete.
-    pub fn is_complete(&self) -> bool {
+    pub(crate) fn is_complete(&self) -> bool {
         self.round >= WARM_UP_ROUNDS + self.rounds || self.entries.is_empty()
     }
 
     /// Returns the number of complete measured rounds.
-    pub fn rounds(&self) -> usize {
+    pub(crate) fn rounds(&self) -> usize {
         self.round.saturating_sub(WARM_UP_ROUNDS)
     }
 
     /// Returns the number of frames drawn and the total, both with warm-up rounds but without frames that only build up
     /// history.
-    pub fn progress(&self) -> (usize, usize) {
+    pub(crate) fn progress(&self) -> (usize, usize) {
         let count = self.entries.len();
         (self.round * count + self.place, (WARM_UP_ROUNDS + self.rounds) * count)
     }
 
     /// Returns the times of a recipe, one per round.
-    pub fn times(&self, recipe: usize) -> &[FrameTimes] {
+    pub(crate) fn times(&self, recipe: usize) -> &[FrameTimes] {
         &self.entries[recipe].times
     }
 
     /// Returns the frame times of a recipe in milliseconds, one per round.
-    pub fn ms(&self, recipe: usize) -> Vec<f64> {
+    pub(crate) fn ms(&self, recipe: usize) -> Vec<f64> {
         ms(self.times(recipe))
     }
 
     /// Returns the noise floor of the rounds so far, or `None` before the first measured round.
-    pub fn noise(&self) -> Option<Noise> {
+    pub(crate) fn noise(&self) -> Option<Noise> {
         let mut pairs = Pairs::default();
         for twin in &self.entries[self.recipes..] {
             pairs.add(&self.ms(twin.recipe), &ms(&twin.times));

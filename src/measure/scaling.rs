@@ -16,7 +16,7 @@ use crate::scene::builtin::workload::{layers, sheet};
 /// Quantity that varies between the points of a series.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Quantity {
+pub(crate) enum Quantity {
     /// Triangles of a mesh that fills most of the image.
     Triangles,
     /// Pixels of an image filled by one textured square.
@@ -29,10 +29,10 @@ pub enum Quantity {
 
 impl Quantity {
     /// All quantities, in the order of the report.
-    pub const ALL: [Self; 4] = [Self::Triangles, Self::Pixels, Self::Layers, Self::Threads];
+    pub(crate) const ALL: [Self; 4] = [Self::Triangles, Self::Pixels, Self::Layers, Self::Threads];
 
     /// Returns the display name.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Triangles => "triangles",
             Self::Pixels => "pixels",
@@ -44,29 +44,29 @@ impl Quantity {
 
 /// Parameters of a scaling measurement.
 #[derive(Clone, Debug)]
-pub struct Plan {
+pub(crate) struct Plan {
     /// Recipe of all frames.
-    pub recipe: Recipe,
+    pub(crate) recipe: Recipe,
     /// Image size for all series but the one over pixels.
-    pub viewport: Viewport,
+    pub(crate) viewport: Viewport,
     /// Triangle counts to measure.
-    pub triangles: Vec<usize>,
+    pub(crate) triangles: Vec<usize>,
     /// Image sizes to measure.
-    pub sizes: Vec<Viewport>,
+    pub(crate) sizes: Vec<Viewport>,
     /// Layer counts to measure.
-    pub layers: Vec<usize>,
+    pub(crate) layers: Vec<usize>,
     /// Thread counts to measure; the last one also applies to all other series.
-    pub threads: Vec<usize>,
+    pub(crate) threads: Vec<usize>,
     /// Number of triangles in the mesh of the series over threads.
-    pub shared_triangles: usize,
+    pub(crate) shared_triangles: usize,
     /// Number of measured rounds.
-    pub rounds: usize,
+    pub(crate) rounds: usize,
 }
 
 impl Plan {
     /// Creates the default plan: 10³ to `most_triangles` triangles in powers of ten, 320 × 180 to 3840 × 2160 pixels, 1
     /// to 64 layers, and 1, 2, 4 … threads up to `threads` ≥ 1.
-    pub fn new(recipe: Recipe, most_triangles: usize, threads: usize, rounds: usize) -> Self {
+    pub(crate) fn new(recipe: Recipe, most_triangles: usize, threads: usize, rounds: usize) -> Self {
         let powers = (3..=9).map(|power| 10_usize.pow(power)).take_while(|n| *n <= most_triangles);
         let size = |(width, height)| Viewport { width, height };
         let sizes = [(320, 180), (640, 360), (1280, 720), (1920, 1080), (2560, 1440), (3840, 2160)];
@@ -85,44 +85,44 @@ impl Plan {
 
 /// Cost of a frame at one value of the quantity.
 #[derive(Clone, Debug, Serialize)]
-pub struct Point {
+pub(crate) struct Point {
     /// Value of the quantity that varies.
-    pub value: f64,
+    pub(crate) value: f64,
     /// Milliseconds of a frame.
-    pub ms: Summary,
+    pub(crate) ms: Summary,
     /// Bytes of the frame, the renderer's buffers, meshes and textures.
-    pub bytes: usize,
+    pub(crate) bytes: usize,
 }
 
 /// Cost of a frame as a function of one quantity.
 #[derive(Clone, Debug, Serialize)]
-pub struct Series {
+pub(crate) struct Series {
     /// Quantity that varies.
-    pub quantity: Quantity,
+    pub(crate) quantity: Quantity,
     /// Points in ascending order of value.
-    pub points: Vec<Point>,
+    pub(crate) points: Vec<Point>,
 }
 
 /// Linear model of frame cost: a fixed part plus a part proportional to the quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Line {
+pub(crate) struct Line {
     /// Intercept, in milliseconds; negative if cost grows faster than the quantity.
-    pub fixed_ms: f64,
+    pub(crate) fixed_ms: f64,
     /// Slope, in nanoseconds per unit of the quantity.
-    pub ns_each: f64,
+    pub(crate) ns_each: f64,
 }
 
 impl Line {
     /// Returns the value at which the fixed and proportional parts are equal. Below it, cost hardly depends on the
     /// quantity; above it, cost is proportional to the quantity.
-    pub fn bend(&self) -> f64 {
+    pub(crate) fn bend(&self) -> f64 {
         self.fixed_ms * 1e6 / self.ns_each
     }
 }
 
 impl Series {
     /// Returns the line through the first and last points, or `None` if cost does not rise.
-    pub fn line(&self) -> Option<Line> {
+    pub(crate) fn line(&self) -> Option<Line> {
         let (first, last) = (self.points.first()?, self.points.last()?);
         let ms_each = (last.ms.median - first.ms.median) / (last.value - first.value);
         let fixed_ms = first.ms.median - ms_each * first.value;
@@ -132,22 +132,22 @@ impl Series {
 
 /// Result of a scaling measurement.
 #[derive(Clone, Debug, Serialize)]
-pub struct Scaling {
+pub(crate) struct Scaling {
     /// Image width and height in pixels, for all series but the one over pixels.
-    pub size: [u32; 2],
+    pub(crate) size: [u32; 2],
     /// Number of threads, for all series but the one over threads.
-    pub threads: usize,
+    pub(crate) threads: usize,
     /// Number of measured rounds.
-    pub rounds: usize,
+    pub(crate) rounds: usize,
     /// One series for each quantity.
-    pub series: Vec<Series>,
+    pub(crate) series: Vec<Series>,
     /// Whether the measurement was cancelled before all series were complete.
-    pub partial: bool,
+    pub(crate) partial: bool,
 }
 
 /// Reasons why a measurement has no result.
 #[derive(Debug, Error)]
-pub enum ScalingError {
+pub(crate) enum ScalingError {
     /// The measurement was cancelled.
     #[error("the measurement was cancelled")]
     Cancelled,
@@ -174,7 +174,11 @@ struct Run<'a> {
 ///
 /// Fails if threads cannot be started, or if cancelled before the first series is complete. If cancelled later, returns
 /// the complete series.
-pub fn measure(plan: &Plan, progress: &dyn Fn(Quantity, f32), cancel: &AtomicBool) -> Result<Scaling, ScalingError> {
+pub(crate) fn measure(
+    plan: &Plan,
+    progress: &dyn Fn(Quantity, f32),
+    cancel: &AtomicBool,
+) -> Result<Scaling, ScalingError> {
     let pool = |threads: &usize| rayon::ThreadPoolBuilder::new().num_threads(*threads).build();
     let mut series = Vec::new();
     let found = |series, partial| Scaling {

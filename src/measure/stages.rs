@@ -25,40 +25,40 @@ use crate::scene::{Camera, Scene};
 
 /// Time of each stage of a frame; `None` for a stage that did not run or is timed as part of another stage.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct StageTimes {
+pub(crate) struct StageTimes {
     /// Planning and vertex transform. In tiled execution, includes projection.
-    pub transform: Duration,
+    pub(crate) transform: Duration,
     /// Homogeneous clipping.
-    pub clip: Option<Duration>,
+    pub(crate) clip: Option<Duration>,
     /// Perspective division, viewport transform and snapping.
-    pub project: Option<Duration>,
+    pub(crate) project: Option<Duration>,
     /// Facing test and edge setup. In tiled execution, includes clipping and binning.
-    pub cull: Duration,
+    pub(crate) cull: Duration,
     /// Clearing the framebuffer and finding covered samples. In tiled execution, includes the depth test.
-    pub rasterize: Duration,
+    pub(crate) rasterize: Duration,
     /// Depth test and depth write.
-    pub depth: Option<Duration>,
+    pub(crate) depth: Option<Duration>,
     /// Attribute interpolation.
-    pub interpolate: Option<Duration>,
+    pub(crate) interpolate: Option<Duration>,
     /// Shading and colour writes. In tiled execution, includes interpolation.
-    pub shade: Duration,
+    pub(crate) shade: Duration,
     /// Averaging the supersampling passes.
-    pub resolve: Option<Duration>,
+    pub(crate) resolve: Option<Duration>,
     /// Finding the visible surface of each pixel, for upscalers that read it.
-    pub surfaces: Option<Duration>,
+    pub(crate) surfaces: Option<Duration>,
     /// Upscaling: filling in pixels that were not drawn, and storing the frame as history.
-    pub upscale: Duration,
+    pub(crate) upscale: Duration,
     /// Post filter and wireframe.
-    pub post: Option<Duration>,
+    pub(crate) post: Option<Duration>,
     /// Work between the stages: buffers, thread pool, copies.
-    pub other: Duration,
+    pub(crate) other: Duration,
     /// Whole frame: the sum of all stages.
-    pub frame: Duration,
+    pub(crate) frame: Duration,
 }
 
 impl StageTimes {
     /// Returns the names and times of the separately timed stages, in pipeline order; they add up to the frame.
-    pub fn named(&self) -> Vec<(&'static str, Duration)> {
+    pub(crate) fn named(&self) -> Vec<(&'static str, Duration)> {
         let stages = [
             ("transform", Some(self.transform)),
             ("clip", self.clip),
@@ -161,7 +161,7 @@ const LEVELS: [Until; 4] = [Until::Coverage, Until::Depth, Until::Interpolate, U
 /// only one of them. The minimum time of each level is the least disturbed one. In tiled execution, every step draws a
 /// whole frame. Of the whole frames, the one with the median time is used.
 #[derive(Debug)]
-pub struct StageTimer {
+pub(crate) struct StageTimer {
     least: [Duration; LEVELS.len()],
     runs: usize,
     wanted_runs: usize,
@@ -175,7 +175,7 @@ const PIECES: usize = LEVELS.len() + 1;
 
 impl StageTimer {
     /// Creates a timer for a frame; its recorded time determines the number of rounds.
-    pub fn new(frame: &Frame) -> Self {
+    pub(crate) fn new(frame: &Frame) -> Self {
         let rounds = if frame.times.total < SHORT_FRAME { ROUNDS } else { 1 };
         Self {
             least: [Duration::MAX; LEVELS.len()],
@@ -187,13 +187,19 @@ impl StageTimer {
     }
 
     /// Whether a step was already timed.
-    pub fn has_begun(&self) -> bool {
+    pub(crate) fn has_begun(&self) -> bool {
         self.runs > 0
     }
 
     /// Runs the next step, which draws at most one frame. `frame` was drawn of `scene` with `recipe`. Returns the stage
     /// times after the last step.
-    pub fn step(&mut self, scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, frame: &Frame) -> Option<StageTimes> {
+    pub(crate) fn step(
+        &mut self,
+        scene: &Arc<Scene>,
+        camera: &Camera,
+        recipe: &Recipe,
+        frame: &Frame,
+    ) -> Option<StageTimes> {
         let level = (self.runs % PIECES).checked_sub(1).filter(|_| frame.execution == Execution::Classic);
         if let Some(level) = level {
             let start = Instant::now();
@@ -236,7 +242,7 @@ impl StageTimer {
 
 /// Times every stage of `frame`, which was drawn of `scene` with `recipe`. Draws up to 15 more frames for a short
 /// frame, otherwise up to 5.
-pub fn stage_times(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, frame: &Frame) -> StageTimes {
+pub(crate) fn stage_times(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, frame: &Frame) -> StageTimes {
     let mut timer = StageTimer::new(frame);
     loop {
         if let Some(times) = timer.step(scene, camera, recipe, frame) {
@@ -247,28 +253,28 @@ pub fn stage_times(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, frame: 
 
 /// Time of a stage over a series of frames, in milliseconds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct StageMs {
+pub(crate) struct StageMs {
     /// Share of the stage in the middle half of the frames, times the median frame time. These values add up to the
     /// median frame time over all stages.
-    pub median: f64,
+    pub(crate) median: f64,
     /// 10th percentile of the stage over all frames.
-    pub p10: f64,
+    pub(crate) p10: f64,
     /// 90th percentile of the stage over all frames.
-    pub p90: f64,
+    pub(crate) p90: f64,
 }
 
 /// Time of a named stage over a series of frames.
 #[derive(Clone, Debug, Serialize)]
-pub struct StageSummary {
+pub(crate) struct StageSummary {
     /// Name of the stage, as in [`StageTimes::named`].
-    pub stage: &'static str,
+    pub(crate) stage: &'static str,
     /// Time of the stage in milliseconds.
-    pub ms: StageMs,
+    pub(crate) ms: StageMs,
 }
 
 /// Summarises the stages of a series of frames; each frame lists all stages in the same order. Returns `None` without
 /// frames.
-pub fn summarize_stages(frames: &[Vec<(&'static str, Duration)>]) -> Option<Vec<StageSummary>> {
+pub(crate) fn summarize_stages(frames: &[Vec<(&'static str, Duration)>]) -> Option<Vec<StageSummary>> {
     let ms = |time: &Duration| time.as_secs_f64() * 1e3;
     let total = |frame: &&Vec<(&str, Duration)>| frame.iter().map(|(_, time)| ms(time)).sum::<f64>();
     let mut sorted: Vec<_> = frames.iter().collect();

@@ -10,27 +10,27 @@ use serde::Serialize;
 /// A percentile is interpolated linearly between the two nearest samples: of n sorted samples, number p · (n − 1)
 /// counted from zero (definition 7 of Hyndman and Fan 1996, the usual one of spreadsheets and numpy).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Summary {
+pub(crate) struct Summary {
     /// Number of samples, at least 1.
-    pub n: usize,
+    pub(crate) n: usize,
     /// Minimum.
-    pub min: f64,
+    pub(crate) min: f64,
     /// 10th percentile.
-    pub p10: f64,
+    pub(crate) p10: f64,
     /// 50th percentile.
-    pub median: f64,
+    pub(crate) median: f64,
     /// 90th percentile.
-    pub p90: f64,
+    pub(crate) p90: f64,
     /// 99th percentile.
-    pub p99: f64,
+    pub(crate) p99: f64,
     /// Maximum.
-    pub max: f64,
+    pub(crate) max: f64,
     /// Arithmetic mean.
-    pub mean: f64,
+    pub(crate) mean: f64,
 }
 
 /// Summarises times in milliseconds, in any order. Returns `None` if there are none or one is not finite.
-pub fn summarize(samples_ms: &[f64]) -> Option<Summary> {
+pub(crate) fn summarize(samples_ms: &[f64]) -> Option<Summary> {
     if samples_ms.is_empty() || !samples_ms.iter().all(|sample| sample.is_finite()) {
         return None;
     }

@@ -6,17 +6,17 @@ use super::timing::Summary;
 
 /// CPU cost of interface passes while the window shows one view. Excludes the graphics card and rendering of the image.
 #[derive(Clone, Debug, Serialize)]
-pub struct WindowCost {
+pub(crate) struct WindowCost {
     /// Description of what the window shows.
-    pub what: String,
+    pub(crate) what: String,
     /// Layout of panels, text and input, in milliseconds.
-    pub layout_ms: Summary,
+    pub(crate) layout_ms: Summary,
     /// Tessellation of shapes into triangles, in milliseconds.
-    pub tessellation_ms: Summary,
+    pub(crate) tessellation_ms: Summary,
     /// Layout plus tessellation, in milliseconds.
-    pub whole_ms: Summary,
+    pub(crate) whole_ms: Summary,
     /// Number of vertices of all triangles in the last pass.
-    pub vertices: usize,
+    pub(crate) vertices: usize,
     /// Largest number of texture bytes that a pass uploads to the graphics card.
-    pub texture_bytes: usize,
+    pub(crate) texture_bytes: usize,
 }

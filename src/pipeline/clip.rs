@@ -17,14 +17,14 @@ use crate::scene::TriangleId;
 
 /// Half the width of the guard band in pixels: screen coordinates stay within ±2¹⁵ px of the picture's centre. f32
 /// still resolves 1/256 px there, and edge functions of such coordinates need 49 bits of an i64.
-pub const GUARD_BAND_PX: f32 = 32_768.0;
+pub(crate) const GUARD_BAND_PX: f32 = 32_768.0;
 
 /// Least w that is projected: the smallest normal f32, so that 1/w is finite.
-pub const LEAST_W: f32 = f32::MIN_POSITIVE;
+pub(crate) const LEAST_W: f32 = f32::MIN_POSITIVE;
 
 /// Clipping plane of the view frustum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Plane {
+pub(crate) enum Plane {
     /// z ≥ 0. This is the far plane if z falls from near to far: see [`Self::of_view`].
     Near,
     /// w ≥ [`LEAST_W`], which stands in for w > 0. The near plane implies it, except for rounding.
@@ -43,12 +43,13 @@ pub enum Plane {
 
 impl Plane {
     /// All planes, in the order of clipping: depth first, so that w > 0 when the sides are cut.
-    pub const ALL: [Self; 7] = [Self::Near, Self::Eye, Self::Far, Self::Left, Self::Right, Self::Bottom, Self::Top];
+    pub(crate) const ALL: [Self; 7] =
+        [Self::Near, Self::Eye, Self::Far, Self::Left, Self::Right, Self::Bottom, Self::Top];
 
     /// Returns the signed distance in units of clip space, ≥ 0 inside. The four sides are moved outwards by the factor
     /// `widening`.
     #[inline]
-    pub fn distance(self, p: Vec4, widening: f32) -> f64 {
+    pub(crate) fn distance(self, p: Vec4, widening: f32) -> f64 {
         let DVec4 { x, y, z, w } = p.as_dvec4();
         let side = w * f64::from(widening);
         match self {
@@ -64,7 +65,7 @@ impl Plane {
 
     /// Maps a clip-space plane to the plane of the view, and back. Near and far are swapped if the view has z = 0 at
     /// its far plane.
-    pub fn of_view(self, has_zero_at_far: bool) -> Self {
+    pub(crate) fn of_view(self, has_zero_at_far: bool) -> Self {
         match self {
             Self::Near if has_zero_at_far => Self::Far,
             Self::Far if has_zero_at_far => Self::Near,
@@ -154,7 +155,7 @@ pub fn clip<O: Observer>(
 
 /// Result of clipping a triangle that was not rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Cut {
+pub(crate) enum Cut {
     /// The triangle crosses no plane.
     Whole,
     /// The triangle was cut; the polygon holds what is left.
@@ -180,14 +181,14 @@ pub(crate) struct EdgeCut {
 
 /// Polygon being clipped, with buffers reused from triangle to triangle.
 #[derive(Clone, Debug, Default)]
-pub struct Polygon {
+pub(crate) struct Polygon {
     vertices: Vec<ClipVertex>,
     next: Vec<ClipVertex>,
 }
 
 impl Polygon {
     /// Clips one triangle.
-    pub fn clip(&mut self, triangle: &[ClipVertex; 3], widening: f32) -> Result<Cut, Fate> {
+    pub(crate) fn clip(&mut self, triangle: &[ClipVertex; 3], widening: f32) -> Result<Cut, Fate> {
         self.clip_watched(triangle, widening, &mut |_| {})
     }
 
@@ -219,7 +220,7 @@ impl Polygon {
     }
 
     /// Returns the polygon's vertices, in the winding of the triangle.
-    pub fn vertices(&self) -> &[ClipVertex] {
+    pub(crate) fn vertices(&self) -> &[ClipVertex] {
         &self.vertices
     }
 

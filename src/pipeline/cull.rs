@@ -11,7 +11,7 @@ use super::settings::Culling;
 ///    b───c               (b − a) × (c − a) is negative: that is the front.
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Facing {
+pub(crate) enum Facing {
     /// Front-facing: counter-clockwise for the viewer.
     Front,
     /// Back-facing: clockwise for the viewer.
@@ -22,7 +22,7 @@ pub enum Facing {
 
 /// Returns the visible side from the signed doubled area in the settings' arithmetic (in fixed point, that of the
 /// *snapped* corners). No other code decides facing.
-pub fn facing(doubled_area: f64) -> Facing {
+pub(crate) fn facing(doubled_area: f64) -> Facing {
     if doubled_area < 0.0 {
         Facing::Front
     } else if doubled_area > 0.0 {
@@ -33,7 +33,7 @@ pub fn facing(doubled_area: f64) -> Facing {
 }
 
 /// Returns the fate of a triangle of this doubled area, or `None` if it is drawn.
-pub fn cull(doubled_area: f64, culling: Culling) -> Option<Fate> {
+pub(crate) fn cull(doubled_area: f64, culling: Culling) -> Option<Fate> {
     match (facing(doubled_area), culling) {
         (Facing::Edge, _) => Some(Fate::ZeroArea),
         (Facing::Back, Culling::Back) => Some(Fate::BackFacing),

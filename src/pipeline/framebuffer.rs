@@ -14,15 +14,15 @@ pub struct Framebuffer {
     /// Grid of the drawn pixels.
     pub grid: SampleGrid,
     /// Packed column and row of the first sample held; (0, 0) unless only a part is drawn.
-    pub origin: (u32, u32),
+    pub(crate) origin: (u32, u32),
     /// Colours, as sRGB codes.
     pub color: Image<Rgba8>,
     /// Stored depths; `None` if the depth test is off.
     pub depth: Option<Image<f32>>,
     /// Clear value of the depth buffer.
-    pub clear_depth: f32,
+    pub(crate) clear_depth: f32,
     /// Mapping between distances and stored depths.
-    pub depth_scale: DepthScale,
+    pub(crate) depth_scale: DepthScale,
 }
 
 impl Framebuffer {
@@ -33,12 +33,12 @@ impl Framebuffer {
     }
 
     /// Returns a cleared framebuffer that holds a single sample.
-    pub fn one_sample(grid: SampleGrid, sample: (u32, u32), background: [u8; 3], settings: &Settings) -> Self {
+    pub(crate) fn one_sample(grid: SampleGrid, sample: (u32, u32), background: [u8; 3], settings: &Settings) -> Self {
         Self::cleared(grid, sample, (1, 1), background, settings)
     }
 
     /// Returns a cleared framebuffer for a range of packed rows of a `width` × `height` px picture.
-    pub fn of_rows(
+    pub(crate) fn of_rows(
         grid: SampleGrid,
         (width, height): (u32, u32),
         rows: Range<u32>,
@@ -65,7 +65,7 @@ impl Framebuffer {
 
     /// Returns an uncleared framebuffer that reuses existing buffers. Their old content remains, so callers must
     /// overwrite all of it.
-    pub fn reusing(
+    pub(crate) fn reusing(
         grid: SampleGrid,
         viewport: Viewport,
         (color, depth): (Option<Image<Rgba8>>, Option<Image<f32>>),

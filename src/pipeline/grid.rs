@@ -29,7 +29,7 @@ impl SampleGrid {
     pub const FULL: Self = Self::Block { step: 1 };
 
     /// Returns the size of the packed picture for a full picture of `width` × `height` px.
-    pub fn packed_size(self, width: u32, height: u32) -> (u32, u32) {
+    pub(crate) fn packed_size(self, width: u32, height: u32) -> (u32, u32) {
         match self {
             Self::Block { step } => (width.div_ceil(step), height.div_ceil(step)),
             // Rows that start with a drawn square have the most samples: 2 of each 4 pixels, and up to 2 of the
@@ -40,7 +40,7 @@ impl SampleGrid {
 
     /// Returns the full-picture pixel of a packed sample.
     #[inline]
-    pub fn pixel(self, column: u32, row: u32) -> (u32, u32) {
+    pub(crate) fn pixel(self, column: u32, row: u32) -> (u32, u32) {
         match self {
             Self::Block { step } => (column * step, row * step),
             Self::Checkerboard | Self::OddCheckerboard => (column / 2 * 4 + column % 2 + self.first_drawn(row), row),
@@ -61,13 +61,13 @@ impl SampleGrid {
 
     /// Returns the position of a packed sample in the full picture, in 24.8 fixed point.
     #[inline]
-    pub fn position(self, column: u32, row: u32) -> (i64, i64) {
+    pub(crate) fn position(self, column: u32, row: u32) -> (i64, i64) {
         let (x, y) = self.pixel(column, row);
         (i64::from(x) * SUBPIXELS + HALF_PIXEL, i64::from(y) * SUBPIXELS + HALF_PIXEL)
     }
 
     /// Returns the half-open range of packed rows whose samples may lie within the pixel rows `from..to`.
-    pub fn rows(self, from: u32, to: u32) -> std::ops::Range<u32> {
+    pub(crate) fn rows(self, from: u32, to: u32) -> std::ops::Range<u32> {
         match self {
             Self::Block { step } => from.div_ceil(step)..to.div_ceil(step),
             Self::Checkerboard | Self::OddCheckerboard => from..to,
@@ -76,7 +76,7 @@ impl SampleGrid {
 
     /// Returns the half-open range of columns of packed row `row` whose samples lie within the pixel columns
     /// `from..to`.
-    pub fn columns(self, row: u32, from: u32, to: u32) -> std::ops::Range<u32> {
+    pub(crate) fn columns(self, row: u32, from: u32, to: u32) -> std::ops::Range<u32> {
         match self {
             Self::Block { step } => from.div_ceil(step)..to.div_ceil(step),
             Self::Checkerboard | Self::OddCheckerboard => {

@@ -78,24 +78,24 @@ fn published_weights(triangle: &ScreenTriangle, sample: &Sample) -> [f32; 3] {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Attributes {
     /// Computation of the weights.
-    pub interpolation: Interpolation,
+    pub(crate) interpolation: Interpolation,
     /// Whether [`Fragment::normal`] is interpolated.
-    pub normal: bool,
+    pub(crate) normal: bool,
     /// Whether [`Fragment::uv`] is interpolated.
-    pub uv: bool,
+    pub(crate) uv: bool,
     /// Whether [`Fragment::color`] is interpolated.
-    pub color: bool,
+    pub(crate) color: bool,
     /// Whether [`Fragment::light`] is interpolated.
-    pub light: bool,
+    pub(crate) light: bool,
     /// Whether [`Fragment::source_weights`] is interpolated.
-    pub source_weights: bool,
+    pub(crate) source_weights: bool,
     /// Arithmetic of the edges from which [`Fragment::uv_gradient`] is computed; `None` if it is not computed.
-    pub uv_gradient: Option<Arithmetic>,
+    pub(crate) uv_gradient: Option<Arithmetic>,
 }
 
 impl Attributes {
     /// Returns a selection of all attributes except the gradient.
-    pub const fn all(interpolation: Interpolation) -> Self {
+    pub(crate) const fn all(interpolation: Interpolation) -> Self {
         Self {
             interpolation,
             normal: true,
@@ -108,7 +108,7 @@ impl Attributes {
     }
 
     /// Returns the attributes that a draw reads.
-    pub fn read_by(plan: &DrawPlan, settings: &Settings) -> Self {
+    pub(crate) fn read_by(plan: &DrawPlan, settings: &Settings) -> Self {
         Self {
             interpolation: settings.interpolation,
             normal: plan.runs(Part::Normals),
@@ -128,21 +128,21 @@ pub struct Fragment {
     /// Covered sample.
     pub sample: Sample,
     /// Identifier of its triangle in the scene.
-    pub triangle: TriangleId,
+    pub(crate) triangle: TriangleId,
     /// Weights of the three corners for attributes.
     pub weights: [f32; 3],
     /// World-space normal, not normalised.
-    pub normal: Vec3,
+    pub(crate) normal: Vec3,
     /// Texture coordinates, v down.
-    pub uv: Vec2,
+    pub(crate) uv: Vec2,
     /// Vertex colour, in the working colour space.
-    pub color: Vec3,
+    pub(crate) color: Vec3,
     /// Light interpolated from the vertices (Gouraud only).
-    pub light: f32,
+    pub(crate) light: f32,
     /// Weights of the corners of the triangle before clipping.
     pub source_weights: Vec3,
     /// Change of texture coordinates per px to the right, and per px downwards; zero unless the draw reads it.
-    pub uv_gradient: [Vec2; 2],
+    pub(crate) uv_gradient: [Vec2; 2],
 }
 
 /// Interpolates the `attributes` of a covered sample.

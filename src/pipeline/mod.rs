@@ -19,7 +19,7 @@ mod blending;
 
 pub mod clip;
 
-pub mod cull;
+pub(crate) mod cull;
 
 pub mod depth;
 
@@ -29,17 +29,17 @@ pub mod grid;
 
 pub mod interpolate;
 
-pub mod multisample;
+pub(crate) mod multisample;
 
 pub mod observe;
 
-pub mod partial;
+pub(crate) mod partial;
 
 pub mod plan;
 
 pub mod raster;
 
-pub mod sample;
+pub(crate) mod sample;
 
 mod samples;
 
@@ -49,13 +49,13 @@ pub mod shade;
 
 pub mod tiled;
 
-pub mod triangle_list;
+pub(crate) mod triangle_list;
 
 pub mod vertex;
 
 pub mod viewport;
 
-pub mod wireframe;
+pub(crate) mod wireframe;
 
 use std::ops::Range;
 use std::time::{Duration, Instant};
@@ -84,21 +84,21 @@ pub struct Geometry {
     /// sorted by distance if [`Geometry::blending`] selects it.
     pub triangles: TriangleList,
     /// Order of the blended triangles.
-    pub blending: Blending,
+    pub(crate) blending: Blending,
     /// Samples drawn of the last triangle; `None` draws all of them.
-    pub partial: Option<Vec<Span>>,
+    pub(crate) partial: Option<Vec<Span>>,
     /// Mapping between distances and the depths of the triangles.
-    pub depth_scale: DepthScale,
+    pub(crate) depth_scale: DepthScale,
     /// One plan per instance.
     pub plans: Vec<DrawPlan>,
     /// Time of each geometry stage, summed over all draws.
-    pub times: GeometryTimes,
+    pub(crate) times: GeometryTimes,
     /// Number of transformed vertices.
-    pub vertices: usize,
+    pub(crate) vertices: usize,
     /// Number of triangles of all instances, before culling and clipping.
-    pub triangles_in: usize,
+    pub(crate) triangles_in: usize,
     /// Number of triangles after clipping.
-    pub triangles_clipped: usize,
+    pub(crate) triangles_clipped: usize,
 }
 
 impl Geometry {
@@ -109,7 +109,7 @@ impl Geometry {
 
     /// Returns the index of the first triangle whose fragments are sorted among those of others, so that it cannot be
     /// drawn alone. Returns the number of triangles if there is none.
-    pub fn sorted_from(&self, settings: &Settings) -> usize {
+    pub(crate) fn sorted_from(&self, settings: &Settings) -> usize {
         let sorts = settings.blending.order == BlendingOrder::Exact;
         if sorts { self.blended_from() } else { self.triangles.len() }
     }
@@ -167,15 +167,15 @@ fn mean_distance(depth_scale: &DepthScale, triangle: &ScreenTriangle) -> f64 {
 
 /// Wall-clock time per geometry stage.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct GeometryTimes {
+pub(crate) struct GeometryTimes {
     /// Planning and transforming.
-    pub transform: Duration,
+    pub(crate) transform: Duration,
     /// Clipping.
-    pub clip: Duration,
+    pub(crate) clip: Duration,
     /// Projection, snapping.
-    pub project: Duration,
+    pub(crate) project: Duration,
     /// Facing, edge setup.
-    pub cull: Duration,
+    pub(crate) cull: Duration,
 }
 
 /// Last stage that [`draw`] runs for each covered sample. Stopping early serves to time stages separately; `black_box`
@@ -193,7 +193,7 @@ pub enum Until {
 }
 
 /// Runs the geometry stages over all instances, for a picture of the viewport's size.
-pub fn prepare<O: Observer>(
+pub(crate) fn prepare<O: Observer>(
     scene: &Scene,
     camera: &Camera,
     settings: &Settings,
@@ -348,9 +348,9 @@ fn set_up<O: Observer>(
 #[derive(Clone, Debug)]
 pub struct Extent {
     /// Range of indices into [`Geometry::triangles`].
-    pub triangles: Range<usize>,
+    pub(crate) triangles: Range<usize>,
     /// Rectangle of pixels that are visited.
-    pub scissor: Scissor,
+    pub(crate) scissor: Scissor,
 }
 
 impl Extent {
@@ -416,7 +416,7 @@ fn draw_in<N: Numbers, O: Observer>(
 }
 
 /// Draws the given samples of the triangle at index `place`, in the same way as [`draw`].
-pub fn draw_samples(
+pub(crate) fn draw_samples(
     scene: &Scene,
     geometry: &Geometry,
     settings: &Settings,

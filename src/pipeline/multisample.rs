@@ -26,17 +26,17 @@ use crate::scene::{Scene, Transparency};
 
 /// Sample positions within pixels.
 #[derive(Clone, Copy)]
-pub struct Places<'a> {
+pub(crate) struct Places<'a> {
     /// Candidate positions of each sample of a pixel, px right of and below the pixel's centre.
-    pub candidates: &'a [Vec<[f32; 2]>],
+    pub(crate) candidates: &'a [Vec<[f32; 2]>],
     /// Returns the index of a sample's candidate position in a pixel, by the pixel's column and row in the full
     /// picture.
-    pub chosen: &'a (dyn Fn((u32, u32), usize) -> usize + Sync),
+    pub(crate) chosen: &'a (dyn Fn((u32, u32), usize) -> usize + Sync),
 }
 
 /// Shading frequency of a triangle within a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ShadingRate {
+pub(crate) enum ShadingRate {
     /// Once per covered sample.
     Sample,
     /// Once per pixel, whatever the number of covered samples.
@@ -45,7 +45,7 @@ pub enum ShadingRate {
 
 /// Draws the triangles of `extent` into one framebuffer per sample of a pixel; all framebuffers hold the same
 /// rectangle.
-pub fn draw(
+pub(crate) fn draw(
     scene: &Scene,
     geometry: &Geometry,
     settings: &Settings,

@@ -38,7 +38,7 @@ impl Fate {
         [Self::Outside, Self::NotFinite, Self::ClippedAway, Self::ZeroArea, Self::BackFacing, Self::FrontFacing];
 
     /// Display name.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Outside => "outside the view",
             Self::NotFinite => "not finite",
@@ -58,7 +58,7 @@ pub struct DepthOutcome {
     /// Depth that the buffer held.
     pub stored: f32,
     /// Whether the fragment passed the test.
-    pub passed: bool,
+    pub(crate) passed: bool,
 }
 
 /// Hooks along the pipeline, all empty by default.
@@ -99,13 +99,13 @@ pub struct Counters {
     /// Number of triangles that crossed a plane and were cut.
     pub clipped: u64,
     /// Number of samples that the rasterizer visited.
-    pub visited: u64,
+    pub(crate) visited: u64,
     /// Number of samples inside a triangle, over all triangles.
     pub covered: u64,
     /// Number of covered samples that passed the depth test.
-    pub passed: u64,
+    pub(crate) passed: u64,
     /// Number of fragments shaded and written.
-    pub shaded: u64,
+    pub(crate) shaded: u64,
 }
 
 impl Counters {

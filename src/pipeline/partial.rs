@@ -7,7 +7,11 @@ use super::settings::Settings;
 use super::viewport::{ScreenTriangle, Viewport};
 
 /// Returns the samples that a triangle covers, in drawing order.
-pub fn samples_of(triangle: &ScreenTriangle, settings: &Settings, (grid, raster): (SampleGrid, Viewport)) -> Vec<Span> {
+pub(crate) fn samples_of(
+    triangle: &ScreenTriangle,
+    settings: &Settings,
+    (grid, raster): (SampleGrid, Viewport),
+) -> Vec<Span> {
     let how = (settings.rasterizer, settings.arithmetic, settings.fill_rule);
     let mut spans = Vec::new();
     cover_within(how, triangle.corners_px(), (grid, Scissor::full(raster.width, raster.height)), &mut spans);
@@ -15,18 +19,18 @@ pub fn samples_of(triangle: &ScreenTriangle, settings: &Settings, (grid, raster)
 }
 
 /// Returns the number of samples in the spans.
-pub fn count(samples: &[Span]) -> usize {
+pub(crate) fn count(samples: &[Span]) -> usize {
     samples.iter().map(|span| (span.right - span.left) as usize).sum()
 }
 
 /// Returns the index of a packed sample (column, row) in drawing order; `None` if the spans do not contain it.
-pub fn place_of(samples: &[Span], (column, row): (u32, u32)) -> Option<usize> {
+pub(crate) fn place_of(samples: &[Span], (column, row): (u32, u32)) -> Option<usize> {
     let found = samples.iter().position(|span| span.row == row && (span.left..span.right).contains(&column))?;
     Some(count(&samples[..found]) + (column - samples[found].left) as usize)
 }
 
 /// Returns the first `most` samples; all of them if there are fewer.
-pub fn first(samples: &[Span], most: usize) -> Vec<Span> {
+pub(crate) fn first(samples: &[Span], most: usize) -> Vec<Span> {
     let mut left = most;
     let mut first = Vec::new();
     for span in samples {

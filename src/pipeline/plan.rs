@@ -53,7 +53,7 @@ pub enum Part {
 
 impl Part {
     /// All parts, in the order of the stages.
-    pub const ALL: [Self; 16] = [
+    pub(crate) const ALL: [Self; 16] = [
         Self::Vertices,
         Self::EveryCluster,
         Self::Clipping,
@@ -73,7 +73,7 @@ impl Part {
     ];
 
     /// Returns the setting that forces the part to run without need, if there is one.
-    pub fn force(self) -> Option<Force> {
+    pub(crate) fn force(self) -> Option<Force> {
         match self {
             Self::Vertices => Some(Force::Vertices),
             Self::EveryCluster => Some(Force::Clusters),
@@ -108,7 +108,7 @@ impl Part {
     }
 
     /// Display name.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Vertices => "Vertices",
             Self::EveryCluster => "Every cluster",
@@ -142,17 +142,17 @@ pub enum Step {
 
 impl Step {
     /// Returns [`Step::Run`] if there is no reason to skip the part.
-    pub fn unless(reason: Option<&'static str>) -> Self {
+    pub(crate) fn unless(reason: Option<&'static str>) -> Self {
         reason.map_or(Self::Run, Self::LeftOut)
     }
 
     /// Whether the part runs.
-    pub fn runs(self) -> bool {
+    pub(crate) fn runs(self) -> bool {
         self == Self::Run
     }
 
     /// Returns the reason for skipping the part; `None` if it runs.
-    pub fn reason(self) -> Option<&'static str> {
+    pub(crate) fn reason(self) -> Option<&'static str> {
         match self {
             Self::Run => None,
             Self::LeftOut(reason) => Some(reason),
@@ -162,7 +162,7 @@ impl Step {
 
 /// Location of a mesh's bounding box relative to the frustum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Containment {
+pub(crate) enum Containment {
     /// Wholly beyond one plane.
     Outside,
     /// Wholly inside all planes.
@@ -173,18 +173,18 @@ pub enum Containment {
 
 /// Numbers of culled clusters of a mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Unseen {
+pub(crate) struct Unseen {
     /// Number of clusters outside the view.
-    pub outside: usize,
+    pub(crate) outside: usize,
     /// Number of other clusters whose triangles all have the culled facing.
-    pub turned_away: usize,
+    pub(crate) turned_away: usize,
     /// Number of clusters, culled or not.
-    pub all: usize,
+    pub(crate) all: usize,
 }
 
 impl Unseen {
     /// Returns the sums over several draws.
-    pub fn of<'a>(plans: impl IntoIterator<Item = &'a DrawPlan>) -> Self {
+    pub(crate) fn of<'a>(plans: impl IntoIterator<Item = &'a DrawPlan>) -> Self {
         plans.into_iter().fold(Self::default(), |sum, DrawPlan { clusters, .. }| Self {
             outside: sum.outside + clusters.outside,
             turned_away: sum.turned_away + clusters.turned_away,
@@ -193,12 +193,12 @@ impl Unseen {
     }
 
     /// Returns the number of culled clusters.
-    pub fn left_out(&self) -> usize {
+    pub(crate) fn left_out(&self) -> usize {
         self.outside + self.turned_away
     }
 
     /// Returns a description in words.
-    pub fn told(self) -> String {
+    pub(crate) fn told(self) -> String {
         let Self { outside, turned_away, all } = self;
         format!("{} of {all}: {outside} wholly outside the view, {turned_away} culled by facing", self.left_out())
     }
@@ -221,7 +221,7 @@ pub struct DrawPlan {
 
 impl DrawPlan {
     /// Returns the plan of one instance.
-    pub fn new(
+    pub(crate) fn new(
         library: &Library,
         instance: &Instance,
         camera: &Camera,
@@ -267,7 +267,7 @@ impl DrawPlan {
 
     /// Returns the scale and offset that the material applies to texture coordinates of vertices; `None` if they change
     /// nothing.
-    pub fn uv_transform(&self) -> Option<[Vec2; 2]> {
+    pub(crate) fn uv_transform(&self) -> Option<[Vec2; 2]> {
         self.uv_transform
     }
 
@@ -293,12 +293,12 @@ impl DrawPlan {
     }
 
     /// Returns the numbers of culled clusters; all zero if none is culled.
-    pub fn clusters(&self) -> Unseen {
+    pub(crate) fn clusters(&self) -> Unseen {
         self.clusters
     }
 
     /// Whether both plans run the same parts, for the same reasons, whatever their numbers of culled clusters.
-    pub fn agrees_with(&self, other: &Self) -> bool {
+    pub(crate) fn agrees_with(&self, other: &Self) -> bool {
         (self.steps, self.transparency) == (other.steps, other.transparency)
     }
 
@@ -308,7 +308,7 @@ impl DrawPlan {
     }
 
     /// Returns the step of a part.
-    pub fn step(&self, part: Part) -> Step {
+    pub(crate) fn step(&self, part: Part) -> Step {
         self.steps[part as usize]
     }
 

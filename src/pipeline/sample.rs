@@ -18,22 +18,22 @@ use crate::math::log2::log2;
 
 /// Texel read by a sample, with its weight.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct TexelTap {
+pub(crate) struct TexelTap {
     /// Column, from the left.
-    pub x: u32,
+    pub(crate) x: u32,
     /// Row, from the top.
-    pub y: u32,
+    pub(crate) y: u32,
     /// Weight; the weights of a sample sum to one.
-    pub weight: f32,
+    pub(crate) weight: f32,
 }
 
 /// Sampler: filter, addressing mode and colour space of texture reads.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sampler {
+pub(crate) struct Sampler {
     /// Filter between texel centres.
-    pub filter: Filter,
+    pub(crate) filter: Filter,
     /// Addressing outside of [0, 1].
-    pub address: Address,
+    pub(crate) address: Address,
     /// Value as which each code of a texel is mixed.
     number_of_code: &'static [f32; 256],
     /// Factor that maps mixed values into [0, 1].
@@ -42,7 +42,7 @@ pub struct Sampler {
 
 impl Sampler {
     /// Returns a sampler that mixes texels in `color_space`.
-    pub fn new(filter: Filter, address: Address, color_space: ColorSpace) -> Self {
+    pub(crate) fn new(filter: Filter, address: Address, color_space: ColorSpace) -> Self {
         let tables = Tables::get();
         // Mixing codes directly rounds only in the weights; dividing each code by 255 first would round every one.
         let (number_of_code, scale) = match color_space {
@@ -54,7 +54,7 @@ impl Sampler {
 
     /// Returns the colour at `uv` (v down) in [0, 1]: linear light or sRGB values, by the sampler's colour space.
     #[inline]
-    pub fn sample(self, texture: &Image<Rgba8>, uv: Vec2) -> Vec3 {
+    pub(crate) fn sample(self, texture: &Image<Rgba8>, uv: Vec2) -> Vec3 {
         // A vector of four lanes, the last one unused, is mixed in a single register.
         self.mixed(texture, uv, |texel| self.number_of(texel).extend(0.0)).truncate() * self.scale
     }
@@ -62,21 +62,21 @@ impl Sampler {
     /// Returns the colour at `uv`, as [`Sampler::sample`] does, and the alpha from the same texels and weights, both in
     /// [0, 1]. The colour is straight: not multiplied by alpha.
     #[inline]
-    pub fn sample_with_alpha(self, texture: &Image<Rgba8>, uv: Vec2) -> (Vec3, f32) {
+    pub(crate) fn sample_with_alpha(self, texture: &Image<Rgba8>, uv: Vec2) -> (Vec3, f32) {
         let mixed = self.mixed(texture, uv, |texel| self.number_of(texel).extend(alpha_of(texel)));
         (mixed.truncate() * self.scale, mixed.w * ALPHA_SCALE)
     }
 
     /// Returns the alpha at `uv`, as [`Sampler::sample_with_alpha`] does.
     #[inline]
-    pub fn alpha(self, texture: &Image<Rgba8>, uv: Vec2) -> f32 {
+    pub(crate) fn alpha(self, texture: &Image<Rgba8>, uv: Vec2) -> f32 {
         self.mixed(texture, uv, alpha_of) * ALPHA_SCALE
     }
 
     /// Returns colour × alpha, and alpha, at `uv`. Both are unscaled: alpha is in codes, and colour is in the values
     /// that the sampler mixes. Their quotient is the colour without the influence of texels whose alpha is 0.
     #[inline]
-    pub fn sample_premultiplied(self, texture: &Image<Rgba8>, uv: Vec2) -> Vec4 {
+    pub(crate) fn sample_premultiplied(self, texture: &Image<Rgba8>, uv: Vec2) -> Vec4 {
         self.mixed(texture, uv, |texel| {
             let alpha = alpha_of(texel);
             (self.number_of(texel) * alpha).extend(alpha)
@@ -103,7 +103,7 @@ impl Sampler {
 
     /// Returns the texels that [`Sampler::sample`] reads at `uv` in a texture of this size, and how many of them count.
     #[inline(always)] // One of several callers is the loop over opaque samples, where the cost of a call is measurable.
-    pub fn taps(self, (width, height): (u32, u32), uv: Vec2) -> ([TexelTap; 4], usize) {
+    pub(crate) fn taps(self, (width, height): (u32, u32), uv: Vec2) -> ([TexelTap; 4], usize) {
         let [u, v] = self.unit(uv);
         let mut taps = [TexelTap::default(); 4];
         match self.filter {
@@ -139,7 +139,7 @@ impl Sampler {
     /// Returns the two mip levels, with their weights, that are read for a pixel over which texture coordinates change
     /// by `uv_gradient`. Level 0 is the texture itself, level `copies` the smallest. The level whose texels are as long
     /// as the pixel's longer side lies between the two, so no texel is missed.
-    pub fn levels((width, height): (u32, u32), copies: usize, uv_gradient: [Vec2; 2]) -> [(usize, f32); 2] {
+    pub(crate) fn levels((width, height): (u32, u32), copies: usize, uv_gradient: [Vec2; 2]) -> [(usize, f32); 2] {
         let squared_texels = |change: Vec2| (change * Vec2::new(width as f32, height as f32)).length_squared();
         let [right, down] = uv_gradient.map(squared_texels);
         let longest = if down > right { down } else { right };
@@ -152,7 +152,7 @@ impl Sampler {
 
     /// Returns a colour of sRGB codes in the colour space of [`Sampler::sample`].
     #[inline]
-    pub fn value_of(self, color: Rgba8) -> Vec3 {
+    pub(crate) fn value_of(self, color: Rgba8) -> Vec3 {
         self.number_of(color) * self.scale
     }
 

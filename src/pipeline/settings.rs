@@ -126,7 +126,7 @@ impl Rasterizer {
     }
 
     /// Whether the rasterizer keeps the faults of a commonly published version.
-    pub fn is_published(self) -> bool {
+    pub(crate) fn is_published(self) -> bool {
         matches!(self, Self::BoundingBoxPublished | Self::ScanlinePublished)
     }
 }
@@ -167,7 +167,7 @@ choice! {
 
 impl FillRule {
     /// Whether exactly one of two triangles that share an edge owns a centre on it.
-    pub fn is_sound(self) -> bool {
+    pub(crate) fn is_sound(self) -> bool {
         !matches!(self, Self::Inclusive | Self::Exclusive)
     }
 }
@@ -252,17 +252,17 @@ impl Shading {
     }
 
     /// Whether light is computed.
-    pub fn is_lit(self) -> bool {
+    pub(crate) fn is_lit(self) -> bool {
         self == Self::Gouraud || self.is_lit_per_pixel()
     }
 
     /// Whether light is computed per pixel, from an interpolated normal.
-    pub fn is_lit_per_pixel(self) -> bool {
+    pub(crate) fn is_lit_per_pixel(self) -> bool {
         matches!(self, Self::Lambert | Self::BlinnPhong | Self::Cel)
     }
 
     /// Whether the shading reads the normal of every pixel, and with it normal maps.
-    pub fn reads_pixel_normals(self) -> bool {
+    pub(crate) fn reads_pixel_normals(self) -> bool {
         self == Self::Normals || self.is_lit_per_pixel()
     }
 }
@@ -344,7 +344,7 @@ pub struct DepthBias {
 #[serde(default)]
 pub struct Blending {
     /// Order in which fragments are blended.
-    pub order: BlendingOrder,
+    pub(crate) order: BlendingOrder,
 }
 
 impl Default for Blending {
@@ -370,13 +370,13 @@ impl Default for Light {
 
 /// Procedural checkerboard pattern.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Checker {
+pub(crate) struct Checker {
     /// Number of squares per unit of texture coordinate.
-    pub squares: f32,
+    pub(crate) squares: f32,
     /// sRGB values, in [0, 1], of the square at the origin.
-    pub even: Vec3,
+    pub(crate) even: Vec3,
     /// sRGB values, in [0, 1], of the other squares.
-    pub odd: Vec3,
+    pub(crate) odd: Vec3,
 }
 
 impl Default for Checker {
@@ -408,13 +408,13 @@ pub struct Settings {
     /// Source of a fragment's colour.
     pub shading: Shading,
     /// Pattern of [`Shading::Checker`].
-    pub checker: Checker,
+    pub(crate) checker: Checker,
     /// Light of the lit shadings.
     pub light: Light,
     /// Texture filter.
     pub filter: Filter,
     /// Texture addressing.
-    pub address: Address,
+    pub(crate) address: Address,
     /// Treatment of alpha in texture filters.
     pub alpha: AlphaMode,
     /// Colour space in which light is computed.
@@ -422,9 +422,9 @@ pub struct Settings {
     /// Drawing of blended materials.
     pub blending: Blending,
     /// Colour of the pixels that no triangle covers.
-    pub background: Background,
+    pub(crate) background: Background,
     /// Parts that run without need.
-    pub force: Force,
+    pub(crate) force: Force,
 }
 
 impl Default for Settings {

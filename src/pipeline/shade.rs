@@ -15,7 +15,7 @@ mod surface;
 
 use std::ops::{Add, Mul};
 
-pub use blinn_phong::Eye;
+pub(crate) use blinn_phong::Eye;
 pub(crate) use blinn_phong::Highlight;
 use glam::Vec3;
 pub(crate) use normal_map::NormalMap;
@@ -34,20 +34,20 @@ use crate::scene::material::CUT_OUT_BELOW;
 use crate::scene::{Alpha, Instance, Library, Texture, Transparency, TriangleId};
 
 /// N·L above which cel shading takes the light texture.
-pub const CEL_THRESHOLD: f32 = 0.5;
+pub(crate) const CEL_THRESHOLD: f32 = 0.5;
 
 /// Factor of the light colour on the dark side of a material without a dark texture.
-pub const CEL_DARK_FACTOR: f32 = 0.45;
+pub(crate) const CEL_DARK_FACTOR: f32 = 0.45;
 
 /// Returns the light on a surface: ambient + (1 − ambient)·max(0, N·L) for unit vectors.
 #[inline]
-pub fn lambert(normal: Vec3, light_direction: Vec3, ambient: f32) -> f32 {
+pub(crate) fn lambert(normal: Vec3, light_direction: Vec3, ambient: f32) -> f32 {
     ambient + (1.0 - ambient) * normal.dot(light_direction).max(0.0)
 }
 
 /// Texture with the mip levels that its filter reads.
 #[derive(Clone, Copy, Debug)]
-pub struct Readable<'a> {
+pub(crate) struct Readable<'a> {
     image: &'a Image<Rgba8>,
     /// Mip levels from 1 up, each half as long as the one before; empty unless the filter reads them.
     smaller: &'a [Image<Rgba8>],
@@ -91,13 +91,13 @@ impl<'a> Readable<'a> {
     }
 
     /// Returns the texture itself for level 0, or one of its smaller mip levels.
-    pub fn level(&self, level: usize) -> &'a Image<Rgba8> {
+    pub(crate) fn level(&self, level: usize) -> &'a Image<Rgba8> {
         level.checked_sub(1).and_then(|level| self.smaller.get(level)).unwrap_or(self.image)
     }
 
     /// Returns the mip levels read for a fragment with their weights, and how many of them count; 1 without
     /// mip-mapping.
-    pub fn levels(&self, fragment: &Fragment) -> ([(usize, f32); 2], usize) {
+    pub(crate) fn levels(&self, fragment: &Fragment) -> ([(usize, f32); 2], usize) {
         if self.mips {
             (Sampler::levels(self.image.size(), self.smaller.len(), fragment.uv_gradient), 2)
         } else {
@@ -169,7 +169,7 @@ pub struct Shader<'a> {
 
 impl<'a> Shader<'a> {
     /// Returns the shader of one instance.
-    pub fn new(settings: &'a Settings, library: &'a Library, instance: &Instance, plan: &DrawPlan) -> Self {
+    pub(crate) fn new(settings: &'a Settings, library: &'a Library, instance: &Instance, plan: &DrawPlan) -> Self {
         let material = library.material(instance.material);
         let image = |id| Readable::new(library.texture(id), settings);
         let reads_texels = plan.runs(Part::Texels);
@@ -209,7 +209,7 @@ impl<'a> Shader<'a> {
 
     /// Returns how fragments combine with what is already drawn.
     #[inline]
-    pub fn transparency(&self) -> Transparency {
+    pub(crate) fn transparency(&self) -> Transparency {
         self.transparency
     }
 
@@ -220,12 +220,12 @@ impl<'a> Shader<'a> {
 
     /// Returns the attributes that its fragments interpolate.
     #[inline]
-    pub fn attributes(&self) -> Attributes {
+    pub(crate) fn attributes(&self) -> Attributes {
         self.attributes
     }
 
     /// Returns the colour texture read for a fragment, if any.
-    pub fn texture_for(&self, fragment: &Fragment) -> Option<Readable<'a>> {
+    pub(crate) fn texture_for(&self, fragment: &Fragment) -> Option<Readable<'a>> {
         if self.settings.shading == Shading::Cel && !self.is_lit(fragment) {
             self.dark_texture.or(self.texture)
         } else {
@@ -234,7 +234,7 @@ impl<'a> Shader<'a> {
     }
 
     /// Returns the sampler of the colour texture.
-    pub fn sampler(&self) -> Sampler {
+    pub(crate) fn sampler(&self) -> Sampler {
         self.sampler
     }
 
@@ -282,13 +282,13 @@ impl<'a> Shader<'a> {
 
     /// Returns the interpolated unit normal of a fragment before any normal map; zero if it has none.
     #[inline]
-    pub fn smooth_normal(&self, fragment: &Fragment) -> Vec3 {
+    pub(crate) fn smooth_normal(&self, fragment: &Fragment) -> Vec3 {
         fragment.normal.normalize_or_zero()
     }
 
     /// Returns the unit normal of a fragment; zero if it has none, so that no direct light reaches it.
     #[inline]
-    pub fn unit_normal(&self, fragment: &Fragment) -> Vec3 {
+    pub(crate) fn unit_normal(&self, fragment: &Fragment) -> Vec3 {
         let smooth = self.smooth_normal(fragment);
         match &self.normal_map {
             Some(map) => map.apply(smooth, fragment),
@@ -298,12 +298,12 @@ impl<'a> Shader<'a> {
 
     /// Returns N·L of a fragment, in [−1, 1].
     #[inline]
-    pub fn cosine(&self, fragment: &Fragment) -> f32 {
+    pub(crate) fn cosine(&self, fragment: &Fragment) -> f32 {
         self.unit_normal(fragment).dot(self.light_direction)
     }
 
     /// Returns the factor by which light multiplies a fragment's colour; 1 for unlit shadings.
-    pub fn light(&self, fragment: &Fragment) -> f32 {
+    pub(crate) fn light(&self, fragment: &Fragment) -> f32 {
         match self.settings.shading {
             Shading::Gouraud => fragment.light,
             Shading::Lambert | Shading::BlinnPhong => {
@@ -317,7 +317,7 @@ impl<'a> Shader<'a> {
     /// Returns the alpha in [0, 1] with which a blended fragment covers what lies behind: the material's opacity × the
     /// alpha of the texture, if one is read, × the alpha of the opacity texture, if there is one.
     #[inline]
-    pub fn alpha(&self, fragment: &Fragment) -> f32 {
+    pub(crate) fn alpha(&self, fragment: &Fragment) -> f32 {
         let alpha = self
             .texture_for(fragment)
             .map_or(self.opacity, |texture| self.opacity * texture.alpha(self.sampler, fragment));
@@ -332,14 +332,14 @@ impl<'a> Shader<'a> {
 
     /// Whether a fragment fails the alpha test.
     #[inline]
-    pub fn cuts_out(&self, fragment: &Fragment) -> bool {
+    pub(crate) fn cuts_out(&self, fragment: &Fragment) -> bool {
         self.alpha(fragment) < CUT_OUT_BELOW
     }
 
     /// Returns the colour of a blended fragment of `triangle` over `below`: colour·α + below·(1 − α) in the working
     /// colour space, with α from [`Shader::alpha`]. Views of single quantities are opaque and replace `below`.
     #[inline]
-    pub fn blend(&self, fragment: &Fragment, triangle: &ScreenTriangle, below: Rgba8) -> Rgba8 {
+    pub(crate) fn blend(&self, fragment: &Fragment, triangle: &ScreenTriangle, below: Rgba8) -> Rgba8 {
         if !self.settings.shading.reads_material() {
             return self.shade(fragment, triangle);
         }
@@ -355,7 +355,7 @@ impl<'a> Shader<'a> {
 
     /// Returns the colour of a fragment of `triangle` as if it were opaque.
     #[inline]
-    pub fn shade(&self, fragment: &Fragment, triangle: &ScreenTriangle) -> Rgba8 {
+    pub(crate) fn shade(&self, fragment: &Fragment, triangle: &ScreenTriangle) -> Rgba8 {
         match self.settings.shading {
             Shading::Texture | Shading::Gouraud | Shading::Lambert | Shading::Cel | Shading::BlinnPhong => {
                 self.encode(self.reflected(fragment))
@@ -372,7 +372,7 @@ impl<'a> Shader<'a> {
     }
 
     /// Returns the colour of all samples of a triangle for shadings that are constant over it; `None` for the others.
-    pub fn flat_color(&self, id: TriangleId, instance: u32) -> Option<Rgba8> {
+    pub(crate) fn flat_color(&self, id: TriangleId, instance: u32) -> Option<Rgba8> {
         match self.settings.shading {
             Shading::TriangleId => Some(id_color(id)),
             Shading::ObjectId => Some(id_color(TriangleId(instance))),
@@ -478,7 +478,7 @@ impl<'a> Shader<'a> {
 }
 
 /// Converts sRGB values to the working colour space.
-pub fn to_working_space(srgb: Vec3, space: ColorSpace) -> Vec3 {
+pub(crate) fn to_working_space(srgb: Vec3, space: ColorSpace) -> Vec3 {
     match space {
         ColorSpace::Linear => decode_rgb(srgb),
         ColorSpace::Bytes => srgb,
@@ -490,7 +490,7 @@ fn quantized(color: Vec3) -> Rgba8 {
 }
 
 /// Returns a colour for an identifier: neighbouring identifiers differ visibly, and no channel is below 64.
-pub fn id_color(id: TriangleId) -> Rgba8 {
+pub(crate) fn id_color(id: TriangleId) -> Rgba8 {
     // Fibonacci hashing (Knuth, The Art of Computer Programming 3, 6.4) spreads consecutive numbers far apart.
     let hash = id.0.wrapping_add(1).wrapping_mul(0x9E37_79B9);
     let [a, b, c, _] = (hash ^ hash >> 15).to_be_bytes();

@@ -18,10 +18,10 @@ pub struct TriangleList {
 }
 
 /// Bounding box of a triangle, px, before snapping: least and greatest x, then least and greatest y.
-pub type PixelBox = [f32; 4];
+pub(crate) type PixelBox = [f32; 4];
 
 /// Returns the bounding box of a triangle's corners, in px.
-pub fn box_around([a, b, c]: [[f32; 2]; 3]) -> PixelBox {
+pub(crate) fn box_around([a, b, c]: [[f32; 2]; 3]) -> PixelBox {
     let least = |axis: usize| a[axis].min(b[axis]).min(c[axis]);
     let greatest = |axis: usize| a[axis].max(b[axis]).max(c[axis]);
     [least(0), greatest(0), least(1), greatest(1)]
@@ -29,28 +29,28 @@ pub fn box_around([a, b, c]: [[f32; 2]; 3]) -> PixelBox {
 
 impl TriangleList {
     /// Keeps only the first `len` triangles, if there are more.
-    pub fn truncate(&mut self, len: usize) {
+    pub(crate) fn truncate(&mut self, len: usize) {
         self.len = self.len.min(len);
     }
 
     /// Removes all triangles.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.truncate(0);
     }
 
     /// Computes the bounding boxes of all triangles.
-    pub fn find_boxes(&mut self) {
+    pub(crate) fn find_boxes(&mut self) {
         self.boxes = Some(self.iter().map(|triangle| box_around(triangle.corners_px())).collect());
     }
 
     /// Returns the bounding box of the triangle at an index; computes it if boxes are not stored.
-    pub fn box_of(&self, place: usize) -> PixelBox {
+    pub(crate) fn box_of(&self, place: usize) -> PixelBox {
         let found = self.boxes.as_ref().map(|boxes| boxes[place]);
         found.unwrap_or_else(|| box_around(self[place].corners_px()))
     }
 
     /// Returns the triangles as a vector, copied if other lists share the memory.
-    pub fn into_vec(self) -> Vec<ScreenTriangle> {
+    pub(crate) fn into_vec(self) -> Vec<ScreenTriangle> {
         let mut all = Arc::unwrap_or_clone(self.all);
         all.truncate(self.len);
         all

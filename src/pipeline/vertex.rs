@@ -21,9 +21,9 @@ pub struct Varyings {
     /// Texture coordinates, v down.
     pub uv: Vec2,
     /// Vertex colour in the working colour space; white if the mesh has none.
-    pub color: Vec3,
+    pub(crate) color: Vec3,
     /// Light at the vertex (Gouraud only).
-    pub light: f32,
+    pub(crate) light: f32,
     /// Weights of the three vertices of the unclipped triangle.
     pub source_weights: Vec3,
 }
@@ -31,7 +31,7 @@ pub struct Varyings {
 impl Varyings {
     /// Interpolates linearly from `self` at t = 0 to `other` at t = 1. A value that is equal at both ends stays exactly
     /// equal.
-    pub fn lerp(&self, other: &Self, t: f32) -> Self {
+    pub(crate) fn lerp(&self, other: &Self, t: f32) -> Self {
         Self {
             normal: self.normal + (other.normal - self.normal) * t,
             uv: self.uv + (other.uv - self.uv) * t,
@@ -48,7 +48,7 @@ pub struct ClipVertex {
     /// Homogeneous position. Inside the frustum 0 ≤ z ≤ w, |x| ≤ w and |y| ≤ w.
     pub position: Vec4,
     /// Near or far plane of clip space on which clipping placed the vertex; `None` otherwise.
-    pub cut_at: Option<Plane>,
+    pub(crate) cut_at: Option<Plane>,
     /// Attributes of the vertex.
     pub varyings: Varyings,
 }
@@ -64,9 +64,9 @@ impl ClipVertex {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrawMatrices {
     /// Transform from model space to clip space.
-    pub clip_from_model: Mat4,
+    pub(crate) clip_from_model: Mat4,
     /// Transform of normals from model space to world space: the inverse transpose.
-    pub world_from_model_normal: Mat3,
+    pub(crate) world_from_model_normal: Mat3,
 }
 
 impl DrawMatrices {
@@ -86,7 +86,7 @@ impl DrawMatrices {
 
     /// Returns the clip-space position of a model-space position.
     #[inline]
-    pub fn clip_position(&self, model: Vec3) -> Vec4 {
+    pub(crate) fn clip_position(&self, model: Vec3) -> Vec4 {
         self.clip_from_model * model.extend(1.0)
     }
 }
@@ -105,7 +105,7 @@ pub(super) const UNDERFLOW: f64 = f32::MIN_POSITIVE as f64;
 /// The test uses planes only: a box reported as `Crossing` may still be outside, but never the other way round.
 /// `Inside` and `Outside` hold for every vertex in the box *after rounding*, so boxes that touch a plane are
 /// `Crossing`.
-pub fn containment(bounds: Aabb, clip_from_model: Mat4) -> Containment {
+pub(crate) fn containment(bounds: Aabb, clip_from_model: Mat4) -> Containment {
     if bounds.is_empty() {
         return Containment::Outside;
     }

@@ -15,7 +15,7 @@ use crate::scene::{TriangleId, Window};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScreenVertex {
     /// Position in px, before snapping.
-    pub position_px: [f32; 2],
+    pub(crate) position_px: [f32; 2],
     /// Snapped x, to the right, in 24.8 fixed point.
     pub x: i32,
     /// Snapped y, downwards, in 24.8 fixed point.
@@ -31,7 +31,7 @@ pub struct ScreenVertex {
 impl ScreenVertex {
     /// Returns a corner at a position in px, which is also snapped. `inv_w` is 1/w > 0.
     #[inline]
-    pub fn at([x, y]: [f32; 2], depth: f64, inv_w: f32, varyings: Varyings) -> Self {
+    pub(crate) fn at([x, y]: [f32; 2], depth: f64, inv_w: f32, varyings: Varyings) -> Self {
         Self { position_px: [x, y], x: snap(x) as i32, y: snap(y) as i32, depth, inv_w, varyings }
     }
 }
@@ -56,7 +56,7 @@ pub struct ScreenTriangle {
 impl ScreenTriangle {
     /// Returns a triangle with depth and weights set up. `doubled_area` is positive and in the unit of edge values. If
     /// `divides_by_w` is false, attributes are affine on the screen.
-    pub fn new(
+    pub(crate) fn new(
         (id, instance): (TriangleId, u32),
         vertices: [ScreenVertex; 3],
         doubled_area: f64,
@@ -75,12 +75,12 @@ impl ScreenTriangle {
 
     /// Returns the corners in px from which an arithmetic computes edges: snapped corners for fixed point, unsnapped
     /// ones otherwise.
-    pub fn corners_in(&self, arithmetic: Arithmetic) -> [[f32; 2]; 3] {
+    pub(crate) fn corners_in(&self, arithmetic: Arithmetic) -> [[f32; 2]; 3] {
         if arithmetic == Arithmetic::Fixed { self.snapped_px() } else { self.corners_px() }
     }
 
     /// Returns the snapped corners in px.
-    pub fn snapped_px(&self) -> [[f32; 2]; 3] {
+    pub(crate) fn snapped_px(&self) -> [[f32; 2]; 3] {
         self.vertices.each_ref().map(|v| [to_pixels(v.x.into()), to_pixels(v.y.into())])
     }
 }
@@ -95,15 +95,15 @@ pub struct Viewport {
 }
 
 /// Maximum side length of a picture, in px. It keeps coordinates well within the range of the rasterizer's fixed point.
-pub const MAX_SIDE_PX: u32 = 16_384;
+pub(crate) const MAX_SIDE_PX: u32 = 16_384;
 
 /// Maximum number of pixels of a picture: enough for 8K (7680 × 4320). With every buffer kept, it takes about 2 GB of
 /// memory.
-pub const MAX_PIXELS: u64 = 1 << 25;
+pub(crate) const MAX_PIXELS: u64 = 1 << 25;
 
 impl Viewport {
     /// Returns an error that explains why a picture of this size is not supported, if it is not.
-    pub fn check(self) -> Result<(), String> {
+    pub(crate) fn check(self) -> Result<(), String> {
         let sides = 1..=MAX_SIDE_PX;
         if !sides.contains(&self.width) || !sides.contains(&self.height) {
             return Err(format!("each side must be 1 to {MAX_SIDE_PX} pixels long"));
@@ -122,7 +122,7 @@ impl Viewport {
     /// Returns the window that a picture of this size occupies in a view of `full` px. Pixel (i, j) of the picture lies
     /// at ((i + ½) · step + origin) of that view, px. The last pixels may reach past the edge of the view, or end
     /// before it.
-    pub fn window(self, full: Self, step_px: f64, origin_px: [f64; 2]) -> Window {
+    pub(crate) fn window(self, full: Self, step_px: f64, origin_px: [f64; 2]) -> Window {
         let axis = |full: u32, own: u32, origin: f64| {
             let (full, own) = (f64::from(full), step_px * f64::from(own));
             // x in the view: (ndc + 1) / 2 · full; here: (ndc' + 1) / 2 · own + origin.
@@ -134,7 +134,7 @@ impl Viewport {
     }
 
     /// Returns the pixel position, before snapping, of a point in normalised device coordinates (y up).
-    pub fn pixels_from_ndc(self, ndc: Vec3) -> (f32, f32) {
+    pub(crate) fn pixels_from_ndc(self, ndc: Vec3) -> (f32, f32) {
         ((ndc.x * 0.5 + 0.5) * self.width as f32, (0.5 - ndc.y * 0.5) * self.height as f32)
     }
 
@@ -147,7 +147,7 @@ impl Viewport {
 
     /// Projects one corner, whose w must be positive.
     #[inline]
-    pub fn project_vertex(self, vertex: &ClipVertex, scale: &DepthScale) -> ScreenVertex {
+    pub(crate) fn project_vertex(self, vertex: &ClipVertex, scale: &DepthScale) -> ScreenVertex {
         let (inv_w, ndc) = divided(vertex);
         let position_px = self.pixels_from_ndc(ndc);
         ScreenVertex::at(position_px.into(), scale.of_vertex(vertex), inv_w, vertex.varyings)

@@ -15,7 +15,7 @@ use crate::scene::TriangleId;
 const DARK_BELOW_LUMA: f32 = 110.0;
 
 /// Draws the edges of all `triangles`.
-pub fn overlay(triangles: &[ScreenTriangle], image: &mut Image<Rgba8>) {
+pub(crate) fn overlay(triangles: &[ScreenTriangle], image: &mut Image<Rgba8>) {
     let mut on_line = Image::filled(image.width(), image.height(), false);
     for triangle in triangles {
         for (x, y) in edge_pixels(triangle, image.size()) {
@@ -30,23 +30,27 @@ pub fn overlay(triangles: &[ScreenTriangle], image: &mut Image<Rgba8>) {
 }
 
 /// Returns the first of `triangles` with an edge over pixel (x, y) of a picture of `size` px.
-pub fn crosses(triangles: &[ScreenTriangle], size: (u32, u32), pixel: (u32, u32)) -> Option<TriangleId> {
+pub(crate) fn crosses(triangles: &[ScreenTriangle], size: (u32, u32), pixel: (u32, u32)) -> Option<TriangleId> {
     triangles.iter().find(|t| edge_pixels(t, size).any(|p| p == pixel)).map(|t| t.id)
 }
 
 /// Returns the colour of a line over a pixel.
-pub fn line_color(below: Rgba8) -> Rgba8 {
+pub(crate) fn line_color(below: Rgba8) -> Rgba8 {
     if luma(below) < DARK_BELOW_LUMA { [232, 232, 232, 255] } else { [24, 24, 24, 255] }
 }
 
 /// Returns the pixels of a triangle's three edges within a picture of `size` px.
-pub fn edge_pixels(triangle: &ScreenTriangle, size: (u32, u32)) -> impl Iterator<Item = (u32, u32)> {
+pub(crate) fn edge_pixels(triangle: &ScreenTriangle, size: (u32, u32)) -> impl Iterator<Item = (u32, u32)> {
     let [a, b, c] = triangle.vertices.each_ref().map(pixel_position);
     [(a, b), (b, c), (c, a)].into_iter().flat_map(move |(from, to)| line_pixels(from, to, size))
 }
 
 /// Returns the pixels of a line between two points, in px, within a picture of `size` px.
-pub fn line_pixels(from: (f64, f64), to: (f64, f64), (width, height): (u32, u32)) -> impl Iterator<Item = (u32, u32)> {
+pub(crate) fn line_pixels(
+    from: (f64, f64),
+    to: (f64, f64),
+    (width, height): (u32, u32),
+) -> impl Iterator<Item = (u32, u32)> {
     clip_to(from, to, width, height)
         .map(|(from, to)| {
             let cell = |(x, y): (f64, f64)| (x.floor() as i64, y.floor() as i64);

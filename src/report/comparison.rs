@@ -14,20 +14,20 @@ use crate::pipeline::viewport::{MAX_PIXELS, Viewport};
 
 /// Pixels of one part of a case.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Comparison {
+pub(crate) struct Comparison {
     /// Pixel at the top left of the images; cases without an image size start where their pixels do.
-    pub origin: (i64, i64),
+    pub(crate) origin: (i64, i64),
     /// Fraction of each pixel covered by the engine, in [0, 1].
-    pub ours: Image<f32>,
+    pub(crate) ours: Image<f32>,
     /// Pixels covered by the exact answer; `None` for kinds of cases without one.
-    pub exact: Option<Image<bool>>,
+    pub(crate) exact: Option<Image<bool>>,
     /// Vertices of the outlines of the shapes in this part, in pixels.
-    pub outlines: Vec<Vec<[f64; 2]>>,
+    pub(crate) outlines: Vec<Vec<[f64; 2]>>,
 }
 
 /// Agreement of the engine and the exact answer on one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Agreement {
+pub(crate) enum Agreement {
     /// Covered by neither.
     Outside,
     /// Covered by both, or by the engine if there is no exact answer.
@@ -40,7 +40,7 @@ pub enum Agreement {
 
 /// Displayable result of a part of a case.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Shown {
+pub(crate) enum Shown {
     /// Result as pixels.
     Pixels(Comparison),
     /// Result as lines of text: a numeric answer, or the reason why there is none.
@@ -57,7 +57,7 @@ const MAX_LINE_BYTES: usize = 160;
 const MAX_OUTLINE_CORNERS: usize = 1 << 14;
 
 /// Computes part number `part` of a case and none of its other parts. Returns `None` if cancelled.
-pub fn show(case: &Case, part: usize, options: Options, control: &Control<'_>) -> Option<Shown> {
+pub(crate) fn show(case: &Case, part: usize, options: Options, control: &Control<'_>) -> Option<Shown> {
     let told = |reason: String| Shown::Text(vec![reason]);
     match pixels_or_numbers(case, part, options, control) {
         Ok(shown) => Some(shown),
@@ -168,7 +168,7 @@ impl Comparison {
     }
 
     /// Returns the agreement on one pixel of the images.
-    pub fn agreement(&self, x: u32, y: u32) -> Agreement {
+    pub(crate) fn agreement(&self, x: u32, y: u32) -> Agreement {
         let ours = self.ours.at(x, y) > 0.0;
         match (ours, self.exact.as_ref().map_or(ours, |exact| exact.at(x, y))) {
             (true, true) => Agreement::Covered,
@@ -179,7 +179,7 @@ impl Comparison {
     }
 
     /// Counts the covered and differing pixels, and lists the first differing ones.
-    pub fn figures(&self) -> Figures {
+    pub(crate) fn figures(&self) -> Figures {
         let mut figures = Figures::default();
         let (width, height) = self.ours.size();
         for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
@@ -202,15 +202,15 @@ const MAX_DIFFERING: usize = 1 << 16;
 
 /// Pixel counts of a comparison.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Figures {
+pub(crate) struct Figures {
     /// Number of pixels covered by the engine, at least partly.
-    pub covered: u64,
+    pub(crate) covered: u64,
     /// Number of pixels covered by the engine or by the exact answer.
-    pub concerned: u64,
+    pub(crate) concerned: u64,
     /// Number of pixels covered by only one of them.
-    pub differing: u64,
+    pub(crate) differing: u64,
     /// Columns and rows of the first differing pixels in row-major order, at most 65 536.
-    pub first: Vec<(u32, u32)>,
+    pub(crate) first: Vec<(u32, u32)>,
 }
 
 /// Sets the pixels of a span.
@@ -268,7 +268,7 @@ impl Write for Start {
 }
 
 /// Returns the number of parts of a case that can be shown separately.
-pub fn parts(case: &Case) -> usize {
+pub(crate) fn parts(case: &Case) -> usize {
     match &case.task {
         Task::TriCoverage(task) => task.triangles.len(),
         Task::ClipTri(task) => task.triangles.len(),

@@ -11,11 +11,11 @@ use crate::scene::{Camera, Scene, builtin};
 
 /// Measurement of one scene.
 #[derive(Clone, Debug, Serialize)]
-pub struct Row {
+pub(crate) struct Row {
     /// Short name of the view.
-    pub scene: &'static str,
+    pub(crate) scene: &'static str,
     /// Savings from skipped work in this view.
-    pub savings: Savings,
+    pub(crate) savings: Savings,
 }
 
 /// Number of triangles of the mesh: enough for the cost per triangle to show.
@@ -26,7 +26,7 @@ const SHEET_NEAR: f32 = 0.25;
 
 /// Returns the views to measure: every built-in scene in its home view, and a mesh of many triangles in view, from
 /// near, and behind the camera.
-pub fn views() -> Vec<(&'static str, Scene, Camera)> {
+pub(crate) fn views() -> Vec<(&'static str, Scene, Camera)> {
     let of = |id, scene: Scene| {
         let home = scene.home;
         (id, scene, home)
@@ -55,7 +55,7 @@ const COLUMNS: [(Part, &str); 7] = [
 ];
 
 /// Formats the table, with a legend below.
-pub fn table(rows: &[Row], Viewport { width, height }: Viewport, threads: usize) -> String {
+pub(crate) fn table(rows: &[Row], Viewport { width, height }: Viewport, threads: usize) -> String {
     let rounds = rows.first().map_or(0, |row| row.savings.planned_ms.n);
     let unit = if threads == 1 { "thread" } else { "threads" };
     let mut text = format!(

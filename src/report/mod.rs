@@ -1,16 +1,16 @@
 //! Reports that assess the engine or describe its work: headless, and also shown in the window.
 
-pub mod comparison;
+pub(crate) mod comparison;
 
 mod html;
 
-pub mod leaving_out;
+pub(crate) mod leaving_out;
 
-pub mod plan;
+pub(crate) mod plan;
 
 mod plot;
 
-pub mod scaling;
+pub(crate) mod scaling;
 
 pub mod stability;
 

@@ -10,44 +10,44 @@ use crate::scene::{Scene, Transparency};
 
 /// One part of the work, of some draws or of the whole frame.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Entry<P = Part> {
+pub(crate) struct Entry<P = Part> {
     /// Part of the work.
-    pub part: P,
+    pub(crate) part: P,
     /// Whether the part runs.
-    pub runs: bool,
+    pub(crate) runs: bool,
     /// Reason why the part is skipped; `None` if it runs.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub reason: Option<&'static str>,
+    pub(crate) reason: Option<&'static str>,
 }
 
 /// Draws with equal plans.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Group {
+pub(crate) struct Group {
     /// Number of draws.
-    pub draws: usize,
+    pub(crate) draws: usize,
     /// Names of the instances, in scene order.
-    pub names: Vec<String>,
+    pub(crate) names: Vec<String>,
     /// Transparency mode, which determines how the draws combine with what was drawn before.
-    pub transparency: Transparency,
+    pub(crate) transparency: Transparency,
     /// Number of culled clusters by reason, and of all clusters, over the draws that cull any.
-    pub clusters: Unseen,
+    pub(crate) clusters: Unseen,
     /// All parts, in pipeline order.
-    pub parts: Vec<Entry>,
+    pub(crate) parts: Vec<Entry>,
 }
 
 /// Work of a frame besides its draws.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Whole {
+pub(crate) struct Whole {
     /// Number of rasterized pixels.
-    pub rasterized_pixels: u64,
+    pub(crate) rasterized_pixels: u64,
     /// Number of pixels in the image.
-    pub pixels: u64,
+    pub(crate) pixels: u64,
     /// All parts, in pipeline order.
-    pub parts: Vec<Entry<FramePart>>,
+    pub(crate) parts: Vec<Entry<FramePart>>,
 }
 
 /// Describes the work of a frame besides its draws, if its depth buffer is not read afterwards.
-pub fn whole(scene: &Scene, recipe: &Recipe, viewport: Viewport) -> Whole {
+pub(crate) fn whole(scene: &Scene, recipe: &Recipe, viewport: Viewport) -> Whole {
     Whole {
         rasterized_pixels: rasterized_pixels(recipe, viewport),
         pixels: u64::from(viewport.width) * u64::from(viewport.height),
@@ -56,7 +56,7 @@ pub fn whole(scene: &Scene, recipe: &Recipe, viewport: Viewport) -> Whole {
 }
 
 /// Formats the work of a frame as text, with a line per part.
-pub fn whole_text(whole: &Whole) -> String {
+pub(crate) fn whole_text(whole: &Whole) -> String {
     let Whole { rasterized_pixels, pixels, parts } = whole;
     let share = *rasterized_pixels as f64 / *pixels as f64 * 100.0;
     let mut text = format!("The frame: {rasterized_pixels} of {pixels} pixels are rasterized, {share:.2} %\n");
@@ -65,7 +65,7 @@ pub fn whole_text(whole: &Whole) -> String {
 }
 
 /// Groups the draws of a scene by plan, in the order of their first draws. `plans` holds one plan per instance.
-pub fn groups(scene: &Scene, plans: &[DrawPlan]) -> Vec<Group> {
+pub(crate) fn groups(scene: &Scene, plans: &[DrawPlan]) -> Vec<Group> {
     let mut found: Vec<(Vec<DrawPlan>, Vec<String>)> = Vec::new();
     for (instance, plan) in scene.instances.iter().zip(plans) {
         match found.iter_mut().find(|(known, _)| known[0].agrees_with(plan)) {
@@ -93,7 +93,7 @@ fn entry<P>(part: P, step: Step) -> Entry<P> {
 const TOLD_NAMES: usize = 4;
 
 /// Formats a group as text: the names of its draws, then a line per part.
-pub fn text(group: &Group) -> String {
+pub(crate) fn text(group: &Group) -> String {
     let draws = if group.draws == 1 { "draw" } else { "draws" };
     let mut text = format!("{} {draws}: {}\n", group.draws, told_names(&group.names));
     for Entry { part, reason, .. } in &group.parts {

@@ -49,7 +49,7 @@ fn speed_up(series: &Series, point: &Point) -> Option<f64> {
 
 /// Describes the line through the ends of a series, or the speed-up by threads. Returns `None` for a series over
 /// threads with only one thread.
-pub fn finding(series: &Series) -> Option<String> {
+pub(crate) fn finding(series: &Series) -> Option<String> {
     let View { one, .. } = view(series.quantity);
     if series.quantity == Quantity::Threads {
         let last = series.points.last().filter(|point| point.value > 1.0)?;
@@ -73,7 +73,7 @@ pub fn finding(series: &Series) -> Option<String> {
 
 /// Returns the reference curve of a series: the line through its ends, or ideal scaling for threads. The points are
 /// (value, milliseconds), dense enough for a smooth curve on logarithmic axes; empty if there is no such curve.
-pub fn guide(series: &Series) -> Vec<(f64, f64)> {
+pub(crate) fn guide(series: &Series) -> Vec<(f64, f64)> {
     /// Number of segments of the curve.
     const PIECES: i32 = 60;
     let (Some(first), Some(last)) = (series.points.first(), series.points.last()) else { return Vec::new() };
@@ -102,7 +102,7 @@ fn ns_each_more(series: &Series, place: usize) -> Option<f64> {
 }
 
 /// Formats a number compactly for axis labels, for example 20 k or 8.3 M.
-pub fn amount(value: f64) -> String {
+pub(crate) fn amount(value: f64) -> String {
     let (scaled, unit) = match value {
         v if v >= 1e6 => (v / 1e6, " M"),
         v if v >= 1e3 => (v / 1e3, " k"),
@@ -147,7 +147,7 @@ fn short(value: f64) -> String {
 }
 
 /// Formats the tables for a terminal.
-pub fn text(scaling: &Scaling) -> String {
+pub(crate) fn text(scaling: &Scaling) -> String {
     let [width, height] = scaling.size;
     let mut text =
         format!("{width} × {height} px, {} threads, medians of {} rounds\n", scaling.threads, scaling.rounds);
@@ -190,7 +190,7 @@ pub fn text(scaling: &Scaling) -> String {
 }
 
 /// Formats one CSV line per point; the cost per thread is left empty.
-pub fn csv(scaling: &Scaling) -> String {
+pub(crate) fn csv(scaling: &Scaling) -> String {
     let mut csv = "quantity,value,rounds,ms,p10,p90,ns_each,bytes\n".to_owned();
     for (series, point) in scaling.series.iter().flat_map(|s| s.points.iter().map(move |point| (s, point))) {
         let ms = point.ms;
@@ -214,7 +214,7 @@ pub fn csv(scaling: &Scaling) -> String {
 }
 
 /// Formats the HTML page.
-pub fn page(scaling: &Scaling) -> String {
+pub(crate) fn page(scaling: &Scaling) -> String {
     let [width, height] = scaling.size;
     let machine = Machine::at_start();
     let figures = [

@@ -47,7 +47,7 @@ pub struct Camera {
     pub far: f32,
     /// Mapping from the view's picture to the picture that is drawn; `None` if they coincide. Not saved with a view.
     #[serde(skip)]
-    pub window: Option<Window>,
+    pub(crate) window: Option<Window>,
 }
 
 /// Picture whose rectangle differs from that of the view. Examples are a low-resolution picture whose last pixels
@@ -55,11 +55,11 @@ pub struct Camera {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Window {
     /// Aspect ratio of the view, width over height.
-    pub aspect: f32,
+    pub(crate) aspect: f32,
     /// Scale in x and y, from normalised device coordinates of the view to those of the drawn picture.
-    pub scale: [f32; 2],
+    pub(crate) scale: [f32; 2],
     /// Offset in x and y, added after the scale.
-    pub shift: [f32; 2],
+    pub(crate) shift: [f32; 2],
 }
 
 impl Window {
@@ -111,7 +111,7 @@ impl Camera {
 
     /// Returns a view with this direction and projection type that shows all of `bounds`. `aspect` is width over
     /// height.
-    pub fn refit(&self, bounds: Aabb, aspect: f32) -> Self {
+    pub(crate) fn refit(&self, bounds: Aabb, aspect: f32) -> Self {
         let fitted = Self { up: self.up, ..Self::fit_into(bounds, self.eye - self.target, aspect) };
         match self.projection {
             Projection::Perspective { .. } => fitted,
@@ -146,14 +146,14 @@ impl Camera {
 
     /// Returns the unit vector to the right in the picture. Uses another up vector if the given one is parallel to the
     /// line of sight.
-    pub fn right(&self) -> Vec3 {
+    pub(crate) fn right(&self) -> Vec3 {
         let forward = self.forward();
         let right = forward.cross(self.up.normalize_or(Vec3::Y));
         right.try_normalize().unwrap_or_else(|| forward.any_orthonormal_vector())
     }
 
     /// Returns the matrix from world space to view space, with the eye at the origin, looking down −z.
-    pub fn view_from_world(&self) -> Mat4 {
+    pub(crate) fn view_from_world(&self) -> Mat4 {
         self.view_from_world_f64().as_mat4()
     }
 
@@ -223,7 +223,7 @@ impl Camera {
     }
 
     /// Whether the far plane is at z = 0 in clip space; otherwise the near plane is there.
-    pub fn has_zero_at_far(&self, mapping: DepthMapping) -> bool {
+    pub(crate) fn has_zero_at_far(&self, mapping: DepthMapping) -> bool {
         let is_perspective = matches!(self.projection, Projection::Perspective { .. });
         mapping.is_reversed() || (mapping == DepthMapping::Linear && is_perspective)
     }
@@ -234,13 +234,13 @@ impl Camera {
     }
 
     /// Returns the view of a scene mirrored in z that corresponds to this view of the original.
-    pub fn mirrored_z(self) -> Self {
+    pub(crate) fn mirrored_z(self) -> Self {
         let mirror = Vec3::new(1.0, 1.0, -1.0);
         Self { eye: self.eye * mirror, target: self.target * mirror, up: self.up * mirror, ..self }
     }
 
     /// Orbits the eye around the target, `yaw` to the right and `pitch` upwards, radians. Stops short of the poles.
-    pub fn orbit(&mut self, yaw: f32, pitch: f32) {
+    pub(crate) fn orbit(&mut self, yaw: f32, pitch: f32) {
         let up = self.up.normalize_or(Vec3::Y);
         let offset = self.eye - self.target;
         let elevation = unit_or(offset.as_dvec3(), Vec3::Z).dot(up).clamp(-1.0, 1.0).asin();
@@ -252,7 +252,7 @@ impl Camera {
 
     /// Pans eye and target in the picture plane, so that the target follows the pointer. `offset` is in units of the
     /// picture's height, y down.
-    pub fn pan(&mut self, offset: Vec2) {
+    pub(crate) fn pan(&mut self, offset: Vec2) {
         let right = self.right();
         let up = right.cross(self.forward());
         let shift = (up * offset.y - right * offset.x) * self.visible_height();
@@ -280,7 +280,7 @@ impl Camera {
     }
 
     /// Moves eye and target along right, up and forward by `steps`, in units of the distance to the target.
-    pub fn fly(&mut self, steps: Vec3) {
+    pub(crate) fn fly(&mut self, steps: Vec3) {
         let (right, forward) = (self.right(), self.forward());
         let up = right.cross(forward);
         let shift = (right * steps.x + up * steps.y + forward * steps.z) * self.distance();
@@ -289,7 +289,7 @@ impl Camera {
     }
 
     /// Returns the visible height at the target's distance, world units.
-    pub fn visible_height(&self) -> f32 {
+    pub(crate) fn visible_height(&self) -> f32 {
         match self.projection {
             Projection::Perspective { fov_y } => 2.0 * self.distance() * (fov_y * 0.5).tan(),
             Projection::Orthographic { height } => height,
@@ -326,7 +326,7 @@ impl Camera {
 
     /// Checks that the view can be rendered. Errors: values that are not finite or out of range, or eye and target
     /// coincide.
-    pub fn check(&self) -> Result<(), String> {
+    pub(crate) fn check(&self) -> Result<(), String> {
         let Self { eye, target, up, projection, near, far, window: _ } = *self;
         if !(eye.is_finite() && target.is_finite() && up.is_finite()) {
             return Err("eye, target and up must be finite".to_owned());

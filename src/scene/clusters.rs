@@ -14,10 +14,10 @@ use crate::math::Aabb;
 use crate::math::lanes::LANES;
 
 /// Number of triangles per cluster, a multiple of the SIMD lane count.
-pub const CLUSTER: usize = 128;
+pub(crate) const CLUSTER: usize = 128;
 
 /// Number of vertices that are processed or skipped together, a multiple of the SIMD lane count.
-pub const BLOCK: usize = 32;
+pub(crate) const BLOCK: usize = 32;
 
 /// Maximum number of block ranges per cluster. A cluster with more is treated as referring to all blocks from its first
 /// to its last. Neighbours in a row of a grid refer to that row of vertices and to the next.
@@ -27,26 +27,26 @@ const MOST_RANGES: usize = 8;
 const FEWEST: usize = 4;
 
 /// Bounding boxes of eight clusters in model space, in SIMD layout: minimum x, y, z, then maximum x, y, z.
-pub type Boxes = [[[f32; LANES]; 3]; 2];
+pub(crate) type Boxes = [[[f32; LANES]; 3]; 2];
 
 /// Bounds of the triangle planes of eight clusters in model space, in SIMD layout.
 ///
 /// A plane is n·p = d, where the unit normal n points to the side from which the triangle appears counter-clockwise.
 /// Triangles with two coincident corners are excluded, because they never have an area.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Planes {
+pub(crate) struct Planes {
     /// Conservative lower and upper bounds of each component of n.
-    pub normals: [[[f32; LANES]; 3]; 2],
+    pub(crate) normals: [[[f32; LANES]; 3]; 2],
     /// Conservative lower and upper bounds of d, model units.
-    pub offsets: [[f32; LANES]; 2],
+    pub(crate) offsets: [[f32; LANES]; 2],
     /// Lower bound of the triangles' altitudes, model units: twice the area over the longest edge. 0 if the cluster has
     /// triangles too thin for reliable normals, or no usable triangles; the plane bounds are then invalid.
-    pub altitudes: [f32; LANES],
+    pub(crate) altitudes: [f32; LANES],
 }
 
 /// Clusters of one mesh, in the order of its triangles.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Clusters {
+pub(crate) struct Clusters {
     count: usize,
     triangles: usize,
     /// Boxes of eight clusters per entry; the last cluster's box pads the last entry.
@@ -99,32 +99,32 @@ impl Clusters {
     }
 
     /// Returns the number of clusters.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.count
     }
 
     /// Whether the mesh has no clusters.
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.count == 0
     }
 
     /// Returns the bounding boxes, eight clusters per entry.
-    pub fn boxes(&self) -> &[Boxes] {
+    pub(crate) fn boxes(&self) -> &[Boxes] {
         &self.boxes
     }
 
     /// Returns the plane bounds, eight clusters per entry.
-    pub fn planes(&self) -> &[Planes] {
+    pub(crate) fn planes(&self) -> &[Planes] {
         &self.planes
     }
 
     /// Returns the range of a cluster's triangles, as indices within the mesh.
-    pub fn triangles(&self, cluster: usize) -> Range<usize> {
+    pub(crate) fn triangles(&self, cluster: usize) -> Range<usize> {
         cluster * CLUSTER..((cluster + 1) * CLUSTER).min(self.triangles)
     }
 
     /// Returns ranges of blocks of [`BLOCK`] vertices that include all vertices of a cluster.
-    pub fn blocks(&self, cluster: usize) -> impl Iterator<Item = Range<usize>> {
+    pub(crate) fn blocks(&self, cluster: usize) -> impl Iterator<Item = Range<usize>> {
         let own = self.starts[cluster] as usize..self.starts[cluster + 1] as usize;
         self.blocks[own].iter().map(|[first, end]| *first as usize..*end as usize)
     }

@@ -46,21 +46,21 @@ pub enum SceneError {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
     /// File that the warning refers to.
-    pub path: PathBuf,
+    pub(crate) path: PathBuf,
     /// Line number, from 1; `None` if the warning concerns the whole file.
-    pub line: Option<usize>,
+    pub(crate) line: Option<usize>,
     /// The problem and how it was handled.
     pub text: String,
 }
 
 impl Warning {
     /// Creates a warning about a whole file.
-    pub fn file(path: &Path, text: impl Into<String>) -> Self {
+    pub(crate) fn file(path: &Path, text: impl Into<String>) -> Self {
         Self { path: path.to_owned(), line: None, text: text.into() }
     }
 
     /// Creates a warning about one line.
-    pub fn line(path: &Path, line: usize, text: impl Into<String>) -> Self {
+    pub(crate) fn line(path: &Path, line: usize, text: impl Into<String>) -> Self {
         Self { path: path.to_owned(), line: Some(line), text: text.into() }
     }
 }

@@ -11,7 +11,7 @@ use crate::math::Aabb;
 
 /// World axis that points up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum UpAxis {
+pub(crate) enum UpAxis {
     /// Up is +y.
     #[default]
     Y,
@@ -21,7 +21,7 @@ pub enum UpAxis {
 
 impl UpAxis {
     /// Returns the unit vector of the axis.
-    pub fn unit(self) -> Vec3 {
+    pub(crate) fn unit(self) -> Vec3 {
         match self {
             Self::Y => Vec3::Y,
             Self::Z => Vec3::Z,
@@ -29,7 +29,7 @@ impl UpAxis {
     }
 
     /// Returns the axis that is closer to the given up vector.
-    pub fn nearest(up: Vec3) -> Self {
+    pub(crate) fn nearest(up: Vec3) -> Self {
         if up.z.abs() > up.y.abs() { Self::Z } else { Self::Y }
     }
 
@@ -45,7 +45,7 @@ impl UpAxis {
     ///
     /// The result is z if the model stands on z = 0, is centred in y and does not stand on y = 0. Programs with z up
     /// place models so. Otherwise, and for a flat model, it is y.
-    pub fn guess(bounds: Aabb) -> Self {
+    pub(crate) fn guess(bounds: Aabb) -> Self {
         let (size, center) = (bounds.max - bounds.min, bounds.center());
         let stands_on_zero = |axis: usize| bounds.min[axis].abs() <= ON_ZERO * size[axis];
         let has_height = size.z >= LEAST_HEIGHT * size.max_element() && size.y > 0.0;

@@ -71,17 +71,17 @@ impl Library {
     }
 
     /// Returns the texture of an identifier from this library.
-    pub fn texture(&self, id: TextureId) -> &Texture {
+    pub(crate) fn texture(&self, id: TextureId) -> &Texture {
         &self.textures[id.index()]
     }
 
     /// Returns a copy of the library with every mesh mirrored in z; identifiers stay valid.
-    pub fn mirrored_z(&self) -> Self {
+    pub(crate) fn mirrored_z(&self) -> Self {
         self.with_meshes(Mesh::mirrored_z)
     }
 
     /// Returns a copy of the library with every mesh replaced by the result of `make`; identifiers stay valid.
-    pub fn with_meshes(&self, make: impl FnMut(&Mesh) -> Mesh) -> Self {
+    pub(crate) fn with_meshes(&self, make: impl FnMut(&Mesh) -> Mesh) -> Self {
         Self {
             meshes: self.meshes.iter().map(make).collect(),
             materials: self.materials.clone(),
@@ -105,7 +105,7 @@ impl Library {
     }
 
     /// Returns the memory of meshes and textures, in bytes.
-    pub fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         self.meshes.iter().map(Mesh::bytes).sum::<usize>() + self.textures.iter().map(Texture::bytes).sum::<usize>()
     }
 }

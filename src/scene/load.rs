@@ -14,12 +14,12 @@ pub struct MemoryLimit {
 
 impl MemoryLimit {
     /// Returns a limit in MiB.
-    pub const fn mib(mib: u32) -> Self {
+    pub(crate) const fn mib(mib: u32) -> Self {
         Self { mib }
     }
 
     /// Returns the limit in bytes.
-    pub fn bytes(self) -> u64 {
+    pub(crate) fn bytes(self) -> u64 {
         u64::from(self.mib) << 20
     }
 }
@@ -41,16 +41,16 @@ impl fmt::Display for MemoryLimit {
 #[derive(Clone, Copy)]
 pub struct LoadControl<'a> {
     /// Memory limit.
-    pub memory: MemoryLimit,
+    pub(crate) memory: MemoryLimit,
     /// Receives the completed share, from 0 to 1, several times a second.
-    pub progress: &'a (dyn Fn(f32) + Sync),
+    pub(crate) progress: &'a (dyn Fn(f32) + Sync),
     /// Cancellation flag: once `true`, the load ends with [`SceneError::Cancelled`].
-    pub cancel: &'a AtomicBool,
+    pub(crate) cancel: &'a AtomicBool,
 }
 
 impl LoadControl<'static> {
     /// Returns a control that reports nothing and never cancels.
-    pub fn quiet(memory: MemoryLimit) -> Self {
+    pub(crate) fn quiet(memory: MemoryLimit) -> Self {
         static NEVER: AtomicBool = AtomicBool::new(false);
         Self { memory, progress: &|_| {}, cancel: &NEVER }
     }

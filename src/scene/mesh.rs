@@ -13,7 +13,7 @@ use crate::text;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshData {
     /// Display name.
-    pub name: String,
+    pub(crate) name: String,
     /// Position of each vertex, model space.
     pub positions: Vec<Vec3>,
     /// Unit normal of each vertex, model space. If empty, normals are computed.
@@ -97,7 +97,7 @@ impl Mesh {
     ///
     /// Such a normal becomes zero: no direct light reaches the vertex. Such a texture coordinate becomes (0, 1), which
     /// is `vt 0 0` in the file.
-    pub fn repaired(mut data: MeshData) -> Result<Self, MeshError> {
+    pub(crate) fn repaired(mut data: MeshData) -> Result<Self, MeshError> {
         let lost_normals = data.normals.iter().filter(|normal| !normal.is_finite()).count();
         let lost_uvs = data.uvs.iter().filter(|uv| !uv.is_finite()).count();
         if lost_normals + lost_uvs == 0 {
@@ -124,34 +124,34 @@ impl Mesh {
     }
 
     /// Returns the number of vertices whose given normal was not finite and was replaced by zero.
-    pub fn lost_normals(&self) -> usize {
+    pub(crate) fn lost_normals(&self) -> usize {
         self.lost_normals
     }
 
     /// Returns the indices of the triangles with a normal or texture coordinate that was not finite, ascending.
-    pub fn broken_triangles(&self) -> &[u32] {
+    pub(crate) fn broken_triangles(&self) -> &[u32] {
         &self.broken
     }
 
     /// Returns the bounding box of all vertices with finite positions, model space.
-    pub fn bounds(&self) -> Aabb {
+    pub(crate) fn bounds(&self) -> Aabb {
         self.bounds
     }
 
     /// Returns the bounding box for visibility tests, model space: [`Mesh::bounds`], or [`Aabb::EVERYTHING`] if a
     /// position is NaN or infinite.
-    pub fn visible_bounds(&self) -> Aabb {
+    pub(crate) fn visible_bounds(&self) -> Aabb {
         self.visible_bounds
     }
 
     /// Returns the clusters for culling; empty for a small mesh.
-    pub fn clusters(&self) -> &Clusters {
+    pub(crate) fn clusters(&self) -> &Clusters {
         &self.clusters
     }
 
     /// Returns the mesh mirrored in z, for models made for a world of the other handedness. Swapping two corners of
     /// each triangle preserves the front faces.
-    pub fn mirrored_z(&self) -> Self {
+    pub(crate) fn mirrored_z(&self) -> Self {
         let mut data = self.data.clone();
         for vector in data.positions.iter_mut().chain(&mut data.normals) {
             vector.z = -vector.z;
@@ -163,7 +163,7 @@ impl Mesh {
     }
 
     /// Returns the memory of the arrays and clusters, in bytes.
-    pub fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         let MeshData { name: _, positions, normals, uvs, colors, triangles } = &self.data;
         (positions.capacity() + normals.capacity() + colors.capacity()) * size_of::<Vec3>()
             + uvs.capacity() * size_of::<Vec2>()
@@ -203,7 +203,7 @@ fn check_array<T>(
 ///
 /// The sums are in f64 and are scaled by the largest component before the length is taken, so that neither huge nor
 /// tiny triangles overflow or vanish. A vertex without a triangle of positive area gets +z.
-pub fn smooth_normals(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
+pub(crate) fn smooth_normals(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
     let mut sums = vec![glam::DVec3::ZERO; positions.len()];
     for corners in triangles {
         let [a, b, c] = corners.map(|i| positions[i as usize].as_dvec3());

@@ -13,10 +13,10 @@ use crate::image::{Image, Rgba8};
 /// Location of a mip level in the shared texel array. A single array, so that SIMD code can load it whole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C, align(16))]
-pub struct Level {
+pub(crate) struct Level {
     /// Index of the level's first texel, that of the next smaller level (for the smallest level, its own), width, and
     /// height.
-    pub numbers: [u32; 4],
+    pub(crate) numbers: [u32; 4],
 }
 
 /// Texels of all mip levels of a texture in one array.
@@ -25,11 +25,11 @@ pub struct Level {
 /// it, one below the other. All rows have the same stride. Each row ends with a copy of its first texel, and each level
 /// with a copy of its first row.
 #[derive(Clone, Debug)]
-pub struct Levels<T> {
+pub(crate) struct Levels<T> {
     /// Texels, including unused gaps between the levels.
-    pub texels: Box<[T]>,
+    pub(crate) texels: Box<[T]>,
     /// Location of each level, the largest first.
-    pub places: Box<[Level]>,
+    pub(crate) places: Box<[Level]>,
 }
 
 impl<T: Copy + Default> Levels<T> {

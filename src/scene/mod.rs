@@ -4,23 +4,23 @@ pub mod builtin;
 
 pub mod camera;
 
-pub mod camera_file;
+pub(crate) mod camera_file;
 
-pub mod clusters;
+pub(crate) mod clusters;
 
-pub mod depth_mapping;
+pub(crate) mod depth_mapping;
 
-pub mod error;
+pub(crate) mod error;
 
-pub mod first_view;
+pub(crate) mod first_view;
 
-pub mod library;
+pub(crate) mod library;
 
-pub mod load;
+pub(crate) mod load;
 
-pub mod material;
+pub(crate) mod material;
 
-pub mod mesh;
+pub(crate) mod mesh;
 
 mod mips;
 
@@ -28,21 +28,32 @@ pub mod obj;
 
 pub mod seams;
 
-pub mod source;
+pub(crate) mod source;
 
-pub mod texture;
+pub(crate) mod texture;
 
-pub use camera::{Camera, Projection, Window};
+pub use camera::Camera;
+pub use camera::Projection;
+pub use camera::Window;
 pub use depth_mapping::DepthMapping;
-pub use error::{SceneError, Warning};
-pub use first_view::UpAxis;
-pub use library::{Library, MaterialId, MeshId, TextureId};
-pub use load::{LoadControl, MemoryLimit};
-pub use material::{Material, Transparency};
-pub use mesh::{Mesh, MeshData};
-pub use mips::{Level, Levels};
+pub use error::SceneError;
+pub(crate) use error::Warning;
+pub(crate) use first_view::UpAxis;
+pub use library::Library;
+pub(crate) use library::MaterialId;
+pub(crate) use library::MeshId;
+pub use library::TextureId;
+pub use load::LoadControl;
+pub use load::MemoryLimit;
+pub use material::Material;
+pub use material::Transparency;
+pub use mesh::Mesh;
+pub use mesh::MeshData;
+pub(crate) use mips::Level;
+pub(crate) use mips::Levels;
 pub use source::SceneSource;
-pub use texture::{Alpha, Texture};
+pub(crate) use texture::Alpha;
+pub use texture::Texture;
 
 use glam::{Mat4, Vec3};
 
@@ -53,7 +64,7 @@ use crate::text;
 #[derive(Clone, Debug)]
 pub struct Instance {
     /// Display name.
-    pub name: String,
+    pub(crate) name: String,
     /// Identifier of the shared mesh.
     pub mesh: MeshId,
     /// Identifier of the shared material.
@@ -61,7 +72,7 @@ pub struct Instance {
     /// Affine transform from model space to world space.
     pub world_from_model: Mat4,
     /// Factor of the material's colour; sRGB values in [0, 1].
-    pub tint: Vec3,
+    pub(crate) tint: Vec3,
 }
 
 /// Identifier of a triangle of the scene, numbered in draw order over all instances.
@@ -98,7 +109,7 @@ impl Scene {
     }
 
     /// Returns the scene mirrored in z with a mirrored view, for models made for a world of the other handedness.
-    pub fn mirrored_z(&self) -> Self {
+    pub(crate) fn mirrored_z(&self) -> Self {
         let mirror = Mat4::from_scale(Vec3::new(1.0, 1.0, -1.0));
         let mut scene = Self { library: self.library.mirrored_z(), home: self.home.mirrored_z(), ..self.clone() };
         for instance in &mut scene.instances {
@@ -116,7 +127,7 @@ impl Scene {
     }
 
     /// Returns a view of the whole scene with this axis up, from a side that shows much of its front.
-    pub fn first_view(&self, up: UpAxis) -> Camera {
+    pub(crate) fn first_view(&self, up: UpAxis) -> Camera {
         first_view::first_view(self, up)
     }
 
@@ -126,7 +137,7 @@ impl Scene {
     }
 
     /// Returns the identifier of each instance's first triangle.
-    pub fn first_triangles(&self) -> Vec<TriangleId> {
+    pub(crate) fn first_triangles(&self) -> Vec<TriangleId> {
         self.instances
             .iter()
             .scan(0, |next, i| {
@@ -138,7 +149,7 @@ impl Scene {
     }
 
     /// Returns the triangles with a normal or texture coordinate that was not finite, in ascending order.
-    pub fn broken_triangles(&self) -> impl Iterator<Item = TriangleId> {
+    pub(crate) fn broken_triangles(&self) -> impl Iterator<Item = TriangleId> {
         let meshes = self.instances.iter().map(|instance| self.library.mesh(instance.mesh));
         meshes.zip(self.first_triangles()).flat_map(|(mesh, TriangleId(first))| {
             mesh.broken_triangles().iter().map(move |triangle| TriangleId(first + triangle))
@@ -146,7 +157,7 @@ impl Scene {
     }
 
     /// Returns the memory of the shared buffers and of the instance records, in bytes.
-    pub fn memory(&self) -> Memory {
+    pub(crate) fn memory(&self) -> Memory {
         Memory {
             shared_bytes: self.library.bytes(),
             mesh_bytes: self.library.meshes().iter().map(Mesh::bytes).sum(),
@@ -158,13 +169,13 @@ impl Scene {
 
 /// Memory of a scene, in bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Memory {
+pub(crate) struct Memory {
     /// Memory of meshes and textures, each counted once.
-    pub shared_bytes: usize,
+    pub(crate) shared_bytes: usize,
     /// Memory of the meshes, a part of `shared_bytes`.
-    pub mesh_bytes: usize,
+    pub(crate) mesh_bytes: usize,
     /// Memory of the instance records and their names.
-    pub instance_bytes: usize,
+    pub(crate) instance_bytes: usize,
     /// Memory that the meshes would take if every instance had its own copy.
-    pub unshared_bytes: usize,
+    pub(crate) unshared_bytes: usize,
 }

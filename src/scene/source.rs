@@ -28,7 +28,7 @@ impl SceneSource {
 
     /// Returns a name from which [`SceneSource::named`] recreates this source, if no file has the name of a built-in
     /// scene.
-    pub fn name(&self) -> PathBuf {
+    pub(crate) fn name(&self) -> PathBuf {
         match self {
             Self::Builtin(builtin) => builtin.id.into(),
             Self::File(path, _) => path.clone(),
@@ -36,7 +36,7 @@ impl SceneSource {
     }
 
     /// Returns the display name: a title, or the name of the file.
-    pub fn title(&self) -> String {
+    pub(crate) fn title(&self) -> String {
         match self {
             Self::Builtin(builtin) => builtin.title.to_owned(),
             Self::File(path, _) => path.file_name().map_or_else(String::new, |name| text::path(name.as_ref())),
@@ -44,7 +44,7 @@ impl SceneSource {
     }
 
     /// Returns the source with this meaning of `Tr`; a built-in scene is returned unchanged.
-    pub fn with_tr(self, tr: TrMeaning) -> Self {
+    pub(crate) fn with_tr(self, tr: TrMeaning) -> Self {
         match self {
             Self::Builtin(builtin) => Self::Builtin(builtin),
             Self::File(path, _) => Self::File(path, tr),
@@ -72,7 +72,7 @@ impl SceneSource {
     }
 
     /// Builds or loads the scene like [`SceneSource::load`], with the given memory limit, progress and cancellation.
-    pub fn load_with(&self, control: LoadControl<'_>) -> Result<Loaded, SceneError> {
+    pub(crate) fn load_with(&self, control: LoadControl<'_>) -> Result<Loaded, SceneError> {
         let mut loaded = match self {
             Self::Builtin(builtin) => Loaded::from(builtin.build()),
             Self::File(path, tr) => obj::load_with(path, *tr, control)?,

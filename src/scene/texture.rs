@@ -9,7 +9,7 @@ use crate::text;
 
 /// Alpha content of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Alpha {
+pub(crate) enum Alpha {
     /// All texels have alpha 255.
     Opaque,
     /// All texels have alpha 0 or 255.
@@ -59,7 +59,7 @@ impl Texture {
     }
 
     /// Returns the display name: the name of the file, or an assigned one.
-    pub fn name(&self) -> &str {
+    pub(crate) fn name(&self) -> &str {
         &self.name
     }
 
@@ -68,23 +68,23 @@ impl Texture {
     ///
     /// Of the four texels around any position of the repeated texture, two and two are then adjacent in memory, one row
     /// apart. Computed at the first call and cached.
-    pub fn wrapped(&self) -> &[u32] {
+    pub(crate) fn wrapped(&self) -> &[u32] {
         self.wrapped.get_or_init(|| wrapped(&self.image, u32::from_le_bytes).collect())
     }
 
     /// Returns [`Texture::wrapped`] in linear light: red, green and blue as linear values, and alpha as a code from 0
     /// to 255.
-    pub fn wrapped_linear(&self) -> &[[f32; 4]] {
+    pub(crate) fn wrapped_linear(&self) -> &[[f32; 4]] {
         self.wrapped_linear.get_or_init(|| wrapped(&self.image, linear).collect())
     }
 
     /// Returns [`Texture::wrapped`] of all mip levels, with the smaller ones as means of codes.
-    pub fn levels(&self) -> &Levels<u32> {
+    pub(crate) fn levels(&self) -> &Levels<u32> {
         self.levels.get_or_init(|| Levels::new(self.images(false), u32::from_le_bytes))
     }
 
     /// Returns [`Texture::wrapped_linear`] of all mip levels, with the smaller ones as means of linear light.
-    pub fn levels_linear(&self) -> &Levels<[f32; 4]> {
+    pub(crate) fn levels_linear(&self) -> &Levels<[f32; 4]> {
         self.levels_linear.get_or_init(|| Levels::new(self.images(true), linear))
     }
 
@@ -100,7 +100,7 @@ impl Texture {
     }
 
     /// Returns the memory of the picture and of the cached representations so far, in bytes.
-    pub fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         let smaller = self.smaller.iter().filter_map(OnceLock::get).flatten();
         self.image.bytes()
             + self.wrapped.get().map_or(0, |texels| size_of_val(&**texels))
@@ -111,12 +111,12 @@ impl Texture {
     }
 
     /// Returns the texels, with row 0 at the top (v = 0 after the flip on load).
-    pub fn image(&self) -> &Image<Rgba8> {
+    pub(crate) fn image(&self) -> &Image<Rgba8> {
         &self.image
     }
 
     /// Returns the alpha content of the texels, determined at construction.
-    pub fn alpha(&self) -> Alpha {
+    pub(crate) fn alpha(&self) -> Alpha {
         self.alpha
     }
 }

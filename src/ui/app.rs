@@ -162,12 +162,12 @@ impl Workbench {
     }
 
     /// Opens a tab along the bottom.
-    pub fn open_tab(&mut self, tab: Tab) {
+    pub(crate) fn open_tab(&mut self, tab: Tab) {
         self.tab = tab;
     }
 
     /// Queues commands for the next frame, as if the user had triggered them.
-    pub fn ask_for(&mut self, commands: Vec<Command>) {
+    pub(crate) fn ask_for(&mut self, commands: Vec<Command>) {
         self.asked_for.extend(commands);
     }
 

@@ -67,12 +67,12 @@ impl PictureTexture {
 
 /// The canvas: zoom, pointer state and the texture of the picture.
 #[derive(Default)]
-pub struct Canvas {
+pub(crate) struct Canvas {
     texture: PictureTexture,
     /// Scale and visible part of the picture.
-    pub zoom: Zoom,
+    pub(crate) zoom: Zoom,
     /// Pixel under the pointer.
-    pub hovered: Option<(u32, u32)>,
+    pub(crate) hovered: Option<(u32, u32)>,
     /// State of the rectangle being dragged.
     boxing: region::Dragging,
     selection: SelectionLayer,
@@ -80,27 +80,27 @@ pub struct Canvas {
 
 impl Canvas {
     /// Fits the whole picture into the canvas, also after the canvas is resized.
-    pub fn fit(&mut self) {
+    pub(crate) fn fit(&mut self) {
         self.zoom.fit();
     }
 
     /// Shows the picture at 1:1 (one picture pixel per screen pixel), centred on the canvas.
-    pub fn one_to_one(&mut self, picture: (u32, u32), canvas_px: (u32, u32)) {
+    pub(crate) fn one_to_one(&mut self, picture: (u32, u32), canvas_px: (u32, u32)) {
         self.zoom.set_view(1.0, canvas_px, (picture.0 as f32 / 2.0, picture.1 as f32 / 2.0));
     }
 
     /// Centres the canvas on a pixel and zooms in far enough to show it.
-    pub fn bring_into_view(&mut self, pixel: (u32, u32), canvas_px: (u32, u32)) {
+    pub(crate) fn bring_into_view(&mut self, pixel: (u32, u32), canvas_px: (u32, u32)) {
         self.zoom.bring_into_view(pixel, canvas_px);
     }
 
     /// Returns screen pixels per picture pixel; `None` if the picture is fitted.
-    pub fn scale(&self) -> Option<f32> {
+    pub(crate) fn scale(&self) -> Option<f32> {
         self.zoom.scale()
     }
 
     /// Draws the picture and turns pointer input into commands.
-    pub fn ui(&mut self, ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) -> Response {
+    pub(crate) fn ui(&mut self, ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) -> Response {
         let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Rendered picture"));
         ui.painter().rect_filled(rect, 0.0, tokens(ui).canvas);

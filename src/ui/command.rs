@@ -202,13 +202,13 @@ pub enum Command {
 /// A key binding with its description.
 pub struct Binding {
     /// Key that triggers the command.
-    pub key: Key,
+    pub(crate) key: Key,
     /// Modifiers that must be held.
-    pub modifiers: Modifiers,
+    pub(crate) modifiers: Modifiers,
     /// Constructs the command.
-    pub command: fn() -> Command,
+    pub(crate) command: fn() -> Command,
     /// Description for tooltips and the key sheet.
-    pub what: &'static str,
+    pub(crate) what: &'static str,
 }
 
 const fn bind(modifiers: Modifiers, key: Key, command: fn() -> Command, what: &'static str) -> Binding {
@@ -225,7 +225,7 @@ const fn jump(key: Key, command: fn() -> Command) -> Binding {
 
 impl Binding {
     /// Returns the binding as a shortcut of the toolkit.
-    pub fn shortcut(&self) -> KeyboardShortcut {
+    pub(crate) fn shortcut(&self) -> KeyboardShortcut {
         KeyboardShortcut::new(self.modifiers, self.key)
     }
 }

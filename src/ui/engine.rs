@@ -41,7 +41,7 @@ pub enum Shown {
 
 impl Shown {
     /// Returns the display name.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Buffer(buffer) => buffer.name(),
             Self::Stage(stage) => stage.name(),
@@ -50,7 +50,7 @@ impl Shown {
     }
 
     /// Returns a description in one sentence.
-    pub fn help(self) -> &'static str {
+    pub(crate) fn help(self) -> &'static str {
         match self {
             Self::Buffer(buffer) => buffer.help(),
             Self::Stage(stage) => stage.help(),
@@ -63,43 +63,43 @@ impl Shown {
 #[derive(Clone, Debug)]
 pub struct Request {
     /// Scene; compared by pointer.
-    pub scene: Arc<Scene>,
+    pub(crate) scene: Arc<Scene>,
     /// Camera.
-    pub camera: Camera,
+    pub(crate) camera: Camera,
     /// Recipe to draw with.
-    pub recipe: Recipe,
+    pub(crate) recipe: Recipe,
     /// Size of the picture, in pixels.
-    pub viewport: Viewport,
+    pub(crate) viewport: Viewport,
     /// Quantity on the canvas.
-    pub shown: Shown,
+    pub(crate) shown: Shown,
     /// Number of rasterized triangles to draw; all if `None`.
-    pub triangle_limit: Option<usize>,
+    pub(crate) triangle_limit: Option<usize>,
     /// Number of fragments of the last of these triangles to draw; all if `None`.
-    pub fragment_limit: Option<usize>,
+    pub(crate) fragment_limit: Option<usize>,
     /// Picked pixel, in picture pixels.
-    pub pick: Option<(u32, u32)>,
+    pub(crate) pick: Option<(u32, u32)>,
     /// Range, colours and overlays.
-    pub look: Look,
+    pub(crate) look: Look,
 }
 
 impl Request {
     /// Whether both requests have the same answer.
-    pub fn same_view(&self, other: &Self) -> bool {
+    pub(crate) fn same_view(&self, other: &Self) -> bool {
         self.same_frame(other) && self.shown == other.shown && self.pick == other.pick && self.look == other.look
     }
 
     /// Whether the canvas shows the same for both requests, regardless of the picked pixel.
-    pub fn same_picture(&self, other: &Self) -> bool {
+    pub(crate) fn same_picture(&self, other: &Self) -> bool {
         self.same_frame(other) && self.shown == other.shown && self.look == other.look
     }
 
     /// Whether both requests have the same frame.
-    pub fn same_frame(&self, other: &Self) -> bool {
+    pub(crate) fn same_frame(&self, other: &Self) -> bool {
         self.same_complete_frame(other) && self.moment() == other.moment()
     }
 
     /// Returns the requested moment of the frame; `None` for the finished frame.
-    pub fn moment(&self) -> Option<Moment> {
+    pub(crate) fn moment(&self) -> Option<Moment> {
         self.triangle_limit.map(|triangles| Moment { triangles, fragments: self.fragment_limit })
     }
 
@@ -110,7 +110,7 @@ impl Request {
     }
 
     /// Whether both requests have the same frame once all of its triangles are drawn.
-    pub fn same_complete_frame(&self, other: &Self) -> bool {
+    pub(crate) fn same_complete_frame(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.scene, &other.scene)
             && self.camera == other.camera
             && self.recipe == other.recipe
@@ -132,7 +132,7 @@ pub struct View {
     /// Captured buffers of the frame; `None` if the shown quantity does not need them.
     pub buffers: Option<Arc<Buffers>>,
     /// Intermediate value of every sample; `None` unless one is shown.
-    pub captured: Option<Arc<Captured>>,
+    pub(crate) captured: Option<Arc<Captured>>,
     /// Ends of the colour map; `None` without one.
     pub range: Option<Range>,
     /// Intermediate images and statistics of the picture.
@@ -140,9 +140,9 @@ pub struct View {
     /// History of the picked pixel.
     pub report: Option<Arc<PixelReport>>,
     /// Moments around the shown one; `None` if the frame is complete and no pixel is picked.
-    pub timeline: Option<Arc<Timeline>>,
+    pub(crate) timeline: Option<Arc<Timeline>>,
     /// Whether the frame was drawn for this answer rather than reused from the last one.
-    pub fresh: bool,
+    pub(crate) fresh: bool,
 }
 
 impl View {
@@ -154,7 +154,7 @@ impl View {
     }
 
     /// Whether repeating the request would improve the frame, because the upscaler has not converged yet.
-    pub fn wants_another(&self) -> bool {
+    pub(crate) fn wants_another(&self) -> bool {
         self.request.triangle_limit.is_none() && self.frame.wants_another(&self.request.recipe)
     }
 }
@@ -165,7 +165,7 @@ const SEAMS_WAIT: Duration = Duration::from_millis(50);
 
 /// Answers requests, reusing results of the last one.
 #[derive(Debug, Default)]
-pub struct Engine {
+pub(crate) struct Engine {
     last: Option<View>,
     renderer: Renderer,
     seams: SeamSearch,
@@ -175,7 +175,7 @@ pub struct Engine {
 
 impl Engine {
     /// Answers a request, reusing valid parts of the last answer.
-    pub fn answer(&mut self, request: Request) -> View {
+    pub(crate) fn answer(&mut self, request: Request) -> View {
         let mut last = self.last.take();
         self.reel.take_if(|reel| !reel.is_of(&request));
         let whole = last.as_ref().filter(|view| view.is_whole_for(&request)).map(|view| view.frame.clone());
@@ -300,33 +300,33 @@ fn render(
 #[derive(Clone, Copy, Debug, Default)]
 pub struct StageFigures {
     /// Wall-clock times.
-    pub times: StageTimes,
+    pub(crate) times: StageTimes,
     /// Counters.
-    pub counters: Counters,
+    pub(crate) counters: Counters,
     /// Number of fragments whose depth or weights are NaN or infinite.
-    pub bad: u64,
+    pub(crate) bad: u64,
 }
 
 /// Determines the figures of a view in steps, each of which takes at most one frame time.
 #[derive(Debug)]
-pub struct Figuring {
+pub(crate) struct Figuring {
     view: View,
     timer: StageTimer,
 }
 
 impl Figuring {
     /// Starts with a view.
-    pub fn new(view: View) -> Self {
+    pub(crate) fn new(view: View) -> Self {
         Self { timer: StageTimer::new(&view.frame), view }
     }
 
     /// Whether a step was completed already.
-    pub fn has_begun(&self) -> bool {
+    pub(crate) fn has_begun(&self) -> bool {
         self.timer.has_begun()
     }
 
     /// Runs the next step. Returns the figures after the last one, `None` before.
-    pub fn step(&mut self) -> Option<StageFigures> {
+    pub(crate) fn step(&mut self) -> Option<StageFigures> {
         let View { request, frame, .. } = &self.view;
         let times = self.timer.step(&request.scene, &request.camera, &request.recipe, frame)?;
         let BadFragments { counters, bad, .. } = count(request, frame);

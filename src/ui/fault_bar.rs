@@ -11,7 +11,7 @@ use crate::inspect::{FaultKind, Hits};
 use crate::scene::seams::SeamCounts;
 
 /// Draws the card directly above the legend's rectangle.
-pub fn ui(ui: &mut Ui, legend: Rect, hits: &Hits, commands: &mut Vec<Command>) {
+pub(crate) fn ui(ui: &mut Ui, legend: Rect, hits: &Hits, commands: &mut Vec<Command>) {
     let seams = seams_text(hits);
     let rows = 2.0 + f32::from(hits.elsewhere > 0) + f32::from(seams.is_some());
     let height = rows * ROW_HEIGHT + 2.0 * space::XS;

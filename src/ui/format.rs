@@ -7,29 +7,29 @@
 const THIN_SPACE: char = '\u{2009}';
 
 /// Formats `value` with a fixed number of decimals.
-pub fn fixed(value: f64, decimals: usize) -> String {
+pub(crate) fn fixed(value: f64, decimals: usize) -> String {
     special(value).unwrap_or_else(|| true_minus(&format!("{value:.decimals$}")))
 }
 
 /// Formats an edge function value: integers below 9·10¹⁵ with all digits, other values in scientific notation with nine
 /// significant digits.
-pub fn edge(value: f64) -> String {
+pub(crate) fn edge(value: f64) -> String {
     let whole = value.fract() == 0.0 && value.abs() < 9e15;
     special(value).unwrap_or_else(|| true_minus(&if whole { format!("{value:.0}") } else { format!("{value:.8e}") }))
 }
 
 /// Formats milliseconds with two decimals: "4.10 ms".
-pub fn ms(milliseconds: f64) -> String {
+pub(crate) fn ms(milliseconds: f64) -> String {
     with_unit(fixed(milliseconds, 2), "ms")
 }
 
 /// Formats a fraction as a percentage with one decimal: 0.613 is "61.3 %".
-pub fn percent(fraction: f64) -> String {
+pub(crate) fn percent(fraction: f64) -> String {
     with_unit(fixed(fraction * 100.0, 1), "%")
 }
 
 /// Formats an integer with separated thousands: "1 234 567".
-pub fn count(number: u64) -> String {
+pub(crate) fn count(number: u64) -> String {
     let digits = number.to_string();
     let mut text = String::with_capacity(2 * digits.len());
     for (index, digit) in digits.chars().enumerate() {
@@ -42,7 +42,7 @@ pub fn count(number: u64) -> String {
 }
 
 /// Formats a number of bytes in binary units: "512 B", "3.5 MiB".
-pub fn bytes(bytes: u64) -> String {
+pub(crate) fn bytes(bytes: u64) -> String {
     const UNITS: [&str; 6] = ["KiB", "MiB", "GiB", "TiB", "PiB", "EiB"];
     if bytes < 1024 {
         return with_unit(bytes.to_string(), "B");
@@ -76,7 +76,7 @@ pub fn f32_full(value: f32) -> String {
 }
 
 /// Formats the bits of an `f32` in hexadecimal: "0x3F7FFFFE".
-pub fn bits(value: f32) -> String {
+pub(crate) fn bits(value: f32) -> String {
     format!("0x{:08X}", value.to_bits())
 }
 

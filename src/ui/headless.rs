@@ -17,26 +17,26 @@ use super::{cpu_painter::CpuPainter, theme};
 use crate::image::{Image, Rgba8};
 
 /// Time from one pass to the next, in seconds. Any animation of the theme finishes within two passes.
-pub const STEP_SECONDS: f64 = 0.1;
+pub(crate) const STEP_SECONDS: f64 = 0.1;
 
 /// Largest texture side that the toolkit may request, in pixels: the longest side of a picture.
 const LARGEST_TEXTURE_SIDE: usize = 16_384;
 
 /// Cost of one pass.
 #[derive(Clone, Copy, Debug)]
-pub struct PassCost {
+pub(crate) struct PassCost {
     /// Time for panels, text and input.
-    pub layout: Duration,
+    pub(crate) layout: Duration,
     /// Time for tessellating shapes into triangles.
-    pub tessellation: Duration,
+    pub(crate) tessellation: Duration,
     /// Number of vertices of all triangles.
-    pub vertices: usize,
+    pub(crate) vertices: usize,
     /// Size of the uploaded textures, in bytes.
-    pub texture_bytes: usize,
+    pub(crate) texture_bytes: usize,
 }
 
 /// An egui context with the installed theme, its painter, and the shapes of its last pass.
-pub struct Headless {
+pub(crate) struct Headless {
     context: egui::Context,
     painter: CpuPainter,
     size_points: Vec2,
@@ -47,7 +47,7 @@ pub struct Headless {
 
 impl Headless {
     /// Creates a window of `size_points` (logical) at an interface scale of `pixels_per_point`.
-    pub fn new(size_points: Vec2, pixels_per_point: f32, theme: egui::Theme) -> Self {
+    pub(crate) fn new(size_points: Vec2, pixels_per_point: f32, theme: egui::Theme) -> Self {
         let context = egui::Context::default();
         theme::install(&context);
         context.set_theme(theme);
@@ -55,13 +55,13 @@ impl Headless {
     }
 
     /// Returns the context for further setup.
-    pub fn context(&self) -> &egui::Context {
+    pub(crate) fn context(&self) -> &egui::Context {
         &self.context
     }
 
     /// Runs one pass with `events` as its input. Returns its requests to the platform (cursor, clipboard, accessibility
     /// tree).
-    pub fn pass(&mut self, events: Vec<Event>, ui: impl FnMut(&mut egui::Ui)) -> PlatformOutput {
+    pub(crate) fn pass(&mut self, events: Vec<Event>, ui: impl FnMut(&mut egui::Ui)) -> PlatformOutput {
         let input = self.input(events);
         let FullOutput { platform_output, mut textures_delta, shapes, .. } = self.context.run_ui(input, ui);
         self.painter.handle_delta(&mut textures_delta);
@@ -71,7 +71,7 @@ impl Headless {
     }
 
     /// Runs one pass like [`Self::pass`] and returns its cost up to the point where a GPU would take over.
-    pub fn timed_pass(&mut self, events: Vec<Event>, ui: impl FnMut(&mut egui::Ui)) -> PassCost {
+    pub(crate) fn timed_pass(&mut self, events: Vec<Event>, ui: impl FnMut(&mut egui::Ui)) -> PassCost {
         let input = self.input(events);
         let begun = Instant::now();
         let FullOutput { mut textures_delta, shapes, pixels_per_point, .. } = self.context.run_ui(input, ui);
@@ -92,7 +92,7 @@ impl Headless {
     }
 
     /// Clicks with the primary mouse button at `position` (in points), in three passes.
-    pub fn click(&mut self, position: Pos2, mut ui: impl FnMut(&mut egui::Ui)) -> PlatformOutput {
+    pub(crate) fn click(&mut self, position: Pos2, mut ui: impl FnMut(&mut egui::Ui)) -> PlatformOutput {
         let button = |pressed| Event::PointerButton {
             pos: position,
             button: PointerButton::Primary,
@@ -105,7 +105,7 @@ impl Headless {
     }
 
     /// Paints the last pass at `size_points` × `pixels_per_point`, rounded to whole pixels.
-    pub fn picture(&self) -> Image<Rgba8> {
+    pub(crate) fn picture(&self) -> Image<Rgba8> {
         let size = (self.size_points * self.pixels_per_point).round();
         let background = self.context.global_style().visuals.panel_fill;
         self.painter.paint_shapes(&self.context, self.shapes.clone(), (size.x as u32, size.y as u32), background)

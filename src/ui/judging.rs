@@ -21,38 +21,38 @@ pub enum StabilityView {
 
 /// State of the stability report.
 #[derive(Clone, Debug, Default)]
-pub struct Stability {
+pub(crate) struct Stability {
     /// Last complete report.
-    pub report: Option<Arc<Report>>,
+    pub(crate) report: Option<Arc<Report>>,
     /// Progress of the running report.
-    pub progress: Option<Progress>,
+    pub(crate) progress: Option<Progress>,
     /// Selected view.
-    pub view: StabilityView,
+    pub(crate) view: StabilityView,
 }
 
 /// State of the measurement of the plan's savings.
 #[derive(Clone, Debug, Default)]
-pub struct PlanSavings {
+pub(crate) struct PlanSavings {
     /// Last result and the request that it was measured on.
-    pub found: Option<(Arc<Savings>, Request)>,
+    pub(crate) found: Option<(Arc<Savings>, Request)>,
     /// Completed share of the running measurement, in [0, 1].
-    pub progress: Option<f32>,
+    pub(crate) progress: Option<f32>,
 }
 
 /// State of the scaling measurement.
 #[derive(Clone, Debug, Default)]
-pub struct Growth {
+pub(crate) struct Growth {
     /// Last result and the recipe that it was measured with.
-    pub found: Option<(Arc<Scaling>, Recipe)>,
+    pub(crate) found: Option<(Arc<Scaling>, Recipe)>,
     /// Quantity being measured and the completed share of the measurement, in [0, 1].
-    pub progress: Option<(Quantity, f32)>,
+    pub(crate) progress: Option<(Quantity, f32)>,
 }
 
 /// A running stability report.
-pub type Judging = Task<Progress, Report>;
+pub(crate) type Judging = Task<Progress, Report>;
 
 /// A running measurement of savings; the result includes the request that it was measured on.
-pub type MeasuringSavings = Task<f32, (Savings, Request)>;
+pub(crate) type MeasuringSavings = Task<f32, (Savings, Request)>;
 
 /// A running scaling measurement; the result includes the recipe that it was measured with.
-pub type MeasuringGrowth = Task<(Quantity, f32), (Scaling, Recipe)>;
+pub(crate) type MeasuringGrowth = Task<(Quantity, f32), (Scaling, Recipe)>;

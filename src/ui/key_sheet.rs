@@ -22,7 +22,7 @@ const LINE_POINTS: f32 = 16.0;
 const MOST_KEYS: usize = 3;
 
 /// Returns the width of the sheet, in points: three columns if the window has room for them, otherwise two.
-pub fn width(ui: &Ui) -> f32 {
+pub(crate) fn width(ui: &Ui) -> f32 {
     COLUMN_POINTS * columns(ui) as f32
 }
 
@@ -112,7 +112,7 @@ impl Line {
 }
 
 /// Draws the sheet, limited to the lines that match `filter`.
-pub fn ui(ui: &mut Ui, filter: &mut String) {
+pub(crate) fn ui(ui: &mut Ui, filter: &mut String) {
     let field = ui.add(TextEdit::singleline(filter).hint_text("Filter by key or word").desired_width(240.0));
     field.widget_info(|| WidgetInfo::labeled(eframe::egui::Role::TextInput, true, "Filter the keys"));
     ui.add_space(space::S);
@@ -172,7 +172,7 @@ fn lines(topic: Topic, filter: &str) -> Vec<Line> {
 }
 
 /// Returns the name of a key with its modifiers, in characters that the fonts contain.
-pub fn key_name(binding: &Binding) -> String {
+pub(crate) fn key_name(binding: &Binding) -> String {
     let mut name = String::new();
     if binding.modifiers.command || binding.modifiers.ctrl {
         name.push_str("Ctrl + ");

@@ -20,15 +20,15 @@ use crate::scene::seams::Seams;
 
 /// Display of a quantity, overlays, and requested statistics.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Look {
+pub(crate) struct Look {
     /// Range, colour map and channels.
-    pub display: Display,
+    pub(crate) display: Display,
     /// Requested statistics; `None` for none.
-    pub measures: Option<Measures>,
+    pub(crate) measures: Option<Measures>,
     /// Overlays, bottom first.
-    pub layers: Vec<Layer>,
+    pub(crate) layers: Vec<Layer>,
     /// Whether layers with lines are omitted from the picture because lines are drawn between large pixels instead.
-    pub vectors: bool,
+    pub(crate) vectors: bool,
 }
 
 impl Look {
@@ -40,49 +40,49 @@ impl Look {
 
 /// Statistics to compute.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Measures {
+pub(crate) struct Measures {
     /// Axis of the histograms; the range of all values if `None`.
-    pub axis: Option<Range>,
+    pub(crate) axis: Option<Range>,
     /// Rectangle with statistics of its own.
-    pub region: Option<Region>,
+    pub(crate) region: Option<Region>,
 }
 
 /// The picture for a [`Look`], with everything that it was made from.
 #[derive(Clone, Debug)]
 pub struct Looked {
     /// Picture after a stage as drawn; `None` unless a stage is shown.
-    pub stage: Option<Arc<Image<Rgba8>>>,
+    pub(crate) stage: Option<Arc<Image<Rgba8>>>,
     /// Picture of the quantity without overlays.
-    pub base: Arc<Image<Rgba8>>,
+    pub(crate) base: Arc<Image<Rgba8>>,
     /// Picture with overlays.
-    pub picture: Arc<Image<Rgba8>>,
+    pub(crate) picture: Arc<Image<Rgba8>>,
     /// Ends of the colour map, or of each channel; `None` for categorical values.
-    pub range: Option<Range>,
+    pub(crate) range: Option<Range>,
     /// Visible overlays, in the order of the layers.
-    pub sheets: Vec<Arc<Sheet>>,
+    pub(crate) sheets: Vec<Arc<Sheet>>,
     /// Whether placeholders stand in for overlays that are slow to compute.
-    pub is_unfinished: bool,
+    pub(crate) is_unfinished: bool,
     /// All overlays computed for the frame, visible or not.
     made: Vec<Arc<Sheet>>,
     /// Instrumented rendering of the frame, shared by overlays and created on first use.
     watched: Arc<OnceLock<Watched>>,
     /// Computed statistics; `None` if none were requested.
-    pub measured: Option<Arc<Measured>>,
+    pub(crate) measured: Option<Arc<Measured>>,
 }
 
 /// Sources of the values of a shown quantity.
 #[derive(Clone, Copy)]
-pub struct Source<'a> {
+pub(crate) struct Source<'a> {
     /// The frame.
-    pub frame: &'a Frame,
+    pub(crate) frame: &'a Frame,
     /// Captured buffers of the frame; `None` if the shown quantity does not need them.
-    pub buffers: Option<&'a Buffers>,
+    pub(crate) buffers: Option<&'a Buffers>,
     /// Intermediate value of every sample; `None` unless one is shown.
-    pub captured: Option<&'a Captured>,
+    pub(crate) captured: Option<&'a Captured>,
     /// Picture after a stage; `None` unless a stage is shown.
-    pub stage: Option<&'a Image<Rgba8>>,
+    pub(crate) stage: Option<&'a Image<Rgba8>>,
     /// Open seams of the scene; `None` while unknown or unused.
-    pub seams: Option<&'a Seams>,
+    pub(crate) seams: Option<&'a Seams>,
 }
 
 impl Source<'_> {
@@ -109,7 +109,7 @@ impl Source<'_> {
 
 /// Whether slow overlays are computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Slow {
+pub(crate) enum Slow {
     /// Slow overlays are computed.
     Made,
     /// Placeholders stand in for slow overlays, so that the frame appears soon.
@@ -117,7 +117,7 @@ pub enum Slow {
 }
 
 /// Computes the look of a request, reusing the previous look of the same frame if there is one.
-pub fn look(request: &Request, source: Source<'_>, kept: Option<(Request, Looked)>, slow: Slow) -> Looked {
+pub(crate) fn look(request: &Request, source: Source<'_>, kept: Option<(Request, Looked)>, slow: Slow) -> Looked {
     let frame = source.frame;
     let (watched, mut made) = match &kept {
         Some((_, looked)) => (looked.watched.clone(), looked.made.clone()),
@@ -192,7 +192,7 @@ fn composed(base: &Arc<Image<Rgba8>>, sheets: &[Arc<Sheet>], look: &Look) -> Arc
 }
 
 /// Returns the kind of values of a shown quantity.
-pub fn kind(shown: Shown) -> Kind {
+pub(crate) fn kind(shown: Shown) -> Kind {
     match shown {
         Shown::Buffer(buffer) => Kind::of(buffer),
         Shown::Stage(_) => Kind::Colors,

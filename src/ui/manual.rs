@@ -21,7 +21,7 @@ const MOST_RESULTS: usize = 40;
 
 /// Manual window: which page is open, and what is searched for.
 #[derive(Default)]
-pub struct ManualWindow {
+pub(crate) struct ManualWindow {
     is_open: bool,
     chapter: Chapter,
     query: String,
@@ -36,7 +36,7 @@ pub struct ManualWindow {
 
 impl ManualWindow {
     /// Opens the window at a chapter, or for a search at the chapter last read.
-    pub fn open(&mut self, chapter: Option<Chapter>) {
+    pub(crate) fn open(&mut self, chapter: Option<Chapter>) {
         self.is_open = true;
         match chapter {
             Some(chapter) => self.go_to(chapter, 0),
@@ -57,12 +57,12 @@ impl ManualWindow {
     }
 
     /// Whether the window is open.
-    pub fn is_open(&self) -> bool {
+    pub(crate) fn is_open(&self) -> bool {
         self.is_open
     }
 
     /// Closes the window.
-    pub fn close(&mut self) {
+    pub(crate) fn close(&mut self) {
         self.is_open = false;
     }
 
@@ -72,7 +72,7 @@ impl ManualWindow {
     }
 
     /// Draws the window if it is open.
-    pub fn ui(&mut self, ui: &Ui) {
+    pub(crate) fn ui(&mut self, ui: &Ui) {
         let mut is_open = self.is_open;
         let room = ui.ctx().content_rect().size() - vec2(40.0, 80.0);
         egui::Window::new("Manual")
@@ -165,7 +165,7 @@ fn result(ui: &mut Ui, passage: &Passage) -> bool {
 }
 
 /// Adds the “?” of a panel, which opens its chapter of the manual.
-pub fn manual_button(ui: &mut Ui, chapter: Chapter, commands: &mut Vec<Command>) {
+pub(crate) fn manual_button(ui: &mut Ui, chapter: Chapter, commands: &mut Vec<Command>) {
     if icon_button(ui, Icon::CircleQuestionMark, &format!("Manual: {}", chapter.title())).clicked() {
         commands.push(Command::OpenManual(Some(chapter)));
     }

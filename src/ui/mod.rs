@@ -6,11 +6,11 @@
 //! paints a finished egui frame without a GPU, and [`headless`] drives any user interface without a window system, for
 //! screenshots and tests.
 
-pub mod cpu_painter;
+pub(crate) mod cpu_painter;
 
 pub mod headless;
 
-pub mod task;
+pub(crate) mod task;
 
 pub mod fates;
 
@@ -24,11 +24,11 @@ pub mod theme;
 
 pub mod format;
 
-pub mod widgets;
+pub(crate) mod widgets;
 
-pub mod manual;
+pub(crate) mod manual;
 
-pub mod ticks;
+pub(crate) mod ticks;
 
 pub mod look;
 
@@ -42,54 +42,61 @@ pub mod compare;
 
 pub mod worker;
 
-pub mod lab;
+pub(crate) mod lab;
 
 pub mod trace;
 
-pub mod probe;
+pub(crate) mod probe;
 
 pub mod command;
 
-pub mod timings;
+pub(crate) mod timings;
 
-pub mod judging;
+pub(crate) mod judging;
 
-pub mod open_case;
+pub(crate) mod open_case;
 
 pub mod session;
 
 pub mod checks;
 
-pub mod place;
+pub(crate) mod place;
 
-pub mod what_if;
+pub(crate) mod what_if;
 
-pub mod watch;
+pub(crate) mod watch;
 
-pub mod fault_bar;
+pub(crate) mod fault_bar;
 
-pub mod zoom;
+pub(crate) mod zoom;
 
 pub mod vertices;
 
-pub mod navigate;
+pub(crate) mod navigate;
 
-pub mod canvas;
+pub(crate) mod canvas;
 
-pub mod mesh_view;
+pub(crate) mod mesh_view;
 
-pub mod panels;
+pub(crate) mod panels;
 
-pub mod palette;
+pub(crate) mod palette;
 
-pub mod key_sheet;
+pub(crate) mod key_sheet;
 
 pub mod app;
 
 mod start;
 
-pub mod store;
+pub(crate) mod store;
 
-pub mod window_time;
+pub(crate) mod window_time;
 
-pub use start::{ScreenshotRequest, Seen, Theme, WindowStart, resumed, run_window, screenshot, workbench};
+pub use start::ScreenshotRequest;
+pub use start::Seen;
+pub use start::Theme;
+pub use start::WindowStart;
+pub(crate) use start::resumed;
+pub(crate) use start::run_window;
+pub use start::screenshot;
+pub(crate) use start::workbench;

@@ -17,12 +17,12 @@ pub(super) const ORBIT_RATE: f32 = 0.008;
 pub(super) const FLY_RATE: f32 = 0.8;
 
 /// Flying keys of camera mode: right, left, up, down, forwards, backwards.
-pub const FLYING_KEYS: [egui::Key; 6] =
+pub(crate) const FLYING_KEYS: [egui::Key; 6] =
     [egui::Key::D, egui::Key::A, egui::Key::E, egui::Key::Q, egui::Key::W, egui::Key::S];
 
 /// Turns pointer input over a picture of `height_px` rows into a new zoom or a new camera. Dragging with the primary
 /// button has no effect unless `drag_is_free`.
-pub fn navigate(
+pub(crate) fn navigate(
     ui: &Ui,
     (response, placement, height_px): (&Response, Placement, u32),
     drag_is_free: bool,

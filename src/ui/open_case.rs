@@ -10,25 +10,25 @@ use crate::report::stability::column::Column;
 
 /// An open case.
 #[derive(Clone, Debug)]
-pub struct OpenCase {
+pub(crate) struct OpenCase {
     /// The case.
-    pub case: Arc<Case>,
+    pub(crate) case: Arc<Case>,
     /// Index of the shown part.
-    pub part: usize,
+    pub(crate) part: usize,
     /// Settings to restore on closing; `None` if the case was opened with the current settings.
-    pub settings_before: Option<Settings>,
+    pub(crate) settings_before: Option<Settings>,
 }
 
 impl OpenCase {
     /// Opens a case at its first part.
-    pub fn new(case: Arc<Case>) -> Self {
+    pub(crate) fn new(case: Arc<Case>) -> Self {
         Self { case, part: 0, settings_before: None }
     }
 }
 
 impl Session {
     /// Shows a case in place of the open one; the scene stays loaded.
-    pub fn show_case(&mut self, case: impl Into<Arc<Case>>) {
+    pub(crate) fn show_case(&mut self, case: impl Into<Arc<Case>>) {
         let case = case.into();
         self.close_case();
         self.report(Level::Info, format!("Opened the case {}", case.id));

@@ -8,9 +8,13 @@ mod preferences;
 
 mod undo;
 
-pub use log::{Level, LogLine};
-pub use preferences::{PictureSize, PointerMode, Preferences, WindowState};
-pub use undo::Undoable;
+pub use log::Level;
+pub(crate) use log::LogLine;
+pub use preferences::PictureSize;
+pub use preferences::PointerMode;
+pub(crate) use preferences::Preferences;
+pub use preferences::WindowState;
+pub(crate) use undo::Undoable;
 
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
@@ -52,98 +56,98 @@ const RECENT_FILES: usize = 8;
 
 /// A running measurement of all upscalers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Measuring {
+pub(crate) struct Measuring {
     /// Completed share, in [0, 1].
-    pub progress: f32,
+    pub(crate) progress: f32,
 }
 
 /// State of the window.
 #[derive(Debug)]
 pub struct Session {
     /// Scene on screen.
-    pub scene: Arc<Scene>,
+    pub(crate) scene: Arc<Scene>,
     /// Source of the scene.
-    pub source: SceneSource,
+    pub(crate) source: SceneSource,
     /// Whether the scene is the mirror image in z of its source.
-    pub mirrored: bool,
+    pub(crate) mirrored: bool,
     /// Memory limit for loading models.
-    pub memory_limit: MemoryLimit,
+    pub(crate) memory_limit: MemoryLimit,
     /// State covered by undo.
-    pub state: Undoable,
+    pub(crate) state: Undoable,
     /// Quantity on the canvas.
-    pub shown: Shown,
+    pub(crate) shown: Shown,
     /// Number of triangles to draw; all if `None`.
-    pub triangle_limit: Option<usize>,
+    pub(crate) triangle_limit: Option<usize>,
     /// State of stepping and playing through the frame.
-    pub scrub: Scrub,
+    pub(crate) scrub: Scrub,
     /// Picked pixel.
-    pub pick: Option<(u32, u32)>,
+    pub(crate) pick: Option<(u32, u32)>,
     /// Pointer mode.
-    pub pointer_mode: PointerMode,
+    pub(crate) pointer_mode: PointerMode,
     /// Size of the canvas in screen pixels, as of the last frame.
-    pub canvas_px: (u32, u32),
+    pub(crate) canvas_px: (u32, u32),
     /// Newest answer of the renderer.
-    pub view: Option<View>,
+    pub(crate) view: Option<View>,
     /// Counters and times of the stages of the last settled frame.
-    pub stages: Option<StageFigures>,
+    pub(crate) stages: Option<StageFigures>,
     /// Settings of the comparison.
-    pub comparison: Comparison,
+    pub(crate) comparison: Comparison,
     /// Results of the comparison so far.
-    pub compared: Option<Compared>,
+    pub(crate) compared: Option<Compared>,
     /// Frame times.
-    pub timings: Timings,
+    pub(crate) timings: Timings,
     /// Times of the window itself.
-    pub window_times: WindowTimes,
+    pub(crate) window_times: WindowTimes,
     /// Running measurement of all upscalers.
-    pub measuring: Option<Measuring>,
+    pub(crate) measuring: Option<Measuring>,
     /// Open case.
-    pub case: Option<OpenCase>,
+    pub(crate) case: Option<OpenCase>,
     /// Stability report.
-    pub stability: Stability,
+    pub(crate) stability: Stability,
     /// Completed share of the export of a drawing, from 0 to 1.
-    pub export_progress: Option<f32>,
+    pub(crate) export_progress: Option<f32>,
     /// Savings of the plan.
-    pub savings: PlanSavings,
+    pub(crate) savings: PlanSavings,
     /// Scaling of cost.
-    pub growth: Growth,
+    pub(crate) growth: Growth,
     /// Stability probe.
-    pub probing: Probing,
+    pub(crate) probing: Probing,
     /// Scope and selection of the vertex panel.
-    pub vertices: Vertices,
+    pub(crate) vertices: Vertices,
     /// Mesh view, which shows the scene from outside.
-    pub mesh_view: MeshView,
+    pub(crate) mesh_view: MeshView,
     /// 2D lab.
-    pub lab: Lab,
+    pub(crate) lab: Lab,
     /// Settings and results of the checks.
-    pub checks: Checks,
+    pub(crate) checks: Checks,
     /// Trace of the arithmetic of the picked pixel.
-    pub trace: TraceView,
+    pub(crate) trace: TraceView,
     /// Ranges and colour maps of the buffers and stages.
-    pub range: RangeControl,
+    pub(crate) range: RangeControl,
     /// Overlays of the picture.
-    pub overlays: Overlays,
+    pub(crate) overlays: Overlays,
     /// Selected triangles, highlighted in the picture, in tables and on meshes.
-    pub selection: TriangleSelection,
+    pub(crate) selection: TriangleSelection,
     /// Fates of triangles and fragments.
-    pub fates: FatesView,
+    pub(crate) fates: FatesView,
     /// Bookmarks and navigation history.
-    pub places: Places,
+    pub(crate) places: Places,
     /// Effect of the last change of settings.
-    pub what_if: WhatIf,
+    pub(crate) what_if: WhatIf,
     /// Watched pixels.
-    pub watch: Watch,
+    pub(crate) watch: Watch,
     /// Error in the message bar until it is dismissed.
-    pub error: Option<String>,
+    pub(crate) error: Option<String>,
     /// Picture file that was opened as a scene; the message bar offers to open it in the 2D lab.
-    pub offered_picture: Option<PathBuf>,
+    pub(crate) offered_picture: Option<PathBuf>,
     /// All messages, up to the length limit of the log.
-    pub log: VecDeque<LogLine>,
+    pub(crate) log: VecDeque<LogLine>,
     /// Recently opened files, newest first.
-    pub recent: Vec<PathBuf>,
+    pub(crate) recent: Vec<PathBuf>,
     /// Output folder for pictures and cases: the working directory at the start.
-    pub folder: PathBuf,
+    pub(crate) folder: PathBuf,
     /// Whether the first hint was dismissed.
-    pub hint_closed: bool,
+    pub(crate) hint_closed: bool,
     first_pick: FirstPick,
     /// Time of the last camera movement, in seconds.
     camera_moved_at: f64,
@@ -222,7 +226,7 @@ impl Session {
     }
 
     /// Returns the size of the picture, at least one pixel.
-    pub fn viewport(&self) -> Viewport {
+    pub(crate) fn viewport(&self) -> Viewport {
         let (width, height) = match self.state.size {
             PictureSize::Canvas => self.canvas_px,
             PictureSize::Fixed(width, height) => (width, height),
@@ -231,7 +235,7 @@ impl Session {
     }
 
     /// Returns the current request for the renderer.
-    pub fn request(&self) -> Request {
+    pub(crate) fn request(&self) -> Request {
         Request {
             scene: self.scene.clone(),
             camera: self.state.camera,
@@ -251,7 +255,7 @@ impl Session {
     }
 
     /// Returns the current comparison request; `None` if comparison is off.
-    pub fn compare_request(&self) -> Option<CompareRequest> {
+    pub(crate) fn compare_request(&self) -> Option<CompareRequest> {
         let Comparison { mode, reference, region, difference, gain, .. } = self.comparison;
         let shows_difference = mode == Mode::Difference;
         let tiles = 0..self.comparison.shown(&self.state.tiles);
@@ -267,7 +271,7 @@ impl Session {
     }
 
     /// Replaces the scene. The recipe stays; camera, pick and stepping are reset.
-    pub fn show_scene(&mut self, scene: Scene, source: SceneSource) {
+    pub(crate) fn show_scene(&mut self, scene: Scene, source: SceneSource) {
         if let SceneSource::File(path, _) = &source {
             self.remember(path);
         }
@@ -294,13 +298,13 @@ impl Session {
     }
 
     /// Returns the newest answer of the renderer; `None` while it shows the previous scene.
-    pub fn view_of_scene(&self) -> Option<&View> {
+    pub(crate) fn view_of_scene(&self) -> Option<&View> {
         self.view.as_ref().filter(|view| Arc::ptr_eq(&view.request.scene, &self.scene))
     }
 
     /// Picks a pixel automatically if the user has not picked one, or if the pick is outside the picture: the pixel
     /// nearest to [`FIRST_PICK`] that shows a triangle.
-    pub fn pick_by_itself(&mut self) {
+    pub(crate) fn pick_by_itself(&mut self) {
         let Some(view) = self.view_of_scene() else { return };
         let viewport = view.frame.viewport;
         if viewport != self.viewport() {
@@ -323,7 +327,7 @@ impl Session {
     }
 
     /// Applies a command that affects this state only. Returns commands that concern the window or the disk.
-    pub fn apply(&mut self, command: Command) -> Option<Command> {
+    pub(crate) fn apply(&mut self, command: Command) -> Option<Command> {
         match self.lab.claim(command)? {
             Command::ToggleLab => {
                 self.lab.apply(lab::Change::Open(!self.lab.open));
@@ -404,14 +408,14 @@ impl Session {
     }
 
     /// Returns the number of rasterized triangles of the frame on screen without a limit.
-    pub fn triangle_count(&self) -> usize {
+    pub(crate) fn triangle_count(&self) -> usize {
         self.view.as_ref().map_or(0, |view| view.rasterized)
     }
 
     /// Returns the crack or double hit after or before the picked pixel in reading order, wrapping around at the end.
     /// Without a pick it is the first or the last one. Returns `None` if the frame has no faults or its hits were not
     /// counted.
-    pub fn fault_beside_pick(&self, forwards: bool) -> Option<(u32, u32)> {
+    pub(crate) fn fault_beside_pick(&self, forwards: bool) -> Option<(u32, u32)> {
         if self.overlays.stepped().is_some() {
             return self.overlays.beside(self.view.as_ref()?, self.pick, forwards);
         }
@@ -420,7 +424,7 @@ impl Session {
     }
 
     /// Loads a picture file as the canvas of the lab.
-    pub fn open_picture(&mut self, path: &Path) {
+    pub(crate) fn open_picture(&mut self, path: &Path) {
         match file::read(path) {
             Ok(picture) => self.lab.show_picture(&picture),
             Err(error) => self.report(Level::Error, error.to_string()),

@@ -39,51 +39,51 @@ use crate::scene::{Camera, LoadControl, MemoryLimit, Scene, SceneError, SceneSou
 #[derive(Clone, Debug)]
 pub struct WindowStart {
     /// Source of the scene.
-    pub source: SceneSource,
+    pub(crate) source: SceneSource,
     /// The scene.
-    pub scene: Arc<Scene>,
+    pub(crate) scene: Arc<Scene>,
     /// Warnings of the loader.
-    pub warnings: Vec<Warning>,
+    pub(crate) warnings: Vec<Warning>,
     /// Recipe that the scene is drawn with.
-    pub recipe: Recipe,
+    pub(crate) recipe: Recipe,
     /// Initial camera.
-    pub camera: Camera,
+    pub(crate) camera: Camera,
     /// Whether the scene is the mirror image in z of its source.
-    pub mirrored: bool,
+    pub(crate) mirrored: bool,
     /// Whether a window resumes scene, recipe and camera of the previous run instead.
-    pub resume: bool,
+    pub(crate) resume: bool,
     /// Initial view of the frame.
-    pub seen: Seen,
+    pub(crate) seen: Seen,
     /// Memory limit for loading models.
-    pub memory_limit: MemoryLimit,
+    pub(crate) memory_limit: MemoryLimit,
     /// Scene to load after the window has opened.
-    pub pending: Option<PendingScene>,
+    pub(crate) pending: Option<PendingScene>,
 }
 
 /// Scene that takes too long to load before the window opens.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PendingScene {
+pub(crate) struct PendingScene {
     /// Path of the model.
-    pub path: PathBuf,
+    pub(crate) path: PathBuf,
     /// Camera; the scene's home view if `None`.
-    pub camera: Option<Camera>,
+    pub(crate) camera: Option<Camera>,
 }
 
 /// Initial view of the frame; `None` and empty fields mean the defaults.
 #[derive(Clone, Debug, Default)]
 pub struct Seen {
     /// Picked pixel.
-    pub pixel: Option<(u32, u32)>,
+    pub(crate) pixel: Option<(u32, u32)>,
     /// Shown buffer, stage or intermediate value.
-    pub shown: Option<Shown>,
+    pub(crate) shown: Option<Shown>,
     /// Range, colour map and channels.
-    pub display: Option<Display>,
+    pub(crate) display: Option<Display>,
     /// Overlays, bottom first.
-    pub layers: Vec<Layer>,
+    pub(crate) layers: Vec<Layer>,
     /// Moment at which drawing stops; the finished frame if `None`.
-    pub moment: Option<Moment>,
+    pub(crate) moment: Option<Moment>,
     /// Size of the picture.
-    pub picture: Option<Viewport>,
+    pub(crate) picture: Option<Viewport>,
 }
 
 impl Seen {
@@ -120,36 +120,36 @@ pub enum Theme {
 #[derive(Clone, Debug)]
 pub struct ScreenshotRequest {
     /// Initial state of the workbench.
-    pub start: WindowStart,
+    pub(crate) start: WindowStart,
     /// Size of the screenshot, in pixels.
-    pub size: Viewport,
+    pub(crate) size: Viewport,
     /// Interface scale, in pixels per point.
-    pub pixels_per_point: f32,
+    pub(crate) pixels_per_point: f32,
     /// Colour theme.
-    pub theme: Theme,
+    pub(crate) theme: Theme,
     /// Whether all upscalers are timed first, which takes some seconds, so that the screenshot contains their frame
     /// times.
-    pub measure: bool,
+    pub(crate) measure: bool,
     /// Whether the stability probe is run first.
-    pub probe: bool,
+    pub(crate) probe: bool,
     /// Style of the mesh view beside the picture; `None` without a mesh view.
-    pub mesh: Option<MeshStyle>,
+    pub(crate) mesh: Option<MeshStyle>,
     /// Change of the comparison; `None` without a comparison.
-    pub compare: Option<Change>,
+    pub(crate) compare: Option<Change>,
     /// Open tab; the first one if `None`.
-    pub tab: Option<Tab>,
+    pub(crate) tab: Option<Tab>,
     /// Quantity on the canvas; the colours if `None`.
-    pub shown: Option<Shown>,
+    pub(crate) shown: Option<Shown>,
     /// Moment at which drawing stops; the finished frame if `None`.
-    pub moment: Option<Moment>,
+    pub(crate) moment: Option<Moment>,
     /// Fate of the selected triangles; opens the tab of fates.
-    pub fate: Option<TriangleFate>,
+    pub(crate) fate: Option<TriangleFate>,
     /// Picked pixel; automatic, near the centre, if `None`.
-    pub selected: Option<(u32, u32)>,
+    pub(crate) selected: Option<(u32, u32)>,
     /// Page of the 2D lab and number of its steps (all if `None`), shown instead of the pipeline.
-    pub lab: Option<(Page, Option<usize>)>,
+    pub(crate) lab: Option<(Page, Option<usize>)>,
     /// Commands applied first.
-    pub first: Vec<Command>,
+    pub(crate) first: Vec<Command>,
 }
 
 /// Number of passes of a screenshot: the first determines the size of the canvas, the second has a frame, and the
@@ -172,7 +172,7 @@ const PATIENCE: Duration = Duration::from_millis(400);
 const APP_ID: &str = "rasterscope";
 
 /// Opens the window and returns when it is closed, or at once with an error if no window can be opened.
-pub fn run_window(start: WindowStart) -> Result<(), String> {
+pub(crate) fn run_window(start: WindowStart) -> Result<(), String> {
     let folder = eframe::storage_dir(APP_ID);
     let found = folder.as_deref().and_then(store::read).unwrap_or_default();
     let WindowState { window_size, maximized, .. } = found.preferences.window;
@@ -242,7 +242,7 @@ fn close_on_signals(context: egui::Context) {
 /// Returns the start with scene, recipe and camera of the previous run, as far as they still exist and are valid:
 /// stored preferences may be damaged or belong to an older version. A model that does not load within `patience`
 /// becomes the pending scene.
-pub fn resumed(start: WindowStart, preferences: &Preferences, patience: Duration) -> WindowStart {
+pub(crate) fn resumed(start: WindowStart, preferences: &Preferences, patience: Duration) -> WindowStart {
     let recipe = if preferences.recipe.check().is_ok() { preferences.recipe } else { start.recipe };
     let start = WindowStart { recipe, ..start };
     let Some(path) = preferences.source.clone() else { return start };
@@ -272,7 +272,7 @@ pub fn resumed(start: WindowStart, preferences: &Preferences, patience: Duration
 }
 
 /// Creates the application with its initial state and these preferences.
-pub fn workbench(start: WindowStart, preferences: Preferences, worker: Worker) -> Workbench {
+pub(crate) fn workbench(start: WindowStart, preferences: Preferences, worker: Worker) -> Workbench {
     let mut session = Session::new(start.scene, start.source, start.recipe, start.camera);
     session.recent = preferences.recent;
     session.hint_closed = preferences.hint_closed;

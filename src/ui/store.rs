@@ -30,7 +30,7 @@ const RETRY: Duration = Duration::from_secs(2);
 
 /// Preferences of a window, stored on disk. Dropping the store writes pending changes.
 #[derive(Debug)]
-pub struct Store {
+pub(crate) struct Store {
     changes: Option<Sender<Preferences>>,
     thread: Option<JoinHandle<()>>,
     failures: Receiver<String>,
@@ -39,15 +39,15 @@ pub struct Store {
 
 /// Preferences read from disk.
 #[derive(Clone, Debug, Default)]
-pub struct Found {
+pub(crate) struct Found {
     /// The preferences; defaults for everything that cannot be read.
-    pub preferences: Preferences,
+    pub(crate) preferences: Preferences,
     /// Warning about unreadable contents, with the path of their backup.
-    pub warning: Option<String>,
+    pub(crate) warning: Option<String>,
 }
 
 /// Reads the preferences in `folder`; returns `None` if there is no file yet.
-pub fn read(folder: &Path) -> Option<Found> {
+pub(crate) fn read(folder: &Path) -> Option<Found> {
     let path = folder.join(FILE);
     if !path.exists() {
         return None;
@@ -94,7 +94,7 @@ fn backup_of(folder: &Path, bytes: &[u8]) -> Option<PathBuf> {
 
 impl Store {
     /// Stores preferences in `folder`; `found` are the preferences at the start of the window.
-    pub fn new(folder: PathBuf, found: Preferences) -> Self {
+    pub(crate) fn new(folder: PathBuf, found: Preferences) -> Self {
         let (changes, heard) = channel();
         let (report, failures) = channel();
         let writer = Writer { folder, base: found.clone(), report, has_failed: false };
@@ -103,7 +103,7 @@ impl Store {
     }
 
     /// Queues `now` for writing unless it equals the last queued preferences. Never blocks.
-    pub fn keep(&mut self, now: Preferences) {
+    pub(crate) fn keep(&mut self, now: Preferences) {
         if let Some(changes) = self.changes.as_ref().filter(|_| now != self.known) {
             // The thread ends only when the store is dropped, so sending succeeds.
             drop(changes.send(now.clone()));
@@ -112,12 +112,12 @@ impl Store {
     }
 
     /// Returns the window state that was queued last.
-    pub fn window(&self) -> &WindowState {
+    pub(crate) fn window(&self) -> &WindowState {
         &self.known.window
     }
 
     /// Returns failures since the last call.
-    pub fn failures(&self) -> impl Iterator<Item = String> {
+    pub(crate) fn failures(&self) -> impl Iterator<Item = String> {
         self.failures.try_iter()
     }
 }

@@ -9,7 +9,7 @@ use eframe::egui::Context;
 /// Running work with progress reports of type `P` and a result of type `T`. Dropping it cancels the work, so that
 /// restarted work does not run twice.
 #[derive(Debug)]
-pub struct Task<P, T> {
+pub(crate) struct Task<P, T> {
     heard: Receiver<News<P, T>>,
     stop: Arc<AtomicBool>,
 }
@@ -23,7 +23,7 @@ enum News<P, T> {
 
 /// State of the work after its messages were handled.
 #[derive(Debug)]
-pub enum Listening<T> {
+pub(crate) enum Listening<T> {
     /// The work is running.
     GoesOn,
     /// The work has ended with this result; `None` if it was cancelled.
@@ -41,7 +41,7 @@ impl<P, T> Drop for Task<P, T> {
 impl<P: Send + 'static, T: Send + 'static> Task<P, T> {
     /// Starts `work` on a thread. It receives a function for progress reports and a cancellation flag; `context` is
     /// repainted after every message.
-    pub fn start(
+    pub(crate) fn start(
         context: Context,
         work: impl FnOnce(&(dyn Fn(P) + Sync), &AtomicBool) -> Option<T> + Send + 'static,
     ) -> Self {
@@ -62,12 +62,12 @@ impl<P: Send + 'static, T: Send + 'static> Task<P, T> {
     }
 
     /// Requests cancellation; the thread ends soon after.
-    pub fn cancel(&self) {
+    pub(crate) fn cancel(&self) {
         self.stop.store(true, Ordering::Relaxed);
     }
 
     /// Handles all messages of the thread. Sets `progress` to the latest report, and to `None` at the end.
-    pub fn listen(&self, progress: &mut Option<P>) -> Listening<T> {
+    pub(crate) fn listen(&self, progress: &mut Option<P>) -> Listening<T> {
         loop {
             match self.heard.try_recv() {
                 Ok(News::Progress(news)) => *progress = Some(news),

@@ -14,92 +14,92 @@ use eframe::egui::{
     style::{HandleShape, ScrollStyle, Selection, WidgetVisuals, Widgets},
     vec2,
 };
-pub use lucide_icons::Icon;
+pub(crate) use lucide_icons::Icon;
 
 /// Spacing in points, on a grid of 4.
-pub mod space {
+pub(crate) mod space {
     /// Space between parts of one item.
-    pub const XS: f32 = 4.0;
+    pub(crate) const XS: f32 = 4.0;
     /// Space between items.
-    pub const S: f32 = 8.0;
+    pub(crate) const S: f32 = 8.0;
     /// Inner margin of panels.
-    pub const M: f32 = 12.0;
+    pub(crate) const M: f32 = 12.0;
     /// Space between groups.
-    pub const L: f32 = 16.0;
+    pub(crate) const L: f32 = 16.0;
 }
 
 /// Height of a row of a panel or a table, in points.
-pub const ROW_HEIGHT: f32 = 24.0;
+pub(crate) const ROW_HEIGHT: f32 = 24.0;
 
 /// Height of buttons, fields and sliders, in points: a row minus the gap to the next.
-pub const CONTROL_HEIGHT: f32 = ROW_HEIGHT - space::XS;
+pub(crate) const CONTROL_HEIGHT: f32 = ROW_HEIGHT - space::XS;
 
 /// Corner radius of controls, in points.
-pub const RADIUS: u8 = 4;
+pub(crate) const RADIUS: u8 = 4;
 
 /// Corner radius of windows, menus and tooltips, in points.
-pub const WINDOW_RADIUS: u8 = 8;
+pub(crate) const WINDOW_RADIUS: u8 = 8;
 
 /// Side of the square of an icon, in points.
-pub const ICON_SIZE: f32 = 14.0;
+pub(crate) const ICON_SIZE: f32 = 14.0;
 
 /// Font sizes in points. `MONOSPACE` is one less than `BODY` because its glyphs are as tall as those of `BODY`.
-pub mod font_size {
+pub(crate) mod font_size {
     /// Size of notes, table headers and axis labels.
-    pub const SMALL: f32 = 11.0;
+    pub(crate) const SMALL: f32 = 11.0;
     /// Size of body text.
-    pub const BODY: f32 = 13.0;
+    pub(crate) const BODY: f32 = 13.0;
     /// Size of numbers that change or line up.
-    pub const MONOSPACE: f32 = 12.0;
+    pub(crate) const MONOSPACE: f32 = 12.0;
     /// Size of titles, at most one per panel.
-    pub const TITLE: f32 = 16.0;
+    pub(crate) const TITLE: f32 = 16.0;
 }
 
 /// The colours of one theme.
-pub struct Tokens {
+pub(crate) struct Tokens {
     /// Surroundings of the picture, darker than most pictures, so that the picture is the brightest area on screen.
-    pub canvas: Color32,
+    pub(crate) canvas: Color32,
     /// Background of text fields and plots, the extreme of the neutrals.
-    pub field: Color32,
+    pub(crate) field: Color32,
     /// Background of panels, menus and windows.
-    pub panel: Color32,
+    pub(crate) panel: Color32,
     /// Background of blocks that stand out from their panel: cards, table stripes, headers.
-    pub raised: Color32,
+    pub(crate) raised: Color32,
     /// Buttons and sliders at rest.
-    pub control: Color32,
+    pub(crate) control: Color32,
     /// Buttons and sliders under the pointer.
-    pub control_hovered: Color32,
+    pub(crate) control_hovered: Color32,
     /// Separators, and borders of swatches.
-    pub border: Color32,
+    pub(crate) border: Color32,
     /// Labels, units, hints.
-    pub text_weak: Color32,
+    pub(crate) text_weak: Color32,
     /// Text.
-    pub text: Color32,
+    pub(crate) text: Color32,
     /// Headings and emphasised values.
-    pub text_strong: Color32,
+    pub(crate) text_strong: Color32,
     /// Selection, focus and the picked pixel.
-    pub accent: Color32,
+    pub(crate) accent: Color32,
     /// Background of selected items; `text_strong` is readable on it.
-    pub accent_fill: Color32,
+    pub(crate) accent_fill: Color32,
     /// A passed test.
-    pub passed: Color32,
+    pub(crate) passed: Color32,
     /// A rejected fragment or claim.
-    pub rejected: Color32,
+    pub(crate) rejected: Color32,
     /// A warning.
-    pub warning: Color32,
+    pub(crate) warning: Color32,
     /// An error.
-    pub error: Color32,
+    pub(crate) error: Color32,
     /// The first of two compared items: label, tile frame, plot line, table.
-    pub a: Color32,
+    pub(crate) a: Color32,
     /// The second of two compared items.
-    pub b: Color32,
+    pub(crate) b: Color32,
     /// Plot lines, in the order of their use.
-    pub series: [Color32; 8],
+    pub(crate) series: [Color32; 8],
     shadow: Color32,
 }
 
 /// Dark theme: white text on dark grey.
-pub static DARK: Tokens = Tokens {
+pub(crate) static DARK: Tokens = Tokens {
     canvas: Color32::from_gray(0x12),
     field: Color32::from_gray(0x12),
     panel: Color32::from_gray(0x1C),
@@ -132,7 +132,7 @@ pub static DARK: Tokens = Tokens {
 };
 
 /// Light theme: black text on light grey.
-pub static LIGHT: Tokens = Tokens {
+pub(crate) static LIGHT: Tokens = Tokens {
     canvas: Color32::from_gray(0xD0),
     field: Color32::from_gray(0xFF),
     panel: Color32::from_gray(0xF2),
@@ -165,16 +165,16 @@ pub static LIGHT: Tokens = Tokens {
 };
 
 /// Colours of the three barycentric weights and their corners, wherever they are drawn: λ0 red, λ1 green, λ2 blue.
-pub const WEIGHTS: [Color32; 3] = [rgb(0xE0_5A5A), rgb(0x4F_B06A), rgb(0x5A_86E8)];
+pub(crate) const WEIGHTS: [Color32; 3] = [rgb(0xE0_5A5A), rgb(0x4F_B06A), rgb(0x5A_86E8)];
 
 /// Text on a dark and on a light pixel of the picture.
-pub const ON_PIXEL: [Color32; 2] = [Color32::from_gray(0xEB), Color32::from_gray(0x14)];
+pub(crate) const ON_PIXEL: [Color32; 2] = [Color32::from_gray(0xEB), Color32::from_gray(0x14)];
 
 /// Pixel grid, visible on any colour.
-pub const PIXEL_GRID: Color32 = Color32::from_gray(0x80);
+pub(crate) const PIXEL_GRID: Color32 = Color32::from_gray(0x80);
 
 /// Outline of marks on the picture, so that they are visible on any colour.
-pub const MARK_EDGE: Color32 = Color32::from_black_alpha(0xC8);
+pub(crate) const MARK_EDGE: Color32 = Color32::from_black_alpha(0xC8);
 
 const fn rgb(hex: u32) -> Color32 {
     let [_, red, green, blue] = hex.to_be_bytes();
@@ -182,7 +182,7 @@ const fn rgb(hex: u32) -> Color32 {
 }
 
 /// Returns the colours of the theme that `ui` is drawn in.
-pub fn tokens(ui: &Ui) -> &'static Tokens {
+pub(crate) fn tokens(ui: &Ui) -> &'static Tokens {
     of(ui.visuals().dark_mode)
 }
 
@@ -199,30 +199,30 @@ pub fn install(context: &egui::Context) {
 }
 
 /// Returns the frame of a side, top or bottom panel.
-pub fn panel_frame(ui: &Ui) -> Frame {
+pub(crate) fn panel_frame(ui: &Ui) -> Frame {
     Frame::new().fill(tokens(ui).panel).inner_margin(Margin::same(space::S as i8))
 }
 
 /// Returns the frame around a picture: no margin, and the canvas colour.
-pub fn canvas_frame(ui: &Ui) -> Frame {
+pub(crate) fn canvas_frame(ui: &Ui) -> Frame {
     Frame::new().fill(tokens(ui).canvas)
 }
 
 /// Returns the frame of a block that stands out from its panel.
-pub fn card_frame(ui: &Ui) -> Frame {
+pub(crate) fn card_frame(ui: &Ui) -> Frame {
     Frame::new().fill(tokens(ui).raised).corner_radius(RADIUS).inner_margin(Margin::same(space::S as i8))
 }
 
 /// Returns an icon for use among the texts of a button, menu entry or chip, in their colour. It adds nothing to the
 /// accessible name.
-pub fn icon(icon: Icon) -> Atom<'static> {
+pub(crate) fn icon(icon: Icon) -> Atom<'static> {
     Atom::paint(Vec2::splat(ICON_SIZE), move |ui, place| {
         paint_icon(ui.painter(), place.rect.center(), icon, ICON_SIZE, place.fallback_text_color);
     })
 }
 
 /// Paints an icon of `size` points, centred on `center` and snapped to whole pixels. Returns its rectangle.
-pub fn paint_icon(painter: &Painter, center: Pos2, icon: Icon, size: f32, color: Color32) -> Rect {
+pub(crate) fn paint_icon(painter: &Painter, center: Pos2, icon: Icon, size: f32, color: Color32) -> Rect {
     // Aligned by the top: lines of this font have a gap below, which vertical centring would include.
     let top = center - vec2(0.0, size / 2.0);
     painter.text(top, Align2::CENTER_TOP, icon.unicode(), FontId::new(size, icon_family()), color)

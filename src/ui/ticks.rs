@@ -9,7 +9,7 @@ const LINES_APART: f64 = 3.5;
 
 /// Returns the steps of an axis: between unlabelled lines, between labels (1, 2 or 5 times a power of ten), and ten
 /// times the latter.
-pub fn round_steps(input: &GridInput) -> [f64; 3] {
+pub(crate) fn round_steps(input: &GridInput) -> [f64; 3] {
     let least = (input.base_step_size * LINES_APART).max(f64::MIN_POSITIVE);
     let power = 10_f64.powf(least.log10().floor());
     let (factor, parts) = [(1.0, 5.0), (2.0, 4.0), (5.0, 5.0)]
@@ -21,14 +21,14 @@ pub fn round_steps(input: &GridInput) -> [f64; 3] {
 }
 
 /// Formats the label of a mark, with enough decimals to distinguish it from its neighbours.
-pub fn number(mark: GridMark, _shown: &RangeInclusive<f64>) -> String {
+pub(crate) fn number(mark: GridMark, _shown: &RangeInclusive<f64>) -> String {
     let decimals = (-mark.step_size.log10().floor()).clamp(0.0, 9.0) as usize;
     format!("{:.decimals$}", mark.value)
 }
 
 /// Returns the marks of a logarithmic axis to base ten: 1 to 9 times each power of ten, where powers, then 2 and 5
 /// times a power have priority for labels.
-pub fn log_marks(input: &GridInput) -> Vec<GridMark> {
+pub(crate) fn log_marks(input: &GridInput) -> Vec<GridMark> {
     /// Nominal spacing of the marks of the digits 1 to 9, in powers of ten; it determines which marks have a label.
     const APART: [f64; 9] = [1.0, 0.45, 0.1, 0.1, 0.45, 0.1, 0.1, 0.1, 0.1];
     let (low, high) = input.bounds;

@@ -32,16 +32,16 @@ pub enum TimingsView {
 
 /// All recorded frame times, in milliseconds.
 #[derive(Debug, Default)]
-pub struct Timings {
+pub(crate) struct Timings {
     /// Selected plot.
-    pub view: TimingsView,
+    pub(crate) view: TimingsView,
     /// Whether recording of recent frames is paused.
-    pub paused: bool,
+    pub(crate) paused: bool,
     recent: BTreeMap<Upscaling, VecDeque<f64>>,
     slowest: Vec<(Upscaling, f64)>,
     recent_of: Option<Request>,
     /// Camera motion over the frames that the next measurement judges and times.
-    pub turn: Turn,
+    pub(crate) turn: Turn,
     measured: BTreeMap<Upscaling, Vec<f64>>,
     errors: BTreeMap<Upscaling, MethodError>,
     noise: Option<Noise>,
@@ -50,23 +50,23 @@ pub struct Timings {
 
 /// Cost and error of a method.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TradeOff {
+pub(crate) struct TradeOff {
     /// The method.
-    pub upscaling: Upscaling,
+    pub(crate) upscaling: Upscaling,
     /// Frame times, in milliseconds.
-    pub ms: Summary,
+    pub(crate) ms: Summary,
     /// Error against the reference of the measurement; the error in motion ranks the methods.
-    pub error: MethodError,
+    pub(crate) error: MethodError,
     /// Position relative to the Pareto front of time and FLIP in motion.
-    pub standing: Standing<Upscaling>,
+    pub(crate) standing: Standing<Upscaling>,
     /// Whether the difference from the native time is within noise.
-    pub native_within_noise: bool,
+    pub(crate) native_within_noise: bool,
 }
 
 impl Timings {
     /// Adds the time of a frame that was drawn for `request`, unless recording is paused. A new scene, recipe or size
     /// discards the recent frames; the camera may change, and each upscaler has a line of its own.
-    pub fn record_recent(&mut self, request: &Request, milliseconds: f64) {
+    pub(crate) fn record_recent(&mut self, request: &Request, milliseconds: f64) {
         if self.paused {
             return;
         }
@@ -92,19 +92,19 @@ impl Timings {
 
     /// Returns the median time of the recent frames of a method in milliseconds, without the first one, which was drawn
     /// with cold caches and buffers; `None` if there is no other.
-    pub fn warm_median_ms(&self, upscaling: Upscaling) -> Option<f64> {
+    pub(crate) fn warm_median_ms(&self, upscaling: Upscaling) -> Option<f64> {
         let times: Vec<f64> = self.recent.get(&upscaling)?.iter().skip(1).copied().collect();
         Some(summarize(&times)?.median)
     }
 
     /// Returns the slowest recent frames with their upscalers, slowest first, including frames that the lines no longer
     /// contain.
-    pub fn slowest(&self) -> &[(Upscaling, f64)] {
+    pub(crate) fn slowest(&self) -> &[(Upscaling, f64)] {
         &self.slowest
     }
 
     /// Returns every recorded frame time as comma-separated values, one line per frame, with scene, size and upscaler.
-    pub fn csv(&self) -> String {
+    pub(crate) fn csv(&self) -> String {
         let mut text = "scene,width,height,what,upscaler,frame,ms\n".to_owned();
         let recent = ("recent", self.recent_of.as_ref(), per_method(&self.recent));
         let measured = ("measured", self.measured_of.as_ref().map(|measured| &measured.of), per_method(&self.measured));
@@ -122,7 +122,7 @@ impl Timings {
     }
 
     /// Starts a measurement.
-    pub fn begin_measurement(&mut self, request: MeasureRequest) {
+    pub(crate) fn begin_measurement(&mut self, request: MeasureRequest) {
         self.measured.clear();
         self.errors.clear();
         self.noise = None;
@@ -130,33 +130,33 @@ impl Timings {
     }
 
     /// Adds a sample of the measurement.
-    pub fn record_measured(&mut self, upscaling: Upscaling, milliseconds: f64) {
+    pub(crate) fn record_measured(&mut self, upscaling: Upscaling, milliseconds: f64) {
         if self.measured_of.is_some() {
             self.measured.entry(upscaling).or_default().push(milliseconds);
         }
     }
 
     /// Records the error of a method, as far as it is known.
-    pub fn record_error(&mut self, upscaling: Upscaling, error: MethodError) {
+    pub(crate) fn record_error(&mut self, upscaling: Upscaling, error: MethodError) {
         if self.measured_of.is_some() {
             self.errors.insert(upscaling, error);
         }
     }
 
     /// Records the noise floor of the completed rounds.
-    pub fn record_noise(&mut self, noise: Noise) {
+    pub(crate) fn record_noise(&mut self, noise: Noise) {
         if self.measured_of.is_some() {
             self.noise = Some(noise);
         }
     }
 
     /// Returns the noise floor of the measurement; `None` before the first round is complete.
-    pub fn noise(&self) -> Option<Noise> {
+    pub(crate) fn noise(&self) -> Option<Noise> {
         self.noise
     }
 
     /// Whether the difference between the measured times of a method and native is within noise.
-    pub fn is_within_noise_of_native(&self, upscaling: Upscaling) -> bool {
+    pub(crate) fn is_within_noise_of_native(&self, upscaling: Upscaling) -> bool {
         let median = |u| summarize(self.measured.get(&u)?).map(|summary| summary.median);
         let times = self.noise.zip(median(Upscaling::NATIVE)).zip(median(upscaling));
         !upscaling.is_native() && times.is_some_and(|((noise, native), own)| noise.covers(native, own))
@@ -164,7 +164,7 @@ impl Timings {
 
     /// Returns every method of the measurement whose time and error are known, in the order of the methods. Empty
     /// before the first round is complete.
-    pub fn tradeoff(&self) -> Vec<TradeOff> {
+    pub(crate) fn tradeoff(&self) -> Vec<TradeOff> {
         let Some(noise) = self.noise else { return Vec::new() };
         let known = self
             .errors
@@ -184,22 +184,22 @@ impl Timings {
     }
 
     /// Discards all recorded times.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         *self = Self { view: self.view, paused: self.paused, turn: self.turn, ..Self::default() };
     }
 
     /// Whether there is a measurement to show, begun or complete.
-    pub fn has_measurement(&self) -> bool {
+    pub(crate) fn has_measurement(&self) -> bool {
         !self.measured.is_empty()
     }
 
     /// Returns the request of the measurement; `None` without a measurement.
-    pub fn measured_of(&self) -> Option<&MeasureRequest> {
+    pub(crate) fn measured_of(&self) -> Option<&MeasureRequest> {
         self.measured_of.as_ref()
     }
 
     /// Whether the measurement was made on the view of `request`, regardless of its upscaler.
-    pub fn measurement_fits(&self, request: &Request) -> bool {
+    pub(crate) fn measurement_fits(&self, request: &Request) -> bool {
         let upscaler = Upscaling::NATIVE;
         let plain = |r: &Request| Request {
             recipe: Recipe { upscaler, ..r.recipe },
@@ -214,14 +214,14 @@ impl Timings {
     }
 
     /// Returns the median of a method divided by the median of native, if both were measured on the view of `request`.
-    pub fn share_of_native(&self, request: &Request, upscaling: Upscaling) -> Option<f64> {
+    pub(crate) fn share_of_native(&self, request: &Request, upscaling: Upscaling) -> Option<f64> {
         let median = |u| summarize(self.measured.get(&u)?).map(|summary| summary.median);
         let fits = self.measurement_fits(request);
         fits.then(|| Some(median(upscaling)? / median(Upscaling::NATIVE)?)).flatten()
     }
 
     /// Returns the times of the measurement, or else of the recent frames, per method; oldest first.
-    pub fn series(&self) -> Vec<(Upscaling, Vec<f64>)> {
+    pub(crate) fn series(&self) -> Vec<(Upscaling, Vec<f64>)> {
         if self.has_measurement() { per_method(&self.measured) } else { per_method(&self.recent) }
     }
 }

@@ -27,7 +27,7 @@ const COPIED_SECONDS: f64 = 1.2;
 ///
 /// Sliders and pickers fill the right column. Inputs without a name of their own are named `label` for accessibility.
 /// `tooltip` describes the control in one sentence. Labels must be unique within one parent.
-pub fn row<R>(ui: &mut Ui, label: &str, tooltip: &str, add_control: impl FnOnce(&mut Ui) -> R) -> R {
+pub(crate) fn row<R>(ui: &mut Ui, label: &str, tooltip: &str, add_control: impl FnOnce(&mut Ui) -> R) -> R {
     let (row, label_width) = allocate_row(ui, |width| (width * LABEL_SHARE).floor());
     row_label(ui, Rect::from_min_size(row.min, vec2(label_width, row.height())), label, tooltip);
     let right = row.with_min_x(row.left() + label_width);
@@ -42,7 +42,7 @@ pub fn row<R>(ui: &mut Ui, label: &str, tooltip: &str, add_control: impl FnOnce(
 /// Adds a row with a number: `label` on the left, `value` in monospace and right-aligned on the right.
 ///
 /// The value can be selected with the mouse. Returns its response, for example for a context menu.
-pub fn value_row(ui: &mut Ui, label: &str, value: &str, tooltip: &str) -> Response {
+pub(crate) fn value_row(ui: &mut Ui, label: &str, value: &str, tooltip: &str) -> Response {
     let text = RichText::new(value).text_style(TextStyle::Monospace);
     let font = TextStyle::Monospace.resolve(ui.style());
     let value_width = ui.painter().layout_no_wrap(value.to_owned(), font, Color32::WHITE).size().x;
@@ -81,7 +81,7 @@ fn row_label(ui: &mut Ui, rect: Rect, label: &str, tooltip: &str) {
 /// The picker is as wide as `ui.spacing().combo_width`, which fills the column in a [`row`]. It consists of joined
 /// buttons if all names fit, otherwise of a drop-down list. Outside a row, wrap it in [`Ui::push_id`] and
 /// [`Ui::name_inputs`].
-pub fn choice<T: Copy + PartialEq>(ui: &mut Ui, value: &mut T, options: &[(T, &str, &str)]) -> bool {
+pub(crate) fn choice<T: Copy + PartialEq>(ui: &mut Ui, value: &mut T, options: &[(T, &str, &str)]) -> bool {
     let before = *value;
     let segment = vec2((ui.spacing().combo_width / options.len().max(1) as f32).floor(), CONTROL_HEIGHT);
     if options.iter().all(|(_, name, _)| text_width(ui, name) + 2.0 * SEGMENT_PADDING <= segment.x) {
@@ -133,7 +133,7 @@ fn drop_down<T: Copy + PartialEq>(ui: &mut Ui, value: &mut T, options: &[(T, &st
 }
 
 /// Returns a drop-down list of `width` points, without entries.
-pub fn combo(id_salt: &str, shown: &str, width: f32) -> ComboBox<'static> {
+pub(crate) fn combo(id_salt: &str, shown: &str, width: f32) -> ComboBox<'static> {
     ComboBox::from_id_salt(id_salt.to_owned()).selected_text(shown.to_owned()).width(width).truncate().icon(
         |ui, rect, visuals, _open| {
             let color = visuals.fg_stroke.color;
@@ -143,7 +143,7 @@ pub fn combo(id_salt: &str, shown: &str, width: f32) -> ComboBox<'static> {
 }
 
 /// Adds a number, right-aligned in a column of fixed width, so that columns line up and nothing jumps.
-pub fn figure(ui: &mut Ui, text: &str, width: f32, color: Color32) -> Response {
+pub(crate) fn figure(ui: &mut Ui, text: &str, width: f32, color: Color32) -> Response {
     let (rect, response) = ui.allocate_exact_size(vec2(width, CONTROL_HEIGHT), Sense::hover());
     let font = TextStyle::Monospace.resolve(ui.style());
     ui.painter().text(rect.right_center(), egui::Align2::RIGHT_CENTER, text, font, color);
@@ -153,7 +153,7 @@ pub fn figure(ui: &mut Ui, text: &str, width: f32, color: Color32) -> Response {
 
 /// Adds a slider that changes `value` only on user input: out-of-range values stay, and only the text is rounded to
 /// `decimals`. Returns `true` if the value changed.
-pub fn slider(ui: &mut Ui, value: &mut f32, range: RangeInclusive<f32>, suffix: &str, decimals: usize) -> bool {
+pub(crate) fn slider(ui: &mut Ui, value: &mut f32, range: RangeInclusive<f32>, suffix: &str, decimals: usize) -> bool {
     let text = move |value: f64, _| super::format::fixed(value, decimals);
     let slider = Slider::new(value, range).clamping(SliderClamping::Edits).suffix(suffix).custom_formatter(text);
     ui.add(slider).changed()
@@ -161,7 +161,7 @@ pub fn slider(ui: &mut Ui, value: &mut f32, range: RangeInclusive<f32>, suffix: 
 
 /// Adds a number to drag or type that changes `value` only on user input. Dragging by one point changes it by a
 /// fiftieth of its value.
-pub fn drag(ui: &mut Ui, value: &mut f32, range: RangeInclusive<f32>) -> bool {
+pub(crate) fn drag(ui: &mut Ui, value: &mut f32, range: RangeInclusive<f32>) -> bool {
     let speed = f64::from(*value) * 0.02;
     let text = |value: f64, _| format!("{}", value as f32);
     let drag = DragValue::new(value).speed(speed).range(range).clamp_existing_to_range(false).custom_formatter(text);
@@ -170,7 +170,7 @@ pub fn drag(ui: &mut Ui, value: &mut f32, range: RangeInclusive<f32>) -> bool {
 
 /// Adds a number of any sign to drag or type that changes `value` only on user input. Dragging by one point changes it
 /// by `step`.
-pub fn drag_by(ui: &mut Ui, value: &mut f32, step: f64) -> bool {
+pub(crate) fn drag_by(ui: &mut Ui, value: &mut f32, step: f64) -> bool {
     let range = f32::MIN..=f32::MAX;
     let text = |value: f64, _: RangeInclusive<usize>| format!("{}", value as f32);
     ui.add(DragValue::new(value).speed(step).range(range).custom_formatter(text)).changed()
@@ -178,7 +178,7 @@ pub fn drag_by(ui: &mut Ui, value: &mut f32, step: f64) -> bool {
 
 /// Adds the title of a group of rows, with space above it. `add_actions` adds small controls at the right end, from
 /// right to left.
-pub fn section_header(ui: &mut Ui, title: &str, add_actions: impl FnOnce(&mut Ui)) {
+pub(crate) fn section_header(ui: &mut Ui, title: &str, add_actions: impl FnOnce(&mut Ui)) {
     ui.add_space(space::S);
     ui.horizontal(|ui| {
         ui.set_min_height(CONTROL_HEIGHT);
@@ -188,7 +188,7 @@ pub fn section_header(ui: &mut Ui, title: &str, add_actions: impl FnOnce(&mut Ui
 }
 
 /// Fills the remaining space with a placeholder for missing content: what will appear here, and how to get it.
-pub fn empty_state(ui: &mut Ui, icon: Icon, what: &str, how: &str) {
+pub(crate) fn empty_state(ui: &mut Ui, icon: Icon, what: &str, how: &str) {
     const ICON_POINTS: f32 = 28.0;
     const CONTENT_POINTS: f32 = 84.0;
     ui.vertical_centered(|ui| {
@@ -206,7 +206,7 @@ pub fn empty_state(ui: &mut Ui, icon: Icon, what: &str, how: &str) {
 
 /// Meaning of a [`chip`], expressed by its icon and its colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Status {
+pub(crate) enum Status {
     /// A passed test.
     Passed,
     /// A rejected fragment or claim.
@@ -221,7 +221,7 @@ pub enum Status {
 
 impl Status {
     /// Returns the icon that always accompanies the colour.
-    pub fn icon(self) -> Icon {
+    pub(crate) fn icon(self) -> Icon {
         match self {
             Self::Passed => Icon::CircleCheck,
             Self::Rejected => Icon::CircleX,
@@ -232,7 +232,7 @@ impl Status {
     }
 
     /// Returns the colour of this meaning.
-    pub fn color(self, tokens: &theme::Tokens) -> Color32 {
+    pub(crate) fn color(self, tokens: &theme::Tokens) -> Color32 {
         match self {
             Self::Passed => tokens.passed,
             Self::Rejected => tokens.rejected,
@@ -244,7 +244,7 @@ impl Status {
 }
 
 /// Adds a chip: icon and word on a background in the colour of its status.
-pub fn chip(ui: &mut Ui, status: Status, word: &str, tooltip: &str) -> Response {
+pub(crate) fn chip(ui: &mut Ui, status: Status, word: &str, tooltip: &str) -> Response {
     const GROUND_OPACITY: f32 = 0.16;
     let color = status.color(tokens(ui));
     let frame = egui::Frame::new()
@@ -266,7 +266,7 @@ pub fn chip(ui: &mut Ui, status: Status, word: &str, tooltip: &str) -> Response 
 }
 
 /// Adds a square of a colour, named by its code in the accessibility tree: "#4CA6FF". Alpha is ignored.
-pub fn swatch(ui: &mut Ui, color: Color32) -> Response {
+pub(crate) fn swatch(ui: &mut Ui, color: Color32) -> Response {
     let (place, response) = ui.allocate_exact_size(Vec2::splat(theme::ICON_SIZE), Sense::hover());
     ui.painter().rect(place, 2.0, color.to_opaque(), Stroke::new(1.0, tokens(ui).border), StrokeKind::Inside);
     let [red, green, blue, _] = color.to_array();
@@ -276,7 +276,7 @@ pub fn swatch(ui: &mut Ui, color: Color32) -> Response {
 }
 
 /// Adds a square button with an icon only; `name` is its tooltip and its accessible name.
-pub fn icon_button(ui: &mut Ui, icon: Icon, name: &str) -> Response {
+pub(crate) fn icon_button(ui: &mut Ui, icon: Icon, name: &str) -> Response {
     let button = Button::new(theme::icon(icon)).frame_when_inactive(false).min_size(Vec2::splat(CONTROL_HEIGHT));
     let padding = (CONTROL_HEIGHT - theme::ICON_SIZE) / 2.0;
     ui.scope(|ui| {
@@ -287,7 +287,7 @@ pub fn icon_button(ui: &mut Ui, icon: Icon, name: &str) -> Response {
 }
 
 /// Adds a button that copies `text` to the clipboard and briefly confirms it. `what` completes "Copy …".
-pub fn copy_button(ui: &mut Ui, what: &str, text: impl FnOnce() -> String) -> Response {
+pub(crate) fn copy_button(ui: &mut Ui, what: &str, text: impl FnOnce() -> String) -> Response {
     let id = Id::unique(("copied", ui.next_auto_id()));
     let now = ui.input(|input| input.time);
     let copied_at: Option<f64> = ui.data(|data| data.get_temp(id));

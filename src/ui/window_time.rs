@@ -33,13 +33,13 @@ const RECENT: usize = 240;
 
 /// Times of the window's recent passes, in milliseconds.
 #[derive(Clone, Debug, Default)]
-pub struct WindowTimes {
+pub(crate) struct WindowTimes {
     recent: VecDeque<f64>,
 }
 
 impl WindowTimes {
     /// Adds the time of a pass, in milliseconds.
-    pub fn record(&mut self, milliseconds: f64) {
+    pub(crate) fn record(&mut self, milliseconds: f64) {
         if self.recent.len() == RECENT {
             self.recent.pop_front();
         }
@@ -47,7 +47,7 @@ impl WindowTimes {
     }
 
     /// Returns statistics of the recorded passes; `None` if there are none.
-    pub fn summary(&self) -> Option<Summary> {
+    pub(crate) fn summary(&self) -> Option<Summary> {
         summarize(&self.recent.iter().copied().collect::<Vec<_>>())
     }
 }
@@ -61,7 +61,7 @@ const PLOTTED_FRAMES: usize = 25;
 /// Times `passes` passes of a window of `size` pixels with each of its parts open in turn, and with as many as possible
 /// at once. The pointer moves over the picture, which does not change, so the times do not include drawing it. They do
 /// not include the work of a graphics card either.
-pub fn window_costs(start: &WindowStart, size: Viewport, passes: usize) -> Vec<WindowCost> {
+pub(crate) fn window_costs(start: &WindowStart, size: Viewport, passes: usize) -> Vec<WindowCost> {
     situations().into_iter().filter_map(|(what, first)| cost(start, size, passes.max(1), what, first)).collect()
 }
 

@@ -17,8 +17,10 @@ use super::what_if::drawer::{Drawer, Found, WhatIfRequest};
 use crate::inspect::watch::Watched;
 use crate::measure::noise::Noise;
 use crate::upscale::Upscaling;
+pub use measurement::MEASURE_ROUNDS;
+pub use measurement::MeasureRequest;
 use measurement::Measurement;
-pub use measurement::{MEASURE_ROUNDS, MeasureRequest, MethodError};
+pub(crate) use measurement::MethodError;
 
 /// Time for which a frame must stay before its stages are timed; while the view moves, all time goes to new frames.
 const SETTLED: Duration = Duration::from_millis(120);
@@ -120,7 +122,7 @@ impl Worker {
     }
 
     /// Sends a request; a synchronous worker also completes it.
-    pub fn send(&mut self, job: Job) {
+    pub(crate) fn send(&mut self, job: Job) {
         match self {
             // The thread ends only with the window, so a failed send has no one to report to.
             Self::Thread { jobs, .. } => drop(jobs.send(job)),
@@ -132,7 +134,7 @@ impl Worker {
     }
 
     /// Returns the next answer that is ready.
-    pub fn poll(&mut self) -> Option<Answer> {
+    pub(crate) fn poll(&mut self) -> Option<Answer> {
         match self {
             Self::Thread { answers, .. } => answers.try_recv().ok(),
             Self::Inline(work) => work.done.pop_front(),

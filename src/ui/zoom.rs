@@ -20,7 +20,7 @@ const SEEN_FROM: f32 = 16.0;
 
 /// Scale and position of a picture.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Zoom {
+pub(crate) struct Zoom {
     /// Screen pixels per picture pixel; `None` fits the picture into the rectangle.
     scale: Option<f32>,
     /// Scale accumulated by the wheel, before rounding to an integer.
@@ -31,41 +31,41 @@ pub struct Zoom {
 
 /// Placement of a picture in the current frame of the window.
 #[derive(Clone, Copy, Debug)]
-pub struct Placement {
+pub(crate) struct Placement {
     /// Rectangle that shows the picture, in points.
-    pub canvas: Rect,
+    pub(crate) canvas: Rect,
     /// Points per picture pixel.
-    pub points_per_px: f32,
+    pub(crate) points_per_px: f32,
     /// Top-left corner of the picture, in points.
-    pub corner: Pos2,
+    pub(crate) corner: Pos2,
 }
 
 impl Placement {
     /// Converts a position on the window from points to picture pixels.
-    pub fn to_picture(self, position: Pos2) -> Vec2 {
+    pub(crate) fn to_picture(self, position: Pos2) -> Vec2 {
         (position - self.corner) / self.points_per_px
     }
 
     /// Returns the rectangle of a pixel on the window, in points.
-    pub fn rect_of(self, x: u32, y: u32) -> Rect {
+    pub(crate) fn rect_of(self, x: u32, y: u32) -> Rect {
         let min = self.corner + vec2(x as f32, y as f32) * self.points_per_px;
         Rect::from_min_size(min, Vec2::splat(self.points_per_px))
     }
 
     /// Returns the rectangle of the whole picture on the window, in points.
-    pub fn rect_of_all(self, (width, height): (u32, u32)) -> Rect {
+    pub(crate) fn rect_of_all(self, (width, height): (u32, u32)) -> Rect {
         Rect::from_min_size(self.corner, vec2(width as f32, height as f32) * self.points_per_px)
     }
 
     /// Returns the pixel at a position on the window; `None` outside the picture.
-    pub fn pixel_at(self, position: Pos2, (width, height): (u32, u32)) -> Option<(u32, u32)> {
+    pub(crate) fn pixel_at(self, position: Pos2, (width, height): (u32, u32)) -> Option<(u32, u32)> {
         let p = self.to_picture(position);
         let inside = p.x >= 0.0 && p.y >= 0.0 && p.x < width as f32 && p.y < height as f32;
         inside.then_some((p.x as u32, p.y as u32))
     }
 
     /// Returns the visible columns and rows of the picture.
-    pub fn visible(self, (width, height): (u32, u32)) -> (std::ops::Range<u32>, std::ops::Range<u32>) {
+    pub(crate) fn visible(self, (width, height): (u32, u32)) -> (std::ops::Range<u32>, std::ops::Range<u32>) {
         let (min, max) = (self.to_picture(self.canvas.min), self.to_picture(self.canvas.max));
         let range =
             |from: f32, to: f32, size: u32| (from.max(0.0) as u32).min(size)..(to.max(0.0).ceil() as u32).min(size);
@@ -75,24 +75,24 @@ impl Placement {
 
 impl Zoom {
     /// Fits the whole picture into the rectangle, also after the rectangle is resized.
-    pub fn fit(&mut self) {
+    pub(crate) fn fit(&mut self) {
         self.scale = None;
     }
 
     /// Sets the scale to `scale` screen pixels per picture pixel with `center` (in picture pixels) in the middle.
-    pub fn set_view(&mut self, scale: f32, canvas_px: (u32, u32), center: (f32, f32)) {
+    pub(crate) fn set_view(&mut self, scale: f32, canvas_px: (u32, u32), center: (f32, f32)) {
         self.scale = Some(scale);
         self.origin = vec2(center.0, center.1) - vec2(canvas_px.0 as f32, canvas_px.1 as f32) / (2.0 * scale);
     }
 
     /// Centres the view on a pixel and zooms in far enough to show it.
-    pub fn bring_into_view(&mut self, (x, y): (u32, u32), canvas_px: (u32, u32)) {
+    pub(crate) fn bring_into_view(&mut self, (x, y): (u32, u32), canvas_px: (u32, u32)) {
         let scale = self.scale.unwrap_or(0.0).max(SEEN_FROM);
         self.set_view(scale, canvas_px, (x as f32 + 0.5, y as f32 + 0.5));
     }
 
     /// Pans no further than necessary to make a pixel and its neighbours visible; a fitted picture stays.
-    pub fn keep_in_view(&mut self, (x, y): (u32, u32), canvas_px: (u32, u32)) {
+    pub(crate) fn keep_in_view(&mut self, (x, y): (u32, u32), canvas_px: (u32, u32)) {
         let Some(scale) = self.scale else { return };
         let seen = vec2(canvas_px.0 as f32, canvas_px.1 as f32) / scale;
         let (first, last) = (vec2(x as f32, y as f32) - Vec2::splat(1.0), vec2(x as f32, y as f32) + Vec2::splat(2.0));
@@ -100,12 +100,12 @@ impl Zoom {
     }
 
     /// Returns screen pixels per picture pixel; `None` if the picture is fitted.
-    pub fn scale(&self) -> Option<f32> {
+    pub(crate) fn scale(&self) -> Option<f32> {
         self.scale
     }
 
     /// Returns the placement of a picture on `canvas`.
-    pub fn placement(&self, ui: &Ui, canvas: Rect, (width, height): (u32, u32)) -> Placement {
+    pub(crate) fn placement(&self, ui: &Ui, canvas: Rect, (width, height): (u32, u32)) -> Placement {
         let screen = ui.pixels_per_point();
         let size = vec2(width as f32, height as f32);
         let (scale, origin) = match self.scale {
@@ -128,13 +128,13 @@ impl Zoom {
     }
 
     /// Pans the picture by `delta` points.
-    pub fn pan(&mut self, ui: &Ui, placement: Placement, delta: Vec2) {
+    pub(crate) fn pan(&mut self, ui: &Ui, placement: Placement, delta: Vec2) {
         self.keep(ui, placement);
         self.origin -= delta / placement.points_per_px;
     }
 
     /// Zooms by `factor`; the position under the pointer stays in place.
-    pub fn enlarge(&mut self, ui: &Ui, placement: Placement, pointer: Pos2, factor: f32) {
+    pub(crate) fn enlarge(&mut self, ui: &Ui, placement: Placement, pointer: Pos2, factor: f32) {
         let under_pointer = placement.to_picture(pointer);
         self.keep(ui, placement);
         let old = self.scale.unwrap_or(1.0);

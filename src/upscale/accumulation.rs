@@ -22,10 +22,10 @@ use crate::math::lanes::Lanes;
 mod rows;
 
 /// Temporal accumulation of jittered samples.
-pub static ACCUMULATION: Accumulation = Accumulation;
+pub(crate) static ACCUMULATION: Accumulation = Accumulation;
 
 /// Type of [`ACCUMULATION`].
-pub struct Accumulation;
+pub(crate) struct Accumulation;
 
 /// Number of jitter positions per pixel, one per frame.
 const PLACES: u32 = 16;

@@ -5,7 +5,7 @@
 use super::separable::{Separable, Weights};
 
 /// Separable 4-point Lagrange interpolation.
-pub static BICUBIC: Separable = Separable {
+pub(crate) static BICUBIC: Separable = Separable {
     id: "bicubic",
     name: "Bicubic",
     help: "Fits a cubic through the four surrounding samples, along rows and then columns (the 4-point Lagrange cubic, \

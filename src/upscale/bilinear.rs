@@ -3,7 +3,7 @@
 use super::separable::{Separable, Weights};
 
 /// Separable linear interpolation.
-pub static BILINEAR: Separable = Separable {
+pub(crate) static BILINEAR: Separable = Separable {
     id: "bilinear",
     name: "Bilinear",
     help: "Interpolates linearly, along rows and then columns. Good on smooth shading: never leaves the range of its \

@@ -55,7 +55,7 @@ struct Written {
 
 impl Upscaling {
     /// Native rendering: the first entry of [`ALL`].
-    pub const NATIVE: Self = Self {
+    pub(crate) const NATIVE: Self = Self {
         method: 0,
         scale: Scale::ONE,
         anchor: Anchor::Corner,
@@ -105,77 +105,77 @@ impl Upscaling {
 
     /// Returns another upscaler with its default options, at the nearest scale that it offers. Returns `None` for an
     /// unknown id. If the id is that of the current upscaler, returns `self` unchanged.
-    pub fn with_method(self, method: &str) -> Option<Self> {
+    pub(crate) fn with_method(self, method: &str) -> Option<Self> {
         if self.method() == method { Some(self) } else { Self::new(method, self.scale) }
     }
 
     /// Returns the choice with another scale per axis, or the nearest that the upscaler offers.
-    pub fn with_scale(self, scale: impl Into<Scale>) -> Self {
+    pub(crate) fn with_scale(self, scale: impl Into<Scale>) -> Self {
         Self { scale: scale.into(), ..self }.offered()
     }
 
     /// Returns the choice with another anchor, if the upscaler offers it.
-    pub fn with_anchor(self, anchor: Anchor) -> Self {
+    pub(crate) fn with_anchor(self, anchor: Anchor) -> Self {
         Self { anchor, ..self }.offered()
     }
 
     /// Returns the choice with another filtering colour space, if the upscaler offers it.
-    pub fn with_light(self, light: Light) -> Self {
+    pub(crate) fn with_light(self, light: Light) -> Self {
         Self { light, ..self }.offered()
     }
 
     /// Returns the choice with de-ringing on or off, if the upscaler supports it.
-    pub fn with_deringing(self, deringing: bool) -> Self {
+    pub(crate) fn with_deringing(self, deringing: bool) -> Self {
         Self { deringing, ..self }.offered()
     }
 
     /// Returns the choice with `sharpening` percent of sharpening, at most 100, if the upscaler supports it.
-    pub fn with_sharpening(self, sharpening: u32) -> Self {
+    pub(crate) fn with_sharpening(self, sharpening: u32) -> Self {
         Self { sharpening, ..self }.offered()
     }
 
     /// Whether this is native rendering, with every pixel drawn.
-    pub fn is_native(self) -> bool {
+    pub(crate) fn is_native(self) -> bool {
         self.method == Self::NATIVE.method
     }
 
     /// Returns the upscaler.
-    pub fn upscaler(self) -> &'static dyn Upscaler {
+    pub(crate) fn upscaler(self) -> &'static dyn Upscaler {
         ALL[self.method]
     }
 
     /// Returns the id of the upscaler.
-    pub fn method(self) -> &'static str {
+    pub(crate) fn method(self) -> &'static str {
         self.upscaler().id()
     }
 
     /// Returns the scale per axis.
-    pub fn scale(self) -> Scale {
+    pub(crate) fn scale(self) -> Scale {
         self.scale
     }
 
     /// Returns the position of a sample within its block.
-    pub fn anchor(self) -> Anchor {
+    pub(crate) fn anchor(self) -> Anchor {
         self.anchor
     }
 
     /// Returns the position of a sample within its block, or `None` at ×1, where all anchors agree.
-    pub fn block_anchor(self) -> Option<Anchor> {
+    pub(crate) fn block_anchor(self) -> Option<Anchor> {
         (self.scale != Scale::ONE).then_some(self.anchor)
     }
 
     /// Returns the filtering colour space.
-    pub fn light(self) -> Light {
+    pub(crate) fn light(self) -> Light {
         self.light
     }
 
     /// Whether de-ringing is on: each pass clamps its result to the range of the two adjacent samples.
-    pub fn deringing(self) -> bool {
+    pub(crate) fn deringing(self) -> bool {
         self.deringing
     }
 
     /// Returns the sharpening, in percent of the maximum that creates no new extremes.
-    pub fn sharpening(self) -> u32 {
+    pub(crate) fn sharpening(self) -> u32 {
         self.sharpening
     }
 
@@ -185,12 +185,12 @@ impl Upscaling {
     }
 
     /// Returns the samples to draw.
-    pub fn sampling(self) -> Sampling {
+    pub(crate) fn sampling(self) -> Sampling {
         self.upscaler().sampling(self)
     }
 
     /// Returns the grid of the samples to draw, within the rasterized image.
-    pub fn grid(self) -> SampleGrid {
+    pub(crate) fn grid(self) -> SampleGrid {
         self.sampling().grid()
     }
 
@@ -207,7 +207,7 @@ impl Upscaling {
     /// assert_eq!(full.size(), (64, 36));
     /// assert_eq!(full.at(11, 7), drawn.at(5, 3));
     /// ```
-    pub fn upscale(self, drawn: &Drawn<'_>, width: u32, height: u32) -> Image<Rgba8> {
+    pub(crate) fn upscale(self, drawn: &Drawn<'_>, width: u32, height: u32) -> Image<Rgba8> {
         let mut full = Image::filled(width, height, [0; 4]);
         self.upscaler().upscale(self, drawn, &mut full);
         full
@@ -221,7 +221,7 @@ impl Upscaling {
     }
 
     /// Returns [`Upscaling::label`] with the anchor even if it is the default, such as "FSR 1 ×2, centre".
-    pub fn label_with_anchor(self) -> String {
+    pub(crate) fn label_with_anchor(self) -> String {
         self.label_with(self.block_anchor())
     }
 

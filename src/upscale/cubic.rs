@@ -7,7 +7,7 @@
 use super::separable::{Separable, Weights};
 
 /// Catmull-Rom spline (B = 0, C = ½).
-pub static CATMULL_ROM: Separable = Separable {
+pub(crate) static CATMULL_ROM: Separable = Separable {
     id: "catmull-rom",
     name: "Catmull-Rom",
     help: "A spline through the samples with a continuous slope, along rows and then columns; Pillow calls it bicubic. \
@@ -19,7 +19,7 @@ pub static CATMULL_ROM: Separable = Separable {
 };
 
 /// Mitchell-Netravali filter (B = C = ⅓), the compromise that viewers preferred in their study.
-pub static MITCHELL: Separable = Separable {
+pub(crate) static MITCHELL: Separable = Separable {
     id: "mitchell",
     name: "Mitchell",
     help: "A cubic that balances blur, ringing and stair-stepping. Good where hard edges meet smooth shading: \

@@ -14,11 +14,11 @@ pub(super) use wide::{NOWHERE, same_surface};
 /// Visible surface of every pixel in the full image, found without shading. Alpha-tested and transparent surfaces count
 /// as opaque.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Surfaces {
+pub(crate) struct Surfaces {
     /// Id colour of the object in each pixel; the background where there is none.
-    pub object: Image<Rgba8>,
+    pub(crate) object: Image<Rgba8>,
     /// Distance along the view axis, in world units; infinite or the far plane where there is no surface.
-    pub distance: Image<f32>,
+    pub(crate) distance: Image<f32>,
 }
 
 /// Relative tolerance for equal distances: depths are rounded, and pixels sample slightly different positions.
@@ -26,62 +26,62 @@ const SAME_DISTANCE: f32 = 0.02;
 
 impl Surfaces {
     /// Whether a pixel shows this object at about this distance.
-    pub fn shows(&self, (x, y): (u32, u32), object: Rgba8, distance: f32) -> bool {
+    pub(crate) fn shows(&self, (x, y): (u32, u32), object: Rgba8, distance: f32) -> bool {
         let there = self.distance.at(x, y);
         let near = (there - distance).abs() <= SAME_DISTANCE * distance.abs();
         self.object.at(x, y) == object && (near || there == distance)
     }
 
     /// Whether two pixels show the same object at about the same distance.
-    pub fn are_one(&self, a: (u32, u32), b: (u32, u32)) -> bool {
+    pub(crate) fn are_one(&self, a: (u32, u32), b: (u32, u32)) -> bool {
         self.shows(a, self.object.at(b.0, b.1), self.distance.at(b.0, b.1))
     }
 }
 
 /// A previous frame.
 #[derive(Clone, Debug)]
-pub struct History {
+pub(crate) struct History {
     /// Full image of the frame; `None` if the upscaler stores its own history.
-    pub picture: Option<Image<Rgba8>>,
+    pub(crate) picture: Option<Image<Rgba8>>,
     /// Upscaler's own history, more precise than the image.
-    pub memory: Option<Image<[f32; 4]>>,
+    pub(crate) memory: Option<Image<[f32; 4]>>,
     /// Visible surfaces of the frame.
-    pub surfaces: Arc<Surfaces>,
+    pub(crate) surfaces: Arc<Surfaces>,
     /// Camera of the frame.
-    pub camera: Camera,
+    pub(crate) camera: Camera,
     /// Number of consecutive frames before this one.
-    pub frames: u32,
+    pub(crate) frames: u32,
     /// Number of consecutive frames with an unchanged camera, including this one.
-    pub still: u32,
+    pub(crate) still: u32,
 }
 
 /// Inputs of the current frame besides its colours.
 #[derive(Clone, Copy, Debug)]
-pub struct Seen<'a> {
+pub(crate) struct Seen<'a> {
     /// Visible surfaces of the frame.
-    pub surfaces: &'a Surfaces,
+    pub(crate) surfaces: &'a Surfaces,
     /// Camera of the frame.
-    pub camera: &'a Camera,
+    pub(crate) camera: &'a Camera,
     /// Previous frame, if it shows the same scene with the same recipe.
-    pub past: Option<&'a History>,
+    pub(crate) past: Option<&'a History>,
 }
 
 impl Seen<'_> {
     /// Returns the number of consecutive frames before this one.
-    pub fn frames(&self) -> u32 {
+    pub(crate) fn frames(&self) -> u32 {
         self.past.map_or(0, |past| past.frames + 1)
     }
 
     /// Reprojects pixel `at` into the previous frame. Returns `None` if it was not visible there. For many pixels, call
     /// [`Self::motion`] once.
-    pub fn before(&self, size: (u32, u32), at: (u32, u32)) -> Option<Before> {
+    pub(crate) fn before(&self, size: (u32, u32), at: (u32, u32)) -> Option<Before> {
         self.motion(size)?.before(at)
     }
 }
 
 impl<'a> Seen<'a> {
     /// Returns the motion since the previous frame, or `None` if there is no previous frame.
-    pub fn motion(&self, size: (u32, u32)) -> Option<Motion<'a>> {
+    pub(crate) fn motion(&self, size: (u32, u32)) -> Option<Motion<'a>> {
         let past = self.past?;
         let path = (past.camera != *self.camera).then(|| Path::new([self.camera, &past.camera], size));
         Some(Motion { past, surfaces: self.surfaces, size, path })
@@ -90,9 +90,9 @@ impl<'a> Seen<'a> {
 
 /// Camera motion since the previous frame.
 #[derive(Clone, Copy, Debug)]
-pub struct Motion<'a> {
+pub(crate) struct Motion<'a> {
     /// The previous frame.
-    pub past: &'a History,
+    pub(crate) past: &'a History,
     surfaces: &'a Surfaces,
     size: (u32, u32),
     /// Change of view; `None` if the camera is unchanged.
@@ -101,7 +101,7 @@ pub struct Motion<'a> {
 
 impl Motion<'_> {
     /// Reprojects pixel `at` into the previous frame. Returns `None` if it was not visible there.
-    pub fn before(&self, at: (u32, u32)) -> Option<Before> {
+    pub(crate) fn before(&self, at: (u32, u32)) -> Option<Before> {
         let center = [f64::from(at.0) + 0.5, f64::from(at.1) + 0.5];
         let Some(path) = &self.path else {
             return Some(Before { place: center, is_still: true });
@@ -122,14 +122,14 @@ impl Motion<'_> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Before {
     /// Position in pixels from the top left corner of the image.
-    pub place: [f64; 2],
+    pub(crate) place: [f64; 2],
     /// Whether the camera was the same, so that the position is the pixel itself.
-    pub is_still: bool,
+    pub(crate) is_still: bool,
 }
 
 impl Before {
     /// Samples an image bilinearly at this position; reads the pixel itself if the camera was unchanged.
-    pub fn read<const N: usize>(&self, size: (u32, u32), value: impl Fn(u32, u32) -> [f32; N]) -> [f32; N] {
+    pub(crate) fn read<const N: usize>(&self, size: (u32, u32), value: impl Fn(u32, u32) -> [f32; N]) -> [f32; N] {
         let [x, y] = self.place;
         if self.is_still {
             return value(x as u32, y as u32);

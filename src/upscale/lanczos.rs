@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 use super::separable::{Separable, Weights};
 
 /// Lanczos filter with a = 2 (four taps).
-pub static LANCZOS2: Separable = Separable {
+pub(crate) static LANCZOS2: Separable = Separable {
     id: "lanczos2",
     name: "Lanczos 2",
     help: "A sinc windowed by a wider sinc that ends after two samples, along rows and then columns. Good on fine \
@@ -20,7 +20,7 @@ pub static LANCZOS2: Separable = Separable {
 };
 
 /// Lanczos filter with a = 3 (six taps).
-pub static LANCZOS3: Separable = Separable {
+pub(crate) static LANCZOS3: Separable = Separable {
     id: "lanczos3",
     name: "Lanczos 3",
     help: "A sinc windowed by a wider sinc that ends after three samples, along rows and then columns. Good on natural \

@@ -29,29 +29,29 @@ choice! {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Lattice {
     /// Number of output pixels per sample.
-    pub scale: Scale,
+    pub(crate) scale: Scale,
     /// Position of a sample within its block.
-    pub anchor: Anchor,
+    pub(crate) anchor: Anchor,
 }
 
 /// Position of an output pixel between two samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Place {
+pub(crate) struct Place {
     /// Index of the last sample at or before the pixel; −1 before the first.
-    pub cell: i32,
+    pub(crate) cell: i32,
     /// Offset towards the next sample, in steps of 1 / [`Lattice::phases`].
-    pub phase: u32,
+    pub(crate) phase: u32,
 }
 
 impl Lattice {
     /// Returns the number of samples for `length` px.
-    pub fn samples(self, length: u32) -> u32 {
+    pub(crate) fn samples(self, length: u32) -> u32 {
         let (pixels, samples) = self.scale.ratio();
         (u64::from(length) * u64::from(samples)).div_ceil(u64::from(pixels)) as u32
     }
 
     /// Returns the number of phase steps between two samples.
-    pub fn phases(self) -> u32 {
+    pub(crate) fn phases(self) -> u32 {
         let (pixels, _) = self.scale.ratio();
         match self.anchor {
             Anchor::Corner => pixels,
@@ -60,7 +60,7 @@ impl Lattice {
     }
 
     /// Returns the position of output pixel `at`: `at / s` or `(at + ½) / s − ½` samples, for corner or centre.
-    pub fn place(self, at: u32) -> Place {
+    pub(crate) fn place(self, at: u32) -> Place {
         self.place_beyond(i64::from(at))
     }
 
@@ -92,7 +92,7 @@ impl Lattice {
     }
 
     /// Returns the position of sample `index` in the full image, in pixels.
-    pub fn position_px(self, index: u32) -> f64 {
+    pub(crate) fn position_px(self, index: u32) -> f64 {
         match self.anchor {
             Anchor::Corner => f64::from(index) * self.scale.value() + 0.5,
             Anchor::Centre => (f64::from(index) + 0.5) * self.scale.value(),
@@ -100,12 +100,12 @@ impl Lattice {
     }
 
     /// Returns the origin of the sample grid in the full image, in pixels: sample i lies at (i + ½) · s from there.
-    pub fn origin_px(self) -> f64 {
+    pub(crate) fn origin_px(self) -> f64 {
         self.position_px(0) - 0.5 * self.scale.value()
     }
 
     /// Returns the nearest of `samples` samples to output pixel `at`; the first one if two are equally near.
-    pub fn nearest(self, at: u32, samples: u32) -> u32 {
+    pub(crate) fn nearest(self, at: u32, samples: u32) -> u32 {
         self.nearest_to(self.place(at), samples)
     }
 

@@ -35,18 +35,30 @@ mod nearest_avx2;
 mod scale;
 mod separable;
 
-pub use accumulation::ACCUMULATION;
-pub use bicubic::BICUBIC;
-pub use bilinear::BILINEAR;
-pub use checkerboard::{CHECKERBOARD, CHECKERBOARD_EDGES, CHECKERBOARD_SURFACES, CHECKERBOARD_TEMPORAL};
-pub use choice::{Light, Upscaling};
-pub use cubic::{CATMULL_ROM, MITCHELL};
-pub use fsr::FSR1;
-pub use history::{Before, History, Motion, Seen, Surfaces};
-pub use lanczos::{LANCZOS2, LANCZOS3};
-pub use lattice::{Anchor, Lattice, Place};
-pub use native::NATIVE;
-pub use nearest::NEAREST;
+pub(crate) use accumulation::ACCUMULATION;
+pub(crate) use bicubic::BICUBIC;
+pub(crate) use bilinear::BILINEAR;
+pub(crate) use checkerboard::CHECKERBOARD;
+pub(crate) use checkerboard::CHECKERBOARD_EDGES;
+pub(crate) use checkerboard::CHECKERBOARD_SURFACES;
+pub(crate) use checkerboard::CHECKERBOARD_TEMPORAL;
+pub use choice::Light;
+pub use choice::Upscaling;
+pub(crate) use cubic::CATMULL_ROM;
+pub(crate) use cubic::MITCHELL;
+pub(crate) use fsr::FSR1;
+pub(crate) use history::Before;
+pub(crate) use history::History;
+pub(crate) use history::Motion;
+pub(crate) use history::Seen;
+pub(crate) use history::Surfaces;
+pub(crate) use lanczos::LANCZOS2;
+pub(crate) use lanczos::LANCZOS3;
+pub use lattice::Anchor;
+pub(crate) use lattice::Lattice;
+pub(crate) use lattice::Place;
+pub(crate) use native::NATIVE;
+pub(crate) use nearest::NEAREST;
 pub use scale::Scale;
 
 /// An upscaler, which fills in the pixels that were not drawn.
@@ -117,30 +129,30 @@ pub trait Upscaler: Sync {
 }
 
 /// Centre of a pixel, relative to its top left corner.
-pub const CENTRE: [f64; 2] = [0.5; 2];
+pub(crate) const CENTRE: [f64; 2] = [0.5; 2];
 
 /// Inputs of an upscaler besides the drawn colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reads {
     /// Whether it reads the visible surface of every pixel.
-    pub surfaces: bool,
+    pub(crate) surfaces: bool,
     /// Whether it reads the previous frame; requires `surfaces`.
-    pub past: bool,
+    pub(crate) past: bool,
 }
 
 /// Options of an upscaler; the first value of each list is the default.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Offers {
     /// Scales per axis, in ascending order; a single one if there is no choice.
-    pub scales: &'static [Scale],
+    pub(crate) scales: &'static [Scale],
     /// Positions of a sample within its block.
-    pub anchors: &'static [Anchor],
+    pub(crate) anchors: &'static [Anchor],
     /// Filtering colour spaces.
-    pub lights: &'static [Light],
+    pub(crate) lights: &'static [Light],
     /// Whether de-ringing is available.
-    pub deringing: bool,
+    pub(crate) deringing: bool,
     /// Whether sharpening is available.
-    pub sharpening: bool,
+    pub(crate) sharpening: bool,
 }
 
 /// Samples that are drawn for an upscaler.
@@ -162,7 +174,7 @@ impl Sampling {
     }
 
     /// Returns the grid of drawn pixels, within the full or the lower-resolution image.
-    pub fn grid(self) -> SampleGrid {
+    pub(crate) fn grid(self) -> SampleGrid {
         match self {
             Self::Grid(grid) => grid,
             Self::Lattice(_) => SampleGrid::FULL,
@@ -171,7 +183,7 @@ impl Sampling {
 
     /// Returns the size in pixels of the image that [`Sampling::grid`] refers to, for a full image of `width` ×
     /// `height` px.
-    pub fn raster_size(self, width: u32, height: u32) -> (u32, u32) {
+    pub(crate) fn raster_size(self, width: u32, height: u32) -> (u32, u32) {
         match self {
             Self::Grid(_) => (width, height),
             Self::Lattice(lattice) => (lattice.samples(width), lattice.samples(height)),
@@ -179,7 +191,7 @@ impl Sampling {
     }
 
     /// Returns the position in the full image, in pixels, of a packed sample given by column and row.
-    pub fn position_px(self, (column, row): (u32, u32)) -> (f64, f64) {
+    pub(crate) fn position_px(self, (column, row): (u32, u32)) -> (f64, f64) {
         match self {
             Self::Grid(grid) => {
                 let (x, y) = grid.pixel(column, row);
@@ -190,7 +202,7 @@ impl Sampling {
     }
 
     /// Returns the pixel of a full image of `width` × `height` px that contains a packed sample, or the nearest pixel.
-    pub fn pixel(self, sample: (u32, u32), (width, height): (u32, u32)) -> (u32, u32) {
+    pub(crate) fn pixel(self, sample: (u32, u32), (width, height): (u32, u32)) -> (u32, u32) {
         let (x, y) = self.position_px(sample);
         ((x as u32).min(width - 1), (y as u32).min(height - 1))
     }
@@ -202,7 +214,7 @@ pub struct Drawn<'a> {
     /// Colours of the drawn samples, packed.
     pub color: &'a Image<Rgba8>,
     /// Surfaces and history, if the upscaler reads them and they are available.
-    pub seen: Option<Seen<'a>>,
+    pub(crate) seen: Option<Seen<'a>>,
 }
 
 impl<'a> From<&'a Image<Rgba8>> for Drawn<'a> {
@@ -215,11 +227,11 @@ impl<'a> From<&'a Image<Rgba8>> for Drawn<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Tap {
     /// Column in the drawn image: the full one, or the lower-resolution one of a [`Lattice`].
-    pub x: u32,
+    pub(crate) x: u32,
     /// Row in the drawn image.
-    pub y: u32,
+    pub(crate) y: u32,
     /// Weight of the sample; negative weights sharpen.
-    pub weight: f32,
+    pub(crate) weight: f32,
 }
 
 /// All upscalers, in menu order.

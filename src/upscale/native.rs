@@ -5,10 +5,10 @@ use crate::image::{Image, Rgba8};
 use crate::pipeline::grid::SampleGrid;
 
 /// Native rendering: every pixel is drawn. Baseline for all other upscalers.
-pub static NATIVE: Native = Native;
+pub(crate) static NATIVE: Native = Native;
 
 /// Type of [`NATIVE`].
-pub struct Native;
+pub(crate) struct Native;
 
 impl Upscaler for Native {
     fn id(&self) -> &'static str {

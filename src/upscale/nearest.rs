@@ -14,10 +14,10 @@ use crate::image::{Image, Rgba8};
 use crate::pipeline::settings::Choice as _;
 
 /// Nearest-neighbour upscaling.
-pub static NEAREST: Nearest = Nearest;
+pub(crate) static NEAREST: Nearest = Nearest;
 
 /// Type of [`NEAREST`].
-pub struct Nearest;
+pub(crate) struct Nearest;
 
 impl Upscaler for Nearest {
     fn id(&self) -> &'static str {

@@ -13,37 +13,37 @@ pub struct Scale {
 
 impl Scale {
     /// Factor 1: no upscaling.
-    pub const ONE: Self = Self { halves: 2 };
+    pub(crate) const ONE: Self = Self { halves: 2 };
 
     /// Factor 1.5: three pixels for two samples.
-    pub const ONE_AND_A_HALF: Self = Self { halves: 3 };
+    pub(crate) const ONE_AND_A_HALF: Self = Self { halves: 3 };
 
     /// Factor 2.
-    pub const TWO: Self = Self { halves: 4 };
+    pub(crate) const TWO: Self = Self { halves: 4 };
 
     /// Factor 3.
-    pub const THREE: Self = Self { halves: 6 };
+    pub(crate) const THREE: Self = Self { halves: 6 };
 
     /// Factor 4.
-    pub const FOUR: Self = Self { halves: 8 };
+    pub(crate) const FOUR: Self = Self { halves: 8 };
 
     /// Returns the factor in lowest terms: the numbers of pixels and of samples in one period.
-    pub fn ratio(self) -> (u32, u32) {
+    pub(crate) fn ratio(self) -> (u32, u32) {
         if self.halves.is_multiple_of(2) { (self.halves / 2, 1) } else { (self.halves, 2) }
     }
 
     /// Returns the factor if it is an integer.
-    pub fn whole(self) -> Option<u32> {
+    pub(crate) fn whole(self) -> Option<u32> {
         self.halves.is_multiple_of(2).then_some(self.halves / 2)
     }
 
     /// Returns the factor as a number.
-    pub fn value(self) -> f64 {
+    pub(crate) fn value(self) -> f64 {
         f64::from(self.halves) / 2.0
     }
 
     /// Returns the absolute difference of two factors, in halves.
-    pub fn distance(self, other: Self) -> u32 {
+    pub(crate) fn distance(self, other: Self) -> u32 {
         self.halves.abs_diff(other.halves)
     }
 }

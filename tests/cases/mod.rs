@@ -1,14 +1,27 @@
-//! Exact cases stored outside the crate: one file per case, with its answer in exact arithmetic beside it.
+//! Numerical cases with exact answers: one file per case, with its answer in another folder under the same name.
+
+#![allow(dead_code, reason = "each test file uses a part of it")]
 
 #[path = "../samples/mod.rs"]
-mod samples;
+pub(crate) mod samples;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
+/// Source of a case.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Origin {
+    /// A case of the project.
+    Own,
+    /// A case of the external samples.
+    External,
+}
+
 /// A case with its exact answer.
 pub(crate) struct Sample {
+    /// Source of the case.
+    pub(crate) origin: Origin,
     /// File of the case.
     pub(crate) path: PathBuf,
     /// Contents of the case.
@@ -17,25 +30,34 @@ pub(crate) struct Sample {
     pub(crate) expected: Value,
 }
 
-/// Returns all cases of these kinds, sorted by name. Without the folder it prints a note to stderr and returns no
-/// cases.
+/// Returns all cases of these kinds: the project's own, and the external ones if there are external samples. Panics if
+/// one of these sources has no case of a kind.
 pub(crate) fn of_kinds(kinds: &[&str]) -> Vec<Sample> {
-    let folder = samples::folder().join("cases");
-    let Ok(entries) = std::fs::read_dir(folder.join("cases")) else {
-        eprintln!("no exact cases in {}: nothing checked", folder.display());
-        return Vec::new();
-    };
-    let mut names: Vec<_> = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok()).collect();
+    let own = Some((Origin::Own, samples::own()));
+    let external = samples::external().map(|folder| (Origin::External, folder));
+    let folders = own.into_iter().chain(external);
+    folders.flat_map(|(origin, folder)| of_folder(origin, &folder.join("cases"), kinds)).collect()
+}
+
+/// Returns the cases of a folder, sorted by name.
+fn of_folder(origin: Origin, folder: &Path, kinds: &[&str]) -> Vec<Sample> {
+    let entries = std::fs::read_dir(folder.join("cases")).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
+    let mut names: Vec<_> = entries.map(|entry| entry.expect("a readable folder").file_name()).collect();
     names.sort_unstable();
-    let read = |path: &PathBuf| -> Value {
-        let text = std::fs::read_to_string(path).expect("a readable case");
-        serde_json::from_str(&text).expect("a case in JSON")
+    let read = |path: &Path| -> Value {
+        let text = std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+        serde_json::from_str(&text).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
     };
-    let of_kind = |name: &String| {
-        let path = folder.join("cases").join(name);
+    let mut found = Vec::new();
+    for name in names {
+        let path = folder.join("cases").join(&name);
         let case = read(&path);
-        let wanted = kinds.iter().any(|kind| case["kind"] == *kind);
-        wanted.then(|| Sample { path, case, expected: read(&folder.join("expected").join(name)) })
-    };
-    names.iter().filter_map(of_kind).collect()
+        if kinds.iter().any(|kind| case["kind"] == *kind) {
+            found.push(Sample { origin, path, case, expected: read(&folder.join("expected").join(&name)) });
+        }
+    }
+    for kind in kinds {
+        assert!(found.iter().any(|sample| sample.case["kind"] == *kind), "no {kind} case in {}", folder.display());
+    }
+    found
 }

@@ -7,7 +7,6 @@
 pub(crate) mod samples;
 
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
-use std::path::PathBuf;
 
 use glam::{Mat4, Quat, Vec2, Vec3};
 use rasterscope::chain::{Frame, Recipe, run};
@@ -51,17 +50,6 @@ impl Drop for NameSeedOnPanic {
             eprintln!("failed with seed {}", self.0);
         }
     }
-}
-
-/// Returns the folder of the models; prints a note and returns `None` if there is none.
-#[expect(clippy::print_stderr, reason = "a test that had nothing to read says so")]
-pub(crate) fn models() -> Option<PathBuf> {
-    let folder = samples::folder();
-    let found = folder.join("models/SOURCES.md").is_file();
-    if !found {
-        eprintln!("no samples at {}: nothing was tested", folder.display());
-    }
-    found.then(|| folder.join("models"))
 }
 
 /// Returns a random number in [−1, 1).
@@ -289,6 +277,17 @@ pub(crate) fn scenes() -> [(&'static str, Scene); 4] {
 /// Renders a scene from its home view.
 pub(crate) fn render(scene: &Scene, recipe: &Recipe, (width, height): (u32, u32)) -> Frame {
     run(scene, &scene.home, recipe, Viewport { width, height }, &mut ())
+}
+
+/// Returns the recipes without repetitions. Lists of alternatives of several settings contain the default repeatedly.
+pub(crate) fn distinct(recipes: impl IntoIterator<Item = Recipe>) -> Vec<Recipe> {
+    let mut distinct = Vec::new();
+    for recipe in recipes {
+        if !distinct.contains(&recipe) {
+            distinct.push(recipe);
+        }
+    }
+    distinct
 }
 
 /// Returns the default recipe after `assignments` such as `culling=none`.

@@ -1,4 +1,4 @@
-//! Optional seed files that are not part of the repository.
+//! Seed files: the project's own inputs, and external samples if there are any.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -13,14 +13,16 @@ const MOST_BYTES: u64 = 16 << 10;
 /// A file, as its name and its bytes.
 pub(crate) type File = (String, Vec<u8>);
 
-/// Returns the sample files of up to 16 KiB that `is_wanted` selects by their suffix, sorted by path. The files are
+/// Returns the seed files of up to 16 KiB that `is_wanted` selects by their suffix, sorted by path. The files are
 /// read once for each `kind`.
 pub(crate) fn files(kind: &'static str, is_wanted: fn(&str) -> bool) -> &'static [File] {
     static KNOWN: Mutex<BTreeMap<&'static str, &'static [File]>> = Mutex::new(BTreeMap::new());
     let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
     known.entry(kind).or_insert_with(|| {
         let mut paths = Vec::new();
-        collect(&samples::folder(), is_wanted, &mut paths);
+        for folder in std::iter::once(samples::own()).chain(samples::external()) {
+            collect(&folder, is_wanted, &mut paths);
+        }
         paths.sort_unstable();
         let read = |path: &PathBuf| {
             let name = path.file_name()?.to_str()?.to_owned();

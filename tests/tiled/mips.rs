@@ -11,10 +11,9 @@ use rasterscope::pipeline::settings::{
     Address, Choice, ColorSpace, Culling, Execution, Filter, Force, Interpolation, Shading,
 };
 use rasterscope::scene::{Mesh, MeshData, Scene, builtin};
-use rasterscope::upscale::Upscaling;
 
 use crate::common::{self, SceneBuilder};
-use crate::{Renderers, SMALL, check_all, check_all_at, multisampled, with};
+use crate::{Renderers, SMALL, check_all, check_all_at, multisampled, upscalers, with};
 
 /// Returns the default recipe with mip-mapping.
 fn mipmapped() -> Recipe {
@@ -69,7 +68,7 @@ fn every_switch_gives_the_same_picture() {
     recipes.extend(with::<Culling>(default, |r, c| r.pipeline.culling = c));
     recipes.extend(with::<Interpolation>(default, |r, c| r.pipeline.interpolation = c));
     recipes.extend(with::<Force>(default, |r, c| r.pipeline.force = c));
-    recipes.extend(Upscaling::every().map(|upscaler| Recipe { upscaler, ..default[0] }));
+    recipes.extend(upscalers().into_iter().map(|upscaler| Recipe { upscaler, ..default[0] }));
     check_all(&recipes);
 }
 

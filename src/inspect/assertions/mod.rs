@@ -49,44 +49,44 @@ choice! {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Violation {
     /// Column of its pixel in the raster image, before upscaling.
-    pub x: u32,
+    pub(crate) x: u32,
     /// Row of its pixel in the raster image, before upscaling.
-    pub y: u32,
+    pub(crate) y: u32,
     /// Triangle of the fragment.
-    pub triangle: TriangleId,
+    pub(crate) triangle: TriangleId,
     /// Description of the violation, with the values.
     pub text: String,
 }
 
 /// Result of one assertion.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Finding {
+pub(crate) struct Finding {
     /// The assertion that was checked.
-    pub assertion: Assertion,
+    pub(crate) assertion: Assertion,
     /// Number of fragments, or of vertices of open edges, that were checked.
-    pub checked: u64,
+    pub(crate) checked: u64,
     /// Number of checked fragments or pixels that violate the assertion.
-    pub violated: u64,
+    pub(crate) violated: u64,
     /// First violation in drawing order. For T-junctions, the first pixel in reading order with a crack or double hit,
     /// or else the first junction.
-    pub first: Option<Violation>,
+    pub(crate) first: Option<Violation>,
 }
 
 /// The findings of a frame, in the order of [`Assertion::ALL`].
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Report {
+pub(crate) struct Report {
     /// One finding for each requested assertion.
-    pub findings: Vec<Finding>,
+    pub(crate) findings: Vec<Finding>,
 }
 
 impl Report {
     /// Whether no assertion is violated.
-    pub fn holds(&self) -> bool {
+    pub(crate) fn holds(&self) -> bool {
         self.findings.iter().all(|finding| finding.violated == 0)
     }
 
     /// Returns the first violation of the first violated assertion.
-    pub fn first_violation(&self) -> Option<(Assertion, &Violation)> {
+    pub(crate) fn first_violation(&self) -> Option<(Assertion, &Violation)> {
         self.findings.iter().find_map(|finding| Some((finding.assertion, finding.first.as_ref()?)))
     }
 }
@@ -127,7 +127,7 @@ const ROWS_AT_ONCE: usize = 32;
 /// assert!(violation.x < 64 && violation.y < 40);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn check(
+pub(crate) fn check(
     scene: &Scene,
     recipe: &Recipe,
     frame: &Frame,

@@ -12,17 +12,17 @@ use crate::scene::TriangleId;
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Account {
     /// Number of triangles that entered the pipeline.
-    pub triangles_in: u64,
+    pub(crate) triangles_in: u64,
     /// Number of rejections by the geometry stages plus the number of triangles passed to the rasterizer.
-    pub triangles_out: u64,
+    pub(crate) triangles_out: u64,
     /// Triangles that were neither rejected nor rasterized.
-    pub without_fate: Vec<TriangleId>,
+    pub(crate) without_fate: Vec<TriangleId>,
     /// Triangles that were rejected twice, or both rejected and rasterized.
-    pub with_two_fates: Vec<TriangleId>,
+    pub(crate) with_two_fates: Vec<TriangleId>,
     /// Number of fragments that the rasterizer generated.
-    pub fragments_in: u64,
+    pub(crate) fragments_in: u64,
     /// Number of fragments with a recorded fate.
-    pub fragments_out: u64,
+    pub(crate) fragments_out: u64,
 }
 
 impl Account {
@@ -44,12 +44,12 @@ impl Account {
     }
 
     /// Whether all sums match and every triangle has exactly one fate.
-    pub fn is_balanced(&self) -> bool {
+    pub(crate) fn is_balanced(&self) -> bool {
         self.complaints().is_empty()
     }
 
     /// Returns one sentence for each mismatch.
-    pub fn complaints(&self) -> Vec<String> {
+    pub(crate) fn complaints(&self) -> Vec<String> {
         let Self { triangles_in, triangles_out, fragments_in, fragments_out, .. } = self;
         let mut complaints = Vec::new();
         if triangles_in != triangles_out {

@@ -15,7 +15,7 @@ pub enum Bin {
 
 impl Bin {
     /// Returns the display name of the bin, in lower case.
-    pub fn label(self) -> String {
+    pub(crate) fn label(self) -> String {
         match self {
             Self::Triangles(fate) => fate.name().to_lowercase(),
             Self::Fragments(fate) => format!("with fragments: {}", fate.name().to_lowercase()),
@@ -25,7 +25,7 @@ impl Bin {
 
 /// Conditions for members of a bin. An empty filter accepts every triangle.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Filter {
+pub(crate) struct Filter {
     /// Number of the triangle; `None` for any.
     id: Option<u32>,
     /// Lower and upper bound of the screen area, in px².
@@ -40,7 +40,7 @@ pub struct Filter {
 
 impl Filter {
     /// Parses words such as `tri 123`, `area<1`, `area>=20`, `is:cut`, `is:broken` and parts of a name, in any order.
-    pub fn parse(text: &str) -> Self {
+    pub(crate) fn parse(text: &str) -> Self {
         let mut filter = Self::default();
         // Joins a spaced bound into one word. “area” without a bound may be part of a name.
         let joined = ["area <", "area >", "area< ", "area> ", "area<= ", "area>= "]
@@ -97,7 +97,7 @@ fn area_bound(word: &str) -> Option<(usize, f64)> {
 
 impl Fates {
     /// Returns the triangles that pass a filter, in scene order. `None` as bin or object means all bins or all objects.
-    pub fn members(&self, bin: Option<Bin>, object: Option<usize>, filter: &Filter) -> Vec<TriangleId> {
+    pub(crate) fn members(&self, bin: Option<Bin>, object: Option<usize>, filter: &Filter) -> Vec<TriangleId> {
         let is_asked = |place: usize| object.is_none_or(|object| object == place) && filter.names(&self.objects[place]);
         let objects = (0..self.objects.len()).filter(|place| is_asked(*place)).map(|place| &self.objects[place]);
         let ids = objects.flat_map(|object| object.first.0..object.first.0 + object.triangles.sum() as u32);

@@ -14,10 +14,12 @@ mod rejections;
 
 mod tally;
 
-pub use account::Account;
-pub use members::{Bin, Filter};
-pub use places::Mark;
-pub use rejections::{Met, Rejections};
+pub(crate) use account::Account;
+pub use members::Bin;
+pub(crate) use members::Filter;
+pub(crate) use places::Mark;
+pub(crate) use rejections::Met;
+pub(crate) use rejections::Rejections;
 
 use serde::{Serialize, Serializer};
 
@@ -79,16 +81,16 @@ impl From<Fate> for TriangleFate {
 
 /// Numbers of fragments by fate, in the order of [`FragmentFate`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct FragmentCounts<N = u32>(pub [N; FragmentFate::ALL.len()]);
+pub struct FragmentCounts<N = u32>(pub(crate) [N; FragmentFate::ALL.len()]);
 
 impl<N: Copy + Into<u64>> FragmentCounts<N> {
     /// Returns the number of fragments with this fate.
-    pub fn of(&self, fate: FragmentFate) -> u64 {
+    pub(crate) fn of(&self, fate: FragmentFate) -> u64 {
         self.0[fate as usize].into()
     }
 
     /// Returns the number of all fragments.
-    pub fn sum(&self) -> u64 {
+    pub(crate) fn sum(&self) -> u64 {
         self.0.iter().map(|count| (*count).into()).sum()
     }
 
@@ -100,16 +102,16 @@ impl<N: Copy + Into<u64>> FragmentCounts<N> {
 
 /// Numbers of triangles by fate, in the order of [`TriangleFate`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct TriangleCounts(pub [u64; TriangleFate::ALL.len()]);
+pub struct TriangleCounts(pub(crate) [u64; TriangleFate::ALL.len()]);
 
 impl TriangleCounts {
     /// Returns the number of triangles with this fate.
-    pub fn of(&self, fate: TriangleFate) -> u64 {
+    pub(crate) fn of(&self, fate: TriangleFate) -> u64 {
         self.0[fate as usize]
     }
 
     /// Returns the number of all triangles.
-    pub fn sum(&self) -> u64 {
+    pub(crate) fn sum(&self) -> u64 {
         self.0.iter().sum()
     }
 }
@@ -133,18 +135,18 @@ impl<N: Copy + Into<u64>> Serialize for FragmentCounts<N> {
 
 /// Fates of the triangles and fragments of one object.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct ObjectFates {
+pub(crate) struct ObjectFates {
     /// Name of the object.
-    pub name: String,
+    pub(crate) name: String,
     /// Name of the object's material.
-    pub material: String,
+    pub(crate) material: String,
     /// First triangle of the object.
     #[serde(rename = "first_triangle")]
-    pub first: TriangleId,
+    pub(crate) first: TriangleId,
     /// Numbers of its triangles by fate.
-    pub triangles: TriangleCounts,
+    pub(crate) triangles: TriangleCounts,
     /// Numbers of its fragments by fate.
-    pub fragments: FragmentCounts<u64>,
+    pub(crate) fragments: FragmentCounts<u64>,
 }
 
 /// Fates of all triangles and fragments of a frame.
@@ -155,13 +157,13 @@ pub struct Fates {
     /// Fragments of every triangle by fate, in scene order.
     pub fragments: Vec<FragmentCounts>,
     /// Fates per object (instance), in scene order.
-    pub objects: Vec<ObjectFates>,
+    pub(crate) objects: Vec<ObjectFates>,
     /// Input and output totals, for checking that the sums match.
     pub account: Account,
     /// Triangles that crossed a frustum plane and were clipped.
-    pub cut: TriangleSelection,
+    pub(crate) cut: TriangleSelection,
     /// Triangles with a NaN or infinite normal or texture coordinate in the model.
-    pub broken: TriangleSelection,
+    pub(crate) broken: TriangleSelection,
     /// Triangle written last at each drawn sample, in the packed layout of the frame's framebuffer.
     shown: Image<TriangleId>,
     /// Shapes of all triangles on the screen, including those that culling drops, in scene order.
@@ -237,7 +239,7 @@ impl Fates {
     }
 
     /// Returns the index of the instance that a triangle belongs to.
-    pub fn object_of(&self, triangle: TriangleId) -> usize {
+    pub(crate) fn object_of(&self, triangle: TriangleId) -> usize {
         self.objects.partition_point(|object| object.first <= triangle).saturating_sub(1)
     }
 }

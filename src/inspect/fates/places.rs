@@ -47,7 +47,7 @@ pub(super) fn shapes(geometry: &Geometry, arithmetic: Arithmetic) -> Vec<Shape> 
 
 /// Visibility of selected triangles at a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mark {
+pub(crate) enum Mark {
     /// No selected triangle lies at the pixel.
     None,
     /// A selected triangle lies at the pixel, but is occluded or not drawn.
@@ -59,7 +59,7 @@ pub enum Mark {
 impl Fates {
     /// Returns the screen area in px², summed over the pieces of a clipped triangle; `None` if no part is on the
     /// screen.
-    pub fn area_px(&self, triangle: TriangleId) -> Option<f64> {
+    pub(crate) fn area_px(&self, triangle: TriangleId) -> Option<f64> {
         let shapes = self.shapes_of(triangle);
         (!shapes.is_empty()).then(|| shapes.iter().map(|shape| shape.area_px).sum())
     }
@@ -67,7 +67,7 @@ impl Fates {
     /// Returns a pixel of the full picture that represents a triangle; `None` if the triangle is outside the picture.
     /// It is the most central pixel where the triangle is on top, or else the most central one that it covers. Without
     /// any, it is the pixel that contains the triangle's centroid.
-    pub fn place_of(&self, triangle: TriangleId) -> Option<(u32, u32)> {
+    pub(crate) fn place_of(&self, triangle: TriangleId) -> Option<(u32, u32)> {
         let width = self.shown.width();
         let on_top = self.shown.pixels().iter().zip(0..).filter(|(shown, _)| **shown == triangle);
         let on_top: Vec<_> = on_top.map(|(_, place)| (place % width, place / width)).collect();
@@ -78,7 +78,7 @@ impl Fates {
 
     /// Returns the visibility of a selection at every pixel of the full picture. A triangle that covers no sample marks
     /// the pixel that contains its centroid.
-    pub fn marks(&self, selection: &TriangleSelection) -> Image<Mark> {
+    pub(crate) fn marks(&self, selection: &TriangleSelection) -> Image<Mark> {
         let (width, height) = self.shown.size();
         let mut marks = Image::filled(width, height, Mark::None);
         let selected: Vec<_> = self.shapes.iter().filter(|shape| selection.contains(shape.id)).collect();

@@ -8,7 +8,7 @@ use crate::scene::{Camera, Scene, TriangleId};
 
 /// Result of the geometry stages for a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Met {
+pub(crate) enum Met {
     /// The triangle reaches the rasterizer unclipped.
     Drawn,
     /// The triangle is clipped, and the remaining pieces reach the rasterizer.
@@ -19,7 +19,7 @@ pub enum Met {
 
 /// An observer that records the triangles that the geometry stages rejected or clipped.
 #[derive(Clone, Debug)]
-pub struct Rejections {
+pub(crate) struct Rejections {
     /// Reason for rejection of each triangle of the scene; `None` if it was not rejected.
     pub(super) fates: Vec<Option<Fate>>,
     /// Triangles that were rejected more than once; empty unless the pipeline has a bug.
@@ -30,24 +30,24 @@ pub struct Rejections {
 
 impl Rejections {
     /// Creates an empty record for this number of triangles.
-    pub fn new(triangles: usize) -> Self {
+    pub(crate) fn new(triangles: usize) -> Self {
         Self { fates: vec![None; triangles], again: Vec::new(), cut: Vec::new() }
     }
 
     /// Runs the geometry stages for a view of a scene and records their rejections.
-    pub fn of(scene: &Scene, camera: &Camera, settings: &Settings, viewport: Viewport) -> Self {
+    pub(crate) fn of(scene: &Scene, camera: &Camera, settings: &Settings, viewport: Viewport) -> Self {
         let mut rejections = Self::new(scene.triangle_count());
         prepare(scene, camera, settings, viewport, &mut rejections);
         rejections
     }
 
     /// Whether a triangle was clipped, regardless of the fate of its pieces.
-    pub fn is_cut(&self, id: TriangleId) -> bool {
+    pub(crate) fn is_cut(&self, id: TriangleId) -> bool {
         self.cut.binary_search(&id).is_ok()
     }
 
     /// Returns the result for every triangle, in scene order.
-    pub fn met(&self) -> impl Iterator<Item = Met> {
+    pub(crate) fn met(&self) -> impl Iterator<Item = Met> {
         let met = |(fate, id): (&Option<Fate>, u32)| match fate {
             Some(fate) => Met::Rejected(*fate),
             None if self.is_cut(TriangleId(id)) => Met::Cut,

@@ -40,7 +40,7 @@ choice! {
 
 impl Kind {
     /// Returns the group of a fragment.
-    pub fn of(fragment: &FragmentRecord) -> Self {
+    pub(crate) fn of(fragment: &FragmentRecord) -> Self {
         if fragment.outcome.is_written() { Self::Passed } else { Self::Failed }
     }
 
@@ -53,17 +53,17 @@ impl Kind {
 
 /// Colour and depth of a sample after one step of its history.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct SampleState {
+pub(crate) struct SampleState {
     /// Colour of the sample (sRGB codes).
-    pub color: Rgba8,
+    pub(crate) color: Rgba8,
     /// Stored depth; `None` without a depth buffer.
-    pub depth: Option<DepthRecord>,
+    pub(crate) depth: Option<DepthRecord>,
 }
 
 /// Reason why a triangle has no fragment at a pixel. The order is the order of display, the most relevant cause first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Cause {
+pub(crate) enum Cause {
     /// The triangle covers the pixel but is back-facing, and back faces are culled.
     BackFacing,
     /// The triangle covers the pixel but is front-facing, and front faces are culled.
@@ -88,7 +88,7 @@ pub enum Cause {
 
 impl Cause {
     /// Returns the display name, in one to three words.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::BackFacing => "back-facing",
             Self::FrontFacing => "front-facing",
@@ -104,7 +104,7 @@ impl Cause {
     }
 
     /// Returns the group that the cause belongs to.
-    pub fn kind(self) -> Kind {
+    pub(crate) fn kind(self) -> Kind {
         match self {
             Self::BackFacing | Self::FrontFacing | Self::ZeroArea | Self::NotDrawnYet => Kind::Culled,
             Self::NearPlane | Self::FarPlane | Self::NotFinite => Kind::Clipped,
@@ -115,25 +115,25 @@ impl Cause {
 
 /// A triangle without a fragment at a pixel, and the reason.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Absent {
+pub(crate) struct Absent {
     /// Triangle of the scene.
-    pub triangle: TriangleId,
+    pub(crate) triangle: TriangleId,
     /// Name of the instance of the triangle.
-    pub instance: String,
+    pub(crate) instance: String,
     /// Position in the list of rasterized triangles; `None` if it was dropped earlier.
-    pub submission: Option<usize>,
+    pub(crate) submission: Option<usize>,
     /// Reason in short form.
-    pub cause: Cause,
+    pub(crate) cause: Cause,
     /// Reason as one sentence with the deciding number. The triangle is the subject: the text begins with “covers”,
     /// “misses” or the like.
-    pub reason: String,
+    pub(crate) reason: String,
     /// Corners in px as used to decide coverage; `None` if the triangle has no position on the screen.
-    pub corners_px: Option<[[f32; 2]; 3]>,
+    pub(crate) corners_px: Option<[[f32; 2]; 3]>,
     /// Distance from the pixel's centre to the triangle in px, if the centre is outside. Uses the snapped corners in
     /// fixed point: numerator and denominator are then exact integers, and only the root and the quotient are rounded.
-    pub distance_px: Option<f64>,
+    pub(crate) distance_px: Option<f64>,
     /// Edge values at the pixel's centre, in the unit of the arithmetic; `None` if the triangle was not rasterized.
-    pub edges: Option<[f64; 3]>,
+    pub(crate) edges: Option<[f64; 3]>,
 }
 
 /// Replays pixel (x, y) of a frame like [`super::inspect`], and adds the triangles without a fragment there, with

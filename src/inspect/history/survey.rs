@@ -208,12 +208,12 @@ impl Survey {
 
     /// Whether the survey is also valid for a frame with the same recipe and scene: the view must match, even if the
     /// frame stops at an earlier moment.
-    pub fn fits(&self, recipe: &Recipe, frame: &Frame) -> bool {
+    pub(crate) fn fits(&self, recipe: &Recipe, frame: &Frame) -> bool {
         self.camera == frame.drawn_from(recipe) && self.raster == frame.raster
     }
 
     /// Counts, for each packed sample of the frame, the triangles that would cover it but were culled by facing.
-    pub fn culled_coverage(&self, settings: &Settings, frame: &Frame) -> Image<u32> {
+    pub(crate) fn culled_coverage(&self, settings: &Settings, frame: &Frame) -> Image<u32> {
         let (width, height) = frame.drawn.color.size();
         let mut counts = Image::filled(width, height, 0);
         let how = (settings.rasterizer, settings.arithmetic, settings.fill_rule);

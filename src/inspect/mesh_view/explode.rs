@@ -9,7 +9,7 @@ use crate::scene::{Mesh, Scene, TriangleId};
 /// Returns a scene whose triangles are moved away from the centre of their mesh. Each moves by `apart` times its own
 /// distance from there; at 0, triangles stay in place but no longer share vertices. Triangles keep their numbers;
 /// texture coordinates and vertex colours are dropped.
-pub fn exploded(scene: &Scene, apart: f32) -> Scene {
+pub(crate) fn exploded(scene: &Scene, apart: f32) -> Scene {
     let library = scene.library.with_meshes(|mesh| {
         let corners = mesh.triangles.iter().flat_map(|corners| moved(mesh, *corners, apart));
         let positions: Vec<Vec3> = corners.collect();
@@ -33,7 +33,7 @@ fn moved(mesh: &Mesh, corners: [u32; 3], apart: f32) -> [Vec3; 3] {
 
 /// Returns the corners of a triangle in world space, moved apart as by [`exploded`]. `None` if the scene has no such
 /// triangle.
-pub fn corners(scene: &Scene, triangle: TriangleId, apart: f32) -> Option<[Vec3; 3]> {
+pub(crate) fn corners(scene: &Scene, triangle: TriangleId, apart: f32) -> Option<[Vec3; 3]> {
     let (instance, corners) = corners_of(scene, triangle)?;
     let instance = scene.instances.get(instance)?;
     let moved = moved(scene.library.mesh(instance.mesh), corners, apart);

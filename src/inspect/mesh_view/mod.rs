@@ -21,10 +21,20 @@ use crate::pipeline::settings::{Choice, Culling, Settings, choice};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene, TriangleId};
 
-pub use explode::{corners, exploded};
-pub use outside::{first_view, fit, with_planes};
-pub use overlay::{Kind, Look, Mark, drawn};
-pub use picture::{MeshNormals, MeshPicture, Painting, paint, shown_at};
+pub(crate) use explode::corners;
+pub(crate) use explode::exploded;
+pub(crate) use outside::first_view;
+pub(crate) use outside::fit;
+pub(crate) use outside::with_planes;
+pub(crate) use overlay::Kind;
+pub(crate) use overlay::Look;
+pub(crate) use overlay::Mark;
+pub(crate) use overlay::drawn;
+pub(crate) use picture::MeshNormals;
+pub(crate) use picture::MeshPicture;
+pub(crate) use picture::Painting;
+pub(crate) use picture::paint;
+pub(crate) use picture::shown_at;
 
 choice! {
     /// Style in which triangles are drawn.
@@ -39,25 +49,25 @@ choice! {
 
 /// The render camera and its pipeline, which the second camera looks at.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Inner {
+pub(crate) struct Inner {
     /// The render camera.
-    pub camera: Camera,
+    pub(crate) camera: Camera,
     /// Pipeline settings of the render camera.
-    pub settings: Settings,
+    pub(crate) settings: Settings,
     /// Size of the render camera's picture, in pixels.
-    pub viewport: Viewport,
+    pub(crate) viewport: Viewport,
 }
 
 impl Inner {
     /// Runs the geometry stages of the render camera with this culling mode, and returns the rejected and clipped
     /// triangles. The mode may differ from the one in the settings.
-    pub fn rejections(&self, scene: &Scene, culling: Culling) -> Rejections {
+    pub(crate) fn rejections(&self, scene: &Scene, culling: Culling) -> Rejections {
         Rejections::of(scene, &self.camera, &Settings { culling, ..self.settings }, self.viewport)
     }
 }
 
 /// Returns the display colour of a geometry-stage result.
-pub fn met_color(met: Met) -> Rgba8 {
+pub(crate) fn met_color(met: Met) -> Rgba8 {
     match met {
         Met::Drawn => [120, 168, 216, 255],
         Met::Cut => [240, 160, 48, 255],
@@ -70,7 +80,7 @@ pub fn met_color(met: Met) -> Rgba8 {
 }
 
 /// Returns the legend of a style; empty if its colours only distinguish triangles or objects.
-pub fn key(style: MeshStyle) -> Vec<(&'static str, Rgba8)> {
+pub(crate) fn key(style: MeshStyle) -> Vec<(&'static str, Rgba8)> {
     let fates = [
         ("drawn", Met::Drawn),
         ("clipped, drawn", Met::Cut),

@@ -23,7 +23,7 @@ const LEAST_W: f64 = 1e-6;
 
 /// Kind of a mark.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Kind {
+pub(crate) enum Kind {
     /// An edge of the render camera's frustum.
     Frustum,
     /// The near rectangle of the frustum, as a polygon.
@@ -53,32 +53,32 @@ pub enum Kind {
 
 /// A dot (one point), a line (two) or a closed polygon (more).
 #[derive(Clone, Debug, PartialEq)]
-pub struct Mark {
+pub(crate) struct Mark {
     /// Kind of the mark.
-    pub kind: Kind,
+    pub(crate) kind: Kind,
     /// Points of the mark, in px of the mesh view.
-    pub points: Vec<Point>,
+    pub(crate) points: Vec<Point>,
 }
 
 /// Parts of the scene to mark.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Look {
+pub(crate) struct Look {
     /// Picked pixel of the render camera's picture.
-    pub pixel: Option<(u32, u32)>,
+    pub(crate) pixel: Option<(u32, u32)>,
     /// Distance along the line of sight to the surface at the picked pixel, in world units; `None` for the background.
-    pub hit_distance: Option<f64>,
+    pub(crate) hit_distance: Option<f64>,
     /// Selected triangle.
-    pub selected: Option<TriangleId>,
+    pub(crate) selected: Option<TriangleId>,
     /// Tracked vertex, in world space.
-    pub vertex: Option<DVec3>,
+    pub(crate) vertex: Option<DVec3>,
     /// Whether culled triangles are outlined.
-    pub culled: bool,
+    pub(crate) culled: bool,
     /// Factor by which triangles are moved apart; see [`super::exploded`].
-    pub apart: f32,
+    pub(crate) apart: f32,
 }
 
 /// Returns all marks, bottom to top.
-pub fn drawn(scene: &Scene, inner: &Inner, look: &Look, outside: &Camera, size: Viewport) -> Vec<Mark> {
+pub(crate) fn drawn(scene: &Scene, inner: &Inner, look: &Look, outside: &Camera, size: Viewport) -> Vec<Mark> {
     let mut canvas = Canvas::new(outside, size);
     let eye = Eye::new(inner, scene);
     // Clipped and culled triangles are marked at their original positions only.

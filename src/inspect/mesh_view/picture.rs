@@ -22,13 +22,13 @@ use crate::scene::{Camera, Scene, TriangleId};
 
 /// A rendered mesh view.
 #[derive(Clone, Debug)]
-pub struct MeshPicture {
+pub(crate) struct MeshPicture {
     /// The rendered image.
-    pub image: Image<Rgba8>,
+    pub(crate) image: Image<Rgba8>,
     /// Triangle that each pixel shows, or [`TriangleId::NONE`].
-    pub owner: Image<TriangleId>,
+    pub(crate) owner: Image<TriangleId>,
     /// Second camera that it was rendered with.
-    pub camera: Camera,
+    pub(crate) camera: Camera,
 }
 
 /// Brightness factor of a triangle seen edge-on.
@@ -62,28 +62,28 @@ fn settings() -> Settings {
 
 /// Style of a mesh view.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Painting {
+pub(crate) struct Painting {
     /// Style that determines the colours of the triangles.
-    pub style: MeshStyle,
+    pub(crate) style: MeshStyle,
     /// Factor by which triangles are moved apart, relative to their distance from the centre of their mesh.
-    pub apart: f32,
+    pub(crate) apart: f32,
     /// Selected triangles; all others are dimmed. With an empty selection, none are.
-    pub selection: TriangleSelection,
+    pub(crate) selection: TriangleSelection,
     /// Background colour (sRGB codes).
-    pub backdrop: [u8; 3],
+    pub(crate) backdrop: [u8; 3],
     /// Kinds of normals to draw as lines.
-    pub normals: MeshNormals,
+    pub(crate) normals: MeshNormals,
 }
 
 /// Normals drawn over the triangles, without occlusion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshNormals {
     /// Whether vertex normals are drawn.
-    pub vertices: bool,
+    pub(crate) vertices: bool,
     /// Whether face normals are drawn.
-    pub faces: bool,
+    pub(crate) faces: bool,
     /// Length, as a fraction of the diagonal of the scene's bounding box.
-    pub length: f32,
+    pub(crate) length: f32,
 }
 
 impl Default for MeshNormals {
@@ -94,14 +94,14 @@ impl Default for MeshNormals {
 
 impl MeshNormals {
     /// Returns the drawn kinds, each with its colour and display name.
-    pub fn kinds(&self) -> impl Iterator<Item = (NormalKind, Rgba8, &'static str)> {
+    pub(crate) fn kinds(&self) -> impl Iterator<Item = (NormalKind, Rgba8, &'static str)> {
         let faces = self.faces.then_some((NormalKind::Face, FACE_NORMAL, "face normal"));
         faces.into_iter().chain(self.vertices.then_some((NormalKind::Vertex, VERTEX_NORMAL, "vertex normal")))
     }
 }
 
 /// Renders the scene for the second camera `outside`.
-pub fn paint(scene: &Scene, inner: &Inner, outside: Camera, size: Viewport, painting: &Painting) -> MeshPicture {
+pub(crate) fn paint(scene: &Scene, inner: &Inner, outside: Camera, size: Viewport, painting: &Painting) -> MeshPicture {
     let Painting { style, apart, selection, backdrop, normals } = painting;
     let (style, apart) = (*style, *apart);
     let moved = (apart != 0.0).then(|| exploded(scene, apart));
@@ -142,7 +142,7 @@ fn owners(scene: &Scene, geometry: &Geometry, settings: &Settings, size: Viewpor
 }
 
 /// Returns the most central pixel that shows a triangle, as column and row; `None` if no pixel does.
-pub fn shown_at(owner: &Image<TriangleId>, triangle: TriangleId) -> Option<(u32, u32)> {
+pub(crate) fn shown_at(owner: &Image<TriangleId>, triangle: TriangleId) -> Option<(u32, u32)> {
     let width = owner.width();
     let places = || {
         let owned = owner.pixels().iter().zip(0..).filter(|(id, _)| **id == triangle);

@@ -6,12 +6,12 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Progress callback and cancellation flag of a drawing.
 #[derive(Clone, Copy)]
-pub struct OutlineControl<'a> {
+pub(crate) struct OutlineControl<'a> {
     /// Receives the progress, in [0, 1], at most once per percent. With several threads, reports may arrive out of
     /// order.
-    pub progress: &'a (dyn Fn(f32) + Sync),
+    pub(crate) progress: &'a (dyn Fn(f32) + Sync),
     /// Cancels the drawing once it is `true`.
-    pub cancel: &'a AtomicBool,
+    pub(crate) cancel: &'a AtomicBool,
 }
 
 impl OutlineControl<'_> {

@@ -50,19 +50,24 @@ pub(super) fn each_triangle(scene: &Scene, recipe: &Recipe, frame: &Frame, sink:
 
 /// An edge of a triangle, with its inner side and ownership.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EdgeMarks {
+pub(crate) struct EdgeMarks {
     /// Ends in px, as rasterized.
-    pub ends_px: [[f32; 2]; 2],
+    pub(crate) ends_px: [[f32; 2]; 2],
     /// Unit vector from the edge into the triangle, y down.
-    pub inward: [f32; 2],
+    pub(crate) inward: [f32; 2],
     /// Whether samples exactly on the edge belong to the triangle.
-    pub owned: bool,
+    pub(crate) owned: bool,
 }
 
 /// Returns the edges of rasterized triangles whose bounding box meets a rectangle (left, top, right, bottom in px of
 /// the picture). Stops after the triangle that reaches `most` edges. Empty for lattice sampling, which has no edges at
 /// the full resolution.
-pub fn edge_marks(frame: &Frame, recipe: &Recipe, [left, top, right, bottom]: [f32; 4], most: usize) -> Vec<EdgeMarks> {
+pub(crate) fn edge_marks(
+    frame: &Frame,
+    recipe: &Recipe,
+    [left, top, right, bottom]: [f32; 4],
+    most: usize,
+) -> Vec<EdgeMarks> {
     if matches!(frame.sampling, Sampling::Lattice(_)) {
         return Vec::new();
     }

@@ -11,14 +11,14 @@ use crate::pipeline::settings::Choice as _;
 /// An overlay in the stack, with its settings.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
-pub struct Layer {
+pub(crate) struct Layer {
     /// Overlay of the layer.
-    pub overlay: Overlay,
+    pub(crate) overlay: Overlay,
     /// Opacity, in [0, 1].
-    pub opacity: f32,
+    pub(crate) opacity: f32,
     /// Length of normals, in [0, 1], as a fraction of the diagonal of the scene's bounding box; unused by other
     /// overlays.
-    pub length: f32,
+    pub(crate) length: f32,
 }
 
 impl From<Overlay> for Layer {
@@ -31,7 +31,7 @@ impl From<Overlay> for Layer {
 impl Layer {
     /// Returns the command-line form: `facing`, or `facing=0.4` if the opacity is not the default. A non-default length
     /// of normals follows, as in `face-normals=1,length=0.1`.
-    pub fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         let (id, opacity) = (self.overlay.id(), self.opacity);
         match self.drawn_length().filter(|length| *length != DEFAULT_LENGTH) {
             Some(length) => format!("{id}={opacity},length={length}"),
@@ -47,12 +47,12 @@ impl Layer {
     }
 
     /// Whether a sheet shows this layer's overlay with its current length.
-    pub fn is_of(&self, sheet: &Sheet) -> bool {
+    pub(crate) fn is_of(&self, sheet: &Sheet) -> bool {
         sheet.overlay == self.overlay && sheet.length == self.drawn_length()
     }
 
     /// Computes the sheet of the overlay for a frame.
-    pub fn sheet(&self, context: &Context<'_>) -> Sheet {
+    pub(crate) fn sheet(&self, context: &Context<'_>) -> Sheet {
         match self.drawn_length() {
             Some(length) => normals::normals(self.overlay, length, context),
             None => self.overlay.sheet(context),

@@ -26,20 +26,28 @@ mod layer;
 
 mod normals;
 
-pub mod sheet;
+pub(crate) mod sheet;
 
 mod surfaces;
 
 mod tiles;
 
-pub mod watch;
+pub(crate) mod watch;
 
 use std::sync::OnceLock;
 
-pub use edges::{EdgeMarks, edge_marks};
-pub use layer::Layer;
-pub use normals::{FACE_NORMAL, VERTEX_NORMAL};
-pub use sheet::{Key, Kind, Scale, Sheet, Total, compose, csv};
+pub(crate) use edges::EdgeMarks;
+pub(crate) use edges::edge_marks;
+pub(crate) use layer::Layer;
+pub(crate) use normals::FACE_NORMAL;
+pub(crate) use normals::VERTEX_NORMAL;
+pub(crate) use sheet::Key;
+pub(crate) use sheet::Kind;
+pub(crate) use sheet::Scale;
+pub(crate) use sheet::Sheet;
+pub(crate) use sheet::Total;
+pub use sheet::compose;
+pub(crate) use sheet::csv;
 use watch::Watched;
 
 use super::normals::DEFAULT_LENGTH;
@@ -80,26 +88,26 @@ choice! {
 /// Inputs of overlays.
 pub struct Context<'a> {
     /// Scene of the frame.
-    pub scene: &'a Scene,
+    pub(crate) scene: &'a Scene,
     /// Recipe that the frame was drawn with.
-    pub recipe: &'a Recipe,
+    pub(crate) recipe: &'a Recipe,
     /// Frame to overlay.
-    pub frame: &'a Frame,
+    pub(crate) frame: &'a Frame,
     /// Whether all triangles of the frame were drawn.
-    pub is_whole: bool,
+    pub(crate) is_whole: bool,
     /// Data recorded by the observer; computed on first use.
-    pub watched: &'a OnceLock<Watched>,
+    pub(crate) watched: &'a OnceLock<Watched>,
     /// Open seams of the scene; `None` until the search for them is complete.
-    pub seams: Option<&'a Seams>,
+    pub(crate) seams: Option<&'a Seams>,
     /// Displayed quantity at a pixel of the full picture.
-    pub shown: &'a dyn Fn(u32, u32) -> Value,
+    pub(crate) shown: &'a dyn Fn(u32, u32) -> Value,
     /// Range of the displayed quantity, if it has one.
-    pub range: Option<Range>,
+    pub(crate) range: Option<Range>,
 }
 
 impl Context<'_> {
     /// Returns the data recorded while drawing the frame again; computes it on first use.
-    pub fn watched(&self) -> &Watched {
+    pub(crate) fn watched(&self) -> &Watched {
         self.watched.get_or_init(|| watch::watch(self.scene, self.recipe, self.frame))
     }
 
@@ -113,13 +121,13 @@ impl Context<'_> {
 
 impl Overlay {
     /// Whether the overlay depends on the displayed quantity and its range.
-    pub fn reads_shown(self) -> bool {
+    pub(crate) fn reads_shown(self) -> bool {
         matches!(self, Self::BadNumbers | Self::Clipped)
     }
 
     /// Returns the default opacity, in [0, 1]: 1 for lines and marks, less for areas, so that the picture below remains
     /// visible.
-    pub fn first_opacity(self) -> f32 {
+    pub(crate) fn first_opacity(self) -> f32 {
         match self {
             Self::Wireframe
             | Self::SnappedWireframe
@@ -135,22 +143,22 @@ impl Overlay {
     }
 
     /// Whether the overlay may take longer than a frame: it draws the scene again with slower arithmetic.
-    pub fn is_slow(self) -> bool {
+    pub(crate) fn is_slow(self) -> bool {
         self == Self::ExactOwner
     }
 
     /// Whether the overlay consists of lines with an adjustable length.
-    pub fn has_length(self) -> bool {
+    pub(crate) fn has_length(self) -> bool {
         matches!(self, Self::VertexNormals | Self::FaceNormals)
     }
 
     /// Whether the overlay needs the open seams of the scene.
-    pub fn reads_seams(self) -> bool {
+    pub(crate) fn reads_seams(self) -> bool {
         matches!(self, Self::Faults | Self::Junctions)
     }
 
     /// Returns a placeholder sheet with the reason why the overlay is not ready yet.
-    pub fn unmade(self, context: &Context<'_>) -> Sheet {
+    pub(crate) fn unmade(self, context: &Context<'_>) -> Sheet {
         let why = if self.reads_seams() {
             "still searching the open edges of the scene for T-junctions"
         } else {

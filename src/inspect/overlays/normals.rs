@@ -8,10 +8,10 @@ use crate::inspect::normals::{NormalKind, Projector, normal_lines, world_length}
 use crate::pipeline::wireframe::line_pixels;
 
 /// Colour of vertex normals.
-pub const VERTEX_NORMAL: Rgba8 = [64, 220, 232, 255];
+pub(crate) const VERTEX_NORMAL: Rgba8 = [64, 220, 232, 255];
 
 /// Colour of face normals.
-pub const FACE_NORMAL: Rgba8 = [255, 208, 64, 255];
+pub(crate) const FACE_NORMAL: Rgba8 = [255, 208, 64, 255];
 
 const VERTEX: [Kind; 1] = [Kind { name: "vertex normal", color: VERTEX_NORMAL, striped: false }];
 

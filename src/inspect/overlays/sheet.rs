@@ -9,33 +9,33 @@ use crate::pipeline::wireframe::line_color;
 
 /// A kind of pixel in an overlay, identified by its index in the list.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Kind {
+pub(crate) struct Kind {
     /// Display name.
-    pub name: &'static str,
+    pub(crate) name: &'static str,
     /// Colour of the kind.
-    pub color: Rgba8,
+    pub(crate) color: Rgba8,
     /// Whether it is drawn as stripes, so that the picture below remains readable.
-    pub striped: bool,
+    pub(crate) striped: bool,
 }
 
 /// Mapping of numbers to colours.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scale {
+pub(crate) struct Scale {
     /// Numbers at both ends of the colour map.
-    pub range: Range,
+    pub(crate) range: Range,
     /// Whether the scale is logarithmic.
-    pub logarithmic: bool,
+    pub(crate) logarithmic: bool,
     /// Colour map of the scale.
-    pub map: ColorMap,
+    pub(crate) map: ColorMap,
     /// Whether the colour map is reversed.
-    pub reversed: bool,
+    pub(crate) reversed: bool,
     /// Unit displayed after the number.
-    pub unit: &'static str,
+    pub(crate) unit: &'static str,
 }
 
 impl Scale {
     /// Returns the position of a number on the colour map, in [0, 1].
-    pub fn position(&self, number: f32) -> f32 {
+    pub(crate) fn position(&self, number: f32) -> f32 {
         let position = if self.logarithmic {
             let Range { low, high } = self.range;
             Range { low: low.ln(), high: high.ln() }.position(number.max(low).ln())
@@ -46,20 +46,20 @@ impl Scale {
     }
 
     /// Returns the number at a position `share` in [0, 1] of the unreversed scale.
-    pub fn number_at(&self, share: f32) -> f32 {
+    pub(crate) fn number_at(&self, share: f32) -> f32 {
         let Range { low, high } = self.range;
         if self.logarithmic { (low.ln() + (high.ln() - low.ln()) * share).exp() } else { low + (high - low) * share }
     }
 
     /// Returns the colour of a number.
-    pub fn color(&self, number: f32) -> Rgba8 {
+    pub(crate) fn color(&self, number: f32) -> Rgba8 {
         self.map.color(self.position(number))
     }
 }
 
 /// Legend of an overlay's colours.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Key {
+pub(crate) enum Key {
     /// Lines that contrast with the picture below, light on dark and dark on light.
     Lines,
     /// Kinds of pixels, each with its own colour.
@@ -72,33 +72,33 @@ pub enum Key {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Total {
     /// Display name.
-    pub name: &'static str,
+    pub(crate) name: &'static str,
     /// Value, in `unit`.
     pub number: f64,
     /// Unit displayed after the value; may be empty.
-    pub unit: &'static str,
+    pub(crate) unit: &'static str,
 }
 
 /// Result of an overlay for a frame.
 #[derive(Clone, Debug)]
 pub struct Sheet {
     /// Overlay that the sheet shows.
-    pub overlay: Overlay,
+    pub(crate) overlay: Overlay,
     /// Value at each pixel of the full picture: a number, the index of a kind, or 1 on a line; NaN if there is none.
     pub values: Image<f32>,
     /// Count of each kind at each pixel of the full picture, if a pixel can have several and shows the most frequent;
     /// otherwise empty.
-    pub counts: Vec<Image<f32>>,
+    pub(crate) counts: Vec<Image<f32>>,
     /// Legend of the colours.
-    pub key: Key,
+    pub(crate) key: Key,
     /// Totals over all drawn samples.
     pub totals: Vec<Total>,
     /// Lines in px, for overlays that consist of lines: three edges per triangle, or normals.
-    pub lines: Vec<[[f32; 2]; 2]>,
+    pub(crate) lines: Vec<[[f32; 2]; 2]>,
     /// Length of normals as a fraction of the diagonal of the scene's bounding box; `None` for other overlays.
-    pub length: Option<f32>,
+    pub(crate) length: Option<f32>,
     /// Reason why the sheet has no values; `None` if it has some.
-    pub absence: Option<String>,
+    pub(crate) absence: Option<String>,
 }
 
 /// Period of the stripes along both axes, in px.
@@ -138,7 +138,7 @@ impl Sheet {
     }
 
     /// Returns the colour of the lines; `None` if they contrast with the picture below.
-    pub fn line_color(&self) -> Option<Rgba8> {
+    pub(crate) fn line_color(&self) -> Option<Rgba8> {
         match &self.key {
             Key::Kinds([kind]) => Some(kind.color),
             _ => None,
@@ -146,7 +146,7 @@ impl Sheet {
     }
 
     /// Describes the value at a pixel; `None` without a value.
-    pub fn text(&self, x: u32, y: u32) -> Option<String> {
+    pub(crate) fn text(&self, x: u32, y: u32) -> Option<String> {
         let value = self.values.get(x, y).filter(|value| !value.is_nan())?;
         match &self.key {
             Key::Lines => Some("an edge".to_owned()),
@@ -162,7 +162,7 @@ impl Sheet {
     }
 
     /// Returns the next pixel after `from` with a value in reading order, or the previous one; wraps around at the end.
-    pub fn beside(&self, from: Option<(u32, u32)>, forwards: bool) -> Option<(u32, u32)> {
+    pub(crate) fn beside(&self, from: Option<(u32, u32)>, forwards: bool) -> Option<(u32, u32)> {
         let (width, height) = self.values.size();
         let count = u64::from(width) * u64::from(height);
         let start = from.map(|(x, y)| u64::from(y) * u64::from(width) + u64::from(x));
@@ -213,7 +213,7 @@ fn mixed(below: Rgba8, above: Rgba8, share: f32) -> Rgba8 {
 }
 
 /// Returns the totals of sheets as comma-separated values.
-pub fn csv<'a>(sheets: impl IntoIterator<Item = &'a Sheet>) -> String {
+pub(crate) fn csv<'a>(sheets: impl IntoIterator<Item = &'a Sheet>) -> String {
     let mut text = "overlay,total,value,unit\n".to_owned();
     for sheet in sheets {
         for Total { name, number, unit } in &sheet.totals {

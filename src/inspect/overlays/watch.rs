@@ -14,42 +14,43 @@ use crate::scene::{Scene, TriangleId};
 
 /// Recorded data, in the packed layout of the framebuffer.
 #[derive(Clone, Debug)]
-pub struct Watched {
+pub(crate) struct Watched {
     /// Number of fragments of each sample.
-    pub rasterized: Image<u32>,
+    pub(crate) rasterized: Image<u32>,
     /// Number of fragments that passed the depth test when drawn; all of them without a depth test.
-    pub passed: Image<u32>,
+    pub(crate) passed: Image<u32>,
     /// Number of fragments that passed the depth test but were discarded by the alpha test.
-    pub cut_out: Image<u32>,
+    pub(crate) cut_out: Image<u32>,
     /// Number of fragments that are visible in the finished frame.
-    pub visible: Image<u32>,
+    pub(crate) visible: Image<u32>,
     /// Triangle written last at each sample, or [`TriangleId::NONE`]. Where triangles are blended, this is normally the
     /// nearest.
-    pub owner: Image<TriangleId>,
+    pub(crate) owner: Image<TriangleId>,
     /// Properties of that triangle.
-    pub surface: Image<Surface>,
+    pub(crate) surface: Image<Surface>,
 }
 
 /// Properties of the visible triangle at a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Surface {
+pub(crate) struct Surface {
     /// Area as rasterized, in px²; for a clipped triangle, the area of the piece.
-    pub area_px2: f32,
+    pub(crate) area_px2: f32,
     /// Least height in px: doubled area over the longest side.
-    pub height_px: f32,
+    pub(crate) height_px: f32,
     /// Whether the triangle is front-facing.
-    pub is_front: bool,
+    pub(crate) is_front: bool,
     /// Texels per pixel along one axis; NaN without a texture.
-    pub texels_per_px: f32,
+    pub(crate) texels_per_px: f32,
 }
 
 impl Surface {
     /// Value at samples without a visible triangle.
-    pub const NONE: Self = Self { area_px2: f32::NAN, height_px: f32::NAN, is_front: false, texels_per_px: f32::NAN };
+    pub(crate) const NONE: Self =
+        Self { area_px2: f32::NAN, height_px: f32::NAN, is_front: false, texels_per_px: f32::NAN };
 }
 
 /// Draws a frame again and records the data of its samples.
-pub fn watch(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Watched {
+pub(crate) fn watch(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Watched {
     let (width, height) = frame.drawn.color.size();
     let mut watcher = Watcher {
         scene,
@@ -180,7 +181,7 @@ fn increase(counts: &mut Image<u32>, sample: &Sample) {
 }
 
 /// Returns the corners that a triangle is rasterized with, in px.
-pub fn corners_px(triangle: &ScreenTriangle, arithmetic: Arithmetic) -> [[f32; 2]; 3] {
+pub(crate) fn corners_px(triangle: &ScreenTriangle, arithmetic: Arithmetic) -> [[f32; 2]; 3] {
     match arithmetic {
         Arithmetic::Fixed => triangle.snapped_px(),
         Arithmetic::F32 | Arithmetic::F64 | Arithmetic::Exact => triangle.corners_px(),
@@ -188,7 +189,7 @@ pub fn corners_px(triangle: &ScreenTriangle, arithmetic: Arithmetic) -> [[f32; 2
 }
 
 /// Returns the area of a triangle in px² and its least height in px.
-pub fn area_and_height(corners_px: &[[f32; 2]; 3]) -> [f64; 2] {
+pub(crate) fn area_and_height(corners_px: &[[f32; 2]; 3]) -> [f64; 2] {
     let [a, b, c] = corners_px.map(|[x, y]| [f64::from(x), f64::from(y)]);
     let doubled = ((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])).abs();
     let length = |a: [f64; 2], b: [f64; 2]| (b[0] - a[0]).hypot(b[1] - a[1]);

@@ -18,7 +18,7 @@ pub(super) struct Drawn {
     /// Stored depth; `None` without a depth test.
     pub(super) depth: Option<Image<f32>>,
     /// Colours, as sRGB codes.
-    pub(super) color: Image<Rgba8>,
+    pub color: Image<Rgba8>,
 }
 
 struct Owners(Image<TriangleId>);

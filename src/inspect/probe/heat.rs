@@ -22,7 +22,7 @@ const LEAST_POSITION: f64 = 0.25;
 const DIM: f32 = 0.4;
 
 /// Returns the colour at a position on the map: 0 for almost no changed runs, 1 for the pixel that changed most often.
-pub fn map_color(position: f32) -> Rgba8 {
+pub(crate) fn map_color(position: f32) -> Rgba8 {
     let position = LEAST_POSITION + (1.0 - LEAST_POSITION) * f64::from(position.clamp(0.0, 1.0));
     let [r, g, b] = colorous::INFERNO.eval_continuous(position).as_array();
     [r, g, b, 255]
@@ -30,7 +30,7 @@ pub fn map_color(position: f32) -> Rgba8 {
 
 /// Returns the heat map, and the number of changed runs that the brightest colour represents: the maximum over all
 /// pixels. `None` if the aspect was not compared.
-pub fn picture(result: &ProbeResult, heat: Heat) -> Option<(Image<Rgba8>, u16)> {
+pub(crate) fn picture(result: &ProbeResult, heat: Heat) -> Option<(Image<Rgba8>, u16)> {
     let counts = result.counts(heat)?;
     let most = counts.pixels().iter().copied().max().unwrap_or(0);
     let pixel = |x, y| match counts.at(x, y) {

@@ -27,7 +27,9 @@ use crate::pipeline::settings::{Choice, Settings, choice};
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::scene::{Camera, Scene, TriangleId};
 
-pub use heat::{Heat, map_color, picture};
+pub(crate) use heat::Heat;
+pub(crate) use heat::map_color;
+pub(crate) use heat::picture;
 
 choice! {
     /// The moved part of a view.
@@ -41,13 +43,13 @@ choice! {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Probe {
     /// Moved part of the view.
-    pub what: Jittered,
+    pub(crate) what: Jittered,
     /// Maximum movement k, in units in the last place.
-    pub ulps: u32,
+    pub(crate) ulps: u32,
     /// Number of jittered runs.
-    pub runs: u16,
+    pub(crate) runs: u16,
     /// Seed of the jitter; equal seeds give equal jitter.
-    pub seed: u64,
+    pub(crate) seed: u64,
 }
 
 impl Default for Probe {
@@ -58,20 +60,20 @@ impl Default for Probe {
 
 /// The probed view, with all inputs of its picture.
 #[derive(Clone, Debug)]
-pub struct Subject {
+pub(crate) struct Subject {
     /// Scene of the view.
-    pub scene: Arc<Scene>,
+    pub(crate) scene: Arc<Scene>,
     /// Camera without jitter.
-    pub camera: Camera,
+    pub(crate) camera: Camera,
     /// Pipeline settings that it is drawn with.
-    pub settings: Settings,
+    pub(crate) settings: Settings,
     /// Size of the picture, in pixels.
-    pub viewport: Viewport,
+    pub(crate) viewport: Viewport,
 }
 
 impl Subject {
     /// Whether both subjects give the same picture.
-    pub fn is_same(&self, other: &Self) -> bool {
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.scene, &other.scene)
             && (self.camera, self.settings, self.viewport) == (other.camera, other.settings, other.viewport)
     }
@@ -81,64 +83,64 @@ impl Subject {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Fragile {
     /// Fragile triangle.
-    pub triangle: TriangleId,
+    pub(crate) triangle: TriangleId,
     /// Number of pixels that it lost or gained, summed over all runs.
-    pub changes: u64,
+    pub(crate) changes: u64,
     /// The most often changed of these pixels: column and row.
-    pub worst_pixel: (u32, u32),
+    pub(crate) worst_pixel: (u32, u32),
     /// Number of runs in which that pixel had a different owner.
-    pub worst_changes: u16,
+    pub(crate) worst_changes: u16,
 }
 
 /// Result of a probe. All images have the size of the subject's viewport; counts are numbers of runs.
 #[derive(Clone, Debug)]
-pub struct ProbeResult {
+pub(crate) struct ProbeResult {
     /// Parameters of the probe.
-    pub probe: Probe,
+    pub(crate) probe: Probe,
     /// Probed view.
-    pub subject: Subject,
+    pub(crate) subject: Subject,
     /// Number of runs in which the owner of each pixel differed from the picture without jitter. A missing or
     /// additional owner counts as a difference.
-    pub owner_changes: Image<u16>,
+    pub(crate) owner_changes: Image<u16>,
     /// Number of runs in which the stored depth of each pixel differed, even by one step; `None` without a depth test.
-    pub depth_changes: Option<Image<u16>>,
+    pub(crate) depth_changes: Option<Image<u16>>,
     /// Number of runs in which the colour of each pixel differed.
-    pub color_changes: Image<u16>,
+    pub(crate) color_changes: Image<u16>,
     /// Owner of each pixel without jitter.
-    pub owners: Image<TriangleId>,
+    pub(crate) owners: Image<TriangleId>,
     /// Picture without jitter, as sRGB codes.
-    pub picture: Image<Rgba8>,
+    pub(crate) picture: Image<Rgba8>,
     /// Triangles that lost or gained pixels, most fragile first.
-    pub ranking: Vec<Fragile>,
+    pub(crate) ranking: Vec<Fragile>,
 }
 
 /// Changes in one aspect, as part of a [`Summary`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct Changed {
+pub(crate) struct Changed {
     /// Number of pixels that changed in at least one run.
-    pub pixels: u64,
+    pub(crate) pixels: u64,
     /// Number of changed runs of the pixel that changed most often.
-    pub most: u16,
+    pub(crate) most: u16,
 }
 
 /// Summary of a result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct Summary {
+pub(crate) struct Summary {
     /// Number of pixels of the picture.
-    pub pixels: u64,
+    pub(crate) pixels: u64,
     /// Changes of the owner.
-    pub owner: Changed,
+    pub(crate) owner: Changed,
     /// Changes of the depth; `None` without a depth test.
-    pub depth: Option<Changed>,
+    pub(crate) depth: Option<Changed>,
     /// Changes of the colour.
-    pub color: Changed,
+    pub(crate) color: Changed,
     /// Number of triangles that lost or gained pixels.
-    pub fragile_triangles: usize,
+    pub(crate) fragile_triangles: usize,
 }
 
 impl ProbeResult {
     /// Returns the summary of the result.
-    pub fn summary(&self) -> Summary {
+    pub(crate) fn summary(&self) -> Summary {
         let changed = |counts: &Image<u16>| Changed {
             pixels: counts.pixels().iter().filter(|count| **count > 0).count() as u64,
             most: counts.pixels().iter().copied().max().unwrap_or(0),
@@ -153,7 +155,7 @@ impl ProbeResult {
     }
 
     /// Returns the number of changed runs of each pixel in one aspect; `None` for depth without a depth test.
-    pub fn counts(&self, heat: Heat) -> Option<&Image<u16>> {
+    pub(crate) fn counts(&self, heat: Heat) -> Option<&Image<u16>> {
         match heat {
             Heat::Owner => Some(&self.owner_changes),
             Heat::Depth => self.depth_changes.as_ref(),
@@ -163,7 +165,7 @@ impl ProbeResult {
 
     /// Returns a fragile triangle as drawn without jitter. Among the pieces of a clipped triangle, returns the one that
     /// covers its worst pixel, or else the first. `None` if the triangle is not rasterized without jitter.
-    pub fn triangle_of(&self, fragile: &Fragile) -> Option<ScreenTriangle> {
+    pub(crate) fn triangle_of(&self, fragile: &Fragile) -> Option<ScreenTriangle> {
         let Subject { scene, camera, settings, viewport } = &self.subject;
         let geometry = prepare(scene, camera, settings, *viewport, &mut ());
         let pieces = || geometry.triangles.iter().filter(|triangle| triangle.id == fragile.triangle);
@@ -182,7 +184,7 @@ fn covers(triangle: &ScreenTriangle, settings: &Settings, (x, y): (u32, u32)) ->
 
 /// Probes a view on the threads of the current rayon pool. Calls `tell` with the progress, in [0, 1]. Returns `None`
 /// once `stop` is set. Equal probes of equal subjects give equal results on any number of threads.
-pub fn run(subject: &Subject, probe: Probe, tell: &dyn Fn(f32), stop: &AtomicBool) -> Option<ProbeResult> {
+pub(crate) fn run(subject: &Subject, probe: Probe, tell: &dyn Fn(f32), stop: &AtomicBool) -> Option<ProbeResult> {
     let mut tally = tally::Tally::new(draw::still(subject), subject.scene.triangle_count());
     let at_once = rayon::current_num_threads().max(1);
     let runs: Vec<u16> = (0..probe.runs).collect();

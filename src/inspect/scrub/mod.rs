@@ -4,14 +4,18 @@
 //! of the framebuffer make steps backwards as fast as steps forwards: drawing starts at the last checkpoint before the
 //! requested moment. The result is bit-identical to drawing from the start.
 
-pub mod timeline;
+pub(crate) mod timeline;
 
 mod checkpoints;
 
 mod touches;
 
-pub use timeline::{Timeline, Unit};
-pub use touches::{Count, MOST_FRAGMENTS, Touch, touches};
+pub(crate) use timeline::Timeline;
+pub use timeline::Unit;
+pub(crate) use touches::Count;
+pub(crate) use touches::MOST_FRAGMENTS;
+pub(crate) use touches::Touch;
+pub(crate) use touches::touches;
 
 use std::sync::Arc;
 
@@ -27,32 +31,32 @@ use crate::scene::Scene;
 use checkpoints::Checkpoints;
 
 /// Memory for copies of the framebuffer, in bytes: enough for fifteen of a full HD picture.
-pub const BUDGET: usize = 256 << 20;
+pub(crate) const BUDGET: usize = 256 << 20;
 
 /// A moment in the drawing of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Moment {
     /// Number of rasterized triangles drawn, including a partially drawn last one.
-    pub triangles: usize,
+    pub(crate) triangles: usize,
     /// Number of fragments drawn of the last triangle; `None` for all.
-    pub fragments: Option<usize>,
+    pub(crate) fragments: Option<usize>,
 }
 
 impl Moment {
     /// Returns the moment after this number of complete triangles.
-    pub fn after(triangles: usize) -> Self {
+    pub(crate) fn after(triangles: usize) -> Self {
         Self { triangles, fragments: None }
     }
 
     /// Returns a sort key that orders moments by time.
-    pub fn key(self) -> (usize, usize) {
+    pub(crate) fn key(self) -> (usize, usize) {
         (self.triangles, self.fragments.unwrap_or(usize::MAX))
     }
 }
 
 /// Draws arbitrary moments of one frame.
 #[derive(Debug)]
-pub struct Scrubber {
+pub(crate) struct Scrubber {
     scene: Arc<Scene>,
     recipe: Recipe,
     /// All triangles of the frame.
@@ -68,7 +72,7 @@ pub struct Scrubber {
 impl Scrubber {
     /// Creates a scrubber for the frame that `recipe` draws of `scene`, with one sample per pixel. Checkpoints take at
     /// most `budget` bytes, or two copies of the framebuffer if that is too little.
-    pub fn new(scene: &Arc<Scene>, recipe: &Recipe, frame: &Frame, budget: usize) -> Self {
+    pub(crate) fn new(scene: &Arc<Scene>, recipe: &Recipe, frame: &Frame, budget: usize) -> Self {
         let geometry = prepare_again(scene, recipe, frame, &mut ());
         let (grid, raster) = (frame.sampling.grid(), frame.raster);
         let mut now = Framebuffer::new(grid, raster.width, raster.height, scene.background, &recipe.pipeline);
@@ -86,12 +90,12 @@ impl Scrubber {
     }
 
     /// Returns all triangles of the frame, in drawing order.
-    pub fn geometry(&self) -> &Geometry {
+    pub(crate) fn geometry(&self) -> &Geometry {
         &self.geometry
     }
 
     /// Draws the frame at a moment. Moments past the end give the complete frame.
-    pub fn go(&mut self, moment: Moment) -> Framebuffer {
+    pub(crate) fn go(&mut self, moment: Moment) -> Framebuffer {
         let all = self.geometry.triangles.len();
         let triangles = moment.triangles.min(all);
         let first_sorted = self.geometry.sorted_from(&self.recipe.pipeline);
@@ -123,19 +127,19 @@ impl Scrubber {
 
     /// Returns the triangles drawn at a moment, the last one partially if necessary. They share the memory of the full
     /// list.
-    pub fn geometry_at(&self, moment: Moment) -> Geometry {
+    pub(crate) fn geometry_at(&self, moment: Moment) -> Geometry {
         let mut first = Geometry { partial: self.first_samples(moment), ..self.geometry.clone() };
         first.triangles.truncate(moment.triangles);
         first
     }
 
     /// Returns the number of fragments of a rasterized triangle; 0 past the last one.
-    pub fn fragments_of(&self, place: usize) -> usize {
+    pub(crate) fn fragments_of(&self, place: usize) -> usize {
         partial::count(&self.samples_of(place))
     }
 
     /// Returns the number of framebuffer copies, and their total size in bytes.
-    pub fn memory(&self) -> (usize, usize) {
+    pub(crate) fn memory(&self) -> (usize, usize) {
         self.checkpoints.memory()
     }
 

@@ -16,20 +16,20 @@ choice! {
 
 /// Data about a frame and the neighbourhood of one moment, as needed for steps.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Timeline {
+pub(crate) struct Timeline {
     /// Number of all triangles.
-    pub triangles: usize,
+    pub(crate) triangles: usize,
     /// Index of the first triangle of each draw, ascending, and its instance.
-    pub draws: Vec<(usize, u32)>,
+    pub(crate) draws: Vec<(usize, u32)>,
     /// Number of fragments of the last drawn triangle (partial or complete) and of the following one.
-    pub fragments: [usize; 2],
+    pub(crate) fragments: [usize; 2],
     /// Fragments at the picked pixel, in drawing order.
-    pub touches: Vec<Touch>,
+    pub(crate) touches: Vec<Touch>,
 }
 
 impl Timeline {
     /// Creates the timeline of a frame with all of its triangles, without fragments and touches.
-    pub fn new(geometry: &Geometry) -> Self {
+    pub(crate) fn new(geometry: &Geometry) -> Self {
         let mut draws: Vec<(usize, u32)> = Vec::new();
         for (place, triangle) in geometry.triangles.iter().enumerate() {
             if draws.last().is_none_or(|(_, instance)| *instance != triangle.instance) {
@@ -40,7 +40,7 @@ impl Timeline {
     }
 
     /// Returns the instance of the last triangle drawn at a moment; `None` before the first triangle.
-    pub fn instance_at(&self, moment: Moment) -> Option<u32> {
+    pub(crate) fn instance_at(&self, moment: Moment) -> Option<u32> {
         let place = moment.triangles.checked_sub(1)?;
         let after = self.draws.partition_point(|(start, _)| *start <= place);
         self.draws[..after].last().map(|(_, instance)| *instance)
@@ -48,7 +48,7 @@ impl Timeline {
 
     /// Returns the moment one step forwards or backwards. With `touching`, only moments that touch the picked pixel
     /// count. Stages are not moments.
-    pub fn step(&self, now: Moment, unit: Unit, forwards: bool, touching: bool) -> Moment {
+    pub(crate) fn step(&self, now: Moment, unit: Unit, forwards: bool, touching: bool) -> Moment {
         let now = if now.triangles > self.triangles { Moment::after(self.triangles) } else { now };
         match unit {
             Unit::Stage => now,
@@ -64,7 +64,7 @@ impl Timeline {
 
     /// Returns the moment after this number of steps forwards, or backwards if negative. Stops early at the ends, or
     /// where the number of fragments is unknown.
-    pub fn steps(&self, now: Moment, unit: Unit, steps: i64, touching: bool) -> Moment {
+    pub(crate) fn steps(&self, now: Moment, unit: Unit, steps: i64, touching: bool) -> Moment {
         let forwards = steps > 0;
         if unit == Unit::Triangle && !touching && now.fragments.is_none() {
             let wanted = now.triangles as i64 + steps;

@@ -14,7 +14,7 @@ use crate::scene::{Scene, TriangleId};
 
 /// Precision of the moments of touches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Count {
+pub(crate) enum Count {
     /// Only the triangle of each touch is known.
     Triangles,
     /// Fragments are counted while the triangles so far have at most [`MOST_FRAGMENTS`] in total.
@@ -22,21 +22,21 @@ pub enum Count {
 }
 
 /// Maximum number of fragments traversed to locate touches; takes a fraction of a second.
-pub const MOST_FRAGMENTS: usize = 8_000_000;
+pub(crate) const MOST_FRAGMENTS: usize = 8_000_000;
 
 /// A fragment at a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Touch {
+pub(crate) struct Touch {
     /// Triangle of the fragment.
-    pub triangle: TriangleId,
+    pub(crate) triangle: TriangleId,
     /// Moment immediately after the fragment.
-    pub moment: Moment,
+    pub(crate) moment: Moment,
     /// Whether the fragment was written.
-    pub written: bool,
+    pub(crate) written: bool,
 }
 
 /// Returns every fragment at a drawn pixel, in order of submission; empty if the pixel is not drawn.
-pub fn touches(
+pub(crate) fn touches(
     scene: &Scene,
     recipe: &Recipe,
     geometry: &Geometry,

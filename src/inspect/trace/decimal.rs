@@ -15,7 +15,7 @@ const SHORT_BITS: u64 = 256;
 impl Exact {
     /// Returns the number with this many significant digits, and whether they are complete. Further digits are
     /// truncated.
-    pub fn decimal(&self, significant: u32) -> (String, bool) {
+    pub(crate) fn decimal(&self, significant: u32) -> (String, bool) {
         /// Decimal exponents that are written without exponent notation.
         const PLAIN: std::ops::Range<i64> = -6..22;
         let Some(magnitude) = self.floor_log2() else { return ("0".to_owned(), true) };
@@ -63,7 +63,7 @@ impl Exact {
     }
 
     /// Returns numerator / denominator if that is short and not an integer.
-    pub fn short_fraction(&self) -> Option<String> {
+    pub(crate) fn short_fraction(&self) -> Option<String> {
         let (numerator, denominator) = self.parts();
         if numerator.bits() + denominator.bits() > SHORT_BITS {
             return None;

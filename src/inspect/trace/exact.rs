@@ -12,7 +12,7 @@ const ROOT_BITS: i64 = 160;
 
 /// A number without rounding error: numerator / denominator · 2^exponent.
 #[derive(Clone, Debug)]
-pub struct Exact {
+pub(crate) struct Exact {
     numerator: BigInt,
     /// Positive denominator.
     denominator: BigInt,
@@ -21,7 +21,7 @@ pub struct Exact {
 
 impl Exact {
     /// Converts a float; `None` for NaN and the infinities.
-    pub fn from_f64(value: f64) -> Option<Self> {
+    pub(crate) fn from_f64(value: f64) -> Option<Self> {
         /// Bits of the fraction field, and the exponent of the last place of subnormal numbers.
         const FRACTION_BITS: u32 = 52;
         const LEAST_EXPONENT: i64 = -1074;
@@ -43,27 +43,27 @@ impl Exact {
     }
 
     /// Converts an integer.
-    pub fn whole(value: i64) -> Self {
+    pub(crate) fn whole(value: i64) -> Self {
         Self { numerator: value.into(), denominator: BigInt::one(), exponent: 0 }
     }
 
     /// Returns a fraction of integers; `None` if the denominator is 0.
-    pub fn ratio(numerator: i64, denominator: i64) -> Option<Self> {
+    pub(crate) fn ratio(numerator: i64, denominator: i64) -> Option<Self> {
         Self::whole(numerator).divided_by(&Self::whole(denominator))
     }
 
     /// Whether the number is 0.
-    pub fn is_zero(&self) -> bool {
+    pub(crate) fn is_zero(&self) -> bool {
         self.numerator.is_zero()
     }
 
     /// Returns the absolute value.
-    pub fn abs(&self) -> Self {
+    pub(crate) fn abs(&self) -> Self {
         Self { numerator: self.numerator.abs(), ..self.clone() }
     }
 
     /// Returns the quotient; `None` for division by 0.
-    pub fn divided_by(&self, other: &Self) -> Option<Self> {
+    pub(crate) fn divided_by(&self, other: &Self) -> Option<Self> {
         if other.is_zero() {
             return None;
         }
@@ -74,7 +74,7 @@ impl Exact {
     }
 
     /// Returns the number times 2^`places`.
-    pub fn shifted(&self, places: i64) -> Self {
+    pub(crate) fn shifted(&self, places: i64) -> Self {
         Self { exponent: self.exponent + places, ..self.clone() }
     }
 
@@ -89,13 +89,13 @@ impl Exact {
     }
 
     /// Returns the largest integer not above the number.
-    pub fn floor(&self) -> Self {
+    pub(crate) fn floor(&self) -> Self {
         let (numerator, denominator) = self.parts();
         Self { numerator: div_floor(&numerator, &denominator), denominator: BigInt::one(), exponent: 0 }
     }
 
     /// Returns the nearest integer, ties to even.
-    pub fn round_ties_even(&self) -> Self {
+    pub(crate) fn round_ties_even(&self) -> Self {
         let below = self.floor();
         let twice_rest = (self - &below).shifted(1);
         match twice_rest.cmp(&Self::whole(1)) {
@@ -106,7 +106,7 @@ impl Exact {
     }
 
     /// Returns the root of this degree, truncated to about [`ROOT_BITS`] bits; `None` for a negative number.
-    pub fn root(&self, degree: u32) -> Option<Self> {
+    pub(crate) fn root(&self, degree: u32) -> Option<Self> {
         if self.numerator.is_negative() {
             return None;
         }
@@ -123,12 +123,12 @@ impl Exact {
     }
 
     /// Returns the number raised to an integer power.
-    pub fn power(&self, exponent: u32) -> Self {
+    pub(crate) fn power(&self, exponent: u32) -> Self {
         (0..exponent).fold(Self::whole(1), |product, _| &product * self)
     }
 
     /// Returns e with 2^e ≤ |x| < 2^(e + 1); `None` for 0.
-    pub fn floor_log2(&self) -> Option<i64> {
+    pub(crate) fn floor_log2(&self) -> Option<i64> {
         if self.is_zero() {
             return None;
         }
@@ -144,7 +144,7 @@ impl Exact {
     }
 
     /// Returns an approximation as a float.
-    pub fn approximate(&self) -> f64 {
+    pub(crate) fn approximate(&self) -> f64 {
         /// Bits kept before the conversion: more than an f64 has, so truncation is negligible.
         const BITS: i64 = 66;
         let Some(magnitude) = self.floor_log2() else { return 0.0 };

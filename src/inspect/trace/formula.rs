@@ -11,7 +11,7 @@ use super::number::Number;
 
 /// A formula over named numbers.
 #[derive(Clone, Debug)]
-pub enum Formula {
+pub(crate) enum Formula {
     /// A named number of the pipeline.
     Given(Cow<'static, str>, Number),
     /// A constant of the formula, with its text.
@@ -24,7 +24,7 @@ pub enum Formula {
 
 /// An operation on two numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Op {
+pub(crate) enum Op {
     /// a + b.
     Add,
     /// a − b.
@@ -43,7 +43,7 @@ pub enum Op {
 
 /// A function of one number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Function {
+pub(crate) enum Function {
     /// −x.
     Negate,
     /// √x.
@@ -60,56 +60,56 @@ pub enum Function {
 
 /// Result of a formula.
 #[derive(Clone, Debug)]
-pub struct Evaluated {
+pub(crate) struct Evaluated {
     /// Exact value of the formula.
-    pub value: Exact,
+    pub(crate) value: Exact,
     /// Greatest number of leading bits cancelled by any sum or difference in the formula.
-    pub lost_bits: u32,
+    pub(crate) lost_bits: u32,
 }
 
 /// Creates a named number of the pipeline.
-pub fn given(name: impl Into<Cow<'static, str>>, number: impl Into<Number>) -> Formula {
+pub(crate) fn given(name: impl Into<Cow<'static, str>>, number: impl Into<Number>) -> Formula {
     Formula::Given(name.into(), number.into())
 }
 
 /// Creates an integer constant of a formula.
-pub fn whole(text: &'static str, value: i64) -> Formula {
+pub(crate) fn whole(text: &'static str, value: i64) -> Formula {
     Formula::Constant(text, Exact::whole(value))
 }
 
 /// Creates a fractional constant of a formula with its decimal text; the denominator must not be 0.
-pub fn fraction(text: &'static str, numerator: i64, denominator: i64) -> Formula {
+pub(crate) fn fraction(text: &'static str, numerator: i64, denominator: i64) -> Formula {
     Formula::Constant(text, Exact::ratio(numerator, denominator).unwrap_or_else(|| Exact::whole(0)))
 }
 
 /// Returns the sum of formulas; 0 for none.
-pub fn sum(terms: impl IntoIterator<Item = Formula>) -> Formula {
+pub(crate) fn sum(terms: impl IntoIterator<Item = Formula>) -> Formula {
     terms.into_iter().reduce(|a, b| a + b).unwrap_or_else(|| whole("0", 0))
 }
 
 impl Formula {
     /// Returns the maximum of two formulas.
-    pub fn max(self, other: Self) -> Self {
+    pub(crate) fn max(self, other: Self) -> Self {
         Self::Binary(Op::Max, Box::new(self), Box::new(other))
     }
 
     /// Returns the minimum of two formulas.
-    pub fn min(self, other: Self) -> Self {
+    pub(crate) fn min(self, other: Self) -> Self {
         Self::Binary(Op::Min, Box::new(self), Box::new(other))
     }
 
     /// Raises a formula, whose value must not be negative, to the power of another one.
-    pub fn to_power(self, exponent: Self) -> Self {
+    pub(crate) fn to_power(self, exponent: Self) -> Self {
         Self::Binary(Op::Power, Box::new(self), Box::new(exponent))
     }
 
     /// Applies a function to the formula.
-    pub fn apply(self, function: Function) -> Self {
+    pub(crate) fn apply(self, function: Function) -> Self {
         Self::Unary(function, Box::new(self))
     }
 
     /// Returns the formula as text with names and operators.
-    pub fn words(&self) -> String {
+    pub(crate) fn words(&self) -> String {
         self.text(&|formula| match formula {
             // Parentheses keep a name that contains an operator from reading as a formula.
             Self::Given(name, _) if name.contains('/') => format!("({name})"),
@@ -120,7 +120,7 @@ impl Formula {
     }
 
     /// Returns the formula as text with numbers instead of names.
-    pub fn numbers(&self) -> String {
+    pub(crate) fn numbers(&self) -> String {
         self.text(&|formula| match formula {
             Self::Given(_, number) if number.to_f64() < 0.0 => format!("({number})"),
             Self::Given(_, number) => number.to_string(),
@@ -130,7 +130,7 @@ impl Formula {
     }
 
     /// Returns the number of operations that round if each is performed separately.
-    pub fn operations(&self) -> usize {
+    pub(crate) fn operations(&self) -> usize {
         match self {
             Self::Given(..) | Self::Constant(..) => 0,
             Self::Binary(Op::Max | Op::Min, a, b) => a.operations() + b.operations(),
@@ -143,7 +143,7 @@ impl Formula {
     }
 
     /// Returns the types of the inputs, each as often as it occurs.
-    pub fn kinds(&self) -> Vec<&'static str> {
+    pub(crate) fn kinds(&self) -> Vec<&'static str> {
         match self {
             Self::Given(_, number) => vec![number.kind()],
             Self::Constant(..) => Vec::new(),
@@ -153,7 +153,7 @@ impl Formula {
     }
 
     /// Returns the exact value; `None` for a non-finite input or a division by 0.
-    pub fn evaluate(&self) -> Option<Evaluated> {
+    pub(crate) fn evaluate(&self) -> Option<Evaluated> {
         match self {
             Self::Given(_, number) => Some(Evaluated { value: number.exact()?, lost_bits: 0 }),
             Self::Constant(_, value) => Some(Evaluated { value: value.clone(), lost_bits: 0 }),

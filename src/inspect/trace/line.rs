@@ -39,17 +39,17 @@ choice! {
 
 /// A notable property of a line, with details.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct Flag {
+pub(crate) struct Flag {
     /// Kind of the property.
-    pub kind: Notable,
+    pub(crate) kind: Notable,
     /// Number of leading bits lost to cancellation; `None` for other kinds.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub lost_bits: Option<u32>,
+    pub(crate) lost_bits: Option<u32>,
 }
 
 impl Flag {
     /// Returns a short description.
-    pub fn words(self) -> String {
+    pub(crate) fn words(self) -> String {
         match self.lost_bits {
             Some(bits) => format!("{} of {bits} bits", self.kind.name()),
             None => self.kind.name().to_owned(),
@@ -60,7 +60,7 @@ impl Flag {
 /// Result of a line.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
-pub enum Outcome {
+pub(crate) enum Outcome {
     /// A number.
     Number(Number),
     /// A decision.
@@ -71,29 +71,29 @@ pub enum Outcome {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct ExactText {
     /// Decimal digits; truncation is marked with “…”.
-    pub decimal: String,
+    pub(crate) decimal: String,
     /// The number as a fraction, if that is short.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub fraction: Option<String>,
+    pub(crate) fraction: Option<String>,
 }
 
 /// One line of a trace.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TraceLine {
     /// Pipeline stage of the line.
-    pub stage: TraceStage,
+    pub(crate) stage: TraceStage,
     /// Name of the computed quantity.
     pub what: String,
     /// Formula with names and operators, or the source of the value.
-    pub formula: String,
+    pub(crate) formula: String,
     /// Formula with numbers instead of names; empty for values that are read.
-    pub numbers: String,
+    pub(crate) numbers: String,
     /// Result of the pipeline.
-    pub value: Outcome,
+    pub(crate) value: Outcome,
     /// Type of the number; empty for decisions.
-    pub kind: &'static str,
+    pub(crate) kind: &'static str,
     /// Bit pattern of the number; empty for decisions.
-    pub bits: String,
+    pub(crate) bits: String,
     /// Exact result of the formula for the inputs of this line.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub exact: Option<ExactText>,
@@ -101,22 +101,22 @@ pub struct TraceLine {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rounding_ulp: Option<f64>,
     /// Whether the value results from at most one correctly rounded operation, with an error of at most half an ulp.
-    pub rounded_once: bool,
+    pub(crate) rounded_once: bool,
     /// Greatest number of leading bits cancelled by any sum or difference in the formula.
     #[serde(skip_serializing_if = "is_zero")]
-    pub lost_bits: u32,
+    pub(crate) lost_bits: u32,
     /// Whether the line is only explanatory and not computed by the pipeline.
-    pub aside: bool,
+    pub(crate) aside: bool,
     /// Notable properties of the line.
-    pub flags: Vec<Flag>,
+    pub(crate) flags: Vec<Flag>,
     /// Buffer that shows the quantity over the whole picture.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub buffer: Option<Intermediate>,
+    pub(crate) buffer: Option<Intermediate>,
 }
 
 impl TraceLine {
     /// Whether the line has a flag of this kind.
-    pub fn has(&self, kind: Notable) -> bool {
+    pub(crate) fn has(&self, kind: Notable) -> bool {
         self.flags.iter().any(|flag| flag.kind == kind)
     }
 
@@ -129,7 +129,7 @@ impl TraceLine {
     }
 
     /// Returns the rounding error as text; empty if unknown.
-    pub fn rounding(&self) -> String {
+    pub(crate) fn rounding(&self) -> String {
         let Some(ulps) = self.rounding_ulp else { return String::new() };
         let unit = if self.number().is_some_and(Number::is_float) { "ulp" } else { "steps" };
         if ulps == 0.0 {
@@ -145,7 +145,7 @@ impl TraceLine {
     }
 
     /// Returns the value as text.
-    pub fn value_text(&self) -> String {
+    pub(crate) fn value_text(&self) -> String {
         match &self.value {
             Outcome::Number(number) => number.to_string(),
             Outcome::Words(words) => words.clone(),

@@ -6,9 +6,9 @@
 //!
 //! Geometry is replayed for one triangle only, so the cost of a trace does not depend on the size of the scene.
 
-pub mod exact;
+pub(crate) mod exact;
 
-pub mod formula;
+pub(crate) mod formula;
 
 mod attributes;
 mod coverage;
@@ -27,8 +27,13 @@ mod weights;
 
 use serde::Serialize;
 
-pub use line::{ExactText, Flag, Notable, Outcome, TraceLine, TraceStage};
-pub use number::Number;
+pub(crate) use line::ExactText;
+pub(crate) use line::Flag;
+pub(crate) use line::Notable;
+pub(crate) use line::Outcome;
+pub(crate) use line::TraceLine;
+pub(crate) use line::TraceStage;
+pub(crate) use number::Number;
 
 use line::Scribe;
 use subject::Subject;
@@ -43,15 +48,15 @@ pub struct Trace {
     /// Inspected pixel, in the full picture.
     pub pixel: [u32; 2],
     /// Drawn pixel that contains the fragment; equal to the inspected one if that was drawn itself.
-    pub drawn_at: [u32; 2],
+    pub(crate) drawn_at: [u32; 2],
     /// Index of the fragment among those of the drawn pixel, in drawing order; `None` if there are none.
     pub fragment: Option<usize>,
     /// Number of fragments at the drawn pixel.
-    pub fragments: usize,
+    pub(crate) fragments: usize,
     /// Triangle of the fragment.
-    pub triangle: Option<TriangleId>,
+    pub(crate) triangle: Option<TriangleId>,
     /// Name of the instance of the triangle.
-    pub instance: String,
+    pub(crate) instance: String,
     /// All lines, in pipeline order.
     pub lines: Vec<TraceLine>,
 }
@@ -111,12 +116,12 @@ impl Trace {
 
     /// Returns the next or previous line after `from` with a flag of this kind, or with any flag for `None`. Skips
     /// asides, which are not part of the pipeline.
-    pub fn next(&self, from: usize, kind: Option<Notable>, direction: Direction) -> Option<usize> {
+    pub(crate) fn next(&self, from: usize, kind: Option<Notable>, direction: Direction) -> Option<usize> {
         self.find(from, direction, |line| !line.aside && kind.map_or(!line.flags.is_empty(), |kind| line.has(kind)))
     }
 
     /// Returns the first line of the next or previous stage relative to the line `from`.
-    pub fn next_stage(&self, from: usize, direction: Direction) -> Option<usize> {
+    pub(crate) fn next_stage(&self, from: usize, direction: Direction) -> Option<usize> {
         let stage = self.lines.get(from)?.stage;
         let place = self.find(from, direction, |line| line.stage != stage)?;
         let stage = self.lines[place].stage;
@@ -132,7 +137,7 @@ impl Trace {
     }
 
     /// Returns the lines of each non-empty stage, in order.
-    pub fn stages(&self) -> impl Iterator<Item = (TraceStage, &[TraceLine])> {
+    pub(crate) fn stages(&self) -> impl Iterator<Item = (TraceStage, &[TraceLine])> {
         self.lines.chunk_by(|a, b| a.stage == b.stage).filter_map(|lines| Some((lines.first()?.stage, lines)))
     }
 }

@@ -23,7 +23,7 @@ pub enum Number {
 
 impl Number {
     /// Returns the name of the type.
-    pub fn kind(self) -> &'static str {
+    pub(crate) fn kind(self) -> &'static str {
         match self {
             Self::F32(_) => "f32",
             Self::F64(_) => "f64",
@@ -45,12 +45,12 @@ impl Number {
     }
 
     /// Whether the type is a floating-point type.
-    pub fn is_float(self) -> bool {
+    pub(crate) fn is_float(self) -> bool {
         matches!(self, Self::F32(_) | Self::F64(_))
     }
 
     /// Converts the number without error; `None` for NaN and the infinities.
-    pub fn exact(self) -> Option<Exact> {
+    pub(crate) fn exact(self) -> Option<Exact> {
         match self {
             Self::I64(value) => Some(Exact::whole(value)),
             other => Exact::from_f64(other.to_f64()),
@@ -58,7 +58,7 @@ impl Number {
     }
 
     /// Returns the precision of the type in bits; `None` for integers, which never lose digits.
-    pub fn precision(self) -> Option<u32> {
+    pub(crate) fn precision(self) -> Option<u32> {
         match self {
             Self::F32(_) => Some(f32::MANTISSA_DIGITS),
             Self::F64(_) => Some(f64::MANTISSA_DIGITS),
@@ -67,7 +67,7 @@ impl Number {
     }
 
     /// Whether the number is a subnormal float.
-    pub fn is_subnormal(self) -> bool {
+    pub(crate) fn is_subnormal(self) -> bool {
         match self {
             Self::F32(value) => value.is_subnormal(),
             Self::F64(value) => value.is_subnormal(),
@@ -76,7 +76,7 @@ impl Number {
     }
 
     /// Whether two numbers have the same type and bit pattern.
-    pub fn same_bits(self, other: Self) -> bool {
+    pub(crate) fn same_bits(self, other: Self) -> bool {
         match (self, other) {
             (Self::F32(a), Self::F32(b)) => a.to_bits() == b.to_bits(),
             (Self::F64(a), Self::F64(b)) => a.to_bits() == b.to_bits(),
@@ -85,7 +85,7 @@ impl Number {
     }
 
     /// Returns the bit pattern in hexadecimal.
-    pub fn bits(self) -> String {
+    pub(crate) fn bits(self) -> String {
         match self {
             Self::F32(value) => format!("0x{:08X}", value.to_bits()),
             Self::F64(value) => format!("0x{:016X}", value.to_bits()),
@@ -97,7 +97,7 @@ impl Number {
 
     /// Returns the number minus an exact result, in units in the last place of the type at that magnitude (1 for
     /// integers). `None` if the number is not finite.
-    pub fn rounding_ulp(self, exact: &Exact) -> Option<f64> {
+    pub(crate) fn rounding_ulp(self, exact: &Exact) -> Option<f64> {
         let error = &self.exact()? - exact;
         Some(error.shifted(-self.last_place(exact)).approximate())
     }

@@ -32,14 +32,14 @@ enum Course {
 
 impl DepthFunction {
     /// Returns the function of a triangle with these corner depths. `doubled_area` is in the unit of edge values.
-    pub fn affine_on_screen(corners: [f64; 3], doubled_area: f64, encoding: DepthEncoding) -> Self {
+    pub(crate) fn affine_on_screen(corners: [f64; 3], doubled_area: f64, encoding: DepthEncoding) -> Self {
         let (least, rises) = rises(corners);
         Self { course: Course::Screen, encoding, least, rises: rises.map(|rise| rise / doubled_area) }
     }
 
     /// Returns the function of a triangle with these corner depths, linear in space whatever the distances of the
     /// corners.
-    pub fn linear_in_space(corners: [f64; 3], encoding: DepthEncoding) -> Self {
+    pub(crate) fn linear_in_space(corners: [f64; 3], encoding: DepthEncoding) -> Self {
         let (least, rises) = rises(corners);
         Self { course: Course::Space, encoding, least, rises }
     }

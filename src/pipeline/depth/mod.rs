@@ -17,8 +17,9 @@ mod scale;
 
 pub(crate) use bias::TriangleBias;
 pub use encoding::DepthEncoding;
+pub use function::DepthFunction;
+pub use function::depth_at;
 pub(crate) use function::unquantised_depth_at;
-pub use function::{DepthFunction, depth_at};
 pub use scale::DepthScale;
 pub(crate) use scale::Law;
 
@@ -26,7 +27,7 @@ use super::settings::{DepthTest, Settings};
 
 /// Comparison of stored depth values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Comparison {
+pub(crate) enum Comparison {
     /// Always passes.
     Always,
     /// Passes if new < stored.
@@ -41,7 +42,7 @@ pub enum Comparison {
 
 impl Comparison {
     /// Returns the comparison of stored values for the settings' depth test; reversed depth mirrors it.
-    pub fn of(settings: &Settings) -> Self {
+    pub(crate) fn of(settings: &Settings) -> Self {
         match (settings.depth_test, settings.reversed()) {
             (DepthTest::Off | DepthTest::Always, _) => Self::Always,
             (DepthTest::Less, false) | (DepthTest::Greater, true) => Self::Less,
@@ -53,7 +54,7 @@ impl Comparison {
 
     /// Whether a fragment of depth `new` passes the test against `stored`.
     #[inline]
-    pub fn passes(self, new: f32, stored: f32) -> bool {
+    pub(crate) fn passes(self, new: f32, stored: f32) -> bool {
         match self {
             Self::Always => true,
             Self::Less => new < stored,
@@ -64,7 +65,7 @@ impl Comparison {
     }
 
     /// Returns the symbol to display between the new and the stored value of a fragment that passed.
-    pub fn symbol(self) -> &'static str {
+    pub(crate) fn symbol(self) -> &'static str {
         match self {
             Self::Always => "always",
             Self::Less => "<",
@@ -76,7 +77,7 @@ impl Comparison {
 }
 
 /// Returns the clear value of the depth buffer, against which every depth inside (0, 1) passes the test.
-pub fn clear_value(settings: &Settings) -> f32 {
+pub(crate) fn clear_value(settings: &Settings) -> f32 {
     match Comparison::of(settings) {
         Comparison::Greater | Comparison::GreaterEqual => 0.0,
         Comparison::Less | Comparison::LessEqual => 1.0,

@@ -59,12 +59,12 @@ impl Default for DepthScale {
 
 impl DepthScale {
     /// Returns the mapping of a view drawn with these settings.
-    pub fn of(settings: &Settings, camera: &Camera) -> Self {
+    pub(crate) fn of(settings: &Settings, camera: &Camera) -> Self {
         Self { bias: BiasRule::new(settings), ..Self::new(settings.depth_format, camera) }
     }
 
     /// Returns the mapping of a view drawn with this format and without depth bias.
-    pub fn new(format: DepthFormat, camera: &Camera) -> Self {
+    pub(crate) fn new(format: DepthFormat, camera: &Camera) -> Self {
         let law = match camera.projection {
             Projection::Perspective { .. } => Law::Perspective(format.mapping()),
             Projection::Orthographic { .. } => Law::Orthographic { reversed: format.mapping().is_reversed() },
@@ -88,7 +88,7 @@ impl DepthScale {
     /// assert!(scale.stored(2.0) > 0.5);
     /// assert!(scale.resolution(scale.stored(90.0)) > 1000.0 * scale.resolution(scale.stored(2.0)));
     /// ```
-    pub fn perspective(mapping: DepthMapping, encoding: DepthEncoding, near: f32, far: f32) -> Self {
+    pub(crate) fn perspective(mapping: DepthMapping, encoding: DepthEncoding, near: f32, far: f32) -> Self {
         Self::with_law(Law::Perspective(mapping), encoding, [near, far])
     }
 
@@ -115,19 +115,19 @@ impl DepthScale {
     }
 
     /// Returns the number format of stored depths.
-    pub fn encoding(&self) -> DepthEncoding {
+    pub(crate) fn encoding(&self) -> DepthEncoding {
         self.encoding
     }
 
     /// Returns the stored depth of a point at `distance` > 0, with the arithmetic that the pipeline uses for vertices
     /// in perspective.
-    pub fn stored(&self, distance: f32) -> f32 {
+    pub(crate) fn stored(&self, distance: f32) -> f32 {
         self.encoding.quantize(self.depth(distance.into()).clamp(0.0, 1.0))
     }
 
     /// Returns the distance that a stored depth represents, up to rounding; infinite for the depth of points at
     /// infinity.
-    pub fn distance_of(&self, stored: f32) -> f64 {
+    pub(crate) fn distance_of(&self, stored: f32) -> f64 {
         let Self { near, far, factor, .. } = *self;
         let [depth, _] = self.encoding.with_next(stored);
         match self.law {
@@ -169,7 +169,7 @@ impl DepthScale {
 
     /// Returns the distance between a stored depth and the next storable one; surfaces closer than that may tie.
     /// Infinite if the next depth represents infinity.
-    pub fn resolution(&self, stored: f32) -> f64 {
+    pub(crate) fn resolution(&self, stored: f32) -> f64 {
         let Self { near, far, .. } = *self;
         let [a, b] = self.encoding.with_next(stored);
         let step = (b - a).abs();

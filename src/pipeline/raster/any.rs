@@ -49,18 +49,18 @@ impl AnyTriangle {
     }
 
     /// Returns the intermediate values of each edge function at a pixel's centre.
-    pub fn steps(&self, (column, row): (u32, u32)) -> [EdgeSteps; 3] {
+    pub(crate) fn steps(&self, (column, row): (u32, u32)) -> [EdgeSteps; 3] {
         each!(self, triangle => triangle.edges().each_ref().map(|edge| edge.steps(column.into(), row.into())))
     }
 
     /// Returns for each edge, opposite to the vertex of the same index, whether samples exactly on it belong to the
     /// triangle.
-    pub fn owned(&self) -> [bool; 3] {
+    pub(crate) fn owned(&self) -> [bool; 3] {
         each!(self, triangle => triangle.edges().each_ref().map(Edge::owned))
     }
 
     /// Returns the doubled area, > 0, in the unit of edge values.
-    pub fn doubled_area(&self) -> f64 {
+    pub(crate) fn doubled_area(&self) -> f64 {
         each!(self, triangle => triangle.doubled_area())
     }
 }

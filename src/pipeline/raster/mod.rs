@@ -4,7 +4,7 @@
 //! Five algorithms, one file each, run in four arithmetics ([`numbers`]). In fixed point and in exact arithmetic all
 //! five find exactly the same samples; in floats they differ by rounding.
 
-pub mod numbers;
+pub(crate) mod numbers;
 
 mod active_edge;
 
@@ -24,17 +24,17 @@ mod published;
 
 mod scanline;
 
-pub mod steps;
+pub(crate) mod steps;
 
 mod tiled;
 
 mod triangle;
 
 pub use any::AnyTriangle;
-pub use exact::Exact;
-pub use fixed::Fixed;
-pub use float::Floating;
-pub use triangle::Triangle;
+pub(crate) use exact::Exact;
+pub(crate) use fixed::Fixed;
+pub(crate) use float::Floating;
+pub(crate) use triangle::Triangle;
 
 use numbers::Numbers;
 
@@ -87,12 +87,12 @@ pub struct Scissor {
 
 impl Scissor {
     /// Returns the scissor of a whole picture.
-    pub fn full(width: u32, height: u32) -> Self {
+    pub(crate) fn full(width: u32, height: u32) -> Self {
         Self { left: 0, top: 0, right: width, bottom: height }
     }
 
     /// Returns the scissor of one pixel.
-    pub fn pixel(x: u32, y: u32) -> Self {
+    pub(crate) fn pixel(x: u32, y: u32) -> Self {
         Self { left: x, top: y, right: x + 1, bottom: y + 1 }
     }
 
@@ -233,7 +233,7 @@ pub(crate) use with_arithmetic;
 
 /// Returns the doubled signed area of a triangle in an arithmetic, and the scale of its edge values. The area is
 /// positive if the triangle is clockwise for the viewer (y down), and 0 if a vertex is not finite.
-pub fn doubled_area(arithmetic: settings::Arithmetic, corners_px: [[f32; 2]; 3]) -> (f64, f64) {
+pub(crate) fn doubled_area(arithmetic: settings::Arithmetic, corners_px: [[f32; 2]; 3]) -> (f64, f64) {
     with_arithmetic!(arithmetic, N => triangle::doubled_area::<N>(corners_px)).unwrap_or((0.0, 1.0))
 }
 

@@ -74,20 +74,20 @@ pub trait Walk {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Inward {
     /// −1 to the left (a right edge), 1 to the right (a left edge), 0 for a horizontal edge.
-    pub right: i8,
+    pub(crate) right: i8,
     /// −1 upwards (a bottom edge), 1 downwards (a top edge), 0 for a vertical edge.
-    pub down: i8,
+    pub(crate) down: i8,
 }
 
 impl Inward {
     /// Creates the direction from the signs of the edge function's derivatives by x and y.
-    pub fn new<T: PartialOrd + Default>(by_x: T, by_y: T) -> Self {
+    pub(crate) fn new<T: PartialOrd + Default>(by_x: T, by_y: T) -> Self {
         let sign = |v: T| i8::from(v > T::default()) - i8::from(v < T::default());
         Self { right: sign(by_x), down: sign(by_y) }
     }
 
     /// Whether the fill rule assigns pixel centres on such an edge to the triangle.
-    pub fn owned(self, rule: FillRule) -> bool {
+    pub(crate) fn owned(self, rule: FillRule) -> bool {
         let Self { right, down } = self;
         match rule {
             FillRule::TopLeft => right > 0 || (right == 0 && down > 0),
@@ -101,7 +101,7 @@ impl Inward {
 
     /// Whether a pixel centre exactly on the edge counts as beyond it. This holds for a left edge that owns it, and for
     /// a right edge that does not.
-    pub fn tie_is_beyond(self, owned: bool) -> bool {
+    pub(crate) fn tie_is_beyond(self, owned: bool) -> bool {
         (self.right > 0) == owned
     }
 }

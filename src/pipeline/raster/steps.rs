@@ -7,15 +7,15 @@ use super::numbers::Inward;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgeSteps {
     /// Direction from the edge to the inside.
-    pub inward: Inward,
+    pub(crate) inward: Inward,
     /// Whether pixel centres on the line belong to the triangle.
-    pub owned: bool,
+    pub(crate) owned: bool,
     /// Whether this pixel centre is inside, or on the line and owned.
-    pub contains: bool,
+    pub(crate) contains: bool,
     /// Factor that turns the value into an edge value.
-    pub scale: f64,
+    pub(crate) scale: f64,
     /// Intermediate values in the edge's arithmetic.
-    pub numbers: EdgeNumbers,
+    pub(crate) numbers: EdgeNumbers,
 }
 
 /// Intermediate values of an edge function, by arithmetic.
@@ -58,19 +58,19 @@ pub enum EdgeNumbers {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FloatSteps<F> {
     /// Upper end, px.
-    pub upper: [F; 2],
+    pub(crate) upper: [F; 2],
     /// Lower end, px.
-    pub lower: [F; 2],
+    pub(crate) lower: [F; 2],
     /// Pixel centre, px.
-    pub centre: [F; 2],
+    pub(crate) centre: [F; 2],
     /// Vector from the upper end to the lower, px.
-    pub along: [F; 2],
+    pub(crate) along: [F; 2],
     /// Vector from the upper end to the centre, px.
-    pub to_centre: [F; 2],
+    pub(crate) to_centre: [F; 2],
     /// The two products whose difference is the value, px².
-    pub products: [F; 2],
+    pub(crate) products: [F; 2],
     /// Whether the difference is negated.
-    pub negated: bool,
+    pub(crate) negated: bool,
     /// Value before scaling, px².
-    pub value: F,
+    pub(crate) value: F,
 }

@@ -16,7 +16,7 @@ pub struct Triangle<N: Numbers> {
 impl<N: Numbers> Triangle<N> {
     /// Sets up the edges of a triangle from its vertices in pixels; `None` if a coordinate is not finite or there is no
     /// area.
-    pub fn new(corners_px: [[f32; 2]; 3], rule: FillRule) -> Option<Self> {
+    pub(crate) fn new(corners_px: [[f32; 2]; 3], rule: FillRule) -> Option<Self> {
         let (area, scale) = doubled_area::<N>(corners_px)?;
         let corners = corners_px.map(|corner| corner.map(N::coordinate));
         let edge = |from: usize, to: usize| N::edge([corners[from], corners[to]], area.signum(), scale, rule);
@@ -25,19 +25,19 @@ impl<N: Numbers> Triangle<N> {
     }
 
     /// Returns the doubled area, > 0, in the unit of edge values.
-    pub fn doubled_area(&self) -> f64 {
+    pub(crate) fn doubled_area(&self) -> f64 {
         self.doubled_area
     }
 
     /// Whether the triangle covers the centre of a pixel, by its fill rule.
     #[inline]
-    pub fn contains(&self, column: i64, row: i64) -> bool {
+    pub(crate) fn contains(&self, column: i64, row: i64) -> bool {
         self.edges.iter().all(|edge| edge.contains(column, row))
     }
 
     /// Returns the packed sample at a pixel with its edge values, covered or not.
     #[inline]
-    pub fn sample(&self, packed: (u32, u32), (x, y): (u32, u32)) -> Sample {
+    pub(crate) fn sample(&self, packed: (u32, u32), (x, y): (u32, u32)) -> Sample {
         let edges = self.edges.each_ref().map(|edge| edge.value(x.into(), y.into()));
         Sample { column: packed.0, row: packed.1, x, y, edges }
     }

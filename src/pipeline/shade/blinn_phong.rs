@@ -15,7 +15,7 @@ use crate::scene::{Camera, Projection};
 
 /// Viewpoint of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub enum Eye {
+pub(crate) enum Eye {
     /// World-space position of the eye.
     At(Vec3),
     /// World-space unit vector towards the eye, the same everywhere: orthographic views.

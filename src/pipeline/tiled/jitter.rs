@@ -19,34 +19,34 @@ use crate::math::lanes::*;
 use crate::pipeline::grid::SampleGrid;
 
 /// Number of positions from which a sample's position is chosen.
-pub const PLACES: usize = 16;
+pub(crate) const PLACES: usize = 16;
 
 /// Sums of colours over the samples of sixteen pixels, channel by channel.
-pub type Sums = [[f32; WIDE]; 3];
+pub(crate) type Sums = [[f32; WIDE]; 3];
 
 /// Chooses positions of a sample, given by number, for pixels, given by their columns in the full picture and their
 /// row. Writes the index of the chosen position for each pixel.
-pub type ChosenPlaces<'a> = &'a (dyn Fn(usize, (&[u32], u32), &mut [u8]) + Sync);
+pub(crate) type ChosenPlaces<'a> = &'a (dyn Fn(usize, (&[u32], u32), &mut [u8]) + Sync);
 
 /// Functions that combine samples into pixels, sixteen at a time.
 #[derive(Clone, Copy)]
-pub struct SumOfSamples<'a> {
+pub(crate) struct SumOfSamples<'a> {
     /// Adds one sample of each pixel to the sums.
-    pub add: &'a (dyn Fn(&[Rgba8], &mut [Sums]) + Sync),
+    pub(crate) add: &'a (dyn Fn(&[Rgba8], &mut [Sums]) + Sync),
     /// Computes the pixels when all samples are added. If all samples of a pixel have one colour, the pixel has it as
     /// well.
-    pub mean: &'a (dyn Fn(&[Sums], &mut [Rgba8]) + Sync),
+    pub(crate) mean: &'a (dyn Fn(&[Sums], &mut [Rgba8]) + Sync),
 }
 
 /// Several samples of each pixel, and their combination into one colour.
 #[derive(Clone, Copy)]
-pub struct Jittering<'a> {
+pub(crate) struct Jittering<'a> {
     /// Possible positions of each sample, in grid steps of 1/256 px right of and below the centre of its pixel.
-    pub places: &'a [[[i32; 2]; PLACES]],
+    pub(crate) places: &'a [[[i32; 2]; PLACES]],
     /// Choice among these positions.
-    pub chosen: ChosenPlaces<'a>,
+    pub(crate) chosen: ChosenPlaces<'a>,
     /// Combination of samples into pixels.
-    pub sum: SumOfSamples<'a>,
+    pub(crate) sum: SumOfSamples<'a>,
 }
 
 /// Jittering, prepared for tiles.

@@ -62,18 +62,26 @@ use clusters::{Kept, View};
 use depths::DepthRules;
 use entry::{BATCHES, GROUP, keeps_bounds};
 use geometry::{Arrays, Draw};
+pub(crate) use jitter::ChosenPlaces;
 use jitter::JitterMemory;
-pub use jitter::{ChosenPlaces, Jittering, PLACES, SumOfSamples, Sums};
+pub(crate) use jitter::Jittering;
+pub(crate) use jitter::PLACES;
+pub(crate) use jitter::SumOfSamples;
+pub(crate) use jitter::Sums;
 use lattice::{Lattice, TILE};
 use locations::Locations;
 use mixed::MixedPixels;
-pub use multisample::{MeanOfSamples, Multisampling, Picks};
+pub(crate) use multisample::MeanOfSamples;
+pub(crate) use multisample::Multisampling;
+pub(crate) use multisample::Picks;
 use pending::Pending;
-pub use pixel_samples::PixelSamples;
+pub(crate) use pixel_samples::PixelSamples;
 use pixel_samples::Samples;
 use queue::Queue;
 use record::{Entrants, Slot};
-pub use report::{TiledCounts, TiledReport, TiledTimes};
+pub(crate) use report::TiledCounts;
+pub(crate) use report::TiledReport;
+pub(crate) use report::TiledTimes;
 use runs::{Run, load, share_out};
 use see_through_samples::SeenThrough;
 use setup::{Origin, Setup};
@@ -97,7 +105,7 @@ use crate::scene::material::Transparency;
 use crate::scene::{Camera, Scene};
 
 /// Returns the reason why a frame cannot be drawn tile by tile; `None` if it can.
-pub fn obstacle(scene: &Scene, settings: &Settings) -> Option<&'static str> {
+pub(crate) fn obstacle(scene: &Scene, settings: &Settings) -> Option<&'static str> {
     if settings.arithmetic != Arithmetic::Fixed {
         Some("tiled execution requires fixed-point arithmetic")
     } else if settings.rasterizer.is_published() {
@@ -113,7 +121,7 @@ pub fn obstacle(scene: &Scene, settings: &Settings) -> Option<&'static str> {
 
 /// Memory that is reused from frame to frame.
 #[derive(Debug, Default)]
-pub struct Memory {
+pub(crate) struct Memory {
     arrays: Arrays,
     chunks: Vec<Chunk>,
     workspaces: Mutex<Vec<Workspace>>,
@@ -121,7 +129,7 @@ pub struct Memory {
 
 impl Memory {
     /// Returns the number of bytes held.
-    pub fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         let workspaces = self.workspaces.lock().map_or(0, |all| all.iter().map(Workspace::bytes).sum());
         self.arrays.bytes() + self.chunks.iter().map(Chunk::bytes).sum::<usize>() + workspaces
     }
@@ -199,7 +207,7 @@ struct Frame<'a> {
 }
 
 /// Draws a scene into a framebuffer and overwrites all of it. [`obstacle`] must return `None` for the scene.
-pub fn draw(
+pub(crate) fn draw(
     scene: &Scene,
     camera: &Camera,
     settings: &Settings,
@@ -260,12 +268,12 @@ pub fn draw(
 }
 
 /// Side of a tile in samples.
-pub const TILE_SIDE: u32 = TILE as u32;
+pub(crate) const TILE_SIDE: u32 = TILE as u32;
 
 /// Returns the load of each tile: the number of triangles whose bounding boxes overlap it, before setup. The image has
 /// one value per tile of [`TILE_SIDE`] samples a side. Pixels are sampled at `offsets` from their centres, in grid
 /// steps of 1/256 px, or at their centres if there are none. [`obstacle`] must return `None` for the scene.
-pub fn tile_loads(
+pub(crate) fn tile_loads(
     scene: &Scene,
     camera: &Camera,
     settings: &Settings,
@@ -325,7 +333,7 @@ impl Work {
 }
 
 /// Returns the plans of all instances.
-pub fn plans(scene: &Scene, camera: &Camera, settings: &Settings, viewport: Viewport) -> Vec<DrawPlan> {
+pub(crate) fn plans(scene: &Scene, camera: &Camera, settings: &Settings, viewport: Viewport) -> Vec<DrawPlan> {
     plan(scene, camera, settings, viewport, Lanes::best()).1
 }
 

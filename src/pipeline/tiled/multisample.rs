@@ -21,20 +21,20 @@ use crate::pipeline::grid::SampleGrid;
 use crate::scene::material::Transparency;
 
 /// Indices into a list of colours, of one sample for each of sixteen pixels.
-pub type Picks = [u32; WIDE];
+pub(crate) type Picks = [u32; WIDE];
 
 /// Computes the colours of pixels, sixteen at a time, from a list of colours and the picks of each sample. If all
 /// samples of a pixel have one colour, the pixel has it as well.
-pub type MeanOfSamples<'a> = &'a (dyn Fn(&[Rgba8], &[Picks], &mut [Rgba8]) + Sync);
+pub(crate) type MeanOfSamples<'a> = &'a (dyn Fn(&[Rgba8], &[Picks], &mut [Rgba8]) + Sync);
 
 /// Several samples of each pixel, and their combination into one colour.
 #[derive(Clone, Copy)]
-pub struct Multisampling<'a> {
+pub(crate) struct Multisampling<'a> {
     /// Sample positions, in grid steps of 1/256 px right of and below the centre of their pixel. Their mean is the
     /// centre, and they are not collinear.
-    pub offsets: &'a [[i32; 2]],
+    pub(crate) offsets: &'a [[i32; 2]],
     /// Combination of samples into pixels.
-    pub mean: MeanOfSamples<'a>,
+    pub(crate) mean: MeanOfSamples<'a>,
 }
 
 /// Sample planes: the tiles that are drawn for each tile of the picture.

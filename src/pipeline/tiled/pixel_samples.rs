@@ -6,7 +6,7 @@ use crate::pipeline::grid::SampleGrid;
 
 /// Sampling mode of a frame's pixels.
 #[derive(Clone, Copy)]
-pub enum PixelSamples<'a> {
+pub(crate) enum PixelSamples<'a> {
     /// One sample at each pixel's centre.
     Centre,
     /// Multisampling: several samples of each pixel, drawn together.

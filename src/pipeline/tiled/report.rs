@@ -8,15 +8,15 @@ use crate::pipeline::plan::DrawPlan;
 /// Wall-clock time of each stage. All threads draw and shade tiles in turn: the time of both is divided in proportion
 /// to the thread time spent on each.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct TiledTimes {
+pub(crate) struct TiledTimes {
     /// Planning and vertex processing.
-    pub transform: Duration,
+    pub(crate) transform: Duration,
     /// Culling, clipping and binning.
-    pub cull: Duration,
+    pub(crate) cull: Duration,
     /// Coverage and depth.
-    pub rasterize: Duration,
+    pub(crate) rasterize: Duration,
     /// Interpolation and shading.
-    pub shade: Duration,
+    pub(crate) shade: Duration,
 }
 
 impl AddAssign for TiledTimes {
@@ -31,36 +31,36 @@ impl AddAssign for TiledTimes {
 
 /// Counts of triangles, vertices, samples and texels of a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct TiledCounts {
+pub(crate) struct TiledCounts {
     /// Triangles in the scene.
-    pub triangles_in: u64,
+    pub(crate) triangles_in: u64,
     /// Triangles in draws that are not entirely outside the view.
-    pub considered: u64,
+    pub(crate) considered: u64,
     /// Triangles, and pieces of clipped ones, that pass facing culling.
-    pub rasterized: u64,
+    pub(crate) rasterized: u64,
     /// Rasterized triangles that may contain a sample.
-    pub kept: u64,
+    pub(crate) kept: u64,
     /// Bin entries: pairs of a triangle and a tile.
-    pub binned: u64,
+    pub(crate) binned: u64,
     /// Samples tested individually.
-    pub visited: u64,
+    pub(crate) visited: u64,
     /// Samples accepted in whole blocks.
-    pub plain: u64,
+    pub(crate) plain: u64,
     /// Vertices transformed.
-    pub vertices: u64,
+    pub(crate) vertices: u64,
     /// Samples shaded.
-    pub shaded: u64,
+    pub(crate) shaded: u64,
     /// Texels read.
-    pub texels: u64,
+    pub(crate) texels: u64,
 }
 
 /// Report of a finished frame.
 #[derive(Clone, Debug, Default)]
-pub struct TiledReport {
+pub(crate) struct TiledReport {
     /// One plan per instance.
-    pub plans: Vec<DrawPlan>,
+    pub(crate) plans: Vec<DrawPlan>,
     /// Time of each stage.
-    pub times: TiledTimes,
+    pub(crate) times: TiledTimes,
     /// Counts of the frame.
-    pub counts: TiledCounts,
+    pub(crate) counts: TiledCounts,
 }

@@ -18,13 +18,13 @@ pub struct Case {
     /// Unique id.
     pub id: String,
     /// Id of the class that the case belongs to.
-    pub class: String,
+    pub(crate) class: String,
     /// Description of the special property of the case.
     #[serde(default)]
-    pub note: String,
+    pub(crate) note: String,
     /// Kind of the case and its data.
     #[serde(flatten)]
-    pub body: Body,
+    pub(crate) body: Body,
 }
 
 /// Kind of a case and its data.
@@ -49,105 +49,105 @@ pub enum Body {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Coverage {
     /// Image width, in pixels.
-    pub width: u32,
+    pub(crate) width: u32,
     /// Image height, in pixels.
-    pub height: u32,
+    pub(crate) height: u32,
     /// Fill rule for pixel centres on edges.
     #[serde(with = "crate::case::rule")]
-    pub rule: FillRule,
+    pub(crate) rule: FillRule,
     /// Vertices in pixels, x right and y down; every triangle is drawn separately.
     #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
-    pub triangles: Vec<[[f32; 2]; 3]>,
+    pub(crate) triangles: Vec<[[f32; 2]; 3]>,
     /// Whether the triangles together cover every pixel of the image exactly once.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub exactly_once: bool,
+    pub(crate) exactly_once: bool,
 }
 
 /// A screen-space triangle with attributes to interpolate.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Attributes {
     /// Image width, in pixels.
-    pub width: u32,
+    pub(crate) width: u32,
     /// Image height, in pixels.
-    pub height: u32,
+    pub(crate) height: u32,
     /// Vertices of the triangle.
     #[serde(with = "wire::corners")]
-    pub vertices: [ScreenCorner; 3],
+    pub(crate) vertices: [ScreenCorner; 3],
     /// Columns and rows of the pixels to evaluate; their centres lie inside the triangle.
-    pub eval: Vec<[u32; 2]>,
+    pub(crate) eval: Vec<[u32; 2]>,
 }
 
 /// Two coplanar triangles.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CoplanarPair {
     /// Image width, in pixels.
-    pub width: u32,
+    pub(crate) width: u32,
     /// Image height, in pixels.
-    pub height: u32,
+    pub(crate) height: u32,
     /// Vertices of the first triangle.
     #[serde(with = "wire::corners")]
-    pub first: [ScreenCorner; 3],
+    pub(crate) first: [ScreenCorner; 3],
     /// Vertices of the second triangle.
     #[serde(with = "wire::corners")]
-    pub second: [ScreenCorner; 3],
+    pub(crate) second: [ScreenCorner; 3],
     /// Columns and rows of the pixels to evaluate; their centres lie inside both triangles.
-    pub eval: Vec<[u32; 2]>,
+    pub(crate) eval: Vec<[u32; 2]>,
 }
 
 /// Clip-space triangles, with 0 ≤ z ≤ w inside the view and y up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ClipSpace {
     /// Image width, in pixels.
-    pub width: u32,
+    pub(crate) width: u32,
     /// Image height, in pixels.
-    pub height: u32,
+    pub(crate) height: u32,
     /// Clip-space vertices (x, y, z, w); every triangle is drawn separately.
     #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
-    pub triangles: Vec<[[f32; 4]; 3]>,
+    pub(crate) triangles: Vec<[[f32; 4]; 3]>,
 }
 
 /// View-space distances and the depth buffer that stores them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Depth {
     /// Mapping from a distance to a depth in [0, 1].
-    pub mapping: DepthMapping,
+    pub(crate) mapping: DepthMapping,
     /// Storage format of the depth buffer.
-    pub format: DepthStorage,
+    pub(crate) format: DepthStorage,
     /// Distance of the near plane.
     #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
-    pub near: f32,
+    pub(crate) near: f32,
     /// Distance of the far plane; `None` for infinity.
     #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
-    pub far: Option<f32>,
+    pub(crate) far: Option<f32>,
     /// Distances, in ascending order.
     #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
-    pub z: Vec<f32>,
+    pub(crate) z: Vec<f32>,
 }
 
 /// Random pairs of distances z and z · (1 + gap), with z log-uniform between the planes, seen through random views.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DepthPairs {
     /// Mapping from a distance to a depth in [0, 1].
-    pub mapping: DepthMapping,
+    pub(crate) mapping: DepthMapping,
     /// Storage format of the depth buffer.
-    pub format: DepthStorage,
+    pub(crate) format: DepthStorage,
     /// Distance of the near plane.
     #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
-    pub near: f32,
+    pub(crate) near: f32,
     /// Distance of the far plane.
     #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
-    pub far: f32,
+    pub(crate) far: f32,
     /// Relative difference between the two distances of a pair.
-    pub gap: f64,
+    pub(crate) gap: f64,
     /// Number of pairs.
-    pub pairs: u32,
+    pub(crate) pairs: u32,
     /// Seed of the random number generator.
-    pub seed: u64,
+    pub(crate) seed: u64,
 }
 
 impl Case {
     /// Returns the image size of the case; `None` for cases without an image.
-    pub fn viewport(&self) -> Option<Viewport> {
+    pub(crate) fn viewport(&self) -> Option<Viewport> {
         let (width, height) = match &self.body {
             Body::TriCoverage(c) => (c.width, c.height),
             Body::TriAttr(c) => (c.width, c.height),
@@ -159,7 +159,7 @@ impl Case {
     }
 
     /// Returns the number of triangles.
-    pub fn triangle_count(&self) -> usize {
+    pub(crate) fn triangle_count(&self) -> usize {
         match &self.body {
             Body::TriCoverage(c) => c.triangles.len(),
             Body::ClipTri(c) => c.triangles.len(),
@@ -170,7 +170,7 @@ impl Case {
     }
 
     /// Returns the same case with another depth mapping and format; other kinds of cases are returned unchanged.
-    pub fn stored_as(mut self, mapping: DepthMapping, format: DepthStorage) -> Self {
+    pub(crate) fn stored_as(mut self, mapping: DepthMapping, format: DepthStorage) -> Self {
         match &mut self.body {
             Body::Depth(depth) => {
                 depth.far = depth.far.filter(|_| mapping != DepthMapping::ReversedInf);
@@ -184,7 +184,7 @@ impl Case {
 
     /// Returns the case with only some of its parts, given by index: triangles, evaluated pixels, or distances. A part
     /// of a mesh is no longer expected to cover the image.
-    pub fn only(&self, parts: &[usize]) -> Self {
+    pub(crate) fn only(&self, parts: &[usize]) -> Self {
         let mut case = Self { id: format!("{}-part", self.id), ..self.clone() };
         match &mut case.body {
             Body::TriCoverage(c) => {
@@ -201,7 +201,7 @@ impl Case {
     }
 
     /// Serialises the case as JSON.
-    pub fn to_json(&self) -> String {
+    pub(crate) fn to_json(&self) -> String {
         // Serialisation of a case cannot fail: map keys are strings, and numbers are finite or written as strings.
         serde_json::to_string(self).unwrap_or_default()
     }

@@ -24,7 +24,7 @@ fn depth_format<S: serde::Serializer>(format: &DepthFormat, to: S) -> Result<S::
 
 impl Column {
     /// Returns all columns for the classes of a family.
-    pub fn of(family: Family) -> Vec<Self> {
+    pub(crate) fn of(family: Family) -> Vec<Self> {
         match family {
             Family::Coverage | Family::Mesh | Family::ClipSpace | Family::Throughput => {
                 Configuration::all().into_iter().map(Self::Coverage).collect()
@@ -35,7 +35,7 @@ impl Column {
     }
 
     /// Returns the id of the rasterizer, formula or format.
-    pub fn method(self) -> &'static str {
+    pub(crate) fn method(self) -> &'static str {
         match self {
             Self::Coverage(by) => by.rasterizer.id(),
             Self::Weights(by) => by.interpolation.id(),
@@ -44,7 +44,7 @@ impl Column {
     }
 
     /// Returns the display name of the rasterizer, formula or format.
-    pub fn method_name(self) -> &'static str {
+    pub(crate) fn method_name(self) -> &'static str {
         match self {
             Self::Coverage(by) => by.rasterizer.name(),
             Self::Weights(by) => by.interpolation.name(),
@@ -53,7 +53,7 @@ impl Column {
     }
 
     /// Returns the id of the arithmetic; `None` for depth formats.
-    pub fn arithmetic(self) -> Option<&'static str> {
+    pub(crate) fn arithmetic(self) -> Option<&'static str> {
         match self {
             Self::Coverage(by) => Some(by.arithmetic.id()),
             Self::Weights(by) => Some(by.arithmetic.id()),
@@ -62,7 +62,7 @@ impl Column {
     }
 
     /// Returns the display name of the arithmetic; `None` for depth formats.
-    pub fn arithmetic_name(self) -> Option<&'static str> {
+    pub(crate) fn arithmetic_name(self) -> Option<&'static str> {
         match self {
             Self::Coverage(by) => Some(by.arithmetic.name()),
             Self::Weights(by) => Some(by.arithmetic.name()),
@@ -71,7 +71,7 @@ impl Column {
     }
 
     /// Whether the method is kept as commonly published, with its faults.
-    pub fn is_published(self) -> bool {
+    pub(crate) fn is_published(self) -> bool {
         match self {
             Self::Coverage(by) => by.rasterizer.is_published(),
             Self::Weights(by) => is_published(by.interpolation),
@@ -80,7 +80,7 @@ impl Column {
     }
 
     /// Returns the ids of the method and the arithmetic.
-    pub fn label(self) -> String {
+    pub(crate) fn label(self) -> String {
         self.arithmetic().map_or_else(|| self.method().to_owned(), |numbers| format!("{} · {numbers}", self.method()))
     }
 }

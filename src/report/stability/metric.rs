@@ -52,7 +52,7 @@ enum Join {
 }
 
 /// Number of [`Measures::severity`] levels above 0.
-pub const LEVELS: usize = 6;
+pub(crate) const LEVELS: usize = 6;
 
 impl Metric {
     fn join(self) -> Join {
@@ -70,12 +70,12 @@ impl Metric {
     }
 
     /// Whether the metric is a count.
-    pub fn is_count(self) -> bool {
+    pub(crate) fn is_count(self) -> bool {
         self.join() == Join::Sum
     }
 
     /// Whether the metric indicates a fault, as opposed to a quantity or a time.
-    pub fn is_fault(self) -> bool {
+    pub(crate) fn is_fault(self) -> bool {
         !matches!(self, Self::Pixels | Self::Samples | Self::Pairs | Self::IdealTies | Self::Stiffness)
     }
 
@@ -92,7 +92,7 @@ impl Metric {
     }
 
     /// Returns the thresholds between severity levels: values, or fractions of the total for partial counts.
-    pub fn thresholds(self) -> [f64; LEVELS] {
+    pub(crate) fn thresholds(self) -> [f64; LEVELS] {
         match self {
             Self::AffineError | Self::WeightError | Self::SumError | Self::DepthError => {
                 [1e-14, 1e-6, 1e-5, 1e-3, 1e-2, 1e-1]
@@ -107,7 +107,7 @@ impl Metric {
     }
 
     /// Formats a value in a few characters.
-    pub fn format(self, value: f64) -> String {
+    pub(crate) fn format(self, value: f64) -> String {
         match self {
             Self::Lost => format!("{} %", short(value)),
             Self::Stiffness => format!("{}×", short(value)),
@@ -131,7 +131,7 @@ fn grouped(value: f64) -> String {
 }
 
 /// Formats a number in a few characters, in scientific notation if it is very large or small.
-pub fn short(value: f64) -> String {
+pub(crate) fn short(value: f64) -> String {
     match value.abs() {
         0.0 => "0".to_owned(),
         v if !(0.001..1e5).contains(&v) => format!("{value:.1e}"),
@@ -144,22 +144,22 @@ pub fn short(value: f64) -> String {
 
 /// Measured values of one or more cases; metrics that do not apply are absent.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Measures([Option<f64>; Metric::ALL.len()]);
+pub(crate) struct Measures([Option<f64>; Metric::ALL.len()]);
 
 impl Measures {
     /// Returns a value, or `None` if the metric does not apply.
-    pub fn get(&self, metric: Metric) -> Option<f64> {
+    pub(crate) fn get(&self, metric: Metric) -> Option<f64> {
         self.0[metric as usize]
     }
 
     /// Returns the measures with a value set.
-    pub fn with(mut self, metric: Metric, value: f64) -> Self {
+    pub(crate) fn with(mut self, metric: Metric, value: f64) -> Self {
         self.0[metric as usize] = Some(value);
         self
     }
 
     /// Adds to a count, or raises a maximum.
-    pub fn note(&mut self, metric: Metric, value: f64) {
+    pub(crate) fn note(&mut self, metric: Metric, value: f64) {
         let slot = &mut self.0[metric as usize];
         *slot = Some(match (*slot, metric.join()) {
             (None, _) => value,
@@ -169,7 +169,7 @@ impl Measures {
     }
 
     /// Adds the measures of more cases, and updates derived metrics.
-    pub fn join(&mut self, more: &Self) {
+    pub(crate) fn join(&mut self, more: &Self) {
         for (metric, value) in more.iter() {
             if metric.join() != Join::Derived {
                 self.note(metric, value);
@@ -183,12 +183,12 @@ impl Measures {
     }
 
     /// Returns all metrics that apply, with their values.
-    pub fn iter(&self) -> impl Iterator<Item = (Metric, f64)> {
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (Metric, f64)> {
         Metric::ALL.iter().filter_map(|metric| Some((*metric, self.get(*metric)?)))
     }
 
     /// Returns the severity of a metric, from 0 (no fault) to [`LEVELS`]; `None` if it does not apply.
-    pub fn severity(&self, metric: Metric) -> Option<usize> {
+    pub(crate) fn severity(&self, metric: Metric) -> Option<usize> {
         let value = self.get(metric)?;
         let whole = metric.whole().and_then(|whole| self.get(whole)).map_or(1.0, |whole| whole.max(1.0));
         Some(metric.thresholds().into_iter().filter(|threshold| value / whole > *threshold).count())
@@ -207,26 +207,26 @@ impl Serialize for Measures {
 
 /// Upper bound of a metric; a class passes if all its bounds hold.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Bound {
+pub(crate) struct Bound {
     /// Bounded metric.
-    pub metric: Metric,
+    pub(crate) metric: Metric,
     /// Largest value that passes.
-    pub most: f64,
+    pub(crate) most: f64,
 }
 
 impl Bound {
     /// Creates a bound of at most `most`.
-    pub const fn new(metric: Metric, most: f64) -> Self {
+    pub(crate) const fn new(metric: Metric, most: f64) -> Self {
         Self { metric, most }
     }
 
     /// Creates a bound of zero.
-    pub const fn none(metric: Metric) -> Self {
+    pub(crate) const fn none(metric: Metric) -> Self {
         Self { metric, most: 0.0 }
     }
 
     /// Whether the measures are within the bound; `true` if the metric does not apply.
-    pub fn holds(&self, measures: &Measures) -> bool {
+    pub(crate) fn holds(&self, measures: &Measures) -> bool {
         measures.get(self.metric).is_none_or(|value| value <= self.most)
     }
 }
@@ -241,7 +241,7 @@ impl Display for Bound {
 /// Verdict of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "UPPERCASE")]
-pub enum Verdict {
+pub(crate) enum Verdict {
     /// All bounds of the class hold.
     Pass,
     /// Some bounds do not hold; the numbers show by how much.
@@ -252,7 +252,7 @@ pub enum Verdict {
 
 impl Verdict {
     /// Returns the verdict as a word.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Pass => "PASS",
             Self::Measured => "MEASURED",

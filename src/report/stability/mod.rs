@@ -16,28 +16,28 @@ pub mod case;
 
 pub mod catalogue;
 
-pub mod column;
+pub(crate) mod column;
 
-pub mod csv;
+pub(crate) mod csv;
 
-pub mod html;
+pub(crate) mod html;
 
-pub mod measure;
+pub(crate) mod measure;
 
-pub mod metric;
+pub(crate) mod metric;
 
 pub mod oracle;
 
 pub mod spans;
 
-pub mod subject;
+pub(crate) mod subject;
 
 pub mod sweep;
 
-pub mod text;
+pub(crate) mod text;
 
-pub mod timing;
+pub(crate) mod timing;
 
-pub mod tradeoff;
+pub(crate) mod tradeoff;
 
 mod wire;

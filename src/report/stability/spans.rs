@@ -8,12 +8,12 @@ fn length(span: &Span) -> u64 {
 }
 
 /// Returns the number of pixels in spans; pixels that occur several times are counted as often.
-pub fn pixel_count(spans: &[Span]) -> u64 {
+pub(crate) fn pixel_count(spans: &[Span]) -> u64 {
     spans.iter().map(length).sum()
 }
 
 /// Returns the same set of pixels as sorted, disjoint, non-empty spans.
-pub fn normalized(spans: &[Span]) -> Vec<Span> {
+pub(crate) fn normalized(spans: &[Span]) -> Vec<Span> {
     let mut sorted: Vec<Span> = spans.iter().copied().filter(|s| s.left < s.right).collect();
     sorted.sort_unstable_by_key(|s| (s.row, s.left, s.right));
     let mut merged: Vec<Span> = Vec::with_capacity(sorted.len());
@@ -27,7 +27,7 @@ pub fn normalized(spans: &[Span]) -> Vec<Span> {
 }
 
 /// Returns the pixels that are in exactly one of two sets, in order.
-pub fn difference(a: &[Span], b: &[Span]) -> Vec<Span> {
+pub(crate) fn difference(a: &[Span], b: &[Span]) -> Vec<Span> {
     let (a, b) = (normalized(a), normalized(b));
     // A resulting span starts and ends where membership in one set changes; simultaneous changes in both cancel out.
     let mut ends: Vec<(u32, u32)> = a.iter().chain(&b).flat_map(|s| [(s.row, s.left), (s.row, s.right)]).collect();
@@ -55,12 +55,12 @@ pub struct Hits {
 
 impl Hits {
     /// Creates counters without hits.
-    pub fn none(viewport: Viewport) -> Self {
+    pub(crate) fn none(viewport: Viewport) -> Self {
         Self { viewport, counts: vec![0; viewport.width as usize * viewport.height as usize] }
     }
 
     /// Adds spans; pixels outside the image are ignored.
-    pub fn add(&mut self, spans: &[Span]) {
+    pub(crate) fn add(&mut self, spans: &[Span]) {
         let width = self.viewport.width as usize;
         for span in spans.iter().filter(|s| s.row < self.viewport.height) {
             let (left, right) = (width.min(span.left as usize), width.min(span.right as usize));
@@ -72,17 +72,17 @@ impl Hits {
     }
 
     /// Returns the number of pixels that were never hit.
-    pub fn cracks(&self) -> u64 {
+    pub(crate) fn cracks(&self) -> u64 {
         self.counts.iter().filter(|count| **count == 0).count() as u64
     }
 
     /// Returns the number of pixels that were hit more than once.
-    pub fn doubles(&self) -> u64 {
+    pub(crate) fn doubles(&self) -> u64 {
         self.counts.iter().filter(|count| **count > 1).count() as u64
     }
 
     /// Returns the column and row of the first pixel that was not hit exactly once.
-    pub fn first_fault(&self) -> Option<(u32, u32)> {
+    pub(crate) fn first_fault(&self) -> Option<(u32, u32)> {
         let at = self.counts.iter().position(|count| *count != 1)?;
         let width = self.viewport.width as usize;
         Some(((at % width) as u32, (at / width) as u32))

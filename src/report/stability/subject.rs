@@ -22,15 +22,15 @@ const RULE: FillRule = FillRule::TopLeft;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 pub struct Configuration {
     /// Rasterization algorithm.
-    pub rasterizer: Rasterizer,
+    pub(crate) rasterizer: Rasterizer,
     /// Number type of its arithmetic.
-    pub arithmetic: Arithmetic,
+    pub(crate) arithmetic: Arithmetic,
 }
 
 impl Configuration {
     /// Returns all configurations, grouped by arithmetic. Published rasterizers have their own arithmetic and come
     /// last.
-    pub fn all() -> Vec<Self> {
+    pub(crate) fn all() -> Vec<Self> {
         let of = |arithmetic: Arithmetic| Rasterizer::sound().map(move |rasterizer| Self { rasterizer, arithmetic });
         let sound = Arithmetic::ALL.iter().copied().flat_map(of);
         let published = Rasterizer::ALL.iter().filter(|rasterizer| rasterizer.is_published());
@@ -38,7 +38,7 @@ impl Configuration {
     }
 
     /// Returns the vertex snapping that the configuration declares.
-    pub fn declared_snap(self) -> Snap {
+    pub(crate) fn declared_snap(self) -> Snap {
         if self.arithmetic == Arithmetic::Fixed { Snap::Grid256 } else { Snap::Unsnapped }
     }
 }
@@ -47,15 +47,15 @@ impl Configuration {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 pub struct Weighting {
     /// Interpolation formula.
-    pub interpolation: Interpolation,
+    pub(crate) interpolation: Interpolation,
     /// Number type in which edges are evaluated.
-    pub arithmetic: Arithmetic,
+    pub(crate) arithmetic: Arithmetic,
 }
 
 impl Weighting {
     /// Returns all configurations, grouped by formula. The published formula computes in f32 and does not use edge
     /// functions.
-    pub fn all() -> Vec<Self> {
+    pub(crate) fn all() -> Vec<Self> {
         let of = |interpolation: Interpolation| {
             let arithmetics = Arithmetic::ALL.iter().copied();
             let arithmetics = arithmetics.filter(move |a| !is_published(interpolation) || *a == Arithmetic::F32);
@@ -66,38 +66,38 @@ impl Weighting {
 }
 
 /// Whether a formula is kept as commonly published, with its faults.
-pub fn is_published(interpolation: Interpolation) -> bool {
+pub(crate) fn is_published(interpolation: Interpolation) -> bool {
     interpolation == Interpolation::Published
 }
 
 /// Returns the pixels covered by a screen-space triangle with vertices in pixels.
-pub fn cover(by: Configuration, corners_px: [[f32; 2]; 3], rule: FillRule, viewport: Viewport) -> Vec<Span> {
+pub(crate) fn cover(by: Configuration, corners_px: [[f32; 2]; 3], rule: FillRule, viewport: Viewport) -> Vec<Span> {
     raster::cover(by.rasterizer, by.arithmetic, corners_px, rule, viewport)
 }
 
 /// Interpolated values at one pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sampled {
+pub(crate) struct Sampled {
     /// Screen-space (affine) weights of the vertices.
-    pub affine: [f64; 3],
+    pub(crate) affine: [f64; 3],
     /// Weights of the vertices for attributes.
-    pub weights: [f64; 3],
+    pub(crate) weights: [f64; 3],
     /// Interpolated depth.
-    pub depth: f64,
+    pub(crate) depth: f64,
     /// Interpolated texture coordinates.
-    pub uv: [f64; 2],
+    pub(crate) uv: [f64; 2],
 }
 
 impl Sampled {
     /// Returns all values.
-    pub fn numbers(&self) -> impl Iterator<Item = f64> {
+    pub(crate) fn numbers(&self) -> impl Iterator<Item = f64> {
         self.affine.into_iter().chain(self.weights).chain([self.depth]).chain(self.uv)
     }
 }
 
 /// A triangle prepared for interpolation at many pixels.
 #[derive(Clone, Copy, Debug)]
-pub struct Interpolator {
+pub(crate) struct Interpolator {
     triangle: ScreenTriangle,
     edges: AnyTriangle,
     interpolation: Interpolation,
@@ -105,7 +105,7 @@ pub struct Interpolator {
 
 impl Interpolator {
     /// Prepares a screen-space triangle. Returns `None` if the engine finds no area.
-    pub fn new(by: Weighting, corners: &[ScreenCorner; 3]) -> Option<Self> {
+    pub(crate) fn new(by: Weighting, corners: &[ScreenCorner; 3]) -> Option<Self> {
         let vertices = corners.map(|c| {
             let varyings = Varyings { uv: c.uv.into(), ..Varyings::default() };
             ScreenVertex::at([c.x, c.y], c.z.into(), 1.0 / c.w, varyings)
@@ -118,12 +118,12 @@ impl Interpolator {
     }
 
     /// Returns the attribute weights at a pixel centre; this is the timed operation.
-    pub fn weights(&self, column: u32, row: u32) -> [f32; 3] {
+    pub(crate) fn weights(&self, column: u32, row: u32) -> [f32; 3] {
         attribute_weights(&self.triangle, &self.edges.sample((column, row)), self.interpolation)
     }
 
     /// Returns the engine's values at a pixel centre.
-    pub fn at(&self, column: u32, row: u32) -> Sampled {
+    pub(crate) fn at(&self, column: u32, row: u32) -> Sampled {
         let sample = self.edges.sample((column, row));
         let fragment = interpolate(&self.triangle, sample, Attributes::all(self.interpolation));
         Sampled {
@@ -137,17 +137,17 @@ impl Interpolator {
 
 /// A covered pixel of a clip-space triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ClipFragment {
+pub(crate) struct ClipFragment {
     /// Column and row of the pixel.
-    pub pixel: [u32; 2],
+    pub(crate) pixel: [u32; 2],
     /// Weights of the original vertices, before clipping.
-    pub weights: [f64; 3],
+    pub(crate) weights: [f64; 3],
     /// Interpolated depth.
-    pub depth: f64,
+    pub(crate) depth: f64,
 }
 
 /// Clips, projects and rasterizes a clip-space triangle, and interpolates at every covered pixel.
-pub fn draw(by: Configuration, corners: [[f32; 4]; 3], viewport: Viewport) -> Vec<ClipFragment> {
+pub(crate) fn draw(by: Configuration, corners: [[f32; 4]; 3], viewport: Viewport) -> Vec<ClipFragment> {
     let vertices = corners.map(|position| ClipVertex::at(position.into()));
     let interpolation = Interpolation::Perspective;
     let mut fragments = Vec::new();
@@ -174,12 +174,12 @@ impl Interpolator {
 }
 
 /// Returns all depth buffer formats.
-pub fn depth_formats() -> &'static [DepthFormat] {
+pub(crate) fn depth_formats() -> &'static [DepthFormat] {
     DepthFormat::ALL
 }
 
 /// Returns the depth mapping and storage of a format.
-pub fn meaning(format: DepthFormat) -> (DepthMapping, DepthStorage) {
+pub(crate) fn meaning(format: DepthFormat) -> (DepthMapping, DepthStorage) {
     match format {
         DepthFormat::F32 => (DepthMapping::Standard, DepthStorage::F32),
         DepthFormat::ReversedF32 => (DepthMapping::Reversed, DepthStorage::F32),
@@ -192,24 +192,24 @@ pub fn meaning(format: DepthFormat) -> (DepthMapping, DepthStorage) {
 
 /// Depth buffer encoding of one view.
 #[derive(Clone, Copy, Debug)]
-pub struct DepthBuffer {
+pub(crate) struct DepthBuffer {
     scale: DepthScale,
 }
 
 impl DepthBuffer {
     /// Creates the encoding for a perspective view with these near and far planes.
-    pub fn new(format: DepthFormat, near: f32, far: f32) -> Self {
+    pub(crate) fn new(format: DepthFormat, near: f32, far: f32) -> Self {
         Self { scale: DepthScale::perspective(format.mapping(), format.encoding(), near, far) }
     }
 
     /// Returns the stored depth of a point at this distance.
-    pub fn stored(&self, distance: f32) -> f64 {
+    pub(crate) fn stored(&self, distance: f32) -> f64 {
         self.scale.stored(distance).into()
     }
 }
 
 /// Computes the distance of a world-space point along the view axis, from the matrix row of w.
-pub fn distance(w_from_world: [f32; 4], point: [f32; 3]) -> f32 {
+pub(crate) fn distance(w_from_world: [f32; 4], point: [f32; 3]) -> f32 {
     let mut clip_from_world = Mat4::IDENTITY;
     for (axis, factor) in w_from_world.into_iter().enumerate() {
         clip_from_world.col_mut(axis).w = factor;

@@ -24,15 +24,15 @@ use crate::pipeline::settings::{Arithmetic, Choice as _, Rasterizer};
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// Classes to run, in this order.
-    pub classes: Vec<&'static Class>,
+    pub(crate) classes: Vec<&'static Class>,
     /// Rasterizers to run, in classes that vary them.
-    pub rasterizers: Vec<Rasterizer>,
+    pub(crate) rasterizers: Vec<Rasterizer>,
     /// Arithmetics to run, in classes that vary them.
-    pub arithmetics: Vec<Arithmetic>,
+    pub(crate) arithmetics: Vec<Arithmetic>,
     /// Seed of the random cases.
-    pub seed: u64,
+    pub(crate) seed: u64,
     /// Whether to measure times as well.
-    pub timed: bool,
+    pub(crate) timed: bool,
 }
 
 /// Default seed of the random cases.
@@ -68,16 +68,16 @@ impl Plan {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
     /// Current stage.
-    pub stage: Stage,
+    pub(crate) stage: Stage,
     /// Number of completed steps in this stage.
-    pub done: usize,
+    pub(crate) done: usize,
     /// Total number of steps in this stage.
-    pub of: usize,
+    pub(crate) of: usize,
 }
 
 /// Stages of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stage {
+pub(crate) enum Stage {
     /// Judging the cases.
     Judging,
     /// Timing the classes.
@@ -86,7 +86,7 @@ pub enum Stage {
 
 impl Stage {
     /// Returns the display name.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Judging => "checking cases",
             Self::Timing => "timing classes",
@@ -98,18 +98,18 @@ impl Stage {
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
     /// Seed of the random cases.
-    pub seed: u64,
+    pub(crate) seed: u64,
     /// Machine that ran the report.
-    pub machine: Machine,
+    pub(crate) machine: Machine,
     /// Duration of the run.
     #[serde(serialize_with = "seconds")]
-    pub duration: Duration,
+    pub(crate) duration: Duration,
     /// Noise floor, from timing the first configuration of each class against itself; `None` without times.
-    pub timing_noise: Option<Noise>,
+    pub(crate) timing_noise: Option<Noise>,
     /// Results per class.
-    pub classes: Vec<ClassReport>,
+    pub(crate) classes: Vec<ClassReport>,
     /// Whether the run was cancelled before all classes were judged and timed.
-    pub partial: bool,
+    pub(crate) partial: bool,
 }
 
 fn seconds<S: serde::Serializer>(duration: &Duration, to: S) -> Result<S::Ok, S::Error> {
@@ -118,63 +118,63 @@ fn seconds<S: serde::Serializer>(duration: &Duration, to: S) -> Result<S::Ok, S:
 
 /// Results of one class.
 #[derive(Clone, Debug, Serialize)]
-pub struct ClassReport {
+pub(crate) struct ClassReport {
     /// Class of the cases.
     #[serde(flatten)]
-    pub class: &'static Class,
+    pub(crate) class: &'static Class,
     /// Number of cases.
-    pub cases: usize,
+    pub(crate) cases: usize,
     /// Total number of triangles in the cases.
-    pub triangles: usize,
+    pub(crate) triangles: usize,
     /// Total number of pixels, samples or depths in the cases.
-    pub units: u64,
+    pub(crate) units: u64,
     /// Results per column.
-    pub cells: Vec<Cell>,
+    pub(crate) cells: Vec<Cell>,
     /// Complete cases named by [`Worst::of`], without duplicates; the counts of the cells can be recomputed from them.
-    pub worst_cases: Vec<Case>,
+    pub(crate) worst_cases: Vec<Case>,
 }
 
 /// Results of one class in one configuration.
 #[derive(Clone, Debug, Serialize)]
-pub struct Cell {
+pub(crate) struct Cell {
     /// Configuration of the engine.
     #[serde(flatten)]
-    pub column: Column,
+    pub(crate) column: Column,
     /// Summary as one word.
-    pub verdict: Verdict,
+    pub(crate) verdict: Verdict,
     /// Number of cases without an answer.
-    pub refused: usize,
+    pub(crate) refused: usize,
     /// Measures over all cases.
-    pub measures: Measures,
+    pub(crate) measures: Measures,
     /// Time measured for the cell; `None` without timing.
-    pub time: Option<Time>,
+    pub(crate) time: Option<Time>,
     /// Worst case, if there was any fault.
-    pub worst: Option<Worst>,
+    pub(crate) worst: Option<Worst>,
     /// Results per case, for depth classes, whose cases are separate experiments.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub by_case: Vec<CaseMeasures>,
+    pub(crate) by_case: Vec<CaseMeasures>,
 }
 
 /// Results of one case.
 #[derive(Clone, Debug, Serialize)]
-pub struct CaseMeasures {
+pub(crate) struct CaseMeasures {
     /// Id of the case.
-    pub id: String,
+    pub(crate) id: String,
     /// Description of the special property of the case.
-    pub note: String,
+    pub(crate) note: String,
     /// Measures of the case; `None` if it was not answered.
-    pub measures: Option<Measures>,
+    pub(crate) measures: Option<Measures>,
 }
 
 /// Worst case, reduced to the part that shows the fault.
 #[derive(Clone, Debug, Serialize)]
-pub struct Worst {
+pub(crate) struct Worst {
     /// Id of the complete case.
-    pub of: String,
+    pub(crate) of: String,
     /// Measures of the complete case; `None` if it was not answered.
-    pub measures: Option<Measures>,
+    pub(crate) measures: Option<Measures>,
     /// Reduced case to open.
-    pub case: Case,
+    pub(crate) case: Case,
 }
 
 /// Runs a plan. Calls `progress` after every step, from several threads. If `cancel` becomes `true`, returns the

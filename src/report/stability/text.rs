@@ -13,7 +13,7 @@ const CLASS_WIDTH: usize = 17;
 const CELL_WIDTH: usize = 22;
 
 /// Formats the whole report.
-pub fn text(report: &Report) -> String {
+pub(crate) fn text(report: &Report) -> String {
     let mut lines = vec![
         format!(
             "Stability report, seed {}, {:.1} s on {}",

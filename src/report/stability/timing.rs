@@ -38,26 +38,26 @@ const DISTANCES: usize = 2000;
 
 /// Median and spread of a quantity over the rounds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Spread {
+pub(crate) struct Spread {
     /// 50th percentile.
-    pub median: f64,
+    pub(crate) median: f64,
     /// 10th percentile.
-    pub p10: f64,
+    pub(crate) p10: f64,
     /// 90th percentile.
-    pub p90: f64,
+    pub(crate) p90: f64,
 }
 
 /// Cost of one configuration on the cases of a class.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Time {
+pub(crate) struct Time {
     /// Nanoseconds per pixel of the exact answer, per sample, or per stored depth; `None` if there are none.
-    pub ns_per_pixel: Option<Spread>,
+    pub(crate) ns_per_pixel: Option<Spread>,
     /// Median nanoseconds per triangle.
-    pub ns_per_triangle: Option<f64>,
+    pub(crate) ns_per_triangle: Option<f64>,
     /// Time per pixel relative to that of compact triangles with as many pixels.
-    pub stiffness: Option<f64>,
+    pub(crate) stiffness: Option<f64>,
     /// Number of rounds measured.
-    pub rounds: usize,
+    pub(crate) rounds: usize,
 }
 
 /// Timed work: runs all cases of a class once, or fewer if cancelled meanwhile.

@@ -14,24 +14,24 @@ use crate::report::upscaling::tradeoff::{Standing, standings};
 
 /// Time and error of a configuration.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Point {
+pub(crate) struct Point {
     /// Configuration of the engine.
-    pub column: Column,
+    pub(crate) column: Column,
     /// Nanoseconds per pixel or sample.
-    pub ns: Spread,
+    pub(crate) ns: Spread,
     /// Error; 0 if every answer is correct.
-    pub error: f64,
+    pub(crate) error: f64,
     /// Number of non-finite answers, which the error does not include.
-    pub not_finite: f64,
+    pub(crate) not_finite: f64,
     /// Whether the point is on the Pareto front; a lead in time within noise does not count.
-    pub optimal: bool,
+    pub(crate) optimal: bool,
     /// Class id, nanoseconds and error per class.
-    pub by_class: Vec<(&'static str, f64, f64)>,
+    pub(crate) by_class: Vec<(&'static str, f64, f64)>,
 }
 
 /// Returns the points of rasterizers × arithmetics. The error is the fraction of wrong pixels for unsnapped vertices,
 /// averaged over the classes of single triangles and meshes.
-pub fn coverage(report: &Report) -> Vec<Point> {
+pub(crate) fn coverage(report: &Report) -> Vec<Point> {
     let share = |cell: &Cell| {
         let pixels = cell.measures.get(Metric::Pixels).filter(|pixels| *pixels > 0.0)?;
         Some(cell.measures.get(Metric::WrongUnsnapped)? / pixels)
@@ -41,7 +41,7 @@ pub fn coverage(report: &Report) -> Vec<Point> {
 }
 
 /// Returns the points of interpolation formulas × arithmetics. The error is the largest error of a weight.
-pub fn weights(report: &Report) -> Vec<Point> {
+pub(crate) fn weights(report: &Report) -> Vec<Point> {
     let error = |cell: &Cell| cell.measures.get(Metric::WeightError);
     let largest = |errors: &[f64]| errors.iter().copied().fold(0.0, f64::max);
     points(report, &[Family::Weights], error, largest)

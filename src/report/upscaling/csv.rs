@@ -11,7 +11,7 @@ const HEAD: &str = "scene,triangles,width,height,threads,reference,method,scale,
     native_within_noise,noise,noise_pairs";
 
 /// Formats the whole table with its header. Text is quoted; values that do not apply are left empty.
-pub fn csv(report: &Report) -> String {
+pub(crate) fn csv(report: &Report) -> String {
     let rows = report.scenes.iter().flat_map(|scene| scene.rows.iter().map(move |row| (scene, row)));
     let lines = rows.map(|(scene, row)| line(report, scene, row));
     let mark = report.partial.then(|| PARTIAL.to_owned());

@@ -10,14 +10,14 @@
 //! that are dominated in both. [`skipping`] draws fewer pixels in the naive way, by skipping them inside the loop, for
 //! comparison with visiting fewer. The report is plain data, which [`page`] and [`csv`] format.
 
-pub mod csv;
+pub(crate) mod csv;
 
-pub mod page;
+pub(crate) mod page;
 
 mod plot;
 
-pub mod skipping;
+pub(crate) mod skipping;
 
 pub mod sweep;
 
-pub mod tradeoff;
+pub(crate) mod tradeoff;

@@ -23,7 +23,7 @@ const STYLE: &str = include_str!("page.css");
 /// # Errors
 ///
 /// Fails if a crop cannot be encoded as PNG.
-pub fn page(report: &Report) -> io::Result<String> {
+pub(crate) fn page(report: &Report) -> io::Result<String> {
     let mut body = head(report);
     for scene in &report.scenes {
         body += &section(report, scene)?;

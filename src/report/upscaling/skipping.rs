@@ -34,33 +34,33 @@ const GRIDS: [SampleGrid; 5] = [
 
 /// Times at one fraction of the pixels, in milliseconds.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub struct Share {
+pub(crate) struct Share {
     /// Fraction of the pixels that are drawn, in (0, 1].
-    pub drawn: f64,
+    pub(crate) drawn: f64,
     /// Times of skipping pixels inside the loop.
-    pub skipping: Split,
+    pub(crate) skipping: Split,
     /// Times of visiting only the wanted pixels.
-    pub visiting: Split,
+    pub(crate) visiting: Split,
 }
 
 /// Frame time split into rasterization and shading, in milliseconds.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub struct Split {
+pub(crate) struct Split {
     /// Time to clear the framebuffer, find samples and test their depth.
-    pub raster: Summary,
+    pub(crate) raster: Summary,
     /// Time of the whole frame, up to shaded samples. The difference from `raster` is shading.
-    pub whole: Summary,
+    pub(crate) whole: Summary,
 }
 
 impl Split {
     /// Returns the median shading time in milliseconds; 0 if it is too short to measure.
-    pub fn shade_ms(&self) -> f64 {
+    pub(crate) fn shade_ms(&self) -> f64 {
         (self.whole.median - self.raster.median).max(0.0)
     }
 }
 
 /// Whether the naive loop can draw this scene: it does not support transparency.
-pub fn applies(scene: &Scene, recipe: &Recipe, camera: &Camera, viewport: Viewport) -> bool {
+pub(crate) fn applies(scene: &Scene, recipe: &Recipe, camera: &Camera, viewport: Viewport) -> bool {
     let geometry = prepare(scene, camera, &settings(recipe), viewport, &mut ());
     geometry.plans.iter().all(|plan| plan.transparency() == Transparency::Opaque)
 }
@@ -72,7 +72,7 @@ fn settings(recipe: &Recipe) -> Settings {
 
 /// Times both ways at every fraction, in rounds that run everything once, after one warm-up round. Returns `None` if
 /// cancelled.
-pub fn measure(
+pub(crate) fn measure(
     scene: &Scene,
     camera: &Camera,
     recipe: &Recipe,

@@ -27,135 +27,135 @@ use crate::upscale::Upscaling;
 
 /// A scene and its view.
 #[derive(Clone, Debug)]
-pub struct Subject {
+pub(crate) struct Subject {
     /// Display name.
-    pub name: String,
+    pub(crate) name: String,
     /// Scene to draw.
-    pub scene: Arc<Scene>,
+    pub(crate) scene: Arc<Scene>,
     /// Camera of the view.
-    pub camera: Camera,
+    pub(crate) camera: Camera,
 }
 
 /// Scenes, recipes, image size and measurement parameters of a report.
 #[derive(Clone, Debug)]
-pub struct Plan {
+pub(crate) struct Plan {
     /// Scenes to measure.
-    pub subjects: Vec<Subject>,
+    pub(crate) subjects: Vec<Subject>,
     /// Recipes to measure.
-    pub recipes: Vec<Recipe>,
+    pub(crate) recipes: Vec<Recipe>,
     /// Size of the full image, in pixels.
-    pub viewport: Viewport,
+    pub(crate) viewport: Viewport,
     /// Number of measured rounds, at least 1.
-    pub rounds: usize,
+    pub(crate) rounds: usize,
     /// Reference that errors are computed against.
-    pub reference: Reference,
+    pub(crate) reference: Reference,
     /// Camera motion over the frames that are measured for error and time.
-    pub turn: Turn,
+    pub(crate) turn: Turn,
 }
 
 /// Returns the recipe with every upscaler at every scale.
-pub fn every_upscaler(recipe: Recipe) -> Vec<Recipe> {
+pub(crate) fn every_upscaler(recipe: Recipe) -> Vec<Recipe> {
     Upscaling::every().map(|upscaler| Recipe { upscaler, ..recipe }).collect()
 }
 
 /// Progress of a sweep.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Progress {
+pub(crate) struct Progress {
     /// Name of the current scene.
-    pub scene: String,
+    pub(crate) scene: String,
     /// Name of the current stage.
-    pub stage: &'static str,
+    pub(crate) stage: &'static str,
     /// Number of completed steps in this stage.
-    pub done: usize,
+    pub(crate) done: usize,
     /// Total number of steps in this stage.
-    pub of: usize,
+    pub(crate) of: usize,
 }
 
 /// Complete upscaling report.
 #[derive(Clone, Debug, Serialize)]
-pub struct Report {
+pub(crate) struct Report {
     /// Machine and build, with the load at the start and at the end.
-    pub machine: Machine,
+    pub(crate) machine: Machine,
     /// Number of render threads.
-    pub threads: usize,
+    pub(crate) threads: usize,
     /// Width and height of the full image, in pixels.
-    pub size: [u32; 2],
+    pub(crate) size: [u32; 2],
     /// Number of measured rounds.
-    pub rounds: usize,
+    pub(crate) rounds: usize,
     /// Name of the reference for errors.
-    pub reference: &'static str,
+    pub(crate) reference: &'static str,
     /// Camera motion over the frames that are measured for error and time.
-    pub turn: Turn,
+    pub(crate) turn: Turn,
     /// Results per scene.
-    pub scenes: Vec<SceneReport>,
+    pub(crate) scenes: Vec<SceneReport>,
     /// Whether the sweep was cancelled before all scenes and rounds were complete.
-    pub partial: bool,
+    pub(crate) partial: bool,
 }
 
 /// Results of one scene.
 #[derive(Clone, Debug, Serialize)]
-pub struct SceneReport {
+pub(crate) struct SceneReport {
     /// Name of the scene.
-    pub scene: String,
+    pub(crate) scene: String,
     /// Number of triangles.
-    pub triangles: usize,
+    pub(crate) triangles: usize,
     /// Noise floor of the times.
-    pub noise: Noise,
+    pub(crate) noise: Noise,
     /// Results per recipe.
-    pub rows: Vec<Row>,
+    pub(crate) rows: Vec<Row>,
     /// Comparison of two ways to draw fewer pixels; `None` if the scene has transparency.
-    pub shares: Option<Vec<Share>>,
+    pub(crate) shares: Option<Vec<Share>>,
     /// Part of the image where the methods' errors are largest.
-    pub crop: Region,
+    pub(crate) crop: Region,
 }
 
 /// Results of one recipe on one scene.
 #[derive(Clone, Debug, Serialize)]
-pub struct Row {
+pub(crate) struct Row {
     /// Name of the upscaler with its options.
-    pub label: String,
+    pub(crate) label: String,
     /// Recipe of the frames.
-    pub recipe: Recipe,
+    pub(crate) recipe: Recipe,
     /// Fraction of the pixels that were drawn, in (0, 1].
-    pub drawn: f64,
+    pub(crate) drawn: f64,
     /// Times of whole frames, in milliseconds.
-    pub frame_ms: Summary,
+    pub(crate) frame_ms: Summary,
     /// Median times of the parts of a frame, in milliseconds.
-    pub parts_ms: Parts,
+    pub(crate) parts_ms: Parts,
     /// Error of the still view.
-    pub error: Figures,
+    pub(crate) error: Figures,
     /// Error over the frames of the moving view, by which methods are ranked. Equal to that of the still view if there
     /// is no motion.
-    pub motion: MotionError,
+    pub(crate) motion: MotionError,
     /// Label of a recipe that dominates this one in time and FLIP in motion; a lead in time counts only beyond noise.
     /// `None` if there is none.
-    pub dominated_by: Option<String>,
+    pub(crate) dominated_by: Option<String>,
     /// Label of a recipe with a smaller error, or an equal error and a shorter time, whose time differs within noise.
     /// Set only if no recipe clearly dominates this one.
-    pub within_noise_of: Option<String>,
+    pub(crate) within_noise_of: Option<String>,
     /// Whether the difference from the native time is within noise.
-    pub native_within_noise: bool,
+    pub(crate) native_within_noise: bool,
     /// Cropped image.
     #[serde(skip)]
-    pub crop: Image<Rgba8>,
+    pub(crate) crop: Image<Rgba8>,
 }
 
 impl Row {
     /// Whether the row is on the Pareto front of time and FLIP in motion.
-    pub fn is_on_front(&self) -> bool {
+    pub(crate) fn is_on_front(&self) -> bool {
         self.dominated_by.is_none() && self.within_noise_of.is_none()
     }
 }
 
 /// Times of the parts of a frame, in milliseconds.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub struct Parts {
+pub(crate) struct Parts {
     /// Geometry, from planning to culling.
-    pub geometry: f64,
+    pub(crate) geometry: f64,
     /// Pixels, from rasterization to shading.
-    pub pixels: f64,
+    pub(crate) pixels: f64,
     /// Upscaling.
-    pub upscale: f64,
+    pub(crate) upscale: f64,
 }
 
 /// Maximum width and height of a crop, in pixels.
@@ -163,7 +163,7 @@ const CROP: (u32, u32) = (160, 110);
 
 /// Runs all measurements. If cancelled, returns the complete scenes, the last one with its complete rounds, or `None`
 /// if there are none.
-pub fn run(plan: &Plan, tell: &dyn Fn(Progress), cancelled: &dyn Fn() -> bool) -> Option<Report> {
+pub(crate) fn run(plan: &Plan, tell: &dyn Fn(Progress), cancelled: &dyn Fn() -> bool) -> Option<Report> {
     let machine = Machine::at_start();
     let mut scenes = Vec::with_capacity(plan.subjects.len());
     for subject in &plan.subjects {

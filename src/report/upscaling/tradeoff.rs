@@ -4,7 +4,7 @@ use crate::measure::noise::Noise;
 
 /// Position of a method relative to the Pareto front of time and error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Standing<M> {
+pub(crate) enum Standing<M> {
     /// On the Pareto front: every other method has a clearly longer time or a larger error.
     Front,
     /// The other method has a smaller error, or an equal error and a shorter time, and the times differ within noise.
@@ -16,7 +16,7 @@ pub enum Standing<M> {
 
 impl<M> Standing<M> {
     /// Converts the identification of the other method.
-    pub fn map<N>(self, name: impl FnOnce(M) -> N) -> Standing<N> {
+    pub(crate) fn map<N>(self, name: impl FnOnce(M) -> N) -> Standing<N> {
         match self {
             Self::Front => Standing::Front,
             Self::WithinNoise(other) => Standing::WithinNoise(name(other)),
@@ -27,7 +27,7 @@ impl<M> Standing<M> {
 
 /// Returns the standing of each method, given as (time in ms, error); other methods are identified by index. If several
 /// methods beat one, the one with the smallest error is reported.
-pub fn standings(points: &[(f64, f64)], noise: &Noise) -> Vec<Standing<usize>> {
+pub(crate) fn standings(points: &[(f64, f64)], noise: &Noise) -> Vec<Standing<usize>> {
     let beats = |(time, error): (f64, f64), (other_time, other_error): (f64, f64)| {
         let is_faster = time < other_time && !noise.covers(time, other_time);
         time <= other_time && error <= other_error && (is_faster || error < other_error)

@@ -20,7 +20,7 @@ mod shapes;
 mod textures;
 mod triangles;
 mod wheels;
-pub mod workload;
+pub(crate) mod workload;
 mod z_fighting;
 
 use super::Scene;

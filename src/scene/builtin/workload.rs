@@ -21,7 +21,7 @@ fn upright() -> Quat {
 
 /// Returns a scene of a textured square of about `triangles` triangles, all of them in view. The exact number is twice
 /// the nearest square number.
-pub fn sheet(triangles: usize) -> Scene {
+pub(crate) fn sheet(triangles: usize) -> Scene {
     let cells = ((triangles as f64 / 2.0).sqrt().round() as u32).max(1);
     let mut draft = Draft::new([30, 32, 36], camera());
     let mesh = draft.mesh(shapes::grid(cells));
@@ -32,7 +32,7 @@ pub fn sheet(triangles: usize) -> Scene {
 
 /// Returns a scene of `count` textured squares behind each other. Each fills the picture, and the farthest is drawn
 /// first.
-pub fn layers(count: usize) -> Scene {
+pub(crate) fn layers(count: usize) -> Scene {
     /// Edge of a square, world units, enough for a picture three times as wide as high.
     const EDGE: f32 = 24.0;
     /// Distance from the farthest to the nearest square, world units.

@@ -22,7 +22,7 @@ mod mtl;
 mod normals;
 mod opacity;
 mod polygon;
-pub mod statements;
+pub(crate) mod statements;
 mod textures;
 mod vertices;
 mod warnings;
@@ -66,7 +66,7 @@ pub struct Loaded {
     /// Warnings in order of first occurrence; repetitions are counted instead of listed.
     pub warnings: Vec<Warning>,
     /// Assumptions about properties that the file does not specify; they do not indicate a fault.
-    pub notes: Vec<Warning>,
+    pub(crate) notes: Vec<Warning>,
 }
 
 /// Loads a model with its materials and textures.

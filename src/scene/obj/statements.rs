@@ -5,7 +5,7 @@
 
 /// File format of a statement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
+pub(crate) enum Format {
     /// Model file (OBJ).
     Obj,
     /// Material library (MTL).
@@ -16,7 +16,7 @@ pub enum Format {
 
 /// Treatment of a statement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Treatment {
+pub(crate) enum Treatment {
     /// Changes the picture, or names objects, groups or materials.
     Rendered,
     /// Has no effect. Gives one warning per file and keyword, with the first line and a count.
@@ -25,15 +25,15 @@ pub enum Treatment {
 
 /// Statement that the loader recognises.
 #[derive(Clone, Copy, Debug)]
-pub struct Statement {
+pub(crate) struct Statement {
     /// Keyword in its usual spelling; matching is case-insensitive.
-    pub keyword: &'static str,
+    pub(crate) keyword: &'static str,
     /// File format that the statement belongs to.
-    pub format: Format,
+    pub(crate) format: Format,
     /// Treatment by the loader.
-    pub treatment: Treatment,
+    pub(crate) treatment: Treatment,
     /// Meaning; for a rendered statement also its effect.
-    pub meaning: &'static str,
+    pub(crate) meaning: &'static str,
 }
 
 macro_rules! table {
@@ -48,7 +48,7 @@ macro_rules! table {
 }
 
 /// All recognised statements. Any other keyword is reported as unknown.
-pub const STATEMENTS: &[Statement] = table! {
+pub(crate) const STATEMENTS: &[Statement] = table! {
     Obj Rendered {
         "v": "position; a weight is ignored, three or four further numbers are a vertex colour",
         "vt": "texture coordinate; w is ignored",
@@ -170,7 +170,7 @@ pub const STATEMENTS: &[Statement] = table! {
 };
 
 /// Returns the statement with this keyword, in any case; `None` for an unknown one.
-pub fn find(format: Format, keyword: &str) -> Option<&'static Statement> {
+pub(crate) fn find(format: Format, keyword: &str) -> Option<&'static Statement> {
     STATEMENTS.iter().find(|s| s.format == format && s.keyword.eq_ignore_ascii_case(keyword))
 }
 
@@ -182,7 +182,7 @@ impl Statement {
 }
 
 /// Returns the table for the manual, one row for each format and treatment.
-pub fn markdown() -> String {
+pub(crate) fn markdown() -> String {
     let mut text = "| | rendered | read, not rendered: one warning each |\n| --- | --- | --- |\n".to_owned();
     for (format, title) in [(Format::Obj, "OBJ"), (Format::Mtl, "MTL"), (Format::Option, "texture options")] {
         let list = |treatment: Treatment| {
@@ -200,7 +200,11 @@ mod tests {
 
     #[test]
     fn the_manual_has_this_table() {
-        assert!(include_str!("../../../assets/manual/12-scenes-and-file-formats.md").contains(&markdown()), "the manual should have:\n{}", markdown());
+        assert!(
+            include_str!("../../../assets/manual/12-scenes-and-file-formats.md").contains(&markdown()),
+            "the manual should have:\n{}",
+            markdown()
+        );
     }
 
     #[test]

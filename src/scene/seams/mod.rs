@@ -58,7 +58,7 @@ pub enum JunctionKind {
 
 impl JunctionKind {
     /// Returns the display name.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::TJunction => "T-junction",
             Self::Unwelded => "unwelded vertex",
@@ -68,38 +68,38 @@ impl JunctionKind {
 
 /// Corner of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-pub struct Corner {
+pub(crate) struct Corner {
     /// Identifier of the triangle.
-    pub triangle: TriangleId,
+    pub(crate) triangle: TriangleId,
     /// Index of the corner: 0, 1 or 2.
-    pub corner: u8,
+    pub(crate) corner: u8,
 }
 
 /// Edge of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-pub struct TriangleEdge {
+pub(crate) struct TriangleEdge {
     /// Identifier of the triangle.
-    pub triangle: TriangleId,
+    pub(crate) triangle: TriangleId,
     /// Index of the opposite corner: 0, 1 or 2.
-    pub opposite: u8,
+    pub(crate) opposite: u8,
 }
 
 /// Vertex on an open edge of which it is not an end.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Junction {
+pub(crate) struct Junction {
     /// Kind of the fault.
-    pub kind: JunctionKind,
+    pub(crate) kind: JunctionKind,
     /// Vertex, as the corner of a triangle on the other side of the edge.
-    pub vertex: Corner,
+    pub(crate) vertex: Corner,
     /// Open edge on which the vertex lies.
-    pub edge: TriangleEdge,
+    pub(crate) edge: TriangleEdge,
     /// Distance of the vertex from the edge in world units; from the end of the edge if it is unwelded.
-    pub distance: f64,
+    pub(crate) distance: f64,
 }
 
 impl Junction {
     /// Describes the fault in one sentence, without a final full stop.
-    pub fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         let Self { kind, vertex, edge, distance } = self;
         let vertex = format!("v{} of triangle {}", vertex.corner, vertex.triangle.0);
         let edge = format!("the edge of triangle {} opposite to v{}", edge.triangle.0, edge.opposite);
@@ -118,20 +118,20 @@ impl Junction {
 
 /// Pair of open edges that run along one another.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seam {
+pub(crate) struct Seam {
     /// Vertex of the second edge on the first one. If both kinds occur, the T-junction takes precedence.
-    pub junction: Junction,
+    pub(crate) junction: Junction,
     /// Second edge of the pair.
-    pub along: TriangleEdge,
+    pub(crate) along: TriangleEdge,
 }
 
 /// Numbers of faults in a scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct SeamCounts {
     /// Number of vertices within open edges.
-    pub t_junctions: usize,
+    pub(crate) t_junctions: usize,
     /// Number of vertices that welding with the tolerance would remove.
-    pub unwelded: usize,
+    pub(crate) unwelded: usize,
 }
 
 /// Open seams of a scene.
@@ -144,7 +144,7 @@ pub struct Seams {
 
 impl Seams {
     /// Finds all open seams of a scene. Returns `None` if `stop` is set.
-    pub fn find(scene: &Scene, stop: &AtomicBool) -> Option<Self> {
+    pub(crate) fn find(scene: &Scene, stop: &AtomicBool) -> Option<Self> {
         let mesh = Welded::of(scene, stop)?;
         if mesh.open.is_empty() {
             return Some(Self::default());
@@ -153,27 +153,27 @@ impl Seams {
     }
 
     /// Finds all open seams of a scene, without cancellation.
-    pub fn of(scene: &Scene) -> Self {
+    pub(crate) fn of(scene: &Scene) -> Self {
         Self::find(scene, &AtomicBool::new(false)).unwrap_or_default()
     }
 
     /// Returns the pairs of open edges that run along one another.
-    pub fn seams(&self) -> &[Seam] {
+    pub(crate) fn seams(&self) -> &[Seam] {
         &self.seams
     }
 
     /// Returns the faults, one per vertex and kind, ordered by kind and vertex.
-    pub fn junctions(&self) -> &[Junction] {
+    pub(crate) fn junctions(&self) -> &[Junction] {
         &self.junctions
     }
 
     /// Returns one corner for each vertex that is the end of an open edge.
-    pub fn border(&self) -> &[Corner] {
+    pub(crate) fn border(&self) -> &[Corner] {
         &self.border
     }
 
     /// Returns the numbers of faults.
-    pub fn counts(&self) -> SeamCounts {
+    pub(crate) fn counts(&self) -> SeamCounts {
         let t_junctions = self.junctions.iter().filter(|j| j.kind == JunctionKind::TJunction).count();
         SeamCounts { t_junctions, unwelded: self.junctions.len() - t_junctions }
     }
@@ -181,7 +181,7 @@ impl Seams {
 
 impl SeamCounts {
     /// Returns both numbers as text.
-    pub fn text(self) -> String {
+    pub(crate) fn text(self) -> String {
         let number = |count: usize, one: &str, many: &str| format!("{count} {}", if count == 1 { one } else { many });
         let t_junctions = number(self.t_junctions, "T-junction", "T-junctions");
         format!("{t_junctions} · {}", number(self.unwelded, "unwelded vertex", "unwelded vertices"))
@@ -191,7 +191,7 @@ impl SeamCounts {
 /// Returns the distance from an edge up to which a vertex lies on it, in world units.
 ///
 /// `edge` is the length of the edge; `diagonal` and `largest` are the diagonal and the largest coordinate of the scene.
-pub fn tolerance(edge: f64, diagonal: f64, largest: f64) -> f64 {
+pub(crate) fn tolerance(edge: f64, diagonal: f64, largest: f64) -> f64 {
     (TOLERANCE_OF_EDGE * edge).min((TOLERANCE_OF_SCENE * diagonal).max(ROUNDING * largest))
 }
 

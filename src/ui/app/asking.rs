@@ -121,7 +121,7 @@ impl Workbench {
     }
 
     /// Starts timing all upscalers on the scene, view and size on screen.
-    pub fn measure(&mut self) {
+    pub(crate) fn measure(&mut self) {
         let request = Request { triangle_limit: None, fragment_limit: None, ..self.session.request() };
         let request = MeasureRequest {
             number: self.measurement + 1,

@@ -172,7 +172,7 @@ impl Workbench {
     }
 
     /// Writes the loader's warnings into the log.
-    pub fn warn(&mut self, warnings: &[crate::scene::Warning]) {
+    pub(crate) fn warn(&mut self, warnings: &[crate::scene::Warning]) {
         for warning in warnings {
             self.session.report(Level::Warning, warning.to_string());
         }

@@ -3,7 +3,7 @@
 //! A background thread redraws the frame on screen with an observer. This takes time from other frames, so checking is
 //! off by default and the window shows when it is on. The first violation stops it and picks the pixel.
 
-pub mod panel;
+pub(crate) mod panel;
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -19,13 +19,13 @@ use crate::pipeline::settings::Choice as _;
 
 /// State of assertion checking.
 #[derive(Clone, Debug, Default)]
-pub struct Checks {
+pub(crate) struct Checks {
     /// Last report, and the frame it describes.
-    pub found: Option<(Arc<Report>, Arc<Frame>)>,
+    pub(crate) found: Option<(Arc<Report>, Arc<Frame>)>,
     /// Completed share of the running check, in [0, 1].
-    pub progress: Option<f32>,
+    pub(crate) progress: Option<f32>,
     /// Whether each new frame is checked.
-    pub every_frame: bool,
+    pub(crate) every_frame: bool,
     /// Whether a check of the frame on screen was requested.
     wanted: bool,
     /// Whether cancelling the running check was requested.
@@ -45,7 +45,7 @@ pub enum Change {
 
 impl Checks {
     /// Applies a change.
-    pub fn apply(&mut self, change: Change) {
+    pub(crate) fn apply(&mut self, change: Change) {
         match change {
             Change::Run => self.wanted = true,
             Change::Cancel => (self.wanted, self.every_frame, self.cancelled) = (false, false, true),
@@ -68,14 +68,14 @@ pub fn place(violation: &Violation, frame: &Frame) -> (u32, u32) {
 
 /// Runner of assertion checks.
 #[derive(Debug, Default)]
-pub struct Runner {
+pub(crate) struct Runner {
     running: Option<(Task<f32, Report>, Arc<Frame>)>,
 }
 
 impl Runner {
     /// Handles the result of the running check and starts the next requested one. If `waits`, the check runs to its end
     /// before the function returns.
-    pub fn step(&mut self, session: &mut Session, context: &Context, waits: bool) {
+    pub(crate) fn step(&mut self, session: &mut Session, context: &Context, waits: bool) {
         self.listen(session);
         if let Some((task, _)) = &self.running {
             if std::mem::take(&mut session.checks.cancelled) {

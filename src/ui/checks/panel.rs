@@ -14,7 +14,7 @@ use crate::ui::theme::{self, Icon, tokens};
 use crate::ui::widgets::{Status, chip};
 
 /// Draws the buttons beside the tabs.
-pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let checks = &session.checks;
     let help = "Draws this frame once more and checks every fragment";
     let run = Button::new((theme::icon(Icon::ListChecks), "Check this frame"));
@@ -49,7 +49,7 @@ pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 }
 
 /// Draws the table of assertions.
-pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     ScrollArea::both().auto_shrink(false).show(ui, |ui| {
         Grid::new("checks").num_columns(5).striped(true).spacing([20.0, 4.0]).show(ui, |ui| {
             for heading in ["", "Assertion", "Checked", "Violated", "First violation"] {

@@ -20,7 +20,7 @@ const COUNTS: [usize; 2] = [2, 4];
 const REFERENCE_POINTS: f32 = 190.0;
 
 /// Draws the bar; `scale` is the enlargement on screen, in screen pixels per picture pixel.
-pub fn ui(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &mut Vec<Command>) {
+pub(crate) fn ui(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &mut Vec<Command>) {
     let comparison = &session.comparison;
     let mut changes = Vec::new();
     ui.horizontal_wrapped(|ui| {
@@ -135,7 +135,7 @@ fn reference(ui: &mut Ui, session: &Session, changes: &mut Vec<Change>) {
 
 /// Draws the list of references, `width` points wide. `name` is its accessible name. Returns the change if another
 /// reference was chosen.
-pub fn reference_list(ui: &mut Ui, name: &str, width: f32, present: Reference) -> Option<Change> {
+pub(crate) fn reference_list(ui: &mut Ui, name: &str, width: f32, present: Reference) -> Option<Change> {
     let mut reference = present;
     let list = ui.name_inputs(name, |ui| {
         combo(name, present.name(), width).show_ui(ui, |ui| {

@@ -16,24 +16,24 @@ use crate::upscale::Upscaling;
 #[derive(Clone, Debug)]
 pub struct CompareRequest {
     /// Scene; compared by pointer.
-    pub scene: Arc<Scene>,
+    pub(crate) scene: Arc<Scene>,
     /// Camera shared by all pictures.
-    pub camera: Camera,
+    pub(crate) camera: Camera,
     /// Size of every picture, in pixels.
-    pub viewport: Viewport,
+    pub(crate) viewport: Viewport,
     /// Recipe of each picture.
-    pub recipes: Vec<Recipe>,
+    pub(crate) recipes: Vec<Recipe>,
     /// Reference that errors are measured against.
-    pub reference: Reference,
+    pub(crate) reference: Reference,
     /// Region with separate figures.
-    pub region: Option<Region>,
+    pub(crate) region: Option<Region>,
     /// Difference of the first two pictures to show, and its gain.
-    pub difference: Option<(Difference, u32)>,
+    pub(crate) difference: Option<(Difference, u32)>,
 }
 
 impl CompareRequest {
     /// Whether both requests have the same result.
-    pub fn same_as(&self, other: &Self) -> bool {
+    pub(crate) fn same_as(&self, other: &Self) -> bool {
         self.same_view(other)
             && self.recipes == other.recipes
             && self.reference == other.reference
@@ -48,50 +48,50 @@ impl CompareRequest {
 
 /// Picture of a tile and its figures so far.
 #[derive(Clone, Debug)]
-pub struct Tile {
+pub(crate) struct Tile {
     /// Recipe of the tile.
-    pub recipe: Recipe,
+    pub(crate) recipe: Recipe,
     /// Finished picture.
-    pub picture: Arc<Image<Rgba8>>,
+    pub(crate) picture: Arc<Image<Rgba8>>,
     /// Share of its pixels that were rasterized and shaded, in [0, 1].
-    pub drawn_share: f64,
+    pub(crate) drawn_share: f64,
     /// Figures against the reference, once measured.
-    pub measured: Option<Measured>,
+    pub(crate) measured: Option<Measured>,
     /// Figures within the region, if there is one that contains pixels.
-    pub within: Option<Figures>,
+    pub(crate) within: Option<Figures>,
 }
 
 /// Measures of a picture against the reference.
 #[derive(Clone, Debug)]
-pub struct Measured {
+pub(crate) struct Measured {
     /// All figures; `None` if the two pictures differ in size.
-    pub figures: Option<Figures>,
+    pub(crate) figures: Option<Figures>,
     /// FLIP error of every pixel.
     flip: Option<Arc<Image<f32>>>,
 }
 
 /// Difference image of the first two tiles.
 #[derive(Clone, Debug)]
-pub struct Differing {
+pub(crate) struct Differing {
     /// Kind of difference, and its gain.
-    pub kind: (Difference, u32),
+    pub(crate) kind: (Difference, u32),
     /// Difference at every pixel.
-    pub values: Arc<Image<f32>>,
+    pub(crate) values: Arc<Image<f32>>,
     /// The values mapped to colours.
-    pub picture: Arc<Image<Rgba8>>,
+    pub(crate) picture: Arc<Image<Rgba8>>,
 }
 
 /// Results for a [`CompareRequest`] so far.
 #[derive(Clone, Debug)]
 pub struct Compared {
     /// Request that is answered.
-    pub request: CompareRequest,
+    pub(crate) request: CompareRequest,
     /// One tile for each recipe of the request.
-    pub tiles: Vec<Tile>,
+    pub(crate) tiles: Vec<Tile>,
     /// Difference of the first two tiles, if requested.
-    pub difference: Option<Differing>,
+    pub(crate) difference: Option<Differing>,
     /// Whether all results are present.
-    pub complete: bool,
+    pub(crate) complete: bool,
 }
 
 /// Worker for the most recent request: draws all pictures at once, then measures them tile by tile.
@@ -107,7 +107,7 @@ pub struct Comparer {
 
 impl Comparer {
     /// Starts a request: draws missing pictures and reuses those results of the last request that are still valid.
-    pub fn ask(&mut self, request: CompareRequest) -> &Compared {
+    pub(crate) fn ask(&mut self, request: CompareRequest) -> &Compared {
         self.begun = false;
         let same_view = self.known.as_ref().is_some_and(|known| known.request.same_view(&request));
         let same_reference =
@@ -137,7 +137,7 @@ impl Comparer {
     }
 
     /// Computes one more piece. Returns `None` if there is no new result yet or nothing left to compute.
-    pub fn step(&mut self) -> Option<&Compared> {
+    pub(crate) fn step(&mut self) -> Option<&Compared> {
         self.begun = true;
         let known = self.known.as_ref().filter(|known| !known.complete)?;
         let Some(place) = known.tiles.iter().position(|tile| tile.measured.is_none()) else {
@@ -169,17 +169,17 @@ impl Comparer {
     }
 
     /// Whether any result is missing.
-    pub fn has_work(&self) -> bool {
+    pub(crate) fn has_work(&self) -> bool {
         self.known.as_ref().is_some_and(|known| !known.complete)
     }
 
     /// Whether computing the missing results has begun.
-    pub fn has_begun(&self) -> bool {
+    pub(crate) fn has_begun(&self) -> bool {
         self.begun && self.has_work()
     }
 
     /// Cancels all work and drops all results.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         *self = Self::default();
     }
 

@@ -4,11 +4,11 @@
 //! The active tile shows the session's own recipe: the pipeline panel edits it and the inspector explains it. Clicking
 //! another tile makes it active. The first tile is A, the second B.
 
-pub mod bar;
+pub(crate) mod bar;
 
 pub mod compute;
 
-pub mod tiles;
+pub(crate) mod tiles;
 
 use crate::chain::Recipe;
 use crate::measure::difference::Difference;
@@ -18,7 +18,7 @@ use crate::pipeline::settings::Choice as _;
 use crate::upscale::{self, Upscaling};
 
 /// Maximum number of tiles.
-pub const MOST_TILES: usize = 16;
+pub(crate) const MOST_TILES: usize = 16;
 
 /// Comparison mode.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -38,7 +38,7 @@ pub enum Mode {
 
 impl Mode {
     /// All modes that compare, each with its name and help text.
-    pub const ALL: [(Self, &'static str, &'static str); 4] = [
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 4] = [
         (
             Self::Tiles,
             "Tiles",
@@ -52,26 +52,26 @@ impl Mode {
 
 /// Recipes of all tiles, and the index of the active one.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Tiles {
+pub(crate) struct Tiles {
     /// Recipe of each tile. The entry of the active tile may be out of date: the session owns its recipe.
     recipes: Vec<Recipe>,
     /// Index of the tile that shows the session's recipe.
-    pub active: usize,
+    pub(crate) active: usize,
 }
 
 impl Tiles {
     /// Returns the number of tiles, visible or not; at least 1.
-    pub fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.recipes.len().max(1)
     }
 
     /// Returns the recipe of a tile; `of_active` is the session's recipe.
-    pub fn recipe(&self, tile: usize, of_active: Recipe) -> Recipe {
+    pub(crate) fn recipe(&self, tile: usize, of_active: Recipe) -> Recipe {
         if tile == self.active { of_active } else { self.recipes.get(tile).copied().unwrap_or(of_active) }
     }
 
     /// Stores the session's recipe as the recipe of the active tile. No-op while the list is empty.
-    pub fn store(&mut self, of_active: Recipe) {
+    pub(crate) fn store(&mut self, of_active: Recipe) {
         if let Some(recipe) = self.recipes.get_mut(self.active) {
             *recipe = of_active;
         }
@@ -91,21 +91,21 @@ impl Tiles {
 
 /// Comparison mode and its settings.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Comparison {
+pub(crate) struct Comparison {
     /// Mode.
-    pub mode: Mode,
+    pub(crate) mode: Mode,
     /// Reference that figures are computed against.
-    pub reference: Reference,
+    pub(crate) reference: Reference,
     /// Kind of difference image.
-    pub difference: Difference,
+    pub(crate) difference: Difference,
     /// Gain of the difference image.
-    pub gain: u32,
+    pub(crate) gain: u32,
     /// Position of the wipe line, as a share of the canvas width in [0, 1].
-    pub wipe: f32,
+    pub(crate) wipe: f32,
     /// Region of the picture with separate figures.
-    pub region: Option<Region>,
+    pub(crate) region: Option<Region>,
     /// Whether dragging draws the region.
-    pub draws_region: bool,
+    pub(crate) draws_region: bool,
 }
 
 impl Default for Comparison {
@@ -159,12 +159,12 @@ pub enum Change {
 
 impl Comparison {
     /// Whether a comparison is active.
-    pub fn is_on(&self) -> bool {
+    pub(crate) fn is_on(&self) -> bool {
         self.mode != Mode::Off
     }
 
     /// Returns the number of pictures to draw: all tiles, or A and B.
-    pub fn shown(&self, tiles: &Tiles) -> usize {
+    pub(crate) fn shown(&self, tiles: &Tiles) -> usize {
         match self.mode {
             Mode::Off => 0,
             Mode::Tiles => tiles.count(),
@@ -173,7 +173,7 @@ impl Comparison {
     }
 
     /// Whether the visible pictures place samples at different positions in their blocks.
-    pub fn anchors_differ(&self, tiles: &Tiles, of_active: Recipe) -> bool {
+    pub(crate) fn anchors_differ(&self, tiles: &Tiles, of_active: Recipe) -> bool {
         let recipes = (0..self.shown(tiles)).map(|tile| tiles.recipe(tile, of_active));
         let mut anchors = recipes.filter_map(|recipe| recipe.upscaler.block_anchor());
         let first = anchors.next();
@@ -181,7 +181,7 @@ impl Comparison {
     }
 
     /// Applies a change to the comparison, to the tiles and to the recipe of the active tile.
-    pub fn apply(&mut self, change: Change, tiles: &mut Tiles, recipe: &mut Recipe) {
+    pub(crate) fn apply(&mut self, change: Change, tiles: &mut Tiles, recipe: &mut Recipe) {
         tiles.fill(1, *recipe);
         tiles.store(*recipe);
         match change {
@@ -244,7 +244,7 @@ fn every_method() -> impl Iterator<Item = Upscaling> {
 }
 
 /// Returns the letter of a tile: A for tile 0.
-pub fn letter(tile: usize) -> char {
+pub(crate) fn letter(tile: usize) -> char {
     char::from(b'A' + (tile % 26) as u8)
 }
 

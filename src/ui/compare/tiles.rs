@@ -44,7 +44,7 @@ enum Dragging {
 
 /// Textures and drag state of the compared pictures.
 #[derive(Default)]
-pub struct TilesView {
+pub(crate) struct TilesView {
     textures: Vec<PictureTexture>,
     difference: PictureTexture,
     dragging: Option<Dragging>,
@@ -52,12 +52,12 @@ pub struct TilesView {
 
 impl TilesView {
     /// Returns the size of a tile's picture, in points. `canvas` is the free area.
-    pub fn picture_size(canvas: Rect, session: &Session) -> Vec2 {
+    pub(crate) fn picture_size(canvas: Rect, session: &Session) -> Vec2 {
         places(canvas, session).first().map_or(canvas.size(), |place| place.picture.size())
     }
 
     /// Draws all compared pictures and turns input into commands. Returns the pixel under the pointer.
-    pub fn ui(
+    pub(crate) fn ui(
         &mut self,
         ui: &mut Ui,
         zoom: &mut Zoom,

@@ -21,7 +21,7 @@ use crate::image::{Image, Rgba8};
 
 /// Textures of one egui context, and a painter for its frames.
 #[derive(Default)]
-pub struct CpuPainter {
+pub(crate) struct CpuPainter {
     textures: HashMap<TextureId, Texture>,
     /// Textures freed by the last pass. That pass may still draw them, so they live until the next change arrives.
     freed: Vec<TextureId>,
@@ -30,7 +30,7 @@ pub struct CpuPainter {
 impl CpuPainter {
     /// Applies and drains the texture changes of a pass. Must be called for every pass, including those that are not
     /// painted.
-    pub fn handle_delta(&mut self, delta: &mut TexturesDelta) {
+    pub(crate) fn handle_delta(&mut self, delta: &mut TexturesDelta) {
         for id in self.freed.drain(..) {
             self.textures.remove(&id);
         }
@@ -46,7 +46,7 @@ impl CpuPainter {
     ///
     /// `size_px` is (width, height) in physical pixels, and `pixels_per_point` the number of physical pixels per egui
     /// point. Skips meshes with an unknown texture and triangles with non-finite coordinates.
-    pub fn paint(
+    pub(crate) fn paint(
         &self,
         primitives: &[ClippedPrimitive],
         size_px: (u32, u32),
@@ -66,7 +66,7 @@ impl CpuPainter {
     }
 
     /// Tessellates and paints the shapes of a pass of `context`, taken from its [`egui::FullOutput`].
-    pub fn paint_shapes(
+    pub(crate) fn paint_shapes(
         &self,
         context: &egui::Context,
         shapes: Vec<egui::epaint::ClippedShape>,

@@ -15,7 +15,7 @@ const SETTLED: Duration = Duration::from_millis(150);
 
 /// Background task, and its last request.
 #[derive(Debug, Default)]
-pub struct Finder {
+pub(crate) struct Finder {
     task: Option<Task<(), Fates>>,
     asked: Option<Request>,
     /// Request of the frame on screen, and the time since when it is unchanged.
@@ -25,7 +25,7 @@ pub struct Finder {
 impl Finder {
     /// Handles the result, and starts a new count if `wanted` and the frame on screen has changed. If `waits`, the
     /// count runs synchronously.
-    pub fn tend(&mut self, ui: &Ui, session: &mut Session, wanted: bool, waits: bool) {
+    pub(crate) fn tend(&mut self, ui: &Ui, session: &mut Session, wanted: bool, waits: bool) {
         self.listen(session);
         let wanted = wanted || session.fates.asks() || !session.selection.is_empty();
         let Some(view) = session.view_of_scene().filter(|_| wanted && self.task.is_none()) else { return };

@@ -21,7 +21,7 @@ const COUNT: f32 = 52.0;
 const SHARE: f32 = 58.0;
 
 /// Fate that has a bin and a bar colour.
-pub trait Ending: Choice {
+pub(crate) trait Ending: Choice {
     /// Returns the bin of this fate.
     fn bin(self) -> Bin;
 
@@ -62,7 +62,7 @@ impl Ending for FragmentFate {
 }
 
 /// Draws the bars of all non-empty bins below their total.
-pub fn ui<E: Ending>(
+pub(crate) fn ui<E: Ending>(
     ui: &mut Ui,
     (what, help): (&str, &str),
     chosen: Option<Bin>,

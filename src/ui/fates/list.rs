@@ -19,7 +19,13 @@ const ROW: f32 = 20.0;
 const ENDS: [f32; 5] = [0.15, 0.40, 0.62, 0.76, 1.0];
 
 /// Draws the filter and the rows. The row of the triangle visible at the picked pixel is highlighted.
-pub fn ui(ui: &mut Ui, view: &FatesView, fates: &Fates, picked: Option<TriangleId>, commands: &mut Vec<Command>) {
+pub(crate) fn ui(
+    ui: &mut Ui,
+    view: &FatesView,
+    fates: &Fates,
+    picked: Option<TriangleId>,
+    commands: &mut Vec<Command>,
+) {
     filter(ui, view, commands);
     let (head, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
     let headings = ["Triangle", "Object", "Fate", "px²", "visible / all px"].map(str::to_owned);

@@ -1,16 +1,16 @@
 //! Fates of all triangles and fragments: state of the tab, and selection in the picture.
 
-pub mod finder;
+pub(crate) mod finder;
 
-pub mod funnel;
+pub(crate) mod funnel;
 
-pub mod list;
+pub(crate) mod list;
 
-pub mod objects;
+pub(crate) mod objects;
 
-pub mod overlay;
+pub(crate) mod overlay;
 
-pub mod tab;
+pub(crate) mod tab;
 
 use std::sync::Arc;
 
@@ -20,17 +20,17 @@ use crate::scene::TriangleId;
 
 /// Fates of the frame on screen, and the filter that selects triangles by them.
 #[derive(Clone, Debug, Default)]
-pub struct FatesView {
+pub(crate) struct FatesView {
     /// Fates, once computed. Those of an earlier view stay until the new ones are ready.
-    pub fates: Option<Arc<Fates>>,
+    pub(crate) fates: Option<Arc<Fates>>,
     /// Selected bin.
-    pub bin: Option<Bin>,
+    pub(crate) bin: Option<Bin>,
     /// Index of the selected instance.
-    pub object: Option<usize>,
+    pub(crate) object: Option<usize>,
     /// Text of the list's filter, as typed.
-    pub text: String,
+    pub(crate) text: String,
     /// Triangles that match bin, object and text.
-    pub members: Arc<[TriangleId]>,
+    pub(crate) members: Arc<[TriangleId]>,
 }
 
 /// Change of the filter.
@@ -48,7 +48,7 @@ pub enum Change {
 
 impl FatesView {
     /// Applies a change to the filter and updates the selection.
-    pub fn apply(&mut self, change: Change, selection: &mut TriangleSelection) {
+    pub(crate) fn apply(&mut self, change: Change, selection: &mut TriangleSelection) {
         match change {
             Change::Bin(bin) => self.bin = (self.bin != Some(bin)).then_some(bin),
             Change::Object(object) => self.object = (self.object != Some(object)).then_some(object),
@@ -60,13 +60,13 @@ impl FatesView {
     }
 
     /// Clears the filter and adopts a selection made elsewhere.
-    pub fn give_way(&mut self, others: TriangleSelection, selection: &mut TriangleSelection) {
+    pub(crate) fn give_way(&mut self, others: TriangleSelection, selection: &mut TriangleSelection) {
         self.apply(Change::Clear, selection);
         *selection = others;
     }
 
     /// Stores the fates of a new view and reapplies the filter.
-    pub fn take(&mut self, fates: Arc<Fates>, selection: &mut TriangleSelection) {
+    pub(crate) fn take(&mut self, fates: Arc<Fates>, selection: &mut TriangleSelection) {
         self.object = self.object.filter(|object| *object < fates.objects.len());
         self.fates = Some(fates);
         self.find_members();
@@ -76,7 +76,7 @@ impl FatesView {
     }
 
     /// Whether any filter is active.
-    pub fn asks(&self) -> bool {
+    pub(crate) fn asks(&self) -> bool {
         self.bin.is_some() || self.object.is_some() || !self.text.trim().is_empty()
     }
 

@@ -18,7 +18,7 @@ const ROW: f32 = 20.0;
 const SHARES: [f32; 3] = [0.26, 0.28, 0.16];
 
 /// Draws the rows of all objects.
-pub fn ui(ui: &mut Ui, objects: &[ObjectFates], chosen: Option<usize>, commands: &mut Vec<Command>) {
+pub(crate) fn ui(ui: &mut Ui, objects: &[ObjectFates], chosen: Option<usize>, commands: &mut Vec<Command>) {
     let weak = tokens(ui).text_weak;
     let (head, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
     let [_, bar, words] = columns(head);

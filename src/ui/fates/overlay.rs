@@ -25,7 +25,7 @@ const TINT: f32 = 0.55;
 
 /// Overlay image, rebuilt when selection, fates or theme colour change.
 #[derive(Default)]
-pub struct SelectionLayer {
+pub(crate) struct SelectionLayer {
     texture: PictureTexture,
     made: Option<Made>,
 }
@@ -40,7 +40,7 @@ struct Made {
 
 impl SelectionLayer {
     /// Paints the overlay if any triangle is selected.
-    pub fn paint(&mut self, ui: &Ui, painter: &Painter, placement: Placement, session: &Session) {
+    pub(crate) fn paint(&mut self, ui: &Ui, painter: &Painter, placement: Placement, session: &Session) {
         let Some(fates) = session.fates.fates.as_ref().filter(|_| !session.selection.is_empty()) else { return };
         let tint = tokens(ui).accent.gamma_multiply(TINT);
         let fits =
@@ -61,7 +61,7 @@ impl SelectionLayer {
 }
 
 /// Draws a description of the selection into the upper left corner of the canvas, with a button that clears it.
-pub fn badge(ui: &mut Ui, canvas: Rect, session: &Session, commands: &mut Vec<Command>) {
+pub(crate) fn badge(ui: &mut Ui, canvas: Rect, session: &Session, commands: &mut Vec<Command>) {
     let selection = &session.selection;
     if selection.is_empty() {
         return;

@@ -16,7 +16,7 @@ use crate::ui::widgets::{Status, chip, empty_state};
 const SHARES: [f32; 3] = [0.18, 0.16, 0.31];
 
 /// Draws beside the tabs whether all sums match.
-pub fn controls(ui: &mut Ui, session: &Session) {
+pub(crate) fn controls(ui: &mut Ui, session: &Session) {
     let Some(fates) = &session.fates.fates else { return };
     let complaints = fates.account.complaints();
     if complaints.is_empty() {
@@ -34,7 +34,7 @@ pub fn controls(ui: &mut Ui, session: &Session) {
 }
 
 /// Draws the tab.
-pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let view = &session.fates;
     let Some(fates) = &view.fates else {
         let how = "The frame is drawn once more with counters.";

@@ -40,31 +40,31 @@ const SPEED: f32 = 12.0;
 
 /// State of the lab.
 #[derive(Clone, Debug)]
-pub struct Lab {
+pub(crate) struct Lab {
     /// Whether the lab replaces the pipeline in the window.
-    pub open: bool,
+    pub(crate) open: bool,
     /// Current page.
-    pub page: Page,
+    pub(crate) page: Page,
     /// Lesson of each page, in the state in which it was left.
     lessons: Vec<Lesson>,
     /// Recorded run of the current page.
-    pub recording: Arc<Recording>,
+    pub(crate) recording: Arc<Recording>,
     /// Number of steps shown.
-    pub step: usize,
+    pub(crate) step: usize,
     /// Playback direction: 1 forwards, −1 backwards, 0 paused.
-    pub playing: i64,
+    pub(crate) playing: i64,
     /// Playback speed, in steps per second.
-    pub speed: f32,
+    pub(crate) speed: f32,
     /// Fraction of the next step already elapsed during playback.
     due: f32,
     /// Time of one run without recording.
-    pub run_time: Duration,
+    pub(crate) run_time: Duration,
     /// Comparison of all methods for the same task, if requested.
-    pub comparison: Option<Comparison>,
+    pub(crate) comparison: Option<Comparison>,
     /// Paint of the brush on the seed fill page.
-    pub brush: Paint,
+    pub(crate) brush: Paint,
     /// Points per pixel of the grid, and the grid position at its centre; `None` fits the grid.
-    pub view: Option<(f32, Vec2)>,
+    pub(crate) view: Option<(f32, Vec2)>,
 }
 
 /// Change of the lab.
@@ -126,7 +126,7 @@ impl Default for Lab {
 
 impl Lab {
     /// Returns the lesson of the current page.
-    pub fn lesson(&self) -> &Lesson {
+    pub(crate) fn lesson(&self) -> &Lesson {
         &self.lessons[self.place()]
     }
 
@@ -136,7 +136,7 @@ impl Lab {
 
     /// Redirects commands that step and zoom to the lab while it is open. Returns `None` for commands without a meaning
     /// in the lab.
-    pub fn claim(&mut self, command: Command) -> Option<Command> {
+    pub(crate) fn claim(&mut self, command: Command) -> Option<Command> {
         if !self.open {
             return Some(command);
         }
@@ -180,7 +180,7 @@ impl Lab {
     }
 
     /// Applies a change. Returns it if it concerns the disk.
-    pub fn apply(&mut self, change: Change) -> Option<Change> {
+    pub(crate) fn apply(&mut self, change: Change) -> Option<Change> {
         match change {
             Change::Open(open) => {
                 self.open = open;
@@ -225,7 +225,7 @@ impl Lab {
     }
 
     /// Sets an image as the canvas of the current page, or of the sampling page if the current one has none.
-    pub fn show_picture(&mut self, picture: &Image<Rgba8>) {
+    pub(crate) fn show_picture(&mut self, picture: &Image<Rgba8>) {
         let place = self.place();
         if self.lessons[place].set_picture(picture) {
             (self.comparison, self.playing) = (None, 0);
@@ -286,7 +286,7 @@ const SIDE_SHARE: f32 = 0.27;
 const BAR_HEIGHT: f32 = ROW_HEIGHT + 12.0;
 
 /// Draws the lab into the area below the menu.
-pub fn ui(ui: &mut Ui, lab: &Lab, commands: &mut Vec<Command>) {
+pub(crate) fn ui(ui: &mut Ui, lab: &Lab, commands: &mut Vec<Command>) {
     let mut changes = Vec::new();
     let frame = theme::panel_frame(ui);
     // The grid keeps the largest share even in a narrow window.

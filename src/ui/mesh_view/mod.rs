@@ -14,25 +14,25 @@ use crate::scene::{Camera, TriangleId};
 use crate::ui::engine::View;
 use crate::ui::vertices;
 
-pub use pane::MeshPane;
+pub(crate) use pane::MeshPane;
 
 /// Settings of the outside view.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MeshView {
+pub(crate) struct MeshView {
     /// Whether the outside view is visible.
-    pub open: bool,
+    pub(crate) open: bool,
     /// Style of the triangles.
-    pub style: MeshStyle,
+    pub(crate) style: MeshStyle,
     /// Displacement of triangles from the centre of their mesh, in multiples of their distance from it.
-    pub apart: f32,
+    pub(crate) apart: f32,
     /// Whether culled triangles are outlined.
-    pub culled: bool,
+    pub(crate) culled: bool,
     /// Kinds of normals that are drawn as lines.
-    pub normals: MeshNormals,
+    pub(crate) normals: MeshNormals,
     /// Second camera; `None` until a first view is computed.
-    pub camera: Option<Camera>,
+    pub(crate) camera: Option<Camera>,
     /// Triangle selected in the outside view, and the pixel picked with it. Picking another pixel ends the selection.
-    pub selected: Option<(TriangleId, Option<(u32, u32)>)>,
+    pub(crate) selected: Option<(TriangleId, Option<(u32, u32)>)>,
 }
 
 impl Default for MeshView {
@@ -51,12 +51,12 @@ impl Default for MeshView {
 
 impl MeshView {
     /// Returns the triangle selected in the outside view, unless a pixel other than `pick` was picked with it.
-    pub fn selected(&self, pick: Option<(u32, u32)>) -> Option<TriangleId> {
+    pub(crate) fn selected(&self, pick: Option<(u32, u32)>) -> Option<TriangleId> {
         self.selected.filter(|(_, with)| *with == pick).map(|(triangle, _)| triangle)
     }
 
     /// Resets all state that belongs to a scene.
-    pub fn leave_scene(&mut self) {
+    pub(crate) fn leave_scene(&mut self) {
         (self.camera, self.selected) = (None, None);
     }
 }
@@ -86,7 +86,7 @@ pub enum Change {
 }
 
 /// Applies a change.
-pub fn apply(session: &mut Session, change: Change) {
+pub(crate) fn apply(session: &mut Session, change: Change) {
     let mesh = &mut session.mesh_view;
     match change {
         Change::Toggle => mesh.open ^= true,

@@ -32,16 +32,16 @@ const NAME_FROM_POINTS: f32 = 56.0;
 
 /// Pane of the outside view.
 #[derive(Default)]
-pub struct MeshPane {
+pub(crate) struct MeshPane {
     texture: PictureTexture,
     painter: Painter,
     /// Whether the pointer is over the outside view; the keys that fly its camera are then not commands.
-    pub hovered: bool,
+    pub(crate) hovered: bool,
 }
 
 impl MeshPane {
     /// Draws the pane and turns pointer input into commands. If `waits`, the picture is drawn synchronously.
-    pub fn ui(&mut self, ui: &mut Ui, session: &Session, waits: bool, commands: &mut Vec<Command>) {
+    pub(crate) fn ui(&mut self, ui: &mut Ui, session: &Session, waits: bool, commands: &mut Vec<Command>) {
         let aspect = ui.available_width() / ui.available_height().max(1.0);
         bar(ui, session, aspect, commands);
         let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());

@@ -23,7 +23,7 @@ const LEGEND_WIDTH: f32 = 216.0;
 const TOP: f32 = 36.0;
 
 /// Draws the list of overlays, or while it is closed the legends of the active ones.
-pub fn ui(ui: &mut Ui, canvas: Rect, session: &Session, view: &View, commands: &mut Vec<Command>) {
+pub(crate) fn ui(ui: &mut Ui, canvas: Rect, session: &Session, view: &View, commands: &mut Vec<Command>) {
     let overlays = &session.overlays;
     if !overlays.open && overlays.layers.is_empty() {
         return;
@@ -160,7 +160,7 @@ fn length(ui: &mut Ui, layer: Layer, changes: &mut Vec<Change>) {
 }
 
 /// Draws a slider for the length of normals. Returns whether it was moved.
-pub fn length_slider(ui: &mut Ui, length: &mut f32, name: &str) -> bool {
+pub(crate) fn length_slider(ui: &mut Ui, length: &mut f32, name: &str) -> bool {
     /// Selectable lengths, as shares of the diagonal of the scene's bounding box.
     const LENGTHS: std::ops::RangeInclusive<f32> = 0.001..=0.5;
     let slider = ui.add(Slider::new(length, LENGTHS).logarithmic(true).show_value(false));

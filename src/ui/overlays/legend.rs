@@ -14,7 +14,7 @@ const STRIP: f32 = 8.0;
 const SQUARE: f32 = 9.0;
 
 /// Draws the legend and at most `most_totals` totals.
-pub fn ui(ui: &mut Ui, sheet: &Sheet, most_totals: usize) {
+pub(crate) fn ui(ui: &mut Ui, sheet: &Sheet, most_totals: usize) {
     if let Some(why) = &sheet.absence {
         ui.label(RichText::new(format!("Nothing to show: {why}")).small().color(tokens(ui).warning));
         return;

@@ -13,7 +13,7 @@ use crate::ui::zoom::Placement;
 use crate::upscale::Sampling;
 
 /// Minimum size of a pixel, in points, for lines drawn as vectors between pixels.
-pub const VECTORS_FROM: f32 = 4.0;
+pub(crate) const VECTORS_FROM: f32 = 4.0;
 
 /// Minimum size of a pixel, in points, for sample points and ticks.
 const MARKS_FROM: f32 = 12.0;
@@ -26,7 +26,7 @@ const OWNED: Color32 = Color32::from_rgb(80, 220, 130);
 const NOT_OWNED: Color32 = Color32::from_rgb(240, 110, 110);
 
 /// Draws all vector lines and marks.
-pub fn paint(painter: &Painter, placement: Placement, session: &Session, view: &View) {
+pub(crate) fn paint(painter: &Painter, placement: Placement, session: &Session, view: &View) {
     if placement.points_per_px < VECTORS_FROM {
         return;
     }

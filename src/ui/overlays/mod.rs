@@ -1,32 +1,32 @@
 //! Overlays on the picture: which are active, their order and opacity, their legends, and vector marks over enlarged
 //! pixels.
 
-pub mod card;
+pub(crate) mod card;
 
-pub mod legend;
+pub(crate) mod legend;
 
-pub mod marks;
+pub(crate) mod marks;
 
-pub mod readout;
+pub(crate) mod readout;
 
-pub mod save;
+pub(crate) mod save;
 
 use super::engine::View;
 use crate::inspect::overlays::Overlay;
 
-pub use crate::inspect::overlays::Layer;
+pub(crate) use crate::inspect::overlays::Layer;
 
 /// Active overlays, and the state of their card.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Overlays {
+pub(crate) struct Overlays {
     /// Stack of layers, from the bottom up.
-    pub layers: Vec<Layer>,
+    pub(crate) layers: Vec<Layer>,
     /// Whether the list of all overlays is open.
-    pub open: bool,
+    pub(crate) open: bool,
     /// Whether sample points and edge owners are drawn over enlarged pixels.
-    pub marks: bool,
+    pub(crate) marks: bool,
     /// Whether pixels are large enough to draw lines as vectors instead of pixels.
-    pub vectors: bool,
+    pub(crate) vectors: bool,
 }
 
 /// Change of the overlays.
@@ -56,17 +56,17 @@ pub enum Change {
 
 impl Overlays {
     /// Returns the number of active overlays, counting the marks as one.
-    pub fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.layers.len() + usize::from(self.marks)
     }
 
     /// Returns the layer of an overlay if it is active.
-    pub fn layer(&self, overlay: Overlay) -> Option<Layer> {
+    pub(crate) fn layer(&self, overlay: Overlay) -> Option<Layer> {
         self.layers.iter().copied().find(|layer| layer.overlay == overlay)
     }
 
     /// Applies a change; returns it if it concerns the disk.
-    pub fn apply(&mut self, change: Change) -> Option<Change> {
+    pub(crate) fn apply(&mut self, change: Change) -> Option<Change> {
         match change {
             Change::Open(open) => self.open = open,
             Change::ToggleOpen => self.open ^= true,
@@ -98,7 +98,7 @@ impl Overlays {
     }
 
     /// Returns the overlay whose pixels are stepped through: the topmost one that marks faults.
-    pub fn stepped(&self) -> Option<Overlay> {
+    pub(crate) fn stepped(&self) -> Option<Overlay> {
         let faults = [
             Overlay::Faults,
             Overlay::Junctions,
@@ -112,7 +112,7 @@ impl Overlays {
 
     /// Returns the next pixel marked by [`Overlays::stepped`] after `from`, or the previous one, wrapping around at the
     /// ends.
-    pub fn beside(&self, view: &View, from: Option<(u32, u32)>, forwards: bool) -> Option<(u32, u32)> {
+    pub(crate) fn beside(&self, view: &View, from: Option<(u32, u32)>, forwards: bool) -> Option<(u32, u32)> {
         let overlay = self.stepped()?;
         view.looked.sheets.iter().find(|sheet| sheet.overlay == overlay)?.beside(from, forwards)
     }

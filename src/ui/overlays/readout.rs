@@ -7,7 +7,7 @@ use crate::ui::session::Session;
 use crate::ui::theme::{self, tokens};
 
 /// Draws a row for each active overlay.
-pub fn ui(ui: &mut Ui, session: &Session, hovered: Option<(u32, u32)>) {
+pub(crate) fn ui(ui: &mut Ui, session: &Session, hovered: Option<(u32, u32)>) {
     let Some((view, (x, y))) = session.view.as_ref().zip(hovered.or(session.pick)) else { return };
     for sheet in &view.looked.sheets {
         ui.horizontal(|ui| {

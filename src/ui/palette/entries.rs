@@ -19,7 +19,7 @@ use crate::upscale;
 
 /// Category of an entry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub(crate) enum Kind {
     /// Command of the window.
     Command,
     /// Value of a setting.
@@ -40,7 +40,7 @@ pub enum Kind {
 
 impl Kind {
     /// Returns the display name.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Command => "Command",
             Self::Setting => "Setting",
@@ -56,7 +56,7 @@ impl Kind {
 
 /// Effect of choosing an entry.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Action {
+pub(crate) enum Action {
     /// Runs a command.
     Run(Box<Command>),
     /// Fills the search field with this text, to which the user adds a value.
@@ -65,19 +65,19 @@ pub enum Action {
 
 /// Entry of the palette.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Entry {
+pub(crate) struct Entry {
     /// Category.
-    pub kind: Kind,
+    pub(crate) kind: Kind,
     /// Title, which the search matches.
-    pub title: String,
+    pub(crate) title: String,
     /// Help text for the tooltip.
-    pub help: String,
+    pub(crate) help: String,
     /// Name of its key; empty if it has none.
-    pub key: String,
+    pub(crate) key: String,
     /// Whether the setting already has this value.
-    pub holds: bool,
+    pub(crate) holds: bool,
     /// Effect of choosing it.
-    pub action: Action,
+    pub(crate) action: Action,
 }
 
 fn entry(kind: Kind, title: impl Into<String>, command: Command) -> Entry {
@@ -93,7 +93,7 @@ impl Entry {
 }
 
 /// Returns all entries for the present state of `session`.
-pub fn all(session: &Session) -> Vec<Entry> {
+pub(crate) fn all(session: &Session) -> Vec<Entry> {
     let mut entries = commands();
     entries.extend(bookmarks(session));
     entries.extend(scenes(session));
@@ -212,7 +212,7 @@ fn settings(session: &Session) -> Vec<Entry> {
 }
 
 /// Returns an entry for a typed assignment such as `light.ambient=0.3`, if it is valid.
-pub fn assignment(session: &Session, typed: &str) -> Option<Entry> {
+pub(crate) fn assignment(session: &Session, typed: &str) -> Option<Entry> {
     let mut recipe = session.state.recipe;
     recipe.set(typed.trim()).ok()?;
     let (key, value) = typed.split_once('=')?;
@@ -222,7 +222,7 @@ pub fn assignment(session: &Session, typed: &str) -> Option<Entry> {
 
 /// Returns an entry for a typed destination: a pixel, a triangle or a vertex. Object names are excluded, because other
 /// entries may have the same name.
-pub fn destination(session: &Session, typed: &str) -> Option<Entry> {
+pub(crate) fn destination(session: &Session, typed: &str) -> Option<Entry> {
     let wanted = session.wanted(typed).ok().filter(|wanted| !matches!(wanted, Wanted::Object(..)))?;
     let title = format!("Go to {}", wanted.words().to_lowercase());
     Some(entry(Kind::Command, title, place::go_to(wanted)))

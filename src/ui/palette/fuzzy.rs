@@ -3,11 +3,11 @@
 
 /// Match of a query in a title.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Fit {
+pub(crate) struct Fit {
     /// Score; higher is better. Only comparable between titles for the same query.
-    pub score: i32,
+    pub(crate) score: i32,
     /// Indices of the matched characters of the title.
-    pub letters: Vec<usize>,
+    pub(crate) letters: Vec<usize>,
 }
 
 /// Score of a letter at the beginning of a word.
@@ -23,7 +23,7 @@ const GAP: i32 = -1;
 const LENGTH_OF_ONE: i32 = 8;
 
 /// Matches all words of `typed` in `title`, in any order and ignoring case. An empty query matches everything.
-pub fn fit(typed: &str, title: &str) -> Option<Fit> {
+pub(crate) fn fit(typed: &str, title: &str) -> Option<Fit> {
     let title: Vec<char> = title.chars().map(lower).collect();
     let mut whole = Fit { score: 0, letters: Vec::new() };
     for word in typed.split_whitespace() {

@@ -1,8 +1,8 @@
 //! The command palette: finds every action of the window by a few letters of its name.
 
-pub mod entries;
+pub(crate) mod entries;
 
-pub mod fuzzy;
+pub(crate) mod fuzzy;
 
 use eframe::egui::{
     Align, FontId, Frame, Id, Key, Label, Layout, Modal, Modifiers, RichText, ScrollArea, Sense, TextEdit, TextFormat,
@@ -26,7 +26,7 @@ const TOP: f32 = 90.0;
 const MOST_SHOWN: usize = 100;
 
 /// State of the open palette.
-pub struct Palette {
+pub(crate) struct Palette {
     query: String,
     entries: Vec<Entry>,
     /// Indices of matching entries, best first, each with its matched letters.
@@ -39,13 +39,13 @@ pub struct Palette {
 
 impl Palette {
     /// Opens the palette with an initial query.
-    pub fn new(session: &Session, query: &str) -> Self {
+    pub(crate) fn new(session: &Session, query: &str) -> Self {
         let entries = all(session);
         Self { query: query.to_owned(), entries, found: Vec::new(), found_for: None, typed: None, chosen: 0 }
     }
 
     /// Draws the palette. Returns whether it stays open.
-    pub fn ui(&mut self, ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) -> bool {
+    pub(crate) fn ui(&mut self, ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) -> bool {
         let area = Modal::default_area(Id::unique("palette")).anchor(Align2::CENTER_TOP, vec2(0.0, TOP));
         let modal =
             Modal::new(Id::unique("palette")).area(area).frame(Frame::window(ui.style())).show(ui.ctx(), |ui| {

@@ -50,10 +50,10 @@ pub enum Tab {
 }
 
 /// Minimum useful height of a tab's content, in points.
-pub const LEAST_HEIGHT: f32 = 90.0;
+pub(crate) const LEAST_HEIGHT: f32 = 90.0;
 
 /// All tabs, each with its name and help text.
-pub const TABS: &[(Tab, &str, &str)] = &[
+pub(crate) const TABS: &[(Tab, &str, &str)] = &[
     (Tab::FrameTime, "Frame time", "Frame time of each upscaler"),
     (Tab::ErrorTime, "Error vs time", "Time and error of each upscaler; click one to compare it"),
     (
@@ -82,7 +82,7 @@ pub const TABS: &[(Tab, &str, &str)] = &[
 const ONE_ROW_POINTS: f32 = 1500.0;
 
 /// Draws the tabs and the content of the selected one.
-pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Command>) {
+pub(crate) fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Command>) {
     if ui.available_width() >= ONE_ROW_POINTS {
         ui.horizontal(|ui| {
             tabs(ui, tab, commands);

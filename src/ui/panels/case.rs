@@ -18,7 +18,8 @@ use crate::ui::session::Session;
 use crate::ui::theme::{Icon, space, tokens};
 use crate::ui::widgets::{combo, icon_button};
 
-pub use evaluation::{Evaluation, Question};
+pub(crate) use evaluation::Evaluation;
+pub(crate) use evaluation::Question;
 
 use evaluation::Running;
 use pictures::Pictures;
@@ -28,7 +29,7 @@ const SLOW_ANSWER: Duration = Duration::from_millis(200);
 
 /// View of the open case, and its last evaluation.
 #[derive(Default)]
-pub struct CaseView {
+pub(crate) struct CaseView {
     answered: Option<Evaluation>,
     /// Evaluation in progress.
     running: Option<Running>,
@@ -39,7 +40,7 @@ pub struct CaseView {
 
 impl CaseView {
     /// Shows a finished evaluation instead of starting one.
-    pub fn adopt(&mut self, answer: Evaluation) {
+    pub(crate) fn adopt(&mut self, answer: Evaluation) {
         let is_about_the_same = self.answered.as_ref().is_some_and(|old| old.question.is_about(&answer.question.case));
         if !is_about_the_same {
             self.pictures = Pictures::default();
@@ -51,7 +52,7 @@ impl CaseView {
     }
 
     /// Draws the session's open case. If `waits`, the case is evaluated synchronously before drawing.
-    pub fn ui(&mut self, ui: &mut Ui, session: &Session, waits: bool, commands: &mut Vec<Command>) {
+    pub(crate) fn ui(&mut self, ui: &mut Ui, session: &Session, waits: bool, commands: &mut Vec<Command>) {
         let Some(open) = &session.case else { return };
         let settings = &session.state.recipe.pipeline;
         let options = Options { rasterizer: settings.rasterizer, arithmetic: settings.arithmetic };

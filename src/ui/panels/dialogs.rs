@@ -18,7 +18,7 @@ const FASTEST_PERSON: Duration = Duration::from_millis(400);
 
 /// The open dialog, and the text typed into it.
 #[derive(Default)]
-pub enum Dialog {
+pub(crate) enum Dialog {
     /// No dialog.
     #[default]
     Closed,
@@ -36,7 +36,7 @@ pub enum Dialog {
 
 /// Dialog for opening a model: by path, from the recent files, or with the system's file dialog.
 #[derive(Default)]
-pub struct OpenDialog {
+pub(crate) struct OpenDialog {
     path: String,
     browsing: Option<(Receiver<Option<PathBuf>>, Instant)>,
     hint: Option<&'static str>,
@@ -44,7 +44,7 @@ pub struct OpenDialog {
 
 impl Dialog {
     /// Draws the open dialog, if any.
-    pub fn ui(&mut self, ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    pub(crate) fn ui(&mut self, ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         let stays = match self {
             Self::Closed => true,
             Self::Open(dialog) => dialog.ui(ui, session, commands),
@@ -62,7 +62,7 @@ impl Dialog {
     }
 
     /// Whether a dialog is open.
-    pub fn is_open(&self) -> bool {
+    pub(crate) fn is_open(&self) -> bool {
         !matches!(self, Self::Closed)
     }
 }

@@ -39,7 +39,7 @@ struct Series {
 }
 
 /// Draws the plots and the table.
-pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let series = collect(ui, session);
     if series.is_empty() {
         empty_state(
@@ -70,7 +70,7 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 }
 
 /// Draws the buttons, and the conditions of the measurement.
-pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if let Some(measuring) = session.measuring {
         if ui.button("Cancel").on_hover_text("Stop; results so far stay").clicked() {
             commands.push(Command::CancelMeasure);

@@ -7,7 +7,7 @@ use crate::ui::theme::{Icon, tokens};
 use crate::ui::widgets::{Status, empty_state};
 
 /// Draws the messages.
-pub fn ui(ui: &mut Ui, session: &Session) {
+pub(crate) fn ui(ui: &mut Ui, session: &Session) {
     if session.log.is_empty() {
         empty_state(ui, Icon::ScrollText, "No messages", "Errors and the warnings of loaded models are listed here.");
         return;

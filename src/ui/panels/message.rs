@@ -20,7 +20,7 @@ const LAB_HINT: &str = "Step with , and . or play with K; drag the blue rings. W
 const ERROR_TINT: f32 = 0.25;
 
 /// Draws the line. `loading` is a file whose opening takes long, and its completed share in [0, 1].
-pub fn ui(ui: &mut Ui, session: &Session, loading: Option<(&Path, f32)>, commands: &mut Vec<Command>) {
+pub(crate) fn ui(ui: &mut Ui, session: &Session, loading: Option<(&Path, f32)>, commands: &mut Vec<Command>) {
     ui.horizontal_centered(|ui| {
         if let Some(error) = &session.error {
             let tint = tokens(ui).error.gamma_multiply(ERROR_TINT);

@@ -1,37 +1,37 @@
 //! The panels around the canvas, one file each. A panel reads the session and pushes commands.
 
-pub mod bottom;
+pub(crate) mod bottom;
 
-pub mod case;
+pub(crate) mod case;
 
-pub mod dialogs;
+pub(crate) mod dialogs;
 
-pub mod frame_times;
+pub(crate) mod frame_times;
 
-pub mod inspector;
+pub(crate) mod inspector;
 
-pub mod log;
+pub(crate) mod log;
 
-pub mod menu;
+pub(crate) mod menu;
 
-pub mod message;
+pub(crate) mod message;
 
-pub mod pipeline;
+pub(crate) mod pipeline;
 
-pub mod plan;
+pub(crate) mod plan;
 
-pub mod scaling;
+pub(crate) mod scaling;
 mod smooth;
 
-pub mod stability;
+pub(crate) mod stability;
 
-pub mod switches;
+pub(crate) mod switches;
 
-pub mod tradeoff;
+pub(crate) mod tradeoff;
 
-pub mod transport;
+pub(crate) mod transport;
 
-pub mod xray;
+pub(crate) mod xray;
 
 use eframe::egui::Ui;
 
@@ -39,7 +39,7 @@ use super::widgets::choice;
 use crate::pipeline::settings::Choice;
 
 /// Draws a picker for a [`Choice`], with names and help texts from the enum. Returns whether the value changed.
-pub fn pick<C: Choice>(ui: &mut Ui, value: &mut C) -> bool {
+pub(crate) fn pick<C: Choice>(ui: &mut Ui, value: &mut C) -> bool {
     let options: Vec<_> = C::ALL.iter().map(|c| (*c, c.name(), c.help())).collect();
     choice(ui, value, &options)
 }

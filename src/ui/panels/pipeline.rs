@@ -21,7 +21,7 @@ use crate::ui::theme::{self, Icon, tokens};
 use crate::ui::widgets::{figure, icon_button, value_row};
 
 /// Expands or collapses all rows in the next pass.
-pub fn open_all(ui: &Ui, open: bool) {
+pub(crate) fn open_all(ui: &Ui, open: bool) {
     ui.data_mut(|data| data.insert_temp(open_all_id(), open));
 }
 
@@ -30,7 +30,7 @@ fn open_all_id() -> egui::Id {
 }
 
 /// Draws the rows of all stages.
-pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let mut recipe = session.state.recipe;
     let all = ui.data_mut(|data| data.remove_temp(open_all_id()));
     for stage in Stage::ALL {

@@ -18,7 +18,7 @@ use crate::ui::theme::{Icon, tokens};
 use crate::ui::widgets::empty_state;
 
 /// Draws the buttons beside the tabs.
-pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if let Some(progress) = session.savings.progress {
         if ui.button("Cancel").on_hover_text("Stop measuring").clicked() {
             commands.push(Command::CancelPlan);
@@ -45,7 +45,7 @@ pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 }
 
 /// Draws the table of parts.
-pub fn ui(ui: &mut Ui, session: &Session) {
+pub(crate) fn ui(ui: &mut Ui, session: &Session) {
     let Some(view) = &session.view else {
         empty_state(ui, Icon::ListChecks, "No frame yet", "The plan is computed with the first frame.");
         return;
@@ -114,7 +114,7 @@ fn saved(ui: &mut Ui, session: &Session, view: &View, part: Part) {
 }
 
 /// Returns the reasons why draws skip a part, each with its number of draws.
-pub fn reasons(plans: &[DrawPlan], part: Part) -> String {
+pub(crate) fn reasons(plans: &[DrawPlan], part: Part) -> String {
     let mut counts = BTreeMap::new();
     for plan in plans {
         if let Step::LeftOut(reason) = plan.step(part) {

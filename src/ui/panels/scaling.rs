@@ -15,7 +15,7 @@ use crate::ui::widgets::empty_state;
 const WORDS: f32 = 50.0;
 
 /// Draws the buttons beside the tabs.
-pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if let Some((quantity, share)) = session.growth.progress {
         if ui.button("Cancel").on_hover_text("Stop measuring; the last result stays").clicked() {
             commands.push(Command::CancelGrowth);
@@ -39,7 +39,7 @@ pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 }
 
 /// Draws the four plots.
-pub fn ui(ui: &mut Ui, session: &Session) {
+pub(crate) fn ui(ui: &mut Ui, session: &Session) {
     let Some((scaling, _)) = &session.growth.found else {
         let how = "“Measure scaling” shows the fixed cost of a frame, the cost of each triangle, pixel and layer, and \
                    the speed-up by threads.";

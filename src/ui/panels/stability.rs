@@ -47,7 +47,7 @@ const MARKS: [(MarkerShape, &str); 4] =
     [(MarkerShape::Circle, "●"), (MarkerShape::Diamond, "◆"), (MarkerShape::Square, "■"), (MarkerShape::Up, "▲")];
 
 /// Draws the buttons beside the tabs.
-pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if let Some(progress) = session.stability.progress {
         if ui.button("Cancel").on_hover_text("Stop; the last report stays").clicked() {
             commands.push(Command::CancelStability);
@@ -75,7 +75,7 @@ pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 }
 
 /// Draws the report.
-pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let Some(report) = &session.stability.report else {
         let how = "“Run the report” tests the engine on slivers, needles, huge and tiny triangles, shared edges, \
                    vertices behind the eye and close depths, against exact arithmetic.";

@@ -23,7 +23,7 @@ use crate::ui::theme::tokens;
 use crate::ui::widgets::{choice, combo, drag, drag_by, row, slider, value_row};
 
 /// Draws the settings and figures of a stage.
-pub fn ui(ui: &mut Ui, stage: Stage, session: &Session, recipe: &mut Recipe, commands: &mut Vec<Command>) {
+pub(crate) fn ui(ui: &mut Ui, stage: Stage, session: &Session, recipe: &mut Recipe, commands: &mut Vec<Command>) {
     match stage {
         Stage::Assemble => assemble(ui, session, commands),
         Stage::Transform => camera(ui, session, commands),

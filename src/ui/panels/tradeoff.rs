@@ -43,7 +43,7 @@ const NEAR_POINTS: f32 = 12.0;
 const LANE: f64 = 0.4;
 
 /// Draws the buttons beside the tabs.
-pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if let Some(measuring) = session.measuring {
         if ui.button("Cancel").on_hover_text("Stop; results so far stay").clicked() {
             commands.push(Command::CancelMeasure);
@@ -106,7 +106,7 @@ fn motion(session: &Session, turn: Turn) -> String {
 }
 
 /// Draws the plot and the table.
-pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let points = session.timings.tradeoff();
     let in_motion = session.timings.measured_of().is_some_and(|measured| !measured.turn.is_still());
     if points.is_empty() {

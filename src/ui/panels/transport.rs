@@ -16,7 +16,7 @@ use crate::ui::what_if;
 use crate::ui::widgets::{combo, icon_button};
 
 /// Draws the toolbar. `scale` is the enlargement on screen; `None` means that the picture is fitted.
-pub fn toolbar(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &mut Vec<Command>) {
+pub(crate) fn toolbar(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &mut Vec<Command>) {
     ui.horizontal_centered(|ui| {
         stages(ui, session, commands);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {

@@ -34,7 +34,7 @@ const WEIGHT_FROM: f32 = 30.0;
 const PLOT: f32 = 190.0;
 
 /// Draws the panel.
-pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let picked = session.view.as_ref().and_then(|view| {
         let how = view.request.recipe.upscaler;
         let at = session.pick?;

@@ -12,7 +12,7 @@ use crate::ui::widgets::{empty_state, icon_button};
 const NAME_POINTS: f32 = 270.0;
 
 /// Draws the list. Returns whether it should close.
-pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) -> bool {
+pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) -> bool {
     let bookmarks = &session.places.bookmarks;
     let mut changes = Vec::new();
     if bookmarks.is_empty() {

@@ -11,7 +11,7 @@ use crate::ui::session::Session;
 const LISTED: usize = 20;
 
 /// Draws the entries of the menu.
-pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let mut entry = |ui: &mut Ui, enabled: bool, name: &str, command: Command| {
         let mut button = Button::new(name);
         if let Some(binding) = BINDINGS.iter().find(|binding| (binding.command)() == command) {

@@ -1,11 +1,11 @@
 //! Places: bookmarks that persist between runs, the history of what was inspected, and the whole state as one command
 //! line.
 
-pub mod bookmarks;
+pub(crate) mod bookmarks;
 
-pub mod menu;
+pub(crate) mod menu;
 
-pub mod visits;
+pub(crate) mod visits;
 
 use serde::{Deserialize, Serialize};
 
@@ -24,22 +24,22 @@ const MOST_BOOKMARKS: usize = 200;
 
 /// Named place.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Bookmark {
+pub(crate) struct Bookmark {
     /// Display name.
-    pub name: String,
+    pub(crate) name: String,
     /// Place that the bookmark opens.
-    pub place: Place,
+    pub(crate) place: Place,
 }
 
 /// Bookmarks, history, and a place being opened.
 #[derive(Clone, Debug, Default)]
-pub struct Places {
+pub(crate) struct Places {
     /// Bookmarks, in the order of their keys.
-    pub bookmarks: Vec<Bookmark>,
+    pub(crate) bookmarks: Vec<Bookmark>,
     /// History of visited places.
-    pub visits: Visits,
+    pub(crate) visits: Visits,
     /// Place to open once its scene is loaded.
-    pub pending: Option<Place>,
+    pub(crate) pending: Option<Place>,
 }
 
 /// Change of places.
@@ -68,7 +68,7 @@ pub enum Change {
 }
 
 /// Returns the command that goes to something.
-pub fn go_to(wanted: Wanted) -> Command {
+pub(crate) fn go_to(wanted: Wanted) -> Command {
     match wanted {
         Wanted::Pixel(x, y) => Command::Pick(Some((x, y))),
         wanted => Command::Place(Change::Find(wanted)),
@@ -77,12 +77,12 @@ pub fn go_to(wanted: Wanted) -> Command {
 
 impl Session {
     /// Parses a typed destination. Returns a message if it does not exist.
-    pub fn wanted(&self, text: &str) -> Result<Wanted, String> {
+    pub(crate) fn wanted(&self, text: &str) -> Result<Wanted, String> {
         Wanted::parse(text, &self.scene, self.viewport(), vertices::picked_object(self))
     }
 
     /// Returns the current place.
-    pub fn place(&self) -> Place {
+    pub(crate) fn place(&self) -> Place {
         let (buffer, stage, number) = match self.shown {
             Shown::Buffer(buffer) => (buffer, None, None),
             Shown::Stage(stage) => (Buffer::Color, Some(stage), None),
@@ -113,13 +113,13 @@ impl Session {
 
     /// Returns the command line that opens the current place from anywhere. It always states the picture size, because
     /// a pixel is meaningless without it.
-    pub fn command_line(&self) -> String {
+    pub(crate) fn command_line(&self) -> String {
         let viewport = self.viewport();
         Place { picture: Some((viewport.width, viewport.height)), ..self.place() }.command_line()
     }
 
     /// Applies a change of places. Returns a command for what concerns the window or the disk.
-    pub fn change_places(&mut self, change: Change) -> Option<Command> {
+    pub(crate) fn change_places(&mut self, change: Change) -> Option<Command> {
         let bookmarks = &mut self.places.bookmarks;
         match change {
             Change::Bookmark => self.bookmark(),
@@ -152,7 +152,7 @@ impl Session {
     }
 
     /// Picks the pixel that was found and reports the result. Returns the pixel to bring into view.
-    pub fn take_found(&mut self, wanted: &Wanted, found: &Found) -> Option<(u32, u32)> {
+    pub(crate) fn take_found(&mut self, wanted: &Wanted, found: &Found) -> Option<(u32, u32)> {
         let words = wanted.words();
         let (level, text, pixel) = match found {
             Found::Seen(pixel, count) => {
@@ -173,7 +173,7 @@ impl Session {
     }
 
     /// Opens the pending place if its scene is now loaded.
-    pub fn arrive(&mut self) {
+    pub(crate) fn arrive(&mut self) {
         if let Some(place) = self.places.pending.take()
             && place.scene == self.place().scene
         {
@@ -182,7 +182,7 @@ impl Session {
     }
 
     /// Records the current place in the history; `now` in seconds.
-    pub fn note_visit(&mut self, now: f64) {
+    pub(crate) fn note_visit(&mut self, now: f64) {
         // Nothing is recorded before the first frame, or while another place is pending.
         if self.view.is_some() && self.places.pending.is_none() {
             let here = self.place();

@@ -11,7 +11,7 @@ const ONE_MOVE_SECONDS: f64 = 0.6;
 
 /// Past, current and future visits.
 #[derive(Clone, Debug, Default)]
-pub struct Visits {
+pub(crate) struct Visits {
     past: Vec<Place>,
     here: Option<Place>,
     future: Vec<Place>,
@@ -21,17 +21,17 @@ pub struct Visits {
 
 impl Visits {
     /// Whether there is a visit to go back to.
-    pub fn can_go_back(&self) -> bool {
+    pub(crate) fn can_go_back(&self) -> bool {
         !self.past.is_empty()
     }
 
     /// Whether there is a visit to go forward to.
-    pub fn can_go_forward(&self) -> bool {
+    pub(crate) fn can_go_forward(&self) -> bool {
         !self.future.is_empty()
     }
 
     /// Records the current place; `now` in seconds. Changing settings or clearing the pick is no visit.
-    pub fn note(&mut self, place: Place, now: f64) {
+    pub(crate) fn note(&mut self, place: Place, now: f64) {
         let Some(here) = &self.here else {
             self.here = Some(place);
             return;
@@ -59,7 +59,7 @@ impl Visits {
     }
 
     /// Goes one visit back, or forward. Returns its place.
-    pub fn travel(&mut self, back: bool) -> Option<Place> {
+    pub(crate) fn travel(&mut self, back: bool) -> Option<Place> {
         let (from, to) = if back { (&mut self.past, &mut self.future) } else { (&mut self.future, &mut self.past) };
         let place = from.pop()?;
         to.extend(self.here.replace(place.clone()));
@@ -70,7 +70,7 @@ impl Visits {
 
     /// Replaces the place returned by [`Self::travel`] by the one actually reached, so that it does not count as a new
     /// visit.
-    pub fn arrived(&mut self, place: Place) {
+    pub(crate) fn arrived(&mut self, place: Place) {
         let is_expected = self.here.as_ref().is_some_and(|here| same_sight(here, &place));
         if is_expected {
             self.here = Some(place);

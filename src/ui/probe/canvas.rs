@@ -14,7 +14,7 @@ const WIDTH: f32 = 220.0;
 const BAR: f32 = 8.0;
 
 /// Draws the legend into the lower left corner of the canvas.
-pub fn legend(ui: &Ui, canvas: Rect, probing: &Probing) {
+pub(crate) fn legend(ui: &Ui, canvas: Rect, probing: &Probing) {
     let (Some(found), Some(heat), Some((_, most))) = (&probing.found, probing.heat, &probing.picture) else { return };
     let painter = ui.painter().with_clip_rect(canvas);
     let words = if *most == 0 {

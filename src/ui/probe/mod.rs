@@ -17,20 +17,21 @@ use crate::image::{Image, Rgba8};
 use crate::inspect::Buffer;
 use crate::inspect::probe::{self, Fragile, Heat, Probe, ProbeResult, Subject};
 
-pub use canvas::legend;
-pub use panel::{controls, ui};
+pub(crate) use canvas::legend;
+pub(crate) use panel::controls;
+pub(crate) use panel::ui;
 
 /// State of the stability probe.
 #[derive(Debug, Default)]
-pub struct Probing {
+pub(crate) struct Probing {
     /// Settings of the next probe.
-    pub probe: Probe,
+    pub(crate) probe: Probe,
     /// Last result.
-    pub found: Option<Arc<ProbeResult>>,
+    pub(crate) found: Option<Arc<ProbeResult>>,
     /// Completed share of the running probe, in [0, 1].
-    pub progress: Option<f32>,
+    pub(crate) progress: Option<f32>,
     /// Heat map shown over the picture, if any.
-    pub heat: Option<Heat>,
+    pub(crate) heat: Option<Heat>,
     /// Heat map as an image, and the number of runs denoted by its brightest colour.
     picture: Option<(Arc<Image<Rgba8>>, u16)>,
     task: Option<Task<f32, ProbeResult>>,
@@ -57,7 +58,7 @@ pub enum Change {
 
 /// Action left to the window after a change.
 #[derive(Debug, PartialEq)]
-pub enum Rest {
+pub(crate) enum Rest {
     /// No action.
     Nothing,
     /// Scrolls a pixel into view.
@@ -67,7 +68,7 @@ pub enum Rest {
 }
 
 /// Applies a change. Returns the action left to the window.
-pub fn apply(session: &mut Session, context: &Context, change: Change) -> Rest {
+pub(crate) fn apply(session: &mut Session, context: &Context, change: Change) -> Rest {
     match change {
         Change::Set(probe) => session.probing.probe = probe,
         Change::Start => start(session, context),
@@ -101,7 +102,7 @@ pub fn apply(session: &mut Session, context: &Context, change: Change) -> Rest {
 }
 
 /// Handles the progress and the result of the task.
-pub fn listen(session: &mut Session) {
+pub(crate) fn listen(session: &mut Session) {
     let Probing { task, progress, .. } = &mut session.probing;
     let Some(running) = task else { return };
     match running.listen(progress) {
@@ -118,7 +119,7 @@ pub fn listen(session: &mut Session) {
 }
 
 /// Runs the probe synchronously, for screenshots.
-pub fn probe_now(session: &mut Session) {
+pub(crate) fn probe_now(session: &mut Session) {
     let subject = subject_of(&session.request());
     let never = std::sync::atomic::AtomicBool::new(false);
     if let Some(found) = probe::run(&subject, session.probing.probe, &|_| {}, &never) {
@@ -166,7 +167,7 @@ impl Probing {
     }
 
     /// Hides the heat map. Returns whether it was visible.
-    pub fn hide(&mut self) -> bool {
+    pub(crate) fn hide(&mut self) -> bool {
         self.picture = None;
         self.heat.take().is_some()
     }
@@ -178,13 +179,13 @@ impl Probing {
     }
 
     /// Returns the heat map that replaces the picture of a view, if it is visible and describes that view.
-    pub fn picture(&self, view: &View) -> Option<&Arc<Image<Rgba8>>> {
+    pub(crate) fn picture(&self, view: &View) -> Option<&Arc<Image<Rgba8>>> {
         let is_finished = view.request.shown == Shown::Buffer(Buffer::Color);
         self.picture.as_ref().filter(|_| is_finished && self.is_of(view)).map(|(image, _)| image)
     }
 
     /// Returns the number of runs in which a pixel of the heat map changed.
-    pub fn count(&self, (x, y): (u32, u32)) -> Option<u16> {
+    pub(crate) fn count(&self, (x, y): (u32, u32)) -> Option<u16> {
         self.found.as_ref()?.counts(self.heat?)?.get(x, y)
     }
 }

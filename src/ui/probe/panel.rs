@@ -22,7 +22,7 @@ const FIGURE_POINTS: f32 = 104.0;
 const MOST: (u32, u16) = (65_536, 4096);
 
 /// Draws the buttons beside the tabs.
-pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let probing = &session.probing;
     if let Some(progress) = probing.progress {
         if ui.button("Cancel").on_hover_text("Stop; the last result stays").clicked() {
@@ -54,7 +54,7 @@ pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 }
 
 /// Draws the content of the tab.
-pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     ui.horizontal_top(|ui| {
         ui.vertical(|ui| {
             ui.set_width(SETTINGS_POINTS);

@@ -30,7 +30,7 @@ const PLOT_HEIGHT: f32 = 78.0;
 const FIELD: f32 = 84.0;
 
 /// Draws the card. Returns its rectangle, in points.
-pub fn ui(ui: &mut Ui, canvas: Rect, session: &Session, view: &View, commands: &mut Vec<Command>) -> Rect {
+pub(crate) fn ui(ui: &mut Ui, canvas: Rect, session: &Session, view: &View, commands: &mut Vec<Command>) -> Rect {
     let control = &session.range;
     let shown = view.request.shown;
     let kind = kind(shown);

@@ -14,7 +14,7 @@ use crate::ui::theme::{Icon, tokens};
 use crate::ui::widgets::icon_button;
 
 /// Column names, with their help texts.
-pub const COLUMNS: [(&str, &str); 7] = [
+pub(crate) const COLUMNS: [(&str, &str); 7] = [
     ("n", "Number of finite values"),
     ("min", "Smallest finite value"),
     ("max", "Largest finite value"),
@@ -25,7 +25,7 @@ pub const COLUMNS: [(&str, &str); 7] = [
 ];
 
 /// Formats the statistics of one channel, in the order of [`COLUMNS`].
-pub fn texts(figures: &Statistics) -> [String; 7] {
+pub(crate) fn texts(figures: &Statistics) -> [String; 7] {
     let known = |text: String| if figures.finite == 0 { "–".to_owned() } else { text };
     [
         format::count(figures.finite),
@@ -52,7 +52,7 @@ fn rounded(value: f64) -> String {
 }
 
 /// Draws the rows of a dragged region: its rectangle, and the statistics of each channel.
-pub fn part(ui: &mut Ui, region: Region, kind: Kind, channels: &[Statistics], changes: &mut Vec<Change>) {
+pub(crate) fn part(ui: &mut Ui, region: Region, kind: Kind, channels: &[Statistics], changes: &mut Vec<Change>) {
     row(ui, |ui| {
         let Region { left, top, right, bottom } = region;
         let text = format!("Box {left}, {top} · {} × {} px", right.saturating_sub(left), bottom.saturating_sub(top));

@@ -1,17 +1,17 @@
 //! Range control: the values at the ends of a colour map, set over a histogram of all values, and the statistics of a
 //! region. Every buffer and stage keeps its own settings.
 
-pub mod card;
+pub(crate) mod card;
 
-pub mod plot;
+pub(crate) mod plot;
 
-pub mod panel;
+pub(crate) mod panel;
 
-pub mod figures;
+pub(crate) mod figures;
 
-pub mod region;
+pub(crate) mod region;
 
-pub mod save;
+pub(crate) mod save;
 
 use super::engine::{Shown, View};
 use super::look::{Measures, kind};
@@ -22,28 +22,28 @@ use crate::measure::region::Region;
 
 /// Display settings of one buffer or stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Setting {
+pub(crate) struct Setting {
     /// Range, colour map and channels.
-    pub display: Display,
+    pub(crate) display: Display,
     /// Range of the histogram's axis; `None` spans all values.
-    pub axis: Option<Range>,
+    pub(crate) axis: Option<Range>,
 }
 
 /// State of the range control.
 #[derive(Clone, Debug, Default)]
-pub struct RangeControl {
+pub(crate) struct RangeControl {
     /// Whether the card with the histogram is open on the canvas.
-    pub open: bool,
+    pub(crate) open: bool,
     /// Whether the tab with the histogram is open.
-    pub tab: bool,
+    pub(crate) tab: bool,
     /// Whether histograms show the logarithm of their counts.
-    pub log_counts: bool,
+    pub(crate) log_counts: bool,
     /// Region with separate statistics.
-    pub region: Option<Region>,
+    pub(crate) region: Option<Region>,
     /// Whether dragging draws the region.
-    pub draws_region: bool,
+    pub(crate) draws_region: bool,
     /// Part of the picture that is visible on the canvas.
-    pub visible: Option<Region>,
+    pub(crate) visible: Option<Region>,
     settings: Vec<(Shown, Setting)>,
 }
 
@@ -88,12 +88,12 @@ pub enum Change {
 
 impl RangeControl {
     /// Returns the settings of a buffer or stage.
-    pub fn setting(&self, shown: Shown) -> Setting {
+    pub(crate) fn setting(&self, shown: Shown) -> Setting {
         self.settings.iter().find(|(of, _)| *of == shown).map_or(Setting::default(), |(_, setting)| *setting)
     }
 
     /// Returns the statistics to compute for `shown`; `None` if none are needed.
-    pub fn measures(&self, shown: Shown) -> Option<Measures> {
+    pub(crate) fn measures(&self, shown: Shown) -> Option<Measures> {
         let wanted = (self.open || self.tab) && kind(shown) != Kind::Names;
         // sRGB codes have the same range in every picture.
         let codes = Range { low: 0.0, high: 255.0 };
@@ -102,7 +102,7 @@ impl RangeControl {
     }
 
     /// Applies a change to the settings of `shown`. `view` is the view on screen, which ranges are fitted to.
-    pub fn apply(&mut self, change: Change, shown: Shown, view: Option<&View>) {
+    pub(crate) fn apply(&mut self, change: Change, shown: Shown, view: Option<&View>) {
         let mut setting = self.setting(shown);
         let display = &mut setting.display;
         match change {
@@ -142,7 +142,7 @@ impl RangeControl {
     }
 
     /// Sets the display settings of a buffer or stage.
-    pub fn show_by(&mut self, display: Display, shown: Shown) {
+    pub(crate) fn show_by(&mut self, display: Display, shown: Shown) {
         let setting = Setting { display, ..self.setting(shown) };
         self.store(shown, setting);
     }

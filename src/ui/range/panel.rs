@@ -17,7 +17,7 @@ use crate::ui::widgets::empty_state;
 const TABLE: f32 = 700.0;
 
 /// Draws the content of the tab.
-pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let Some((view, measured)) = session.view.as_ref().and_then(|view| Some((view, view.looked.measured.as_deref()?)))
     else {
         let how = "Choose a buffer that holds quantities, such as Depth, in the bar above the picture.";
@@ -48,7 +48,7 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 }
 
 /// Draws the controls beside the tabs.
-pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let mut log = session.range.log_counts;
     if ui.checkbox(&mut log, "log counts").on_hover_text("Logarithmic bars: rare values become visible, too").changed()
     {
@@ -62,7 +62,7 @@ pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 }
 
 /// Notifies the range control when the tab opens or closes: statistics are computed only while it is open.
-pub fn tell(is_open: bool, session: &Session, commands: &mut Vec<Command>) {
+pub(crate) fn tell(is_open: bool, session: &Session, commands: &mut Vec<Command>) {
     if session.range.tab != is_open {
         commands.push(Command::Range(Change::Tab(is_open)));
     }

@@ -27,18 +27,18 @@ const GRIP: f32 = 5.0;
 
 /// Inputs of a histogram plot.
 #[derive(Clone, Copy)]
-pub struct Plot<'a> {
+pub(crate) struct Plot<'a> {
     /// View on screen, with its histograms.
-    pub view: &'a View,
+    pub(crate) view: &'a View,
     /// Display settings of the quantity.
-    pub setting: Setting,
+    pub(crate) setting: Setting,
     /// Whether bar heights are logarithms of the counts.
-    pub log_counts: bool,
+    pub(crate) log_counts: bool,
 }
 
 impl Plot<'_> {
     /// Draws the plot with `size` in points. Returns the new range if a handle was dragged.
-    pub fn ui(self, ui: &mut Ui, size: egui::Vec2) -> Option<Range> {
+    pub(crate) fn ui(self, ui: &mut Ui, size: egui::Vec2) -> Option<Range> {
         let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Histogram"));
         let bars = Rect::from_min_max(rect.min, rect.max - vec2(0.0, STRIP + NUMBERS));
@@ -93,7 +93,7 @@ impl Plot<'_> {
 }
 
 /// Returns the colour of a number; for colour channels, a grey of the brightness displayed.
-pub fn color_of(shown: Shown, setting: &Setting, range: Range, number: f32) -> Rgba8 {
+pub(crate) fn color_of(shown: Shown, setting: &Setting, range: Range, number: f32) -> Rgba8 {
     if kind(shown) == Kind::Numbers {
         return setting.display.number_color(buffer_of(shown), range, number);
     }
@@ -127,7 +127,7 @@ fn axis_numbers(ui: &Ui, rect: Rect, axis: Range, most: u64, log: bool) {
 }
 
 /// Formats a number of an axis: integers below 10⁹ in magnitude without decimals, others with nine significant digits.
-pub fn short(value: f32) -> String {
+pub(crate) fn short(value: f32) -> String {
     if value.fract() == 0.0 && value.abs() < 1e9 { format::fixed(f64::from(value), 0) } else { format::f32_full(value) }
 }
 
@@ -198,7 +198,7 @@ fn tooltip(response: Response, bars: Rect, histograms: &[Histogram], kind: Kind)
 }
 
 /// Draws the colours of a range as a strip, from its low to its high end.
-pub fn legend_strip(ui: &Ui, rect: Rect, shown: Shown, setting: &Setting, range: Range) {
+pub(crate) fn legend_strip(ui: &Ui, rect: Rect, shown: Shown, setting: &Setting, range: Range) {
     for point in 0..rect.width() as u32 {
         let share = point as f32 / (rect.width() - 1.0).max(1.0);
         let [r, g, b, _] = setting.display.legend_color(buffer_of(shown), range, share);

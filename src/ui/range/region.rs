@@ -11,13 +11,13 @@ use crate::ui::zoom::Placement;
 
 /// Region being dragged, as the pixels at two opposite corners.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Dragging {
+pub(crate) struct Dragging {
     corners: Option<[(u32, u32); 2]>,
 }
 
 impl Dragging {
     /// Handles pointer input. Returns whether dragging draws a region now. `size` is that of the picture, in pixels.
-    pub fn follow(
+    pub(crate) fn follow(
         &mut self,
         ui: &Ui,
         response: &Response,
@@ -55,7 +55,7 @@ impl Dragging {
     }
 
     /// Draws the region being dragged, or else the last one.
-    pub fn paint(&self, ui: &Ui, painter: &Painter, placement: Placement, session: &Session) {
+    pub(crate) fn paint(&self, ui: &Ui, painter: &Painter, placement: Placement, session: &Session) {
         let Some(region) = self.corners.map(between).or(session.range.region) else { return };
         let (first, last) =
             (placement.rect_of(region.left, region.top), placement.rect_of(region.right, region.bottom));
@@ -78,7 +78,7 @@ fn between([a, b]: [(u32, u32); 2]) -> Region {
 }
 
 /// Returns the part of the picture that is visible on the canvas.
-pub fn visible(placement: Placement, size: (u32, u32)) -> Option<Region> {
+pub(crate) fn visible(placement: Placement, size: (u32, u32)) -> Option<Region> {
     let (columns, rows) = placement.visible(size);
     let region = Region { left: columns.start, top: rows.start, right: columns.end, bottom: rows.end };
     (!columns.is_empty() && !rows.is_empty()).then_some(region)

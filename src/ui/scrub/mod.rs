@@ -1,9 +1,9 @@
 //! Playback of how the frame was drawn: by stage, object, triangle or fragment, step by step or continuously,
 //! optionally only through the moments that touch the picked pixel.
 
-pub mod reel;
+pub(crate) mod reel;
 
-pub mod transport;
+pub(crate) mod transport;
 
 use std::sync::Arc;
 
@@ -12,24 +12,24 @@ use super::session::Session;
 use crate::inspect::scrub::{Moment, Timeline, Unit};
 
 /// Selectable playback speeds, in steps per second.
-pub const SPEEDS: [f32; 8] = [1.0, 4.0, 15.0, 60.0, 250.0, 1_000.0, 4_000.0, 16_000.0];
+pub(crate) const SPEEDS: [f32; 8] = [1.0, 4.0, 15.0, 60.0, 250.0, 1_000.0, 4_000.0, 16_000.0];
 
 /// Maximum playback speed by stage, in stages per second, so that each picture can be inspected.
 const FASTEST_STAGES: f32 = 2.0;
 
 /// Playback state.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scrub {
+pub(crate) struct Scrub {
     /// Last requested moment within a triangle. Valid as long as the triangle limit is unchanged.
     partial: Option<Moment>,
     /// Unit of a step, both for the buttons and for playback.
-    pub unit: Unit,
+    pub(crate) unit: Unit,
     /// Playback direction: 1 forwards, −1 backwards, 0 paused.
-    pub playing: i64,
+    pub(crate) playing: i64,
     /// Playback speed, in steps per second.
-    pub speed: f32,
+    pub(crate) speed: f32,
     /// Whether steps skip moments that do not touch the picked pixel.
-    pub touching: bool,
+    pub(crate) touching: bool,
     /// Fraction of steps accumulated from elapsed time.
     due: f32,
 }
@@ -63,21 +63,21 @@ pub enum Change {
 
 impl Scrub {
     /// Returns the number of fragments drawn of the last of `triangle_limit` triangles; `None` means all.
-    pub fn fragment_limit(&self, triangle_limit: Option<usize>) -> Option<usize> {
+    pub(crate) fn fragment_limit(&self, triangle_limit: Option<usize>) -> Option<usize> {
         self.partial.filter(|moment| Some(moment.triangles) == triangle_limit)?.fragments
     }
 }
 
 impl Session {
     /// Returns the requested moment.
-    pub fn moment(&self) -> Moment {
+    pub(crate) fn moment(&self) -> Moment {
         let all = self.triangle_count();
         let triangles = self.triangle_limit.map_or(all, |limit| limit.min(all));
         Moment { triangles, fragments: self.scrub.fragment_limit(self.triangle_limit) }
     }
 
     /// Goes to a moment. A moment after all triangles removes the limit.
-    pub fn go_to(&mut self, moment: Moment) {
+    pub(crate) fn go_to(&mut self, moment: Moment) {
         let Moment { triangles, fragments } = moment;
         let is_all = triangles > self.triangle_count() || (triangles == self.triangle_count() && fragments.is_none());
         self.triangle_limit = (!is_all).then_some(triangles);
@@ -85,12 +85,12 @@ impl Session {
     }
 
     /// Requests a moment before the first frame, when its existence cannot be checked yet.
-    pub fn begin_at(&mut self, moment: Moment) {
+    pub(crate) fn begin_at(&mut self, moment: Moment) {
         (self.triangle_limit, self.scrub.partial) = (Some(moment.triangles), Some(moment));
     }
 
     /// Returns the timeline around the moment on screen; `None` before the first frame.
-    pub fn timeline(&self) -> Option<Arc<Timeline>> {
+    pub(crate) fn timeline(&self) -> Option<Arc<Timeline>> {
         let view = self.view.as_ref()?;
         let whole = || Arc::new(reel::timeline_of(&view.request, &view.frame, None));
         Some(view.timeline.clone().unwrap_or_else(whole))

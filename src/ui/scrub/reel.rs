@@ -9,7 +9,7 @@ use crate::ui::engine::Request;
 
 /// One frame with its state at every moment, from the first triangle to the last.
 #[derive(Debug)]
-pub struct Reel {
+pub(crate) struct Reel {
     of: Request,
     whole: Arc<Frame>,
     scrubber: Scrubber,
@@ -22,13 +22,13 @@ pub struct Reel {
 impl Reel {
     /// Stores the reel of a request in `slot` unless it is already there. `whole` is the complete frame, if it was just
     /// drawn.
-    pub fn load<'a>(slot: &'a mut Option<Self>, request: &Request, whole: Option<Arc<Frame>>) -> &'a mut Self {
+    pub(crate) fn load<'a>(slot: &'a mut Option<Self>, request: &Request, whole: Option<Arc<Frame>>) -> &'a mut Self {
         slot.take_if(|reel| !reel.is_of(request));
         slot.get_or_insert_with(|| Self::new(request, whole))
     }
 
     /// Whether a request shows this frame, complete or at a moment.
-    pub fn is_of(&self, request: &Request) -> bool {
+    pub(crate) fn is_of(&self, request: &Request) -> bool {
         self.of.same_complete_frame(request)
     }
 
@@ -43,18 +43,18 @@ impl Reel {
     }
 
     /// Returns the number of triangles of the complete frame.
-    pub fn triangles(&self) -> usize {
+    pub(crate) fn triangles(&self) -> usize {
         self.timeline.triangles
     }
 
     /// Returns the frame at a moment.
-    pub fn frame(&mut self, moment: Moment) -> Frame {
+    pub(crate) fn frame(&mut self, moment: Moment) -> Frame {
         let drawn = self.scrubber.go(moment);
         self.whole.at_moment(&self.of.recipe, drawn, self.scrubber.geometry_at(moment))
     }
 
     /// Returns the timeline around a moment, with all touches of a drawn pixel.
-    pub fn timeline(&mut self, moment: Moment, pixel: Option<(u32, u32)>) -> Timeline {
+    pub(crate) fn timeline(&mut self, moment: Moment, pixel: Option<(u32, u32)>) -> Timeline {
         let Self { of, whole, scrubber, timeline, touched } = self;
         if *touched != pixel {
             let area = (whole.sampling.grid(), whole.raster);
@@ -68,7 +68,7 @@ impl Reel {
 }
 
 /// Returns the timeline around the last moment of a complete frame, with the triangles that touch a drawn pixel.
-pub fn timeline_of(request: &Request, frame: &Frame, pixel: Option<(u32, u32)>) -> Timeline {
+pub(crate) fn timeline_of(request: &Request, frame: &Frame, pixel: Option<(u32, u32)>) -> Timeline {
     let Request { scene, recipe, .. } = request;
     let area = (frame.sampling.grid(), frame.raster);
     let last = frame.geometry.triangles.last();

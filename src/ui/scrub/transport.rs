@@ -16,7 +16,7 @@ use crate::ui::theme::{self, CONTROL_HEIGHT, Icon, font_size, space, tokens};
 use crate::ui::widgets::{combo, icon_button};
 
 /// Height of the bar, in points.
-pub const HEIGHT: f32 = 2.0 * theme::ROW_HEIGHT + 16.0;
+pub(crate) const HEIGHT: f32 = 2.0 * theme::ROW_HEIGHT + 16.0;
 
 /// Share of the bar's width for the slider of triangles; the slider of fragments takes the rest.
 const TRIANGLES_SHARE: f32 = 0.66;
@@ -25,7 +25,7 @@ const TRIANGLES_SHARE: f32 = 0.66;
 const MOST_TICKS: usize = 400;
 
 /// Draws the bar.
-pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let before = commands.len();
     let known = session.view.as_ref().and_then(|view| view.timeline.clone());
     ui.spacing_mut().item_spacing.y = space::XS;

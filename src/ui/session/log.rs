@@ -8,11 +8,11 @@ const LOG_LINES: usize = 500;
 
 /// Line of the log.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct LogLine {
+pub(crate) struct LogLine {
     /// Severity.
-    pub level: Level,
+    pub(crate) level: Level,
     /// Message text, one line.
-    pub text: String,
+    pub(crate) text: String,
 }
 
 /// Severity of a message.
@@ -28,7 +28,7 @@ pub enum Level {
 
 impl Session {
     /// Appends a line to the log; errors also appear in the bar above the canvas.
-    pub fn report(&mut self, level: Level, text: impl Into<String>) {
+    pub(crate) fn report(&mut self, level: Level, text: impl Into<String>) {
         let text = text::one_line(&text.into());
         if level == Level::Error {
             self.error = Some(text.clone());

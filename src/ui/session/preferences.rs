@@ -28,7 +28,7 @@ pub enum PictureSize {
 
 impl PictureSize {
     /// Returns this size, or [`Self::Canvas`] if it is not a valid picture size.
-    pub fn checked(self) -> Self {
+    pub(crate) fn checked(self) -> Self {
         match self {
             Self::Fixed(width, height) if Viewport { width, height }.check().is_err() => Self::Canvas,
             size => size,
@@ -49,7 +49,7 @@ pub enum PointerMode {
 
 impl PointerMode {
     /// Returns the other mode.
-    pub fn other(self) -> Self {
+    pub(crate) fn other(self) -> Self {
         match self {
             Self::Inspect => Self::Camera,
             Self::Camera => Self::Inspect,
@@ -62,16 +62,16 @@ impl PointerMode {
 #[serde(default)]
 pub struct WindowState {
     /// Whether the theme is light rather than dark.
-    pub light_theme: bool,
+    pub(crate) light_theme: bool,
     /// Interface scale; 0 means 1.
-    pub scale: f32,
+    pub(crate) scale: f32,
     /// Width and height of the window while it is not maximized, in points of interface scale 1; `None` means the
     /// default size.
-    pub window_size: Option<[f32; 2]>,
+    pub(crate) window_size: Option<[f32; 2]>,
     /// Whether the window is maximized.
-    pub maximized: bool,
+    pub(crate) maximized: bool,
     /// State of panels and headings, as RON of [`eframe::egui::Memory`]; empty at first.
-    pub layout: String,
+    pub(crate) layout: String,
 }
 
 impl WindowState {
@@ -90,40 +90,40 @@ impl WindowState {
 /// one by one.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct Preferences {
+pub(crate) struct Preferences {
     /// Last scene: the id of a built-in scene, or a path.
     #[serde(serialize_with = "stored", deserialize_with = "restored")]
-    pub source: Option<PathBuf>,
+    pub(crate) source: Option<PathBuf>,
     /// Last recipe.
-    pub recipe: Recipe,
+    pub(crate) recipe: Recipe,
     /// Last camera; `None` means the scene's own.
-    pub camera: Option<Camera>,
+    pub(crate) camera: Option<Camera>,
     /// Last picture size.
-    pub size: PictureSize,
+    pub(crate) size: PictureSize,
     /// Recently opened files, newest first.
     #[serde(serialize_with = "all_stored", deserialize_with = "all_restored")]
-    pub recent: Vec<PathBuf>,
+    pub(crate) recent: Vec<PathBuf>,
     /// Whether the first hint has been closed.
-    pub hint_closed: bool,
+    pub(crate) hint_closed: bool,
     /// State of the window itself.
     #[serde(flatten)]
-    pub window: WindowState,
+    pub(crate) window: WindowState,
     /// Bookmarked places.
     #[serde(deserialize_with = "the_readable")]
-    pub bookmarks: Vec<Bookmark>,
+    pub(crate) bookmarks: Vec<Bookmark>,
     /// Watched pixels, as column and row.
     #[serde(deserialize_with = "the_readable")]
-    pub watched: Vec<(u32, u32)>,
+    pub(crate) watched: Vec<(u32, u32)>,
 }
 
 impl Preferences {
     /// Parses stored preferences, skipping what cannot be read.
-    pub fn read(stored: &str) -> Self {
+    pub(crate) fn read(stored: &str) -> Self {
         Self::read_checked(stored).0
     }
 
     /// Like [`Self::read`]; also returns whether everything was read.
-    pub fn read_checked(stored: &str) -> (Self, bool) {
+    pub(crate) fn read_checked(stored: &str) -> (Self, bool) {
         let Ok(fields) = serde_json::from_str::<Map<String, Value>>(stored) else { return Default::default() };
         // A number too large for its type is read as infinity, which cannot be written.
         let can_be_read = |(key, value): &(String, Value)| {
@@ -144,7 +144,7 @@ impl Preferences {
 
     /// Returns `theirs` with the changes that lead from `base` to `self`. Lists are merged item by item; other fields
     /// changed in `self` replace those of `theirs`.
-    pub fn merged(&self, base: &Self, theirs: &Self) -> Self {
+    pub(crate) fn merged(&self, base: &Self, theirs: &Self) -> Self {
         let mut recent = self.recent.clone();
         let others = theirs.recent.iter().filter(|path| !self.recent.contains(path) && !base.recent.contains(path));
         recent.extend(others.cloned());
@@ -165,7 +165,7 @@ impl Preferences {
     }
 
     /// Serializes the preferences as JSON.
-    pub fn write(&self) -> String {
+    pub(crate) fn write(&self) -> String {
         // Serialization cannot fail: map keys are strings, and non-finite numbers become null.
         serde_json::to_string(self).unwrap_or_default()
     }
@@ -215,7 +215,7 @@ fn the_readable<'de, D: Deserializer<'de>, T: DeserializeOwned + Serialize>(from
 
 impl Session {
     /// Returns the preferences to store.
-    pub fn preferences(&self, window: &WindowState) -> Preferences {
+    pub(crate) fn preferences(&self, window: &WindowState) -> Preferences {
         // A scene that is still loading is the one to restore.
         let Place { scene, camera, mirrored, .. } = self.places.pending.clone().unwrap_or_else(|| self.place());
         Preferences {

@@ -13,21 +13,21 @@ const ONE_MOVE_SECONDS: f64 = 0.6;
 
 /// State covered by undo.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Undoable {
+pub(crate) struct Undoable {
     /// Recipe of the picture.
-    pub recipe: Recipe,
+    pub(crate) recipe: Recipe,
     /// Camera of the picture.
-    pub camera: Camera,
+    pub(crate) camera: Camera,
     /// Size of the picture.
-    pub size: PictureSize,
+    pub(crate) size: PictureSize,
     /// Tiles that are compared with the picture drawn by `recipe`.
-    pub tiles: Tiles,
+    pub(crate) tiles: Tiles,
 }
 
 impl Session {
     /// Turns the changes since the last call into one undo step; `now` in seconds. Must not be called while a change is
     /// in progress, such as a slider being dragged. Camera moves in quick succession form one step.
-    pub fn settle(&mut self, now: f64) {
+    pub(crate) fn settle(&mut self, now: f64) {
         self.note_visit(now);
         self.state.tiles.store(self.state.recipe);
         if self.state == self.settled {
@@ -49,17 +49,17 @@ impl Session {
     }
 
     /// Adopts the current state without adding an undo step.
-    pub fn settle_silently(&mut self) {
+    pub(crate) fn settle_silently(&mut self) {
         self.settled = self.state.clone();
     }
 
     /// Whether there is a step to undo.
-    pub fn can_undo(&self) -> bool {
+    pub(crate) fn can_undo(&self) -> bool {
         !self.undo.is_empty()
     }
 
     /// Whether there is a step to redo.
-    pub fn can_redo(&self) -> bool {
+    pub(crate) fn can_redo(&self) -> bool {
         !self.redo.is_empty()
     }
 

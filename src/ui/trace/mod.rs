@@ -1,7 +1,7 @@
 //! The arithmetic of one fragment as a table. Steps move by line, by stage, or to the next flagged line, in both
 //! directions.
 
-pub mod panel;
+pub(crate) mod panel;
 
 mod table;
 
@@ -15,7 +15,7 @@ use crate::inspect::{PixelReport, trace};
 
 /// State of the table.
 #[derive(Debug, Default)]
-pub struct TraceView {
+pub(crate) struct TraceView {
     /// Trace, and the inputs it was made from.
     made: Option<Made>,
     /// Whether each line of the trace has another value than in the previous trace, made for another pixel, recipe or
@@ -24,11 +24,11 @@ pub struct TraceView {
     /// Index of the selected fragment; `None` means the visible one.
     fragment: Option<usize>,
     /// Index of the current line.
-    pub line: usize,
+    pub(crate) line: usize,
     /// Filter: only lines that contain this text are listed.
-    pub filter: String,
+    pub(crate) filter: String,
     /// Number of steps so far; lets the table scroll after a step.
-    pub steps: u64,
+    pub(crate) steps: u64,
 }
 
 /// Trace, and the inputs it was made from.
@@ -68,24 +68,24 @@ pub enum Change {
 
 impl TraceView {
     /// Returns the trace if it describes the picked pixel of `view`.
-    pub fn trace(&self, view: Option<&View>) -> Option<&Arc<Trace>> {
+    pub(crate) fn trace(&self, view: Option<&View>) -> Option<&Arc<Trace>> {
         let view = view?;
         self.made.as_ref().filter(|made| made.is_of(view)).map(|made| &made.trace)
     }
 
     /// Returns the last trace, even if it is outdated: it stays on screen until the next one is ready.
-    pub fn latest(&self) -> Option<&Arc<Trace>> {
+    pub(crate) fn latest(&self) -> Option<&Arc<Trace>> {
         self.made.as_ref().map(|made| &made.trace)
     }
 
     /// Whether the value of a line differs from that in the previous trace.
-    pub fn is_changed(&self, line: usize) -> bool {
+    pub(crate) fn is_changed(&self, line: usize) -> bool {
         self.changed.get(line).copied().unwrap_or(false)
     }
 
     /// Applies a change. Returns it if it stepped through the table or selected a fragment; the table should then be
     /// visible.
-    pub fn apply(&mut self, change: Change, view: Option<&View>) -> Option<Change> {
+    pub(crate) fn apply(&mut self, change: Change, view: Option<&View>) -> Option<Change> {
         if self.trace(view).is_none() {
             self.renew(view);
         }

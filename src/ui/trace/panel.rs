@@ -70,7 +70,7 @@ fn fragments(ui: &mut Ui, trace: &Trace, push: &mut impl FnMut(Change)) {
 }
 
 /// Draws the content of the tab.
-pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if !is_picked(session) {
         let how = "Click a pixel of the picture to list every step of its arithmetic, with the rounding of each step.";
         empty_state(ui, Icon::ScanSearch, "No pixel is picked", how);

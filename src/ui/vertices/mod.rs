@@ -11,15 +11,16 @@ use super::zoom::Placement;
 use crate::inspect::vertices::{ObjectVertices, VertexStages, corners_of};
 use crate::scene::TriangleId;
 
-pub use panel::{controls, ui};
+pub(crate) use panel::controls;
+pub(crate) use panel::ui;
 
 /// Settings of the vertex table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Vertices {
+pub(crate) struct Vertices {
     /// Whether the table lists all vertices of the object, rather than those of the triangle.
-    pub whole_object: bool,
+    pub(crate) whole_object: bool,
     /// Followed vertex: index of the object, and of the vertex in its mesh.
-    pub selected: Option<(usize, u32)>,
+    pub(crate) selected: Option<(usize, u32)>,
 }
 
 /// Change of the vertex table.
@@ -33,7 +34,7 @@ pub enum Change {
 
 impl Vertices {
     /// Applies a change.
-    pub fn apply(&mut self, change: Change) {
+    pub(crate) fn apply(&mut self, change: Change) {
         match change {
             Change::WholeObject(whole) => self.whole_object = whole,
             Change::Select(selected) => self.selected = selected,
@@ -50,7 +51,7 @@ pub fn picked_triangle(session: &Session) -> Option<TriangleId> {
 }
 
 /// Returns the index of the picked triangle's object.
-pub fn picked_object(session: &Session) -> Option<u32> {
+pub(crate) fn picked_object(session: &Session) -> Option<u32> {
     let (_, instance, _) = picked(session)?;
     u32::try_from(instance).ok()
 }
@@ -63,7 +64,7 @@ fn object(session: &Session, instance: usize) -> Option<ObjectVertices<'_>> {
 }
 
 /// Returns the stages of the followed vertex in the frame on screen.
-pub fn followed(session: &Session) -> Option<VertexStages> {
+pub(crate) fn followed(session: &Session) -> Option<VertexStages> {
     let (instance, index) = session.vertices.selected?;
     object(session, instance)?.stages(index)
 }
@@ -76,7 +77,7 @@ fn picked(session: &Session) -> Option<(TriangleId, usize, [u32; 3])> {
 }
 
 /// Marks the followed vertex on the picture.
-pub fn mark(ui: &Ui, painter: &Painter, placement: Placement, session: &Session) {
+pub(crate) fn mark(ui: &Ui, painter: &Painter, placement: Placement, session: &Session) {
     let Some(vertex) = followed(session) else { return };
     let Some(screen) = vertex.screen else { return };
     let [x, y] = screen.px;
@@ -90,7 +91,7 @@ pub fn mark(ui: &Ui, painter: &Painter, placement: Placement, session: &Session)
 const RING_POINTS: f32 = 5.0;
 
 /// Draws a ring with the number of a vertex, visible on any background.
-pub fn ring(ui: &Ui, painter: &Painter, at: Pos2, index: u32) {
+pub(crate) fn ring(ui: &Ui, painter: &Painter, at: Pos2, index: u32) {
     let accent = tokens(ui).accent;
     painter.circle_stroke(at, RING_POINTS, Stroke::new(4.0, MARK_EDGE));
     painter.circle_stroke(at, RING_POINTS, Stroke::new(2.0, accent));

@@ -83,7 +83,7 @@ const GAP: f32 = 14.0;
 const COPIED_ROWS: u32 = 65_536;
 
 /// Draws the controls beside the tabs.
-pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let whole = session.vertices.whole_object;
     for (value, name, help) in [
         (false, "Triangle", "The three corners of the visible triangle at the picked pixel"),
@@ -103,7 +103,7 @@ pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 }
 
 /// Draws the table.
-pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let Some((_, instance, corners)) = picked(session) else {
         let how = "Pick a pixel that shows a triangle to list its corners from the mesh to the pixel grid.";
         empty_state(ui, Icon::Table, "No triangle is picked", how);

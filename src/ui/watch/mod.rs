@@ -1,8 +1,8 @@
 //! Watched pixels: a list that is independent of the pick, with the values of all buffers there after every frame.
 
-pub mod panel;
+pub(crate) mod panel;
 
-pub mod watcher;
+pub(crate) mod watcher;
 
 use eframe::egui::{Align2, FontId, Painter, Stroke, StrokeKind, Vec2, vec2};
 
@@ -12,17 +12,17 @@ use super::zoom::Placement;
 use crate::inspect::watch::Watched;
 
 /// Maximum number of watched pixels; each costs a replay after every frame.
-pub const MOST: usize = 24;
+pub(crate) const MOST: usize = 24;
 
 /// Watched pixels and their values.
 #[derive(Clone, Debug, Default)]
-pub struct Watch {
+pub(crate) struct Watch {
     /// Column and row of each pixel, in the order in which they were added.
-    pub pixels: Vec<(u32, u32)>,
+    pub(crate) pixels: Vec<(u32, u32)>,
     /// Values in the newest frame.
-    pub rows: Vec<Watched>,
+    pub(crate) rows: Vec<Watched>,
     /// Values in the last frame that differed.
-    pub before: Vec<Watched>,
+    pub(crate) before: Vec<Watched>,
 }
 
 /// Change of the watched pixels.
@@ -40,7 +40,7 @@ pub enum Change {
 
 impl Watch {
     /// Stores the values of a frame. Adding or removing a pixel does not count as a change of the others.
-    pub fn hear(&mut self, rows: Vec<Watched>) {
+    pub(crate) fn hear(&mut self, rows: Vec<Watched>) {
         let differs = |known: &Watched| rows.iter().any(|row| (row.x, row.y) == (known.x, known.y) && row != known);
         if self.rows.iter().any(differs) {
             self.before = std::mem::take(&mut self.rows);
@@ -56,7 +56,7 @@ impl Watch {
 
 impl Session {
     /// Applies a change of the watched pixels.
-    pub fn change_watch(&mut self, change: Change) {
+    pub(crate) fn change_watch(&mut self, change: Change) {
         let pixel = match change {
             Change::AddPick => self.pick,
             Change::Add(x, y) => Some((x, y)),

@@ -24,7 +24,7 @@ const COLUMNS: [(&str, &str); 9] = [
 ];
 
 /// Draws the buttons beside the tabs.
-pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let watched = |pixel| session.watch.pixels.contains(&pixel);
     let addable = session.pick.is_some_and(|pixel| !watched(pixel));
     let add = ui.add_enabled(addable, Button::new((theme::icon(Icon::Pin), "Watch the picked pixel")));
@@ -38,7 +38,7 @@ pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 }
 
 /// Draws the table.
-pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if session.watch.pixels.is_empty() {
         let help = "Press Enter, or the pin in the inspector, to add the picked pixel. Its values in all buffers are \
                     updated after every frame.";

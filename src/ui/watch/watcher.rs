@@ -5,7 +5,7 @@ use crate::ui::engine::{Request, View};
 
 /// Watched pixels, and the view to replay.
 #[derive(Debug, Default)]
-pub struct Watcher {
+pub(crate) struct Watcher {
     pixels: Vec<(u32, u32)>,
     view: Option<View>,
     is_due: bool,
@@ -13,24 +13,24 @@ pub struct Watcher {
 
 impl Watcher {
     /// Sets the watched pixels.
-    pub fn set(&mut self, pixels: Vec<(u32, u32)>) {
+    pub(crate) fn set(&mut self, pixels: Vec<(u32, u32)>) {
         self.is_due = self.is_due || pixels != self.pixels;
         self.pixels = pixels;
     }
 
     /// Stores the view on screen.
-    pub fn look_at(&mut self, view: &View) {
+    pub(crate) fn look_at(&mut self, view: &View) {
         self.is_due |= view.fresh && !self.pixels.is_empty();
         self.view = Some(view.clone());
     }
 
     /// Whether a replay is due.
-    pub fn has_work(&self) -> bool {
+    pub(crate) fn has_work(&self) -> bool {
         self.is_due && self.view.is_some()
     }
 
     /// Replays all watched pixels. Returns `None` before the first view.
-    pub fn step(&mut self) -> Option<Vec<Watched>> {
+    pub(crate) fn step(&mut self) -> Option<Vec<Watched>> {
         self.is_due = false;
         let View { request, frame, .. } = self.view.as_ref()?;
         let Request { scene, recipe, .. } = request;

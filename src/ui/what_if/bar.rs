@@ -18,7 +18,7 @@ use crate::ui::theme::{self, Icon, font_size, space, tokens};
 const NAMED: usize = 2;
 
 /// Draws the bar.
-pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let mut chosen = Vec::new();
     let Some(before) = session.what_if.before else {
         ui.horizontal(|ui| {
@@ -221,7 +221,7 @@ fn verdicts(ui: &mut Ui, session: &Session) {
 }
 
 /// Draws the name of the visible picture in the upper left corner of the canvas.
-pub fn label(ui: &Ui, canvas: Rect, session: &Session) {
+pub(crate) fn label(ui: &Ui, canvas: Rect, session: &Session) {
     let what_if = &session.what_if;
     if session.view.as_ref().is_none_or(|view| what_if.current(view).is_none()) {
         return;

@@ -10,20 +10,20 @@ use crate::measure::pair::{PairTimer, PairTimes};
 use crate::ui::engine::{Engine, Request, Shown, View};
 
 /// Number of measured timing rounds.
-pub const ROUNDS: usize = 15;
+pub(crate) const ROUNDS: usize = 15;
 
 /// Request to compare the same view with two recipes.
 #[derive(Clone, Debug)]
 pub struct WhatIfRequest {
     /// View with the recipe before the change (A).
-    pub before: Request,
+    pub(crate) before: Request,
     /// View with the recipe after the change (B).
-    pub after: Request,
+    pub(crate) after: Request,
 }
 
 impl WhatIfRequest {
     /// Whether both requests have the same result.
-    pub fn same_as(&self, other: &Self) -> bool {
+    pub(crate) fn same_as(&self, other: &Self) -> bool {
         self.before.same_view(&other.before) && self.after.same_view(&other.after)
     }
 }
@@ -32,22 +32,22 @@ impl WhatIfRequest {
 #[derive(Clone, Debug)]
 pub struct Found {
     /// Request that is answered.
-    pub request: WhatIfRequest,
+    pub(crate) request: WhatIfRequest,
     /// Picture A, with the colour range of B.
-    pub before: View,
+    pub(crate) before: View,
     /// Picture B, with unchanged pixels dimmed.
-    pub marked: View,
+    pub(crate) marked: View,
     /// Changed pixels of the shown quantity.
-    pub changes: Arc<Changes>,
+    pub(crate) changes: Arc<Changes>,
     /// Error between the finished pictures, once computed.
-    pub error: Option<ImageError>,
+    pub(crate) error: Option<ImageError>,
     /// Frame times with and without the change, once measured.
-    pub times: Option<PairTimes>,
+    pub(crate) times: Option<PairTimes>,
 }
 
 /// Worker for the most recent request.
 #[derive(Debug, Default)]
-pub struct Drawer {
+pub(crate) struct Drawer {
     engines: [Engine; 2],
     known: Option<Found>,
     timer: Option<PairTimer>,
@@ -56,7 +56,7 @@ pub struct Drawer {
 
 impl Drawer {
     /// Draws A and B, reusing what is known, and finds their differences. Returns `None` if they cannot be compared.
-    pub fn ask(&mut self, request: WhatIfRequest) -> Option<&Found> {
+    pub(crate) fn ask(&mut self, request: WhatIfRequest) -> Option<&Found> {
         self.begun = false;
         let [a, b] = &mut self.engines;
         let (mut before, after) = (settled(a, request.before.clone()), settled(b, request.after.clone()));
@@ -82,7 +82,7 @@ impl Drawer {
     }
 
     /// Computes one more piece. Returns `None` if there is no new result yet.
-    pub fn step(&mut self) -> Option<&Found> {
+    pub(crate) fn step(&mut self) -> Option<&Found> {
         self.begun = true;
         let known = self.known.as_mut()?;
         if known.error.is_none() {
@@ -97,17 +97,17 @@ impl Drawer {
     }
 
     /// Whether any result is missing.
-    pub fn has_work(&self) -> bool {
+    pub(crate) fn has_work(&self) -> bool {
         self.known.is_some() && self.timer.is_some()
     }
 
     /// Whether computing the missing results has begun.
-    pub fn has_begun(&self) -> bool {
+    pub(crate) fn has_begun(&self) -> bool {
         self.begun && self.has_work()
     }
 
     /// Cancels all work and drops all results.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         *self = Self::default();
     }
 }

@@ -4,9 +4,9 @@
 //! A is the state before, B the current one. While A is pinned it stays; otherwise every settled change sets a new A.
 //! The render thread draws both, only while the bar is open.
 
-pub mod bar;
+pub(crate) mod bar;
 
-pub mod drawer;
+pub(crate) mod drawer;
 
 use eframe::egui::Ui;
 
@@ -31,7 +31,7 @@ pub enum Show {
 
 impl Show {
     /// All options, each with its name and help text.
-    pub const ALL: [(Self, &'static str, &'static str); 3] = [
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 3] = [
         (Self::Changed, "Only changes", "B where it changed; everything else in dark grey. Hold Shift for A"),
         (Self::Before, "A", "The frame before the change"),
         (Self::After, "B", "The current frame; hold Shift for A"),
@@ -40,17 +40,17 @@ impl Show {
 
 /// State of the what-if comparison.
 #[derive(Clone, Debug, Default)]
-pub struct WhatIf {
+pub(crate) struct WhatIf {
     /// Whether the bar is open.
-    pub open: bool,
+    pub(crate) open: bool,
     /// Recipe of A: the one before the last change, or the pinned one.
-    pub before: Option<Recipe>,
+    pub(crate) before: Option<Recipe>,
     /// Whether A is pinned while B changes.
-    pub pinned: bool,
+    pub(crate) pinned: bool,
     /// Picture that the canvas shows.
-    pub show: Show,
+    pub(crate) show: Show,
     /// Results so far.
-    pub found: Option<Found>,
+    pub(crate) found: Option<Found>,
     /// Last request sent to the renderer.
     asked: Option<WhatIfRequest>,
 }
@@ -78,14 +78,14 @@ pub enum Change {
 
 impl WhatIf {
     /// Stores the recipe before a completed change as A, unless A is pinned.
-    pub fn settled(&mut self, before: &Recipe, after: &Recipe) {
+    pub(crate) fn settled(&mut self, before: &Recipe, after: &Recipe) {
         if before != after && !self.pinned {
             self.before = Some(*before);
         }
     }
 
     /// Describes the last change if the bar is closed and the settings still differ from A.
-    pub fn unasked(&self, after: &Recipe) -> Option<String> {
+    pub(crate) fn unasked(&self, after: &Recipe) -> Option<String> {
         let before = self.before.as_ref().filter(|before| !self.open && *before != after)?;
         let changed = fields::changes(before, after);
         let first = changed.first()?.words();
@@ -93,7 +93,7 @@ impl WhatIf {
     }
 
     /// Whether a request differs from the last one; stores it as the last one.
-    pub fn asks_anew(&mut self, request: Option<&WhatIfRequest>) -> bool {
+    pub(crate) fn asks_anew(&mut self, request: Option<&WhatIfRequest>) -> bool {
         let same = match (&self.asked, request) {
             (Some(asked), Some(request)) => asked.same_as(request),
             (None, None) => true,
@@ -115,7 +115,7 @@ impl WhatIf {
     }
 
     /// Returns the view that the canvas shows: A, B, or B with unchanged pixels dimmed. A while `held`.
-    pub fn seen<'a>(&'a self, view: &'a View, held: bool) -> &'a View {
+    pub(crate) fn seen<'a>(&'a self, view: &'a View, held: bool) -> &'a View {
         let Some(found) = self.current(view) else { return view };
         match self.show {
             _ if held => &found.before,
@@ -127,7 +127,7 @@ impl WhatIf {
 }
 
 /// Returns the view that the canvas shows, as [`WhatIf::seen`] does; A while Shift is held.
-pub fn seen<'a>(ui: &Ui, session: &'a Session) -> Option<&'a View> {
+pub(crate) fn seen<'a>(ui: &Ui, session: &'a Session) -> Option<&'a View> {
     let view = session.view.as_ref()?;
     if session.comparison.is_on() {
         return Some(view);
@@ -137,7 +137,7 @@ pub fn seen<'a>(ui: &Ui, session: &'a Session) -> Option<&'a View> {
 
 impl Session {
     /// Returns the request for the renderer if the bar is open and there is an A.
-    pub fn what_if_request(&self) -> Option<WhatIfRequest> {
+    pub(crate) fn what_if_request(&self) -> Option<WhatIfRequest> {
         let shown = self.what_if.open && !self.comparison.is_on() && self.case.is_none();
         let recipe = self.what_if.before.filter(|_| shown)?;
         let after = self.request();
@@ -145,7 +145,7 @@ impl Session {
     }
 
     /// Applies a change. Returns a command for what concerns the canvas.
-    pub fn change_what_if(&mut self, change: Change) -> Option<Command> {
+    pub(crate) fn change_what_if(&mut self, change: Change) -> Option<Command> {
         let what_if = &mut self.what_if;
         match change {
             Change::Toggle => what_if.open ^= true,
@@ -165,7 +165,7 @@ impl Session {
     }
 
     /// Returns the changed pixel after or before the picked one.
-    pub fn change_beside_pick(&self, forwards: bool) -> Option<(u32, u32)> {
+    pub(crate) fn change_beside_pick(&self, forwards: bool) -> Option<(u32, u32)> {
         let found = self.what_if.current(self.view.as_ref()?)?;
         found.changes.beside(self.pick, forwards)
     }

@@ -17,22 +17,22 @@ pub const MEASURE_ROUNDS: usize = 25;
 #[derive(Clone, Debug)]
 pub struct MeasureRequest {
     /// Number that identifies the answers.
-    pub number: u64,
+    pub(crate) number: u64,
     /// Scene, view and recipe; only the upscaler varies.
-    pub of: Request,
+    pub(crate) of: Request,
     /// Reference that errors are computed against.
-    pub reference: Reference,
+    pub(crate) reference: Reference,
     /// Motion of the camera over the frames that are judged and timed.
-    pub turn: Turn,
+    pub(crate) turn: Turn,
 }
 
 /// Error of a method so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MethodError {
     /// Figures of the settled still view.
-    pub still: Figures,
+    pub(crate) still: Figures,
     /// Error over the frames judged so far; without motion that of the still view.
-    pub motion: MotionError,
+    pub(crate) motion: MotionError,
 }
 
 /// Measurement in progress.

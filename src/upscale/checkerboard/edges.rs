@@ -14,10 +14,10 @@ use crate::pipeline::grid::SampleGrid;
 use crate::upscale::{Drawn, Offers, Sampling, Tap, Upscaler, Upscaling};
 
 /// Checkerboard rendering with edge-directed interpolation.
-pub static CHECKERBOARD_EDGES: CheckerboardEdges = CheckerboardEdges;
+pub(crate) static CHECKERBOARD_EDGES: CheckerboardEdges = CheckerboardEdges;
 
 /// Type of [`CHECKERBOARD_EDGES`].
-pub struct CheckerboardEdges;
+pub(crate) struct CheckerboardEdges;
 
 impl Upscaler for CheckerboardEdges {
     fn id(&self) -> &'static str {
@@ -103,8 +103,8 @@ fn mixed(drawn: &Image<Rgba8>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
 
 /// Kernel that interpolates missing pixels along edges.
 pub(super) struct AlongEdges<'a> {
-    pub drawn: &'a Image<Rgba8>,
-    pub size: (u32, u32),
+    pub(crate) drawn: &'a Image<Rgba8>,
+    pub(crate) size: (u32, u32),
 }
 
 impl Fill for AlongEdges<'_> {

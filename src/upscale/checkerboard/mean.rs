@@ -21,10 +21,10 @@ use crate::pipeline::grid::SampleGrid;
 use crate::upscale::{Drawn, Offers, Sampling, Tap, Upscaler, Upscaling};
 
 /// Checkerboard rendering with missing pixels as means of their neighbours.
-pub static CHECKERBOARD: Checkerboard = Checkerboard;
+pub(crate) static CHECKERBOARD: Checkerboard = Checkerboard;
 
 /// Type of [`CHECKERBOARD`].
-pub struct Checkerboard;
+pub(crate) struct Checkerboard;
 
 impl Upscaler for Checkerboard {
     fn id(&self) -> &'static str {

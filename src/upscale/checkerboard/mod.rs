@@ -16,10 +16,10 @@ mod squares;
 mod surfaces;
 mod temporal;
 
-pub use edges::CHECKERBOARD_EDGES;
-pub use mean::CHECKERBOARD;
-pub use surfaces::CHECKERBOARD_SURFACES;
-pub use temporal::CHECKERBOARD_TEMPORAL;
+pub(crate) use edges::CHECKERBOARD_EDGES;
+pub(crate) use mean::CHECKERBOARD;
+pub(crate) use surfaces::CHECKERBOARD_SURFACES;
+pub(crate) use temporal::CHECKERBOARD_TEMPORAL;
 
 use super::{Anchor, Light, Offers, Scale};
 

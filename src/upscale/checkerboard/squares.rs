@@ -23,13 +23,13 @@ pub(super) trait Fill: Sync {
 /// Position of 16 missing pixels of a row.
 pub(super) struct Run {
     /// Row of the pixels, the row they touch, and the row behind them.
-    pub y: u32,
-    pub across: u32,
-    pub far_across: u32,
+    pub(crate) y: u32,
+    pub(crate) across: u32,
+    pub(crate) far_across: u32,
     /// Index of the first pixel among the missing ones of the row.
-    pub first: usize,
+    pub(crate) first: usize,
     /// Column before the first pixel.
-    pub before: usize,
+    pub(crate) before: usize,
 }
 
 impl Run {
@@ -79,10 +79,10 @@ impl Run {
 /// Drawn pixels around 16 missing ones: touching (`beside`, `across`) and behind (`far_beside`, `far_across`).
 #[derive(Clone, Copy)]
 pub(super) struct Around<S: Simd> {
-    pub beside: u32x16<S>,
-    pub across: u32x16<S>,
-    pub far_beside: u32x16<S>,
-    pub far_across: u32x16<S>,
+    pub(crate) beside: u32x16<S>,
+    pub(crate) across: u32x16<S>,
+    pub(crate) far_beside: u32x16<S>,
+    pub(crate) far_across: u32x16<S>,
 }
 
 /// Fills an image, in parallel.

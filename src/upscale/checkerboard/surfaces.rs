@@ -14,10 +14,10 @@ use crate::pipeline::grid::SampleGrid;
 use crate::upscale::{Drawn, Offers, Reads, Sampling, Tap, Upscaler, Upscaling};
 
 /// Checkerboard rendering with missing pixels filled from the same surface.
-pub static CHECKERBOARD_SURFACES: CheckerboardSurfaces = CheckerboardSurfaces;
+pub(crate) static CHECKERBOARD_SURFACES: CheckerboardSurfaces = CheckerboardSurfaces;
 
 /// Type of [`CHECKERBOARD_SURFACES`].
-pub struct CheckerboardSurfaces;
+pub(crate) struct CheckerboardSurfaces;
 
 impl Upscaler for CheckerboardSurfaces {
     fn id(&self) -> &'static str {
@@ -67,9 +67,9 @@ const NEAR_AND_FAR: [f32; 2] = [2.0, 1.0];
 
 /// Kernel that fills missing pixels from the same surface.
 pub(super) struct BySurface<'a> {
-    pub grid: SampleGrid,
-    pub drawn: &'a Drawn<'a>,
-    pub size: (u32, u32),
+    pub(crate) grid: SampleGrid,
+    pub(crate) drawn: &'a Drawn<'a>,
+    pub(crate) size: (u32, u32),
 }
 
 impl Fill for BySurface<'_> {

@@ -16,10 +16,10 @@ use crate::upscale::history::NOWHERE;
 use crate::upscale::{Before, CENTRE, Drawn, Motion, Offers, Reads, Sampling, Tap, Upscaler, Upscaling};
 
 /// Checkerboard rendering with missing pixels reprojected from the previous frame.
-pub static CHECKERBOARD_TEMPORAL: CheckerboardTemporal = CheckerboardTemporal;
+pub(crate) static CHECKERBOARD_TEMPORAL: CheckerboardTemporal = CheckerboardTemporal;
 
 /// Type of [`CHECKERBOARD_TEMPORAL`].
-pub struct CheckerboardTemporal;
+pub(crate) struct CheckerboardTemporal;
 
 impl Upscaler for CheckerboardTemporal {
     fn id(&self) -> &'static str {

@@ -16,10 +16,10 @@ use crate::image::{Image, Rgba8};
 use crate::math::lanes::Lanes;
 
 /// Edge-adaptive upscaling with optional sharpening.
-pub static FSR1: Fsr1 = Fsr1;
+pub(crate) static FSR1: Fsr1 = Fsr1;
 
 /// Type of [`FSR1`].
-pub struct Fsr1;
+pub(crate) struct Fsr1;
 
 /// Offsets of a pixel and its four neighbours, in the order of [`rcas::pixel`].
 const CROSS: [(i64, i64); 5] = [(0, -1), (-1, 0), (0, 0), (1, 0), (0, 1)];

@@ -11,14 +11,14 @@ pub(in crate::upscale) const NOWHERE: u32 = u32::MAX;
 /// Reprojected positions of eight pixels: indices of the four pixels around each, and bilinear weights.
 pub(in crate::upscale) struct Found<S: Simd> {
     /// Index of the upper left pixel, or [`NOWHERE`].
-    pub upper: u32x8<S>,
+    pub(crate) upper: u32x8<S>,
     /// Index of the lower left pixel.
-    pub lower: u32x8<S>,
+    pub(crate) lower: u32x8<S>,
     /// Index step from left to right: 1, or 0 at the border.
-    pub step: u32x8<S>,
+    pub(crate) step: u32x8<S>,
     /// Bilinear weights of the right and the lower pixels, in [0, 1).
-    pub right: F32<S>,
-    pub down: F32<S>,
+    pub(crate) right: F32<S>,
+    pub(crate) down: F32<S>,
 }
 
 /// Computes [`super::Surfaces::are_one`] for 16 pairs of pixels, from their objects and distances.

@@ -29,7 +29,7 @@ use crate::image::{Image, Rgba8};
 use crate::pipeline::settings::Choice as _;
 
 /// An upscaler defined by weights of adjacent samples alone.
-pub struct Separable {
+pub(crate) struct Separable {
     /// Id; see [`Upscaler::id`].
     pub(super) id: &'static str,
     /// Display name; see [`Upscaler::name`].

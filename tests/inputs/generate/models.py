@@ -151,7 +151,7 @@ def all_models():
     yield "vertex-colours", "colours after positions", coloured, None
     opacity = "mtllib opacity.mtl\n" + vertices(CUBE) + "".join(
         f"usemtl {'before' if k % 2 else 'after'}\n{faces([side])}" for k, side in enumerate(SIDES))
-    yield "opacity", "Tr before and after d", opacity, "newmtl before\nTr 0.25\nd 0.75\n\nnewmtl after\nd 0.75\nTr 0.25\n"
+    yield "opacity", "Tr before and after d", opacity, "newmtl before\nTr 0.6\nd 0.75\n\nnewmtl after\nd 0.75\nTr 0.6\n"
     relative = "".join(
         vertices([CUBE[i - 1] for i in side]) + vertices(SQUARE, "vt") + vertices([normal], "vn") + "f -4/-4/-1 -3/-3/-1 -2/-2/-1 -1/-1/-1\n"
         for side, normal in zip(SIDES, [(0, 0, -1), (0, 0, 1), (0, -1, 0), (0, 1, 0), (-1, 0, 0), (1, 0, 0)]))

@@ -27,7 +27,7 @@ use dice::Dice;
 /// Subject of a class, which determines what is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Family {
+pub(crate) enum Family {
     /// Coverage of individual triangles.
     Coverage,
     /// Triangles that share edges, so that every pixel is covered exactly once.
@@ -44,11 +44,11 @@ pub enum Family {
 
 impl Family {
     /// All families, in report order.
-    pub const ALL: [Self; 6] =
+    pub(crate) const ALL: [Self; 6] =
         [Self::Coverage, Self::Mesh, Self::ClipSpace, Self::Throughput, Self::Weights, Self::Depth];
 
     /// Returns the id used in files.
-    pub fn id(self) -> &'static str {
+    pub(crate) fn id(self) -> &'static str {
         match self {
             Self::Coverage => "coverage",
             Self::Mesh => "mesh",
@@ -60,7 +60,7 @@ impl Family {
     }
 
     /// Returns the display name.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Coverage => "Single triangles",
             Self::Mesh => "Meshes",
@@ -78,15 +78,15 @@ pub struct Class {
     /// Id used on the command line and in files.
     pub id: &'static str,
     /// Display name.
-    pub name: &'static str,
+    pub(crate) name: &'static str,
     /// Family of the class, which determines what is measured.
-    pub family: Family,
+    pub(crate) family: Family,
     /// One-sentence description of the difficulty and the typical failure.
-    pub about: &'static str,
+    pub(crate) about: &'static str,
     /// Most informative metric of the class.
-    pub headline: Metric,
+    pub(crate) headline: Metric,
     /// Bounds that a subject must meet to pass.
-    pub bounds: &'static [Bound],
+    pub(crate) bounds: &'static [Bound],
     /// Generator of the cases.
     #[serde(skip)]
     draft: fn(&mut Dice) -> Vec<Draft>,

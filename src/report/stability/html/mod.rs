@@ -12,7 +12,7 @@ use crate::pipeline::settings::Choice as _;
 use crate::report::html::{document, escaped, partial, tiles};
 
 /// Returns the whole page.
-pub fn html(report: &Report) -> String {
+pub(crate) fn html(report: &Report) -> String {
     let body = [
         head(report),
         heat::coverage(report),

@@ -17,7 +17,7 @@ const COMPARED: usize = 48;
 
 /// Expected result of one triangle.
 #[derive(Clone, Debug)]
-pub struct ExpectedTriangle {
+pub(crate) struct ExpectedTriangle {
     triangle: Option<ClipTriangle>,
     region: Region,
     spans: Vec<Span>,

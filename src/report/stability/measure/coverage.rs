@@ -13,7 +13,7 @@ const MOST_CULPRITS: usize = 4;
 
 /// Expected pixels of each triangle.
 #[derive(Clone, Debug)]
-pub struct ExpectedCoverage {
+pub(crate) struct ExpectedCoverage {
     unsnapped: Vec<Vec<Span>>,
     snapped: Vec<Vec<Span>>,
 }

@@ -77,7 +77,7 @@ pub(super) fn pairs(case: &DepthPairs, format: DepthFormat) -> Outcome {
 }
 
 /// Returns pair number `index` as a case of two distances.
-pub fn only_pair(case: &DepthPairs, index: usize) -> Option<Depth> {
+pub(crate) fn only_pair(case: &DepthPairs, index: usize) -> Option<Depth> {
     let DepthPairs { mapping, format, near, far, .. } = *case;
     let pair = pair_distances(case).nth(index)?;
     Some(Depth { mapping, format, near, far: Some(far), z: pair.to_vec() })

@@ -21,11 +21,11 @@ use super::oracle::Snap;
 use super::subject::{self, Interpolator};
 use clip_space::ExpectedTriangle;
 use coverage::ExpectedCoverage;
-pub use depth::only_pair;
+pub(crate) use depth::only_pair;
 
 /// Correct answers to a case.
 #[derive(Clone, Debug)]
-pub enum Expected {
+pub(crate) enum Expected {
     /// Pixels of each triangle.
     Coverage(ExpectedCoverage),
     /// Regions, weights and depths.
@@ -38,11 +38,11 @@ pub enum Expected {
 
 /// Result of one case.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Outcome {
+pub(crate) struct Outcome {
     /// Measured errors; `None` if the engine refused to answer.
-    pub measures: Option<Measures>,
+    pub(crate) measures: Option<Measures>,
     /// Indices of the parts of the case (see [`Case::only`]) that show the fault; empty for the whole case.
-    pub culprits: Vec<usize>,
+    pub(crate) culprits: Vec<usize>,
 }
 
 impl Outcome {
@@ -60,7 +60,7 @@ impl Outcome {
 
 impl Expected {
     /// Computes the correct answer to a case.
-    pub fn new(case: &Case) -> Self {
+    pub(crate) fn new(case: &Case) -> Self {
         match &case.body {
             Body::TriCoverage(body) => Self::Coverage(ExpectedCoverage::new(body)),
             Body::ClipTri(body) => Self::ClipSpace(clip_space::expected(body)),
@@ -73,7 +73,7 @@ impl Expected {
     }
 
     /// Returns the number of pixels, samples or values in a complete answer.
-    pub fn units(&self, case: &Case) -> u64 {
+    pub(crate) fn units(&self, case: &Case) -> u64 {
         match (self, &case.body) {
             (Self::Coverage(expected), _) => expected.pixels(Snap::Unsnapped),
             (Self::ClipSpace(triangles), _) => triangles.iter().map(ExpectedTriangle::pixels).sum(),
@@ -86,7 +86,7 @@ impl Expected {
 }
 
 /// Runs the engine on a case and compares. Returns `None` if the column does not apply to such cases.
-pub fn answer(case: &Case, expected: &Expected, column: Column) -> Option<Outcome> {
+pub(crate) fn answer(case: &Case, expected: &Expected, column: Column) -> Option<Outcome> {
     let measured = match (&case.body, expected, column) {
         (Body::TriCoverage(body), Expected::Coverage(expected), Column::Coverage(by)) => attempt(|| {
             let viewport = case.viewport()?;

@@ -23,7 +23,7 @@ pub enum DepthMapping {
 
 impl DepthMapping {
     /// Whether nearer distances have larger depths.
-    pub fn is_reversed(self) -> bool {
+    pub(crate) fn is_reversed(self) -> bool {
         matches!(self, Self::Reversed | Self::ReversedInf)
     }
 }
@@ -51,7 +51,7 @@ impl DepthStorage {
     }
 
     /// Returns the error of a stored depth in units of the last place; infinite if the depth is not finite.
-    pub fn error(self, stored: f64, right: &BigRational) -> f64 {
+    pub(crate) fn error(self, stored: f64, right: &BigRational) -> f64 {
         let Some(largest) = self.largest_code() else { return ulps(stored, right) };
         let to_codes = |value: BigRational| value * BigInt::from(largest);
         let difference = exact_f64(stored).map(|stored| approximate(&to_codes(stored - right)).abs());

@@ -11,7 +11,7 @@ const FRACTION_BITS: u32 = 23;
 const LEAST_EXPONENT: i32 = -149;
 
 /// Returns the exact value of a finite f32; `None` for NaN and infinities.
-pub fn exact(value: f32) -> Option<BigRational> {
+pub(crate) fn exact(value: f32) -> Option<BigRational> {
     BigRational::from_float(value)
 }
 
@@ -26,13 +26,13 @@ pub fn approximate(value: &BigRational) -> f64 {
 }
 
 /// Returns the absolute error of an answer; infinite if it is not finite.
-pub fn error(answer: f64, right: &BigRational) -> f64 {
+pub(crate) fn error(answer: f64, right: &BigRational) -> f64 {
     exact_f64(answer).map_or(f64::INFINITY, |answer| approximate(&(answer - right).abs()))
 }
 
 /// Returns the error of an answer in units of the last place of an f32 of the same magnitude; infinite if it is not
 /// finite. At most 0.5 means correctly rounded.
-pub fn ulps(answer: f64, right: &BigRational) -> f64 {
+pub(crate) fn ulps(answer: f64, right: &BigRational) -> f64 {
     exact_f64(answer).map_or(f64::INFINITY, |answer| approximate(&((answer - right).abs() / last_place(right))))
 }
 

@@ -92,7 +92,7 @@ impl Region {
 
     /// Creates a screen-space triangle of either winding, with vertices in pixels. It is empty if it has no area or a
     /// coordinate is not finite.
-    pub fn triangle(corners_px: [[f32; 2]; 3], snap: Snap, rule: FillRule) -> Self {
+    pub(crate) fn triangle(corners_px: [[f32; 2]; 3], snap: Snap, rule: FillRule) -> Self {
         if corners_px.iter().flatten().any(|c| !c.is_finite()) {
             return Self::default();
         }
@@ -111,12 +111,12 @@ impl Region {
     }
 
     /// Whether the region is empty by construction.
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.bounds.is_empty()
     }
 
     /// Returns the pixels whose centres lie in the region: at most one span per row, from top to bottom.
-    pub fn spans(&self, viewport: Viewport) -> Vec<Span> {
+    pub(crate) fn spans(&self, viewport: Viewport) -> Vec<Span> {
         if self.is_empty() {
             return Vec::new();
         }
@@ -137,7 +137,7 @@ impl Region {
     }
 
     /// Whether the region contains a pixel centre.
-    pub fn contains(&self, column: u32, row: u32) -> bool {
+    pub(crate) fn contains(&self, column: u32, row: u32) -> bool {
         let inside = |bound: &HalfPlane| {
             let value = bound.at(column, row);
             value.is_positive() || (bound.closed && value.is_zero())
@@ -147,7 +147,7 @@ impl Region {
 
     /// Whether a pixel centre is within 1/128 px of a line that bounds the region, and not clearly outside another
     /// line.
-    pub fn is_borderline(&self, column: u32, row: u32) -> bool {
+    pub(crate) fn is_borderline(&self, column: u32, row: u32) -> bool {
         let lines = || self.bounds.iter().filter(|b| !b.by_column.is_zero() || !b.by_row.is_zero());
         let clearly_outside = |bound: &HalfPlane| bound.at(column, row).is_negative() && !bound.is_close(column, row);
         lines().any(|bound| bound.is_close(column, row)) && !lines().any(clearly_outside)

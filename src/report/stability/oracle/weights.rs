@@ -9,28 +9,28 @@ use super::number::exact;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScreenCorner {
     /// Horizontal position in pixels, increasing to the right.
-    pub x: f32,
+    pub(crate) x: f32,
     /// Vertical position in pixels, increasing downwards.
-    pub y: f32,
+    pub(crate) y: f32,
     /// Depth after the perspective division.
-    pub z: f32,
+    pub(crate) z: f32,
     /// Clip-space w, > 0.
-    pub w: f32,
+    pub(crate) w: f32,
     /// Texture coordinates.
-    pub uv: [f32; 2],
+    pub(crate) uv: [f32; 2],
 }
 
 /// Exact interpolated values at a pixel centre.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ExactSample {
     /// Screen-space (affine) weights of the vertices.
-    pub affine: [BigRational; 3],
+    pub(crate) affine: [BigRational; 3],
     /// Perspective-correct weights of the vertices.
-    pub perspective: [BigRational; 3],
+    pub(crate) perspective: [BigRational; 3],
     /// Depth, an affine function of screen position.
-    pub depth: BigRational,
+    pub(crate) depth: BigRational,
     /// Perspective-correct texture coordinates.
-    pub uv: [BigRational; 2],
+    pub(crate) uv: [BigRational; 2],
 }
 
 /// Computes the exact values at a pixel centre, without snapping vertices. Returns `None` for a triangle without area,

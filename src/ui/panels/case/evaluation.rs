@@ -12,13 +12,13 @@ use crate::ui::task::{Listening, Task};
 
 /// Part of a case to evaluate, and the options for it.
 #[derive(Clone, Debug)]
-pub struct Question {
+pub(crate) struct Question {
     /// Case to evaluate.
-    pub case: Arc<Case>,
+    pub(crate) case: Arc<Case>,
     /// Index of the part.
-    pub part: usize,
+    pub(crate) part: usize,
     /// Algorithms and arithmetic of the evaluation.
-    pub options: Options,
+    pub(crate) options: Options,
 }
 
 impl Question {
@@ -35,9 +35,9 @@ impl Question {
 
 /// Question with its result.
 #[derive(Debug)]
-pub struct Evaluation {
+pub(crate) struct Evaluation {
     /// Evaluated question.
-    pub question: Question,
+    pub(crate) question: Question,
     /// Result to display.
     pub(super) shown: Shown,
     /// Figures of a result in pixels; default for text.
@@ -46,7 +46,7 @@ pub struct Evaluation {
 
 impl Evaluation {
     /// Evaluates a question. Returns `None` if cancelled.
-    pub fn new(question: Question, control: &Control<'_>) -> Option<Self> {
+    pub(crate) fn new(question: Question, control: &Control<'_>) -> Option<Self> {
         let shown = show(&question.case, question.part, question.options, control)?;
         let figures = match &shown {
             Shown::Pixels(comparison) => comparison.figures(),

@@ -33,14 +33,20 @@ use crate::ui::widgets::{copy_button, empty_state, section_header, swatch, value
 
 /// State of the inspector.
 #[derive(Default)]
-pub struct Inspector {
+pub(crate) struct Inspector {
     history: History,
     of_pixel: Option<(u32, u32)>,
 }
 
 impl Inspector {
     /// Draws the panel.
-    pub fn ui(&mut self, ui: &mut Ui, session: &Session, hovered: Option<(u32, u32)>, commands: &mut Vec<Command>) {
+    pub(crate) fn ui(
+        &mut self,
+        ui: &mut Ui,
+        session: &Session,
+        hovered: Option<(u32, u32)>,
+        commands: &mut Vec<Command>,
+    ) {
         hover_line(ui, session, hovered, commands);
         overlays::readout::ui(ui, session, hovered);
         ui.separator();
