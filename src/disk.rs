@@ -21,7 +21,7 @@ use std::time::Duration;
 use tempfile::{Builder, NamedTempFile};
 
 /// Maximum number of symbolic links that are followed to an output.
-const MOST_LINKS: usize = 40;
+const MAX_LINKS: usize = 40;
 
 /// Canonical paths of the files read so far; `None` unless [`protect_inputs`] was called.
 static INPUTS: Mutex<Option<BTreeSet<PathBuf>>> = Mutex::new(None);
@@ -30,7 +30,7 @@ static INPUTS: Mutex<Option<BTreeSet<PathBuf>>> = Mutex::new(None);
 ///
 /// # Errors
 /// The file is unreadable, not a regular file, or larger than `max_bytes`.
-pub(crate) fn read(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
+pub fn read(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
     note_input(path);
     read_own(path, max_bytes)
 }
@@ -40,7 +40,7 @@ pub(crate) fn read(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
 ///
 /// # Errors
 /// Errors are those of [`read`].
-pub(crate) fn read_own(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
+pub fn read_own(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
     let metadata = std::fs::metadata(path)?;
     if metadata.is_dir() {
         return Err(refused("it is a folder".to_owned()));
@@ -74,7 +74,7 @@ pub(crate) fn starts_with(path: &Path, prefix: &[u8]) -> bool {
 }
 
 /// Makes [`write`] refuse, from now on, to replace a file that this process has read.
-pub(crate) fn protect_inputs() {
+pub fn protect_inputs() {
     lock_inputs().get_or_insert_default();
 }
 
@@ -95,7 +95,7 @@ fn lock_inputs() -> std::sync::MutexGuard<'static, Option<BTreeSet<PathBuf>>> {
 ///
 /// # Errors
 /// The file cannot be written, or it is a protected input. An existing file is then unchanged.
-pub(crate) fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
+pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     write_by(path, |file| file.write_all(bytes))
 }
 
@@ -199,7 +199,7 @@ impl Target {
     /// Follows symbolic links to the file that is to be written, and refuses protected inputs.
     fn of(path: &Path) -> io::Result<Self> {
         let mut path = path.to_owned();
-        for _ in 0..MOST_LINKS {
+        for _ in 0..MAX_LINKS {
             let folder = folder_of(&path).canonicalize()?;
             let name = path.file_name().ok_or_else(|| refused("it is a folder".to_owned()))?;
             let real = folder.join(name);

@@ -15,7 +15,7 @@
 //!
 //! let scene = Arc::new(builtin::by_id("interpenetrating").unwrap().build());
 //! let (recipe, viewport) = (Recipe::default(), Viewport { width: 64, height: 36 });
-//! let frame = Renderer::default().render_settled(&scene, &scene.home, &recipe, viewport);
+//! let frame = Renderer::default().render_converged(&scene, &scene.home, &recipe, viewport);
 //!
 //! let report = inspect(&scene, &recipe, &frame, 32, 18).unwrap();
 //! assert_eq!(report.color, frame.image().at(32, 18));
@@ -25,13 +25,13 @@
 
 pub mod text;
 
-pub(crate) mod disk;
+pub mod disk;
 
 pub mod math;
 
 pub mod image;
 
-pub(crate) mod flat2d;
+pub mod flat2d;
 
 pub mod drawing;
 

@@ -63,13 +63,13 @@ pub(crate) struct Section {
 
 /// Section that contains the words of a search.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Passage {
+pub struct Passage {
     /// Chapter of the section.
-    pub(crate) chapter: Chapter,
+    pub chapter: Chapter,
     /// Index of the section in [`Chapter::sections`].
     pub(crate) section: usize,
     /// Heading of the section.
-    pub(crate) heading: &'static str,
+    pub heading: &'static str,
     /// First line of the section that contains one of the words, without Markdown marks.
     pub(crate) line: String,
 }
@@ -126,7 +126,7 @@ impl Section {
 /// assert_eq!(passages[0].heading, Chapter::GettingStarted.title());
 /// assert!(find("getting qqqqq").is_empty());
 /// ```
-pub(crate) fn find(query: &str) -> Vec<Passage> {
+pub fn find(query: &str) -> Vec<Passage> {
     let words: Vec<String> = query.split_whitespace().map(str::to_lowercase).collect();
     let mut found = Vec::new();
     if words.is_empty() {

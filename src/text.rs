@@ -7,7 +7,7 @@ use std::borrow::Cow;
 use std::path::Path;
 
 /// Maximum length of a message of a decoder or of the operating system, in characters.
-const LONGEST_MESSAGE: usize = 200;
+const MAX_MESSAGE_CHARS: usize = 200;
 
 /// Returns `text` with control characters, line separators and bidirectional controls replaced by U+FFFD.
 pub(crate) fn clean(text: &str) -> Cow<'_, str> {
@@ -19,7 +19,7 @@ pub(crate) fn clean(text: &str) -> Cow<'_, str> {
 }
 
 /// Returns `text` as one clean line: runs of white space and line ends become single spaces.
-pub(crate) fn one_line(text: &str) -> String {
+pub fn one_line(text: &str) -> String {
     let words: Vec<_> = text.split_whitespace().map(clean).collect();
     words.join(" ")
 }
@@ -27,7 +27,7 @@ pub(crate) fn one_line(text: &str) -> String {
 /// Returns a foreign message as one clean line of at most 200 characters.
 pub(crate) fn message(text: &str) -> String {
     let line = one_line(text);
-    match line.char_indices().nth(LONGEST_MESSAGE - 1) {
+    match line.char_indices().nth(MAX_MESSAGE_CHARS - 1) {
         Some((end, last)) if end + last.len_utf8() < line.len() => format!("{}…", &line[..end]),
         _ => line,
     }

@@ -7,7 +7,7 @@ use std::process::Command;
 use std::sync::Arc;
 
 use rasterscope::antialias::pattern::Pattern;
-use rasterscope::antialias::settings::{Antialiasing, Filter, Method, Samples};
+use rasterscope::antialias::settings::{AntialiasMethod, Antialiasing, PostFilterKind, SampleCount};
 use rasterscope::chain::{Recipe, Renderer};
 use rasterscope::image::color::decode_byte;
 use rasterscope::image::{Image, Rgba8};
@@ -17,7 +17,7 @@ use rasterscope::pipeline::depth::{DepthEncoding, DepthScale};
 use rasterscope::pipeline::settings::{self, Choice};
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::{DepthMapping, Scene, builtin};
-use rasterscope::upscale::{Anchor, Drawn, Light, Upscaling};
+use rasterscope::upscale::{Anchor, FilterSpace, UpscaleInputs, Upscaling};
 
 /// A sentence, or a part of one, that makes a claim.
 struct Claim {
@@ -384,10 +384,10 @@ fn claims_something(sentence: &str) -> bool {
 fn every_help_text_that_compares_has_its_claims_in_the_table() {
     let helps = [
         rasterscope::upscale::ALL.iter().map(|upscaler| upscaler.help()).collect(),
-        help_of::<Method>(),
-        help_of::<Samples>(),
-        help_of::<Filter>(),
-        help_of::<Light>(),
+        help_of::<AntialiasMethod>(),
+        help_of::<SampleCount>(),
+        help_of::<PostFilterKind>(),
+        help_of::<FilterSpace>(),
         help_of::<Anchor>(),
         help_of::<Reference>(),
         help_of::<Difference>(),
@@ -400,9 +400,9 @@ fn every_help_text_that_compares_has_its_claims_in_the_table() {
         help_of::<settings::DepthFormat>(),
         help_of::<settings::Interpolation>(),
         help_of::<settings::Shading>(),
-        help_of::<settings::Filter>(),
+        help_of::<settings::TexelFilter>(),
         help_of::<settings::AlphaMode>(),
-        help_of::<settings::Address>(),
+        help_of::<settings::AddressMode>(),
         help_of::<settings::ColorSpace>(),
         help_of::<settings::BlendingOrder>(),
     ]
@@ -445,21 +445,21 @@ fn rotated_grid_has_twice_the_steps() {
 }
 
 fn low_discrepancy_has_a_step_for_each_sample() {
-    for samples in Samples::ALL {
+    for samples in SampleCount::ALL {
         let count = samples.count();
         assert_eq!([0, 1].map(|axis| steps(Pattern::LowDiscrepancy { count }, axis)), [count as usize; 2]);
     }
 }
 
 fn a_regular_grid_has_a_step_for_each_square_of_an_axis() {
-    for samples in Samples::ALL {
+    for samples in SampleCount::ALL {
         let side = samples.side();
         assert_eq!([0, 1].map(|axis| steps(Pattern::Regular { side }, axis)), [side as usize; 2]);
     }
 }
 
 fn the_converged_reference_has_all_samples() {
-    assert_eq!([Samples::All.count(), Reference::Converged.samples()], [256; 2]);
+    assert_eq!([SampleCount::All.count(), Reference::Converged.samples()], [256; 2]);
 }
 
 fn nearly_all_steps_lie_near() {
@@ -496,7 +496,7 @@ fn half_plane_error(pattern: Pattern) -> f64 {
 }
 
 fn regular_grid_is_closer_on_edges_in_random_directions() {
-    for samples in [Samples::Sixteen, Samples::SixtyFour, Samples::All] {
+    for samples in [SampleCount::Sixteen, SampleCount::SixtyFour, SampleCount::All] {
         let regular = half_plane_error(Pattern::Regular { side: samples.side() });
         let low = half_plane_error(Pattern::LowDiscrepancy { count: samples.count() });
         assert!(regular < low, "{samples:?}: {regular} and {low}");
@@ -506,12 +506,12 @@ fn regular_grid_is_closer_on_edges_in_random_directions() {
 fn drawn(scene: &Arc<Scene>, size: (u32, u32), antialias: Antialiasing) -> Image<Rgba8> {
     let recipe = Recipe { antialias, ..Recipe::default() };
     let viewport = Viewport { width: size.0, height: size.1 };
-    Renderer::default().render_settled(scene, &scene.home, &recipe, viewport).image().clone()
+    Renderer::default().render_converged(scene, &scene.home, &recipe, viewport).image().clone()
 }
 
 /// Asserts that the first of two methods has the smaller squared error in linear light on a scene, for each number of
 /// samples. The reference is the mean of many pixels of a large picture.
-fn assert_closer(scene: &str, samples: &[Samples], [closer, farther]: [Method; 2]) {
+fn assert_closer(scene: &str, samples: &[SampleCount], [closer, farther]: [AntialiasMethod; 2]) {
     /// Pixels of the large picture per pixel of the small one, along each axis.
     const FINE: u32 = 32;
     const SIZE: (u32, u32) = (48, 27);
@@ -537,14 +537,14 @@ fn assert_closer(scene: &str, samples: &[Samples], [closer, farther]: [Method; 2
 
 #[test]
 fn low_discrepancy_is_closer_on_chess() {
-    let samples = [Samples::Sixteen, Samples::SixtyFour, Samples::All];
-    assert_closer("chess", &samples, [Method::LowDiscrepancy, Method::Regular]);
+    let samples = [SampleCount::Sixteen, SampleCount::SixtyFour, SampleCount::All];
+    assert_closer("chess", &samples, [AntialiasMethod::LowDiscrepancy, AntialiasMethod::Regular]);
 }
 
 #[test]
 fn regular_grid_is_closer_on_cubes_and_cel() {
     for scene in ["cubes", "cel"] {
-        assert_closer(scene, &[Samples::Sixteen], [Method::Regular, Method::LowDiscrepancy]);
+        assert_closer(scene, &[SampleCount::Sixteen], [AntialiasMethod::Regular, AntialiasMethod::LowDiscrepancy]);
     }
 }
 
@@ -554,7 +554,7 @@ fn nearest_from_the_corner_moves_the_picture() {
         // The samples are numbered by their codes; the last pixel starts a new block.
         let columns = Image::from_fn(49, 1, |x, _| [x as u8, 0, 0, 255]);
         let width = (48.0 * scale) as u32;
-        let full = how.upscale(&Drawn::from(&columns), width, 1);
+        let full = how.upscale(&UpscaleInputs::from(&columns), width, 1);
         let moved = |x: u32| f64::from(x) + 0.5 - how.sampling().position_px((full.at(x, 0)[0].into(), 0)).0;
         let mean = (0..width).map(moved).sum::<f64>() / f64::from(width);
         assert!((mean - expected).abs() < 1e-9, "×{scale}: {mean} px");
@@ -571,7 +571,7 @@ fn overshoots(method: &str, most: f64) {
             let how = Upscaling::new(method, scale).expect("it has this scale").with_anchor(*anchor);
             let samples = Image::from_fn(24, 1, |x, _| [STEP[usize::from(x >= 12)] as u8; 4]);
             let width = (24.0 * scale) as u32;
-            let full = how.upscale(&Drawn::from(&samples), width, 1);
+            let full = how.upscale(&UpscaleInputs::from(&samples), width, 1);
             let beyond = full.pixels().iter().map(|pixel| f64::from(pixel[0]) - STEP[1]).fold(0.0, f64::max);
             greatest = greatest.max(100.0 * beyond / (STEP[1] - STEP[0]));
         }

@@ -19,7 +19,7 @@ use rasterscope::measure::reference::Reference;
 use rasterscope::pipeline::settings::Choice as _;
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::report::stability::catalogue;
-use rasterscope::report::upscaling::sweep::{self, Plan, Subject, every_upscaler};
+use rasterscope::report::upscaling::sweep::{self, NamedView, UpscalingPlan, every_upscaler};
 use rasterscope::scene::{SceneSource, builtin};
 #[cfg(feature = "ui")]
 use rasterscope::ui::compare::compute::{CompareRequest, Comparer};
@@ -346,8 +346,8 @@ fn reports_and_tiles_have_the_pictures_that_the_same_settings_draw() {
     // At most as large as the crop of a report, so that the crop is the whole picture.
     let viewport = Viewport { width: 61, height: 47 };
     let scene = SceneSource::named("cubes".into()).load().unwrap().scene;
-    let subject = Subject { name: scene.name.clone(), camera: scene.home, scene: Arc::new(scene) };
-    let plan = Plan {
+    let subject = NamedView { name: scene.name.clone(), camera: scene.home, scene: Arc::new(scene) };
+    let plan = UpscalingPlan {
         subjects: vec![subject.clone()],
         recipes: every_upscaler(Recipe::default()),
         viewport,
@@ -379,7 +379,7 @@ fn reports_and_tiles_have_the_pictures_that_the_same_settings_draw() {
                 difference: None,
             };
             let mut comparer = Comparer::default();
-            assert!(*comparer.ask(request).tiles[0].picture == rendered, "the tile of {} differs", row.label);
+            assert!(*comparer.start(request).tiles[0].picture == rendered, "the tile of {} differs", row.label);
         }
     }
 }

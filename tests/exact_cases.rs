@@ -6,7 +6,7 @@ mod cases;
 use std::collections::HashSet;
 
 use cases::Sample;
-use rasterscope::case::{Answer, Case, Control, Options, Outcome, solve};
+use rasterscope::case::{Answer, Case, CaseOutcome, Control, Options, solve};
 use rasterscope::pipeline::settings::{Arithmetic, Rasterizer};
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -14,12 +14,12 @@ use serde_json::Value;
 /// Returns the answer to a case that must not be refused.
 fn answer(sample: &Sample, options: Options) -> Answer {
     match outcome(sample, options) {
-        Outcome::Answered(answer) => answer,
-        Outcome::Refused { error } => panic!("{} refused: {error}", sample.path.display()),
+        CaseOutcome::Answered(answer) => answer,
+        CaseOutcome::Refused { error } => panic!("{} refused: {error}", sample.path.display()),
     }
 }
 
-fn outcome(sample: &Sample, options: Options) -> Outcome {
+fn outcome(sample: &Sample, options: Options) -> CaseOutcome {
     let case = Case::read(&sample.path).unwrap_or_else(|error| panic!("{error}"));
     let result = solve(&case, options, &Control::default()).expect("nothing cancels it");
     assert_eq!(sample.case["id"], result.id);
@@ -62,7 +62,7 @@ fn triangles_cover_the_exact_samples_by_every_sound_algorithm() {
             // Answers of wide pictures are stored for unsnapped corners only.
             let Some(exact) = sample.expected["spans"].get(key) else { continue };
             let exact: Vec<Vec<[u32; 3]>> = value(exact);
-            for rasterizer in Rasterizer::sound() {
+            for rasterizer in Rasterizer::correct() {
                 let options = Options { rasterizer, arithmetic };
                 let Answer::TriCoverage(coverage) = answer(sample, options) else { panic!() };
                 assert_eq!(coverage.snap_bits, bits);
@@ -83,7 +83,7 @@ fn triangles_in_clip_space_cover_what_lies_clearly_inside() {
         let exact: Vec<Vec<[u32; 3]>> = value(&sample.expected["spans"]);
         let borderline = pixels(&value::<Vec<[u32; 3]>>(&sample.expected["borderline"]));
         for (arithmetic, ..) in EXACT {
-            for rasterizer in Rasterizer::sound() {
+            for rasterizer in Rasterizer::correct() {
                 let options = Options { rasterizer, arithmetic };
                 let Answer::ClipTri(clipped) = answer(sample, options) else { panic!() };
                 assert_eq!(clipped.triangles.len(), exact.len());
@@ -216,7 +216,7 @@ fn enlarged_pictures_are_the_exact_ones() {
     let samples = cases::of_kinds(&["upscale"]);
     for sample in &samples {
         let path = sample.path.display();
-        let Outcome::Answered(Answer::Upscale(picture)) = outcome(sample, Options::default()) else {
+        let CaseOutcome::Answered(Answer::Upscale(picture)) = outcome(sample, Options::default()) else {
             panic!("{path} is not answered");
         };
         let exact: Vec<Vec<f64>> = value(&sample.expected["values"]);

@@ -8,7 +8,7 @@ use rasterscope::chain::{Frame, Recipe};
 use rasterscope::inspect::Fates;
 use rasterscope::inspect::fates::{FragmentFate, TriangleFate};
 use rasterscope::pipeline::depth::depth_at;
-use rasterscope::pipeline::raster::Sample;
+use rasterscope::pipeline::raster::RasterSample;
 use rasterscope::pipeline::settings::{Choice as _, Culling, DepthTest};
 use rasterscope::pipeline::viewport::ScreenTriangle;
 use rasterscope::scene::{DepthMapping, Scene, TriangleId};
@@ -76,7 +76,7 @@ fn endings(all: &[Candidate], tests_depth: bool) -> Vec<FragmentFate> {
         match (passes(place), later().any(|later| !all[later].is_blended), later().next().is_some()) {
             (false, ..) => FragmentFate::LostDepth,
             (true, true, _) => FragmentFate::Overwritten,
-            (true, false, true) => FragmentFate::SeenThrough,
+            (true, false, true) => FragmentFate::BlendedOver,
             (true, false, false) => FragmentFate::Visible,
         }
     };
@@ -89,7 +89,7 @@ fn expected_fragments(scene: &Scene, frame: &Frame, tests_depth: bool) -> Vec<[u
     let translucent = scene.instances.len() as u32 - 1;
     for (x, y) in (0..SIZE.1).flat_map(|y| (0..SIZE.0).map(move |x| (x, y))) {
         let covering = frame.geometry.triangles.iter().filter_map(|triangle| {
-            let sample = Sample { column: x, row: y, x, y, edges: edges(triangle, x, y)? };
+            let sample = RasterSample { column: x, row: y, x, y, edges: edges(triangle, x, y)? };
             let (depth, is_blended) = (depth_at(triangle, &sample), triangle.instance == translucent);
             Some(Candidate { triangle: triangle.id, depth, is_blended })
         });
@@ -170,9 +170,9 @@ fn every_triangle_and_every_fragment_ends_as_another_count_says() {
                     let fate = rejected.unwrap_or(match best {
                         None => TriangleFate::NoCentre,
                         Some(FragmentFate::LostDepth) => TriangleFate::LostDepth,
-                        Some(FragmentFate::CutOut) => TriangleFate::CutOut,
+                        Some(FragmentFate::AlphaRejected) => TriangleFate::AlphaRejected,
                         Some(FragmentFate::Overwritten) => TriangleFate::Overwritten,
-                        Some(FragmentFate::SeenThrough) => TriangleFate::SeenThrough,
+                        Some(FragmentFate::BlendedOver) => TriangleFate::BlendedOver,
                         Some(FragmentFate::Visible) => TriangleFate::Visible,
                     });
                     assert_eq!(fates.triangles[id], fate, "{told}");
@@ -188,7 +188,7 @@ fn every_triangle_and_every_fragment_ends_as_another_count_says() {
         TriangleFate::NoCentre,
         TriangleFate::LostDepth,
         TriangleFate::Overwritten,
-        TriangleFate::SeenThrough,
+        TriangleFate::BlendedOver,
         TriangleFate::Visible,
     ] {
         assert!(met[fate as usize], "no triangle ended so: {fate:?}");

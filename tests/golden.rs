@@ -112,7 +112,7 @@ fn upscalers() -> Vec<(String, Image<Rgba8>)> {
         let upscaler = Upscaling::new(id, Scale::FOUR).expect("an upscaler of the registry");
         let recipe = Recipe { upscaler, ..Recipe::default() };
         let name = format!("chess.{id}-{}", upscaler.scale());
-        if method.reads().past {
+        if method.reads().history {
             pictures.push((format!("{name}.history"), image_with_history(&chess, &recipe)));
         }
         if !FIRST_FRAME_OF_ANOTHER.contains(&id) {

@@ -107,9 +107,9 @@ fn keys() -> String {
     let mut rows: Vec<(Vec<String>, &str)> =
         MOUSE.iter().map(|(gesture, what)| (vec![(*gesture).to_owned()], *what)).collect();
     for binding in BINDINGS {
-        match rows.iter_mut().find(|(_, what)| *what == binding.what) {
+        match rows.iter_mut().find(|(_, what)| *what == binding.description) {
             Some((keys, _)) => keys.push(key_name(binding)),
-            None => rows.push((vec![key_name(binding)], binding.what)),
+            None => rows.push((vec![key_name(binding)], binding.description)),
         }
     }
     let names = |keys: Vec<String>| match &keys[..] {

@@ -7,13 +7,13 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 
 use common::{DEPTH_BIASES, distinct, recipe, render, scenes};
-use rasterscope::antialias::settings::{Filter as PostChoice, Method};
+use rasterscope::antialias::settings::{AntialiasMethod, PostFilterKind as PostChoice};
 use rasterscope::chain::{Frame, Recipe};
 use rasterscope::inspect::buffers::Buffers;
 use rasterscope::inspect::{FragmentRecord, PixelReport, capture, inspect};
 use rasterscope::pipeline::settings::{
-    Address, Arithmetic, BlendingOrder, Choice, ColorSpace, Culling, DepthBias, DepthFormat, DepthTest, FillRule,
-    Filter, Interpolation, Rasterizer, Settings, Shading,
+    AddressMode, Arithmetic, BlendingOrder, Choice, ColorSpace, Culling, DepthBias, DepthFormat, DepthTest, FillRule,
+    Interpolation, Rasterizer, Settings, Shading, TexelFilter,
 };
 use rasterscope::scene::{Scene, Transparency, TriangleId, builtin};
 use rasterscope::upscale::{Anchor, Upscaling};
@@ -39,8 +39,8 @@ fn single_switches() -> Vec<Recipe> {
         .chain(each::<DepthFormat>(|r, c| r.pipeline.depth_format = c))
         .chain(each::<Interpolation>(|r, c| r.pipeline.interpolation = c))
         .chain(each::<Shading>(|r, c| r.pipeline.shading = c))
-        .chain(each::<Filter>(|r, c| r.pipeline.filter = c))
-        .chain(each::<Address>(|r, c| r.pipeline.address = c))
+        .chain(each::<TexelFilter>(|r, c| r.pipeline.filter = c))
+        .chain(each::<AddressMode>(|r, c| r.pipeline.address = c))
         .chain(each::<ColorSpace>(|r, c| r.pipeline.color_space = c))
         .chain(each::<BlendingOrder>(|r, c| r.pipeline.blending.order = c))
         .chain([recipe(&["background=#d04010"]), recipe(&["background=#204060", "blending.order=exact"])])
@@ -114,9 +114,10 @@ fn smooth() -> Vec<Recipe> {
     let plain = Recipe::default();
     let enlarged = Recipe { upscaler: Upscaling::new("bilinear", 3).unwrap(), ..plain };
     let shifted = Recipe { upscaler: enlarged.upscaler.with_anchor(Anchor::Centre), ..plain };
-    let recipes = cross::<Method>(&[plain, enlarged, shifted], |r, c| r.antialias.method = c);
-    let bytes =
-        cross::<ColorSpace>(&[plain], |r, c| (r.antialias.method, r.antialias.light) = (Method::RotatedGrid, c));
+    let recipes = cross::<AntialiasMethod>(&[plain, enlarged, shifted], |r, c| r.antialias.method = c);
+    let bytes = cross::<ColorSpace>(&[plain], |r, c| {
+        (r.antialias.method, r.antialias.light) = (AntialiasMethod::RotatedGrid, c)
+    });
     let filters = cross::<PostChoice>(&[plain, enlarged], |r, c| (r.post.filter, r.post.strength) = (c, 1.5));
     recipes.into_iter().chain(bytes).chain(filters).collect()
 }

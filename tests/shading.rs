@@ -9,10 +9,10 @@ use common::{cube, noise_texture, recipe, render, sphere, with_alpha};
 use glam::{DVec2, DVec3, Mat4, Vec2, Vec3};
 use rasterscope::chain::{Frame, KeepDepth, Recipe, Renderer};
 use rasterscope::image::{Image, Rgba8};
-use rasterscope::inspect::overlays::{Context, Overlay};
+use rasterscope::inspect::overlays::{Overlay, OverlayContext};
 use rasterscope::inspect::view::Value;
 use rasterscope::inspect::{Trace, inspect};
-use rasterscope::pipeline::settings::{AlphaMode, Choice as _, Execution, Filter, Shading};
+use rasterscope::pipeline::settings::{AlphaMode, Choice as _, Execution, Shading, TexelFilter};
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::{
     Camera, Instance, Library, Material, Mesh, MeshData, Projection, Scene, Texture, TextureId, Transparency,
@@ -189,7 +189,7 @@ fn an_opacity_map_cuts_out_or_blends_as_the_alpha_of_a_texture_does() {
             let ([r, g, b, _], [_, _, _, alpha]) = (color.at(x, y), map.at(x, y));
             [r, g, b, alpha]
         });
-        for filter in Filter::ALL.iter().filter(|filter| **filter != Filter::Trilinear) {
+        for filter in TexelFilter::ALL.iter().filter(|filter| **filter != TexelFilter::Trilinear) {
             let recipe = recipe(&[&format!("filter={}", filter.id())]);
             let apart = scene_of(square(), Mat4::IDENTITY, |library| Material {
                 alpha_texture: Some(texture(library, map.clone())),
@@ -261,12 +261,12 @@ fn leaf(hidden: [u8; 3], edge: u8) -> Image<Rgba8> {
 /// Returns the totals of the overlay of a frame.
 fn bleeding(scene: &Scene, recipe: &Recipe) -> [f64; 2] {
     let frame = render(scene, recipe, SIZE);
-    let context = Context {
+    let context = OverlayContext {
         scene,
         recipe,
         frame: &frame,
         is_whole: true,
-        watched: &Default::default(),
+        stats_cache: &Default::default(),
         seams: None,
         shown: &|_, _| Value::Nothing,
         range: None,
@@ -279,7 +279,9 @@ fn bleeding(scene: &Scene, recipe: &Recipe) -> [f64; 2] {
 
 #[test]
 fn premultiplied_filtering_takes_no_colour_from_hidden_texels_and_the_overlay_shows_who_does() {
-    for (edge, filter) in [255, 120].into_iter().flat_map(|edge| Filter::ALL.iter().map(move |filter| (edge, filter))) {
+    for (edge, filter) in
+        [255, 120].into_iter().flat_map(|edge| TexelFilter::ALL.iter().map(move |filter| (edge, filter)))
+    {
         let mut scene = scene_of(square(), Mat4::IDENTITY, |library| {
             Material::textured("leaf", texture(library, leaf([255, 0, 255], edge)))
         });
@@ -292,7 +294,7 @@ fn premultiplied_filtering_takes_no_colour_from_hidden_texels_and_the_overlay_sh
         assert_eq!(reds(AlphaMode::Premultiplied), 0, "{edge} {filter:?}");
         assert_eq!(bleeding(&scene, &recipe(AlphaMode::Premultiplied)), [0.0; 2]);
         let ([pixels, codes], straight) = (bleeding(&scene, &recipe(AlphaMode::Straight)), reds(AlphaMode::Straight));
-        if *filter == Filter::Point {
+        if *filter == TexelFilter::Point {
             assert_eq!((pixels, codes, straight), (0.0, 0.0, 0));
         } else {
             assert!(pixels >= straight as f64 && straight > 10 && codes > 20.0, "{pixels} {codes} {straight}");
@@ -307,7 +309,7 @@ fn mip_levels_give_hidden_texels_the_colour_that_is_seen() {
         let image = Image::from_fn(64, 64, |x, _| if x % 32 < 16 { [255, 255, 0, 255] } else { [r, g, b, 0] });
         let texture = Texture::new("half", image).expect("not empty");
         for linear in [false, true] {
-            for level in texture.smaller(linear) {
+            for level in texture.mip_levels(linear) {
                 assert!(level.pixels().iter().all(|[r, g, b, _]| [*r, *g, *b] == [255, 255, 0]), "{hidden:?}");
             }
         }
@@ -320,7 +322,7 @@ fn opaque_textures_are_the_same_under_both_alpha_modes() {
     let image = noise_texture(&mut random);
     let scene =
         scene_of(square(), Mat4::IDENTITY, |library| Material::textured("opaque", texture(library, image.clone())));
-    for filter in Filter::ALL {
+    for filter in TexelFilter::ALL {
         let filter = format!("filter={}", filter.id());
         let modes =
             AlphaMode::ALL.iter().map(|mode| picture(&scene, &recipe(&[&filter, &format!("alpha={}", mode.id())])));
@@ -374,7 +376,7 @@ fn full_material(library: &mut Library, random: &mut fastrand::Rng, alphas: &[u8
 fn sweep() -> Vec<Recipe> {
     let mut all = Vec::new();
     for shading in Shading::ALL.iter().filter(|shading| shading.reads_material() || **shading == Shading::Normals) {
-        for (filter, alpha) in Filter::ALL.iter().flat_map(|f| AlphaMode::ALL.iter().map(move |a| (f, a))) {
+        for (filter, alpha) in TexelFilter::ALL.iter().flat_map(|f| AlphaMode::ALL.iter().map(move |a| (f, a))) {
             let mut recipe = Recipe::default();
             (recipe.pipeline.shading, recipe.pipeline.filter, recipe.pipeline.alpha) = (*shading, *filter, *alpha);
             all.push(recipe);

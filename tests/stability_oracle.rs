@@ -10,12 +10,12 @@ use cases::Origin;
 use rasterscope::pipeline::raster::Span;
 use rasterscope::pipeline::settings::FillRule;
 use rasterscope::pipeline::viewport::Viewport;
-use rasterscope::report::stability::case::{Attributes, Body, Case, ClipSpace, Coverage, Depth};
+use rasterscope::report::stability::case::{AttributeCase, Body, ClipSpace, Coverage, DepthCase, StabilityCase};
 use rasterscope::report::stability::catalogue;
 use rasterscope::report::stability::oracle::{
-    ClipTriangle, Region, Snap, approximate, exact_depth, exact_sample, ideal_code,
+    ClipTriangle, ExactRegion, Snap, approximate, exact_depth, exact_sample, ideal_code,
 };
-use rasterscope::report::stability::spans::Hits;
+use rasterscope::report::stability::spans::HitCounts;
 use rasterscope::report::stability::sweep::DEFAULT_SEED;
 use serde_json::Value;
 
@@ -23,7 +23,7 @@ use serde_json::Value;
 const FROZEN: f64 = 1e-15;
 
 /// Returns the cases of a kind whose class starts with `prefix`, each with its source and its answer.
-fn cases_of(kind: &str, prefix: &str) -> Vec<(Origin, Case, Value)> {
+fn cases_of(kind: &str, prefix: &str) -> Vec<(Origin, StabilityCase, Value)> {
     let all = cases::of_kinds(&[kind]).into_iter();
     let wanted = all.filter(|sample| sample.case["class"].as_str().is_some_and(|class| class.starts_with(prefix)));
     let read = |sample: cases::Sample| {
@@ -54,11 +54,11 @@ fn assert_near(id: &str, ours: f64, theirs: f64) {
 fn check_coverage(id: &str, case: &Coverage, answer: &Value) {
     let viewport = Viewport { width: case.width, height: case.height };
     for (name, snap) in [("none", Snap::Unsnapped), ("8", Snap::Grid256)] {
-        let mut hits = Hits::none(viewport);
+        let mut hits = HitCounts::none(viewport);
         let theirs = answer["spans"][name].as_array().expect("one list of spans per triangle");
         assert_eq!(theirs.len(), case.triangles.len());
         for (triangle, theirs) in case.triangles.iter().zip(theirs) {
-            let ours = Region::triangle(*triangle, snap, case.rule).spans(viewport);
+            let ours = ExactRegion::triangle(*triangle, snap, case.rule).spans(viewport);
             assert_eq!(ours, spans(theirs), "{id} {snap:?} {triangle:?}");
             hits.add(&ours);
         }
@@ -71,12 +71,13 @@ fn check_coverage(id: &str, case: &Coverage, answer: &Value) {
         }
     }
     if let Some(theirs) = answer.get("borderline") {
-        let regions: Vec<_> = case.triangles.iter().map(|t| Region::triangle(*t, Snap::Unsnapped, case.rule)).collect();
+        let regions: Vec<_> =
+            case.triangles.iter().map(|t| ExactRegion::triangle(*t, Snap::Unsnapped, case.rule)).collect();
         check_borderline(id, &regions, viewport, theirs);
     }
 }
 
-fn check_borderline(id: &str, regions: &[Region], viewport: Viewport, theirs: &Value) {
+fn check_borderline(id: &str, regions: &[ExactRegion], viewport: Viewport, theirs: &Value) {
     let all = (0..viewport.height).flat_map(|y| (0..viewport.width).map(move |x| [x, y]));
     let ours: BTreeSet<_> = all.filter(|[x, y]| regions.iter().any(|r| r.is_borderline(*x, *y))).collect();
     assert_eq!(ours, pixels(&spans(theirs)), "{id}");
@@ -101,7 +102,7 @@ fn check_clip_space(id: &str, case: &ClipSpace, answer: &Value) {
     }
 }
 
-fn check_attributes(id: &str, case: &Attributes, answer: &Value) {
+fn check_attributes(id: &str, case: &AttributeCase, answer: &Value) {
     let rows = answer["pixels"].as_array().expect("rows of attributes");
     assert_eq!(rows.len(), case.eval.len());
     for ([x, y], row) in case.eval.iter().zip(rows) {
@@ -115,7 +116,7 @@ fn check_attributes(id: &str, case: &Attributes, answer: &Value) {
     }
 }
 
-fn check_depth(id: &str, case: &Depth, answer: &Value) {
+fn check_depth(id: &str, case: &DepthCase, answer: &Value) {
     let exact = |z: &f32| exact_depth(case.mapping, case.near, case.far, *z).expect("a distance between the planes");
     let ours: Vec<_> = case.z.iter().map(exact).collect();
     for (ours, theirs) in ours.iter().zip(numbers(&answer["depth"])) {

@@ -323,13 +323,14 @@ fn the_mesh_view_leaves_out_triangles_that_are_not_finite() {
     let (scene, broken) = broken_grid();
     let size = Viewport { width: 300, height: 280 };
     let inner = Inner { camera: scene.home, settings: Settings::default(), viewport: size };
-    for (style, apart) in MeshStyle::ALL.iter().flat_map(|style| [(*style, 0.0), (*style, 0.3)]) {
+    for (style, explode) in MeshStyle::ALL.iter().flat_map(|style| [(*style, 0.0), (*style, 0.3)]) {
         let normals = MeshNormals { vertices: true, faces: true, ..MeshNormals::default() };
-        let painting = Painting { style, apart, selection: TriangleSelection::default(), backdrop: [0, 0, 0], normals };
+        let painting =
+            Painting { style, explode, selection: TriangleSelection::default(), backdrop: [0, 0, 0], normals };
         let outside = mesh_view::fit(scene.home, &scene, &inner, 1.0);
         let picture = paint(&scene, &inner, outside, size, &painting);
         let shown: BTreeSet<_> = picture.owner.pixels().iter().filter(|id| **id != TriangleId::NONE).collect();
-        assert_eq!(shown.len() as u32, 24 * 24 * 2 - broken, "{style:?}, moved apart by {apart}");
+        assert_eq!(shown.len() as u32, 24 * 24 * 2 - broken, "{style:?}, exploded by {explode}");
     }
 }
 

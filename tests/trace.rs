@@ -15,15 +15,15 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use common::{coplanar_scene, ground_and_cube, recipe, see_through_scene};
-use rasterscope::antialias::settings::{Filter as PostChoice, Method};
+use common::{coplanar_scene, ground_and_cube, recipe, transparency_scene};
+use rasterscope::antialias::settings::{AntialiasMethod, PostFilterKind as PostChoice};
 use rasterscope::chain::{Frame, KeepDepth, Recipe, Renderer, execution};
 use rasterscope::image::Rgba8;
 use rasterscope::inspect::trace::TraceLine;
 use rasterscope::inspect::{PixelReport, Trace, inspect};
 use rasterscope::pipeline::settings::{
-    Address, AlphaMode, Arithmetic, BlendingOrder, Choice, ColorSpace, Culling, DepthFormat, DepthTest, Execution,
-    FillRule, Filter, Force, Interpolation, Rasterizer, Shading,
+    AddressMode, AlphaMode, Arithmetic, BlendingOrder, Choice, ColorSpace, Culling, DepthFormat, DepthTest,
+    DisabledOptimisation, Execution, FillRule, Interpolation, Rasterizer, Shading, TexelFilter,
 };
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::{Scene, Transparency};
@@ -46,7 +46,7 @@ fn scenes() -> [(&'static str, Arc<Scene>); 3] {
     [
         ("ground and cube", Arc::new(ground_and_cube())),
         ("coplanar", Arc::new(coplanar_scene())),
-        ("see-through", Arc::new(see_through_scene())),
+        ("see-through", Arc::new(transparency_scene())),
     ]
 }
 
@@ -59,7 +59,7 @@ fn values<C: Choice>(key: &str) -> Vec<String> {
 fn factors() -> Vec<Vec<String>> {
     vec![
         values::<Shading>("shading"),
-        values::<Force>("force"),
+        values::<DisabledOptimisation>("force"),
         values::<FillRule>("fill_rule"),
         values::<DepthFormat>("depth_format"),
         values::<DepthTest>("depth_test"),
@@ -68,8 +68,8 @@ fn factors() -> Vec<Vec<String>> {
         values::<Arithmetic>("arithmetic"),
         values::<Culling>("culling"),
         values::<Interpolation>("interpolation"),
-        values::<Filter>("filter"),
-        values::<Address>("address"),
+        values::<TexelFilter>("filter"),
+        values::<AddressMode>("address"),
         values::<AlphaMode>("alpha"),
         values::<ColorSpace>("color_space"),
         values::<BlendingOrder>("blending.order"),
@@ -149,7 +149,7 @@ fn by_rasterizers_in_turn(mut recipes: Vec<Recipe>) -> Vec<Recipe> {
 fn ways_to_finish() -> Vec<Recipe> {
     let mut methods: Vec<Upscaling> = Upscaling::every().collect();
     methods.dedup_by_key(|upscaling| upscaling.method());
-    let smooth = Method::ALL.iter().flat_map(|method| {
+    let smooth = AntialiasMethod::ALL.iter().flat_map(|method| {
         ColorSpace::ALL.iter().map(move |light| {
             let mut recipe = Recipe::default();
             (recipe.antialias.method, recipe.antialias.light) = (*method, *light);

@@ -15,7 +15,7 @@ use rasterscope::ui::app::Workbench;
 use rasterscope::ui::headless::Headless;
 use rasterscope::ui::session::Session;
 use rasterscope::ui::worker::Worker;
-use rasterscope::ui::{ScreenshotRequest, Seen, Theme, WindowStart, screenshot};
+use rasterscope::ui::{InitialView, ScreenshotRequest, Theme, WindowStart, screenshot};
 
 /// Window sizes in pixels, each with its pixels per point.
 const WINDOWS: [(f32, f32, f32); 6] = [
@@ -258,7 +258,7 @@ fn a_screenshot_has_the_size_that_was_asked_for() {
             resume: false,
             memory_limit: MemoryLimit::default(),
             pending: None,
-            seen: Seen::default(),
+            initial_view: InitialView::default(),
         };
         let size = Viewport { width, height };
         let request = ScreenshotRequest {

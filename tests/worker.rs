@@ -12,11 +12,11 @@ use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::SceneSource;
 use rasterscope::ui::engine::{Request, Shown};
 use rasterscope::ui::look::Look;
-use rasterscope::ui::worker::{Answer, Job, MEASURE_ROUNDS, MeasureRequest, Worker};
+use rasterscope::ui::worker::{MEASURE_ROUNDS, MeasureRequest, Worker, WorkerRequest, WorkerResponse};
 use rasterscope::upscale::Upscaling;
 
 /// Time limit that no answer exceeds, even on a busy machine.
-const PATIENCE: Duration = Duration::from_secs(180);
+const TIMEOUT: Duration = Duration::from_secs(180);
 
 fn request(scene: &str, (width, height): (u32, u32)) -> Request {
     let scene = SceneSource::named(scene.into()).load().unwrap().scene;
@@ -33,19 +33,19 @@ fn request(scene: &str, (width, height): (u32, u32)) -> Request {
     }
 }
 
-fn show(request: &Request) -> Job {
-    Job::Show(Box::new(request.clone()))
+fn show(request: &Request) -> WorkerRequest {
+    WorkerRequest::Show(Box::new(request.clone()))
 }
 
-fn measure(of: Request, turn: Turn) -> Job {
-    Job::Measure(Box::new(MeasureRequest { number: 1, of, reference: Reference::Native, turn }))
+fn measure(of: Request, turn: Turn) -> WorkerRequest {
+    WorkerRequest::Measure(Box::new(MeasureRequest { number: 1, of, reference: Reference::Native, turn }))
 }
 
 /// Returns the answers up to and including the first that `last` accepts.
-fn answers_until(worker: &mut Worker, last: impl Fn(&Answer) -> bool) -> Vec<Answer> {
+fn answers_until(worker: &mut Worker, last: impl Fn(&WorkerResponse) -> bool) -> Vec<WorkerResponse> {
     let start = Instant::now();
     let mut answers = Vec::new();
-    while start.elapsed() < PATIENCE {
+    while start.elapsed() < TIMEOUT {
         match worker.poll() {
             Some(answer) => {
                 answers.push(answer);
@@ -60,7 +60,7 @@ fn answers_until(worker: &mut Worker, last: impl Fn(&Answer) -> bool) -> Vec<Ans
 }
 
 /// Returns all answers that arrive within `time`.
-fn answers_within(worker: &mut Worker, time: Duration) -> Vec<Answer> {
+fn answers_within(worker: &mut Worker, time: Duration) -> Vec<WorkerResponse> {
     std::thread::sleep(time);
     std::iter::from_fn(|| worker.poll()).collect()
 }
@@ -70,8 +70,10 @@ fn a_request_is_answered_with_its_frame_and_then_its_stage_times() {
     let mut worker = Worker::spawn(|| ());
     let request = request("triangle", (64, 48));
     worker.send(show(&request));
-    let answers = answers_until(&mut worker, |answer| matches!(answer, Answer::Stages(_)));
-    let [Answer::View(view), Answer::Stages(figures)] = &answers[..] else { panic!("{} answers", answers.len()) };
+    let answers = answers_until(&mut worker, |answer| matches!(answer, WorkerResponse::Stages(_)));
+    let [WorkerResponse::View(view), WorkerResponse::Stages(figures)] = &answers[..] else {
+        panic!("{} answers", answers.len())
+    };
     let expected = run(&request.scene, &request.camera, &request.recipe, request.viewport, &mut ());
     assert_eq!(*view.picture, *expected.image());
     assert!(view.fresh);
@@ -85,8 +87,8 @@ fn a_view_that_stands_still_is_drawn_on_until_it_changes_no_more() {
     let native = run(&request.scene, &request.camera, &request.recipe, request.viewport, &mut ());
     request.recipe.upscaler = Upscaling::new("checkerboard-temporal", 1).unwrap();
     worker.send(show(&request));
-    let answers = answers_until(&mut worker, |answer| matches!(answer, Answer::Stages(_)));
-    let [Answer::View(first), Answer::View(second), Answer::Stages(_)] = &answers[..] else {
+    let answers = answers_until(&mut worker, |answer| matches!(answer, WorkerResponse::Stages(_)));
+    let [WorkerResponse::View(first), WorkerResponse::View(second), WorkerResponse::Stages(_)] = &answers[..] else {
         panic!("{} answers", answers.len())
     };
     assert_ne!(*first.picture, *native.image());
@@ -105,11 +107,14 @@ fn only_the_newest_of_the_waiting_requests_is_answered() {
         newest.pick = Some((x % 32, 7));
         worker.send(show(&newest));
     }
-    let is_newest = |answer: &Answer| matches!(answer, Answer::View(view) if view.request.same_view(&newest));
+    let is_newest =
+        |answer: &WorkerResponse| matches!(answer, WorkerResponse::View(view) if view.request.same_view(&newest));
     let answers = answers_until(&mut worker, is_newest);
-    let views = answers.iter().filter(|answer| matches!(answer, Answer::View(_))).count();
+    let views = answers.iter().filter(|answer| matches!(answer, WorkerResponse::View(_))).count();
     assert!(views <= 3, "{views} of 51 requests were answered");
-    assert!(answers_within(&mut worker, Duration::from_millis(300)).iter().all(|a| matches!(a, Answer::Stages(_))));
+    assert!(
+        answers_within(&mut worker, Duration::from_millis(300)).iter().all(|a| matches!(a, WorkerResponse::Stages(_)))
+    );
 }
 
 #[test]
@@ -121,7 +126,7 @@ fn the_window_is_woken_for_every_answer() {
     });
     assert_eq!(wakes.load(Ordering::SeqCst), 0);
     worker.send(show(&request("triangle", (16, 16))));
-    answers_until(&mut worker, |answer| matches!(answer, Answer::Stages(_)));
+    answers_until(&mut worker, |answer| matches!(answer, WorkerResponse::Stages(_)));
     std::thread::sleep(Duration::from_millis(100));
     assert_eq!(wakes.load(Ordering::SeqCst), 2, "once for the view, once for its stage times");
 }
@@ -134,7 +139,7 @@ fn an_idle_worker_does_nothing() {
         counter.fetch_add(1, Ordering::SeqCst);
     });
     worker.send(show(&request("triangle", (16, 16))));
-    answers_until(&mut worker, |answer| matches!(answer, Answer::Stages(_)));
+    answers_until(&mut worker, |answer| matches!(answer, WorkerResponse::Stages(_)));
     std::thread::sleep(Duration::from_millis(100));
     let before = wakes.load(Ordering::SeqCst);
     assert!(answers_within(&mut worker, Duration::from_millis(300)).is_empty());
@@ -146,12 +151,14 @@ fn another_pick_keeps_the_frame() {
     let mut worker = Worker::spawn(|| ());
     let mut request = request("triangle", (64, 48));
     worker.send(show(&request));
-    let is_view = |answer: &Answer| matches!(answer, Answer::View(_));
+    let is_view = |answer: &WorkerResponse| matches!(answer, WorkerResponse::View(_));
     let first = answers_until(&mut worker, is_view).pop();
     request.pick = Some((32, 24));
     worker.send(show(&request));
     let second = answers_until(&mut worker, is_view).pop();
-    let (Some(Answer::View(first)), Some(Answer::View(second))) = (first, second) else { panic!("two views") };
+    let (Some(WorkerResponse::View(first)), Some(WorkerResponse::View(second))) = (first, second) else {
+        panic!("two views")
+    };
     assert!(Arc::ptr_eq(&first.frame, &second.frame) && Arc::ptr_eq(&first.picture, &second.picture));
     assert!(!second.fresh);
     assert_eq!(second.report.as_ref().map(|report| (report.x, report.y)), Some((32, 24)));
@@ -161,11 +168,13 @@ fn another_pick_keeps_the_frame() {
 fn a_measurement_times_every_method_once_per_round() {
     let mut worker = Worker::spawn(|| ());
     worker.send(measure(request("triangle", (32, 24)), Turn { degrees: 0.5, frames: 2 }));
-    let answers = answers_until(&mut worker, |answer| matches!(answer, Answer::Measured(_)));
+    let answers = answers_until(&mut worker, |answer| matches!(answer, WorkerResponse::Measured(_)));
     let samples: Vec<_> = answers
         .iter()
         .filter_map(|answer| match answer {
-            Answer::Sample { upscaling, milliseconds, progress, .. } => Some((*upscaling, *milliseconds, *progress)),
+            WorkerResponse::Sample { upscaling, milliseconds, progress, .. } => {
+                Some((*upscaling, *milliseconds, *progress))
+            }
             _ => None,
         })
         .collect();
@@ -179,18 +188,19 @@ fn a_measurement_times_every_method_once_per_round() {
         assert!(of.into_iter().eq(sorted.iter().copied()), "{round:?}");
     }
     let progress = answers.iter().filter_map(|answer| match answer {
-        Answer::Sample { progress, .. } | Answer::Judged { progress, .. } => Some(*progress),
+        WorkerResponse::Sample { progress, .. } | WorkerResponse::MethodError { progress, .. } => Some(*progress),
         _ => None,
     });
     let progress: Vec<_> = progress.collect();
     assert!(progress.is_sorted(), "progress grows");
     assert!(progress.last() > Some(&0.99), "all but frames that are no news: {:?}", progress.last());
     assert!(samples.iter().all(|sample| sample.1 > 0.0));
-    let noises = answers.iter().filter(|answer| matches!(answer, Answer::Noise { noise, .. } if noise.pairs >= 5));
+    let noises =
+        answers.iter().filter(|answer| matches!(answer, WorkerResponse::Noise { noise, .. } if noise.pairs >= 5));
     assert_eq!(noises.count(), MEASURE_ROUNDS, "a noise floor after each round");
     for method in methods {
         let of_method = answers.iter().filter_map(|answer| match answer {
-            Answer::Judged { upscaling, error, .. } if *upscaling == method => Some(error.motion.frames),
+            WorkerResponse::MethodError { upscaling, error, .. } if *upscaling == method => Some(error.motion.frames),
             _ => None,
         });
         assert_eq!(of_method.collect::<Vec<_>>(), [1, 2], "{}: frame by frame", method.label());
@@ -201,12 +211,12 @@ fn a_measurement_times_every_method_once_per_round() {
 fn a_cancelled_measurement_stops_and_the_worker_goes_on() {
     let mut worker = Worker::spawn(|| ());
     worker.send(measure(request("chess", (160, 120)), Turn::default()));
-    answers_until(&mut worker, |answer| matches!(answer, Answer::Sample { .. }));
-    worker.send(Job::CancelMeasure);
+    answers_until(&mut worker, |answer| matches!(answer, WorkerResponse::Sample { .. }));
+    worker.send(WorkerRequest::CancelMeasure);
     let wanted = request("triangle", (16, 16));
     worker.send(show(&wanted));
-    let answers = answers_until(&mut worker, |answer| matches!(answer, Answer::Stages(_)));
-    assert!(!answers.iter().any(|answer| matches!(answer, Answer::Measured(_))));
+    let answers = answers_until(&mut worker, |answer| matches!(answer, WorkerResponse::Stages(_)));
+    assert!(!answers.iter().any(|answer| matches!(answer, WorkerResponse::Measured(_))));
     assert!(answers_within(&mut worker, Duration::from_millis(300)).is_empty(), "no samples after cancelling");
 }
 
@@ -215,9 +225,9 @@ fn requests_come_before_measuring() {
     let mut worker = Worker::spawn(|| ());
     let measured = request("chess", (160, 120));
     worker.send(measure(measured, Turn::default()));
-    answers_until(&mut worker, |answer| matches!(answer, Answer::Sample { .. }));
+    answers_until(&mut worker, |answer| matches!(answer, WorkerResponse::Sample { .. }));
     worker.send(show(&request("triangle", (16, 16))));
-    let answers = answers_until(&mut worker, |answer| matches!(answer, Answer::View(_)));
+    let answers = answers_until(&mut worker, |answer| matches!(answer, WorkerResponse::View(_)));
     assert!(answers.len() <= 4, "{} samples were taken first", answers.len() - 1);
 }
 
@@ -227,9 +237,11 @@ fn the_inline_worker_gives_the_same_answers_at_once() {
     let mut inline = Worker::inline();
     inline.send(show(&request));
     let answers: Vec<_> = std::iter::from_fn(|| inline.poll()).collect();
-    let [Answer::View(view), Answer::Stages(_)] = &answers[..] else { panic!("{} answers", answers.len()) };
+    let [WorkerResponse::View(view), WorkerResponse::Stages(_)] = &answers[..] else {
+        panic!("{} answers", answers.len())
+    };
     let mut threaded = Worker::spawn(|| ());
     threaded.send(show(&request));
-    let other = answers_until(&mut threaded, |answer| matches!(answer, Answer::View(_))).pop();
-    assert!(matches!(other, Some(Answer::View(other)) if other.picture == view.picture));
+    let other = answers_until(&mut threaded, |answer| matches!(answer, WorkerResponse::View(_))).pop();
+    assert!(matches!(other, Some(WorkerResponse::View(other)) if other.picture == view.picture));
 }

@@ -10,7 +10,7 @@ use rasterscope::image::{Image, Rgba8};
 use rasterscope::measure::error::compare;
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::builtin;
-use rasterscope::upscale::{Anchor, Drawn, Light, Offers, Sampling, Scale, Tap, Upscaler, Upscaling};
+use rasterscope::upscale::{Anchor, FilterSpace, Offers, Sampling, Scale, Tap, UpscaleInputs, Upscaler, Upscaling};
 
 /// EPX at scale 2.
 struct Epx;
@@ -47,14 +47,20 @@ impl Upscaler for Epx {
 
     fn offers(&self) -> Offers {
         let scales = &[Scale::TWO];
-        Offers { scales, anchors: &[Anchor::Centre], lights: &[Light::Bytes], deringing: false, sharpening: false }
+        Offers {
+            scales,
+            anchors: &[Anchor::Centre],
+            lights: &[FilterSpace::Bytes],
+            deringing: false,
+            sharpening: false,
+        }
     }
 
     fn sampling(&self, how: Upscaling) -> Sampling {
         Sampling::of_lattice(how.lattice())
     }
 
-    fn upscale(&self, how: Upscaling, drawn: &Drawn<'_>, full: &mut Image<Rgba8>) {
+    fn upscale(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, full: &mut Image<Rgba8>) {
         let size = full.size();
         for y in 0..size.1 {
             for x in 0..size.0 {
@@ -64,12 +70,12 @@ impl Upscaler for Epx {
     }
 
     // One pixel alone and its sources: with these two, the inspector can explain every pixel.
-    fn pixel(&self, _how: Upscaling, drawn: &Drawn<'_>, _size: (u32, u32), (x, y): (u32, u32)) -> Rgba8 {
+    fn pixel(&self, _how: Upscaling, drawn: &UpscaleInputs<'_>, _size: (u32, u32), (x, y): (u32, u32)) -> Rgba8 {
         let (column, row) = Self::source(drawn.color, x, y);
         drawn.color.at(column, row)
     }
 
-    fn taps(&self, _how: Upscaling, drawn: &Drawn<'_>, _size: (u32, u32), (x, y): (u32, u32)) -> Vec<Tap> {
+    fn taps(&self, _how: Upscaling, drawn: &UpscaleInputs<'_>, _size: (u32, u32), (x, y): (u32, u32)) -> Vec<Tap> {
         let (x, y) = Self::source(drawn.color, x, y);
         vec![Tap { x, y, weight: 1.0 }]
     }
@@ -79,14 +85,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let scene = Arc::new(builtin::ALL[0].build());
     let viewport = Viewport { width: 640, height: 360 };
     let mut renderer = Renderer::default();
-    let reference = renderer.render_settled(&scene, &scene.home, &Recipe::default(), viewport);
+    let reference = renderer.render_converged(&scene, &scene.home, &Recipe::default(), viewport);
 
     // Every quarter of the pixels: the samples that the built-in doubling draws, too.
     let mut recipe = Recipe::default();
     recipe.set_all(&["upscaler.method=nearest", "upscaler.scale=2", "upscaler.anchor=centre"])?;
-    let frame = renderer.render_settled(&scene, &scene.home, &recipe, viewport);
+    let frame = renderer.render_converged(&scene, &scene.home, &recipe, viewport);
     let mut doubled = Image::filled(viewport.width, viewport.height, [0; 4]);
-    Epx.upscale(recipe.upscaler, &Drawn::from(&frame.drawn.color), &mut doubled);
+    Epx.upscale(recipe.upscaler, &UpscaleInputs::from(&frame.drawn.color), &mut doubled);
 
     for (name, picture) in [(recipe.upscaler.upscaler().name(), frame.image()), (Epx.name(), &doubled)] {
         let error = compare(picture, reference.image()).ok_or("pictures of different sizes")?;

@@ -13,7 +13,7 @@ fn main() {
     let scene = builtin::ALL.iter().find(|scene| scene.id == "interpenetrating").expect("it is built in");
     let scene = Arc::new(scene.build());
     let (recipe, viewport) = (Recipe::default(), Viewport { width: 320, height: 180 });
-    let frame = Renderer::default().render_settled(&scene, &scene.home, &recipe, viewport);
+    let frame = Renderer::default().render_converged(&scene, &scene.home, &recipe, viewport);
 
     // Nothing was recorded while the frame was drawn. The inspector draws this one pixel again, with the same
     // arithmetic and an observer, and so arrives at the same bits.

@@ -25,7 +25,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // same bits for any number of them.
     let viewport = Viewport { width: 640, height: 360 };
     let mut renderer = Renderer::default();
-    let frame = renderer.render_settled(&scene, &scene.home, &recipe, viewport);
+    let frame = renderer.render_converged(&scene, &scene.home, &recipe, viewport);
 
     let path = Path::new("chess.png");
     write_png(path, frame.image())?;

@@ -18,7 +18,7 @@ use crate::flat2d::{side, whole_numbers_within};
 use crate::math::double_double::DoubleDouble;
 
 /// Position relative to a pixel's top left corner, px.
-type Place = [DoubleDouble; 2];
+type PixelPoint = [DoubleDouble; 2];
 
 /// Iterator over the pixels of a triangle's bounding box; see [`triangle_area`].
 #[derive(Clone, Debug)]
@@ -97,7 +97,7 @@ impl Iterator for TriangleArea {
 /// Half-plane of the points p with slope · p + constant ≥ 0.
 #[derive(Clone, Copy, Debug)]
 struct HalfPlane {
-    slope: Place,
+    slope: PixelPoint,
     constant: DoubleDouble,
     /// Error bound of a value computed in floats within the picture.
     error: f64,
@@ -139,20 +139,20 @@ impl HalfPlane {
     }
 
     /// Returns the value at a position relative to a corner whose value is `at_corner`.
-    fn at(&self, place: Place, at_corner: DoubleDouble) -> DoubleDouble {
+    fn at(&self, place: PixelPoint, at_corner: DoubleDouble) -> DoubleDouble {
         self.slope[0] * place[0] + self.slope[1] * place[1] + at_corner
     }
 }
 
 /// Corners of a pixel, clockwise on the screen.
-const UNIT_SQUARE: [Place; 4] = {
+const UNIT_SQUARE: [PixelPoint; 4] = {
     const O: DoubleDouble = DoubleDouble::ZERO;
     const I: DoubleDouble = DoubleDouble::ONE;
     [[O, O], [I, O], [I, I], [O, I]]
 };
 
 /// Clips a convex polygon to the inside of an edge whose value at position (0, 0) is `at_corner`.
-fn cut(polygon: &[Place], edge: &HalfPlane, at_corner: DoubleDouble) -> Vec<Place> {
+fn cut(polygon: &[PixelPoint], edge: &HalfPlane, at_corner: DoubleDouble) -> Vec<PixelPoint> {
     let mut inside = Vec::with_capacity(polygon.len() + 1);
     for (from, to) in polygon.iter().zip(polygon.iter().cycle().skip(1)) {
         let [value_from, value_to] = [*from, *to].map(|place| edge.at(place, at_corner));
@@ -169,16 +169,16 @@ fn cut(polygon: &[Place], edge: &HalfPlane, at_corner: DoubleDouble) -> Vec<Plac
 
 /// Returns the zero between two positions of a linear function that has opposite signs and these magnitudes there. The
 /// zero is measured from the nearer position, so a point close to a corner keeps all its digits.
-fn crossing(a: (Place, DoubleDouble), b: (Place, DoubleDouble)) -> Place {
+fn crossing(a: (PixelPoint, DoubleDouble), b: (PixelPoint, DoubleDouble)) -> PixelPoint {
     let ((near, small), (far, large)) = if a.1.rounded() <= b.1.rounded() { (a, b) } else { (b, a) };
     let share = small / (small + large);
     std::array::from_fn(|axis| near[axis] + share * (far[axis] - near[axis]))
 }
 
 /// Returns the area of a polygon, px², by the shoelace formula from its first corner.
-fn area(polygon: &[Place]) -> f64 {
+fn area(polygon: &[PixelPoint]) -> f64 {
     let Some((first, rest)) = polygon.split_first() else { return 0.0 };
-    let from_first = |place: &Place| [place[0] - first[0], place[1] - first[1]];
+    let from_first = |place: &PixelPoint| [place[0] - first[0], place[1] - first[1]];
     let doubled = rest.windows(2).fold(DoubleDouble::ZERO, |sum, two| {
         let [a, b] = [from_first(&two[0]), from_first(&two[1])];
         sum + (a[0] * b[1] - a[1] * b[0])

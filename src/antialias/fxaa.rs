@@ -18,17 +18,17 @@ use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 
 /// Least contrast around a pixel that counts as an edge, in codes.
-const LEAST_CONTRAST: i16 = 8;
+const MIN_CONTRAST: i16 = 8;
 
 /// Least contrast as a share of the brightest pixel around: 2⁻³.
-const LEAST_CONTRAST_SHIFT: u32 = 3;
+const MIN_CONTRAST_SHIFT: u32 = 3;
 
 /// Greatest share that an isolated pixel takes of its neighbour.
 const SUBPIXEL: f32 = 0.75;
 
 /// Smaller shares leave the pixel unchanged: 20 % of the edge pixels of the chess scene at 1920 × 1080 px, 46 % of
 /// stained-glass.
-const LEAST_SHARE: f32 = 1.0 / 256.0;
+const MIN_SHARE: f32 = 1.0 / 256.0;
 
 /// Pixels that an edge is followed each way. An edge ends where the luma on its line changes by a quarter of its gradient.
 pub(crate) const SEARCH_PX: u32 = 16;
@@ -59,7 +59,7 @@ fn apply_on(lanes: Lanes, picture: &Image<Rgba8>, linear: bool, memory: Option<I
     let bands = result.pixels_mut().par_chunks_mut((width as usize * rows).max(1));
     bands.enumerate().for_each(|(index, band)| {
         LUMA.with_borrow_mut(
-            |luma| on_lanes!(lanes, simd => fill_band(simd, Source { picture, linear }, luma, index * rows, band)),
+            |luma| on_lanes!(lanes, simd => fill_band(simd, FxaaInput { picture, linear }, luma, index * rows, band)),
         );
     });
     result
@@ -67,7 +67,7 @@ fn apply_on(lanes: Lanes, picture: &Image<Rgba8>, linear: bool, memory: Option<I
 
 /// Picture to filter.
 #[derive(Clone, Copy)]
-struct Source<'a> {
+struct FxaaInput<'a> {
     picture: &'a Image<Rgba8>,
     /// Whether colours are mixed in linear light rather than in codes.
     linear: bool,
@@ -76,7 +76,7 @@ struct Source<'a> {
 /// Filters the rows of `band`, the first of which is row `first` of the picture. Luma is computed [`MARGIN`] rows ahead, so that
 /// all rows in use stay in the second-level cache.
 #[inline(always)]
-fn fill_band<S: Simd>(simd: S, source: Source<'_>, luma: &mut Vec<i16>, first: usize, band: &mut [Rgba8]) {
+fn fill_band<S: Simd>(simd: S, source: FxaaInput<'_>, luma: &mut Vec<i16>, first: usize, band: &mut [Rgba8]) {
     let picture = source.picture;
     let (width, last) = (picture.width() as usize, picture.height() as usize - 1);
     let stride = width.next_multiple_of(BLOCK) + 2 * MARGIN;
@@ -129,7 +129,7 @@ fn luma_of_block<S: Simd>(simd: S, pixels: &[Rgba8; BLOCK]) -> i16x32<S> {
 #[inline(always)]
 fn filter_row<S: Simd>(
     simd: S,
-    Source { picture, linear }: Source<'_>,
+    FxaaInput { picture, linear }: FxaaInput<'_>,
     row_luma: &Neighbourhood<'_>,
     start: usize,
     row: &mut [Rgba8],
@@ -167,7 +167,7 @@ struct Neighbourhood<'a> {
 }
 
 /// Edges through [`BLOCK`] pixels.
-struct Edges<S: Simd> {
+struct ContrastEdges<S: Simd> {
     /// Whether the neighbour across the edge is the one above or to the left.
     towards_before: mask16x32<S>,
     /// Sum of the luma on both sides.
@@ -178,7 +178,7 @@ struct Edges<S: Simd> {
 
 /// Ends of edges, in one direction.
 #[derive(Clone, Copy)]
-struct Ends<S: Simd> {
+struct EdgeDistances<S: Simd> {
     /// Distance from the pixel to the end of its edge, in pixels.
     step: i16x32<S>,
     /// Change of [`Edges::line`] there.
@@ -211,8 +211,8 @@ impl Neighbourhood<'_> {
     #[inline(always)]
     fn contrasts<S: Simd>(&self, simd: S) -> mask16x32<S> {
         let cross = self.cross(simd);
-        let least = (brightest(cross) + ((1 << LEAST_CONTRAST_SHIFT) - 1)) >> LEAST_CONTRAST_SHIFT;
-        contrast(cross).simd_ge(least.max(LEAST_CONTRAST))
+        let least = (brightest(cross) + ((1 << MIN_CONTRAST_SHIFT) - 1)) >> MIN_CONTRAST_SHIFT;
+        contrast(cross).simd_ge(least.max(MIN_CONTRAST))
     }
 
     /// Computes the shares of the pixels in `found`.
@@ -231,9 +231,9 @@ impl Neighbourhood<'_> {
         let gradient = (beyond - middle).abs();
         let found = found & gradient.simd_gt(0);
 
-        let edges = Edges { towards_before, line: middle + beyond, ends_at: (gradient + 1) >> 1 };
+        let edges = ContrastEdges { towards_before, line: middle + beyond, ends_at: (gradient + 1) >> 1 };
         let zero = i16x32::splat(simd, 0);
-        let mut ends = [Ends { step: i16x32::splat(simd, 1), change: zero }; 2];
+        let mut ends = [EdgeDistances { step: i16x32::splat(simd, 1), change: zero }; 2];
         self.search(simd, [1, self.stride], &edges, found & horizontal, &mut ends);
         self.search(simd, [self.stride, 1], &edges, found & !horizontal, &mut ends);
         let [back, ahead] = ends;
@@ -255,7 +255,7 @@ impl Neighbourhood<'_> {
         high.store_slice(&mut shares[WIDE..]);
         Blends {
             // Without contrast the share is 0 / 0, hence the mask.
-            found: (found & low.simd_ge(LEAST_SHARE).narrow(high.simd_ge(LEAST_SHARE))).to_bitmask() as u32,
+            found: (found & low.simd_ge(MIN_SHARE).narrow(high.simd_ge(MIN_SHARE))).to_bitmask() as u32,
             horizontal: horizontal.to_bitmask() as u32,
             towards_before: towards_before.to_bitmask() as u32,
             shares,
@@ -269,9 +269,9 @@ impl Neighbourhood<'_> {
         &self,
         simd: S,
         [along, across]: [usize; 2],
-        edges: &Edges<S>,
+        edges: &ContrastEdges<S>,
         found: mask16x32<S>,
-        [back, ahead]: &mut [Ends<S>; 2],
+        [back, ahead]: &mut [EdgeDistances<S>; 2],
     ) {
         let [mut going_back, mut going_ahead] = [found; 2];
         for step in 1..=MARGIN {
@@ -289,7 +289,7 @@ impl Neighbourhood<'_> {
     }
 }
 
-impl<S: Simd> Ends<S> {
+impl<S: Simd> EdgeDistances<S> {
     /// Moves the ends of the edges in `going` to `step`, and returns those that go on.
     #[inline(always)]
     fn extend(&mut self, going: mask16x32<S>, step: usize, change: i16x32<S>, ends_at: i16x32<S>) -> mask16x32<S> {
@@ -355,7 +355,7 @@ mod tests {
     fn filtered(picture: &Image<Rgba8>, lumas: &Image<i32>, at: (i64, i64), linear: bool) -> Rgba8 {
         let own = picture.at_clamped(at.0, at.1);
         match blend(lumas, at) {
-            Some(([dx, dy], share)) if share >= LEAST_SHARE => {
+            Some(([dx, dy], share)) if share >= MIN_SHARE => {
                 mix(Tables::get(), own, picture.at_clamped(at.0 + dx, at.1 + dy), share, linear)
             }
             _ => own,

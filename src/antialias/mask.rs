@@ -24,7 +24,7 @@ pub(crate) fn apply(mask: &Mask, picture: &Image<Rgba8>, linear: bool) -> Image<
     let lanes = Lanes::best();
     let mut result = picture.clone();
     let bands = result.pixels_mut().par_chunks_mut((width * BAND_ROWS).max(1) as usize).enumerate();
-    bands.for_each_init(Band::default, |band, (index, pixels)| {
+    bands.for_each_init(FilterBand::default, |band, (index, pixels)| {
         let first = index as u32 * BAND_ROWS;
         let rows = pixels.len() / width as usize;
         on_lanes!(lanes, _simd => {
@@ -49,7 +49,7 @@ pub(crate) fn apply(mask: &Mask, picture: &Image<Rgba8>, linear: bool) -> Image<
 
 /// Values of a band of rows, and of the pixels around them that a mask reads.
 #[derive(Default)]
-struct Band {
+struct FilterBand {
     /// Rows from top to bottom, one after the other, per channel; `stride` values each.
     planes: [Vec<f32>; CHANNELS],
     stride: usize,
@@ -57,7 +57,7 @@ struct Band {
     sums: [Vec<f32>; CHANNELS],
 }
 
-impl Band {
+impl FilterBand {
     /// Reads the values of `rows` and of the pixels around them; pixels beyond the borders repeat the outermost ones.
     #[inline(always)]
     fn read(&mut self, mask: &Mask, picture: &Image<Rgba8>, rows: std::ops::Range<u32>, values: &[f32; 256]) {

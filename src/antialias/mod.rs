@@ -6,12 +6,12 @@ pub(crate) mod fxaa;
 
 pub(crate) mod mask;
 
-pub(crate) mod pattern;
+pub mod pattern;
 
 pub(crate) mod post;
 
 pub(crate) mod resolve;
 
-pub(crate) mod settings;
+pub mod settings;
 
 pub(crate) mod weight;

@@ -6,7 +6,7 @@
 
 /// Pattern of samples in a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Pattern {
+pub enum Pattern {
     /// Centres of `side` × `side` squares.
     Regular {
         /// Number of squares along an axis, at least 1.
@@ -38,7 +38,7 @@ pub(crate) enum Pattern {
 
 impl Pattern {
     /// Greatest level of [`Pattern::Recursive`]: 256 samples.
-    pub(crate) const MOST_LEVELS: u32 = 4;
+    pub(crate) const MAX_LEVELS: u32 = 4;
 
     /// Number of candidate positions of a jittered sample along an axis of its square.
     pub(crate) const JITTER: u32 = 4;
@@ -47,7 +47,7 @@ impl Pattern {
     pub(crate) fn count(self) -> u32 {
         match self {
             Self::Regular { side } | Self::Jittered { side, .. } => side.max(1).pow(2),
-            Self::Recursive { level } => 4_u32.pow(level.min(Self::MOST_LEVELS)),
+            Self::Recursive { level } => 4_u32.pow(level.min(Self::MAX_LEVELS)),
             Self::RotatedGrid => 4,
             Self::LowDiscrepancy { count } => count.max(1),
         }
@@ -66,13 +66,13 @@ impl Pattern {
     /// let rows: Vec<f64> = Pattern::RotatedGrid.offsets(0, 0).iter().map(|[_, y]| *y).collect();
     /// assert_eq!(rows, [0.125, 0.375, 0.625, 0.875]);
     /// ```
-    pub(crate) fn offsets(self, x: u32, y: u32) -> Vec<[f64; 2]> {
+    pub fn offsets(self, x: u32, y: u32) -> Vec<[f64; 2]> {
         match self {
             Self::Regular { side } => grid(side.max(1), |_, _| [0.5; 2]),
-            Self::Recursive { level } => quartered(level.min(Self::MOST_LEVELS)),
+            Self::Recursive { level } => quartered(level.min(Self::MAX_LEVELS)),
             Self::Jittered { side, seed } => {
                 let side = side.max(1);
-                grid(side, |column, row| jittered_place(jitter(x, y, row * side + column, seed)))
+                grid(side, |column, row| jittered_position(jitter(x, y, row * side + column, seed)))
             }
             Self::RotatedGrid => [[0.375, 0.125], [0.875, 0.375], [0.125, 0.625], [0.625, 0.875]].to_vec(),
             Self::LowDiscrepancy { count } => {
@@ -105,14 +105,15 @@ pub(crate) fn jitter_row((columns, y): (&[u32], u32), sample: u32, seed: u32, pl
 }
 
 /// Returns the position of a candidate in its square, in [0, 1)².
-fn jittered_place(place: usize) -> [f64; 2] {
+fn jittered_position(place: usize) -> [f64; 2] {
     let steps = Pattern::JITTER as usize;
     [place % steps, place / steps].map(|step| (step as f64 + 0.5) / steps as f64)
 }
 
 /// Returns the candidate positions that [`jitter`] numbers, for each of `side` × `side` squares.
-pub(crate) fn jittered_places(side: u32) -> Vec<Vec<[f64; 2]>> {
-    let all = (0..(Pattern::JITTER * Pattern::JITTER) as usize).map(|place| grid(side, |_, _| jittered_place(place)));
+pub(crate) fn jittered_positions(side: u32) -> Vec<Vec<[f64; 2]>> {
+    let all =
+        (0..(Pattern::JITTER * Pattern::JITTER) as usize).map(|place| grid(side, |_, _| jittered_position(place)));
     let all: Vec<_> = all.collect();
     (0..(side * side) as usize).map(|square| all.iter().map(|places| places[square]).collect()).collect()
 }
@@ -191,7 +192,7 @@ mod tests {
 
     #[test]
     fn a_quartered_pixel_has_the_places_of_a_regular_grid() {
-        for level in 0..=Pattern::MOST_LEVELS {
+        for level in 0..=Pattern::MAX_LEVELS {
             let sorted = |pattern: Pattern| {
                 let mut offsets = pattern.offsets(0, 0);
                 offsets.sort_by(|a, b| a[1].total_cmp(&b[1]).then(a[0].total_cmp(&b[0])));

@@ -2,7 +2,7 @@
 
 use super::fxaa;
 use super::mask;
-use super::settings::{Filter, PostFilter};
+use super::settings::{PostFilter, PostFilterKind};
 use crate::flat2d::convolve::Mask;
 use crate::image::{Image, Rgba8};
 use crate::pipeline::settings::ColorSpace;
@@ -10,7 +10,7 @@ use crate::pipeline::settings::ColorSpace;
 /// Returns the filtered picture, in `memory` if the filter can reuse it; `None` if there is nothing to do.
 pub(crate) fn apply(filter: &PostFilter, picture: &Image<Rgba8>, memory: Option<Image<Rgba8>>) -> Option<Image<Rgba8>> {
     let linear = filter.light == ColorSpace::Linear;
-    if filter.filter == Filter::Fxaa {
+    if filter.filter == PostFilterKind::Fxaa {
         return Some(fxaa::apply(picture, linear, memory));
     }
     mask_of(filter).map(|mask| mask::apply(&mask, picture, linear))
@@ -19,19 +19,19 @@ pub(crate) fn apply(filter: &PostFilter, picture: &Image<Rgba8>, memory: Option<
 /// Returns the convolution mask of a filter; `None` if the filter is not a convolution.
 pub(crate) fn mask_of(filter: &PostFilter) -> Option<Mask> {
     match filter.filter {
-        Filter::None | Filter::Fxaa => None,
-        Filter::Blur => Some(Mask::blur(filter.strength.round() as usize)),
-        Filter::Gaussian => Some(Mask::gaussian(filter.strength)),
-        Filter::Sharpen => Some(Mask::sharpen(filter.strength)),
-        Filter::Motion => Some(Mask::motion(filter.strength, filter.angle_degrees.to_radians())),
-        Filter::Own => Mask::square(&filter.mask).ok(),
+        PostFilterKind::None | PostFilterKind::Fxaa => None,
+        PostFilterKind::Blur => Some(Mask::blur(filter.strength.round() as usize)),
+        PostFilterKind::Gaussian => Some(Mask::gaussian(filter.strength)),
+        PostFilterKind::Sharpen => Some(Mask::sharpen(filter.strength)),
+        PostFilterKind::Motion => Some(Mask::motion(filter.strength, filter.angle_degrees.to_radians())),
+        PostFilterKind::Custom => Mask::square(&filter.mask).ok(),
     }
 }
 
 /// Returns the distance, in px, up to which a filter reads around a pixel; `None` if there is nothing to do.
 pub(crate) fn reach(filter: &PostFilter) -> Option<u32> {
     match filter.filter {
-        Filter::Fxaa => Some(fxaa::SEARCH_PX),
+        PostFilterKind::Fxaa => Some(fxaa::SEARCH_PX),
         _ => mask_of(filter).map(|mask| mask.reach()),
     }
 }
@@ -39,12 +39,13 @@ pub(crate) fn reach(filter: &PostFilter) -> Option<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::antialias::settings::widened;
+    use crate::antialias::settings::centred_in_5x5;
 
     #[test]
     fn an_own_mask_of_three_rows_stands_in_the_middle() {
         let weights = [0.0, 0.5, 0.0, 0.0, 0.5, 0.0, 0.0, 0.0, 0.0];
-        let filter = PostFilter { filter: Filter::Own, mask: widened(weights), ..PostFilter::default() };
+        let filter =
+            PostFilter { filter: PostFilterKind::Custom, mask: centred_in_5x5(weights), ..PostFilter::default() };
         let picture = Image::from_fn(3, 6, |x, y| [(x * 20 + y * 7) as u8, 0, 0, 255]);
         let expected = mask::apply(&Mask::square(&weights).unwrap(), &picture, true);
         assert_eq!(apply(&filter, &picture, None), Some(expected));

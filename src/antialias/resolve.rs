@@ -161,12 +161,13 @@ fn finished(sum: [f32; 3], samples: u32, light: ColorSpace) -> Rgba8 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::antialias::settings::Samples;
+    use crate::antialias::settings::SampleCount;
     use crate::pipeline::settings::Choice as _;
 
     #[test]
     fn equal_samples_stay_as_they_are() {
-        for (light, samples) in ColorSpace::ALL.iter().flat_map(|light| Samples::ALL.iter().map(move |s| (*light, *s)))
+        for (light, samples) in
+            ColorSpace::ALL.iter().flat_map(|light| SampleCount::ALL.iter().map(move |s| (*light, *s)))
         {
             for code in 0..=255 {
                 let color = [code, 255 - code, 7, 255];

@@ -3,12 +3,12 @@
 use serde::{Deserialize, Serialize};
 
 use super::pattern::Pattern;
-use crate::flat2d::convolve::{BELL_DEVIATIONS, MOST_REACH};
+use crate::flat2d::convolve::{GAUSSIAN_CUTOFF, MAX_REACH};
 use crate::pipeline::settings::{Choice, ColorSpace, choice};
 
 choice! {
     /// Sampling of a drawn pixel.
-    Method {
+    AntialiasMethod {
         None = "none", "None",
             "One sample at the pixel centre: stair-stepping along edges, moiré where a pattern is finer than a pixel.";
         Regular = "regular", "Supersampling, regular",
@@ -35,7 +35,7 @@ choice! {
 
 choice! {
     /// Number of samples per pixel.
-    Samples {
+    SampleCount {
         Four = "4", "4", "2 × 2, or one level of subdivision.";
         Sixteen = "16", "16", "4 × 4, or two levels of subdivision.";
         SixtyFour = "64", "64", "8 × 8, or three levels of subdivision.";
@@ -43,7 +43,7 @@ choice! {
     }
 }
 
-impl Samples {
+impl SampleCount {
     /// Returns the number of times that the pixel is halved along each axis.
     fn level(self) -> u32 {
         match self {
@@ -55,12 +55,12 @@ impl Samples {
     }
 
     /// Returns the number of samples per pixel.
-    pub(crate) fn count(self) -> u32 {
+    pub fn count(self) -> u32 {
         1 << (2 * self.level())
     }
 
     /// Returns the number of squares along an axis.
-    pub(crate) fn side(self) -> u32 {
+    pub fn side(self) -> u32 {
         1 << self.level()
     }
 }
@@ -68,33 +68,33 @@ impl Samples {
 /// Sampling of drawn pixels, and resolve of their samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(default)]
-pub(crate) struct Antialiasing {
+pub struct Antialiasing {
     /// Sample positions, and the work done per sample.
-    pub(crate) method: Method,
+    pub method: AntialiasMethod,
     /// Number of samples; the rotated grid always has four.
-    pub(crate) samples: Samples,
+    pub samples: SampleCount,
     /// Seed of the positions of jittered samples.
-    pub(crate) seed: u32,
+    pub seed: u32,
     /// Colour space in which samples are averaged.
-    pub(crate) light: ColorSpace,
+    pub light: ColorSpace,
 }
 
 impl Default for Antialiasing {
     fn default() -> Self {
-        Self { method: Method::None, samples: Samples::Four, seed: 0, light: ColorSpace::Linear }
+        Self { method: AntialiasMethod::None, samples: SampleCount::Four, seed: 0, light: ColorSpace::Linear }
     }
 }
 
 impl Antialiasing {
     /// Whether each pixel has a single sample, at its centre.
-    pub(crate) fn is_off(self) -> bool {
-        self.method == Method::None
+    pub fn is_off(self) -> bool {
+        self.method == AntialiasMethod::None
     }
 
     /// Whether sample positions differ from pixel to pixel, or shading does not run per sample. Samples are then not
     /// drawn in passes.
     pub(crate) fn is_per_pixel(self) -> bool {
-        matches!(self.method, Method::Jittered | Method::Multisample)
+        matches!(self.method, AntialiasMethod::Jittered | AntialiasMethod::Multisample)
     }
 
     /// Whether the picture is the mean of several passes, each with one sample per pixel.
@@ -106,13 +106,13 @@ impl Antialiasing {
     pub(crate) fn pattern(self) -> Pattern {
         let (side, count) = (self.samples.side(), self.samples.count());
         match self.method {
-            Method::None => Pattern::Regular { side: 1 },
-            Method::Regular => Pattern::Regular { side },
-            Method::Recursive => Pattern::Recursive { level: self.samples.level() },
-            Method::Jittered => Pattern::Jittered { side, seed: self.seed },
-            Method::RotatedGrid => Pattern::RotatedGrid,
-            Method::Multisample if count == Samples::Four.count() => Pattern::RotatedGrid,
-            Method::LowDiscrepancy | Method::Multisample => Pattern::LowDiscrepancy { count },
+            AntialiasMethod::None => Pattern::Regular { side: 1 },
+            AntialiasMethod::Regular => Pattern::Regular { side },
+            AntialiasMethod::Recursive => Pattern::Recursive { level: self.samples.level() },
+            AntialiasMethod::Jittered => Pattern::Jittered { side, seed: self.seed },
+            AntialiasMethod::RotatedGrid => Pattern::RotatedGrid,
+            AntialiasMethod::Multisample if count == SampleCount::Four.count() => Pattern::RotatedGrid,
+            AntialiasMethod::LowDiscrepancy | AntialiasMethod::Multisample => Pattern::LowDiscrepancy { count },
         }
     }
 
@@ -129,7 +129,7 @@ impl Antialiasing {
 
 choice! {
     /// Filter over the finished picture.
-    Filter {
+    PostFilterKind {
         None = "none", "None", "No filter.";
         Fxaa = "fxaa", "Edges (FXAA)",
             "Finds edges by their contrast in luma, follows each to its ends, and blends in the share that a slanted \
@@ -144,19 +144,19 @@ choice! {
             "Adds the difference between a pixel and its four neighbours: crisper, but amplifies stairs and noise too.";
         Motion = "motion", "Motion blur",
             "Mean along a straight line, as if the camera had moved while the shutter was open.";
-        Own = "own", "Custom mask", "Custom 3 × 3 or 5 × 5 weights; sums are clamped.";
+        Custom = "own", "Custom mask", "Custom 3 × 3 or 5 × 5 weights; sums are clamped.";
     }
 }
 
-impl Filter {
+impl PostFilterKind {
     /// Returns the maximum strength: the limit of the largest mask or, for sharpening, of useful values. `None` if the
     /// filter has no strength.
-    pub(crate) fn most_strength(self) -> Option<f32> {
-        let reach = MOST_REACH as f32;
+    pub(crate) fn max_strength(self) -> Option<f32> {
+        let reach = MAX_REACH as f32;
         match self {
-            Self::None | Self::Fxaa | Self::Own => None,
+            Self::None | Self::Fxaa | Self::Custom => None,
             Self::Blur => Some(reach),
-            Self::Gaussian => Some(reach / BELL_DEVIATIONS),
+            Self::Gaussian => Some(reach / GAUSSIAN_CUTOFF),
             Self::Sharpen => Some(5.0),
             Self::Motion => Some(2.0 * reach),
         }
@@ -164,10 +164,10 @@ impl Filter {
 }
 
 /// Weights of a custom mask: five rows of five.
-pub(crate) type Weights = [f32; 25];
+pub(crate) type MaskWeights = [f32; 25];
 
 /// Mask that changes nothing.
-const UNIT: Weights = {
+const UNIT: MaskWeights = {
     let mut weights = [0.0; 25];
     weights[12] = 1.0;
     weights
@@ -176,28 +176,28 @@ const UNIT: Weights = {
 /// Post filter: filter over the finished picture.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub(crate) struct PostFilter {
+pub struct PostFilter {
     /// Kind of filter.
-    pub(crate) filter: Filter,
+    pub filter: PostFilterKind,
     /// Strength of the filter: px from the centre to the edge of a blur, standard deviation in px of a Gaussian blur,
     /// amount of sharpening, or length in px of a motion blur. At most [`Filter::most_strength`].
-    pub(crate) strength: f32,
+    pub strength: f32,
     /// Direction of a motion blur, in degrees from right towards down.
     pub(crate) angle_degrees: f32,
     /// Weights of a custom mask, row by row; a 3 × 3 mask is centred.
-    pub(crate) mask: Weights,
+    pub(crate) mask: MaskWeights,
     /// Colour space in which the filter works. FXAA always finds edges in sRGB codes.
     pub(crate) light: ColorSpace,
 }
 
 impl Default for PostFilter {
     fn default() -> Self {
-        Self { filter: Filter::None, strength: 1.0, angle_degrees: 0.0, mask: UNIT, light: ColorSpace::Linear }
+        Self { filter: PostFilterKind::None, strength: 1.0, angle_degrees: 0.0, mask: UNIT, light: ColorSpace::Linear }
     }
 }
 
 /// Returns nine weights, three rows of three, centred in five rows of five.
-pub(crate) fn widened(weights: [f32; 9]) -> Weights {
+pub(crate) fn centred_in_5x5(weights: [f32; 9]) -> MaskWeights {
     let mut wide = [0.0; 25];
     for (index, weight) in weights.into_iter().enumerate() {
         wide[(index / 3 + 1) * 5 + index % 3 + 1] = weight;
@@ -208,19 +208,19 @@ pub(crate) fn widened(weights: [f32; 9]) -> Weights {
 impl PostFilter {
     /// Whether the filter changes nothing.
     pub(crate) fn is_off(&self) -> bool {
-        self.filter == Filter::None
+        self.filter == PostFilterKind::None
     }
 
     /// Returns the settings with another filter and the strength clamped to that filter's range.
-    pub(crate) fn with_filter(self, filter: Filter) -> Self {
-        let strength = filter.most_strength().map_or(self.strength, |most| self.strength.clamp(0.0, most));
+    pub(crate) fn with_filter(self, filter: PostFilterKind) -> Self {
+        let strength = filter.max_strength().map_or(self.strength, |most| self.strength.clamp(0.0, most));
         Self { filter, strength, ..self }
     }
 
     /// Returns an error if a number is out of range or not finite.
     pub(crate) fn check(&self) -> Result<(), String> {
         let Self { filter, strength, .. } = self;
-        if let Some(most) = filter.most_strength().filter(|most| !(0.0..=*most).contains(strength)) {
+        if let Some(most) = filter.max_strength().filter(|most| !(0.0..=*most).contains(strength)) {
             return Err(format!("the strength of the filter `{}` must lie in 0…{most}, not {strength}", filter.id()));
         }
         if !strength.is_finite()

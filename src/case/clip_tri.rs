@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Check, Control, Covered, Exactly, Float, Options, Unanswered, check_length, check_picture};
+use super::{Check, Control, Exactly, Float, Options, TriangleSpans, Unanswered, check_length, check_picture};
 use crate::pipeline::depth::depth_at;
 use crate::pipeline::from_clip_space;
-use crate::pipeline::interpolate::{Attributes, interpolate};
+use crate::pipeline::interpolate::{AttributeSelection, interpolate};
 use crate::pipeline::raster::{AnyTriangle, Span, cover_in_bands};
 use crate::pipeline::settings::{FillRule, Interpolation};
 use crate::pipeline::vertex::ClipVertex;
@@ -15,9 +15,9 @@ use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct ClipTri {
     /// Width of the picture, px.
-    pub(crate) width: u32,
+    pub width: u32,
     /// Height of the picture, px.
-    pub(crate) height: u32,
+    pub height: u32,
     /// Corners as [x, y, z, w], of either winding. A triangle with a non-finite corner is discarded.
     pub(crate) triangles: Vec<Exactly<Exactly<Float, 4>, 3>>,
 }
@@ -48,7 +48,7 @@ impl ClipTri {
     }
 
     /// Rasterizes one triangle and passes the spans of each clipped piece to `take`, in bands of rows from the top.
-    pub(crate) fn cover(
+    pub(crate) fn rasterize(
         &self,
         triangle: usize,
         options: Options,
@@ -68,20 +68,21 @@ impl ClipTri {
         let mut listed = 0;
         for number in 0..count {
             // The samples of the whole triangle are counted against the limit before any of them is stored.
-            self.cover(number, options, |_, spans| {
+            self.rasterize(number, options, |_, spans| {
                 listed += spans.iter().map(|span| u64::from(span.right - span.left)).sum::<u64>();
                 check_length::<ClipSample>("samples", listed)?;
                 control.check()
             })?;
             let before = answer.attr.len() as f64;
             let of = (listed as f64 - before).max(1.0);
-            let mut covered = Covered::default();
-            self.cover(number, options, |piece, spans| {
+            let mut covered = TriangleSpans::default();
+            self.rasterize(number, options, |piece, spans| {
                 let edges = AnyTriangle::new(options.arithmetic, piece.corners_px(), FillRule::TopLeft);
                 for span in spans {
                     let samples = pixels(*span).filter_map(|pixel| Some(edges?.sample(pixel)));
                     answer.attr.extend(samples.map(|sample| {
-                        let p = interpolate(piece, sample, Attributes::all(Interpolation::Perspective)).source_weights;
+                        let p = interpolate(piece, sample, AttributeSelection::all(Interpolation::Perspective))
+                            .source_weights;
                         let z = depth_at(piece, &sample);
                         (number, sample.x, sample.y, p.x.into(), p.y.into(), p.z.into(), z.into())
                     }));
@@ -108,7 +109,7 @@ pub(crate) type ClipSample = (usize, u32, u32, f64, f64, f64, f64);
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ClipTriAnswer {
     /// Coverage of each triangle, in input order.
-    pub triangles: Vec<Covered>,
+    pub triangles: Vec<TriangleSpans>,
     /// Attributes of each covered sample.
     pub attr: Vec<ClipSample>,
 }

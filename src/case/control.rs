@@ -11,15 +11,15 @@ use super::{Refusal, Unanswered};
 pub(crate) const MAX_ANSWER_BYTES: u64 = 192 << 20;
 
 /// Returns the maximum number of entries of type `T` in an answer.
-const fn most<T>() -> u64 {
+const fn max_entries<T>() -> u64 {
     MAX_ANSWER_BYTES / size_of::<T>() as u64
 }
 
 /// Returns a refusal if an answer has more entries of type `T` than fit into [`MAX_ANSWER_BYTES`]. The message inserts
 /// `entries` into “more than 5 …”.
 pub(super) fn check_length<T>(entries: &str, count: u64) -> Result<(), Refusal> {
-    if count > most::<T>() {
-        return Err(Refusal(format!("the answer has more than {} {entries}, the limit", most::<T>())));
+    if count > max_entries::<T>() {
+        return Err(Refusal(format!("the answer has more than {} {entries}, the limit", max_entries::<T>())));
     }
     Ok(())
 }

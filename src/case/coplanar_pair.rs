@@ -3,16 +3,16 @@
 use serde::{Deserialize, Serialize};
 
 use super::tri_attr::{TriangleSamples, check_pixels, check_vertices};
-use super::{Check, Control, Exactly, SampleAttributes, Unanswered, Vertex, check_length};
+use super::{AttributeVertex, Check, Control, Exactly, SampleAttributes, Unanswered, check_length};
 use crate::pipeline::settings::Arithmetic;
 
 /// Case of kind `coplanar_pair`: two coplanar triangles.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct CoplanarPair {
     /// Corners of the first triangle.
-    pub(crate) first: Exactly<Vertex, 3>,
+    pub(crate) first: Exactly<AttributeVertex, 3>,
     /// Corners of the second triangle.
-    pub(crate) second: Exactly<Vertex, 3>,
+    pub(crate) second: Exactly<AttributeVertex, 3>,
     /// Column and row of each pixel to evaluate.
     pub(crate) eval: Vec<Exactly<i64, 2>>,
 }

@@ -9,9 +9,9 @@ use crate::flat2d::distance_line::distance_line;
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct DistanceLine {
     /// Width of the picture, px.
-    pub(crate) width: u32,
+    pub width: u32,
     /// Height of the picture, px.
-    pub(crate) height: u32,
+    pub height: u32,
     /// First end, px.
     pub(crate) p0: Point,
     /// Second end, px.

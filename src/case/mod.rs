@@ -28,17 +28,13 @@ mod upscale;
 
 pub(crate) use circle::Circle;
 pub(crate) use circle::CircleAnswer;
-pub(crate) use clip_tri::ClipSample;
 pub(crate) use clip_tri::ClipTri;
 pub(crate) use clip_tri::ClipTriAnswer;
 pub use control::Control;
-pub(crate) use control::MAX_ANSWER_BYTES;
 pub(crate) use coplanar_pair::CoplanarPair;
 pub(crate) use coplanar_pair::CoplanarPairAnswer;
 pub(crate) use depth::Depth;
 pub(crate) use depth::DepthAnswer;
-pub(crate) use depth::DepthFormat;
-pub(crate) use depth::Mapping;
 pub(crate) use distance_line::DistanceLine;
 pub(crate) use distance_line::DistanceLineAnswer;
 pub(crate) use ellipse::Ellipse;
@@ -53,25 +49,21 @@ pub(crate) use line::LineAnswer;
 pub(crate) use minimal::MinimalCase;
 pub(crate) use poly_fill::PolyFill;
 pub(crate) use poly_fill::PolyFillAnswer;
-pub(crate) use poly_fill::PolygonRule;
 pub(crate) use real_line::RealLine;
 pub(crate) use real_line::RealLineAnswer;
-pub(crate) use region_fill::FillMode;
 pub(crate) use region_fill::RegionFill;
 pub(crate) use region_fill::RegionFillAnswer;
 pub(crate) use texture::Texture;
-pub(crate) use texture::TextureAddress;
 pub(crate) use texture::TextureAnswer;
-pub(crate) use texture::TextureFilter;
 pub(crate) use tri_area::TriArea;
 pub(crate) use tri_area::TriAreaAnswer;
+pub(crate) use tri_attr::AttributeVertex;
 pub(crate) use tri_attr::SampleAttributes;
 pub(crate) use tri_attr::TriAttr;
 pub(crate) use tri_attr::TriAttrAnswer;
-pub(crate) use tri_attr::Vertex;
-pub(crate) use tri_coverage::Covered;
 pub(crate) use tri_coverage::TriCoverage;
 pub(crate) use tri_coverage::TriCoverageAnswer;
+pub(crate) use tri_coverage::TriangleSpans;
 pub(crate) use upscale::Upscale;
 pub(crate) use upscale::UpscaleAnswer;
 
@@ -92,7 +84,7 @@ pub struct Case {
     /// Identifier, valid as a file name.
     pub id: String,
     /// Input of the algorithm.
-    pub(crate) task: Task,
+    pub task: Task,
 }
 
 impl Case {
@@ -103,7 +95,7 @@ impl Case {
     }
 
     /// Parses a case from JSON text. Error messages name `path`.
-    pub(crate) fn parse(json: &[u8], path: &Path) -> Result<Self, CaseError> {
+    pub fn parse(json: &[u8], path: &Path) -> Result<Self, CaseError> {
         file::parse(json, path)
     }
 }
@@ -112,10 +104,10 @@ impl Case {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options {
     /// Rasterizer that finds the samples inside a triangle.
-    pub(crate) rasterizer: Rasterizer,
+    pub rasterizer: Rasterizer,
     /// Arithmetic that decides coverage. Polygons are always filled exactly: with snapped corners in fixed point, and
     /// with the given corners otherwise.
-    pub(crate) arithmetic: Arithmetic,
+    pub arithmetic: Arithmetic,
 }
 
 impl Options {
@@ -139,11 +131,11 @@ impl Default for Options {
 /// Reason why a valid case is not answered, in one sentence.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{0}")]
-pub(crate) struct Refusal(pub(crate) String);
+pub struct Refusal(pub(crate) String);
 
 /// Reason why a case has no answer.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub(crate) enum Unanswered {
+pub enum Unanswered {
     /// The program does not support the request.
     #[error(transparent)]
     Refused(#[from] Refusal),
@@ -248,7 +240,7 @@ pub enum Answer {
 /// assert_eq!(line.pixels, [(0, 0), (1, 1), (2, 2)]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub(crate) fn answer(case: &Case, options: Options, control: &Control<'_>) -> Result<Answer, Unanswered> {
+pub fn answer(case: &Case, options: Options, control: &Control<'_>) -> Result<Answer, Unanswered> {
     Ok(match &case.task {
         Task::TriCoverage(task) => Answer::TriCoverage(task.answer(options, control)?),
         Task::TriAttr(task) => Answer::TriAttr(task.answer(options.arithmetic, control)?),
@@ -275,13 +267,13 @@ pub struct CaseResult {
     pub id: String,
     /// Answer or refusal.
     #[serde(flatten)]
-    pub outcome: Outcome,
+    pub outcome: CaseOutcome,
 }
 
 /// An answer, or the reason for its absence.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
-pub enum Outcome {
+pub enum CaseOutcome {
     /// The case was answered.
     Answered(Answer),
     /// The request is not supported.
@@ -294,8 +286,8 @@ pub enum Outcome {
 /// Evaluates a case and returns the content of its result file; `None` if it was cancelled.
 pub fn solve(case: &Case, options: Options, control: &Control<'_>) -> Option<CaseResult> {
     let outcome = match answer(case, options, control) {
-        Ok(answer) => Outcome::Answered(answer),
-        Err(Unanswered::Refused(refusal)) => Outcome::Refused { error: refusal.to_string() },
+        Ok(answer) => CaseOutcome::Answered(answer),
+        Err(Unanswered::Refused(refusal)) => CaseOutcome::Refused { error: refusal.to_string() },
         Err(Unanswered::Cancelled) => return None,
     };
     Some(CaseResult { id: case.id.clone(), outcome })

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Check, Control, Options, Point, Real, Unanswered, check_length, check_picture};
-use crate::flat2d::polygon::{Corners, Filling, InsideRule, SamplePoint, fill};
+use crate::flat2d::polygon::{Corners, FillParameters, InsideRule, SamplePoint, fill};
 
 /// Maximum number of corners of a polygon. An empty contour counts as one corner.
 const MAX_CORNERS: usize = 1 << 20;
@@ -12,9 +12,9 @@ const MAX_CORNERS: usize = 1 << 20;
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct PolyFill {
     /// Width of the picture, px.
-    pub(crate) width: u32,
+    pub width: u32,
     /// Height of the picture, px.
-    pub(crate) height: u32,
+    pub height: u32,
     /// Rule that decides which points are inside.
     pub(crate) rule: PolygonRule,
     /// Sample position on both axes, px: 0.5 at pixel centres, 0 at integer coordinates.
@@ -75,7 +75,7 @@ impl PolyFill {
         };
         let sample = self.sample_point().unwrap_or(SamplePoint::Center);
         let contours: Vec<Vec<_>> = self.contours.iter().map(|c| c.iter().map(|point| point.0).collect()).collect();
-        let filling = Filling { rule, corners, sample, width: self.width, height: self.height };
+        let filling = FillParameters { rule, corners, sample, width: self.width, height: self.height };
         let mut walk = fill(&contours, filling);
         let mut spans = Vec::new();
         // The cost of a row is the number of edges that cross it, up to a million.

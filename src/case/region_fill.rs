@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Check, Control, Exactly, Unanswered, json};
-use crate::flat2d::seed_fill::{Connectivity, Region, seed_fill};
+use crate::flat2d::seed_fill::{Connectivity, FillCriterion, seed_fill};
 use crate::image::Image;
 
 /// Case of kind `region_fill`: a grid of colours and a seed pixel.
@@ -55,8 +55,8 @@ impl RegionFill {
     pub(super) fn answer(&self, control: &Control<'_>) -> Result<RegionFillAnswer, Unanswered> {
         let Exactly([x, y]) = self.seed;
         let region = match (self.mode, self.boundary) {
-            (FillMode::Boundary, Some(boundary)) => Region::Boundary(boundary),
-            _ => Region::Flood,
+            (FillMode::Boundary, Some(boundary)) => FillCriterion::Boundary(boundary),
+            _ => FillCriterion::Flood,
         };
         let connectivity = if self.connectivity == 8 { Connectivity::Eight } else { Connectivity::Four };
         let mut grid = self.grid.clone();

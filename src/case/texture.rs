@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::{Check, Control, Point, Real, Refusal, Unanswered, json};
 use crate::image::{Image, Rgba8};
 use crate::pipeline::sample::Sampler;
-use crate::pipeline::settings::{Address, ColorSpace, Filter};
+use crate::pipeline::settings::{AddressMode, ColorSpace, TexelFilter};
 
 /// Case of kind `texture`: a texture and the coordinates to sample.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -48,12 +48,12 @@ impl Texture {
     pub(super) fn answer(&self, control: &Control<'_>) -> Result<TextureAnswer, Unanswered> {
         let texture = codes(&self.texels)?;
         let filter = match self.filter {
-            TextureFilter::Point => Filter::Point,
-            TextureFilter::Bilinear => Filter::Bilinear,
+            TextureFilter::Point => TexelFilter::Point,
+            TextureFilter::Bilinear => TexelFilter::Bilinear,
         };
         let address = match self.address {
-            TextureAddress::Clamp => Address::Clamp,
-            TextureAddress::Wrap => Address::Repeat,
+            TextureAddress::Clamp => AddressMode::Clamp,
+            TextureAddress::Wrap => AddressMode::Repeat,
         };
         let sampler = Sampler::new(filter, address, ColorSpace::Bytes);
         let read = |uv: DVec2| f64::from(sampler.sample(&texture, uv.as_vec2()).x) * f64::from(u8::MAX);

@@ -12,9 +12,9 @@ use crate::pipeline::viewport::Viewport;
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct TriArea {
     /// Width of the picture, px.
-    pub(crate) width: u32,
+    pub width: u32,
     /// Height of the picture, px.
-    pub(crate) height: u32,
+    pub height: u32,
     /// Corners in px, of either winding.
     pub(crate) triangle: Exactly<Point, 3>,
 }

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use super::{Check, Control, Exactly, Float, Refusal, Unanswered, check_length};
 use crate::pipeline::depth::{DepthScale, depth_at};
-use crate::pipeline::interpolate::{Attributes, affine_weights, interpolate};
-use crate::pipeline::raster::{AnyTriangle, Sample};
+use crate::pipeline::interpolate::{AttributeSelection, affine_weights, interpolate};
+use crate::pipeline::raster::{AnyTriangle, RasterSample};
 use crate::pipeline::settings::{Arithmetic, FillRule, Interpolation};
 use crate::pipeline::vertex::Varyings;
 use crate::pipeline::viewport::{MAX_SIDE_PX, ScreenTriangle, ScreenVertex};
@@ -16,14 +16,14 @@ use crate::scene::TriangleId;
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct TriAttr {
     /// Corners of the triangle.
-    pub(crate) vertices: Exactly<Vertex, 3>,
+    pub(crate) vertices: Exactly<AttributeVertex, 3>,
     /// Column and row of each pixel to evaluate.
     pub(crate) eval: Vec<Exactly<i64, 2>>,
 }
 
 /// Corner of a triangle in screen space.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-pub(crate) struct Vertex {
+pub(crate) struct AttributeVertex {
     /// Horizontal position, px.
     pub(crate) x: Float,
     /// Vertical position, px, down.
@@ -46,7 +46,7 @@ impl Check for TriAttr {
 }
 
 /// Checks that the corners have screen positions: every w is positive and finite.
-pub(super) fn check_vertices(vertices: &Exactly<Vertex, 3>) -> Result<(), String> {
+pub(super) fn check_vertices(vertices: &Exactly<AttributeVertex, 3>) -> Result<(), String> {
     if vertices.0.iter().any(|v| !(v.w.0 > 0.0 && v.w.0.is_finite())) {
         return Err("`w` must be positive and finite: other corners have no position on the screen".to_owned());
     }
@@ -84,8 +84,8 @@ pub(super) struct TriangleSamples {
 
 impl TriangleSamples {
     /// Sets up a triangle. Refuses a triangle of zero area.
-    pub(super) fn new(vertices: &Exactly<Vertex, 3>, arithmetic: Arithmetic) -> Result<Self, Refusal> {
-        let vertices = vertices.0.map(Vertex::on_screen);
+    pub(super) fn new(vertices: &Exactly<AttributeVertex, 3>, arithmetic: Arithmetic) -> Result<Self, Refusal> {
+        let vertices = vertices.0.map(AttributeVertex::on_screen);
         let corners_px = vertices.map(|v| v.position_px);
         let in_arithmetic = |arithmetic| AnyTriangle::new(arithmetic, corners_px, FillRule::TopLeft);
         let snapped = in_arithmetic(arithmetic);
@@ -101,7 +101,7 @@ impl TriangleSamples {
     pub(super) fn at(&self, Exactly([x, y]): Exactly<i64, 2>) -> Option<SampleAttributes> {
         let pixel = (u32::try_from(x).ok()?, u32::try_from(y).ok()?);
         let sample = self.edges.sample(pixel);
-        let fragment = interpolate(&self.triangle, sample, Attributes::all(Interpolation::Perspective));
+        let fragment = interpolate(&self.triangle, sample, AttributeSelection::all(Interpolation::Perspective));
         Some(SampleAttributes {
             pixel: [x, y],
             affine_weights: affine_weights(&self.triangle, &sample).map(f64::from),
@@ -113,7 +113,7 @@ impl TriangleSamples {
 }
 
 /// Returns the pipeline's depth inside a triangle and the plane's depth outside, where the pipeline would clamp it.
-fn depth(triangle: &ScreenTriangle, sample: &Sample) -> f64 {
+fn depth(triangle: &ScreenTriangle, sample: &RasterSample) -> f64 {
     if sample.edges.iter().all(|edge| *edge >= 0.0) {
         return depth_at(triangle, sample).into();
     }
@@ -121,7 +121,7 @@ fn depth(triangle: &ScreenTriangle, sample: &Sample) -> f64 {
     weighted.sum::<f64>() / triangle.doubled_area
 }
 
-impl Vertex {
+impl AttributeVertex {
     fn on_screen(self) -> ScreenVertex {
         let [x, y, z, w, u, v] = [self.x, self.y, self.z, self.w, self.u, self.v].map(|number| number.0);
         let varyings = Varyings { uv: Vec2::new(u, v), ..Varyings::default() };
@@ -167,8 +167,14 @@ mod tests {
 
     #[test]
     fn weights_are_those_of_the_corners_beyond_the_reach_of_fixed_point_too() {
-        let vertex =
-            |x, y| Vertex { x: Float(x), y: Float(y), z: Float(0.5), w: Float(1.0), u: Float(0.0), v: Float(0.0) };
+        let vertex = |x, y| AttributeVertex {
+            x: Float(x),
+            y: Float(y),
+            z: Float(0.5),
+            w: Float(1.0),
+            u: Float(0.0),
+            v: Float(0.0),
+        };
         // The triangle is so large that the pixel lies practically at its centre.
         let vertices = Exactly([vertex(-1e30, -1e30), vertex(1e30, -1e30), vertex(0.0, 2e30)]);
         let case = TriAttr { vertices, eval: vec![Exactly([3, 4])] };
@@ -186,7 +192,7 @@ mod tests {
     fn case(corners: [[f32; 4]; 3], eval: &[[i64; 2]]) -> TriAttr {
         let vertex = |[x, y, z, w]: [f32; 4]| {
             let [x, y, z, w, u, v] = [x, y, z, w, 0.0, 0.0].map(Float);
-            Vertex { x, y, z, w, u, v }
+            AttributeVertex { x, y, z, w, u, v }
         };
         TriAttr { vertices: Exactly(corners.map(vertex)), eval: eval.iter().map(|pixel| Exactly(*pixel)).collect() }
     }

@@ -12,9 +12,9 @@ use crate::pipeline::viewport::Viewport;
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct TriCoverage {
     /// Width of the picture, px.
-    pub(crate) width: u32,
+    pub width: u32,
     /// Height of the picture, px.
-    pub(crate) height: u32,
+    pub height: u32,
     /// Fill rule: decides ownership of samples on an edge.
     #[serde(with = "rule")]
     pub(crate) rule: FillRule,
@@ -42,7 +42,7 @@ impl TriCoverage {
 
     /// Rasterizes one triangle in bands of rows from the top. `take` receives the spans of each band and the first row
     /// below it.
-    pub(crate) fn cover(
+    pub(crate) fn rasterize(
         &self,
         triangle: usize,
         options: Options,
@@ -57,8 +57,8 @@ impl TriCoverage {
         check_length::<[u32; 3]>("rows of triangles", corners.map(|corners| self.rows_around(corners)).sum())?;
         let (mut listed, mut triangles) = (0, Vec::with_capacity(self.triangles.len()));
         for number in 0..self.triangles.len() {
-            let mut covered = Covered::default();
-            self.cover(number, options, |spans, row| {
+            let mut covered = TriangleSpans::default();
+            self.rasterize(number, options, |spans, row| {
                 listed += spans.len() as u64;
                 check_length::<[u32; 3]>("spans", listed)?;
                 covered.add(spans);
@@ -85,17 +85,17 @@ pub struct TriCoverageAnswer {
     /// Fraction bits of the grid to which corners were snapped; `None` if they were used as given.
     pub snap_bits: Option<u32>,
     /// Coverage of each triangle, in input order.
-    pub triangles: Vec<Covered>,
+    pub triangles: Vec<TriangleSpans>,
 }
 
 /// Coverage of one triangle.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Covered {
+pub struct TriangleSpans {
     /// Runs of covered samples, each as [row, first column, one past the last column].
     pub spans: Vec<[u32; 3]>,
 }
 
-impl Covered {
+impl TriangleSpans {
     /// Appends the spans of a rasterizer.
     pub(super) fn add(&mut self, spans: &[Span]) {
         self.spans.extend(spans.iter().map(|span| [span.row, span.left, span.right]));

@@ -6,7 +6,7 @@ use super::texture::codes;
 use super::{Check, Control, Real, Refusal, Unanswered, check_length, check_picture, json};
 use crate::image::{Image, Rgba8};
 use crate::text;
-use crate::upscale::{Anchor, Drawn, Scale, Upscaling};
+use crate::upscale::{Anchor, Scale, UpscaleInputs, Upscaling};
 
 /// Case of kind `upscale`: a picture and an upscaling method.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -52,7 +52,7 @@ impl Upscale {
         if self.kernel == "nearest" && self.phase == "corner" {
             return nearest_at_corner(how.scale(), &drawn, (width, height), control);
         }
-        let full = how.upscale(&Drawn::from(&drawn), width, height);
+        let full = how.upscale(&UpscaleInputs::from(&drawn), width, height);
         let codes = |y: u32| full.row(y).iter().map(|pixel| pixel[0]).collect();
         let mut values = Vec::with_capacity(height as usize);
         for y in 0..height {
@@ -111,7 +111,7 @@ fn nearest_at_corner(
 /// Returns the weighted sum of codes at a pixel, neither rounded nor clamped.
 fn weighted(how: Upscaling, drawn: &Image<Rgba8>, size: (u32, u32), at: (u32, u32)) -> f64 {
     let grid = how.grid();
-    let taps = how.upscaler().taps(how, &Drawn::from(drawn), size, at);
+    let taps = how.upscaler().taps(how, &UpscaleInputs::from(drawn), size, at);
     let samples = taps.iter().filter_map(|tap| Some((tap.weight, grid.sample_at(tap.x, tap.y)?)));
     samples.map(|(weight, (column, row))| f64::from(weight) * f64::from(drawn.at(column, row)[0])).sum()
 }

@@ -8,7 +8,7 @@ use crate::image::{Image, Rgba8};
 use crate::pipeline::triangle_list::TriangleList;
 use crate::pipeline::viewport::Viewport;
 use crate::pipeline::wireframe;
-use crate::upscale::Drawn;
+use crate::upscale::UpscaleInputs;
 
 /// Full picture before post filter and wireframe; never held twice.
 #[derive(Clone, Debug)]
@@ -26,7 +26,7 @@ pub(super) enum Unfiltered {
 pub(super) struct Finished {
     pub(super) picture: Option<Image<Rgba8>>,
     pub(super) unfiltered: Unfiltered,
-    pub(super) memory: Option<Image<[f32; 4]>>,
+    pub(super) history: Option<Image<[f32; 4]>>,
     /// Time of the post filter and of the wireframe.
     pub(super) post: Duration,
 }
@@ -35,13 +35,13 @@ pub(super) struct Finished {
 #[derive(Debug, Default)]
 pub(super) struct Spare {
     pub(super) full: Option<Image<Rgba8>>,
-    pub(super) memory: Option<Image<[f32; 4]>>,
+    pub(super) history: Option<Image<[f32; 4]>>,
 }
 
 /// Computes the full picture from the drawn one, reusing spare buffers.
 pub(super) fn finish<'a>(
     recipe: &Recipe,
-    drawn: &Drawn<'_>,
+    drawn: &UpscaleInputs<'_>,
     viewport: Viewport,
     mut spare: Spare,
     triangles: impl Fn() -> &'a TriangleList,
@@ -52,18 +52,18 @@ pub(super) fn finish<'a>(
     } else {
         let mut full = Image::reusing(spare.full.take(), width, height, [0; 4]);
         let upscaler = recipe.upscaler.upscaler();
-        let memory = upscaler.upscale_and_remember(recipe.upscaler, drawn, &mut full, spare.memory);
+        let memory = upscaler.upscale_with_history(recipe.upscaler, drawn, &mut full, spare.history);
         (Some(full), memory)
     };
     let upscaled_at = Instant::now();
     let filtered = post::apply(&recipe.post, upscaled.as_ref().unwrap_or(drawn.color), spare.full);
     if filtered.is_none() && !recipe.wireframe {
-        return Finished { picture: upscaled, unfiltered: Unfiltered::Finished, memory, post: Duration::ZERO };
+        return Finished { picture: upscaled, unfiltered: Unfiltered::Finished, history: memory, post: Duration::ZERO };
     }
     let mut picture = filtered.unwrap_or_else(|| upscaled.as_ref().unwrap_or(drawn.color).clone());
     if recipe.wireframe {
         wireframe::overlay(triangles(), &mut picture);
     }
     let unfiltered = upscaled.map_or(Unfiltered::Drawn, Unfiltered::Kept);
-    Finished { picture: Some(picture), unfiltered, memory, post: upscaled_at.elapsed() }
+    Finished { picture: Some(picture), unfiltered, history: memory, post: upscaled_at.elapsed() }
 }

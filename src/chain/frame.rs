@@ -8,7 +8,7 @@ use std::time::Duration;
 use super::Recipe;
 use super::finish::{Finished, Spare, Unfiltered, finish};
 use super::run::redraw;
-use super::view::{camera_of, sampling_after, seen};
+use super::view::{frame_inputs, raster_camera, sampling_after};
 use crate::antialias::settings::Antialiasing;
 use crate::image::{Image, Rgba8};
 use crate::pipeline::depth::DepthScale;
@@ -18,13 +18,13 @@ use crate::pipeline::settings::Execution;
 use crate::pipeline::tiled::TiledReport;
 use crate::pipeline::triangle_list::TriangleList;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
-use crate::pipeline::{Geometry, Until};
+use crate::pipeline::{Geometry, LastStage};
 use crate::scene::{Camera, Scene};
-use crate::upscale::{Drawn, History, Sampling, Surfaces};
+use crate::upscale::{GBuffer, History, Sampling, UpscaleInputs};
 
 /// Wall-clock time of each part of a frame.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct FrameTimes {
+pub struct FrameTimes {
     /// Geometry stages, from plan to cull, of all passes.
     pub(crate) geometry: Duration,
     /// Pixel stages, from rasterize to shade, of all passes. Includes averaging if samples differ from pixel to pixel.
@@ -38,7 +38,7 @@ pub(crate) struct FrameTimes {
     /// Post filter and wireframe.
     pub(crate) post: Duration,
     /// Time from the plan to the finished picture.
-    pub(crate) total: Duration,
+    pub total: Duration,
 }
 
 /// Finished frame with the data that it was made from.
@@ -49,17 +49,17 @@ pub struct Frame {
     /// Full picture before post filter and wireframe.
     pub(super) unfiltered: Unfiltered,
     /// History of the upscaler, until it moves into a [`History`].
-    pub(super) memory: Option<Image<[f32; 4]>>,
+    pub(super) upscaler_history: Option<Image<[f32; 4]>>,
     /// Drawn samples: colours, averaged if a pixel has several, and depths of the pixel centres.
     pub drawn: Framebuffer,
     /// Anti-aliasing of the drawn pixels.
-    pub(crate) antialias: Antialiasing,
+    pub antialias: Antialiasing,
     /// Camera of the view.
     pub(crate) camera: Camera,
     /// Surface of every pixel; `None` unless the upscaler reads it and depths are kept.
-    pub(crate) surfaces: Option<Arc<Surfaces>>,
+    pub(crate) gbuffer: Option<Arc<GBuffer>>,
     /// Preceding frame; `None` unless the upscaler reads it and there is one.
-    pub(crate) past: Option<Arc<History>>,
+    pub(crate) history: Option<Arc<History>>,
     /// Rasterized triangles.
     pub geometry: LazyGeometry,
     /// One plan per instance.
@@ -74,11 +74,11 @@ pub struct Frame {
     /// Triangles of the full picture, if the wireframe needs them and `geometry` belongs to a smaller picture.
     pub(super) outlines: Option<TriangleList>,
     /// Execution that drew the frame.
-    pub(crate) execution: Execution,
+    pub execution: Execution,
     /// Wall-clock times of its parts.
-    pub(crate) times: FrameTimes,
+    pub times: FrameTimes,
     /// Counts and times of the tiled execution; `None` for the classic one.
-    pub(crate) tiled: Option<TiledReport>,
+    pub tiled: Option<TiledReport>,
 }
 
 impl Frame {
@@ -97,45 +97,46 @@ impl Frame {
     }
 
     /// Returns `color` as the drawn colours, with all other inputs of the upscaler.
-    pub(crate) fn as_drawn<'a>(&'a self, color: &'a Image<Rgba8>) -> Drawn<'a> {
-        Drawn { color, seen: seen(self.surfaces.as_deref(), &self.camera, self.past.as_deref()) }
+    pub(crate) fn as_drawn<'a>(&'a self, color: &'a Image<Rgba8>) -> UpscaleInputs<'a> {
+        UpscaleInputs { color, frame: frame_inputs(self.gbuffer.as_deref(), &self.camera, self.history.as_deref()) }
     }
 
     /// Whether the next frame of the same view may be better, because the upscaler's history has not converged yet.
-    pub(crate) fn wants_another(&self, recipe: &Recipe) -> bool {
-        let before = self.past.as_ref().filter(|past| past.camera == self.camera).map_or(0, |past| past.still);
-        self.surfaces.is_some() && before + 1 < recipe.upscaler.upscaler().settles_after(recipe.upscaler)
+    pub fn is_converging(&self, recipe: &Recipe) -> bool {
+        let before =
+            self.history.as_ref().filter(|past| past.camera == self.camera).map_or(0, |past| past.still_frames);
+        self.gbuffer.is_some() && before + 1 < recipe.upscaler.upscaler().converges_after(recipe.upscaler)
     }
 
     /// Takes the frame apart into buffers for reuse: the drawn samples, the full picture if it is separate, and the
     /// preceding frame unless it is still referenced elsewhere.
-    pub(super) fn into_memory(self) -> (Framebuffer, Option<Image<Rgba8>>, Option<History>) {
+    pub(super) fn into_buffers(self) -> (Framebuffer, Option<Image<Rgba8>>, Option<History>) {
         let full = match self.unfiltered {
             Unfiltered::Kept(picture) => Some(picture),
             Unfiltered::Finished | Unfiltered::Drawn => self.finished,
         };
-        (self.drawn, full, self.past.and_then(Arc::into_inner))
+        (self.drawn, full, self.history.and_then(Arc::into_inner))
     }
 
     /// Returns what the next frame may read of this one, in a spare buffer; `None` unless the upscaler reads the past.
     /// Must be called once only.
-    pub(super) fn history(&mut self, recipe: &Recipe, spare: Option<Image<Rgba8>>) -> Option<History> {
-        let surfaces = self.surfaces.clone().filter(|_| recipe.upscaler.upscaler().reads().past)?;
-        let memory = self.memory.take();
+    pub(super) fn take_history(&mut self, recipe: &Recipe, spare: Option<Image<Rgba8>>) -> Option<History> {
+        let surfaces = self.gbuffer.clone().filter(|_| recipe.upscaler.upscaler().reads().history)?;
+        let memory = self.upscaler_history.take();
         let picture = memory.is_none().then(|| {
             let (width, height) = self.unfiltered().size();
             let mut copy = Image::reusing(spare, width, height, [0; 4]);
             copy.pixels_mut().copy_from_slice(self.unfiltered().pixels());
             copy
         });
-        let still = self.past.as_ref().filter(|past| past.camera == self.camera).map_or(0, |past| past.still);
+        let still = self.history.as_ref().filter(|past| past.camera == self.camera).map_or(0, |past| past.still_frames);
         Some(History {
             picture,
-            memory,
+            accumulated: memory,
             surfaces,
             camera: self.camera,
-            frames: self.past.as_ref().map_or(0, |past| past.frames.wrapping_add(1)),
-            still: still + 1,
+            frames: self.history.as_ref().map_or(0, |past| past.frames.wrapping_add(1)),
+            still_frames: still + 1,
         })
     }
 
@@ -181,15 +182,15 @@ impl Frame {
     }
 
     /// Returns the number of rasterized triangles, counting each piece of clipped ones.
-    pub(crate) fn rasterized(&self) -> usize {
+    pub fn rasterized(&self) -> usize {
         self.tiled.as_ref().map_or_else(|| self.geometry.triangles.len(), |report| report.counts.rasterized as usize)
     }
 
     /// Returns the camera that was drawn: the frame's own, or one moved to the sample positions. `recipe` must be the
     /// frame's.
     pub(crate) fn drawn_from(&self, recipe: &Recipe) -> Camera {
-        let (_, place) = sampling_after(self.past.as_deref(), recipe);
-        camera_of(&self.camera, self.sampling, self.viewport, place)
+        let (_, place) = sampling_after(self.history.as_deref(), recipe);
+        raster_camera(&self.camera, self.sampling, self.viewport, place)
     }
 
     /// Returns the mapping between distances and the depths of the frame.
@@ -199,7 +200,7 @@ impl Frame {
 
     /// Draws the frame's list of triangles again after a change, with one sample per pixel.
     pub(crate) fn redraw(&mut self, scene: &Scene, recipe: &Recipe) {
-        let drawn = redraw(scene, recipe, self, Until::Shade, &mut ());
+        let drawn = redraw(scene, recipe, self, LastStage::Shade, &mut ());
         *self = self.at_moment(recipe, drawn, Geometry::clone(&self.geometry));
     }
 
@@ -213,12 +214,12 @@ impl Frame {
         Self {
             finished: picture,
             unfiltered,
-            memory: None,
+            upscaler_history: None,
             drawn,
             antialias: Antialiasing::default(),
             camera: self.camera,
-            surfaces: self.surfaces.clone(),
-            past: self.past.clone(),
+            gbuffer: self.gbuffer.clone(),
+            history: self.history.clone(),
             geometry: LazyGeometry::made(geometry),
             plans: self.plans.clone(),
             viewport: self.viewport,

@@ -5,7 +5,7 @@ mod frame;
 mod pixel_samples;
 mod recipe;
 mod renderer;
-pub mod run;
+mod run;
 pub(crate) mod samples;
 #[cfg(test)]
 mod tests;
@@ -14,7 +14,6 @@ pub(crate) mod whole;
 
 pub use frame::Frame;
 pub(crate) use frame::FrameTimes;
-pub(crate) use frame::LazyGeometry;
 pub use recipe::Recipe;
 pub(crate) use recipe::SetError;
 pub use renderer::KeepDepth;
@@ -22,4 +21,4 @@ pub use renderer::Renderer;
 pub use renderer::execution;
 pub(crate) use run::prepare_again;
 pub use run::redraw;
-pub(crate) use run::run;
+pub use run::run;

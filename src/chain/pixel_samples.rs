@@ -3,12 +3,12 @@
 use super::samples::places_on_grid;
 use crate::antialias::pattern::{Pattern, jitter_row};
 use crate::antialias::resolve::{add_samples, means, means_of_sums};
-use crate::antialias::settings::{Antialiasing, Method};
+use crate::antialias::settings::{AntialiasMethod, Antialiasing};
 use crate::image::Rgba8;
 use crate::math::lanes::Lanes;
-use crate::pipeline::tiled::{Jittering, Multisampling, PLACES, Picks, PixelSamples, SumOfSamples, Sums};
+use crate::pipeline::tiled::{JITTER_POSITIONS, Jittering, Multisampling, Picks, PixelSamples, SumOfSamples, Sums};
 
-const _: () = assert!((Pattern::JITTER * Pattern::JITTER) as usize == PLACES);
+const _: () = assert!((Pattern::JITTER * Pattern::JITTER) as usize == JITTER_POSITIONS);
 
 /// Calls `draw` with the samples that tiles draw in one pass: all samples of a pixel for multisampling and jittered
 /// supersampling, the pixel's centre otherwise.
@@ -20,11 +20,11 @@ pub(super) fn with_pixel_samples<T>(
     let Antialiasing { method, light, seed, .. } = antialias;
     let places = places_on_grid(antialias);
     match method {
-        Method::Multisample => {
+        AntialiasMethod::Multisample => {
             let mean = |colors: &[Rgba8], picks: &[Picks], out: &mut [Rgba8]| means(lanes, colors, picks, light, out);
             draw(PixelSamples::Multisampled(Multisampling { offsets: &places.concat(), mean: &mean }))
         }
-        Method::Jittered => {
+        AntialiasMethod::Jittered => {
             let places: Vec<_> = places.iter().map(|places| std::array::from_fn(|place| places[place])).collect();
             let samples = places.len() as u32;
             let chosen = |sample: usize, pixels: (&[u32], u32), places: &mut [u8]| {

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use thiserror::Error;
 
-use crate::antialias::settings::{Antialiasing, Filter, PostFilter, widened};
+use crate::antialias::settings::{Antialiasing, PostFilter, PostFilterKind, centred_in_5x5};
 use crate::pipeline::settings::{Choice as _, Execution, Settings};
 use crate::upscale::{self, Offers, Scale, Upscaler, Upscaling};
 
@@ -14,18 +14,18 @@ use crate::upscale::{self, Offers, Scale, Upscaler, Upscaling};
 #[serde(default)]
 pub struct Recipe {
     /// Execution of the pipeline; it does not affect the picture.
-    pub(crate) execution: Execution,
+    pub execution: Execution,
     /// Settings of the pipeline.
     #[serde(flatten)]
     pub pipeline: Settings,
     /// Sampling of the drawn pixels.
-    pub(crate) antialias: Antialiasing,
+    pub antialias: Antialiasing,
     /// Selection of the drawn pixels, and the method that fills in the others.
     pub upscaler: Upscaling,
     /// Filter over the finished picture.
-    pub(crate) post: PostFilter,
+    pub post: PostFilter,
     /// Whether the edges of all drawn triangles are drawn over the picture.
-    pub(crate) wireframe: bool,
+    pub wireframe: bool,
 }
 
 impl Default for Recipe {
@@ -170,7 +170,7 @@ impl Recipe {
     }
 
     /// Returns an error if a number is out of range, for ranges that types do not express.
-    pub(crate) fn check(&self) -> Result<(), String> {
+    pub fn check(&self) -> Result<(), String> {
         let light = &self.pipeline.light;
         if !light.direction.is_finite() || light.direction == glam::Vec3::ZERO {
             return Err("the direction of the light must be finite and not zero".to_owned());
@@ -220,7 +220,7 @@ fn parse_like(like: &Value, text: &str) -> Result<Value, String> {
             let inner: Result<[f32; 9], _> = numbers.as_slice().try_into();
             match inner {
                 _ if numbers.len() == items.len() => Ok(numbers.into()),
-                Ok(inner) if items.len() == widened(inner).len() => Ok(widened(inner).to_vec().into()),
+                Ok(inner) if items.len() == centred_in_5x5(inner).len() => Ok(centred_in_5x5(inner).to_vec().into()),
                 _ => Err(format!("expected {} comma-separated numbers, not `{text}`", items.len())),
             }
         }
@@ -249,7 +249,8 @@ fn describe_values(key: &str, value: &Value) -> String {
         Value::Bool(_) => "true, false".to_owned(),
         Value::Number(_) if key == "light.ambient" => "number, 0…1".to_owned(),
         Value::Number(_) if key == STRENGTH_KEY => {
-            let ranges = Filter::ALL.iter().filter_map(|f| Some(format!(", 0…{} for {}", f.most_strength()?, f.id())));
+            let ranges =
+                PostFilterKind::ALL.iter().filter_map(|f| Some(format!(", 0…{} for {}", f.max_strength()?, f.id())));
             format!("number{}", ranges.collect::<String>())
         }
         Value::Number(number) if number.is_u64() => "whole number".to_owned(),

@@ -7,7 +7,7 @@ use super::finish::{Finished, Spare, finish};
 use super::frame::LazyGeometry;
 use super::pixel_samples::with_pixel_samples;
 use super::run::{Passes, mean_of_passes, run_after};
-use super::view::{camera_of, outlines, raster_of, sampling_after, seen, shown_in_full, surfaces};
+use super::view::{frame_inputs, gbuffer, gbuffer_recipe, outlines, raster_camera, raster_viewport, sampling_after};
 use super::{Frame, FrameTimes, Recipe};
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::Lanes;
@@ -19,7 +19,7 @@ use crate::pipeline::settings::{Execution, Settings};
 use crate::pipeline::tiled::{self, PixelSamples, TiledReport};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
-use crate::upscale::{Drawn, History, Surfaces};
+use crate::upscale::{GBuffer, History, UpscaleInputs};
 
 /// Draws frames by their recipes, on all threads if the recipe allows it, and reuses buffers from frame to frame.
 ///
@@ -44,7 +44,7 @@ use crate::upscale::{Drawn, History, Surfaces};
 /// ```
 #[derive(Debug)]
 pub struct Renderer {
-    memory: tiled::Memory,
+    memory: tiled::TiledMemory,
     lanes: Lanes,
     /// Spare buffer of drawn colours.
     spare: Option<Image<Rgba8>>,
@@ -54,14 +54,14 @@ pub struct Renderer {
     spare_depth: Option<Image<f32>>,
     /// Spare picture of a history, and spare surfaces.
     spare_picture: Option<Image<Rgba8>>,
-    spare_surfaces: Option<Surfaces>,
+    spare_surfaces: Option<GBuffer>,
     /// Last frame; `None` unless its upscaler reads the past.
-    past: Option<Past>,
+    past: Option<PreviousFrame>,
 }
 
 /// Preceding frame as history, with the inputs that the next frame must share to read it.
 #[derive(Debug)]
-struct Past {
+struct PreviousFrame {
     scene: Arc<Scene>,
     recipe: Recipe,
     viewport: Viewport,
@@ -71,7 +71,7 @@ struct Past {
 impl Default for Renderer {
     fn default() -> Self {
         Self {
-            memory: tiled::Memory::default(),
+            memory: tiled::TiledMemory::default(),
             lanes: Lanes::best(),
             spare: None,
             spare_full: Spare::default(),
@@ -94,7 +94,7 @@ pub enum KeepDepth {
 
 impl Renderer {
     /// Returns a renderer that computes on these SIMD lanes.
-    pub(crate) fn on(lanes: Lanes) -> Self {
+    pub fn on(lanes: Lanes) -> Self {
         Self { lanes, ..Self::default() }
     }
 
@@ -107,7 +107,9 @@ impl Renderer {
         viewport: Viewport,
         keep_depth: KeepDepth,
     ) -> Frame {
-        let same = |past: &Past| Arc::ptr_eq(&past.scene, scene) && past.recipe == *recipe && past.viewport == viewport;
+        let same = |past: &PreviousFrame| {
+            Arc::ptr_eq(&past.scene, scene) && past.recipe == *recipe && past.viewport == viewport
+        };
         let past = self.past.take().filter(same).map(|past| past.history);
         let mut frame = if execution(scene, recipe).0 == Execution::Classic {
             run_after((past, std::mem::take(&mut self.spare_full)), scene, camera, recipe, viewport, &mut ())
@@ -115,7 +117,7 @@ impl Renderer {
             self.render_tiled(past, scene, camera, recipe, viewport, keep_depth)
         };
         let finished = Instant::now();
-        self.past = frame.history(recipe, self.spare_picture.take()).map(|history| Past {
+        self.past = frame.take_history(recipe, self.spare_picture.take()).map(|history| PreviousFrame {
             scene: Arc::clone(scene),
             recipe: *recipe,
             viewport,
@@ -128,7 +130,7 @@ impl Renderer {
     }
 
     /// Draws a view until further frames of it would be equal: one frame, unless the upscaler reads the past.
-    pub fn render_settled(
+    pub fn render_converged(
         &mut self,
         scene: &Arc<Scene>,
         camera: &Camera,
@@ -136,7 +138,7 @@ impl Renderer {
         viewport: Viewport,
     ) -> Frame {
         let mut frame = self.render(scene, camera, recipe, viewport, KeepDepth::Yes);
-        while frame.wants_another(recipe) {
+        while frame.is_converging(recipe) {
             frame = self.render(scene, camera, recipe, viewport, KeepDepth::Yes);
         }
         frame
@@ -154,8 +156,8 @@ impl Renderer {
         let start = Instant::now();
         let settings = &recipe.pipeline;
         let (sampling, place) = sampling_after(past.as_deref(), recipe);
-        let raster = raster_of(sampling, viewport);
-        let seen_by = camera_of(camera, sampling, viewport, place);
+        let raster = raster_viewport(sampling, viewport);
+        let seen_by = raster_camera(camera, sampling, viewport, place);
         let grid = sampling.grid();
         let geometry = {
             let (scene, settings) = (Arc::clone(scene), *settings);
@@ -172,7 +174,7 @@ impl Renderer {
         });
         let mut passes = centres.as_ref().map(|(_, report)| report.times).unwrap_or_default();
         let Passes { mean, resolve } = mean_of_passes(recipe, (grid, raster), |place, spare| {
-            let seen = camera_of(camera, sampling, viewport, place);
+            let seen = raster_camera(camera, sampling, viewport, place);
             let memory = (spare.or_else(|| self.spare.take()), None);
             let (mut drawn, report) =
                 self.draw_tiled(scene, &seen, settings, (grid, raster, PixelSamples::Centre), memory, KeepDepth::No);
@@ -189,18 +191,19 @@ impl Renderer {
             report.times = passes;
         }
         let surfaces_begun = Instant::now();
-        let surfaces = shown_in_full(recipe).and_then(|shown| {
-            surfaces(past.as_deref(), camera, self.lanes, || {
+        let surfaces = gbuffer_recipe(recipe).and_then(|shown| {
+            gbuffer(past.as_deref(), camera, self.lanes, || {
                 let area = (SampleGrid::FULL, viewport, PixelSamples::Centre);
-                let memory = self.spare_surfaces.take().map(|Surfaces { object, distance }| (object, distance)).unzip();
+                let memory = self.spare_surfaces.take().map(|GBuffer { object, distance }| (object, distance)).unzip();
                 self.draw_tiled(scene, camera, &shown.pipeline, area, memory, KeepDepth::Yes).0
             })
         });
         let drawn_at = Instant::now();
         let outlines = outlines(scene, camera, recipe, viewport);
-        let known = Drawn { color: &drawn.color, seen: seen(surfaces.as_deref(), camera, past.as_deref()) };
+        let known =
+            UpscaleInputs { color: &drawn.color, frame: frame_inputs(surfaces.as_deref(), camera, past.as_deref()) };
         let spare = std::mem::take(&mut self.spare_full);
-        let Finished { picture, unfiltered, memory, post } =
+        let Finished { picture, unfiltered, history: memory, post } =
             finish(recipe, &known, viewport, spare, || outlines.as_ref().unwrap_or_else(|| &geometry.triangles));
         let times = FrameTimes {
             geometry: report.times.transform + report.times.cull,
@@ -214,12 +217,12 @@ impl Renderer {
         Frame {
             finished: picture,
             unfiltered,
-            memory,
+            upscaler_history: memory,
             drawn,
             antialias: recipe.antialias,
             camera: *camera,
-            surfaces,
-            past,
+            gbuffer: surfaces,
+            history: past,
             geometry,
             plans: report.plans.clone(),
             viewport,
@@ -250,14 +253,14 @@ impl Renderer {
     }
 
     /// Takes the buffers of a frame that is no longer needed.
-    pub(crate) fn recycle(&mut self, frame: Frame) {
-        let (drawn, full, past) = frame.into_memory();
+    pub fn recycle(&mut self, frame: Frame) {
+        let (drawn, full, past) = frame.into_buffers();
         self.spare = Some(drawn.color);
         self.spare_depth = drawn.depth.or(self.spare_depth.take());
         self.spare_full.full = full.or(self.spare_full.full.take());
-        let Some(History { picture, memory, surfaces, .. }) = past else { return };
+        let Some(History { picture, accumulated: memory, surfaces, .. }) = past else { return };
         self.spare_picture = picture;
-        self.spare_full.memory = memory;
+        self.spare_full.history = memory;
         self.spare_surfaces = Arc::into_inner(surfaces).or(self.spare_surfaces.take());
     }
 
@@ -266,7 +269,7 @@ impl Renderer {
         self.memory.bytes()
             + self.spare.as_ref().map_or(0, Image::bytes)
             + self.spare_full.full.as_ref().map_or(0, Image::bytes)
-            + self.spare_full.memory.as_ref().map_or(0, Image::bytes)
+            + self.spare_full.history.as_ref().map_or(0, Image::bytes)
             + self.spare_picture.as_ref().map_or(0, Image::bytes)
             + self.spare_surfaces.as_ref().map_or(0, |shown| shown.object.bytes() + shown.distance.bytes())
             + self.spare_depth.as_ref().map_or(0, Image::bytes)

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use super::finish::{Finished, Spare, finish};
 use super::frame::LazyGeometry;
-use super::view::{camera_of, outlines, raster_of, sampling_after, seen, shown_in_full, surfaces};
+use super::view::{frame_inputs, gbuffer, gbuffer_recipe, outlines, raster_camera, raster_viewport, sampling_after};
 use super::{Frame, FrameTimes, Recipe, samples};
 use crate::antialias::resolve::Mean;
 use crate::image::{Image, Rgba8};
@@ -15,9 +15,9 @@ use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::observe::Observer;
 use crate::pipeline::settings::Execution;
 use crate::pipeline::viewport::Viewport;
-use crate::pipeline::{Extent, Geometry, Until, draw, prepare};
+use crate::pipeline::{Extent, Geometry, LastStage, draw, prepare};
 use crate::scene::{Camera, Scene};
-use crate::upscale::{Drawn, History};
+use crate::upscale::{History, UpscaleInputs};
 
 /// Draws one frame of the viewport's size with the classic execution. `observer` sees one sample per pixel, at its
 /// centre, even if a pixel has several. Cannot fail, because a scene is always renderable.
@@ -38,7 +38,7 @@ use crate::upscale::{Drawn, History};
 /// assert!(counters.shaded > 0 && counters.passed <= counters.covered);
 /// assert_eq!(counters.shaded, counters.passed, "both triangles are opaque");
 /// ```
-pub(crate) fn run<O: Observer>(
+pub fn run<O: Observer>(
     scene: &Scene,
     camera: &Camera,
     recipe: &Recipe,
@@ -59,41 +59,42 @@ pub(super) fn run_after<O: Observer>(
 ) -> Frame {
     let start = Instant::now();
     let (sampling, place) = sampling_after(past.as_deref(), recipe);
-    let raster = raster_of(sampling, viewport);
-    let seen_by = camera_of(camera, sampling, viewport, place);
+    let raster = raster_viewport(sampling, viewport);
+    let seen_by = raster_camera(camera, sampling, viewport, place);
     let geometry = prepare(scene, &seen_by, &recipe.pipeline, raster, observer);
     let mut geometry_time = start.elapsed();
 
     let grid = sampling.grid();
     let pixels_begun = Instant::now();
-    let mut drawn = draw_pixels(scene, recipe, &geometry, (grid, raster), Until::Shade, observer);
+    let mut drawn = draw_pixels(scene, recipe, &geometry, (grid, raster), LastStage::Shade, observer);
     if recipe.antialias.is_per_pixel() {
         drawn.color = samples::per_pixel(scene, &geometry, recipe, (grid, raster));
     }
     let mut pixels_time = pixels_begun.elapsed();
     let Passes { mean, resolve } = mean_of_passes(recipe, (grid, raster), |place, _| {
         let begun = Instant::now();
-        let seen = camera_of(camera, sampling, viewport, place);
+        let seen = raster_camera(camera, sampling, viewport, place);
         let geometry = prepare(scene, &seen, &recipe.pipeline, raster, &mut ());
         let prepared = Instant::now();
-        let color = draw_pixels(scene, recipe, &geometry, (grid, raster), Until::Shade, &mut ()).color;
+        let color = draw_pixels(scene, recipe, &geometry, (grid, raster), LastStage::Shade, &mut ()).color;
         geometry_time += prepared - begun;
         pixels_time += prepared.elapsed();
         color
     });
     drawn.color = mean.unwrap_or(drawn.color);
     let surfaces_begun = Instant::now();
-    let surfaces = shown_in_full(recipe).and_then(|shown| {
-        surfaces(past.as_deref(), camera, Lanes::best(), || {
+    let surfaces = gbuffer_recipe(recipe).and_then(|shown| {
+        gbuffer(past.as_deref(), camera, Lanes::best(), || {
             let geometry = prepare(scene, camera, &shown.pipeline, viewport, &mut ());
-            draw_pixels(scene, &shown, &geometry, (SampleGrid::FULL, viewport), Until::Shade, &mut ())
+            draw_pixels(scene, &shown, &geometry, (SampleGrid::FULL, viewport), LastStage::Shade, &mut ())
         })
     });
     let drawn_at = Instant::now();
 
     let outlines = outlines(scene, camera, recipe, viewport);
-    let known = Drawn { color: &drawn.color, seen: seen(surfaces.as_deref(), camera, past.as_deref()) };
-    let Finished { picture, unfiltered, memory, post } =
+    let known =
+        UpscaleInputs { color: &drawn.color, frame: frame_inputs(surfaces.as_deref(), camera, past.as_deref()) };
+    let Finished { picture, unfiltered, history: memory, post } =
         finish(recipe, &known, viewport, spare, || outlines.as_ref().unwrap_or(&geometry.triangles));
     let times = FrameTimes {
         geometry: geometry_time,
@@ -107,12 +108,12 @@ pub(super) fn run_after<O: Observer>(
     Frame {
         finished: picture,
         unfiltered,
-        memory,
+        upscaler_history: memory,
         drawn,
         antialias: recipe.antialias,
         camera: *camera,
-        surfaces,
-        past,
+        gbuffer: surfaces,
+        history: past,
         plans: geometry.plans.clone(),
         geometry: LazyGeometry::made(geometry),
         viewport,
@@ -161,7 +162,7 @@ pub fn redraw<O: Observer>(
     scene: &Scene,
     recipe: &Recipe,
     frame: &Frame,
-    until: Until,
+    until: LastStage,
     observer: &mut O,
 ) -> Framebuffer {
     let area = (frame.sampling.grid(), frame.raster);
@@ -179,7 +180,7 @@ pub(super) fn draw_pixels<O: Observer>(
     recipe: &Recipe,
     geometry: &Geometry,
     (grid, viewport): (SampleGrid, Viewport),
-    until: Until,
+    until: LastStage,
     observer: &mut O,
 ) -> Framebuffer {
     let (Viewport { width, height }, settings) = (viewport, &recipe.pipeline);
@@ -192,12 +193,12 @@ pub(super) fn draw_pixels<O: Observer>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::antialias::settings::{Antialiasing, Method};
+    use crate::antialias::settings::{AntialiasMethod, Antialiasing};
 
     #[test]
     fn the_time_of_averaging_holds_no_pass() {
         let size = Viewport { width: 4, height: 4 };
-        let antialias = Antialiasing { method: Method::Regular, ..Antialiasing::default() };
+        let antialias = Antialiasing { method: AntialiasMethod::Regular, ..Antialiasing::default() };
         let (begun, mut in_passes) = (Instant::now(), Duration::ZERO);
         let passes = mean_of_passes(&Recipe { antialias, ..Recipe::default() }, (SampleGrid::FULL, size), |_, _| {
             let begun = Instant::now();

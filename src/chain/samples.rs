@@ -9,20 +9,20 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::view::{camera_of, raster_of};
+use super::view::{raster_camera, raster_viewport};
 use super::{Frame, KeepDepth, Recipe, Renderer};
-use crate::antialias::pattern::{Pattern, jitter, jittered_places};
+use crate::antialias::pattern::{Pattern, jitter, jittered_positions};
 use crate::antialias::resolve::{self, Mean};
-use crate::antialias::settings::{Antialiasing, Method};
+use crate::antialias::settings::{AntialiasMethod, Antialiasing};
 use crate::image::{Image, Rgba8};
 use crate::math::fixed::snap;
 use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::grid::SampleGrid;
-use crate::pipeline::multisample::{self, Places, ShadingRate};
+use crate::pipeline::multisample::{self, CandidatePositions, ShadingRate};
 use crate::pipeline::raster::Scissor;
-use crate::pipeline::settings::{ColorSpace, Filter as TextureFilter};
+use crate::pipeline::settings::{ColorSpace, TexelFilter as TextureFilter};
 use crate::pipeline::viewport::Viewport;
-use crate::pipeline::{Extent, Geometry, Until, draw, prepare};
+use crate::pipeline::{Extent, Geometry, LastStage, draw, prepare};
 use crate::scene::{Camera, Scene};
 use crate::upscale::{CENTRE, Sampling};
 
@@ -70,7 +70,7 @@ pub(super) fn per_pixel(
 fn candidates(antialias: Antialiasing) -> Vec<Vec<[f32; 2]>> {
     let from_centre = |[x, y]: [f64; 2]| [(x - CENTRE[0]) as f32, (y - CENTRE[1]) as f32];
     let places = match antialias.method {
-        Method::Jittered => jittered_places(antialias.samples.side()),
+        AntialiasMethod::Jittered => jittered_positions(antialias.samples.side()),
         _ => antialias.pattern().offsets(0, 0).into_iter().map(|place| vec![place]).collect(),
     };
     places.into_iter().map(|places| places.into_iter().map(from_centre).collect()).collect()
@@ -96,9 +96,9 @@ fn sampled(
 ) -> Vec<Framebuffer> {
     let Antialiasing { method, seed, .. } = recipe.antialias;
     let chosen = |(x, y): (u32, u32), sample: usize| jitter(x, y, sample as u32, seed);
-    let rate = if method == Method::Multisample { ShadingRate::Pixel } else { ShadingRate::Sample };
+    let rate = if method == AntialiasMethod::Multisample { ShadingRate::Pixel } else { ShadingRate::Sample };
     let mut frames = vec![cleared; candidates.len()];
-    let places = Places { candidates, chosen: &chosen };
+    let places = CandidatePositions { candidates, chosen: &chosen };
     multisample::draw(scene, geometry, &recipe.pipeline, extent, (places, rate), &mut frames);
     frames
 }
@@ -108,27 +108,27 @@ fn sampled(
 pub(crate) fn replay(scene: &Scene, recipe: &Recipe, frame: &Frame, pixels: &[(u32, u32)]) -> Vec<Vec<Rgba8>> {
     let Frame { antialias, sampling, viewport, camera, .. } = frame;
     if antialias.is_off() {
-        return of_pass(scene, recipe, frame, &frame.geometry, pixels)
+        return replay_pass(scene, recipe, frame, &frame.geometry, pixels)
             .into_iter()
             .map(|s| s.into_iter().collect())
             .collect();
     }
     if antialias.is_per_pixel() {
-        return pixels.iter().map(|pixel| of_pixel(scene, recipe, frame, *pixel)).collect();
+        return pixels.iter().map(|pixel| replay_pixel(scene, recipe, frame, *pixel)).collect();
     }
     let passes: Vec<Vec<Option<Rgba8>>> = passes(*antialias)
         .into_par_iter()
         .map(|offset| {
-            let seen = camera_of(camera, *sampling, *viewport, offset);
-            let geometry = prepare(scene, &seen, &recipe.pipeline, raster_of(*sampling, *viewport), &mut ());
-            of_pass(scene, recipe, frame, &geometry, pixels)
+            let seen = raster_camera(camera, *sampling, *viewport, offset);
+            let geometry = prepare(scene, &seen, &recipe.pipeline, raster_viewport(*sampling, *viewport), &mut ());
+            replay_pass(scene, recipe, frame, &geometry, pixels)
         })
         .collect();
     (0..pixels.len()).map(|pixel| passes.iter().filter_map(|pass| pass[pixel]).collect()).collect()
 }
 
 /// Replays one sample per pixel, as one pass drew it; `None` for pixels that were not drawn.
-fn of_pass(
+fn replay_pass(
     scene: &Scene,
     recipe: &Recipe,
     frame: &Frame,
@@ -140,14 +140,14 @@ fn of_pass(
         let sample = grid.sample_at(x, y)?;
         let mut one = Framebuffer::one_sample(grid, sample, scene.background, &recipe.pipeline);
         let extent = Extent { triangles: 0..geometry.triangles.len(), scissor: Scissor::pixel(x, y) };
-        draw(scene, geometry, &recipe.pipeline, &extent, Until::Shade, &mut one, &mut ());
+        draw(scene, geometry, &recipe.pipeline, &extent, LastStage::Shade, &mut one, &mut ());
         Some(one.color.at(0, 0))
     };
     pixels.iter().map(color).collect()
 }
 
 /// Replays all samples of one pixel of a per-pixel method; empty if the pixel was not drawn.
-fn of_pixel(scene: &Scene, recipe: &Recipe, frame: &Frame, (x, y): (u32, u32)) -> Vec<Rgba8> {
+fn replay_pixel(scene: &Scene, recipe: &Recipe, frame: &Frame, (x, y): (u32, u32)) -> Vec<Rgba8> {
     let Some(sample) = frame.drawn.grid.sample_at(x, y) else { return Vec::new() };
     let cleared = Framebuffer::one_sample(frame.drawn.grid, sample, scene.background, &recipe.pipeline);
     let extent = Extent { triangles: 0..frame.geometry.triangles.len(), scissor: Scissor::pixel(x, y) };
@@ -164,7 +164,7 @@ pub(crate) fn places(antialias: Antialiasing, (x, y): (u32, u32)) -> Vec<[f64; 2
 /// Progressive picture that adds one sample per pixel at a time, so that a caller can show progress and stop. Samples
 /// follow the low-discrepancy pattern; a single sample lies at the pixel's centre. Their mean is taken in linear light.
 #[derive(Debug)]
-pub(crate) struct Gathering {
+pub(crate) struct ProgressiveRender {
     scene: Arc<Scene>,
     camera: Camera,
     recipe: Recipe,
@@ -174,7 +174,7 @@ pub(crate) struct Gathering {
     renderer: Renderer,
 }
 
-impl Gathering {
+impl ProgressiveRender {
     /// Starts a picture of a recipe's pipeline alone: no upscaler, no filter, no wireframe, and textures read without
     /// mip-mapping.
     pub(crate) fn new(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, viewport: Viewport, samples: u32) -> Self {
@@ -196,7 +196,7 @@ impl Gathering {
     /// Draws the next sample of every pixel; returns `false` if none is left.
     pub(crate) fn step(&mut self) -> bool {
         let Some(place) = self.places.get(self.mean.samples() as usize) else { return false };
-        let seen = camera_of(&self.camera, Sampling::Grid(SampleGrid::FULL), self.viewport, *place);
+        let seen = raster_camera(&self.camera, Sampling::Grid(SampleGrid::FULL), self.viewport, *place);
         let frame = self.renderer.render(&self.scene, &seen, &self.recipe, self.viewport, KeepDepth::No);
         self.mean.add(frame.image());
         self.renderer.recycle(frame);
@@ -216,7 +216,12 @@ impl Gathering {
 
 /// Returns the camera of [`camera_of`] with the window moved so that samples lie at `place` in their pixels; `None` if
 /// the window need not move.
-pub(super) fn moved_window(camera: &Camera, sampling: Sampling, viewport: Viewport, place: [f64; 2]) -> Option<Camera> {
+pub(super) fn jittered_camera(
+    camera: &Camera,
+    sampling: Sampling,
+    viewport: Viewport,
+    place: [f64; 2],
+) -> Option<Camera> {
     let moved = |step: f64| [0, 1].map(|axis| (place[axis] - CENTRE[axis]) * step);
     let (step, [x, y]) = match sampling {
         Sampling::Grid(_) if place == CENTRE => return None,
@@ -226,8 +231,8 @@ pub(super) fn moved_window(camera: &Camera, sampling: Sampling, viewport: Viewpo
             (step, moved(step).map(|by| by + lattice.origin_px()))
         }
     };
-    let window = raster_of(sampling, viewport).window(viewport, step, [x, y]);
-    Some(Camera { window: Some(window), ..*camera })
+    let window = raster_viewport(sampling, viewport).window(viewport, step, [x, y]);
+    Some(Camera { sub_view: Some(window), ..*camera })
 }
 
 #[cfg(test)]
@@ -236,7 +241,7 @@ mod tests {
 
     use super::*;
     use crate::antialias::area::triangle_area;
-    use crate::antialias::settings::Samples;
+    use crate::antialias::settings::SampleCount;
     use crate::chain::run;
     use crate::pipeline::settings::{Choice as _, Shading};
     use crate::scene::builtin;
@@ -267,10 +272,10 @@ mod tests {
     fn every_method_comes_closer_to_the_area_with_every_sample() {
         let of = |method, samples| Antialiasing { method, samples, light: ColorSpace::Bytes, seed: 3 };
         let none = coverage_error(Antialiasing::default());
-        for method in Method::ALL.iter().copied().filter(|method| *method != Method::None) {
-            let errors = Samples::ALL.iter().map(|samples| coverage_error(of(method, *samples)));
+        for method in AntialiasMethod::ALL.iter().copied().filter(|method| *method != AntialiasMethod::None) {
+            let errors = SampleCount::ALL.iter().map(|samples| coverage_error(of(method, *samples)));
             let errors: Vec<_> =
-                if method == Method::RotatedGrid { errors.take(1).collect() } else { errors.collect() };
+                if method == AntialiasMethod::RotatedGrid { errors.take(1).collect() } else { errors.collect() };
             assert!(errors[0] < none / 1.8, "{method:?}: {none} {errors:?}");
             assert!(errors.windows(2).all(|pair| pair[1] < pair[0] / 1.5), "{method:?}: {errors:?}");
             // One step of an 8-bit code is a few thousandths of the coverage.
@@ -282,18 +287,19 @@ mod tests {
     fn the_recursive_pattern_draws_the_regular_picture_but_for_rounding() {
         let scene = builtin::by_id("chess").unwrap().build();
         let of = |method| {
-            let antialias = Antialiasing { method, samples: Samples::Sixteen, ..Antialiasing::default() };
+            let antialias = Antialiasing { method, samples: SampleCount::Sixteen, ..Antialiasing::default() };
             run(&scene, &scene.home, &Recipe { antialias, ..Recipe::default() }, SIZE, &mut ()).image().clone()
         };
-        let (regular, recursive) = (of(Method::Regular), of(Method::Recursive));
+        let (regular, recursive) = (of(AntialiasMethod::Regular), of(AntialiasMethod::Recursive));
         let codes = regular.pixels().as_flattened().iter().zip(recursive.pixels().as_flattened());
         assert!(codes.into_iter().all(|(a, b)| a.abs_diff(*b) <= 1));
     }
 
     #[test]
     fn the_centre_is_the_mean_of_multisamples_which_are_not_on_a_line() {
-        for samples in Samples::ALL {
-            let antialias = Antialiasing { method: Method::Multisample, samples: *samples, ..Antialiasing::default() };
+        for samples in SampleCount::ALL {
+            let antialias =
+                Antialiasing { method: AntialiasMethod::Multisample, samples: *samples, ..Antialiasing::default() };
             let offsets = places_on_grid(antialias).concat();
             assert_eq!(offsets.len(), samples.count() as usize);
             assert_eq!(offsets.iter().fold([0; 2], |sum, offset| [sum[0] + offset[0], sum[1] + offset[1]]), [0; 2]);
@@ -305,8 +311,11 @@ mod tests {
     #[test]
     fn multisampling_leaves_the_inside_of_triangles_alone() {
         let scene = builtin::by_id("triangle").unwrap().build();
-        let antialias =
-            Antialiasing { method: Method::Multisample, samples: Samples::Sixteen, ..Antialiasing::default() };
+        let antialias = Antialiasing {
+            method: AntialiasMethod::Multisample,
+            samples: SampleCount::Sixteen,
+            ..Antialiasing::default()
+        };
         let draw = |recipe: &Recipe| run(&scene, &scene.home, recipe, SIZE, &mut ());
         let (plain, smooth) = (draw(&Recipe::default()), draw(&Recipe { antialias, ..Recipe::default() }));
         let corners = plain.geometry.triangles[0].snapped_px().map(|[x, y]| DVec2::new(x.into(), y.into()));

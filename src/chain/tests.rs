@@ -47,7 +47,7 @@ fn a_temporal_checkerboard_is_native_in_the_second_still_frame() {
                 assert!(frame.drawn_share() < 0.51);
             }
             let recipe = Recipe { upscaler: Upscaling::new("checkerboard-temporal", 1).unwrap(), ..Recipe::default() };
-            assert_eq!(drawn.iter().map(|f| f.wants_another(&recipe)).collect::<Vec<_>>(), [true, false, false, false]);
+            assert_eq!(drawn.iter().map(|f| f.is_converging(&recipe)).collect::<Vec<_>>(), [true, false, false, false]);
         }
     }
 }
@@ -81,8 +81,8 @@ fn a_settled_picture_changes_no_more() {
             let upscaler = Upscaling::new(method, scale).unwrap();
             let recipe = Recipe { upscaler, ..Recipe::default() };
             let drawn = frames(method, scale, &cameras, &scene, Execution::Tiled);
-            let settled = drawn.iter().skip(moved).position(|frame| !frame.wants_another(&recipe)).unwrap();
-            assert_eq!(settled + 1, upscaler.upscaler().settles_after(upscaler) as usize, "{method} ×{scale}");
+            let settled = drawn.iter().skip(moved).position(|frame| !frame.is_converging(&recipe)).unwrap();
+            assert_eq!(settled + 1, upscaler.upscaler().converges_after(upscaler) as usize, "{method} ×{scale}");
             let [first, rest @ ..] = &drawn[moved + settled..] else { panic!("no frame has converged") };
             assert!(rest.len() >= 10 && rest.iter().all(|frame| frame.image() == first.image()), "{method} ×{scale}");
         }
@@ -123,8 +123,8 @@ fn accumulation_comes_to_the_mean_of_its_samples() {
     let scene = scene("chess");
     let drawn = frames("accumulation", 1, &[scene.home; 16], &scene, Execution::Tiled);
     let antialias = Antialiasing {
-        method: crate::antialias::settings::Method::LowDiscrepancy,
-        samples: crate::antialias::settings::Samples::Sixteen,
+        method: crate::antialias::settings::AntialiasMethod::LowDiscrepancy,
+        samples: crate::antialias::settings::SampleCount::Sixteen,
         ..Antialiasing::default()
     };
     let smooth = run(&scene, &scene.home, &Recipe { antialias, ..Recipe::default() }, SIZE, &mut ());
@@ -149,7 +149,7 @@ fn another_scene_recipe_or_size_has_no_past() {
     let recipe = Recipe { upscaler: Upscaling::new("checkerboard-temporal", 1).unwrap(), ..Recipe::default() };
     let mut renderer = Renderer::default();
     let mut draw = |scene: &Arc<Scene>, recipe: &Recipe, size| {
-        renderer.render(scene, &scene.home, recipe, size, KeepDepth::Yes).past.is_some()
+        renderer.render(scene, &scene.home, recipe, size, KeepDepth::Yes).history.is_some()
     };
     let lines = Recipe { wireframe: true, ..recipe };
     let smaller = Viewport { width: 40, height: 30 };
@@ -183,11 +183,11 @@ fn what_pixels_show_is_found_anew_when_the_view_has_moved_and_only_then() {
     cameras[3] = cameras[2];
     for execution in Execution::ALL {
         let drawn = frames("accumulation", 1, &cameras, &scene, *execution);
-        let shown: Vec<_> = drawn.iter().map(|frame| frame.surfaces.as_ref().unwrap()).collect();
+        let shown: Vec<_> = drawn.iter().map(|frame| frame.gbuffer.as_ref().unwrap()).collect();
         assert!(Arc::ptr_eq(shown[0], shown[1]) && Arc::ptr_eq(shown[2], shown[3]), "{execution:?}");
         for (frame, shown) in drawn.iter().zip(shown) {
             let alone = &frames("accumulation", 1, &[frame.camera], &scene, *execution)[0];
-            assert_eq!(alone.surfaces.as_ref(), Some(shown), "{execution:?}");
+            assert_eq!(alone.gbuffer.as_ref(), Some(shown), "{execution:?}");
         }
     }
 }

@@ -12,31 +12,31 @@ use crate::pipeline::settings::{DepthTest, Settings, Shading};
 use crate::pipeline::triangle_list::TriangleList;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
-use crate::upscale::{History, Sampling, Seen, Surfaces};
+use crate::upscale::{FrameInputs, GBuffer, History, Sampling};
 
 /// Returns the sampling of the frame that follows `past`, and the position of the samples in their pixels, px from the
 /// top left corner.
 pub(super) fn sampling_after(past: Option<&History>, recipe: &Recipe) -> (Sampling, [f64; 2]) {
     let frames = past.map_or(0, |past| past.frames.wrapping_add(1));
-    recipe.upscaler.upscaler().sampling_of(recipe.upscaler, frames)
+    recipe.upscaler.upscaler().frame_sampling(recipe.upscaler, frames)
 }
 
 /// Returns the recipe that draws the object shown by every pixel in full resolution; `None` unless the upscaler reads
 /// surfaces and the depth test is on.
-pub(super) fn shown_in_full(recipe: &Recipe) -> Option<Recipe> {
-    let reads = recipe.upscaler.upscaler().reads().surfaces && recipe.pipeline.depth_test != DepthTest::Off;
+pub(super) fn gbuffer_recipe(recipe: &Recipe) -> Option<Recipe> {
+    let reads = recipe.upscaler.upscaler().reads().gbuffer && recipe.pipeline.depth_test != DepthTest::Off;
     let pipeline = Settings { shading: Shading::ObjectId, ..recipe.pipeline };
     reads.then_some(Recipe { pipeline, ..Recipe::default() })
 }
 
 /// Returns the surfaces that the pixels of a view show. Reuses those of the preceding frame if its camera is the same,
 /// else converts the result of `draw`, a picture of object colours with depths.
-pub(super) fn surfaces(
+pub(super) fn gbuffer(
     past: Option<&History>,
     camera: &Camera,
     lanes: Lanes,
     draw: impl FnOnce() -> Framebuffer,
-) -> Option<Arc<Surfaces>> {
+) -> Option<Arc<GBuffer>> {
     /// Number of depths that a thread converts at a time.
     const TOGETHER: usize = 1 << 14;
     if let Some(past) = past.filter(|past| past.camera == *camera) {
@@ -45,27 +45,27 @@ pub(super) fn surfaces(
     let Framebuffer { color: object, depth, depth_scale: scale, .. } = draw();
     let mut distance = depth?;
     distance.pixels_mut().par_chunks_mut(TOGETHER).for_each(|depths| scale.replace_by_distances(lanes, depths));
-    Some(Arc::new(Surfaces { object, distance }))
+    Some(Arc::new(GBuffer { object, distance }))
 }
 
 /// Returns the upscaler's inputs besides colours; `None` without surfaces.
-pub(super) fn seen<'a>(
-    surfaces: Option<&'a Surfaces>,
+pub(super) fn frame_inputs<'a>(
+    surfaces: Option<&'a GBuffer>,
     camera: &'a Camera,
     past: Option<&'a History>,
-) -> Option<Seen<'a>> {
-    surfaces.map(|surfaces| Seen { surfaces, camera, past })
+) -> Option<FrameInputs<'a>> {
+    surfaces.map(|surfaces| FrameInputs { gbuffer: surfaces, camera, history: past })
 }
 
 /// Returns the size of the picture that is actually rasterized.
-pub(super) fn raster_of(sampling: Sampling, Viewport { width, height }: Viewport) -> Viewport {
+pub(super) fn raster_viewport(sampling: Sampling, Viewport { width, height }: Viewport) -> Viewport {
     let (width, height) = sampling.raster_size(width, height);
     Viewport { width, height }
 }
 
 /// Returns the camera of the picture that is actually rasterized, with samples at `place` in its pixels.
-pub(super) fn camera_of(camera: &Camera, sampling: Sampling, viewport: Viewport, place: [f64; 2]) -> Camera {
-    samples::moved_window(camera, sampling, viewport, place).unwrap_or(*camera)
+pub(super) fn raster_camera(camera: &Camera, sampling: Sampling, viewport: Viewport, place: [f64; 2]) -> Camera {
+    samples::jittered_camera(camera, sampling, viewport, place).unwrap_or(*camera)
 }
 
 /// Returns the triangles of the full picture if the wireframe needs them because the rasterized picture is smaller,

@@ -2,9 +2,9 @@
 
 use serde::Serialize;
 
-use super::view::{raster_of, shown_in_full};
+use super::view::{gbuffer_recipe, raster_viewport};
 use super::{KeepDepth, Recipe, execution};
-use crate::pipeline::plan::Step;
+use crate::pipeline::plan::PlanStep;
 use crate::pipeline::settings::{DepthTest, Execution};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::Scene;
@@ -56,13 +56,13 @@ impl FramePart {
     }
 
     /// Returns whether a frame runs the part, with the reason if it does not.
-    pub(crate) fn step(self, scene: &Scene, recipe: &Recipe, keep_depth: KeepDepth) -> Step {
+    pub(crate) fn step(self, scene: &Scene, recipe: &Recipe, keep_depth: KeepDepth) -> PlanStep {
         let (native, depth_test) = (recipe.upscaler.is_native(), recipe.pipeline.depth_test);
         let tiled = execution(scene, recipe).0 == Execution::Tiled;
-        Step::unless(match self {
+        PlanStep::unless(match self {
             Self::EveryPixel => (!native).then_some("the upscaler reads fewer and fills in the rest"),
-            Self::Surfaces if shown_in_full(recipe).is_some() => None,
-            Self::Surfaces if recipe.upscaler.upscaler().reads().surfaces => Some("the depth test is off"),
+            Self::Surfaces if gbuffer_recipe(recipe).is_some() => None,
+            Self::Surfaces if recipe.upscaler.upscaler().reads().gbuffer => Some("the depth test is off"),
             Self::Surfaces => Some("the upscaler reads no G-buffer"),
             Self::AntiAliasing => recipe.antialias.is_off().then_some("the setting is one sample per pixel"),
             Self::KeptDepths if depth_test == DepthTest::Off => Some("the depth test is off"),
@@ -79,7 +79,7 @@ impl FramePart {
 /// Returns the number of pixels rasterized for a picture of this size: the maximum over the frames of a view.
 pub(crate) fn rasterized_pixels(recipe: &Recipe, viewport: Viewport) -> u64 {
     let sampling = recipe.upscaler.sampling();
-    let Viewport { width, height } = raster_of(sampling, viewport);
+    let Viewport { width, height } = raster_viewport(sampling, viewport);
     sampling.grid().drawn_pixels(width, height)
 }
 
@@ -123,7 +123,7 @@ mod tests {
             let frame = Renderer::default().render(&scene, &scene.home, &recipe, SIZE, keep);
             let runs = |part: FramePart| part.step(&scene, &recipe, keep).runs();
             assert_eq!(runs(FramePart::KeptDepths), frame.drawn.depth.is_some(), "{settings:?}");
-            assert_eq!(runs(FramePart::Surfaces), frame.surfaces.is_some(), "{settings:?}");
+            assert_eq!(runs(FramePart::Surfaces), frame.gbuffer.is_some(), "{settings:?}");
             assert_eq!(runs(FramePart::Upscaling), !std::ptr::eq(frame.image(), &frame.drawn.color), "{settings:?}");
         }
     }

@@ -4,9 +4,9 @@ use std::sync::atomic::Ordering;
 
 use crate::chain::Recipe;
 use crate::math::lanes::Lanes;
-use crate::measure::against::Figures;
-use crate::measure::bench::{BenchReport, Frames, bench};
-use crate::measure::motion::{MotionError, Shot, Turn, between};
+use crate::measure::against::ErrorMetrics;
+use crate::measure::bench::{BenchFrames, BenchReport, bench};
+use crate::measure::motion::{FrameSequence, MotionError, Turn, between};
 use crate::measure::noise;
 use crate::measure::stages::StageSummary;
 use crate::measure::timing::Summary;
@@ -96,7 +96,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
         } else {
             output::print(&bench_verify::table(&view.scene.name, size, &found))
         }?;
-        return bench_verify::judge(&found);
+        return bench_verify::check_equality(&found);
     }
     let lanes = match args.lanes {
         LanesArg::Best => Lanes::best(),
@@ -107,14 +107,14 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     let pool =
         rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| Failure::Threads(e.to_string()))?;
     let interrupted = interrupt::flag();
-    let shot = Shot { scene: &view.scene, camera: &view.camera, viewport: size, turn: Turn::by(args.turn) };
-    let frames = Frames { count: args.frames as usize, cancel: interrupted };
+    let shot = FrameSequence { scene: &view.scene, camera: &view.camera, viewport: size, turn: Turn::by(args.turn) };
+    let frames = BenchFrames { count: args.frames as usize, cancel: interrupted };
     let report = pool.install(|| {
         let mut report = bench(&shot, &view.recipe, frames, lanes)?;
         let mut go_on = |_| !interrupted.load(Ordering::Relaxed);
         let error = if report.partial { None } else { MeasuredError::of(&shot, &view.recipe, &mut go_on) };
         report.partial |= interrupted.load(Ordering::Relaxed);
-        Some(Report { report, error })
+        Some(BenchOutput { report, error })
     });
     let report = report.ok_or_else(interrupt::nothing)?;
     if args.json {
@@ -127,7 +127,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
 
 /// Times of the frames, and their error.
 #[derive(Serialize)]
-struct Report {
+struct BenchOutput {
     #[serde(flatten)]
     report: BenchReport,
     /// Error against native; `None` for the native method itself.
@@ -138,7 +138,7 @@ struct Report {
 #[derive(Serialize)]
 struct MeasuredError {
     /// Figures of the still view once the upscaler has converged.
-    still: Figures,
+    still: ErrorMetrics,
     /// Figures over the moving frames.
     motion: MotionError,
 }
@@ -146,19 +146,19 @@ struct MeasuredError {
 impl MeasuredError {
     /// Measures the upscaler of a recipe over the frames of a sequence. Returns `None` for the native method, which is
     /// the reference, and if `go_on` returns `false`.
-    fn of(shot: &Shot<'_>, recipe: &Recipe, go_on: &mut dyn FnMut(f32) -> bool) -> Option<Self> {
+    fn of(shot: &FrameSequence<'_>, recipe: &Recipe, go_on: &mut dyn FnMut(f32) -> bool) -> Option<Self> {
         if recipe.upscaler.is_native() {
             return None;
         }
         let native = Recipe { upscaler: Upscaling::NATIVE, ..*recipe };
-        let still = between(&Shot { turn: Turn::STILL, ..*shot }, [&native, recipe], go_on)?;
+        let still = between(&FrameSequence { turn: Turn::STILL, ..*shot }, [&native, recipe], go_on)?;
         let motion = if shot.turn.is_still() { still } else { between(shot, [&native, recipe], go_on)? };
         Some(Self { still: still.mean, motion })
     }
 }
 
-fn table(report: &Report) -> String {
-    let Report { report, error } = report;
+fn table(report: &BenchOutput) -> String {
+    let BenchOutput { report, error } = report;
     let BenchReport {
         scene,
         size: [width, height],

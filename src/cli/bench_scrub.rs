@@ -9,7 +9,7 @@ use crate::measure::timing::{Summary, summarize};
 use crate::pipeline::viewport::Viewport;
 use serde::Serialize;
 
-use super::scene_args::View;
+use super::scene_args::RequestedView;
 
 /// Costs of stepping through one frame.
 #[derive(Debug, Serialize)]
@@ -29,8 +29,8 @@ pub(crate) struct ScrubReport {
 }
 
 /// Times `count` steps of each kind, spread over the frame.
-pub(crate) fn measure(view: &View, viewport: Viewport, count: usize) -> ScrubReport {
-    let View { scene, camera, recipe, .. } = view;
+pub(crate) fn measure(view: &RequestedView, viewport: Viewport, count: usize) -> ScrubReport {
+    let RequestedView { scene, camera, recipe, .. } = view;
     let frame = run(scene, camera, recipe, viewport, &mut ());
     let begun = Instant::now();
     let mut scrubber = Scrubber::new(scene, recipe, &frame, BUDGET);
@@ -38,7 +38,7 @@ pub(crate) fn measure(view: &View, viewport: Viewport, count: usize) -> ScrubRep
     let triangles = scrubber.geometry().triangles.len();
     let mut show = |moment: Moment| {
         let begun = Instant::now();
-        let drawn = scrubber.go(moment);
+        let drawn = scrubber.frame_at(moment);
         let shown = frame.at_moment(recipe, drawn, scrubber.geometry_at(moment));
         let picture = Arc::new(shown.image().clone());
         (begun.elapsed(), picture, scrubber.memory())

@@ -1,13 +1,13 @@
 //! `rasterscope bench --verify`: checks that all ways to draw a frame give the same bits.
 
-use crate::measure::equality::{Difference, Equality, Quantity, Way, verify as compare};
+use crate::measure::equality::{ComparedQuantity, Equality, ExecutionVariant, FrameDifference, verify as compare};
 use crate::pipeline::viewport::Viewport;
 
 use super::failure::Failure;
-use super::scene_args::View;
+use super::scene_args::RequestedView;
 
 /// Compares on one, two and all threads, or only on `threads` threads.
-pub(crate) fn verify(view: &View, size: Viewport, threads: Option<usize>) -> Result<Equality, Failure> {
+pub(crate) fn verify(view: &RequestedView, size: Viewport, threads: Option<usize>) -> Result<Equality, Failure> {
     let machine = std::thread::available_parallelism().map_or(1, usize::from);
     let mut counts = threads.map_or_else(|| vec![1, 2, machine], |count| vec![count]);
     counts.sort_unstable();
@@ -21,7 +21,7 @@ pub(crate) fn table(scene: &str, Viewport { width, height }: Viewport, found: &E
     if let Some(obstacle) = found.obstacle {
         return text + &format!("nothing to compare: this frame is always drawn by classic execution: {obstacle}\n");
     }
-    for Way { lanes, threads, difference } in &found.ways {
+    for ExecutionVariant { lanes, threads, difference } in &found.ways {
         let unit = if *threads == 1 { "thread" } else { "threads" };
         let told = difference.as_ref().map_or_else(|| "equal".to_owned(), in_words);
         text += &format!("{lanes:10} {threads:3} {unit:8} {told}\n");
@@ -29,18 +29,18 @@ pub(crate) fn table(scene: &str, Viewport { width, height }: Viewport, found: &E
     text
 }
 
-fn in_words(difference: &Difference) -> String {
-    let Difference { quantity, samples, first: (x, y), expected, found } = difference;
+fn in_words(difference: &FrameDifference) -> String {
+    let FrameDifference { quantity, samples, first: (x, y), expected, found } = difference;
     let of = match quantity {
-        Quantity::Color => "samples differ in colour",
-        Quantity::Depth => "samples differ in depth",
-        Quantity::Picture => "pixels of the final picture differ",
+        ComparedQuantity::Color => "samples differ in colour",
+        ComparedQuantity::Depth => "samples differ in depth",
+        ComparedQuantity::Picture => "pixels of the final picture differ",
     };
     format!("DIFFERENT: {samples} {of}; first at {x},{y}: found {found}, expected {expected}")
 }
 
 /// Returns a failure if any way to draw the frame differs.
-pub(crate) fn judge(found: &Equality) -> Result<(), Failure> {
+pub(crate) fn check_equality(found: &Equality) -> Result<(), Failure> {
     let differing = found.ways.iter().filter(|way| way.difference.is_some()).count();
     if differing > 0 { Err(Failure::Unequal { differing, of: found.ways.len() }) } else { Ok(()) }
 }

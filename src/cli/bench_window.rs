@@ -4,11 +4,11 @@ use crate::measure::window_cost::WindowCost;
 use crate::pipeline::viewport::Viewport;
 
 use super::failure::Failure;
-use super::scene_args::View;
+use super::scene_args::RequestedView;
 use super::workbench;
 
 /// Times `passes` passes for each part of a window of `size` pixels.
-pub(crate) fn measure(view: View, size: Viewport, passes: usize) -> Result<Vec<WindowCost>, Failure> {
+pub(crate) fn measure(view: RequestedView, size: Viewport, passes: usize) -> Result<Vec<WindowCost>, Failure> {
     workbench::window_costs(view, size, passes)
 }
 

@@ -6,7 +6,7 @@ use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::case::{Case, CaseResult, Control, Options, Outcome, solve};
+use crate::case::{Case, CaseOutcome, CaseResult, Control, Options, solve};
 use crate::disk;
 use crate::pipeline::settings::{Arithmetic, Rasterizer};
 use clap::Args;
@@ -60,8 +60,8 @@ fn answer_one(case: &Path, into: Option<&Path>, options: Options) -> Result<(), 
     };
     write_file(&result, path)?;
     let outcome = match &result.outcome {
-        Outcome::Answered(_) => "answered",
-        Outcome::Refused { error } => &format!("refused: {error}"),
+        CaseOutcome::Answered(_) => "answered",
+        CaseOutcome::Refused { error } => &format!("refused: {error}"),
     };
     output::print(&format!("{}: {outcome}\n", output::display(path)))
 }
@@ -80,7 +80,7 @@ fn answer_all(cases: &[PathBuf], folder: &Path, options: Options) -> Result<(), 
             Ok(case) => {
                 let written = solved(&case, options).and_then(|result| {
                     write_file(&result, &folder.join(format!("{}.json", case.id)))?;
-                    Ok(matches!(result.outcome, Outcome::Answered(_)))
+                    Ok(matches!(result.outcome, CaseOutcome::Answered(_)))
                 });
                 match written {
                     Ok(true) => answered += 1,
@@ -93,7 +93,7 @@ fn answer_all(cases: &[PathBuf], folder: &Path, options: Options) -> Result<(), 
             }
             Err(new) => {
                 if let Some(earlier) = failure.replace(new) {
-                    output::complain("error", earlier);
+                    output::report("error", earlier);
                 }
             }
         }

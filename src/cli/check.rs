@@ -2,12 +2,12 @@
 
 use std::sync::atomic::AtomicBool;
 
-use crate::inspect::assertions::{Assertion, Finding, Report, check};
+use crate::inspect::assertions::{Assertion, AssertionReport, Finding, check};
 use crate::pipeline::settings::Choice as _;
 use clap::Args;
 
 use super::failure::Failure;
-use super::scene_args::{Drawn, FrameArgs};
+use super::scene_args::{DrawnFrame, FrameArgs};
 use super::{output, parse};
 
 /// Arguments of `check`.
@@ -27,7 +27,7 @@ pub(crate) struct CheckArgs {
 
 /// Runs `check`: draws, checks, prints the findings, and fails if an assertion is violated.
 pub(crate) fn run(args: &CheckArgs) -> Result<(), Failure> {
-    let Drawn { scene, recipe, frame, .. } = args.frame.draw(None)?;
+    let DrawnFrame { scene, recipe, frame, .. } = args.frame.draw(None)?;
     let wanted = if args.assert.is_empty() { Assertion::ALL } else { &args.assert };
     // The flag stays unset: only ending the process cancels.
     let Some(report) = check(&scene, &recipe, &frame, wanted, &|_| {}, &AtomicBool::new(false)) else { return Ok(()) };
@@ -41,7 +41,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<(), Failure> {
 }
 
 /// Formats one line for each assertion, followed by the first fragment that violates it.
-fn table(report: &Report) -> String {
+fn table(report: &AssertionReport) -> String {
     let mut text = format!("{:<14} {:>12} {:>12}  {}\n", "assertion", "checked", "violated", "what should hold");
     for Finding { assertion, checked, violated, first } in &report.findings {
         text += &format!("{:<14} {checked:>12} {violated:>12}  {}\n", assertion.id(), assertion.name());

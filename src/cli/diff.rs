@@ -10,7 +10,7 @@ use crate::inspect::what_if::Changes;
 use crate::inspect::{Buffer, capture, view};
 use crate::measure::error::{ImageError, compare};
 use crate::measure::machine::Machine;
-use crate::measure::motion::{MotionError, Shot, Turn, between};
+use crate::measure::motion::{FrameSequence, MotionError, Turn, between};
 use crate::measure::noise;
 use crate::measure::pair::{PairTimer, PairTimes};
 use clap::Args;
@@ -18,7 +18,7 @@ use serde::Serialize;
 
 use super::failure::Failure;
 use super::progress::ProgressLine;
-use super::scene_args::{FrameArgs, View};
+use super::scene_args::{FrameArgs, RequestedView};
 use super::{interrupt, output, parse};
 
 /// Arguments of `diff`.
@@ -81,10 +81,10 @@ pub(crate) fn run(args: &DiffArgs) -> Result<(), Failure> {
     let view = args.frame.view()?;
     let size = args.frame.size();
     let (a, b) = (view.against(&args.against)?, view.recipe);
-    let frame = |recipe: &Recipe| Renderer::default().render_settled(&view.scene, &view.camera, recipe, size);
+    let frame = |recipe: &Recipe| Renderer::default().render_converged(&view.scene, &view.camera, recipe, size);
     let (before, after) = (frame(&a), frame(&b));
     let (changed, marked) = compared(args.buffer, &view, (&a, &before), (&b, &after))?;
-    let shot = Shot { scene: &view.scene, camera: &view.camera, viewport: size, turn: Turn::by(args.turn) };
+    let shot = FrameSequence { scene: &view.scene, camera: &view.camera, viewport: size, turn: Turn::by(args.turn) };
     let (machine, interrupted) = (Machine::at_start(), interrupt::flag());
     let line = ProgressLine::new();
     let mut go_on = |share: f32| {
@@ -122,7 +122,7 @@ pub(crate) fn run(args: &DiffArgs) -> Result<(), Failure> {
 /// Returns the pixels of a buffer that differ, and the buffer of B with only these in colour.
 fn compared(
     buffer: Buffer,
-    view: &View,
+    view: &RequestedView,
     (a, before): (&Recipe, &Frame),
     (b, after): (&Recipe, &Frame),
 ) -> Result<(Changes, crate::image::Image<crate::image::Rgba8>), Failure> {
@@ -134,13 +134,13 @@ fn compared(
     let changed = Changes::of_buffer(buffer, (before, of_a), (after, of_b))
         .ok_or_else(|| Failure::Usage("A and B have different sizes".to_owned()))?;
     let picture = view::picture(buffer, after, of_b, view::range(buffer, after, of_b));
-    let marked = changed.marked(&picture);
+    let marked = changed.with_unchanged_dimmed(&picture);
     Ok((changed, marked))
 }
 
 fn timed(
     rounds: usize,
-    shot: &Shot<'_>,
+    shot: &FrameSequence<'_>,
     (a, b): (Recipe, Recipe),
     go_on: &mut dyn FnMut(f32) -> bool,
 ) -> Option<PairTimes> {

@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::failure::Failure;
 use super::output;
-use super::scene_args::{Drawn, FrameArgs};
+use super::scene_args::{DrawnFrame, FrameArgs};
 
 /// Arguments of `fates`.
 #[derive(Args, Debug)]
@@ -24,7 +24,7 @@ pub(crate) struct FatesArgs {
 
 /// Fates of a frame, as JSON.
 #[derive(Serialize)]
-struct Told<'a> {
+struct FatesJsonOutput<'a> {
     scene: &'a str,
     size: [u32; 2],
     triangles: TriangleCounts,
@@ -38,11 +38,11 @@ struct Told<'a> {
 
 /// Runs `fates`: draws, counts, and prints the fates.
 pub(crate) fn run(args: &FatesArgs) -> Result<(), Failure> {
-    let Drawn { scene, recipe, frame, .. } = args.frame.draw(None)?;
+    let DrawnFrame { scene, recipe, frame, .. } = args.frame.draw(None)?;
     let fates = Fates::of(&scene, &recipe, &frame);
     let Viewport { width, height } = frame.viewport;
     if args.json {
-        let told = Told {
+        let told = FatesJsonOutput {
             scene: &scene.name,
             size: [width, height],
             triangles: fates.triangle_counts(),

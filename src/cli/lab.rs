@@ -57,11 +57,11 @@ pub(crate) fn run(args: &LabArgs) -> Result<(), Failure> {
             write_recording(path, &recording, steps)?;
             output::print(&format!("{}: {steps} of {all} steps\n", output::display(path)))?;
         }
-        None => output::print(&told(&recording, steps))?,
+        None => output::print(&steps_text(&recording, steps))?,
     }
     let comparison = lesson.compare().filter(|_| args.compare);
     comparison.map_or(Ok(()), |comparison| {
-        let rivals = comparison.rivals.iter().map(|rival| {
+        let rivals = comparison.methods.iter().map(|rival| {
             let micros = rival.time.as_secs_f64() * 1e6;
             format!("{:28} {:12.4} {micros:12.2} µs\n", rival.name, rival.error)
         });
@@ -72,10 +72,10 @@ pub(crate) fn run(args: &LabArgs) -> Result<(), Failure> {
 }
 
 /// Formats one line for each step, and the results of the run.
-fn told(recording: &Recording, steps: usize) -> String {
+fn steps_text(recording: &Recording, steps: usize) -> String {
     let mut text = String::new();
     for (number, step) in recording.steps[..steps].iter().enumerate() {
-        text.push_str(&format!("{:5}  {}\n", number + 1, step.says));
+        text.push_str(&format!("{:5}  {}\n", number + 1, step.description));
     }
     for (name, value) in &recording.facts {
         text.push_str(&format!("{name}: {value}\n"));

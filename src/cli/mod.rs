@@ -55,7 +55,7 @@ use seen_args::WindowArgs;
 #[command(version, long_version = VERSION, args_conflicts_with_subcommands = true, after_help = example("chess"))]
 struct Cli {
     #[command(subcommand)]
-    command: Option<Command>,
+    command: Option<CliCommand>,
 
     #[command(flatten)]
     start: WindowArgs,
@@ -73,7 +73,7 @@ fn example(arguments: &str) -> String {
 }
 
 #[derive(Subcommand, Debug)]
-enum Command {
+enum CliCommand {
     /// Open the window, and fail if that is impossible
     ///
     /// Without scene and options it resumes scene, settings and view of the previous run.
@@ -139,7 +139,7 @@ pub fn run() -> ExitCode {
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            output::complain("error", &failure);
+            output::report("error", &failure);
             failure.exit_code()
         }
     }
@@ -148,23 +148,23 @@ pub fn run() -> ExitCode {
 fn execute(cli: &Cli) -> Result<(), Failure> {
     match &cli.command {
         None => window::run_or_draw(&cli.start),
-        Some(Command::Window(args)) => window::run(args),
-        Some(Command::Render(args)) => render::run(args),
-        Some(Command::Pixel(args)) => pixel::run(args),
-        Some(Command::Check(args)) => check::run(args),
-        Some(Command::Fates(args)) => fates::run(args),
-        Some(Command::Plan(args)) => plan::run(args),
-        Some(Command::Diff(args)) => diff::run(args),
-        Some(Command::Screenshot(args)) => screenshot::run(args),
-        Some(Command::Bench(args)) => bench::run(args),
-        Some(Command::Scaling(args)) => scaling::run(args),
-        Some(Command::Case(args)) => case::run(args),
-        Some(Command::Stability(args)) => stability::run(args),
-        Some(Command::Probe(args)) => probe::run(args),
-        Some(Command::Report(args)) => report::run(args),
-        Some(Command::Vector(args)) => vector::run(args),
-        Some(Command::Lab(args)) => lab::run(args),
-        Some(Command::Scenes) => scenes::run(),
+        Some(CliCommand::Window(args)) => window::run(args),
+        Some(CliCommand::Render(args)) => render::run(args),
+        Some(CliCommand::Pixel(args)) => pixel::run(args),
+        Some(CliCommand::Check(args)) => check::run(args),
+        Some(CliCommand::Fates(args)) => fates::run(args),
+        Some(CliCommand::Plan(args)) => plan::run(args),
+        Some(CliCommand::Diff(args)) => diff::run(args),
+        Some(CliCommand::Screenshot(args)) => screenshot::run(args),
+        Some(CliCommand::Bench(args)) => bench::run(args),
+        Some(CliCommand::Scaling(args)) => scaling::run(args),
+        Some(CliCommand::Case(args)) => case::run(args),
+        Some(CliCommand::Stability(args)) => stability::run(args),
+        Some(CliCommand::Probe(args)) => probe::run(args),
+        Some(CliCommand::Report(args)) => report::run(args),
+        Some(CliCommand::Vector(args)) => vector::run(args),
+        Some(CliCommand::Lab(args)) => lab::run(args),
+        Some(CliCommand::Scenes) => scenes::run(),
     }
 }
 

@@ -34,7 +34,7 @@ pub(crate) fn print_json(result: &impl Serialize) -> Result<(), Failure> {
 }
 
 /// Writes a warning or an error as one line to standard error. Failures to write it are ignored.
-pub(crate) fn complain(kind: &str, text: impl Display) {
+pub(crate) fn report(kind: &str, text: impl Display) {
     let _ = writeln!(stderr(), "{kind}: {}", text::one_line(&text.to_string()));
 }
 

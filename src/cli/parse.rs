@@ -2,7 +2,7 @@
 
 use std::ffi::OsStr;
 
-use crate::inspect::overlays::{Layer, Overlay};
+use crate::inspect::overlays::{Overlay, OverlayLayer};
 use crate::pipeline::settings::Choice;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::UpAxis;
@@ -67,7 +67,7 @@ pub(crate) fn tr() -> impl TypedValueParser<Value = TrMeaning> {
 }
 
 /// Returns a parser for an overlay and its opacity; help lists all overlays.
-pub(crate) fn layer() -> impl TypedValueParser<Value = Layer> {
+pub(crate) fn layer() -> impl TypedValueParser<Value = OverlayLayer> {
     LayerParser
 }
 
@@ -75,10 +75,10 @@ pub(crate) fn layer() -> impl TypedValueParser<Value = Layer> {
 struct LayerParser;
 
 impl TypedValueParser for LayerParser {
-    type Value = Layer;
+    type Value = OverlayLayer;
 
-    fn parse_ref(&self, command: &Command, arg: Option<&Arg>, value: &OsStr) -> Result<Layer, clap::Error> {
-        let parse = |text: &str| text.parse::<Layer>();
+    fn parse_ref(&self, command: &Command, arg: Option<&Arg>, value: &OsStr) -> Result<OverlayLayer, clap::Error> {
+        let parse = |text: &str| text.parse::<OverlayLayer>();
         TypedValueParser::parse_ref(&parse, command, arg, value)
     }
 

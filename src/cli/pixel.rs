@@ -11,7 +11,7 @@ use clap::Args;
 
 use super::failure::Failure;
 use super::pixel_text::describe;
-use super::scene_args::{Drawn, FrameArgs};
+use super::scene_args::{DrawnFrame, FrameArgs};
 use super::seen_args::moment;
 use super::{output, parse};
 
@@ -74,7 +74,7 @@ pub(crate) fn run(args: &PixelArgs) -> Result<(), Failure> {
     if x >= picture.width || y >= picture.height {
         return Err(outside());
     }
-    let Drawn { scene, recipe, frame, .. } = args.frame.draw(moment(args.triangles, args.fragments))?;
+    let DrawnFrame { scene, recipe, frame, .. } = args.frame.draw(moment(args.triangles, args.fragments))?;
     let mut survey = Survey::of(&scene, &recipe, &frame);
     survey.set_seams(Arc::new(Seams::of(&scene)));
     let report = explain(&scene, &recipe, &frame, &survey, (x, y)).ok_or_else(outside)?;

@@ -5,7 +5,7 @@ use std::fmt::Debug;
 use crate::image::Rgba8;
 use crate::inspect::history::SampleState;
 use crate::inspect::pixel::{ShadingRecord, SourceRecord, TextureMap};
-use crate::inspect::{DepthRecord, FragmentRecord, Outcome, PixelReport};
+use crate::inspect::{DepthRecord, FragmentOutcome, FragmentRecord, PixelReport};
 use crate::pipeline::settings::{Arithmetic, Choice as _};
 
 /// Formats the whole report in several lines.
@@ -128,13 +128,13 @@ fn source_line(source: &SourceRecord) -> String {
     format!("({}, {}) × {:?}: {}", source.tap.x, source.tap.y, source.tap.weight, color(source.color))
 }
 
-fn outcome(outcome: Outcome) -> &'static str {
+fn outcome(outcome: FragmentOutcome) -> &'static str {
     match outcome {
-        Outcome::Visible => "visible",
-        Outcome::Overwritten => "overwritten",
-        Outcome::BlendedOver => "visible through a blended fragment",
-        Outcome::DepthRejected => "rejected by the depth test",
-        Outcome::CutOut => "discarded by the alpha test",
+        FragmentOutcome::Visible => "visible",
+        FragmentOutcome::Overwritten => "overwritten",
+        FragmentOutcome::BlendedOver => "visible through a blended fragment",
+        FragmentOutcome::DepthRejected => "rejected by the depth test",
+        FragmentOutcome::CutOut => "discarded by the alpha test",
     }
 }
 

@@ -5,14 +5,14 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use crate::chain::{Recipe, execution};
-use crate::measure::leaving_out::{Saving, Savings, savings};
 use crate::measure::noise;
-use crate::pipeline::plan::Part;
+use crate::measure::skipped_work::{Saving, Savings, savings};
+use crate::pipeline::plan::PipelinePart;
 use crate::pipeline::settings::Execution;
 use crate::pipeline::viewport::Viewport;
 use crate::pipeline::{prepare, tiled};
-use crate::report::leaving_out::{Row, table, views};
-use crate::report::plan::{Group, Whole, groups, text, whole, whole_text};
+use crate::report::plan::{DrawGroup, WholeFrame, groups, text, whole, whole_text};
+use crate::report::skipped_work::{SceneSavings, table, views};
 use crate::scene::{Camera, Scene};
 use clap::Args;
 use serde::Serialize;
@@ -20,7 +20,7 @@ use serde::Serialize;
 use super::failure::Failure;
 use super::output;
 use super::progress::ProgressLine;
-use super::scene_args::{FrameArgs, View};
+use super::scene_args::{FrameArgs, RequestedView};
 
 /// Arguments of `plan`.
 #[derive(Args, Debug)]
@@ -52,15 +52,15 @@ pub(crate) struct PlanArgs {
 struct Planned<'a> {
     scene: &'a str,
     size: [u32; 2],
-    frame: Whole,
-    groups: &'a [Group],
+    frame: WholeFrame,
+    groups: &'a [DrawGroup],
     #[serde(skip_serializing_if = "Option::is_none")]
     savings: Option<Savings>,
 }
 
 /// Runs `plan`: prints the plans of the draws without drawing them, and measures savings on request.
 pub(crate) fn run(args: &PlanArgs) -> Result<(), Failure> {
-    let View { scene, camera, recipe, .. } = args.frame.view()?;
+    let RequestedView { scene, camera, recipe, .. } = args.frame.view()?;
     let viewport = args.frame.size();
     if args.table {
         return table_of_scenes(args, &recipe, viewport);
@@ -108,9 +108,9 @@ fn table_of_scenes(args: &PlanArgs, recipe: &Recipe, viewport: Viewport) -> Resu
         // The flag stays unset: only ending the process cancels.
         let never = AtomicBool::new(false);
         let savings = savings(&Arc::new(scene), &camera, recipe, viewport, args.rounds as usize, &tell, &never)?;
-        Some(Row { scene: name, savings })
+        Some(SceneSavings { scene: name, savings })
     };
-    let rows: Vec<Row> = views.into_iter().enumerate().filter_map(measure).collect();
+    let rows: Vec<SceneSavings> = views.into_iter().enumerate().filter_map(measure).collect();
     drop(line);
     if args.json {
         return output::print_json(&rows);
@@ -133,7 +133,7 @@ fn savings_text(savings: &Savings) -> String {
     }
     text += &format!("{:21} {:>10} {:>10} {:>10}  draws\n", "skipped, saved ms", "median", "p10", "p90");
     for Saving { part, draws, saved_ms, within_noise, same_picture } in savings {
-        let name = part.map_or("all of them", Part::name);
+        let name = part.map_or("all of them", PipelinePart::name);
         let picture = if *same_picture { "" } else { ", and A DIFFERENT PICTURE" };
         let noise = if *within_noise { format!(", {}", noise::WITHIN) } else { String::new() };
         text += &format!(

@@ -5,17 +5,19 @@ use std::sync::atomic::AtomicBool;
 
 use crate::case::MinimalCase;
 use crate::image::file::write_png;
-use crate::inspect::probe::{Changed, Fragile, Heat, Jittered, Probe, ProbeResult, Subject, picture, run as probe};
+use crate::inspect::probe::{
+    Changed, Fragile, Heat, JitterTarget, Probe, ProbeResult, ProbedView, picture, run as probe,
+};
 use crate::pipeline::settings::Choice as _;
 use clap::Args;
 use serde::Serialize;
 
 use super::failure::Failure;
-use super::scene_args::{FrameArgs, View};
+use super::scene_args::{FrameArgs, RequestedView};
 use super::{output, parse};
 
 /// Largest number of triangles listed in the text.
-const TOLD: usize = 10;
+const MAX_LISTED: usize = 10;
 
 /// Arguments of `probe`.
 #[derive(Args, Debug)]
@@ -24,8 +26,8 @@ pub(crate) struct ProbeArgs {
     frame: FrameArgs,
 
     /// Inputs to move
-    #[arg(long, value_name = "WHAT", default_value = "camera", value_parser = parse::choice::<Jittered>())]
-    what: Jittered,
+    #[arg(long, value_name = "WHAT", default_value = "camera", value_parser = parse::choice::<JitterTarget>())]
+    what: JitterTarget,
 
     /// Largest movement, in units in the last place
     #[arg(long, value_name = "K", default_value_t = 1)]
@@ -58,8 +60,8 @@ pub(crate) struct ProbeArgs {
 
 /// Runs `probe`: probes, writes the requested files, and prints the findings.
 pub(crate) fn run(args: &ProbeArgs) -> Result<(), Failure> {
-    let View { scene, recipe, camera, .. } = args.frame.view()?;
-    let subject = Subject { scene, camera, settings: recipe.pipeline, viewport: args.frame.size() };
+    let RequestedView { scene, recipe, camera, .. } = args.frame.view()?;
+    let subject = ProbedView { scene, camera, settings: recipe.pipeline, viewport: args.frame.size() };
     let what = Probe { what: args.what, ulps: args.ulps, runs: args.runs, seed: args.seed };
     // The flag stays unset: only ending the process cancels.
     let Some(found) = probe(&subject, what, &|_| {}, &AtomicBool::new(false)) else { return Ok(()) };
@@ -80,27 +82,27 @@ fn save_case(found: &ProbeResult, path: &Path) -> Result<(), Failure> {
     let Some((worst, triangle)) = worst else {
         return Err(Failure::Usage("--save-case: no triangle lost or gained a pixel; raise --ulps".to_owned()));
     };
-    let Subject { scene, settings, viewport, .. } = &found.subject;
+    let ProbedView { scene, settings, viewport, .. } = &found.subject;
     let case = MinimalCase::new(&triangle, worst.worst_pixel, *viewport, settings, &scene.name);
     output::write(path, &case.to_json())
 }
 
 /// Findings, as JSON.
 #[derive(Serialize)]
-struct Told<'a> {
+struct ProbeJsonOutput<'a> {
     scene: &'a str,
     width: u32,
     height: u32,
     probe: Probe,
-    summary: crate::inspect::probe::Summary,
+    summary: crate::inspect::probe::ProbeSummary,
     ranking: &'a [Fragile],
 }
 
 fn json(found: &ProbeResult) -> Result<String, Failure> {
-    let Subject { scene, viewport, .. } = &found.subject;
+    let ProbedView { scene, viewport, .. } = &found.subject;
     let (width, height) = (viewport.width, viewport.height);
     let (summary, ranking) = (found.summary(), &found.ranking[..]);
-    let told = Told { scene: &scene.name, width, height, probe: found.probe, summary, ranking };
+    let told = ProbeJsonOutput { scene: &scene.name, width, height, probe: found.probe, summary, ranking };
     output::json(&told)
 }
 
@@ -121,7 +123,7 @@ fn text(found: &ProbeResult) -> String {
     }
     line("colour", summary.color);
     text.push_str(&format!("{} triangles lost or gained pixels\n", summary.fragile_triangles));
-    for Fragile { triangle, changes, worst_pixel: (x, y), worst_changes } in found.ranking.iter().take(TOLD) {
+    for Fragile { triangle, changes, worst_pixel: (x, y), worst_changes } in found.ranking.iter().take(MAX_LISTED) {
         text.push_str(&format!(
             "  triangle {:8} {changes:9} changes, worst at pixel {x},{y}: {worst_changes} of {runs} runs\n",
             triangle.0

@@ -8,9 +8,9 @@ use crate::image::file::write_png;
 use crate::image::pfm::{Floats, write_pfm};
 use crate::image::{Image, Rgba8};
 use crate::inspect::buffers::Buffers;
-use crate::inspect::display::{Display, Kind};
+use crate::inspect::display::{Display, ValueKind};
 use crate::inspect::intermediate::{self, Captured};
-use crate::inspect::overlays::{Context, Layer, Sheet, compose, csv};
+use crate::inspect::overlays::{OverlayContext, OverlayLayer, Sheet, compose, csv};
 use crate::inspect::planes::planes;
 use crate::inspect::view::{Range, Value};
 use crate::inspect::{Buffer, Intermediate, Stage, capture, stages, view};
@@ -22,7 +22,7 @@ use clap::Args;
 
 use super::failure::Failure;
 use super::parse::Either;
-use super::scene_args::{Drawn, FrameArgs};
+use super::scene_args::{DrawnFrame, FrameArgs};
 use super::seen_args::moment;
 use super::{output, parse};
 
@@ -60,7 +60,7 @@ pub(crate) struct RenderArgs {
     /// Overlay on the picture, with its opacity, and the length of normals as a share of the scene's size; prints its
     /// totals. May be given several times, bottom first
     #[arg(long, value_name = "OVERLAY[=OPACITY[,length=SHARE]]", value_parser = parse::layer())]
-    overlay: Vec<Layer>,
+    overlay: Vec<OverlayLayer>,
 
     /// CSV file for the totals of all overlays
     #[arg(long, value_name = "FILE.csv", requires = "overlay")]
@@ -81,7 +81,7 @@ pub(crate) struct RenderArgs {
 
 /// Runs `render`: draws, writes the picture, and prints a summary line.
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
-    let Drawn { scene, camera, recipe, frame } = args.frame.draw(moment(args.triangles, args.fragments))?;
+    let DrawnFrame { scene, camera, recipe, frame } = args.frame.draw(moment(args.triangles, args.fragments))?;
     let (buffer, captured) = match args.buffer {
         Either::First(buffer) => (buffer, None),
         Either::Second(number) => (Buffer::Color, Some(intermediate::capture(&scene, &recipe, &frame, number))),
@@ -98,7 +98,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         None => buffers,
     };
     let hits = buffers.as_ref().and_then(|buffers| buffers.hits.as_ref());
-    let shown = Shown {
+    let shown = RenderedQuantity {
         buffer,
         captured,
         stage: stage.as_ref(),
@@ -147,7 +147,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
 }
 
 /// The quantity that is drawn.
-struct Shown<'a> {
+struct RenderedQuantity<'a> {
     buffer: Buffer,
     /// Intermediate value, which replaces the buffer.
     captured: Option<&'a Captured>,
@@ -165,7 +165,7 @@ struct Shown<'a> {
     is_whole: bool,
 }
 
-impl Shown<'_> {
+impl RenderedQuantity<'_> {
     fn value(&self, x: u32, y: u32) -> Value {
         match (self.stage, self.captured) {
             (Some(stage), _) => Value::Color(stage.at(x, y)),
@@ -178,8 +178,8 @@ impl Shown<'_> {
     fn range(&self) -> Option<Range> {
         let (size, value) = (self.frame.image().size(), |x: u32, y: u32| self.value(x, y));
         match (self.stage, self.captured) {
-            (Some(_), _) => self.display.range_of(Kind::Colors, size, || None, value),
-            (None, Some(captured)) => self.display.range_of(Kind::Numbers, size, || captured.range(), value),
+            (Some(_), _) => self.display.range_of(ValueKind::Colors, size, || None, value),
+            (None, Some(captured)) => self.display.range_of(ValueKind::Numbers, size, || captured.range(), value),
             (None, None) => self.display.range(self.buffer, self.frame, self.buffers),
         }
     }
@@ -195,14 +195,14 @@ impl Shown<'_> {
     }
 
     /// Returns the overlays of these layers.
-    fn sheets(&self, layers: &[Layer]) -> Vec<Sheet> {
+    fn sheets(&self, layers: &[OverlayLayer]) -> Vec<Sheet> {
         let watched = OnceLock::new();
-        let context = Context {
+        let context = OverlayContext {
             scene: self.scene,
             recipe: self.recipe,
             frame: self.frame,
             is_whole: self.is_whole,
-            watched: &watched,
+            stats_cache: &watched,
             seams: self.seams,
             shown: &|x, y| self.value(x, y),
             range: self.range(),

@@ -10,7 +10,7 @@ use crate::measure::reference::Reference;
 use crate::pipeline::viewport::Viewport;
 use crate::report::upscaling::csv::csv;
 use crate::report::upscaling::page::page;
-use crate::report::upscaling::sweep::{self, Plan, Progress, Subject, every_upscaler};
+use crate::report::upscaling::sweep::{self, NamedView, UpscalingPlan, UpscalingProgress, every_upscaler};
 use crate::scene::obj::Loaded;
 use clap::Args;
 
@@ -67,7 +67,9 @@ pub(crate) fn run(args: &ReportArgs) -> Result<(), Failure> {
     let plan = plan(args)?;
     output::prepare_folder(&args.output, &FILES)?;
     let line = ProgressLine::new();
-    let show = |Progress { scene, stage, done, of }: Progress| line.show(&format!("{scene}, {stage}: {done} of {of}"));
+    let show = |UpscalingProgress { scene, stage, done, of }: UpscalingProgress| {
+        line.show(&format!("{scene}, {stage}: {done} of {of}"))
+    };
     let threads = args.threads.map_or(0, usize::from);
     let pool =
         rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| Failure::Threads(e.to_string()))?;
@@ -85,7 +87,7 @@ pub(crate) fn run(args: &ReportArgs) -> Result<(), Failure> {
     interrupt::outcome(report.partial)
 }
 
-fn plan(args: &ReportArgs) -> Result<Plan, Failure> {
+fn plan(args: &ReportArgs) -> Result<UpscalingPlan, Failure> {
     let mut recipe = Recipe::default();
     recipe.set_all(&args.set)?;
     let names = args.scenes.iter().map(Some);
@@ -93,10 +95,10 @@ fn plan(args: &ReportArgs) -> Result<Plan, Failure> {
     let mut subjects = Vec::with_capacity(names.len());
     for name in names {
         let Loaded { scene, warnings, .. } = args.memory.load(&scene_args::source(name.map(PathBuf::as_path))?)?;
-        warnings.iter().for_each(|warning| output::complain("warning", warning));
-        subjects.push(Subject { name: scene.name.clone(), camera: scene.home, scene: Arc::new(scene) });
+        warnings.iter().for_each(|warning| output::report("warning", warning));
+        subjects.push(NamedView { name: scene.name.clone(), camera: scene.home, scene: Arc::new(scene) });
     }
-    Ok(Plan {
+    Ok(UpscalingPlan {
         subjects,
         recipes: every_upscaler(recipe),
         viewport: args.size,

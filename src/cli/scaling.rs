@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::chain::Recipe;
-use crate::measure::scaling::{Plan, Quantity, Scaling, ScalingError, measure};
+use crate::measure::scaling::{Scaling, ScalingError, ScalingPlan, ScalingQuantity, measure};
 use crate::report::scaling::{csv, page, text};
 use clap::Args;
 
@@ -44,12 +44,12 @@ pub(crate) fn run(args: &ScalingArgs) -> Result<(), Failure> {
     recipe.set_all(&args.set)?;
     let machine = std::thread::available_parallelism().map_or(1, usize::from);
     let threads = args.threads.map_or(machine, usize::from);
-    let plan = Plan::new(recipe, args.most_triangles as usize, threads, args.rounds.into());
+    let plan = ScalingPlan::new(recipe, args.most_triangles as usize, threads, args.rounds.into());
     if let Some(folder) = &args.output {
         output::prepare_folder(folder, &FILES)?;
     }
     let line = ProgressLine::new();
-    let tell = |quantity: Quantity, share: f32| line.show_share(quantity.name(), share);
+    let tell = |quantity: ScalingQuantity, share: f32| line.show_share(quantity.name(), share);
     let scaling = measure(&plan, &tell, interrupt::flag());
     drop(line);
     let scaling = scaling.map_err(|error| match error {

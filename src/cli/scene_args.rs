@@ -111,7 +111,7 @@ pub(crate) const WARNED: &str = "RASTERSCOPE_WARNED";
 /// Scene, camera and recipe requested by the shared options.
 #[derive(Clone, Debug)]
 #[cfg_attr(not(feature = "ui"), expect(dead_code, reason = "only the workbench needs all of it"))]
-pub(crate) struct View {
+pub(crate) struct RequestedView {
     pub(crate) source: SceneSource,
     pub(crate) scene: Arc<Scene>,
     pub(crate) warnings: Vec<Warning>,
@@ -127,7 +127,7 @@ pub(crate) struct View {
     pub(crate) memory_limit: MemoryLimit,
 }
 
-impl View {
+impl RequestedView {
     /// Returns the recipe with the changes of `--against`.
     pub(crate) fn against(&self, settings: &[String]) -> Result<Recipe, Failure> {
         let mut recipe = self.recipe;
@@ -138,20 +138,20 @@ impl View {
 
 impl SceneArgs {
     /// Loads the scene and reads camera and recipe. Warnings of the loader go to standard error.
-    pub(crate) fn view(&self) -> Result<View, Failure> {
+    pub(crate) fn view(&self) -> Result<RequestedView, Failure> {
         let recipe = self.recipe()?;
         let camera = self.camera.as_deref().map(camera).transpose()?;
         let source = source(self.scene.as_deref())?.with_tr(self.tr);
         let Loaded { scene, warnings, notes } = self.memory.load(&source)?;
         if std::env::var_os(WARNED).is_none() {
-            warnings.iter().for_each(|warning| output::complain("warning", warning));
-            notes.iter().for_each(|note| output::complain("note", note));
+            warnings.iter().for_each(|warning| output::report("warning", warning));
+            notes.iter().for_each(|note| output::report("note", note));
         }
         let mut scene = if self.mirror_z { scene.mirrored_z() } else { scene };
         if let Up::Axis(up) = self.up {
             scene.home = scene.first_view(up);
         }
-        Ok(View {
+        Ok(RequestedView {
             recipe,
             camera: camera.unwrap_or(scene.home),
             source,
@@ -214,7 +214,7 @@ const NO_CHECKPOINTS: usize = 0;
 
 /// A frame and its inputs.
 #[derive(Clone, Debug)]
-pub(crate) struct Drawn {
+pub(crate) struct DrawnFrame {
     pub(crate) scene: Arc<Scene>,
     pub(crate) camera: Camera,
     pub(crate) recipe: Recipe,
@@ -228,22 +228,22 @@ impl FrameArgs {
     }
 
     /// Loads the scene and reads camera and recipe.
-    pub(crate) fn view(&self) -> Result<View, Failure> {
+    pub(crate) fn view(&self) -> Result<RequestedView, Failure> {
         self.scene.view()
     }
 
     /// Draws the frame, stopped at a moment if one is given.
-    pub(crate) fn draw(&self, moment: Option<Moment>) -> Result<Drawn, Failure> {
-        let View { scene, recipe, camera, .. } = self.view()?;
+    pub(crate) fn draw(&self, moment: Option<Moment>) -> Result<DrawnFrame, Failure> {
+        let RequestedView { scene, recipe, camera, .. } = self.view()?;
         let frame = match moment {
-            None => Renderer::default().render_settled(&scene, &camera, &recipe, self.size),
+            None => Renderer::default().render_converged(&scene, &camera, &recipe, self.size),
             Some(moment) => {
                 let frame = run(&scene, &camera, &recipe, self.size, &mut ());
                 let mut scrubber = Scrubber::new(&scene, &recipe, &frame, NO_CHECKPOINTS);
-                let drawn = scrubber.go(moment);
+                let drawn = scrubber.frame_at(moment);
                 frame.at_moment(&recipe, drawn, scrubber.geometry_at(moment))
             }
         };
-        Ok(Drawn { scene, camera, recipe, frame })
+        Ok(DrawnFrame { scene, camera, recipe, frame })
     }
 }

@@ -24,7 +24,7 @@ pub(crate) struct ScreenshotArgs {
     scene: SceneArgs,
 
     #[command(flatten)]
-    look: Look,
+    look: WorkbenchArgs,
 
     #[command(flatten)]
     seen: SeenArgs,
@@ -40,7 +40,7 @@ pub(crate) struct ScreenshotArgs {
 
 /// State and appearance of the workbench.
 #[derive(Args, Clone, Debug)]
-pub(crate) struct Look {
+pub(crate) struct WorkbenchArgs {
     /// Width and height of the screenshot in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x800", value_parser = parse::size)]
     pub(crate) size: Viewport,
@@ -51,7 +51,7 @@ pub(crate) struct Look {
 
     /// Colour theme of the workbench
     #[arg(long, default_value = "dark")]
-    pub(crate) theme: Theme,
+    pub(crate) theme: ThemeArg,
 
     /// Column and row of the picked pixel of the scene's picture, which the inspector explains
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = parse::pixel)]
@@ -63,11 +63,11 @@ pub(crate) struct Look {
 
     /// Compare the picture with those of other upscalers
     #[arg(long)]
-    pub(crate) compare: Option<Compare>,
+    pub(crate) compare: Option<CompareArg>,
 
     /// Open tab
     #[arg(long)]
-    pub(crate) tab: Option<Tab>,
+    pub(crate) tab: Option<TabArg>,
 
     /// Intermediate value between triangle and colour to show on the picture
     #[arg(long, value_name = "NUMBER", value_parser = parse::choice::<Intermediate>())]
@@ -113,12 +113,12 @@ pub(crate) struct Look {
     pub(crate) lab_step: Option<usize>,
 }
 
-impl Default for Look {
+impl Default for WorkbenchArgs {
     fn default() -> Self {
         Self {
             size: Viewport { width: 1280, height: 800 },
             scale: 1.0,
-            theme: Theme::Dark,
+            theme: ThemeArg::Dark,
             at: None,
             measure: false,
             compare: None,
@@ -140,7 +140,7 @@ impl Default for Look {
 
 /// Colour theme of the workbench.
 #[derive(Clone, Copy, Debug, ValueEnum)]
-pub(crate) enum Theme {
+pub(crate) enum ThemeArg {
     /// Light text on dark panels
     Dark,
     /// Dark text on light panels
@@ -149,7 +149,7 @@ pub(crate) enum Theme {
 
 /// Mode of the comparison of pictures.
 #[derive(Clone, Copy, Debug, ValueEnum)]
-pub(crate) enum Compare {
+pub(crate) enum CompareArg {
     /// Two tiles side by side
     Two,
     /// Four tiles
@@ -179,7 +179,7 @@ pub(crate) enum Open {
 
 /// Tabs along the bottom.
 #[derive(Clone, Copy, Debug, ValueEnum)]
-pub(crate) enum Tab {
+pub(crate) enum TabArg {
     /// Frame time of each upscaler
     FrameTime,
     /// Cost and error of each upscaler

@@ -1,7 +1,7 @@
 //! View of the frame: the options that "Copy as command" adds to scene, camera and settings.
 
 use crate::inspect::display::Display;
-use crate::inspect::overlays::Layer;
+use crate::inspect::overlays::OverlayLayer;
 use crate::inspect::scrub::Moment;
 use crate::inspect::{Buffer, Intermediate, Stage};
 use crate::pipeline::viewport::Viewport;
@@ -9,7 +9,7 @@ use clap::Args;
 
 use super::failure::Failure;
 use super::parse::{self, Either};
-use super::scene_args::{SceneArgs, View};
+use super::scene_args::{RequestedView, SceneArgs};
 
 /// View of the frame in the window.
 #[derive(Args, Clone, Debug, Default, PartialEq)]
@@ -30,7 +30,7 @@ pub(crate) struct SeenArgs {
     /// Overlay on the picture, with its opacity, and the length of normals as a share of the scene's size; may be given
     /// several times, bottom first
     #[arg(long, value_name = "OVERLAY[=OPACITY[,length=SHARE]]", value_parser = parse::layer())]
-    pub(crate) overlay: Vec<Layer>,
+    pub(crate) overlay: Vec<OverlayLayer>,
 
     /// Number of rasterized triangles to draw; all if omitted
     #[arg(long, value_name = "N")]
@@ -66,9 +66,9 @@ pub(crate) struct WindowArgs {
 
 impl WindowArgs {
     /// Reads scene, camera and settings. The view is the default only if no option of this struct is given, either.
-    pub(crate) fn view(&self) -> Result<View, Failure> {
+    pub(crate) fn view(&self) -> Result<RequestedView, Failure> {
         let view = self.scene.view()?;
         let is_default = view.is_default && self.seen == SeenArgs::default() && self.at.is_none();
-        Ok(View { is_default, ..view })
+        Ok(RequestedView { is_default, ..view })
     }
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use crate::pipeline::settings::{Arithmetic, Rasterizer};
 use crate::report::stability::catalogue::{self, Class};
-use crate::report::stability::sweep::{self, DEFAULT_SEED, Plan, Progress, Report};
+use crate::report::stability::sweep::{self, DEFAULT_SEED, StabilityPlan, StabilityProgress, StabilityReport};
 use crate::report::stability::{csv::csv, html::html, text::text};
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -61,8 +61,8 @@ fn class() -> impl TypedValueParser<Value = &'static Class> {
 
 /// Runs `stability`: runs the requested cases and writes the report.
 pub(crate) fn run(args: &StabilityArgs) -> Result<(), Failure> {
-    let everything = Plan::default();
-    let plan = Plan {
+    let everything = StabilityPlan::default();
+    let plan = StabilityPlan {
         classes: or_all(&args.class, everything.classes),
         rasterizers: or_all(&args.rasterizer, everything.rasterizers),
         arithmetics: or_all(&args.arithmetic, everything.arithmetics),
@@ -71,7 +71,9 @@ pub(crate) fn run(args: &StabilityArgs) -> Result<(), Failure> {
     };
     args.output.as_deref().map_or(Ok(()), output::check_writable)?;
     let line = ProgressLine::new();
-    let show = |Progress { stage, done, of }: Progress| line.show(&format!("{}: {done} of {of}", stage.name()));
+    let show = |StabilityProgress { stage, done, of }: StabilityProgress| {
+        line.show(&format!("{}: {done} of {of}", stage.name()))
+    };
     let report = sweep::run(&plan, &show, interrupt::flag());
     drop(line);
     let report = report.ok_or_else(interrupt::nothing)?;
@@ -87,7 +89,7 @@ fn or_all<T: Clone>(chosen: &[T], all: Vec<T>) -> Vec<T> {
     if chosen.is_empty() { all } else { chosen.to_vec() }
 }
 
-fn render(args: &StabilityArgs, report: &Report) -> Result<String, Failure> {
+fn render(args: &StabilityArgs, report: &StabilityReport) -> Result<String, Failure> {
     if args.json {
         output::json(report)
     } else if args.csv {

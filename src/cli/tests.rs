@@ -1,5 +1,5 @@
 use crate::inspect::display::Display;
-use crate::inspect::{Buffer, Intermediate, Place, Stage};
+use crate::inspect::{Buffer, InspectionState, Intermediate, Stage};
 use crate::pipeline::settings::Choice as _;
 use crate::scene::{Projection, SceneSource};
 
@@ -22,11 +22,11 @@ fn words(line: &str) -> Vec<String> {
 }
 
 /// Parses a command line and returns the place that it opens.
-fn arrive(line: &str) -> Place {
+fn arrive(line: &str) -> InspectionState {
     let cli = Cli::try_parse_from(words(line)).unwrap();
-    let Some(Command::Window(args)) = cli.command else { panic!("it opens the window") };
+    let Some(CliCommand::Window(args)) = cli.command else { panic!("it opens the window") };
     let view = args.scene.view().unwrap();
-    Place {
+    InspectionState {
         scene: view.source.name(),
         mirrored: view.mirrored,
         camera: view.camera,
@@ -49,9 +49,9 @@ fn arrive(line: &str) -> Place {
     }
 }
 
-fn places() -> Vec<Place> {
+fn places() -> Vec<InspectionState> {
     let camera = SceneSource::named("cubes".into()).load().unwrap().scene.home;
-    let plain = Place {
+    let plain = InspectionState {
         scene: "cubes".into(),
         mirrored: false,
         camera,
@@ -67,13 +67,13 @@ fn places() -> Vec<Place> {
         pixel: None,
     };
     let mut turned =
-        Place { pixel: Some((3, 199)), buffer: Buffer::PerspectiveLambda, mirrored: true, ..plain.clone() };
+        InspectionState { pixel: Some((3, 199)), buffer: Buffer::PerspectiveLambda, mirrored: true, ..plain.clone() };
     for _ in 0..7 {
         turned.camera.orbit(0.123, -0.045);
         turned.camera.dolly(0.97);
     }
     turned.recipe.set_all(&["upscaler.method=bicubic", "upscaler.scale=3", "light.direction=0.1,-7,1e-9"]).unwrap();
-    let mut flat = Place {
+    let mut flat = InspectionState {
         stage: Some(Stage::Clip),
         buffer: Buffer::Color,
         display: "channels=gb".parse().unwrap(),
@@ -84,7 +84,7 @@ fn places() -> Vec<Place> {
     };
     flat.camera.projection = Projection::Orthographic { height: 1.0 / 3.0 };
     let overlays = ["exact-owner", "facing=0.123", "triangle-size=0"].map(|text| text.parse().unwrap()).to_vec();
-    let numbers = Intermediate::ALL.iter().map(|number| Place {
+    let numbers = Intermediate::ALL.iter().map(|number| InspectionState {
         number: Some(*number),
         display: "range=-0.1..0.30000001,map=diverging,reversed".parse().unwrap(),
         overlays: overlays.clone(),
@@ -104,7 +104,7 @@ fn a_copied_command_leads_to_the_very_same_place() {
 #[test]
 fn a_copied_command_is_taken_by_the_commands_that_draw_and_tell() {
     for place in places() {
-        let line = Place { pixel: Some((1, 2)), ..place }.command_line();
+        let line = InspectionState { pixel: Some((1, 2)), ..place }.command_line();
         for (command, more) in [("screenshot", "-o x.png"), ("render", "-o x.png"), ("pixel", "")] {
             let line = format!("{} {more}", line.replacen("window", command, 1));
             let cli = Cli::try_parse_from(words(line.trim_end()));
@@ -116,7 +116,7 @@ fn a_copied_command_is_taken_by_the_commands_that_draw_and_tell() {
 #[test]
 fn a_view_that_cannot_be_is_refused_with_its_reason() {
     let cli = Cli::try_parse_from(["rasterscope", "window", "--camera", r#"{"eye": [1, 2, 3]}"#]).unwrap();
-    let Some(Command::Window(args)) = cli.command else { panic!("it opens the window") };
+    let Some(CliCommand::Window(args)) = cli.command else { panic!("it opens the window") };
     assert!(args.scene.view().unwrap_err().to_string().starts_with("--camera: missing field"));
 }
 

@@ -9,7 +9,7 @@ use clap::Args;
 
 use super::failure::Failure;
 use super::progress::ProgressLine;
-use super::scene_args::{FrameArgs, View};
+use super::scene_args::{FrameArgs, RequestedView};
 use super::{interrupt, output, parse};
 
 /// Arguments of `vector`.
@@ -30,7 +30,7 @@ pub(crate) struct VectorArgs {
 /// Runs `vector`: writes the drawing and prints a summary line.
 pub(crate) fn run(args: &VectorArgs) -> Result<(), Failure> {
     file::format_of(&args.output)?;
-    let View { scene, recipe, camera, .. } = args.frame.view()?;
+    let RequestedView { scene, recipe, camera, .. } = args.frame.view()?;
     let request = OutlineRequest {
         scene: &scene,
         camera: &camera,

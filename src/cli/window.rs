@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use super::failure::Failure;
-use super::screenshot::{self, Look};
+use super::screenshot::{self, WorkbenchArgs};
 use super::seen_args::WindowArgs;
 use super::{output, workbench};
 
@@ -22,9 +22,9 @@ pub(crate) fn run(args: &WindowArgs) -> Result<(), Failure> {
 pub(crate) fn run_or_draw(args: &WindowArgs) -> Result<(), Failure> {
     let view = args.view()?;
     let Err(reason) = workbench::open(view.clone(), args) else { return Ok(()) };
-    let look = Look { at: args.at, ..Look::default() };
+    let look = WorkbenchArgs { at: args.at, ..WorkbenchArgs::default() };
     let image = workbench::draw(view, &look, args.seen.clone(), None)?;
     // Printed before the picture is written: if writing fails too, both reasons are reported.
-    output::complain("note", format!("{reason}; the workbench is painted into {FALLBACK_PICTURE} instead"));
+    output::report("note", format!("{reason}; the workbench is painted into {FALLBACK_PICTURE} instead"));
     screenshot::save(&image, Path::new(FALLBACK_PICTURE))
 }

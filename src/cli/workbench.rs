@@ -11,7 +11,7 @@ use crate::image::{Image, Rgba8};
 use crate::measure::window_cost::WindowCost;
 use crate::pipeline::viewport::Viewport;
 use crate::ui::command::Command;
-use crate::ui::compare::{Change, Mode};
+use crate::ui::compare::{CompareChange, Mode};
 use crate::ui::engine::Shown;
 use crate::ui::overlays;
 use crate::ui::panels::bottom;
@@ -19,20 +19,20 @@ use crate::ui::place;
 use crate::ui::range;
 use crate::ui::watch;
 use crate::ui::what_if;
-use crate::ui::{self, ScreenshotRequest, Seen, WindowStart};
+use crate::ui::{self, InitialView, ScreenshotRequest, WindowStart};
 
 use super::failure::Failure;
 use super::parse::Either;
-use super::scene_args::{View, WARNED};
-use super::screenshot::{Compare, Look, Open, Tab, Theme};
+use super::scene_args::{RequestedView, WARNED};
+use super::screenshot::{CompareArg, Open, TabArg, ThemeArg, WorkbenchArgs};
 use super::seen_args::{SeenArgs, WindowArgs, moment};
 
 /// Opens the window and returns when it is closed, or at once with an error if no window can be opened.
-pub(crate) fn open(view: View, args: &WindowArgs) -> Result<(), String> {
+pub(crate) fn open(view: RequestedView, args: &WindowArgs) -> Result<(), String> {
     if needs_display() && !is_set("WAYLAND_DISPLAY") && !is_set("WAYLAND_SOCKET") && !is_set("DISPLAY") {
         return Err("no window: there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set)".to_owned());
     }
-    let outcome = without_library_panics(|| ui::run_window(start(view, seen(args.seen.clone(), args.at))));
+    let outcome = without_library_panics(|| ui::run_window(start(view, initial_view(args.seen.clone(), args.at))));
     if outcome.is_err() {
         retry_on_x11();
     }
@@ -40,14 +40,19 @@ pub(crate) fn open(view: View, args: &WindowArgs) -> Result<(), String> {
 }
 
 /// Paints the whole workbench as a picture.
-pub(crate) fn draw(view: View, look: &Look, shown: SeenArgs, against: Option<Recipe>) -> Result<Image<Rgba8>, Failure> {
+pub(crate) fn draw(
+    view: RequestedView,
+    look: &WorkbenchArgs,
+    shown: SeenArgs,
+    against: Option<Recipe>,
+) -> Result<Image<Rgba8>, Failure> {
     let request = ScreenshotRequest {
-        start: start(view, seen(shown, look.at)),
+        start: start(view, initial_view(shown, look.at)),
         size: look.size,
         pixels_per_point: look.scale,
         theme: match look.theme {
-            Theme::Dark => ui::Theme::Dark,
-            Theme::Light => ui::Theme::Light,
+            ThemeArg::Dark => ui::Theme::Dark,
+            ThemeArg::Light => ui::Theme::Light,
         },
         measure: look.measure,
         selected: look.at,
@@ -60,9 +65,9 @@ pub(crate) fn draw(view: View, look: &Look, shown: SeenArgs, against: Option<Rec
         mesh: look.mesh,
         lab: look.lab.map(|page| (page, look.lab_step)),
         first: against
-            .map(|recipe| Command::WhatIf(what_if::Change::Against(Box::new(recipe))))
+            .map(|recipe| Command::WhatIf(what_if::WhatIfChange::Against(Box::new(recipe))))
             .into_iter()
-            .chain(look.watch.then_some(Command::Watch(watch::Change::AddPick)))
+            .chain(look.watch.then_some(Command::Watch(watch::WatchChange::AddPick)))
             .chain(look.open.into_iter().flat_map(open_first))
             .chain(laid_over(look))
             .collect(),
@@ -74,25 +79,25 @@ pub(crate) fn draw(view: View, look: &Look, shown: SeenArgs, against: Option<Rec
 }
 
 /// Measures the cost of the window itself, part by part.
-pub(crate) fn window_costs(view: View, size: Viewport, passes: usize) -> Result<Vec<WindowCost>, Failure> {
-    Ok(ui::window_time::window_costs(&start(view, Seen::default()), size, passes))
+pub(crate) fn window_costs(view: RequestedView, size: Viewport, passes: usize) -> Result<Vec<WindowCost>, Failure> {
+    Ok(ui::window_time::window_costs(&start(view, InitialView::default()), size, passes))
 }
 
 /// Returns the commands that open range control and overlay list.
-fn laid_over(look: &Look) -> impl Iterator<Item = Command> {
-    let range = look.range.then_some(Command::Range(range::Change::Open(true)));
-    let list = look.overlays.then_some(Command::Overlays(overlays::Change::Open(true)));
+fn laid_over(look: &WorkbenchArgs) -> impl Iterator<Item = Command> {
+    let range = look.range.then_some(Command::Range(range::RangeChange::Open(true)));
+    let list = look.overlays.then_some(Command::Overlays(overlays::OverlayChange::Open(true)));
     range.into_iter().chain(list)
 }
 
-fn comparison(compare: Compare) -> Change {
+fn comparison(compare: CompareArg) -> CompareChange {
     match compare {
-        Compare::Two => Change::Count(2),
-        Compare::Four => Change::Count(4),
-        Compare::All => Change::Every,
-        Compare::Wipe => Change::Mode(Mode::Wipe),
-        Compare::Flip => Change::Mode(Mode::Flip),
-        Compare::Difference => Change::Mode(Mode::Difference),
+        CompareArg::Two => CompareChange::Count(2),
+        CompareArg::Four => CompareChange::Count(4),
+        CompareArg::All => CompareChange::Every,
+        CompareArg::Wipe => CompareChange::Mode(Mode::Wipe),
+        CompareArg::Flip => CompareChange::Mode(Mode::Flip),
+        CompareArg::Difference => CompareChange::Mode(Mode::Difference),
     }
 }
 
@@ -101,35 +106,37 @@ fn open_first(open: Open) -> Vec<Command> {
         Open::Keys => vec![Command::ToggleKeys],
         Open::Manual => vec![Command::OpenManual(None)],
         Open::Palette => vec![Command::OpenPalette],
-        Open::Bookmarks => vec![Command::Place(place::Change::Bookmark), Command::Place(place::Change::Manage)],
+        Open::Bookmarks => {
+            vec![Command::Place(place::PlaceChange::Bookmark), Command::Place(place::PlaceChange::Manage)]
+        }
     }
 }
 
-fn tab(tab: Tab) -> bottom::Tab {
+fn tab(tab: TabArg) -> bottom::Tab {
     match tab {
-        Tab::FrameTime => bottom::Tab::FrameTime,
-        Tab::ErrorTime => bottom::Tab::ErrorTime,
-        Tab::Arithmetic => bottom::Tab::Arithmetic,
-        Tab::Xray => bottom::Tab::Xray,
-        Tab::Histogram => bottom::Tab::Histogram,
-        Tab::Fates => bottom::Tab::Fates,
-        Tab::Plan => bottom::Tab::Plan,
-        Tab::Scaling => bottom::Tab::Scaling,
-        Tab::Stability => bottom::Tab::Stability,
-        Tab::Assertions => bottom::Tab::Checks,
-        Tab::Watch => bottom::Tab::Watch,
-        Tab::Vertices => bottom::Tab::Vertices,
-        Tab::Probe => bottom::Tab::Probe,
-        Tab::Log => bottom::Tab::Log,
+        TabArg::FrameTime => bottom::Tab::FrameTime,
+        TabArg::ErrorTime => bottom::Tab::ErrorTime,
+        TabArg::Arithmetic => bottom::Tab::Arithmetic,
+        TabArg::Xray => bottom::Tab::Xray,
+        TabArg::Histogram => bottom::Tab::Histogram,
+        TabArg::Fates => bottom::Tab::Fates,
+        TabArg::Plan => bottom::Tab::Plan,
+        TabArg::Scaling => bottom::Tab::Scaling,
+        TabArg::Stability => bottom::Tab::Stability,
+        TabArg::Assertions => bottom::Tab::Checks,
+        TabArg::Watch => bottom::Tab::Watch,
+        TabArg::Vertices => bottom::Tab::Vertices,
+        TabArg::Probe => bottom::Tab::Probe,
+        TabArg::Log => bottom::Tab::Log,
     }
 }
 
-fn seen(args: SeenArgs, pixel: Option<(u32, u32)>) -> Seen {
+fn initial_view(args: SeenArgs, pixel: Option<(u32, u32)>) -> InitialView {
     let quantity = args.buffer.map(|buffer| match buffer {
         Either::First(buffer) => Shown::Buffer(buffer),
         Either::Second(number) => Shown::Intermediate(number),
     });
-    Seen {
+    InitialView {
         pixel,
         shown: args.stage.map(Shown::Stage).or(quantity),
         display: args.look,
@@ -139,8 +146,8 @@ fn seen(args: SeenArgs, pixel: Option<(u32, u32)>) -> Seen {
     }
 }
 
-fn start(view: View, seen: Seen) -> WindowStart {
-    let View { source, scene, warnings, recipe, camera, mirrored, is_default, memory_limit } = view;
+fn start(view: RequestedView, seen: InitialView) -> WindowStart {
+    let RequestedView { source, scene, warnings, recipe, camera, mirrored, is_default, memory_limit } = view;
     WindowStart {
         source,
         scene,
@@ -149,7 +156,7 @@ fn start(view: View, seen: Seen) -> WindowStart {
         camera,
         mirrored,
         resume: is_default,
-        seen,
+        initial_view: seen,
         memory_limit,
         pending: None,
     }

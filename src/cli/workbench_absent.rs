@@ -6,27 +6,27 @@ use crate::measure::window_cost::WindowCost;
 use crate::pipeline::viewport::Viewport;
 
 use super::failure::Failure;
-use super::scene_args::View;
-use super::screenshot::Look;
+use super::scene_args::RequestedView;
+use super::screenshot::WorkbenchArgs;
 use super::seen_args::{SeenArgs, WindowArgs};
 
 const BUILT_WITHOUT: &str = "this program was built without the window (feature `ui`): \
     `window`, `screenshot` and `bench --window` are not available";
 
 /// Returns an error: there is no window to open.
-pub(crate) fn open(_view: View, _args: &WindowArgs) -> Result<(), String> {
+pub(crate) fn open(_view: RequestedView, _args: &WindowArgs) -> Result<(), String> {
     Err(BUILT_WITHOUT.to_owned())
 }
 
 /// Returns an error: there is nothing to time.
-pub(crate) fn window_costs(_view: View, _size: Viewport, _passes: usize) -> Result<Vec<WindowCost>, Failure> {
+pub(crate) fn window_costs(_view: RequestedView, _size: Viewport, _passes: usize) -> Result<Vec<WindowCost>, Failure> {
     Err(Failure::NoWindow(BUILT_WITHOUT.to_owned()))
 }
 
 /// Returns an error: there is nothing to paint.
 pub(crate) fn draw(
-    _view: View,
-    _look: &Look,
+    _view: RequestedView,
+    _look: &WorkbenchArgs,
     _seen: SeenArgs,
     _against: Option<Recipe>,
 ) -> Result<Image<Rgba8>, Failure> {

@@ -4,9 +4,9 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::DVec2;
 
-use super::{Drawing, Region, Rgb, Shape, Stroke};
-use crate::flat2d::Span;
-use crate::flat2d::polygon::{Corners, Filling, InsideRule, SamplePoint, fill};
+use super::{Drawing, PartitionRegion, Rgb, Shape, Stroke};
+use crate::flat2d::PixelSpan;
+use crate::flat2d::polygon::{Corners, FillParameters, InsideRule, SamplePoint, fill};
 use crate::image::{Image, Rgba8};
 
 /// Number of samples per pixel along each axis.
@@ -71,27 +71,32 @@ fn line(image: &mut Image<Rgba8>, from: DVec2, to: DVec2, Stroke { color, width 
 }
 
 /// Returns the spans of samples inside contours, by the even-odd rule.
-fn samples_inside(contours: &[Vec<DVec2>], (width, height): (u32, u32), scale: f64) -> impl Iterator<Item = Span> {
+fn samples_inside(contours: &[Vec<DVec2>], (width, height): (u32, u32), scale: f64) -> impl Iterator<Item = PixelSpan> {
     let scaled = |corner: &DVec2| *corner * scale * f64::from(SAMPLES);
     let contours: Vec<Vec<_>> = contours.iter().map(|contour| contour.iter().map(scaled).collect()).collect();
     let (width, height) = (width * SAMPLES, height * SAMPLES);
-    let filling =
-        Filling { rule: InsideRule::EvenOdd, corners: Corners::AsGiven, sample: SamplePoint::Center, width, height };
+    let filling = FillParameters {
+        rule: InsideRule::EvenOdd,
+        corners: Corners::AsGiven,
+        sample: SamplePoint::Center,
+        width,
+        height,
+    };
     fill(&contours, filling)
 }
 
 /// Returns the pixel columns that a span of samples crosses, each with its number of samples.
-fn counts_of(span: Span) -> impl Iterator<Item = (usize, u32)> {
+fn counts_of(span: PixelSpan) -> impl Iterator<Item = (usize, u32)> {
     let pixels = span.x0 / SAMPLES..span.x1.div_ceil(SAMPLES);
     pixels.map(move |x| (x as usize, span.x1.min((x + 1) * SAMPLES) - span.x0.max(x * SAMPLES)))
 }
 
 /// Blends the colours of regions by the fraction of a pixel's samples in each. Every sample lies in at most one region,
 /// so nothing shines through between two regions, whatever their order.
-fn partition(image: &mut Image<Rgba8>, regions: &[Region], scale: f64) {
+fn partition(image: &mut Image<Rgba8>, regions: &[PartitionRegion], scale: f64) {
     let width = image.width() as usize;
     let mut sums = vec![([0_u32; 3], 0_u32); image.pixels().len()];
-    for Region { contours, fill } in regions {
+    for PartitionRegion { contours, fill } in regions {
         for span in samples_inside(contours, image.size(), scale) {
             for (x, inside) in counts_of(span) {
                 let (codes, count) = &mut sums[(span.y / SAMPLES) as usize * width + x];

@@ -14,7 +14,7 @@ use crate::{disk, text};
 
 /// Format of a drawing's file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Format {
+pub enum DrawingFormat {
     /// SVG: drawing commands as text.
     Svg,
     /// PDF: drawing commands on one page.
@@ -25,7 +25,7 @@ pub(crate) enum Format {
 
 /// Format of a bitmap's file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum PixelFormat {
+pub enum PixelFormat {
     /// PNG: lossless, compressed.
     Png,
     /// BMP: lossless, uncompressed.
@@ -39,21 +39,21 @@ pub(crate) enum PixelFormat {
 }
 
 /// File name extensions, in lower case, with their formats.
-pub(crate) const EXTENSIONS: [(&str, Format); 9] = [
-    ("svg", Format::Svg),
-    ("pdf", Format::Pdf),
-    ("png", Format::Pixels(PixelFormat::Png)),
-    ("bmp", Format::Pixels(PixelFormat::Bmp)),
-    ("jpg", Format::Pixels(PixelFormat::Jpeg)),
-    ("jpeg", Format::Pixels(PixelFormat::Jpeg)),
-    ("gif", Format::Pixels(PixelFormat::Gif)),
-    ("tif", Format::Pixels(PixelFormat::Tiff)),
-    ("tiff", Format::Pixels(PixelFormat::Tiff)),
+pub const EXTENSIONS: [(&str, DrawingFormat); 9] = [
+    ("svg", DrawingFormat::Svg),
+    ("pdf", DrawingFormat::Pdf),
+    ("png", DrawingFormat::Pixels(PixelFormat::Png)),
+    ("bmp", DrawingFormat::Pixels(PixelFormat::Bmp)),
+    ("jpg", DrawingFormat::Pixels(PixelFormat::Jpeg)),
+    ("jpeg", DrawingFormat::Pixels(PixelFormat::Jpeg)),
+    ("gif", DrawingFormat::Pixels(PixelFormat::Gif)),
+    ("tif", DrawingFormat::Pixels(PixelFormat::Tiff)),
+    ("tiff", DrawingFormat::Pixels(PixelFormat::Tiff)),
 ];
 
 /// Reason why a drawing was not written.
 #[derive(Debug, Error)]
-pub(crate) enum DrawingFileError {
+pub enum DrawingFileError {
     /// The file name has no known extension.
     #[error("{}: the name must end in one of {}", path.display(), EXTENSIONS.map(|(end, _)| end).join(", "))]
     UnknownFormat {
@@ -79,7 +79,7 @@ pub(crate) enum DrawingFileError {
 }
 
 /// Returns the format that a file name selects.
-pub(crate) fn format_of(path: &Path) -> Result<Format, DrawingFileError> {
+pub(crate) fn format_of(path: &Path) -> Result<DrawingFormat, DrawingFileError> {
     let end = path.extension().map(|end| end.to_string_lossy().to_lowercase()).unwrap_or_default();
     let known = EXTENSIONS.iter().find(|(known, _)| *known == end);
     known.map(|(_, format)| *format).ok_or_else(|| DrawingFileError::UnknownFormat { path: path.to_owned() })
@@ -103,16 +103,16 @@ pub(crate) fn format_of(path: &Path) -> Result<Format, DrawingFileError> {
 /// assert!(svg.contains("<polygon") && svg.contains("#c81e1e"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub(crate) fn write(path: &Path, drawing: &Drawing, scale: f64) -> Result<(), DrawingFileError> {
+pub fn write(path: &Path, drawing: &Drawing, scale: f64) -> Result<(), DrawingFileError> {
     save(path, &encode(path, drawing, scale)?)
 }
 
 /// Returns the bytes of the file that [`write`] would write to `path`.
 pub(crate) fn encode(path: &Path, drawing: &Drawing, scale: f64) -> Result<Vec<u8>, DrawingFileError> {
     Ok(match format_of(path)? {
-        Format::Svg => svg::text(drawing, scale).into_bytes(),
-        Format::Pdf => pdf::bytes(drawing, scale),
-        Format::Pixels(format) => encoded(path, &bitmap::bitmap(drawing, scale), format)?,
+        DrawingFormat::Svg => svg::text(drawing, scale).into_bytes(),
+        DrawingFormat::Pdf => pdf::bytes(drawing, scale),
+        DrawingFormat::Pixels(format) => encoded(path, &bitmap::bitmap(drawing, scale), format)?,
     })
 }
 

@@ -9,7 +9,7 @@ pub(crate) mod pdf;
 
 pub(crate) mod bitmap;
 
-pub(crate) mod file;
+pub mod file;
 
 use glam::DVec2;
 
@@ -18,7 +18,7 @@ pub(crate) type Rgb = [u8; 3];
 
 /// Colour and width of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Stroke {
+pub struct Stroke {
     /// Colour of the line.
     pub(crate) color: Rgb,
     /// Width, in units of the drawing.
@@ -27,7 +27,7 @@ pub(crate) struct Stroke {
 
 /// Shape; later ones are drawn over earlier ones.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Shape {
+pub enum Shape {
     /// Closed polygon, filled by the even-odd rule, and its outline.
     Polygon {
         /// Corners, in units of the drawing.
@@ -69,12 +69,12 @@ pub(crate) enum Shape {
         size: f64,
     },
     /// Polygons that share their boundaries without overlap, drawn without seams: see [`Region`].
-    Partition(Vec<Region>),
+    Partition(Vec<PartitionRegion>),
 }
 
 /// Area of a [`Shape::Partition`], filled by the even-odd rule.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Region {
+pub struct PartitionRegion {
     /// Closed boundaries: outer ones and those of holes.
     pub(crate) contours: Vec<Vec<DVec2>>,
     /// Fill colour.
@@ -94,13 +94,13 @@ pub(crate) const SEAM_WIDTHS: [f64; 4] = [30.0, 3.0, 0.0, 0.0];
 
 /// Picture made of shapes: x to the right, y down, from 0 to its size.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Drawing {
+pub struct Drawing {
     /// Width and height in units, both greater than 0.
-    pub(crate) size: DVec2,
+    pub size: DVec2,
     /// Background colour, below all shapes.
-    pub(crate) background: Rgb,
+    pub background: Rgb,
     /// Shapes, from bottom to top.
-    pub(crate) shapes: Vec<Shape>,
+    pub shapes: Vec<Shape>,
 }
 
 impl Drawing {
@@ -111,7 +111,7 @@ impl Drawing {
     }
 
     /// Adds a filled square with its top left corner at (x, y), in units of the drawing.
-    pub(crate) fn square(&mut self, x: f64, y: f64, side: f64, fill: Rgb) {
+    pub fn square(&mut self, x: f64, y: f64, side: f64, fill: Rgb) {
         let corners = [(x, y), (x + side, y), (x + side, y + side), (x, y + side)].map(DVec2::from);
         self.shapes.push(Shape::Polygon { corners: corners.to_vec(), fill: Some(fill), stroke: None });
     }

@@ -4,7 +4,7 @@ use glam::DVec2;
 use pdf_writer::types::{LineCapStyle, LineJoinStyle};
 use pdf_writer::{Content, Finish as _, Name, Pdf, Rect, Ref, Str};
 
-use super::{Drawing, Region, Rgb, SEAM_WIDTHS, Shape, Stroke};
+use super::{Drawing, PartitionRegion, Rgb, SEAM_WIDTHS, Shape, Stroke};
 
 const CATALOG: Ref = Ref::new(1);
 const PAGES: Ref = Ref::new(2);
@@ -97,9 +97,9 @@ fn add(content: &mut Content, forms: &mut Vec<Content>, shape: &Shape) {
 
 /// Returns all regions, with or without lines around them. Lines of width 0 are no substitute for none: they would be
 /// one pixel wide.
-fn areas(regions: &[Region], with_lines: bool) -> Content {
+fn areas(regions: &[PartitionRegion], with_lines: bool) -> Content {
     let mut content = Content::new();
-    for Region { contours, fill } in regions {
+    for PartitionRegion { contours, fill } in regions {
         let stroke = with_lines.then_some(*fill);
         fill_color(&mut content, *fill);
         if let Some([red, green, blue]) = stroke.map(|color| color.map(|code| f32::from(code) / 255.0)) {

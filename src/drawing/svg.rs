@@ -4,7 +4,7 @@ use glam::DVec2;
 use svg::Document;
 use svg::node::element::{ClipPath, Definitions, Ellipse, Group, Line, Path, Polygon, Rectangle, Text, Use};
 
-use super::{Drawing, Region, Rgb, SEAM_WIDTHS, Shape, Stroke};
+use super::{Drawing, PartitionRegion, Rgb, SEAM_WIDTHS, Shape, Stroke};
 
 /// Screen pixels per unit at a scale of 1, as viewers first show it.
 const PIXELS_PER_UNIT: f64 = 1.0;
@@ -86,7 +86,7 @@ fn with(document: Document, (number, shape): (usize, &Shape)) -> Document {
 }
 
 /// Returns the path of a region, whose line width is inherited from the element that uses it.
-fn area(Region { contours, fill }: &Region) -> Path {
+fn area(PartitionRegion { contours, fill }: &PartitionRegion) -> Path {
     let mut data = String::new();
     for contour in contours {
         for (number, DVec2 { x, y }) in contour.iter().enumerate() {

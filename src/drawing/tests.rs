@@ -1,6 +1,6 @@
 //! Tests that write drawings, decode them, and compare them with known areas.
 
-use super::file::{EXTENSIONS, Format, encode_animation, format_of, save, write};
+use super::file::{DrawingFormat, EXTENSIONS, encode_animation, format_of, save, write};
 use super::*;
 
 const RED: Rgb = [200, 30, 30];
@@ -67,7 +67,7 @@ fn pixel_formats_read_back_as_the_bitmap() {
         let path = folder.path().join(format!("drawing.{end}"));
         assert_eq!(format_of(&path).unwrap(), format);
         write(&path, &drawing, 8.0).unwrap();
-        if !matches!(format, Format::Pixels(_)) {
+        if !matches!(format, DrawingFormat::Pixels(_)) {
             continue;
         }
         let decoded = ::image::open(&path).unwrap().into_rgb8();
@@ -120,7 +120,7 @@ fn names_that_end_in_nothing_known_are_refused() {
 }
 
 /// Returns white triangles around a point that together fill the page of the example.
-fn fan() -> Vec<Region> {
+fn fan() -> Vec<PartitionRegion> {
     const COUNT: u32 = 14;
     // The page's outline is 38 units long, a whole number of units per side.
     let border = |place: u32| match place % 38 {
@@ -135,7 +135,11 @@ fn fan() -> Vec<Region> {
     ends.dedup();
     let next = ends.iter().cycle().skip(1);
     let triangle = |(from, to): (&u32, &u32)| vec![DVec2::new(5.3, 4.1), border(*from), border(*to)];
-    ends.iter().zip(next).map(triangle).map(|contour| Region { contours: vec![contour], fill: [255; 3] }).collect()
+    ends.iter()
+        .zip(next)
+        .map(triangle)
+        .map(|contour| PartitionRegion { contours: vec![contour], fill: [255; 3] })
+        .collect()
 }
 
 #[test]
@@ -147,7 +151,7 @@ fn bitmaps_of_partitions_show_nothing_of_what_is_below() {
     }
     // A pixel that is half white and half background shows the mean.
     let half = [(0.0, 0.0), (4.5, 0.0), (4.5, 9.0), (0.0, 9.0)].map(DVec2::from).to_vec();
-    let half = Region { contours: vec![half], fill: [255; 3] };
+    let half = PartitionRegion { contours: vec![half], fill: [255; 3] };
     let image = bitmap::bitmap(&on_black(vec![Shape::Partition(vec![half])]), 1.0);
     assert_eq!([3, 4, 5].map(|x| image.at(x, 2)[0]), [255, 128, 0]);
 }
@@ -158,7 +162,7 @@ fn viewers_that_smooth_one_polygon_after_the_other_show_no_seams_in_partitions()
     let darkest = |widths: &[f64], scale: f64| {
         let mut drawing = Drawing { size: DVec2::new(10.0, 9.0), background: [0; 3], shapes: Vec::new() };
         for width in widths {
-            drawing.shapes.extend(fan().into_iter().map(|Region { contours, fill }| Shape::Polygon {
+            drawing.shapes.extend(fan().into_iter().map(|PartitionRegion { contours, fill }| Shape::Polygon {
                 corners: contours.concat(),
                 fill: Some(fill),
                 stroke: (*width > 0.0).then_some(Stroke { color: fill, width: *width }),

@@ -7,7 +7,7 @@
 
 /// Iterator over the pixels of a circle; see [`midpoint_circle`].
 #[derive(Clone, Debug)]
-pub(crate) struct Circle {
+pub struct MidpointCircle {
     center: (i32, i32),
     /// Position in the octant, relative to the centre; x ≤ y until the end.
     x: i64,
@@ -44,12 +44,12 @@ const REFLECTIONS: u8 = 8;
 /// let dot: Vec<_> = midpoint_circle((10, 10), 0).collect();
 /// assert_eq!(dot, [(10, 10)]);
 /// ```
-pub(crate) fn midpoint_circle(center: (i32, i32), radius: u32) -> Circle {
+pub fn midpoint_circle(center: (i32, i32), radius: u32) -> MidpointCircle {
     let radius = i64::from(radius);
-    Circle { center, x: 0, y: radius, decision: 1 - radius, reflection: 0 }
+    MidpointCircle { center, x: 0, y: radius, decision: 1 - radius, reflection: 0 }
 }
 
-impl Circle {
+impl MidpointCircle {
     /// Returns the current position in the octant, relative to the centre; `None` at the end.
     pub(crate) fn octant(&self) -> Option<(i64, i64)> {
         (self.x <= self.y).then_some((self.x, self.y))
@@ -86,7 +86,7 @@ impl Circle {
     }
 }
 
-impl Iterator for Circle {
+impl Iterator for MidpointCircle {
     type Item = (i64, i64);
 
     fn next(&mut self) -> Option<(i64, i64)> {

@@ -18,13 +18,13 @@ pub(crate) struct Mask {
 }
 
 /// Maximum reach of a mask from its centre, px.
-pub(crate) const MOST_REACH: usize = 15;
+pub(crate) const MAX_REACH: usize = 15;
 
 /// Maximum side of a mask, px.
-const MOST_SIDE: usize = 2 * MOST_REACH + 1;
+const MOST_SIDE: usize = 2 * MAX_REACH + 1;
 
 /// Cut-off of a Gaussian mask, in standard deviations from its centre.
-pub(crate) const BELL_DEVIATIONS: f32 = 3.0;
+pub(crate) const GAUSSIAN_CUTOFF: f32 = 3.0;
 
 /// Reason why weights do not form a mask.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
@@ -58,7 +58,7 @@ impl Mask {
 
     /// Returns a box blur over (2 · `reach` + 1)² pixels, with `reach` limited to [`MOST_REACH`].
     pub(crate) fn blur(reach: usize) -> Self {
-        let side = 2 * reach.min(MOST_REACH) + 1;
+        let side = 2 * reach.min(MAX_REACH) + 1;
         Self::separable(vec![1.0 / side as f32; side])
     }
 
@@ -70,7 +70,7 @@ impl Mask {
     /// Returns a Gaussian blur of standard deviation `sigma` px, cut off at [`BELL_DEVIATIONS`] standard deviations or
     /// [`MOST_REACH`] px.
     pub(crate) fn gaussian(sigma: f32) -> Self {
-        let reach = (BELL_DEVIATIONS * sigma).ceil().clamp(1.0, MOST_REACH as f32) as i32;
+        let reach = (GAUSSIAN_CUTOFF * sigma).ceil().clamp(1.0, MAX_REACH as f32) as i32;
         let bell = |at: i32| (-((at * at) as f32) / (2.0 * sigma * sigma).max(f32::MIN_POSITIVE)).exp();
         let sum: f32 = (-reach..=reach).map(bell).sum();
         Self::separable((-reach..=reach).map(|at| bell(at) / sum).collect())
@@ -89,7 +89,7 @@ impl Mask {
     pub(crate) fn motion(length: f32, angle: f32) -> Self {
         /// Samples per pixel of path length.
         const STEPS_PER_PX: f32 = 64.0;
-        let length = length.clamp(0.0, 2.0 * MOST_REACH as f32);
+        let length = length.clamp(0.0, 2.0 * MAX_REACH as f32);
         let reach = (length / 2.0).ceil().max(1.0) as usize;
         let side = 2 * reach + 1;
         let mut weights = vec![0.0; side * side];

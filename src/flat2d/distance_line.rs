@@ -18,8 +18,8 @@ use crate::math::expansion::Expansion;
 
 /// Scan of the bounding box of a segment; see [`distance_line`].
 #[derive(Clone, Debug)]
-pub(crate) struct DistanceLine {
-    band: Band,
+pub(crate) struct DistanceLineScan {
+    band: SegmentBand,
     columns: Range<u32>,
     rows: Range<u32>,
     /// Column and row of the next pixel to test.
@@ -29,15 +29,15 @@ pub(crate) struct DistanceLine {
 /// Returns the pixels of the line from `p0` to `p1` in a picture of this size, row by row from the top.
 ///
 /// Pixels lie at integer coordinates. A segment without length has no pixels.
-pub(crate) fn distance_line(p0: DVec2, p1: DVec2, width: u32, height: u32) -> DistanceLine {
+pub(crate) fn distance_line(p0: DVec2, p1: DVec2, width: u32, height: u32) -> DistanceLineScan {
     let (least, greatest) = (p0.min(p1) - 0.5, p0.max(p1) + 0.5);
     let columns = whole_numbers_within(least.x, greatest.x, width);
     let rows = if p0 == p1 { 0..0 } else { whole_numbers_within(least.y, greatest.y, height) };
     let probe = (columns.start, rows.start);
-    DistanceLine { band: Band { p0, p1 }, columns, rows, probe }
+    DistanceLineScan { band: SegmentBand { p0, p1 }, columns, rows, probe }
 }
 
-impl DistanceLine {
+impl DistanceLineScan {
     /// Returns the next pixel to test; `None` at the end.
     pub(crate) fn probe(&self) -> Option<(u32, u32)> {
         (self.columns.contains(&self.probe.0) && self.rows.contains(&self.probe.1)).then_some(self.probe)
@@ -56,7 +56,7 @@ impl DistanceLine {
     }
 }
 
-impl Iterator for DistanceLine {
+impl Iterator for DistanceLineScan {
     type Item = (u32, u32);
 
     fn next(&mut self) -> Option<(u32, u32)> {
@@ -70,12 +70,12 @@ impl Iterator for DistanceLine {
 
 /// Set of points at most half a pixel from a segment.
 #[derive(Clone, Copy, Debug)]
-struct Band {
+struct SegmentBand {
     p0: DVec2,
     p1: DVec2,
 }
 
-impl Band {
+impl SegmentBand {
     fn contains(self, x: u32, y: u32) -> bool {
         let point = DVec2::new(x.into(), y.into());
         self.along(point, self.p0) != Ordering::Less

@@ -8,7 +8,7 @@
 
 /// Iterator over the pixels of an ellipse; see [`midpoint_ellipse`].
 #[derive(Clone, Debug)]
-pub(crate) struct Ellipse {
+pub(crate) struct MidpointEllipse {
     center: (i32, i32),
     /// Semi-axes along x and y, px.
     half: (i128, i128),
@@ -24,12 +24,12 @@ const REFLECTIONS: u8 = 4;
 /// Returns the pixels of an ellipse around a pixel, with integer semi-axes, without duplicates.
 ///
 /// The order follows the quadrant: first all reflections of the topmost pixel, and last those at the sides.
-pub(crate) fn midpoint_ellipse(center: (i32, i32), half_width: u32, half_height: u32) -> Ellipse {
+pub(crate) fn midpoint_ellipse(center: (i32, i32), half_width: u32, half_height: u32) -> MidpointEllipse {
     let half = (i128::from(half_width), i128::from(half_height));
-    Ellipse { center, half, x: 0, y: half.1, reflection: 0 }
+    MidpointEllipse { center, half, x: 0, y: half.1, reflection: 0 }
 }
 
-impl Ellipse {
+impl MidpointEllipse {
     /// Returns the current position in the quadrant, relative to the centre; `None` at the end.
     pub(crate) fn quadrant(&self) -> Option<(i128, i128)> {
         (self.y >= 0 && self.x <= self.half.0).then_some((self.x, self.y))
@@ -71,7 +71,7 @@ impl Ellipse {
     }
 }
 
-impl Iterator for Ellipse {
+impl Iterator for MidpointEllipse {
     type Item = (i64, i64);
 
     fn next(&mut self) -> Option<(i64, i64)> {

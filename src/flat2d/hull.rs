@@ -50,7 +50,7 @@ impl ConvexHull<'_> {
 
     /// Returns the chain index after which corners may still be dropped. On the way back, it is that of the turning
     /// point.
-    fn base(&self) -> usize {
+    fn droppable_from(&self) -> usize {
         let turning = self.tour.len() / 2;
         if self.next <= turning {
             return 0;
@@ -64,7 +64,7 @@ impl Iterator for ConvexHull<'_> {
 
     fn next(&mut self) -> Option<HullStep> {
         let next = *self.tour.get(self.next)?;
-        if let [.., before, last] = self.chain[self.base()..]
+        if let [.., before, last] = self.chain[self.droppable_from()..]
             && side(self.points[before], self.points[last], self.points[next]) != Ordering::Greater
         {
             self.chain.pop();

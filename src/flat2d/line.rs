@@ -16,7 +16,7 @@ use std::cmp::Ordering;
 
 /// Iterator over the pixels of a line; see [`midpoint_line`].
 #[derive(Clone, Debug)]
-pub(crate) struct MidpointLine {
+pub struct MidpointLine {
     /// Next pixel; `None` at the end.
     next: Option<(i64, i64)>,
     last: (i64, i64),
@@ -41,7 +41,7 @@ pub(crate) struct MidpointLine {
 /// let pixels: Vec<_> = midpoint_line((0, 0), (4, 2)).collect();
 /// assert_eq!(pixels, [(0, 0), (1, 0), (2, 1), (3, 1), (4, 2)]);
 /// ```
-pub(crate) fn midpoint_line(p0: (i64, i64), p1: (i64, i64)) -> MidpointLine {
+pub fn midpoint_line(p0: (i64, i64), p1: (i64, i64)) -> MidpointLine {
     let (width, height) = (p0.0.abs_diff(p1.0), p0.1.abs_diff(p1.1));
     let slanted = (step_towards(p0.0, p1.0), step_towards(p0.1, p1.1));
     let straight = if width >= height { (slanted.0, 0) } else { (0, slanted.1) };

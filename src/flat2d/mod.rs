@@ -7,7 +7,7 @@
 
 pub(crate) mod barycentric;
 
-pub(crate) mod circle;
+pub mod circle;
 
 pub(crate) mod circle_forms;
 
@@ -19,9 +19,9 @@ pub(crate) mod distance_line;
 
 pub(crate) mod slope_line;
 
-pub(crate) mod line;
+pub mod line;
 
-pub(crate) mod polygon;
+pub mod polygon;
 
 pub(crate) mod ear_clip;
 
@@ -43,13 +43,13 @@ use robust::{Coord, orient2d};
 
 /// Non-empty run of pixels in one row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Span {
+pub struct PixelSpan {
     /// Row of the run.
-    pub(crate) y: u32,
+    pub y: u32,
     /// First column of the run.
-    pub(crate) x0: u32,
+    pub x0: u32,
     /// One past the last column.
-    pub(crate) x1: u32,
+    pub x1: u32,
 }
 
 /// Returns the side of the directed line from `a` to `b` on which `p` lies, with y down.

@@ -23,13 +23,13 @@ use std::ops::Range;
 
 use glam::DVec2;
 
-use super::Span;
+use super::PixelSpan;
 use crate::math::fixed::snap_to_grid;
-use edge::{Edge, Row, Slant};
+use edge::{PolygonEdge, SampleRow, Slant};
 
 /// Rule that decides what is inside, from the winding number around a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum InsideRule {
+pub enum InsideRule {
     /// Odd winding numbers are inside: where contours overlap, inside and outside alternate.
     EvenOdd,
     /// Non-zero winding numbers are inside: an overlap is inside unless the contours have opposite orientations.
@@ -38,7 +38,7 @@ pub(crate) enum InsideRule {
 
 /// Positions of the corners when edges are built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Corners {
+pub enum Corners {
     /// Corners are used as given.
     AsGiven,
     /// Corners are snapped to the nearest point of the pipeline's 1/256 px grid.
@@ -47,7 +47,7 @@ pub(crate) enum Corners {
 
 /// Sample position within a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum SamplePoint {
+pub enum SamplePoint {
     /// Pixel centre, half a pixel right of and below the integer coordinates.
     Center,
     /// Integer coordinates, as in the pixel lattice of textbooks.
@@ -66,17 +66,17 @@ impl SamplePoint {
 
 /// Parameters of a polygon fill.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Filling {
+pub struct FillParameters {
     /// Rule that decides what is inside.
-    pub(crate) rule: InsideRule,
+    pub rule: InsideRule,
     /// Positions of the corners: as given or snapped.
-    pub(crate) corners: Corners,
+    pub corners: Corners,
     /// Sample position within each pixel.
-    pub(crate) sample: SamplePoint,
+    pub sample: SamplePoint,
     /// Width of the picture, px.
-    pub(crate) width: u32,
+    pub width: u32,
     /// Height of the picture, px.
-    pub(crate) height: u32,
+    pub height: u32,
 }
 
 /// Edge that crosses the current row.
@@ -108,10 +108,10 @@ struct Slanted {
 
 /// Iterator over the spans of a polygon; see [`fill`].
 #[derive(Clone, Debug)]
-pub(crate) struct PolygonFill {
-    filling: Filling,
+pub struct PolygonFill {
+    filling: FillParameters,
     /// Edge table, sorted by first row, and the number of its edges activated so far.
-    edges: Vec<Edge>,
+    edges: Vec<PolygonEdge>,
     started: usize,
     /// Edge-table indices, sorted by last row, and the number of those edges that have ended.
     by_end: Vec<u32>,
@@ -120,7 +120,7 @@ pub(crate) struct PolygonFill {
     /// Sums of windings per column, with a final entry for everything right of the picture. `standing` holds the active
     /// edges that stay in a single column. `crossing` holds the row's crossings by slanted edges, and the walk resets
     /// it to zero as it passes.
-    standing: Vec<i32>,
+    column_winding: Vec<i32>,
     crossing: Vec<i32>,
     /// Range from the first to the last column with a crossing so far.
     touched: Range<u32>,
@@ -137,26 +137,27 @@ pub(crate) struct PolygonFill {
 /// # Examples
 /// ```
 /// use glam::DVec2;
-/// use rasterscope::flat2d::Span;
-/// use rasterscope::flat2d::polygon::{Corners, Filling, InsideRule, SamplePoint, fill};
+/// use rasterscope::flat2d::PixelSpan;
+/// use rasterscope::flat2d::polygon::{Corners, FillParameters, InsideRule, SamplePoint, fill};
 ///
 /// let outline = [(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)].map(DVec2::from).to_vec();
 /// let hole = [(1.0, 1.0), (3.0, 1.0), (3.0, 3.0), (1.0, 3.0)].map(DVec2::from).to_vec();
 /// let (rule, corners, sample) = (InsideRule::EvenOdd, Corners::AsGiven, SamplePoint::Center);
-/// let filling = Filling { rule, corners, sample, width: 64, height: 36 };
+/// let filling = FillParameters { rule, corners, sample, width: 64, height: 36 };
 ///
 /// let spans: Vec<_> = fill(&[outline, hole], filling).take(3).collect();
-/// assert_eq!(spans[0], Span { y: 0, x0: 0, x1: 4 });
-/// assert_eq!(spans[1..], [Span { y: 1, x0: 0, x1: 1 }, Span { y: 1, x0: 3, x1: 4 }]);
+/// assert_eq!(spans[0], PixelSpan { y: 0, x0: 0, x1: 4 });
+/// assert_eq!(spans[1..], [PixelSpan { y: 1, x0: 0, x1: 1 }, PixelSpan { y: 1, x0: 3, x1: 4 }]);
 /// ```
-pub(crate) fn fill(contours: &[Vec<DVec2>], filling: Filling) -> PolygonFill {
+pub fn fill(contours: &[Vec<DVec2>], filling: FillParameters) -> PolygonFill {
     let corner = |point: DVec2| match filling.corners {
         Corners::AsGiven => point,
         Corners::Snapped => DVec2::new(snap_to_grid(point.x), snap_to_grid(point.y)),
     };
     let sides = contours.iter().flat_map(|contour| contour.iter().zip(contour.iter().cycle().skip(1)));
-    let mut edges: Vec<_> =
-        sides.filter_map(|(from, to)| Edge::new(corner(*from), corner(*to), filling.sample, filling.height)).collect();
+    let mut edges: Vec<_> = sides
+        .filter_map(|(from, to)| PolygonEdge::new(corner(*from), corner(*to), filling.sample, filling.height))
+        .collect();
     edges.sort_unstable_by_key(|edge| edge.rows.start);
     let mut by_end: Vec<_> = (0..edges.len() as u32).collect();
     by_end.sort_unstable_by_key(|place| edges[*place as usize].rows.end);
@@ -167,7 +168,7 @@ pub(crate) fn fill(contours: &[Vec<DVec2>], filling: Filling) -> PolygonFill {
         by_end,
         ended: 0,
         slanted: Vec::new(),
-        standing: vec![0; filling.width as usize + 1],
+        column_winding: vec![0; filling.width as usize + 1],
         crossing: vec![0; filling.width as usize + 1],
         touched: filling.width..0,
         row: 0,
@@ -202,7 +203,7 @@ impl PolygonFill {
 
     /// Returns the next span of the row. At the end of the row, returns `Some(None)` and advances to the next row; the
     /// outer `None` marks the end.
-    pub(crate) fn step(&mut self) -> Option<Option<Span>> {
+    pub(crate) fn step(&mut self) -> Option<Option<PixelSpan>> {
         let span = self.next_span();
         if span.is_none() {
             self.next_row()?;
@@ -211,10 +212,10 @@ impl PolygonFill {
     }
 
     /// Returns the next span of the current row; `None` at the end of the row.
-    fn next_span(&mut self) -> Option<Span> {
+    fn next_span(&mut self) -> Option<PixelSpan> {
         let x0 = self.next_column_where(true)?;
         let x1 = self.next_column_where(false).unwrap_or(self.filling.width);
-        Some(Span { y: self.row, x0, x1 })
+        Some(PixelSpan { y: self.row, x0, x1 })
     }
 
     /// Advances to the next column that is inside, or outside if `inside` is false; `None` if there is none up to the
@@ -223,7 +224,7 @@ impl PolygonFill {
         while self.column < self.touched.end.min(self.filling.width) {
             let column = self.column;
             self.column += 1;
-            self.winding += self.standing[column as usize] + mem::take(&mut self.crossing[column as usize]);
+            self.winding += self.column_winding[column as usize] + mem::take(&mut self.crossing[column as usize]);
             if self.is_inside() == inside {
                 return Some(column);
             }
@@ -249,13 +250,13 @@ impl PolygonFill {
         Some(())
     }
 
-    fn row_of_samples(&self, row: u32) -> Row {
-        Row::new(row, self.filling.sample, self.filling.width)
+    fn row_of_samples(&self, row: u32) -> SampleRow {
+        SampleRow::new(row, self.filling.sample, self.filling.width)
     }
 
     /// Returns the column of an edge that crosses all its rows in one column; `None` otherwise. Comparing the first and
     /// last rows suffices, because x is monotonic along an edge.
-    fn only_column(&self, edge: &Edge) -> Option<u32> {
+    fn single_column(&self, edge: &PolygonEdge) -> Option<u32> {
         let first = edge.column_at(self.row_of_samples(edge.rows.start));
         let last = edge.column_at(self.row_of_samples(edge.rows.end - 1));
         (first == last).then_some(first)
@@ -266,8 +267,8 @@ impl PolygonFill {
         while let Some(edge) = self.by_end.get(self.ended).map(|place| &self.edges[*place as usize])
             && edge.rows.end <= self.row
         {
-            if let Some(column) = self.only_column(edge) {
-                self.standing[column as usize] -= edge.winding;
+            if let Some(column) = self.single_column(edge) {
+                self.column_winding[column as usize] -= edge.winding;
             }
             self.ended += 1;
         }
@@ -279,9 +280,9 @@ impl PolygonFill {
         while let Some(edge) = self.edges.get(self.started)
             && edge.rows.start <= self.row
         {
-            let Edge { rows: Range { end, .. }, winding, .. } = *edge;
-            if let Some(column) = self.only_column(edge) {
-                self.standing[column as usize] += winding;
+            let PolygonEdge { rows: Range { end, .. }, winding, .. } = *edge;
+            if let Some(column) = self.single_column(edge) {
+                self.column_winding[column as usize] += winding;
                 self.touched = with(&self.touched, column);
             } else {
                 let (slant, place) = (Slant::new(edge), self.started as u32);
@@ -313,9 +314,9 @@ fn with(range: &Range<u32>, column: u32) -> Range<u32> {
 }
 
 impl Iterator for PolygonFill {
-    type Item = Span;
+    type Item = PixelSpan;
 
-    fn next(&mut self) -> Option<Span> {
+    fn next(&mut self) -> Option<PixelSpan> {
         loop {
             if let Some(span) = self.step()? {
                 return Some(span);

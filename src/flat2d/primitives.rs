@@ -74,7 +74,7 @@ fn fan_of([a, b, c, d]: [usize; 4]) -> [Piece; 2] {
 
 /// Properties of an outline that decide whether a fan covers its interior.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Verdict {
+pub(crate) struct OutlineProperties {
     /// Whether no two sides cross or touch, except neighbours at their common corner.
     pub(crate) simple: bool,
     /// Whether the outline is simple and all corners turn the same way or are straight.
@@ -84,10 +84,10 @@ pub(crate) struct Verdict {
 }
 
 /// Checks the closed outline of these corners, viewed along z. The checks in x and y are exact.
-pub(crate) fn judge(corners: &[DVec3]) -> Verdict {
+pub(crate) fn check_outline(corners: &[DVec3]) -> OutlineProperties {
     let flat_view: Vec<_> = corners.iter().map(|corner| corner.truncate()).collect();
     let simple = is_simple(&flat_view);
-    Verdict { simple, convex: simple && turns_one_way(&flat_view), flat: is_flat(corners) }
+    OutlineProperties { simple, convex: simple && turns_one_way(&flat_view), flat: is_flat(corners) }
 }
 
 fn is_simple(points: &[DVec2]) -> bool {
@@ -176,7 +176,7 @@ mod tests {
 
     fn verdict(corners: &[(f64, f64, f64)]) -> (bool, bool, bool) {
         let corners: Vec<_> = corners.iter().copied().map(DVec3::from).collect();
-        let Verdict { simple, convex, flat } = judge(&corners);
+        let OutlineProperties { simple, convex, flat } = check_outline(&corners);
         (simple, convex, flat)
     }
 

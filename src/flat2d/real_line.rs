@@ -18,7 +18,7 @@ pub(crate) const MAX_COORDINATE_PX: f64 = (1_u64 << 50) as f64;
 
 /// Iterator over the pixels of a line; see [`real_line`].
 #[derive(Clone, Debug)]
-pub(crate) struct RealLine {
+pub(crate) struct RealLinePixels {
     /// Whether y is the longer axis. The fields below use the longer axis as x.
     steep: bool,
     /// End with the smaller x, and the other end.
@@ -35,7 +35,7 @@ pub(crate) struct RealLine {
 /// Returns the pixels from `p0` to `p1`. There are none if the line lies between two adjacent integer coordinates.
 ///
 /// Returns `None` if an end is not finite or has a coordinate beyond [`MAX_COORDINATE_PX`].
-pub(crate) fn real_line(p0: DVec2, p1: DVec2) -> Option<RealLine> {
+pub(crate) fn real_line(p0: DVec2, p1: DVec2) -> Option<RealLinePixels> {
     if !(p0.abs().max_element() <= MAX_COORDINATE_PX && p1.abs().max_element() <= MAX_COORDINATE_PX) {
         return None;
     }
@@ -52,7 +52,7 @@ pub(crate) fn real_line(p0: DVec2, p1: DVec2) -> Option<RealLine> {
     let high = if low == high { high + DVec2::X } else { high };
     let slope = (high.y - low.y) / (high.x - low.x);
     let minor = (low.y + (major as f64 - low.x) * slope).round() as i64;
-    Some(RealLine { steep, low, high, major, end, step, minor })
+    Some(RealLinePixels { steep, low, high, major, end, step, minor })
 }
 
 /// Whether |Δx| < |Δy|, decided exactly.
@@ -61,7 +61,7 @@ fn is_steep(p0: DVec2, p1: DVec2) -> bool {
     (&(&dx * &dx) - &(&dy * &dy)).sign() == Ordering::Less
 }
 
-impl RealLine {
+impl RealLinePixels {
     /// Whether y is the longer axis, on which every integer coordinate gets a pixel.
     pub(crate) fn is_steep(&self) -> bool {
         self.steep
@@ -83,7 +83,7 @@ impl RealLine {
     }
 }
 
-impl Iterator for RealLine {
+impl Iterator for RealLinePixels {
     type Item = (i64, i64);
 
     fn next(&mut self) -> Option<(i64, i64)> {

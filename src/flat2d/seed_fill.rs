@@ -11,12 +11,12 @@
 
 use std::ops::Range;
 
-use super::Span;
+use super::PixelSpan;
 use crate::image::Image;
 
 /// Criterion that ends a fill.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Region<T> {
+pub(crate) enum FillCriterion<T> {
     /// Fills the connected region that has the colour of the seed.
     Flood,
     /// Fills up to this colour. Pixels that already have the new colour count as filled.
@@ -53,14 +53,14 @@ enum Fillable<T> {
 pub(crate) fn seed_fill<T: Copy + PartialEq>(
     image: &mut Image<T>,
     seed: (u32, u32),
-    region: Region<T>,
+    region: FillCriterion<T>,
     connectivity: Connectivity,
     new: T,
 ) -> SeedFill<'_, T> {
     let old = image.get(seed.0, seed.1);
     let fillable = match (region, old) {
-        (Region::Boundary(boundary), _) => Fillable::AllBut(boundary),
-        (Region::Flood, old) => Fillable::Only(old.unwrap_or(new)),
+        (FillCriterion::Boundary(boundary), _) => Fillable::AllBut(boundary),
+        (FillCriterion::Flood, old) => Fillable::Only(old.unwrap_or(new)),
     };
     let seeds = if old.is_some() { vec![seed] } else { Vec::new() };
     SeedFill { image, connectivity, new, fillable, seeds }
@@ -122,15 +122,15 @@ impl<T: Copy + PartialEq> SeedFill<'_, T> {
 }
 
 impl<T: Copy + PartialEq> Iterator for SeedFill<'_, T> {
-    type Item = Span;
+    type Item = PixelSpan;
 
-    fn next(&mut self) -> Option<Span> {
+    fn next(&mut self) -> Option<PixelSpan> {
         loop {
             let (x, y) = self.seeds.pop()?;
             if self.is_fillable(x, y) {
                 let run = self.run_around(x, y);
                 self.fill_run(run.clone(), y);
-                return Some(Span { y, x0: run.start, x1: run.end });
+                return Some(PixelSpan { y, x0: run.start, x1: run.end });
             }
         }
     }
@@ -149,17 +149,27 @@ mod tests {
         Image::from_pixels(rows[0].len() as u32, rows.len() as u32, pixels)
     }
 
-    fn filled(mut image: Image<u8>, seed: (u32, u32), region: Region<u8>, connectivity: Connectivity) -> Image<u8> {
+    fn filled(
+        mut image: Image<u8>,
+        seed: (u32, u32),
+        region: FillCriterion<u8>,
+        connectivity: Connectivity,
+    ) -> Image<u8> {
         seed_fill(&mut image, seed, region, connectivity, NEW).for_each(drop);
         image
     }
 
     /// Fills by growing the region one pixel at a time until nothing changes.
-    fn by_spreading(image: &Image<u8>, seed: (u32, u32), region: Region<u8>, connectivity: Connectivity) -> Image<u8> {
+    fn by_spreading(
+        image: &Image<u8>,
+        seed: (u32, u32),
+        region: FillCriterion<u8>,
+        connectivity: Connectivity,
+    ) -> Image<u8> {
         let old = image.at(seed.0, seed.1);
         let may = |x: u32, y: u32| match region {
-            Region::Flood => image.at(x, y) == old && old != NEW,
-            Region::Boundary(boundary) => ![boundary, NEW].contains(&image.at(x, y)),
+            FillCriterion::Flood => image.at(x, y) == old && old != NEW,
+            FillCriterion::Boundary(boundary) => ![boundary, NEW].contains(&image.at(x, y)),
         };
         let mut reached = Image::from_fn(image.width(), image.height(), |x, y| (x, y) == seed && may(x, y));
         loop {
@@ -192,7 +202,7 @@ mod tests {
                 _ => b'.',
             });
             let seed = (random.u32(0..width), random.u32(0..height));
-            for region in [Region::Flood, Region::Boundary(WALL), Region::Boundary(NEW)] {
+            for region in [FillCriterion::Flood, FillCriterion::Boundary(WALL), FillCriterion::Boundary(NEW)] {
                 for connectivity in [Connectivity::Four, Connectivity::Eight] {
                     assert_eq!(
                         filled(image.clone(), seed, region, connectivity),
@@ -207,16 +217,16 @@ mod tests {
     #[test]
     fn the_two_failures_are_those_of_the_textbook() {
         let diagonal_wall = picture(&["..#.", ".#..", "#..."]);
-        let four = filled(diagonal_wall.clone(), (0, 0), Region::Flood, Connectivity::Four);
+        let four = filled(diagonal_wall.clone(), (0, 0), FillCriterion::Flood, Connectivity::Four);
         assert_eq!(four, picture(&["**#.", "*#..", "#..."]), "stops at the corner");
-        let eight = filled(diagonal_wall, (0, 0), Region::Flood, Connectivity::Eight);
+        let eight = filled(diagonal_wall, (0, 0), FillCriterion::Flood, Connectivity::Eight);
         assert_eq!(eight, picture(&["**#*", "*#**", "#***"]), "leaks through the wall");
     }
 
     #[test]
     fn a_flood_of_its_own_colour_and_a_seed_outside_end_at_once() {
         let mut image = Image::filled(50, 50, NEW);
-        for region in [Region::Flood, Region::Boundary(WALL)] {
+        for region in [FillCriterion::Flood, FillCriterion::Boundary(WALL)] {
             assert_eq!(seed_fill(&mut image, (3, 3), region, Connectivity::Four, NEW).count(), 0);
             assert_eq!(seed_fill(&mut image, (50, 3), region, Connectivity::Four, b'.').count(), 0);
         }
@@ -227,7 +237,7 @@ mod tests {
         // A comb of corridors is the worst case for recursion.
         let mut image = Image::from_fn(400, 400, |x, y| if x % 2 == 1 && y > 0 { WALL } else { b'.' });
         let open = image.pixels().iter().filter(|p| **p == b'.').count();
-        let mut fill = seed_fill(&mut image, (0, 399), Region::Flood, Connectivity::Four, NEW);
+        let mut fill = seed_fill(&mut image, (0, 399), FillCriterion::Flood, Connectivity::Four, NEW);
         let (mut covered, mut deepest) = (0, 0);
         while let Some(span) = fill.next() {
             covered += (span.x1 - span.x0) as usize;

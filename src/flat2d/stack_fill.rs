@@ -4,7 +4,7 @@
 //! grows to the order of the region's area, which overflows the call stack of a recursive program. [`super::seed_fill`]
 //! fills the same pixels by spans, with a stack that stays small.
 
-use super::seed_fill::{Connectivity, Region};
+use super::seed_fill::{Connectivity, FillCriterion};
 use crate::image::Image;
 
 /// Offsets (right, down) of the neighbours that share a side, and of those that share only a corner.
@@ -18,7 +18,7 @@ pub(crate) struct StackFill<'a, T> {
     connectivity: Connectivity,
     new: T,
     old: Option<T>,
-    region: Region<T>,
+    region: FillCriterion<T>,
     stack: Vec<(u32, u32)>,
 }
 
@@ -26,7 +26,7 @@ pub(crate) struct StackFill<'a, T> {
 pub(crate) fn stack_fill<T: Copy + PartialEq>(
     image: &mut Image<T>,
     seed: (u32, u32),
-    region: Region<T>,
+    region: FillCriterion<T>,
     connectivity: Connectivity,
     new: T,
 ) -> StackFill<'_, T> {
@@ -44,8 +44,8 @@ impl<T: Copy + PartialEq> StackFill<'_, T> {
         self.image.get(x, y).is_some_and(|color| {
             color != self.new
                 && match self.region {
-                    Region::Flood => Some(color) == self.old,
-                    Region::Boundary(boundary) => color != boundary,
+                    FillCriterion::Flood => Some(color) == self.old,
+                    FillCriterion::Boundary(boundary) => color != boundary,
                 }
         })
     }
@@ -85,7 +85,7 @@ mod tests {
         for _ in 0..400 {
             let image = Image::from_fn(random.u32(1..14), random.u32(1..14), |_, _| random.u8(0..3));
             let seed = (random.u32(0..image.width()), random.u32(0..image.height()));
-            for region in [Region::Flood, Region::Boundary(1), Region::Boundary(9)] {
+            for region in [FillCriterion::Flood, FillCriterion::Boundary(1), FillCriterion::Boundary(9)] {
                 for connectivity in [Connectivity::Four, Connectivity::Eight] {
                     let (mut by_pixels, mut by_spans) = (image.clone(), image.clone());
                     let filled = stack_fill(&mut by_pixels, seed, region, connectivity, 9).count();
@@ -101,8 +101,8 @@ mod tests {
     #[test]
     fn a_seed_outside_fills_nothing_and_a_large_region_needs_no_recursion() {
         let mut image = Image::filled(1_000, 1_000, 0_u8);
-        assert_eq!(stack_fill(&mut image, (1_000, 3), Region::Flood, Connectivity::Four, 1).count(), 0);
-        let mut fill = stack_fill(&mut image, (500, 500), Region::Flood, Connectivity::Four, 1);
+        assert_eq!(stack_fill(&mut image, (1_000, 3), FillCriterion::Flood, Connectivity::Four, 1).count(), 0);
+        let mut fill = stack_fill(&mut image, (500, 500), FillCriterion::Flood, Connectivity::Four, 1);
         let mut deepest = 0;
         let mut filled = 0;
         while fill.next().is_some() {

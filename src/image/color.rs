@@ -21,20 +21,20 @@ pub(crate) struct Tables {
 }
 
 /// Bits of 2⁻¹³. Lower linear values have code 0: half a code is 0.5 / 255 / 12.92 = 1.5 · 10⁻⁴ > 2⁻¹³.
-const LEAST_BITS: u32 = 0x3900_0000;
+const MIN_BITS: u32 = 0x3900_0000;
 
 /// Shift from the bits of a float to its bucket. The 2⁸ buckets per octave are 0.4 % wide, narrower than any code, so a
 /// bucket holds at most one threshold.
 const BUCKET_SHIFT: u32 = 15;
 
 /// Number of places in a bucket: one per float.
-const PLACES: u32 = 1 << BUCKET_SHIFT;
+const FLOATS_PER_BUCKET: u32 = 1 << BUCKET_SHIFT;
 
 /// Number of fractional bits of an entry, below its code.
 const CODE_SHIFT: u32 = BUCKET_SHIFT + 1;
 
 /// Number of buckets: up to that of 1, rounded up to a power of two so that a masked index is always valid.
-const BUCKETS: usize = (((0x3F80_0000 - LEAST_BITS) >> BUCKET_SHIFT) as usize + 1).next_power_of_two();
+const BUCKETS: usize = (((0x3F80_0000 - MIN_BITS) >> BUCKET_SHIFT) as usize + 1).next_power_of_two();
 
 static TABLES: LazyLock<Tables> = LazyLock::new(|| {
     let threshold = |code: usize| match code {
@@ -47,10 +47,10 @@ static TABLES: LazyLock<Tables> = LazyLock::new(|| {
         linear_of_code: std::array::from_fn(|code| decode(code as f32 / 255.0)),
         code: std::array::from_fn(|code| code as f32),
         buckets: Box::new(std::array::from_fn(|bucket| {
-            let bits = LEAST_BITS + bucket as u32 * PLACES;
+            let bits = MIN_BITS + bucket as u32 * FLOATS_PER_BUCKET;
             let code = thresholds.partition_point(|t| *t <= f32::from_bits(bits)).clamp(1, 256) - 1;
             // If the next code begins beyond the bucket, none of its places has that code.
-            let next = (thresholds[code + 1].to_bits() - bits).min(PLACES);
+            let next = (thresholds[code + 1].to_bits() - bits).min(FLOATS_PER_BUCKET);
             ((code as u32 + 1) << CODE_SHIFT) - next
         })),
     }
@@ -68,14 +68,14 @@ impl Tables {
     #[inline]
     pub(crate) fn encode(&self, linear: f32) -> u8 {
         let clamped = if linear > 0.0 { linear.min(1.0) } else { 0.0 };
-        let above = clamped.to_bits().saturating_sub(LEAST_BITS);
-        ((self.buckets[(above >> BUCKET_SHIFT) as usize] + above % PLACES) >> CODE_SHIFT) as u8
+        let above = clamped.to_bits().saturating_sub(MIN_BITS);
+        ((self.buckets[(above >> BUCKET_SHIFT) as usize] + above % FLOATS_PER_BUCKET) >> CODE_SHIFT) as u8
     }
 
     /// [`Self::encode`] for sixteen values.
     #[inline(always)]
     pub(crate) fn encode_lanes<S: Simd>(&self, simd: S, linear: f32x16<S>) -> u32x16<S> {
-        self.encode_lanes_by(simd, gathers_are_quick(), linear)
+        self.encode_lanes_by(simd, gathers_are_fast(), linear)
     }
 
     /// [`Self::encode_lanes`], with or without gather instructions.
@@ -83,8 +83,8 @@ impl Tables {
     fn encode_lanes_by<S: Simd>(&self, simd: S, by_gathers: bool, linear: f32x16<S>) -> u32x16<S> {
         let zero = f32x16::splat(simd, 0.0);
         let clamped = linear.simd_gt(zero).select(linear.min(1.0), zero);
-        let above = clamped.bitcast::<u32x16<S>>().max(LEAST_BITS) - LEAST_BITS;
-        (self.entries(simd, by_gathers, above >> BUCKET_SHIFT) + (above & (PLACES - 1))) >> CODE_SHIFT
+        let above = clamped.bitcast::<u32x16<S>>().max(MIN_BITS) - MIN_BITS;
+        (self.entries(simd, by_gathers, above >> BUCKET_SHIFT) + (above & (FLOATS_PER_BUCKET - 1))) >> CODE_SHIFT
     }
 }
 
@@ -92,7 +92,7 @@ impl Tables {
     /// Returns the table's values for sixteen codes, each less than 256.
     #[inline(always)]
     pub(crate) fn lookup<S: Simd>(simd: S, table: &[f32; 256], codes: u32x16<S>) -> f32x16<S> {
-        Self::lookup_by(simd, gathers_are_quick(), table, codes)
+        Self::lookup_by(simd, gathers_are_fast(), table, codes)
     }
 
     /// [`Tables::lookup`], with or without gather instructions.
@@ -159,7 +159,7 @@ mod x86 {
 }
 
 /// Returns the linear light of an sRGB value in [0, 1].
-pub(crate) fn decode(srgb: f32) -> f32 {
+pub fn decode(srgb: f32) -> f32 {
     if srgb <= 0.04045 { srgb / 12.92 } else { ((srgb + 0.055) / 1.055).powf(2.4) }
 }
 
@@ -178,18 +178,18 @@ pub(crate) fn decode(srgb: f32) -> f32 {
 ///     assert_eq!(quantize(encode(decode_byte(code))), code);
 /// }
 /// ```
-pub(crate) fn encode(linear: f32) -> f32 {
+pub fn encode(linear: f32) -> f32 {
     if linear <= 0.003_130_8 { linear * 12.92 } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
 /// Returns the linear light of an 8-bit sRGB code.
-pub(crate) fn decode_byte(code: u8) -> f32 {
+pub fn decode_byte(code: u8) -> f32 {
     TABLES.linear_of_code[code as usize]
 }
 
 /// Returns the 8-bit code of a value in [0, 1], rounded half up; clamps, and returns 0 for NaN.
 #[inline]
-pub(crate) fn quantize(value: f32) -> u8 {
+pub fn quantize(value: f32) -> u8 {
     (value * 255.0 + 0.5) as u8
 }
 

@@ -195,7 +195,7 @@ pub fn write_png(path: &Path, image: &Image<Rgba8>) -> Result<(), ImageFileError
 }
 
 /// Returns the bytes of a PNG file: RGB if every pixel is opaque, else RGBA. Fails for a picture without pixels.
-pub(crate) fn encode_png(image: &Image<Rgba8>) -> std::io::Result<Vec<u8>> {
+pub fn encode_png(image: &Image<Rgba8>) -> std::io::Result<Vec<u8>> {
     let (width, height) = image.size();
     let mut file = Vec::new();
     let encoder = PngEncoder::new(&mut file);

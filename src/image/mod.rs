@@ -1,6 +1,6 @@
 //! Pictures in memory, colour spaces, and picture files.
 
-pub(crate) mod color;
+pub mod color;
 
 pub mod file;
 
@@ -79,7 +79,7 @@ impl<T: Copy> Image<T> {
     }
 
     /// Returns the value at (x, y), or `None` outside.
-    pub(crate) fn get(&self, x: u32, y: u32) -> Option<T> {
+    pub fn get(&self, x: u32, y: u32) -> Option<T> {
         (x < self.width && y < self.height).then(|| self.at(x, y))
     }
 

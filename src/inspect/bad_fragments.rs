@@ -2,7 +2,7 @@
 
 use crate::pipeline::interpolate::attribute_weights;
 use crate::pipeline::observe::{Counters, DepthOutcome, Fate, Observer};
-use crate::pipeline::raster::Sample;
+use crate::pipeline::raster::RasterSample;
 use crate::pipeline::settings::{DepthTest, Settings};
 use crate::pipeline::viewport::ScreenTriangle;
 use crate::scene::TriangleId;
@@ -24,7 +24,7 @@ impl BadFragments {
         Self { counters: Counters::default(), bad: 0, settings }
     }
 
-    fn check(&mut self, triangle: &ScreenTriangle, sample: &Sample, depth: f32) {
+    fn check(&mut self, triangle: &ScreenTriangle, sample: &RasterSample, depth: f32) {
         let weights = attribute_weights(triangle, sample, self.settings.interpolation);
         self.bad += u64::from(!depth.is_finite() || weights.iter().any(|weight| !weight.is_finite()));
     }
@@ -43,14 +43,14 @@ impl Observer for BadFragments {
         self.counters.visited(samples);
     }
 
-    fn covered(&mut self, triangle: &ScreenTriangle, sample: &Sample) {
+    fn covered(&mut self, triangle: &ScreenTriangle, sample: &RasterSample) {
         self.counters.covered(triangle, sample);
         if self.settings.depth_test == DepthTest::Off {
             self.check(triangle, sample, 0.0);
         }
     }
 
-    fn depth_tested(&mut self, triangle: &ScreenTriangle, sample: &Sample, outcome: DepthOutcome) {
+    fn depth_tested(&mut self, triangle: &ScreenTriangle, sample: &RasterSample, outcome: DepthOutcome) {
         self.counters.depth_tested(triangle, sample, outcome);
         if outcome.passed {
             self.check(triangle, sample, outcome.new);
@@ -63,7 +63,7 @@ mod tests {
     use super::*;
     use crate::chain::{Recipe, redraw, run};
     use crate::inspect::capture;
-    use crate::pipeline::Until;
+    use crate::pipeline::LastStage;
     use crate::pipeline::settings::Interpolation;
     use crate::pipeline::viewport::Viewport;
     use crate::scene::builtin;
@@ -80,7 +80,7 @@ mod tests {
             (recipe.pipeline.interpolation, recipe.pipeline.depth_test) = (interpolation, depth_test);
             let frame = run(&scene, &scene.home, &recipe, Viewport { width: 32, height: 24 }, &mut ());
             let mut counting = BadFragments::new(recipe.pipeline);
-            redraw(&scene, &recipe, &frame, Until::Depth, &mut counting);
+            redraw(&scene, &recipe, &frame, LastStage::Depth, &mut counting);
             // The triangles do not overlap, so every fragment is one pixel of the buffer.
             let weights = capture(&scene, &recipe, &frame).perspective_lambda;
             let bad =

@@ -2,12 +2,12 @@
 
 use crate::chain::{Frame, Recipe, redraw};
 use crate::image::{Image, Rgba8};
-use crate::pipeline::Until;
+use crate::pipeline::LastStage;
 use crate::pipeline::depth::depth_at;
 use crate::pipeline::interpolate::Fragment;
 use crate::pipeline::observe::Observer;
 use crate::pipeline::plan::DrawPlan;
-use crate::pipeline::raster::Sample;
+use crate::pipeline::raster::RasterSample;
 use crate::pipeline::settings::{BlendingOrder, Settings};
 use crate::pipeline::viewport::ScreenTriangle;
 use crate::scene::{Scene, Transparency};
@@ -43,7 +43,7 @@ impl<'a> BlendedDepths<'a> {
 
     /// Adds a written fragment. If it is blended over earlier blended fragments, returns its depth and the depth of the
     /// nearest earlier one.
-    pub(super) fn add(&mut self, triangle: &ScreenTriangle, sample: &Sample) -> Option<[f32; 2]> {
+    pub(super) fn add(&mut self, triangle: &ScreenTriangle, sample: &RasterSample) -> Option<[f32; 2]> {
         let nearest = self.nearest.as_mut()?;
         let plan = self.plans.get(triangle.instance as usize)?;
         if plan.transparency() != Transparency::Blended {
@@ -74,25 +74,27 @@ pub(super) enum Misordered {
 /// Finds the samples of a frame that are blended in the wrong order, at the centres of its drawn pixels.
 pub(super) fn misordered(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Image<Option<Misordered>> {
     let (width, height) = frame.drawn.color.size();
-    let mut watch =
-        Watch { depths: BlendedDepths::new(&recipe.pipeline, frame), wrong: Image::filled(width, height, false) };
+    let mut watch = BlendOrderObserver {
+        depths: BlendedDepths::new(&recipe.pipeline, frame),
+        wrong: Image::filled(width, height, false),
+    };
     if watch.depths.nearest.is_none() {
         return Image::filled(width, height, None);
     }
-    let drawn = redraw(scene, recipe, frame, Until::Shade, &mut watch);
-    let exact = redraw(scene, &sorted(recipe), frame, Until::Shade, &mut ());
+    let drawn = redraw(scene, recipe, frame, LastStage::Shade, &mut watch);
+    let exact = redraw(scene, &sorted(recipe), frame, LastStage::Shade, &mut ());
     Image::from_fn(width, height, |x, y| {
         let differs = drawn.color.at(x, y) != exact.color.at(x, y);
         watch.wrong.at(x, y).then_some(if differs { Misordered::Visible } else { Misordered::Harmless })
     })
 }
 
-struct Watch<'a> {
+struct BlendOrderObserver<'a> {
     depths: BlendedDepths<'a>,
     wrong: Image<bool>,
 }
 
-impl Observer for Watch<'_> {
+impl Observer for BlendOrderObserver<'_> {
     fn shaded(&mut self, triangle: &ScreenTriangle, fragment: &Fragment, _color: Rgba8) {
         let Some(pair) = self.depths.add(triangle, &fragment.sample) else { return };
         if self.depths.is_wrong(pair) {
@@ -110,8 +112,8 @@ mod tests {
     use super::*;
     use crate::chain::run;
     use crate::inspect::inspect;
-    use crate::inspect::overlays::{Context, Overlay};
-    use crate::inspect::scrub::{Count, touches};
+    use crate::inspect::overlays::{Overlay, OverlayContext};
+    use crate::inspect::scrub::{TouchPrecision, touches};
     use crate::inspect::view::Value;
     use crate::pipeline::settings::{Choice as _, Shading};
     use crate::pipeline::viewport::Viewport;
@@ -153,12 +155,12 @@ mod tests {
         let mut wrong = 0;
         for order in BlendingOrder::ALL {
             let (recipe, frame) = (recipe(*order), frame(*order));
-            let sheet = Overlay::BlendOrder.sheet(&Context {
+            let sheet = Overlay::BlendOrder.sheet(&OverlayContext {
                 scene: &scene,
                 recipe: &recipe,
                 frame: &frame,
                 is_whole: true,
-                watched: &OnceLock::new(),
+                stats_cache: &OnceLock::new(),
                 seams: None,
                 shown: &|_, _| Value::Nothing,
                 range: None,
@@ -194,7 +196,7 @@ mod tests {
                     report.visible().map(|_| frame.image().at(x, y))
                 );
                 let area = (frame.sampling.grid(), frame.raster);
-                let touches = touches(&scene, &recipe, &frame.geometry, area, (x, y), Count::Fragments);
+                let touches = touches(&scene, &recipe, &frame.geometry, area, (x, y), TouchPrecision::Fragments);
                 assert_eq!(touches.len(), depths.len());
                 assert!(touches.is_sorted_by_key(|touch| touch.moment.key()));
             }

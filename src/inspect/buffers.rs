@@ -5,10 +5,10 @@
 use super::hits::Hits;
 use crate::chain::{Frame, Recipe, redraw};
 use crate::image::{Image, Rgba8};
-use crate::pipeline::Until;
+use crate::pipeline::LastStage;
 use crate::pipeline::interpolate::{Fragment, affine_weights};
 use crate::pipeline::observe::Observer;
-use crate::pipeline::raster::Sample;
+use crate::pipeline::raster::RasterSample;
 use crate::pipeline::settings::{Choice, choice};
 use crate::pipeline::viewport::ScreenTriangle;
 use crate::scene::seams::Seams;
@@ -35,17 +35,17 @@ pub struct Buffers {
     /// nearest.
     pub triangle: Image<TriangleId>,
     /// Screen-space weights of the winner, for corners 0, 1 and 2.
-    pub(crate) lambda: Image<[f32; 3]>,
+    pub lambda: Image<[f32; 3]>,
     /// Weights of the winner that attributes are interpolated with.
-    pub(crate) perspective_lambda: Image<[f32; 3]>,
+    pub perspective_lambda: Image<[f32; 3]>,
     /// Whether a depth was stored at each sample; blended triangles store none.
-    pub(crate) depth_stored: Image<bool>,
+    pub depth_stored: Image<bool>,
     /// Number of triangles that cover each sample.
     pub overdraw: Image<u32>,
     /// Number of times that each sample was shaded.
-    pub(crate) shaded: Image<u32>,
+    pub shaded: Image<u32>,
     /// Cracks and double hits; `None` if they were not searched for.
-    pub(crate) hits: Option<Hits>,
+    pub hits: Option<Hits>,
 }
 
 /// Draws the frame again and records all quantities except the hits.
@@ -81,7 +81,7 @@ pub fn capture(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Buffers {
         shaded: Image::filled(width, height, 0),
         hits: None,
     };
-    redraw(scene, recipe, frame, Until::Shade, &mut buffers);
+    redraw(scene, recipe, frame, LastStage::Shade, &mut buffers);
     buffers
 }
 
@@ -108,12 +108,12 @@ impl Buffers {
 }
 
 impl Observer for Buffers {
-    fn covered(&mut self, _triangle: &ScreenTriangle, sample: &Sample) {
+    fn covered(&mut self, _triangle: &ScreenTriangle, sample: &RasterSample) {
         let count = self.overdraw.at(sample.column, sample.row);
         self.overdraw.set(sample.column, sample.row, count + 1);
     }
 
-    fn depth_stored(&mut self, _triangle: &ScreenTriangle, sample: &Sample) {
+    fn depth_stored(&mut self, _triangle: &ScreenTriangle, sample: &RasterSample) {
         self.depth_stored.set(sample.column, sample.row, true);
     }
 

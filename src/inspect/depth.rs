@@ -8,15 +8,15 @@ use crate::pipeline::depth::DepthScale;
 
 /// A depth as stored in the depth buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(crate) struct DepthRecord {
+pub struct DepthRecord {
     /// The depth, in [0, 1].
-    pub(crate) value: f32,
+    pub value: f32,
     /// Integer code in the depth buffer; `None` for a floating-point buffer.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) code: Option<u32>,
+    pub code: Option<u32>,
     /// Distance along the line of sight between this depth and the next representable one, in world units. Infinite
     /// (null in JSON) if the next one is infinitely far.
-    pub(crate) resolution: f64,
+    pub resolution: f64,
 }
 
 impl DepthRecord {

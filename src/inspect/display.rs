@@ -5,7 +5,7 @@ mod text;
 use serde::{Deserialize, Serialize};
 
 use super::buffers::{Buffer, Buffers};
-use super::range::{Fit, Rule, channels};
+use super::range::{RangeFit, Rule, channels};
 use super::stages::NOT_DRAWN;
 use super::view::{self, Range, Value, fault_color};
 use crate::chain::Frame;
@@ -57,9 +57,9 @@ impl ColorMap {
 /// Display settings of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
-pub(crate) struct Display {
+pub struct Display {
     /// Rule that determines the ends of the range.
-    pub(crate) rule: Rule,
+    pub rule: Rule,
     /// Colour map; `None` for the default map of the quantity.
     pub(crate) map: Option<ColorMap>,
     /// Whether the map is reversed.
@@ -76,7 +76,7 @@ impl Default for Display {
 
 /// Kind of the values of a picture, which determines labels and controls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum Kind {
+pub(crate) enum ValueKind {
     /// Red, green and blue as 8-bit codes.
     Colors,
     /// Three weights of the corners of a triangle.
@@ -87,7 +87,7 @@ pub(crate) enum Kind {
     Names,
 }
 
-impl Kind {
+impl ValueKind {
     /// Returns the kind of a buffer's values.
     pub(crate) fn of(buffer: Buffer) -> Self {
         match buffer {
@@ -123,23 +123,25 @@ impl Display {
     pub(crate) fn range(&self, buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>) -> Option<Range> {
         let value = |x: u32, y: u32| view::value(buffer, frame, buffers, x, y);
         let natural = || view::range(buffer, frame, buffers);
-        self.range_of(Kind::of(buffer), frame.image().size(), natural, value)
+        self.range_of(ValueKind::of(buffer), frame.image().size(), natural, value)
     }
 
     /// Returns the range that a picture of values of a known kind is displayed with. `natural` returns the default
     /// range of numbers. If it returns `None`, the range is fitted to all values.
     pub(crate) fn range_of(
         &self,
-        kind: Kind,
+        kind: ValueKind,
         size: (u32, u32),
         natural: impl Fn() -> Option<Range>,
         value: impl Fn(u32, u32) -> Value,
     ) -> Option<Range> {
         match self.rule {
-            _ if kind == Kind::Names => None,
+            _ if kind == ValueKind::Names => None,
             Rule::Fixed(range) => Some(range),
             Rule::Sticky(fit) => fit.range(size, self.channels, value).or_else(|| kind.natural()),
-            Rule::Natural => kind.natural().or_else(natural).or_else(|| Fit::All.range(size, self.channels, value)),
+            Rule::Natural => {
+                kind.natural().or_else(natural).or_else(|| RangeFit::All.range(size, self.channels, value))
+            }
         }
     }
 

@@ -3,7 +3,7 @@
 use crate::chain::Frame;
 use crate::image::Rgba8;
 use crate::image::color::{Tables, encode};
-use crate::upscale::{Light, Tap, Upscaling};
+use crate::upscale::{FilterSpace, Tap, Upscaling};
 
 /// Maximum distance from a sample to a pixel that it contributes to, in samples: the widest kernel reaches three.
 const REACH_SAMPLES: f64 = 3.0;
@@ -13,7 +13,7 @@ const REACH_PX: u32 = 4;
 
 /// One sample that contributes to a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Source {
+pub(crate) struct ContributingSample {
     /// Position and weight of the sample.
     pub(crate) tap: Tap,
     /// Colour of the sample, as sRGB codes.
@@ -24,7 +24,7 @@ pub(crate) struct Source {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Mixture {
     /// The contributing samples, each once.
-    pub(crate) sources: Vec<Source>,
+    pub(crate) sources: Vec<ContributingSample>,
     /// Sum of all weights: 1 up to rounding.
     pub(crate) weight: f64,
     /// Weighted sums of red, green and blue as codes, neither clamped nor rounded.
@@ -32,7 +32,7 @@ pub(crate) struct Mixture {
     /// The pixel as the upscaler computed it.
     pub(crate) pixel: Rgba8,
     /// Whether the history (the previous frame) contributes to the pixel. It is not among the samples.
-    pub(crate) remembers: bool,
+    pub(crate) uses_history: bool,
 }
 
 impl Mixture {
@@ -41,13 +41,13 @@ impl Mixture {
     pub(crate) fn of(frame: &Frame, how: Upscaling, at: (u32, u32)) -> Option<Self> {
         let pixel = frame.image().get(at.0, at.1)?;
         let taps = taps(frame, how, at);
-        let sources = taps.into_iter().map(|tap| Some(Source { tap, color: color_of(frame, tap)? }));
-        let sources: Vec<Source> = sources.collect::<Option<_>>()?;
+        let sources = taps.into_iter().map(|tap| Some(ContributingSample { tap, color: color_of(frame, tap)? }));
+        let sources: Vec<ContributingSample> = sources.collect::<Option<_>>()?;
         let weight = sources.iter().map(|source| f64::from(source.tap.weight)).sum();
         let sum = [0, 1, 2].map(|channel| sum_of(&sources, how.light(), channel));
         let size = (frame.viewport.width, frame.viewport.height);
-        let before = how.upscaler().remembers(how, &frame.as_drawn(&frame.drawn.color), size, at);
-        Some(Self { sources, weight, sum, pixel, remembers: before.is_some() })
+        let before = how.upscaler().history_position(how, &frame.as_drawn(&frame.drawn.color), size, at);
+        Some(Self { sources, weight, sum, pixel, uses_history: before.is_some() })
     }
 
     /// Returns the weighted sums clamped to the range of codes, [0, 255].
@@ -68,13 +68,13 @@ fn color_of(frame: &Frame, tap: Tap) -> Option<Rgba8> {
 }
 
 /// Returns the weighted sum of one channel, in codes, computed in linear light or directly on codes.
-fn sum_of(sources: &[Source], light: Light, channel: usize) -> f64 {
+fn sum_of(sources: &[ContributingSample], light: FilterSpace, channel: usize) -> f64 {
     let weighed = |value: fn(u8) -> f64| -> f64 {
         sources.iter().map(|source| f64::from(source.tap.weight) * value(source.color[channel])).sum()
     };
     match light {
-        Light::Bytes => weighed(f64::from),
-        Light::Linear => {
+        FilterSpace::Bytes => weighed(f64::from),
+        FilterSpace::Linear => {
             let sum = weighed(|code| f64::from(Tables::get().linear_of_code[usize::from(code)]));
             255.0 * f64::from(encode(sum as f32))
         }
@@ -83,7 +83,7 @@ fn sum_of(sources: &[Source], light: Light, channel: usize) -> f64 {
 
 /// Returns the pixels of the full picture that a drawn sample contributes to, with its weight in each. `sample` is
 /// given in the coordinates of a [`Tap`].
-pub(crate) fn fed_by(frame: &Frame, how: Upscaling, sample: (u32, u32)) -> Vec<((u32, u32), f32)> {
+pub(crate) fn pixels_fed_by(frame: &Frame, how: Upscaling, sample: (u32, u32)) -> Vec<((u32, u32), f32)> {
     let (middle, reach) = around(frame, how, sample);
     let range = |at: u32, size: u32| at.saturating_sub(reach)..at.saturating_add(reach + 1).min(size);
     let mut fed = Vec::new();
@@ -145,7 +145,7 @@ mod tests {
                 let frame = frame(how);
                 let sample = Mixture::of(&frame, how, (30, 22)).unwrap().sources[0].tap;
                 let sample = (sample.x, sample.y);
-                let fed = fed_by(&frame, how, sample);
+                let fed = pixels_fed_by(&frame, how, sample);
                 let mut count = 0;
                 for y in 0..47 {
                     for x in 0..61 {

@@ -4,16 +4,16 @@ mod vertex;
 
 use crate::chain::{Frame, Recipe, redraw};
 use crate::image::{Image, Rgba8};
-use crate::pipeline::Until;
+use crate::pipeline::LastStage;
 use crate::pipeline::interpolate::Fragment;
 use crate::pipeline::observe::Observer;
-use crate::pipeline::raster::Sample;
+use crate::pipeline::raster::RasterSample;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::scene::{Scene, TriangleId};
 
 /// Target of a search.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Wanted {
+pub enum SearchTarget {
     /// A pixel, by column and row.
     Pixel(u32, u32),
     /// A pixel to centre in the canvas: column, row, and magnification in percent.
@@ -31,9 +31,9 @@ const PERCENT: std::ops::RangeInclusive<u32> = 4..=25_600;
 
 /// Result of a search.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Found {
+pub enum SearchResult {
     /// The target is visible: a central pixel of it, and the number of visible samples.
-    Seen((u32, u32), usize),
+    Visible((u32, u32), usize),
     /// The target is covered everywhere: a central pixel of it, and the number of covered samples.
     Hidden((u32, u32), usize),
     /// The pixel that contains a vertex, and a description of its position and distance from the eye.
@@ -42,11 +42,11 @@ pub(crate) enum Found {
     Nowhere(String),
 }
 
-impl Wanted {
+impl SearchTarget {
     /// Parses "12,34", "800% 12,34", "tri 56", "vertex 7 of knot", or the name of an object or a part of it. A vertex
     /// without an object name belongs to the object with the number `near`. The error names the text that was not
     /// found.
-    pub(crate) fn parse(
+    pub fn parse(
         text: &str,
         scene: &Scene,
         Viewport { width, height }: Viewport,
@@ -130,39 +130,44 @@ fn parse_triangle(text: &str) -> Option<u64> {
 }
 
 /// Searches for a target in a frame by drawing its triangles again.
-pub(crate) fn find(scene: &Scene, recipe: &Recipe, frame: &Frame, wanted: &Wanted) -> Found {
+pub fn find(scene: &Scene, recipe: &Recipe, frame: &Frame, wanted: &SearchTarget) -> SearchResult {
     let is_wanted: &dyn Fn(&ScreenTriangle) -> bool = match wanted {
-        Wanted::Pixel(x, y) | Wanted::View(x, y, _) => return Found::Seen((*x, *y), 1),
-        Wanted::Vertex(object, number) => return vertex::find(scene, recipe, frame, (*object, *number)),
-        Wanted::Triangle(id) => &|triangle| triangle.id == *id,
-        Wanted::Object(_, numbers) => &|triangle| numbers.contains(&triangle.instance),
+        SearchTarget::Pixel(x, y) | SearchTarget::View(x, y, _) => return SearchResult::Visible((*x, *y), 1),
+        SearchTarget::Vertex(object, number) => return vertex::find(scene, recipe, frame, (*object, *number)),
+        SearchTarget::Triangle(id) => &|triangle| triangle.id == *id,
+        SearchTarget::Object(_, numbers) => &|triangle| numbers.contains(&triangle.instance),
     };
     if !frame.geometry.triangles.iter().any(is_wanted) {
         let words = wanted.words();
-        return Found::Nowhere(format!("{words} is not rasterized: it is culled, clipped away, or outside the view"));
+        return SearchResult::Nowhere(format!(
+            "{words} is not rasterized: it is culled, clipped away, or outside the view"
+        ));
     }
     let (width, height) = frame.drawn.color.size();
-    let mut search =
-        Search { is_wanted, covered: Image::filled(width, height, false), seen: Image::filled(width, height, false) };
-    redraw(scene, recipe, frame, Until::Shade, &mut search);
-    let Search { covered, seen, .. } = search;
+    let mut search = TargetSamples {
+        is_wanted,
+        covered: Image::filled(width, height, false),
+        seen: Image::filled(width, height, false),
+    };
+    redraw(scene, recipe, frame, LastStage::Shade, &mut search);
+    let TargetSamples { covered, seen, .. } = search;
     let in_the_middle = |mask: &Image<bool>| most_central(mask).map(|(sample, count)| (frame.pixel_of(sample), count));
     match (in_the_middle(&seen), in_the_middle(&covered)) {
-        (Some((pixel, count)), _) => Found::Seen(pixel, count),
-        (None, Some((pixel, count))) => Found::Hidden(pixel, count),
-        (None, None) => Found::Nowhere(format!("{} covers no pixel centre in this view", wanted.words())),
+        (Some((pixel, count)), _) => SearchResult::Visible(pixel, count),
+        (None, Some((pixel, count))) => SearchResult::Hidden(pixel, count),
+        (None, None) => SearchResult::Nowhere(format!("{} covers no pixel centre in this view", wanted.words())),
     }
 }
 
 /// Samples covered by the wanted triangles, and samples where they were shaded last.
-struct Search<'a> {
+struct TargetSamples<'a> {
     is_wanted: &'a dyn Fn(&ScreenTriangle) -> bool,
     covered: Image<bool>,
     seen: Image<bool>,
 }
 
-impl Observer for Search<'_> {
-    fn covered(&mut self, triangle: &ScreenTriangle, sample: &Sample) {
+impl Observer for TargetSamples<'_> {
+    fn covered(&mut self, triangle: &ScreenTriangle, sample: &RasterSample) {
         if (self.is_wanted)(triangle) {
             self.covered.set(sample.column, sample.row, true);
         }
@@ -208,17 +213,17 @@ mod tests {
     #[test]
     fn triangles_and_objects_are_read_and_what_is_not_there_is_said() {
         let scene = builtin::by_id("cubes").unwrap().build();
-        let parse = |text: &str| Wanted::parse(text, &scene, SIZE, None);
+        let parse = |text: &str| SearchTarget::parse(text, &scene, SIZE, None);
         for text in ["tri 7", "Triangle 7", "t7", "#7"] {
-            assert_eq!(parse(text), Ok(Wanted::Triangle(TriangleId(7))), "{text}");
+            assert_eq!(parse(text), Ok(SearchTarget::Triangle(TriangleId(7))), "{text}");
         }
         assert!(parse("tri 1536").unwrap_err().contains("1536 triangles"));
-        assert_eq!(parse("800% 12,30"), Ok(Wanted::View(12, 30, 800)));
+        assert_eq!(parse("800% 12,30"), Ok(SearchTarget::View(12, 30, 800)));
         assert!(parse("1 % 0,0").unwrap_err().contains("25600 %"));
         assert!(parse("48,0").unwrap_err().contains("47,31"));
         assert!(parse("no such thing").unwrap_err().contains("no such thing"));
         let name = scene.instances[3].name.clone();
-        let Ok(Wanted::Object(_, numbers)) = parse(&name.to_uppercase()) else { panic!("{name} is an object") };
+        let Ok(SearchTarget::Object(_, numbers)) = parse(&name.to_uppercase()) else { panic!("{name} is an object") };
         assert!(numbers.contains(&3));
     }
 
@@ -231,20 +236,20 @@ mod tests {
         let (mut seen, mut hidden, mut nowhere) = (0, 0, 0);
         for id in (0..1536).step_by(31).map(TriangleId) {
             let winners = buffers.triangle.pixels().iter().filter(|winner| **winner == id).count();
-            match find(&scene, &recipe, &frame, &Wanted::Triangle(id)) {
-                Found::Seen((x, y), count) => {
+            match find(&scene, &recipe, &frame, &SearchTarget::Triangle(id)) {
+                SearchResult::Visible((x, y), count) => {
                     assert_eq!((buffers.triangle.at(x, y), count), (id, winners));
                     seen += 1;
                 }
-                Found::Hidden(..) => {
+                SearchResult::Hidden(..) => {
                     assert_eq!(winners, 0);
                     hidden += 1;
                 }
-                Found::Nowhere(_) => {
+                SearchResult::Nowhere(_) => {
                     assert_eq!(winners, 0);
                     nowhere += 1;
                 }
-                Found::At(..) => panic!("a triangle is no point"),
+                SearchResult::At(..) => panic!("a triangle is no point"),
             }
         }
         assert!(seen > 3 && hidden + nowhere > 3, "{seen} {hidden} {nowhere}");
@@ -257,7 +262,9 @@ mod tests {
         for upscaler in ["nearest", "bilinear", "checkerboard"] {
             recipe.set(&format!("upscaler.method={upscaler}")).unwrap();
             let frame = run(&scene, &scene.home, &recipe, SIZE, &mut ());
-            let Found::Seen((x, y), _) = find(&scene, &recipe, &frame, &Wanted::Triangle(TriangleId(0))) else {
+            let SearchResult::Visible((x, y), _) =
+                find(&scene, &recipe, &frame, &SearchTarget::Triangle(TriangleId(0)))
+            else {
                 panic!("it fills the picture")
             };
             assert!(x < SIZE.width && y < SIZE.height);

@@ -58,7 +58,7 @@ impl Histogram {
     }
 
     /// Returns the count of the fullest bin.
-    pub(crate) fn most(&self) -> u64 {
+    pub(crate) fn max_count(&self) -> u64 {
         self.bins.iter().copied().max().unwrap_or(0)
     }
 }
@@ -89,6 +89,6 @@ mod tests {
         assert_eq!((flat.bins[0], flat.below, flat.above), (2, 0, 0));
         let wide = Histogram::of([f32::MIN, 0.0, f32::MAX], Range { low: f32::MIN, high: f32::MAX }, 4);
         assert_eq!(wide.bins, [1, 0, 1, 1]);
-        assert_eq!(wide.most(), 1);
+        assert_eq!(wide.max_count(), 1);
     }
 }

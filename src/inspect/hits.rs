@@ -18,7 +18,7 @@ mod seams;
 
 use serde::Serialize;
 
-use self::edges::{Meetings, edges_near, edges_of};
+use self::edges::{EdgeTriangles, edges_near, edges_of};
 pub(super) use self::seams::{border_in_picture, junction_pixels};
 use crate::chain::{Frame, Recipe};
 use crate::image::Image;
@@ -44,20 +44,20 @@ pub enum FaultKind {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Fault {
     /// Column in the full picture.
-    pub(crate) x: u32,
+    pub x: u32,
     /// Row in the full picture.
-    pub(crate) y: u32,
+    pub y: u32,
     /// Whether the sample has too few or too many hits.
-    pub(crate) kind: FaultKind,
+    pub kind: FaultKind,
     /// Triangles that hit the sample, in drawing order. A clipped triangle appears once for each piece that does.
-    pub(crate) hit_by: Vec<TriangleId>,
+    pub hit_by: Vec<TriangleId>,
     /// Triangles that hit the sample in the reference.
-    pub(crate) due: Vec<TriangleId>,
+    pub due: Vec<TriangleId>,
     /// Two triangles that share an edge here. The first is the missing one of a crack, or the superfluous one of a
     /// double hit.
-    pub(crate) sharing: [TriangleId; 2],
+    pub sharing: [TriangleId; 2],
     /// T-junction or unwelded vertex that opens the edge; `None` if the two triangles share the ends of the edge.
-    pub(crate) junction: Option<Junction>,
+    pub junction: Option<Junction>,
 }
 
 /// Hit counts and faults of a frame.
@@ -77,7 +77,7 @@ impl Hits {
     /// Counts the hits of a frame drawn with `settings`.
     pub fn of(frame: &Frame, settings: &Settings) -> Self {
         let Viewport { width, height } = frame.raster;
-        Search::of(frame, settings, Scissor::full(width, height)).run()
+        FaultSearch::of(frame, settings, Scissor::full(width, height)).run()
     }
 
     /// Counts the hits of screen triangles on a grid of samples.
@@ -87,7 +87,7 @@ impl Hits {
         grid: SampleGrid,
         Viewport { width, height }: Viewport,
     ) -> Self {
-        Search::new(triangles, settings, grid, Scissor::full(width, height)).run()
+        FaultSearch::new(triangles, settings, grid, Scissor::full(width, height)).run()
     }
 
     /// Adds the faults along the open seams of the scene that are visible in the frame.
@@ -133,7 +133,7 @@ impl Hits {
     }
 
     /// Returns the first fault after the pixel `from`, or the last one before it; wraps around at the end.
-    pub fn beside(&self, from: Option<(u32, u32)>, forwards: bool) -> Option<&Fault> {
+    pub fn neighbour(&self, from: Option<(u32, u32)>, forwards: bool) -> Option<&Fault> {
         let place = |fault: &Fault| (fault.y, fault.x);
         let Some((x, y)) = from else {
             return if forwards { self.faults.first() } else { self.faults.last() };
@@ -155,7 +155,7 @@ pub fn fault_at(frame: &Frame, settings: &Settings, x: u32, y: u32) -> Option<Fa
     let end = |at: u32, limit: u32| at.saturating_add(around_px).saturating_add(1).min(limit);
     let (left, top) = (x.saturating_sub(around_px), y.saturating_sub(around_px));
     let scissor = Scissor { left, top, right: end(x, width), bottom: end(y, height) };
-    let hits = Search::of(frame, settings, scissor).run();
+    let hits = FaultSearch::of(frame, settings, scissor).run();
     hits.faults.into_iter().find(|fault| (fault.x, fault.y) == (x, y))
 }
 
@@ -177,7 +177,7 @@ const REACH_SAMPLES: u32 = 2;
 const WIDEST_STEP_PX: u32 = 4;
 
 /// A search for faults within a scissor rectangle.
-struct Search<'a> {
+struct FaultSearch<'a> {
     triangles: &'a [ScreenTriangle],
     /// The same triangles with their bounding boxes, if known.
     list: Option<&'a TriangleList>,
@@ -192,19 +192,19 @@ struct Search<'a> {
 
 /// The two ways of counting: as the recipe draws, and the reference.
 #[derive(Clone, Copy)]
-enum Way {
+enum CountMode {
     Drawn,
-    Due,
+    Reference,
 }
 
 /// A sample with a wrong count, and the indices of its triangles in the list, ascending.
-struct Difference {
+struct CountDifference {
     pixel: (u32, u32),
     drawn: Vec<usize>,
     due: Vec<usize>,
 }
 
-impl Difference {
+impl CountDifference {
     /// Returns the triangles that hit the sample only as drawn.
     fn extra(&self) -> impl Iterator<Item = usize> {
         self.drawn.iter().copied().filter(|index| self.due.binary_search(index).is_err())
@@ -220,7 +220,7 @@ impl Difference {
     }
 }
 
-impl<'a> Search<'a> {
+impl<'a> FaultSearch<'a> {
     fn new(triangles: &'a [ScreenTriangle], settings: &'a Settings, grid: SampleGrid, scissor: Scissor) -> Self {
         let rows = grid.rows(scissor.top, scissor.bottom);
         let columns = rows.clone().map(|row| grid.columns(row, scissor.left, scissor.right)).filter(|c| !c.is_empty());
@@ -235,17 +235,17 @@ impl<'a> Search<'a> {
     }
 
     /// Whether a triangle of the list may have samples within the scissor.
-    fn may_meet(&self, place: usize) -> bool {
+    fn may_have_samples(&self, place: usize) -> bool {
         match self.list {
-            Some(list) => self.scissor.may_meet_box(list.box_of(place)),
-            None => self.scissor.may_meet(self.triangles[place].corners_px()),
+            Some(list) => self.scissor.may_overlap_box(list.box_of(place)),
+            None => self.scissor.may_overlap(self.triangles[place].corners_px()),
         }
     }
 
     fn run(&self) -> Hits {
-        let (counts, due) = (self.count(Way::Drawn), self.count(Way::Due));
+        let (counts, due) = (self.count(CountMode::Drawn), self.count(CountMode::Reference));
         let differences = self.differences(&counts, &due);
-        let missing = self.meetings_of_missing(&differences);
+        let missing = self.edges_of_missing(&differences);
         let faults: Vec<Fault> = differences
             .iter()
             .filter_map(|difference| {
@@ -259,28 +259,28 @@ impl<'a> Search<'a> {
         Hits { counts, elsewhere: differences.len() - faults.len(), faults, mesh: None }
     }
 
-    fn count(&self, way: Way) -> Image<u32> {
+    fn count(&self, way: CountMode) -> Image<u32> {
         let mut counts = Image::filled(self.size.0, self.size.1, 0);
         self.each_hit(way, |_, (column, row)| counts.set(column, row, counts.at(column, row) + 1));
         counts
     }
 
     /// Calls `sink` for every hit, with the index in the list and the sample relative to the origin.
-    fn each_hit(&self, way: Way, mut sink: impl FnMut(usize, (u32, u32))) {
+    fn each_hit(&self, way: CountMode, mut sink: impl FnMut(usize, (u32, u32))) {
         let Settings { rasterizer, arithmetic, fill_rule, .. } = *self.settings;
-        let sound_rule = if fill_rule.is_sound() { fill_rule } else { FillRule::TopLeft };
+        let sound_rule = if fill_rule.draws_shared_edges_once() { fill_rule } else { FillRule::TopLeft };
         let how = match way {
-            Way::Drawn => (rasterizer, arithmetic, fill_rule),
-            Way::Due => (Rasterizer::BoundingBox, Arithmetic::Exact, sound_rule),
+            CountMode::Drawn => (rasterizer, arithmetic, fill_rule),
+            CountMode::Reference => (Rasterizer::BoundingBox, Arithmetic::Exact, sound_rule),
         };
         let mut spans: Vec<Span> = Vec::new();
         for (index, triangle) in self.triangles.iter().enumerate() {
-            if !self.may_meet(index) {
+            if !self.may_have_samples(index) {
                 continue;
             }
             let corners_px = match way {
-                Way::Drawn => triangle.corners_px(),
-                Way::Due => self.corners_px(index),
+                CountMode::Drawn => triangle.corners_px(),
+                CountMode::Reference => self.corners_px(index),
             };
             spans.clear();
             cover_within(how, corners_px, (self.grid, self.scissor), &mut spans);
@@ -300,7 +300,7 @@ impl<'a> Search<'a> {
     }
 
     /// Returns the samples whose counts differ, in reading order. Draws the triangles again only if there are any.
-    fn differences(&self, drawn: &Image<u32>, due: &Image<u32>) -> Vec<Difference> {
+    fn differences(&self, drawn: &Image<u32>, due: &Image<u32>) -> Vec<CountDifference> {
         const NONE: u32 = u32::MAX;
         let (width, height) = self.size;
         let mut numbers = Image::filled(width, height, NONE);
@@ -309,18 +309,18 @@ impl<'a> Search<'a> {
             if drawn.at(column, row) != due.at(column, row) {
                 numbers.set(column, row, differences.len() as u32);
                 let pixel = self.grid.pixel(column + self.origin.0, row + self.origin.1);
-                differences.push(Difference { pixel, drawn: Vec::new(), due: Vec::new() });
+                differences.push(CountDifference { pixel, drawn: Vec::new(), due: Vec::new() });
             }
         }
         if differences.is_empty() {
             return differences;
         }
-        for way in [Way::Drawn, Way::Due] {
+        for way in [CountMode::Drawn, CountMode::Reference] {
             self.each_hit(way, |index, (column, row)| {
                 let Some(difference) = differences.get_mut(numbers.at(column, row) as usize) else { return };
                 match way {
-                    Way::Drawn => difference.drawn.push(index),
-                    Way::Due => difference.due.push(index),
+                    CountMode::Drawn => difference.drawn.push(index),
+                    CountMode::Reference => difference.due.push(index),
                 }
             });
         }
@@ -328,8 +328,8 @@ impl<'a> Search<'a> {
     }
 
     /// Returns the triangles on both sides of the edges at which missing triangles may have lost their samples.
-    fn meetings_of_missing(&self, differences: &[Difference]) -> Meetings {
-        let mut meetings = Meetings::default();
+    fn edges_of_missing(&self, differences: &[CountDifference]) -> EdgeTriangles {
+        let mut meetings = EdgeTriangles::default();
         for difference in differences.iter().filter(|d| d.kind() == FaultKind::Crack) {
             for index in difference.missing() {
                 for edge in edges_near(self.triangles[index].instance, self.corners_px(index), difference.pixel) {
@@ -348,7 +348,7 @@ impl<'a> Search<'a> {
     }
 
     /// Returns a missing triangle, and the triangle on the other side of the edge at which it lost the sample.
-    fn crack(&self, difference: &Difference, meetings: &Meetings, due: &Image<u32>) -> Option<[usize; 2]> {
+    fn crack(&self, difference: &CountDifference, meetings: &EdgeTriangles, due: &Image<u32>) -> Option<[usize; 2]> {
         if self.settings.rasterizer.is_published() && self.is_near_outline(difference, due) {
             return None;
         }
@@ -360,7 +360,7 @@ impl<'a> Search<'a> {
 
     /// Whether fewer triangles are due nearby. A rasterizer that moves samples may then have moved this one off the
     /// surface rather than opened a crack.
-    fn is_near_outline(&self, difference: &Difference, due: &Image<u32>) -> bool {
+    fn is_near_outline(&self, difference: &CountDifference, due: &Image<u32>) -> bool {
         let Some((column, row)) = self.grid.sample_at(difference.pixel.0, difference.pixel.1) else { return false };
         let (column, row) = (column - self.origin.0, row - self.origin.1);
         let around = |at: u32, size: u32| at.saturating_sub(REACH_SAMPLES)..(at + REACH_SAMPLES + 1).min(size);
@@ -370,9 +370,9 @@ impl<'a> Search<'a> {
     }
 
     /// Returns a superfluous triangle, and another hit triangle on the other side of a shared edge.
-    fn double_hit(&self, difference: &Difference) -> Option<[usize; 2]> {
+    fn double_hit(&self, difference: &CountDifference) -> Option<[usize; 2]> {
         let edges = |index: usize| edges_of(self.triangles[index].instance, self.corners_px(index));
-        let mut meetings = Meetings::default();
+        let mut meetings = EdgeTriangles::default();
         for index in &difference.drawn {
             for edge in edges(*index) {
                 meetings.add(edge, *index);
@@ -383,7 +383,7 @@ impl<'a> Search<'a> {
             .find_map(|index| edges(index).into_iter().find_map(|edge| Some([index, meetings.across(edge)?])))
     }
 
-    fn fault(&self, difference: &Difference, sharing: [usize; 2]) -> Fault {
+    fn fault(&self, difference: &CountDifference, sharing: [usize; 2]) -> Fault {
         let (x, y) = difference.pixel;
         let id = |index: usize| self.triangles[index].id;
         let ids = |indices: &[usize]| indices.iter().copied().map(id).collect();

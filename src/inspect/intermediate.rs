@@ -6,12 +6,12 @@
 use super::view::{Range, Value};
 use crate::chain::{Frame, Recipe, redraw};
 use crate::image::{Image, Rgba8};
-use crate::pipeline::Until;
+use crate::pipeline::LastStage;
 use crate::pipeline::depth::{DepthEncoding, DepthScale, depth_at};
 use crate::pipeline::interpolate::{Fragment, affine_weights, uv_gradient};
 use crate::pipeline::observe::Observer;
-use crate::pipeline::plan::{DrawPlan, Part};
-use crate::pipeline::raster::{AnyTriangle, Sample};
+use crate::pipeline::plan::{DrawPlan, PipelinePart};
+use crate::pipeline::raster::{AnyTriangle, RasterSample};
 use crate::pipeline::settings::{Choice, Settings, choice};
 use crate::pipeline::shade::Shader;
 use crate::pipeline::viewport::ScreenTriangle;
@@ -48,7 +48,7 @@ choice! {
 }
 
 /// Returns 1/w of a triangle at a sample.
-pub(crate) fn inv_w_at(triangle: &ScreenTriangle, sample: &Sample) -> f32 {
+pub(crate) fn inv_w_at(triangle: &ScreenTriangle, sample: &RasterSample) -> f32 {
     let lambda = affine_weights(triangle, sample);
     lambda.iter().zip(&triangle.vertices).map(|(lambda, vertex)| lambda * vertex.inv_w).sum()
 }
@@ -89,7 +89,7 @@ pub(crate) fn capture(scene: &Scene, recipe: &Recipe, frame: &Frame, which: Inte
         edges: None,
         values: Image::filled(width, height, None),
     };
-    redraw(scene, recipe, frame, Until::Shade, &mut capture);
+    redraw(scene, recipe, frame, LastStage::Shade, &mut capture);
     Captured { which, values: capture.values }
 }
 
@@ -111,10 +111,10 @@ impl Capture<'_> {
         let instance = triangle.instance as usize;
         let shader = &self.shaders[instance];
         let has = |part| self.plans[instance].runs(part);
-        let uv = |value: f32| has(Part::TextureCoordinates).then_some(value);
+        let uv = |value: f32| has(PipelinePart::TextureCoordinates).then_some(value);
         let lambda = || affine_weights(triangle, sample);
         let arithmetic = self.settings.arithmetic;
-        let gradient = || has(Part::TextureCoordinates).then(|| uv_gradient(triangle, sample, arithmetic));
+        let gradient = || has(PipelinePart::TextureCoordinates).then(|| uv_gradient(triangle, sample, arithmetic));
         match self.which {
             Intermediate::Edge0 => Some(sample.edges[0] as f32),
             Intermediate::Edge1 => Some(sample.edges[1] as f32),
@@ -141,14 +141,14 @@ impl Capture<'_> {
                 let texels = glam::Vec2::new(width as f32, height as f32);
                 gradient()?.into_iter().map(|change| (change * texels).length()).reduce(f32::max)
             }
-            Intermediate::Cosine => has(Part::Normals).then(|| shader.cosine(fragment)),
-            Intermediate::Light => has(Part::Light).then(|| shader.light(fragment)),
+            Intermediate::Cosine => has(PipelinePart::Normals).then(|| shader.cosine(fragment)),
+            Intermediate::Light => has(PipelinePart::Light).then(|| shader.light(fragment)),
             Intermediate::Alpha => Some(shader.alpha(fragment)),
         }
     }
 
     /// Returns the signed number of depth-buffer steps to the pixel on the right; `None` if the triangle has no edges.
-    fn depth_slope(&mut self, triangle: &ScreenTriangle, sample: &Sample) -> Option<f32> {
+    fn depth_slope(&mut self, triangle: &ScreenTriangle, sample: &RasterSample) -> Option<f32> {
         let Settings { arithmetic, fill_rule, .. } = *self.settings;
         if self.edges.as_ref().is_none_or(|(known, _)| known != triangle) {
             self.edges = Some((*triangle, AnyTriangle::new(arithmetic, triangle.corners_px(), fill_rule)?));
@@ -179,7 +179,7 @@ mod tests {
     use crate::inspect::display::{Display, NOT_A_NUMBER};
     use crate::inspect::trace::Trace;
     use crate::inspect::{Buffer, inspect};
-    use crate::pipeline::settings::{DepthFormat, Filter, Interpolation};
+    use crate::pipeline::settings::{DepthFormat, Interpolation, TexelFilter};
     use crate::pipeline::viewport::Viewport;
     use crate::scene::builtin;
 
@@ -195,7 +195,7 @@ mod tests {
     #[test]
     fn buffers_hold_what_the_lines_say() {
         let mut recipe = Recipe::default();
-        recipe.pipeline.filter = Filter::Trilinear;
+        recipe.pipeline.filter = TexelFilter::Trilinear;
         for id in ["cubes", "stained-glass"] {
             let scene = builtin::by_id(id).unwrap().build();
             let frame = run(&scene, &scene.home, &recipe, VIEW, &mut ());

@@ -16,7 +16,7 @@ pub(crate) fn is_black([r, g, b, _]: Rgba8) -> bool {
 
 /// A scene with a black spot.
 #[derive(Clone, Copy, Debug)]
-pub struct Lesson {
+pub struct BlackPixelLesson {
     /// Id of the built-in scene.
     pub scene: &'static str,
     /// Question about the visible artefact.
@@ -30,36 +30,36 @@ pub struct Lesson {
 }
 
 /// All lessons, in pipeline order of their causes.
-pub const ALL: &[Lesson] = &[
-    Lesson {
+pub const ALL: &[BlackPixelLesson] = &[
+    BlackPixelLesson {
         scene: "near-clipped",
         question: "Why does the floor end too early?",
         settings: &[],
         place: [0.5, 0.9],
         cause: "in front of the near plane",
     },
-    Lesson {
+    BlackPixelLesson {
         scene: "back-facing",
         question: "Where is the middle panel?",
         settings: &[],
         place: [0.5, 0.5],
         cause: "is back-facing",
     },
-    Lesson {
+    BlackPixelLesson {
         scene: "z-fought",
         question: "What are the stripes on the poster?",
         settings: &[],
         place: [0.5, 0.5],
         cause: "have exactly the same depth",
     },
-    Lesson {
+    BlackPixelLesson {
         scene: "nan-normal",
         question: "What is the dark patch on the ball?",
         settings: &["light.ambient=0"],
         place: [0.31, 0.36],
         cause: "is not finite (NaN)",
     },
-    Lesson {
+    BlackPixelLesson {
         scene: "missing-texture",
         question: "Why is the right crate black?",
         settings: &[],
@@ -68,7 +68,7 @@ pub const ALL: &[Lesson] = &[
     },
 ];
 
-impl Lesson {
+impl BlackPixelLesson {
     /// Returns the default recipe with the lesson's settings.
     pub(crate) fn recipe(&self) -> Recipe {
         let mut recipe = Recipe::default();

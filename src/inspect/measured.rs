@@ -4,18 +4,18 @@ use super::histogram::Histogram;
 use super::range::{channels, pixels};
 use super::statistics::Statistics;
 use super::view::{Range, Value};
-use crate::measure::region::Region;
+use crate::measure::region::PixelRegion;
 
 /// Number of bins of a histogram: about three points per bin in the widest strip.
 pub(crate) const BINS: usize = 256;
 
 /// Statistics and histograms of a picture of values.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Measured {
+pub struct PictureStatistics {
     /// Statistics of each channel over the whole picture.
-    pub(crate) whole: Vec<Statistics>,
+    pub whole: Vec<Statistics>,
     /// Rectangle and statistics of each channel within it, if one was selected.
-    pub(crate) part: Option<(Region, Vec<Statistics>)>,
+    pub part: Option<(PixelRegion, Vec<Statistics>)>,
     /// Histogram of each channel over the whole picture, all with the same range; empty without finite values.
     pub(crate) histograms: Vec<Histogram>,
     /// Range of the values of all channels; `None` without finite values.
@@ -28,11 +28,11 @@ pub(crate) fn measure(
     size: (u32, u32),
     count: usize,
     axis: Option<Range>,
-    region: Option<Region>,
+    region: Option<PixelRegion>,
     value: impl Fn(u32, u32) -> Value,
-) -> Measured {
-    let all = Region { left: 0, top: 0, right: size.0, bottom: size.1 };
-    let statistics = |region: Region| {
+) -> PictureStatistics {
+    let all = PixelRegion { left: 0, top: 0, right: size.0, bottom: size.1 };
+    let statistics = |region: PixelRegion| {
         let mut statistics = vec![Statistics::default(); count];
         for (x, y) in pixels(region, size) {
             for (channel, number) in statistics.iter_mut().zip(channels(value(x, y))) {
@@ -53,7 +53,7 @@ pub(crate) fn measure(
             }
         }
     }
-    Measured { part: region.map(|region| (region, statistics(region))), whole, histograms, extent }
+    PictureStatistics { part: region.map(|region| (region, statistics(region))), whole, histograms, extent }
 }
 
 #[cfg(test)]
@@ -65,7 +65,7 @@ mod tests {
         let value = |x: u32, y: u32| {
             if x == 0 { Value::Nothing } else { Value::Weights([x as f32, -(y as f32), f32::NAN]) }
         };
-        let region = Region { left: 2, top: 1, right: 4, bottom: 2 };
+        let region = PixelRegion { left: 2, top: 1, right: 4, bottom: 2 };
         let measured = measure((5, 3), 3, None, Some(region), value);
         let [first, second, third] = measured.whole[..] else { panic!("three channels") };
         assert_eq!((first.finite, first.min, first.max), (12, 1.0, 4.0));

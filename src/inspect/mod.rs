@@ -10,19 +10,19 @@ pub(crate) mod bad_fragments;
 
 mod blending;
 
-pub(crate) mod buffers;
+pub mod buffers;
 
 pub(crate) mod depth;
 
-pub(crate) mod display;
+pub mod display;
 
 pub mod fates;
 
 pub(crate) mod feeds;
 
-pub(crate) mod fields;
+pub mod fields;
 
-pub(crate) mod find;
+pub mod find;
 
 pub(crate) mod histogram;
 
@@ -30,13 +30,13 @@ pub mod history;
 
 pub mod hits;
 
-pub(crate) mod intermediate;
+pub mod intermediate;
 
 pub mod lesson;
 
 pub(crate) mod measured;
 
-pub(crate) mod mesh_view;
+pub mod mesh_view;
 
 pub(crate) mod normals;
 
@@ -44,7 +44,7 @@ pub mod outline;
 
 pub mod overlays;
 
-pub(crate) mod pixel;
+pub mod pixel;
 
 pub(crate) mod place;
 
@@ -56,7 +56,7 @@ pub mod range;
 
 pub mod scrub;
 
-pub(crate) mod selection;
+pub mod selection;
 
 pub mod stages;
 
@@ -80,16 +80,14 @@ pub(crate) use depth::DepthRecord;
 pub use fates::Fates;
 pub use history::Survey;
 pub use history::explain;
-pub(crate) use hits::Fault;
 pub use hits::FaultKind;
 pub use hits::Hits;
 pub use intermediate::Intermediate;
-pub(crate) use pixel::FragmentRecord;
-pub(crate) use pixel::Outcome;
-pub(crate) use pixel::PixelReport;
-pub(crate) use pixel::SampleRecord;
+pub use pixel::FragmentOutcome;
+pub use pixel::FragmentRecord;
+pub use pixel::PixelReport;
 pub use pixel::inspect;
-pub(crate) use place::Place;
+pub(crate) use place::InspectionState;
 pub(crate) use selection::TriangleSelection;
 pub use stages::Stage;
 pub use trace::Trace;

@@ -17,7 +17,7 @@ use crate::scene::{Camera, DepthMapping, Instance, Scene, TriangleId};
 pub(crate) const DEFAULT_LENGTH: f32 = 0.005;
 
 /// Minimum w of a projected point.
-const LEAST_W: f64 = f32::MIN_POSITIVE as f64;
+const MIN_W: f64 = f32::MIN_POSITIVE as f64;
 
 /// Kind of a normal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,7 +54,7 @@ impl Projector {
     fn line(&self, from: DVec3, to: DVec3) -> Option<[[f64; 2]; 2]> {
         let [a, b] = [from, to].map(|at| self.clip_from_world * at.extend(1.0));
         let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
-        for distance in [|p: DVec4| p.z, |p: DVec4| p.w - p.z, |p: DVec4| p.w - LEAST_W] {
+        for distance in [|p: DVec4| p.z, |p: DVec4| p.w - p.z, |p: DVec4| p.w - MIN_W] {
             let (start, end) = (distance(a), distance(b));
             if start < 0.0 && end < 0.0 {
                 return None;

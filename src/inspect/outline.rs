@@ -24,7 +24,7 @@ use crossing::Surfaces;
 use visible::Visibility;
 
 use crate::chain::{Frame, KeepDepth, Recipe, Renderer};
-use crate::drawing::{Drawing, Region, Rgb, Shape, Stroke};
+use crate::drawing::{Drawing, PartitionRegion, Rgb, Shape, Stroke};
 use crate::flat2d::line::part_inside;
 use crate::image::Image;
 use crate::pipeline::prepare;
@@ -48,7 +48,7 @@ const LINE: Stroke = Stroke { color: [20; 3], width: 0.7 };
 
 /// Maximum number of samples along each side of a pixel for finding visible polygons. Details smaller than the sample
 /// spacing are lost. Large pictures use fewer samples.
-const MOST_SAMPLES_PER_PX: u32 = 5;
+const MAX_SAMPLES_PER_PX: u32 = 5;
 
 /// View of a scene to draw as shapes.
 #[derive(Clone, Copy, Debug)]
@@ -95,14 +95,14 @@ fn plain(recipe: &Recipe) -> Recipe {
 }
 
 /// A screen edge: the position in px and the depth of both ends.
-type Edge = [(DVec2, f64); 2];
+type DepthEdge = [(DVec2, f64); 2];
 
 fn end(vertex: &ScreenVertex) -> (DVec2, f64) {
     (DVec2::new(vertex.position_px[0].into(), vertex.position_px[1].into()), vertex.depth)
 }
 
 /// Returns the edges of all triangles; an edge shared by two triangles occurs once.
-fn edges(frame: &Frame) -> impl Iterator<Item = Edge> {
+fn edges(frame: &Frame) -> impl Iterator<Item = DepthEdge> {
     let mut seen = HashSet::new();
     let sides =
         frame.geometry.triangles.iter().flat_map(|ScreenTriangle { vertices: [a, b, c], .. }| [(a, b), (b, c), (c, a)]);
@@ -113,12 +113,12 @@ fn edges(frame: &Frame) -> impl Iterator<Item = Edge> {
     })
 }
 
-fn whole([from, to]: Edge) -> Shape {
+fn whole([from, to]: DepthEdge) -> Shape {
     Shape::Line { from: from.0, to: to.0, stroke: LINE }
 }
 
 /// Returns the visible parts of an edge, tested against the depth buffer about once per pixel.
-fn visible_parts([from, to]: Edge, depth: Option<&Image<f32>>) -> Vec<Shape> {
+fn visible_parts([from, to]: DepthEdge, depth: Option<&Image<f32>>) -> Vec<Shape> {
     let Some(depth) = depth else { return vec![whole([from, to])] };
     // The part outside the picture is skipped, so the diagonal of the picture bounds the number of steps.
     let inside = part_inside(from.0.into(), to.0.into(), depth.width(), depth.height());
@@ -157,11 +157,11 @@ fn is_visible(depth: &Image<f32>, place: DVec2, z: f64) -> bool {
 
 /// Returns the visible parts of all triangles and of the background, which together fill the picture; `None` if
 /// cancelled.
-fn polygons(request: &OutlineRequest<'_>, control: OutlineControl<'_>) -> Option<Vec<Region>> {
+fn polygons(request: &OutlineRequest<'_>, control: OutlineControl<'_>) -> Option<Vec<PartitionRegion>> {
     let OutlineRequest { scene, camera, recipe, viewport, .. } = *request;
     let settings = &recipe.pipeline;
     let magnified = |by: u32| Viewport { width: viewport.width * by, height: viewport.height * by };
-    let samples_per_px = (2..=MOST_SAMPLES_PER_PX).rev().find(|by| magnified(*by).check().is_ok()).unwrap_or(1);
+    let samples_per_px = (2..=MAX_SAMPLES_PER_PX).rev().find(|by| magnified(*by).check().is_ok()).unwrap_or(1);
     let size = magnified(samples_per_px);
     let geometry = prepare(scene, camera, settings, size, &mut ());
     let visibility = Visibility::of(scene, &geometry, settings, size, control)?;

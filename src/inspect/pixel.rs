@@ -4,7 +4,7 @@ mod recorder;
 
 use serde::Serialize;
 
-use self::recorder::Recorder;
+use self::recorder::FragmentRecorder;
 use super::depth::DepthRecord;
 use super::history::{Absent, SampleState};
 use super::hits::{Fault, fault_at};
@@ -19,14 +19,14 @@ use crate::pipeline::raster::Scissor;
 use crate::pipeline::sample::TexelTap;
 use crate::pipeline::settings::{Arithmetic, Choice, choice};
 use crate::pipeline::viewport::Viewport;
-use crate::pipeline::{Extent, Until, draw, wireframe};
+use crate::pipeline::{Extent, LastStage, draw, wireframe};
 use crate::scene::{Scene, Transparency, TriangleId};
 use crate::upscale::Tap;
 
 /// Outcome of a fragment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub(crate) enum Outcome {
+pub enum FragmentOutcome {
     /// The pixel shows the fragment.
     Visible,
     /// The fragment was written, and a later fragment covered it.
@@ -39,9 +39,9 @@ pub(crate) enum Outcome {
     CutOut,
 }
 
-impl Outcome {
+impl FragmentOutcome {
     /// Whether the fragment was written, visible in the end or not.
-    pub(crate) fn is_written(self) -> bool {
+    pub fn is_written(self) -> bool {
         matches!(self, Self::Visible | Self::Overwritten | Self::BlendedOver)
     }
 }
@@ -50,17 +50,17 @@ impl Outcome {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FragmentRecord {
     /// Triangle of the scene.
-    pub(crate) triangle: TriangleId,
+    pub triangle: TriangleId,
     /// Name of the instance of the triangle.
-    pub(crate) instance: String,
+    pub instance: String,
     /// Position in the list of rasterized triangles.
-    pub(crate) submission: usize,
+    pub submission: usize,
     /// Transparency of its surface: opaque, alpha-tested or blended.
-    pub(crate) transparency: Transparency,
+    pub transparency: Transparency,
     /// Outcome of the fragment.
-    pub(crate) outcome: Outcome,
+    pub outcome: FragmentOutcome,
     /// Reason for the outcome, as one sentence with the deciding numbers.
-    pub(crate) reason: String,
+    pub reason: String,
     /// Arithmetic that coverage was decided in.
     pub(crate) arithmetic: Arithmetic,
     /// Corners in px, snapped in fixed point.
@@ -70,9 +70,9 @@ pub struct FragmentRecord {
     /// Doubled area in the same unit.
     pub(crate) doubled_area: f64,
     /// Screen-space weights λ.
-    pub(crate) affine_weights: [f32; 3],
+    pub affine_weights: [f32; 3],
     /// Weights that attributes are interpolated with.
-    pub(crate) attribute_weights: [f32; 3],
+    pub attribute_weights: [f32; 3],
     /// 1/w at the corners.
     pub(crate) inv_w: [f32; 3],
     /// Depth at the corners, before depth bias and before it is quantised.
@@ -81,9 +81,9 @@ pub struct FragmentRecord {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) depth_bias: Option<f32>,
     /// Depth of the fragment, as it is stored if the fragment wins.
-    pub(crate) depth: DepthRecord,
+    pub depth: DepthRecord,
     /// Stored depth before the fragment; `None` without a depth test.
-    pub(crate) stored_depth: Option<DepthRecord>,
+    pub stored_depth: Option<DepthRecord>,
     /// Alpha of opacity and texture, as used for the alpha test or for blending. `None` for opaque surfaces and
     /// rejected fragments.
     pub(crate) alpha: Option<f32>,
@@ -129,7 +129,7 @@ pub struct ShadingRecord {
 
 impl ShadingRecord {
     /// Returns the texels of one map.
-    pub(crate) fn texels_of(&self, map: TextureMap) -> impl Iterator<Item = &TexelRecord> {
+    pub fn texels_of(&self, map: TextureMap) -> impl Iterator<Item = &TexelRecord> {
         self.texels.iter().filter(move |texel| texel.map == map)
     }
 }
@@ -146,24 +146,24 @@ choice! {
 
 /// One texel read for a fragment.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(crate) struct TexelRecord {
+pub struct TexelRecord {
     /// Map that contains the texel.
     pub(crate) map: TextureMap,
     /// Mip level: 0 is the full texture, and each further level has half the side lengths.
     pub(crate) level: usize,
     /// Position in the mip level, and weight.
     #[serde(flatten)]
-    pub(crate) tap: TexelTap,
+    pub tap: TexelTap,
     /// Colour of the texel, as 8-bit codes.
-    pub(crate) color: Rgba8,
+    pub color: Rgba8,
 }
 
 /// A drawn pixel that an upscaler read.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(crate) struct SourceRecord {
+pub struct SourceRecord {
     /// Position in the drawn picture, and weight.
     #[serde(flatten)]
-    pub(crate) tap: Tap,
+    pub tap: Tap,
     /// Replayed colour, as sRGB codes.
     pub(crate) color: Rgba8,
 }
@@ -181,28 +181,28 @@ pub(crate) struct SampleRecord {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PixelReport {
     /// Column in the full picture.
-    pub(crate) x: u32,
+    pub x: u32,
     /// Row in the full picture.
-    pub(crate) y: u32,
+    pub y: u32,
     /// Explanation of the pixel's colour, as a short text.
     pub verdict: String,
     /// Replayed colour of the pixel, as sRGB codes.
     pub color: Rgba8,
     /// Pixel of the drawn picture whose fragments are listed: this pixel if it was drawn, or else the source with the
     /// largest weight.
-    pub(crate) drawn_at: [u32; 2],
+    pub drawn_at: [u32; 2],
     /// Samples whose mean is the colour of the drawn pixel; empty if the only one is at its centre.
     pub(crate) samples: Vec<SampleRecord>,
     /// State of the sample at the pixel's centre before the first fragment.
     pub(crate) clear: SampleState,
     /// All fragments at the pixel's centre, in drawing order.
-    pub(crate) fragments: Vec<FragmentRecord>,
+    pub fragments: Vec<FragmentRecord>,
     /// Triangles without a fragment here, each with its reason; filled in only by [`super::history::explain`].
-    pub(crate) absent: Vec<Absent>,
+    pub absent: Vec<Absent>,
     /// Final depth in the depth buffer; `None` without one.
-    pub(crate) final_depth: Option<DepthRecord>,
+    pub final_depth: Option<DepthRecord>,
     /// Drawn pixels that this pixel is computed from; a single one with weight 1 if it was drawn itself.
-    pub(crate) sources: Vec<SourceRecord>,
+    pub sources: Vec<SourceRecord>,
     /// Position in the previous frame, in px from the picture's corner, that the upscaler reprojected history from. The
     /// history has no weight among the sources.
     pub(crate) remembered_at: Option<[f64; 2]>,
@@ -222,7 +222,7 @@ impl PixelReport {
 
     /// Returns the fragment that the pixel shows: among blended ones, the last written.
     pub fn visible(&self) -> Option<&FragmentRecord> {
-        self.fragments.iter().find(|f| f.outcome == Outcome::Visible)
+        self.fragments.iter().find(|f| f.outcome == FragmentOutcome::Visible)
     }
 }
 
@@ -231,7 +231,7 @@ impl PixelReport {
 /// # Examples
 /// ```
 /// use rasterscope::chain::{Recipe, run};
-/// use rasterscope::inspect::{Outcome, inspect};
+/// use rasterscope::inspect::{FragmentOutcome, inspect};
 /// # use rasterscope::pipeline::viewport::Viewport;
 /// # use rasterscope::scene::builtin;
 ///
@@ -243,8 +243,8 @@ impl PixelReport {
 /// let report = inspect(&scene, &recipe, &frame, 32, 18).unwrap();
 /// assert_eq!(report.color, frame.image().at(32, 18));
 /// assert_eq!(report.fragments.len(), 2);
-/// assert_eq!(report.fragments[0].outcome, Outcome::Overwritten);
-/// assert_eq!(report.fragments[1].outcome, Outcome::Visible);
+/// assert_eq!(report.fragments[0].outcome, FragmentOutcome::Overwritten);
+/// assert_eq!(report.fragments[1].outcome, FragmentOutcome::Visible);
 /// ```
 pub fn inspect(scene: &Scene, recipe: &Recipe, frame: &Frame, x: u32, y: u32) -> Option<PixelReport> {
     let mut report = replayed(scene, recipe, frame, x, y)?;
@@ -270,7 +270,7 @@ pub(super) fn replayed(scene: &Scene, recipe: &Recipe, frame: &Frame, x: u32, y:
         let places = samples::places(frame.antialias, drawn_at);
         places.into_iter().zip(&replayed[place]).map(|(place, color)| SampleRecord { place, color: *color }).collect()
     });
-    let mut recorder = Recorder::new(scene, recipe, frame);
+    let mut recorder = FragmentRecorder::new(scene, recipe, frame);
     let final_depth = replay(scene, recipe, frame, drawn_at, &mut recorder).flatten();
 
     let upscaled = upscaler.pixel(how, &frame.as_drawn(&picture_of(&sources, frame)), (width, height), (x, y));
@@ -291,7 +291,7 @@ pub(super) fn replayed(scene: &Scene, recipe: &Recipe, frame: &Frame, x: u32, y:
         final_depth: final_depth.map(|depth| DepthRecord::new(depth, frame.depth_scale())),
         sources,
         remembered_at: upscaler
-            .remembers(how, &frame.as_drawn(&frame.drawn.color), (width, height), (x, y))
+            .history_position(how, &frame.as_drawn(&frame.drawn.color), (width, height), (x, y))
             .map(|before| before.place),
         unfiltered: filtered.map(|_| upscaled),
         wireframe,
@@ -366,7 +366,7 @@ fn draw_centre<O: Observer>(
     let sample = grid.sample_at(x, y)?;
     let mut one = Framebuffer::one_sample(grid, sample, scene.background, &recipe.pipeline);
     let extent = Extent { triangles: 0..frame.geometry.triangles.len(), scissor: Scissor::pixel(x, y) };
-    draw(scene, &frame.geometry, &recipe.pipeline, &extent, Until::Shade, &mut one, observer);
+    draw(scene, &frame.geometry, &recipe.pipeline, &extent, LastStage::Shade, &mut one, observer);
     Some(one)
 }
 

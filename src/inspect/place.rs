@@ -11,7 +11,7 @@ use super::buffers::Buffer;
 use super::display::Display;
 use super::fields::assignments;
 use super::intermediate::Intermediate;
-use super::overlays::Layer;
+use super::overlays::OverlayLayer;
 use super::stages::Stage;
 use crate::chain::Recipe;
 use crate::disk::stored_path;
@@ -21,7 +21,7 @@ use crate::scene::{Camera, camera_file};
 
 /// A place of inspection, which can be restored later.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Place {
+pub struct InspectionState {
     /// Scene: the id of a built-in one, or a path.
     #[serde(with = "stored_path")]
     pub(crate) scene: PathBuf,
@@ -45,7 +45,7 @@ pub struct Place {
     pub(crate) display: Display,
     /// Overlays, bottom to top.
     #[serde(default)]
-    pub(crate) overlays: Vec<Layer>,
+    pub(crate) overlays: Vec<OverlayLayer>,
     /// Number of rasterized triangles to draw; `None` for all.
     pub(crate) triangles: Option<usize>,
     /// Number of fragments to draw of the last triangle; `None` for all.
@@ -55,7 +55,7 @@ pub struct Place {
     pub(crate) pixel: Option<(u32, u32)>,
 }
 
-impl Place {
+impl InspectionState {
     /// Returns an error if the place cannot be restored: stored data may come from another version, or be damaged.
     pub(crate) fn check(&self) -> Result<(), String> {
         self.recipe.check()?;
@@ -129,8 +129,8 @@ mod tests {
     use super::*;
     use crate::scene::builtin;
 
-    fn place() -> Place {
-        Place {
+    fn place() -> InspectionState {
+        InspectionState {
             scene: "triangle".into(),
             mirrored: false,
             camera: builtin::by_id("triangle").unwrap().build().home,

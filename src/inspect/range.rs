@@ -3,20 +3,20 @@
 use serde::{Deserialize, Serialize};
 
 use super::view::{Range, Value};
-use crate::measure::region::Region;
+use crate::measure::region::PixelRegion;
 
 /// Fraction of the values that [`Fit::Most`] excludes at each end.
-const LEFT_OUT: f64 = 0.01;
+const EXCLUDED_FRACTION: f64 = 0.01;
 
 /// Set of values that a range is fitted to. Pixels without a value, such as a cleared depth, are ignored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Fit {
+pub enum RangeFit {
     /// All values of the picture, from minimum to maximum.
     All,
     /// All values of the picture between the 1st and the 99th percentile.
     Most,
     /// Values within a rectangle, from minimum to maximum.
-    Within(Region),
+    Within(PixelRegion),
 }
 
 /// Rule that determines the ends of a range.
@@ -26,7 +26,7 @@ pub enum Rule {
     #[default]
     Natural,
     /// Fitted anew to every picture.
-    Sticky(Fit),
+    Sticky(RangeFit),
     /// Fixed by hand.
     Fixed(Range),
 }
@@ -44,11 +44,11 @@ pub(crate) fn channels(value: Value) -> impl Iterator<Item = f32> {
     numbers.into_iter().take(count)
 }
 
-impl Fit {
+impl RangeFit {
     /// Returns the range of the selected values of a picture of `size` pixels. For values with several channels, only
     /// the `chosen` ones count. `None` without a finite value.
     pub(crate) fn range(self, size: (u32, u32), chosen: [bool; 3], value: impl Fn(u32, u32) -> Value) -> Option<Range> {
-        let all = Region { left: 0, top: 0, right: size.0, bottom: size.1 };
+        let all = PixelRegion { left: 0, top: 0, right: size.0, bottom: size.1 };
         let region = if let Self::Within(region) = self { region } else { all };
         let values = pixels(region, size).flat_map(|(x, y)| {
             let value = value(x, y);
@@ -63,7 +63,7 @@ impl Fit {
 }
 
 /// Returns the pixels of a rectangle that lie within a picture, in reading order.
-pub(crate) fn pixels(region: Region, (width, height): (u32, u32)) -> impl Iterator<Item = (u32, u32)> {
+pub(crate) fn pixels(region: PixelRegion, (width, height): (u32, u32)) -> impl Iterator<Item = (u32, u32)> {
     let columns = region.left..region.right.min(width);
     (region.top..region.bottom.min(height)).flat_map(move |y| columns.clone().map(move |x| (x, y)))
 }
@@ -71,7 +71,7 @@ pub(crate) fn pixels(region: Region, (width, height): (u32, u32)) -> impl Iterat
 /// Returns the range that excludes the fraction [`LEFT_OUT`] of the values at each end, by nearest rank.
 fn between_quantiles(mut values: Vec<f32>) -> Option<Range> {
     let last = values.len().checked_sub(1)?;
-    let rank = (last as f64 * LEFT_OUT) as usize;
+    let rank = (last as f64 * EXCLUDED_FRACTION) as usize;
     let (_, low, _) = values.select_nth_unstable_by(rank, f32::total_cmp);
     let low = *low;
     let (_, high, _) = values.select_nth_unstable_by(last - rank, f32::total_cmp);
@@ -86,27 +86,27 @@ mod tests {
     fn the_hundredth_at_either_end_is_left_out() {
         // 0 … 200 in scrambled order: two values are excluded at each end.
         let value = |x: u32, y: u32| Value::Number(((x + 3 * y) * 76 % 201) as f32);
-        let fit = |fit: Fit| fit.range((201, 1), [true; 3], value);
-        assert_eq!(fit(Fit::All), Some(Range { low: 0.0, high: 200.0 }));
-        assert_eq!(fit(Fit::Most), Some(Range { low: 2.0, high: 198.0 }));
+        let fit = |fit: RangeFit| fit.range((201, 1), [true; 3], value);
+        assert_eq!(fit(RangeFit::All), Some(Range { low: 0.0, high: 200.0 }));
+        assert_eq!(fit(RangeFit::Most), Some(Range { low: 2.0, high: 198.0 }));
     }
 
     #[test]
     fn only_the_rectangle_counts_and_nothing_is_no_value() {
         let value = |x: u32, y: u32| if x == 2 { Value::Nothing } else { Value::Number((10 * x + y) as f32) };
-        let within = Region { left: 1, top: 1, right: 3, bottom: 99 };
-        let fit = |region| Fit::Within(region).range((5, 4), [true; 3], value);
+        let within = PixelRegion { left: 1, top: 1, right: 3, bottom: 99 };
+        let fit = |region| RangeFit::Within(region).range((5, 4), [true; 3], value);
         assert_eq!(fit(within), Some(Range { low: 11.0, high: 13.0 }));
-        assert_eq!(fit(Region { left: 2, ..within }), None);
+        assert_eq!(fit(PixelRegion { left: 2, ..within }), None);
     }
 
     #[test]
     fn channels_that_are_off_are_not_fitted_to() {
         let value = |x: u32, _: u32| Value::Color([x as u8, 100 + x as u8, 250, 0]);
-        let fit = |chosen| Fit::All.range((10, 1), chosen, value);
+        let fit = |chosen| RangeFit::All.range((10, 1), chosen, value);
         assert_eq!(fit([true, true, false]), Some(Range { low: 0.0, high: 109.0 }));
         assert_eq!(fit([false, true, false]), Some(Range { low: 100.0, high: 109.0 }));
-        let one = Fit::All.range((3, 1), [false, true, true], |x, _| Value::Number(x as f32));
+        let one = RangeFit::All.range((3, 1), [false, true, true], |x, _| Value::Number(x as f32));
         assert_eq!(one, Some(Range { low: 0.0, high: 2.0 }), "a single channel has no switch");
     }
 }

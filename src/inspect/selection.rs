@@ -27,17 +27,17 @@ impl TriangleSelection {
     }
 
     /// Returns the label that describes the members.
-    pub(crate) fn label(&self) -> &str {
+    pub fn label(&self) -> &str {
         &self.label
     }
 
     /// Returns the number of members.
-    pub(crate) fn len(&self) -> usize {
+    pub fn len(&self) -> usize {
         self.len
     }
 
     /// Whether the set is empty.
-    pub(crate) fn is_empty(&self) -> bool {
+    pub fn is_empty(&self) -> bool {
         self.len == 0
     }
 
@@ -47,7 +47,7 @@ impl TriangleSelection {
     }
 
     /// Returns the members, in scene order.
-    pub(crate) fn iter(&self) -> impl Iterator<Item = TriangleId> + '_ {
+    pub fn iter(&self) -> impl Iterator<Item = TriangleId> + '_ {
         let words = self.bits.iter().zip((0..).step_by(64));
         words.flat_map(|(word, first)| {
             (0..64).filter(move |bit| word >> bit & 1 == 1).map(move |bit| TriangleId(first + bit))

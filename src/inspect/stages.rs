@@ -10,11 +10,11 @@ use crate::image::{Image, Rgba8};
 use crate::math::fixed::to_pixels;
 use crate::pipeline::cull::cull;
 use crate::pipeline::observe::Observer;
-use crate::pipeline::raster::{Sample, doubled_area};
+use crate::pipeline::raster::{RasterSample, doubled_area};
 use crate::pipeline::settings::{Choice, Culling, Settings, Shading, choice};
 use crate::pipeline::shade::id_color;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
-use crate::pipeline::{Until, prepare, wireframe};
+use crate::pipeline::{LastStage, prepare, wireframe};
 use crate::scene::{Camera, Scene};
 
 choice! {
@@ -33,10 +33,10 @@ choice! {
     }
 }
 
-const BACKDROP: Rgba8 = [20, 20, 20, 255];
-const KEPT: Rgba8 = [222, 222, 222, 255];
-const CUT: Rgba8 = [240, 150, 40, 255];
-const DROPPED: Rgba8 = [214, 72, 72, 255];
+const BACKGROUND_COLOR: Rgba8 = [20, 20, 20, 255];
+const REMAINING_COLOR: Rgba8 = [222, 222, 222, 255];
+const CLIPPED_COLOR: Rgba8 = [240, 150, 40, 255];
+const REJECTED_COLOR: Rgba8 = [214, 72, 72, 255];
 
 /// Colour of pixels that were not drawn.
 pub(crate) const NOT_DRAWN: Rgba8 = [12, 12, 12, 255];
@@ -45,14 +45,14 @@ pub(crate) const NOT_DRAWN: Rgba8 = [12, 12, 12, 255];
 pub fn picture(scene: &Scene, camera: &Camera, recipe: &Recipe, frame: &Frame, stage: Stage) -> Image<Rgba8> {
     let redrawn = |shading| {
         let recipe = Recipe { pipeline: Settings { shading, ..recipe.pipeline }, ..*recipe };
-        spread(&redraw(scene, &recipe, frame, Until::Shade, &mut ()).color, frame)
+        spread(&redraw(scene, &recipe, frame, LastStage::Shade, &mut ()).color, frame)
     };
     match stage {
         Stage::Assemble => Wires::of(scene, camera, recipe, frame.viewport).corners(),
-        Stage::Transform => Wires::of(scene, camera, recipe, frame.viewport).edges(|_| KEPT),
+        Stage::Transform => Wires::of(scene, camera, recipe, frame.viewport).edges(|_| REMAINING_COLOR),
         Stage::Clip => {
             let wires = Wires::of(scene, camera, recipe, frame.viewport);
-            wires.edges(|t| if wires.rejections.is_cut(t.id) { CUT } else { KEPT })
+            wires.edges(|t| if wires.rejections.is_cut(t.id) { CLIPPED_COLOR } else { REMAINING_COLOR })
         }
         Stage::Project => {
             let wires = Wires::of(scene, camera, recipe, frame.viewport);
@@ -62,9 +62,9 @@ pub fn picture(scene: &Scene, camera: &Camera, recipe: &Recipe, frame: &Frame, s
         }
         Stage::Cull => {
             let wires = Wires::of(scene, camera, recipe, frame.viewport);
-            let mut image = wires.edges(|_| DROPPED);
+            let mut image = wires.edges(|_| REJECTED_COLOR);
             for triangle in wires.triangles.iter().filter(|t| is_kept(t, &recipe.pipeline)) {
-                plot(triangle, KEPT, &mut image);
+                plot(triangle, REMAINING_COLOR, &mut image);
             }
             image
         }
@@ -72,7 +72,7 @@ pub fn picture(scene: &Scene, camera: &Camera, recipe: &Recipe, frame: &Frame, s
             let (width, height) = frame.drawn.color.size();
             let [r, g, b] = recipe.pipeline.background.resolve(scene.background);
             let mut covered = LastCovered(Image::filled(width, height, [r, g, b, 255]));
-            redraw(scene, recipe, frame, Until::Coverage, &mut covered);
+            redraw(scene, recipe, frame, LastStage::Coverage, &mut covered);
             spread(&covered.0, frame)
         }
         Stage::Depth => redrawn(Shading::TriangleId),
@@ -86,7 +86,7 @@ pub fn picture(scene: &Scene, camera: &Camera, recipe: &Recipe, frame: &Frame, s
 struct LastCovered(Image<Rgba8>);
 
 impl Observer for LastCovered {
-    fn covered(&mut self, triangle: &ScreenTriangle, sample: &Sample) {
+    fn covered(&mut self, triangle: &ScreenTriangle, sample: &RasterSample) {
         self.0.set(sample.column, sample.row, id_color(triangle.id));
     }
 }
@@ -121,7 +121,7 @@ impl Wires {
     }
 
     fn blank(&self) -> Image<Rgba8> {
-        Image::filled(self.viewport.width, self.viewport.height, BACKDROP)
+        Image::filled(self.viewport.width, self.viewport.height, BACKGROUND_COLOR)
     }
 
     fn edges(&self, color: impl Fn(&ScreenTriangle) -> Rgba8) -> Image<Rgba8> {
@@ -146,7 +146,7 @@ impl Wires {
             for (dx, dy) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
                 let (x, y) = (x + dx, y + dy);
                 if x >= 0.0 && y >= 0.0 && x < width as f32 && y < height as f32 {
-                    image.set(x as u32, y as u32, KEPT);
+                    image.set(x as u32, y as u32, REMAINING_COLOR);
                 }
             }
         }
@@ -228,6 +228,6 @@ mod tests {
         let mut frame = run(&scene, &scene.home, &recipe, VIEW, &mut ());
         frame.geometry.triangles.truncate(3);
         let image = picture(&scene, &scene.home, &recipe, &frame, Stage::Cull);
-        assert!(image.pixels().contains(&KEPT) && !image.pixels().contains(&DROPPED));
+        assert!(image.pixels().contains(&REMAINING_COLOR) && !image.pixels().contains(&REJECTED_COLOR));
     }
 }

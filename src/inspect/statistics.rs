@@ -4,9 +4,9 @@ use serde::Serialize;
 
 /// Statistics of the numbers [added](Statistics::add) so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub(crate) struct Statistics {
+pub struct Statistics {
     /// Number of finite values; all other statistics include only these.
-    pub(crate) finite: u64,
+    pub finite: u64,
     /// Number of NaN values.
     pub(crate) nan: u64,
     /// Number of infinite values, of either sign.
@@ -55,7 +55,7 @@ impl Statistics {
     }
 
     /// Returns the number of all values, finite or not.
-    pub(crate) fn count(&self) -> u64 {
+    pub fn count(&self) -> u64 {
         self.finite + self.nan + self.infinite
     }
 }

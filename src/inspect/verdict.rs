@@ -12,25 +12,25 @@ use std::collections::BTreeSet;
 
 use super::history::Absent;
 use super::hits::{Fault, FaultKind};
-use super::pixel::{FragmentRecord, Outcome, PixelReport};
+use super::pixel::{FragmentOutcome, FragmentRecord, PixelReport};
 use crate::chain::{Frame, Recipe};
-use crate::pipeline::depth::Comparison;
+use crate::pipeline::depth::DepthComparison;
 use crate::pipeline::settings::{Choice as _, Settings};
 use crate::scene::{Instance, Scene, TriangleId};
 
 /// Beginning of the story of a pixel that one triangle won unambiguously.
-const PLAIN_WIN: &str = "Won by ";
+const UNAMBIGUOUS_WIN: &str = "Won by ";
 
 /// Explains the colour of a pixel. A fault of a shared edge or a wrong blending order comes first, then the story in
 /// one sentence. More sentences follow for a black pixel or a flawed scene. After an unambiguous win, the reason for a
 /// black pixel precedes the story, because it is the most likely question.
 pub(super) fn verdict(report: &PixelReport, scene: &Scene, recipe: &Recipe, frame: &Frame) -> String {
     let fault = report.fault.as_ref().map(|fault| fault_verdict(fault, &recipe.pipeline));
-    let story = story(report, frame.is_drawn(report.x, report.y), Comparison::of(&recipe.pipeline));
+    let story = story(report, frame.is_drawn(report.x, report.y), DepthComparison::of(&recipe.pipeline));
     let order = order::verdict(report, scene, recipe, frame);
     let black = black::why(report, scene, recipe);
-    let flaw = flaw::told(report, scene, recipe, frame, black.as_deref().unwrap_or_default());
-    let (before, after) = if story.starts_with(PLAIN_WIN) { (black, None) } else { (None, black) };
+    let flaw = flaw::describe_flaws(report, scene, recipe, frame, black.as_deref().unwrap_or_default());
+    let (before, after) = if story.starts_with(UNAMBIGUOUS_WIN) { (black, None) } else { (None, black) };
     let sentences: Vec<_> = [fault, before, order, Some(story), after, flaw].into_iter().flatten().collect();
     sentences.join(" ")
 }
@@ -41,7 +41,7 @@ fn instance_of(scene: &Scene, id: TriangleId) -> Option<(usize, &Instance)> {
     Some((index, scene.instances.get(index)?))
 }
 
-fn story(report: &PixelReport, drawn: bool, comparison: Comparison) -> String {
+fn story(report: &PixelReport, drawn: bool, comparison: DepthComparison) -> String {
     let story = smooth_verdict(report) + &fragment_verdict(&report.fragments, &report.absent, comparison);
     if let Some(triangle) = report.wireframe {
         return format!("Under a wireframe line of triangle {}. {story}", triangle.0);
@@ -82,15 +82,15 @@ fn smooth_verdict(report: &PixelReport) -> String {
 
 /// Explains the winner among the fragments. Pieces of one triangle count as one, not as rivals; alpha-tested fragments
 /// that were discarded do not count.
-fn fragment_verdict(fragments: &[FragmentRecord], absent: &[Absent], comparison: Comparison) -> String {
-    let Some(winner) = fragments.iter().find(|f| f.outcome == Outcome::Visible) else {
+fn fragment_verdict(fragments: &[FragmentRecord], absent: &[Absent], comparison: DepthComparison) -> String {
+    let Some(winner) = fragments.iter().find(|f| f.outcome == FragmentOutcome::Visible) else {
         return background::verdict(fragments, absent);
     };
     if !winner.covers_all() {
         return blended_verdict(fragments, winner);
     }
     let name = name(winner);
-    let there = || fragments.iter().filter(|f| f.outcome != Outcome::CutOut);
+    let there = || fragments.iter().filter(|f| f.outcome != FragmentOutcome::CutOut);
     let triangles = count_triangles(there());
     let rivals = there().filter(|f| f.triangle != winner.triangle);
     let closest = rivals.map(|f| (f.depth.steps_from(&winner.depth), f)).min_by_key(|(steps, _)| *steps);
@@ -100,7 +100,7 @@ fn fragment_verdict(fragments: &[FragmentRecord], absent: &[Absent], comparison:
     };
     match (winner.stored_depth, comparison, closest) {
         (None, _, _) => format!("Won by {name}, drawn last of {triangles} (no depth test)."),
-        (_, Comparison::Always, _) => format!("Won by {name}, drawn last of {triangles} (every fragment passes)."),
+        (_, DepthComparison::Always, _) => format!("Won by {name}, drawn last of {triangles} (every fragment passes)."),
         (_, _, 0) => {
             let rival = self::name(rival);
             format!(
@@ -130,7 +130,7 @@ fn count_triangles<'a>(fragments: impl Iterator<Item = &'a FragmentRecord>) -> u
 
 /// Explains a pixel whose nearest fragment is blended.
 fn blended_verdict(fragments: &[FragmentRecord], nearest: &FragmentRecord) -> String {
-    let seen_through = || fragments.iter().rev().filter(|f| f.outcome == Outcome::BlendedOver);
+    let seen_through = || fragments.iter().rev().filter(|f| f.outcome == FragmentOutcome::BlendedOver);
     let behind = seen_through().find(|f| f.covers_all()).map_or("the background".to_owned(), name);
     let between = match seen_through().filter(|f| !f.covers_all()).count() {
         0 => String::new(),
@@ -191,7 +191,7 @@ fn beside(one: u32, other: u32, cause: &str) -> String {
 fn cause(settings: &Settings) -> String {
     if settings.rasterizer.is_published() {
         format!("the rasterizer is “{}”. To fix it, choose another rasterizer", settings.rasterizer.name())
-    } else if settings.fill_rule.is_sound() {
+    } else if settings.fill_rule.draws_shared_edges_once() {
         format!("the arithmetic is {}. To fix it, set arithmetic to fixed", settings.arithmetic.name())
     } else {
         format!("the fill rule is {}. To fix it, set fill_rule to top-left", settings.fill_rule.id())
@@ -213,10 +213,10 @@ mod tests {
     use crate::pipeline::settings::{Arithmetic, FillRule, Rasterizer};
     use crate::scene::{DepthMapping, Transparency, TriangleId};
 
-    const HELD: SampleState = SampleState { color: [9, 9, 9, 255], depth: None };
+    const PREVIOUS_STATE: SampleState = SampleState { color: [9, 9, 9, 255], depth: None };
 
     /// Returns the story of `fragments` (triangle, depth), the last of which is visible.
-    fn story(fragments: &[(u32, f32)], stored: Option<f32>, comparison: Comparison) -> String {
+    fn story(fragments: &[(u32, f32)], stored: Option<f32>, comparison: DepthComparison) -> String {
         story_in(DepthEncoding::F32, fragments, stored, comparison)
     }
 
@@ -224,7 +224,7 @@ mod tests {
         encoding: DepthEncoding,
         fragments: &[(u32, f32)],
         stored: Option<f32>,
-        comparison: Comparison,
+        comparison: DepthComparison,
     ) -> String {
         fragment_verdict(&records(encoding, fragments, stored), &[], comparison)
     }
@@ -237,7 +237,7 @@ mod tests {
             instance: "cube".into(),
             submission: place,
             transparency: Transparency::Opaque,
-            outcome: if place + 1 == fragments.len() { Outcome::Visible } else { Outcome::Overwritten },
+            outcome: if place + 1 == fragments.len() { FragmentOutcome::Visible } else { FragmentOutcome::Overwritten },
             reason: String::new(),
             corners_px: [[0.0; 2]; 3],
             arithmetic: Arithmetic::Fixed,
@@ -252,8 +252,8 @@ mod tests {
             stored_depth: stored.map(depth),
             alpha: None,
             shading: None,
-            before: HELD,
-            after: HELD,
+            before: PREVIOUS_STATE,
+            after: PREVIOUS_STATE,
         };
         fragments.iter().enumerate().map(record).collect()
     }
@@ -302,7 +302,7 @@ mod tests {
 
     #[test]
     fn a_fault_at_an_open_seam_names_the_vertex_and_the_edge() {
-        use crate::scene::seams::{Corner, Junction, JunctionKind, TriangleEdge};
+        use crate::scene::seams::{Junction, JunctionKind, TriangleCorner, TriangleEdge};
         let fault = |kind, junction_kind| Fault {
             x: 0,
             y: 0,
@@ -312,7 +312,7 @@ mod tests {
             sharing: [0, 7].map(TriangleId),
             junction: Some(Junction {
                 kind: junction_kind,
-                vertex: Corner { triangle: TriangleId(7), corner: 1 },
+                vertex: TriangleCorner { triangle: TriangleId(7), corner: 1 },
                 edge: TriangleEdge { triangle: TriangleId(0), opposite: 2 },
                 distance: 4e-7,
             }),
@@ -336,9 +336,9 @@ mod tests {
         for record in &mut records[1..] {
             (record.transparency, record.alpha) = (Transparency::Blended, Some(0.25));
         }
-        let story = |records: &[FragmentRecord]| fragment_verdict(records, &[], Comparison::Less);
+        let story = |records: &[FragmentRecord]| fragment_verdict(records, &[], DepthComparison::Less);
         for record in &mut records[..3] {
-            record.outcome = Outcome::BlendedOver;
+            record.outcome = FragmentOutcome::BlendedOver;
         }
         assert_eq!(
             story(&records),
@@ -354,30 +354,32 @@ mod tests {
     #[test]
     fn what_is_cut_out_is_no_rival_but_told_where_nothing_else_is() {
         let mut records = records(DepthEncoding::F32, &[(3, 0.5), (4, 0.5)], Some(0.9));
-        let story = |records: &[FragmentRecord]| fragment_verdict(records, &[], Comparison::Less);
-        (records[0].transparency, records[0].outcome) = (Transparency::CutOut, Outcome::CutOut);
+        let story = |records: &[FragmentRecord]| fragment_verdict(records, &[], DepthComparison::Less);
+        (records[0].transparency, records[0].outcome) = (Transparency::CutOut, FragmentOutcome::CutOut);
         assert_eq!(story(&records), "Won by triangle 4 of “cube”, the only one here that passes the alpha test.");
         assert_eq!(story(&records[..1]), "Background: the only triangle here failed the alpha test.");
-        records[1].outcome = Outcome::DepthRejected;
+        records[1].outcome = FragmentOutcome::DepthRejected;
         assert!(story(&records).ends_with("of the triangles here, 1 failed the depth test and 1 the alpha test."));
-        records[1].outcome = Outcome::CutOut;
+        records[1].outcome = FragmentOutcome::CutOut;
         assert_eq!(story(&records), "Background: all 2 triangles here failed the alpha test.");
     }
 
     #[test]
     fn depths_that_close_are_a_fight_only_where_depth_decides() {
         let close = [(0, 0.5), (1, 0.5_f32.next_down())];
-        assert!(story(&close, Some(0.5), Comparison::Less).starts_with("Z-fight: triangle 1 of “cube” won by 1 ulp"));
-        assert!(story(&close, Some(0.5), Comparison::Always).contains("drawn last of 2 (every fragment passes)"));
-        assert!(story(&close, None, Comparison::Always).contains("drawn last of 2 (no depth test)"));
+        assert!(
+            story(&close, Some(0.5), DepthComparison::Less).starts_with("Z-fight: triangle 1 of “cube” won by 1 ulp")
+        );
+        assert!(story(&close, Some(0.5), DepthComparison::Always).contains("drawn last of 2 (every fragment passes)"));
+        assert!(story(&close, None, DepthComparison::Always).contains("drawn last of 2 (no depth test)"));
         let equal = [(0, 0.5), (1, 0.5)];
-        assert!(story(&equal, Some(0.5), Comparison::LessEqual).starts_with("Depth tie"));
-        assert!(story(&equal, Some(0.5), Comparison::Always).starts_with("Won by"));
+        assert!(story(&equal, Some(0.5), DepthComparison::LessEqual).starts_with("Depth tie"));
+        assert!(story(&equal, Some(0.5), DepthComparison::Always).starts_with("Won by"));
     }
 
     #[test]
     fn codes_are_counted_where_the_buffer_holds_codes() {
-        let story = |a, b| story_in(DepthEncoding::Unorm16, &[(0, a), (1, b)], Some(0.5), Comparison::LessEqual);
+        let story = |a, b| story_in(DepthEncoding::Unorm16, &[(0, a), (1, b)], Some(0.5), DepthComparison::LessEqual);
         let step = 1.0 / 65_535.0;
         assert!(story(0.5, 0.5 - step).contains("won by 1 step of depth"));
         assert!(story(0.5, 0.5 - 2.0 * step).starts_with("Won by"));
@@ -386,10 +388,10 @@ mod tests {
 
     #[test]
     fn pieces_of_one_triangle_are_no_rivals() {
-        assert!(story(&[(3, 0.5), (3, 0.5)], Some(0.5), Comparison::LessEqual).ends_with("the only one here."));
+        assert!(story(&[(3, 0.5), (3, 0.5)], Some(0.5), DepthComparison::LessEqual).ends_with("the only one here."));
         let others = [(1, 0.9), (1, 0.9), (3, 0.5), (3, 0.5)];
-        assert!(story(&others, Some(0.5), Comparison::LessEqual).ends_with("against one other."));
+        assert!(story(&others, Some(0.5), DepthComparison::LessEqual).ends_with("against one other."));
         let more = [(1, 0.9), (2, 0.9), (3, 0.5)];
-        assert!(story(&more, Some(0.9), Comparison::Less).ends_with("against 2 others."));
+        assert!(story(&more, Some(0.9), DepthComparison::Less).ends_with("against 2 others."));
     }
 }

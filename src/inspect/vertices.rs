@@ -7,7 +7,7 @@
 use glam::{DMat4, DVec3, Vec2, Vec3, Vec4};
 use serde::Serialize;
 
-use crate::pipeline::clip::{LEAST_W, Plane};
+use crate::pipeline::clip::{ClipPlane, MIN_W};
 use crate::pipeline::depth::DepthScale;
 use crate::pipeline::settings::Settings;
 use crate::pipeline::vertex::{ClipVertex, DrawMatrices};
@@ -23,13 +23,19 @@ impl Outcode {
     /// Computes the outcode of a clip-space position. `has_zero_at_far` states whether z = 0 is the far plane. A NaN
     /// distance counts as inside its plane.
     pub(crate) fn of(position: Vec4, has_zero_at_far: bool) -> Self {
-        let beyond = |plane: &Plane| plane.of_view(has_zero_at_far).distance(position, 1.0) < 0.0;
-        Self(Plane::ALL.iter().enumerate().filter(|(_, plane)| beyond(plane)).fold(0, |bits, (bit, _)| bits | 1 << bit))
+        let beyond = |plane: &ClipPlane| plane.of_view(has_zero_at_far).distance(position, 1.0) < 0.0;
+        Self(
+            ClipPlane::ALL
+                .iter()
+                .enumerate()
+                .filter(|(_, plane)| beyond(plane))
+                .fold(0, |bits, (bit, _)| bits | 1 << bit),
+        )
     }
 
     /// Returns the planes, in the order of clipping.
-    pub(crate) fn planes(self) -> impl Iterator<Item = Plane> {
-        Plane::ALL.into_iter().enumerate().filter(move |(bit, _)| self.0 >> bit & 1 == 1).map(|(_, plane)| plane)
+    pub(crate) fn planes(self) -> impl Iterator<Item = ClipPlane> {
+        ClipPlane::ALL.into_iter().enumerate().filter(move |(bit, _)| self.0 >> bit & 1 == 1).map(|(_, plane)| plane)
     }
 
     /// Whether the vertex lies beyond no plane.
@@ -39,15 +45,15 @@ impl Outcode {
 }
 
 /// Returns the display name of a plane.
-pub(crate) fn plane_name(plane: Plane) -> &'static str {
+pub(crate) fn plane_name(plane: ClipPlane) -> &'static str {
     match plane {
-        Plane::Near => "near",
-        Plane::Eye => "eye",
-        Plane::Far => "far",
-        Plane::Left => "left",
-        Plane::Right => "right",
-        Plane::Bottom => "bottom",
-        Plane::Top => "top",
+        ClipPlane::Near => "near",
+        ClipPlane::Eye => "eye",
+        ClipPlane::Far => "far",
+        ClipPlane::Left => "left",
+        ClipPlane::Right => "right",
+        ClipPlane::Bottom => "bottom",
+        ClipPlane::Top => "top",
     }
 }
 
@@ -147,7 +153,7 @@ impl<'a> ObjectVertices<'a> {
             view: self.view_from_world.transform_point3(world),
             clip,
             outcode: Outcode::of(clip, self.has_zero_at_far),
-            screen: (clip.is_finite() && clip.w >= LEAST_W).then(|| self.on_screen(clip)),
+            screen: (clip.is_finite() && clip.w >= MIN_W).then(|| self.on_screen(clip)),
         })
     }
 
@@ -252,7 +258,7 @@ mod tests {
             let object = ObjectVertices::new(&scene, &scene.home, &settings, SIZE, instance).unwrap();
             for index in 0..object.count() as u32 {
                 let told = object.stages(index).unwrap();
-                assert_eq!(told.screen.is_none(), told.clip.w < LEAST_W);
+                assert_eq!(told.screen.is_none(), told.clip.w < MIN_W);
                 // In perspective, w is the distance along the line of sight.
                 assert!((f64::from(told.clip.w) + told.view.z).abs() <= 1e-5 * told.view.z.abs().max(1.0));
                 behind += usize::from(told.screen.is_none());

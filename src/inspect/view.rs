@@ -15,9 +15,9 @@ use crate::scene::TriangleId;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Range {
     /// Value at the start of the map.
-    pub(crate) low: f32,
+    pub low: f32,
     /// Value at the end of the map.
-    pub(crate) high: f32,
+    pub high: f32,
 }
 
 impl Range {
@@ -123,7 +123,7 @@ fn depth_of(frame: &Frame, buffers: Option<&Buffers>, column: u32, row: u32) -> 
 
 /// Returns the range of a buffer that uses a colour map: minimum to maximum of stored depths, or 0 to the maximum of
 /// counts.
-pub(crate) fn range(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>) -> Option<Range> {
+pub fn range(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>) -> Option<Range> {
     match buffer {
         Buffer::Depth => {
             let (width, height) = frame.drawn.color.size();
@@ -149,7 +149,7 @@ pub(crate) fn range(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>) ->
 }
 
 /// Renders a buffer as a full picture. `range` defaults to [0, 1].
-pub(crate) fn picture(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, range: Option<Range>) -> Image<Rgba8> {
+pub fn picture(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, range: Option<Range>) -> Image<Rgba8> {
     let range = range.unwrap_or(Range { low: 0.0, high: 1.0 });
     let (width, height) = frame.image().size();
     let mut image = Image::from_fn(width, height, |x, y| match value(buffer, frame, buffers, x, y) {

@@ -2,26 +2,26 @@
 //!
 //! Each row comes from a replay of its pixel, like the pixel report, so the frame itself has no overhead.
 
-use super::pixel::{FragmentRecord, Outcome, PixelReport, inspect};
+use super::pixel::{FragmentOutcome, FragmentRecord, PixelReport, inspect};
 use crate::chain::{Frame, Recipe};
 use crate::image::Rgba8;
 use crate::scene::{Scene, TriangleId};
 
 /// Values of all buffers at a watched pixel.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Watched {
+pub struct WatchedPixel {
     /// Column in the full picture.
     pub(crate) x: u32,
     /// Row in the full picture.
     pub(crate) y: u32,
     /// Values at the pixel; `None` outside the picture.
-    pub(crate) values: Option<Values>,
+    pub(crate) values: Option<PixelValues>,
 }
 
 /// Values at a watched pixel. If the pixel was not drawn itself, all except the colour belong to the drawn pixel with
 /// the largest weight.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Values {
+pub(crate) struct PixelValues {
     /// Colour in the finished picture, as sRGB codes.
     pub(crate) color: Rgba8,
     /// Whether the pixel was drawn itself.
@@ -43,17 +43,17 @@ pub(crate) struct Values {
 }
 
 /// Replays pixels of a frame and returns their values, in the given order.
-pub(crate) fn watch(scene: &Scene, recipe: &Recipe, frame: &Frame, pixels: &[(u32, u32)]) -> Vec<Watched> {
+pub(crate) fn watch(scene: &Scene, recipe: &Recipe, frame: &Frame, pixels: &[(u32, u32)]) -> Vec<WatchedPixel> {
     let row = |(x, y): &(u32, u32)| {
         let values = inspect(scene, recipe, frame, *x, *y).map(|report| values(&report, frame.is_drawn(*x, *y)));
-        Watched { x: *x, y: *y, values }
+        WatchedPixel { x: *x, y: *y, values }
     };
     pixels.iter().map(row).collect()
 }
 
-fn values(report: &PixelReport, is_drawn: bool) -> Values {
+fn values(report: &PixelReport, is_drawn: bool) -> PixelValues {
     let seen = report.visible();
-    Values {
+    PixelValues {
         color: report.color,
         is_drawn,
         triangle: seen.map(|fragment| fragment.triangle),
@@ -69,8 +69,8 @@ fn values(report: &PixelReport, is_drawn: bool) -> Values {
 /// Whether a fragment was shaded and written.
 fn was_shaded(fragment: &FragmentRecord) -> bool {
     match fragment.outcome {
-        Outcome::Visible | Outcome::Overwritten | Outcome::BlendedOver => true,
-        Outcome::DepthRejected | Outcome::CutOut => false,
+        FragmentOutcome::Visible | FragmentOutcome::Overwritten | FragmentOutcome::BlendedOver => true,
+        FragmentOutcome::DepthRejected | FragmentOutcome::CutOut => false,
     }
 }
 
@@ -94,7 +94,7 @@ mod tests {
             let buffers = capture(&scene, &recipe, &frame);
             let pixels: Vec<_> = (0..30).map(|i| (i * 7 % 40, i)).collect();
             let mut seen = 0;
-            for Watched { x, y, values } in watch(&scene, &recipe, &frame, &pixels) {
+            for WatchedPixel { x, y, values } in watch(&scene, &recipe, &frame, &pixels) {
                 let values = values.unwrap();
                 let held = |buffer| view::value(buffer, &frame, Some(&buffers), x, y);
                 assert_eq!(held(Buffer::Color), Value::Color(values.color));
@@ -121,6 +121,6 @@ mod tests {
         let scene = builtin::by_id("triangle").unwrap().build();
         let recipe = Recipe::default();
         let frame = run(&scene, &scene.home, &recipe, Viewport { width: 8, height: 8 }, &mut ());
-        assert_eq!(watch(&scene, &recipe, &frame, &[(8, 0)]), [Watched { x: 8, y: 0, values: None }]);
+        assert_eq!(watch(&scene, &recipe, &frame, &[(8, 0)]), [WatchedPixel { x: 8, y: 0, values: None }]);
     }
 }

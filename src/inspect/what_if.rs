@@ -12,9 +12,9 @@ use super::view::{Value, value};
 
 /// Pixels that differ between two frames of the same size.
 #[derive(Clone, Debug)]
-pub(crate) struct Changes {
+pub struct Changes {
     /// Whether each pixel differs.
-    pub(crate) mask: Image<bool>,
+    pub mask: Image<bool>,
     /// Number of pixels that differ.
     pub(crate) count: u64,
 }
@@ -57,7 +57,7 @@ impl Changes {
 
     /// Returns the next or previous changed pixel relative to `from` in reading order, wrapping around at the end.
     /// Without `from`, returns the first or the last one.
-    pub(crate) fn beside(&self, from: Option<(u32, u32)>, forwards: bool) -> Option<(u32, u32)> {
+    pub(crate) fn next_changed(&self, from: Option<(u32, u32)>, forwards: bool) -> Option<(u32, u32)> {
         let (width, height) = self.mask.size();
         let all = width as usize * height as usize;
         let start =
@@ -73,7 +73,7 @@ impl Changes {
     }
 
     /// Returns `picture` with unchanged pixels mapped to dark greys.
-    pub(crate) fn marked(&self, picture: &Image<Rgba8>) -> Image<Rgba8> {
+    pub(crate) fn with_unchanged_dimmed(&self, picture: &Image<Rgba8>) -> Image<Rgba8> {
         /// Greys of black and white: far below changed colours, but bright enough to recognise the scene.
         const GREYS: (f64, f64) = (16.0, 72.0);
         let (width, height) = picture.size();
@@ -122,7 +122,7 @@ mod tests {
         let (a, b) = (frame("interpenetrating", &[]), frame("interpenetrating", &["execution=classic"]));
         for buffer in [Buffer::Color, Buffer::Depth, Buffer::TriangleId, Buffer::Lambda, Buffer::Overdraw] {
             let changes = Changes::of_buffer(buffer, (&a.0, Some(&a.1)), (&b.0, Some(&b.1))).unwrap();
-            assert_eq!((changes.count, changes.beside(None, true)), (0, None), "{buffer:?}");
+            assert_eq!((changes.count, changes.next_changed(None, true)), (0, None), "{buffer:?}");
         }
     }
 
@@ -180,13 +180,13 @@ mod tests {
         assert_eq!((changes.count, changes.share()), (3, 0.15));
         let mut at = None;
         for expected in changed.into_iter().chain(changed) {
-            at = changes.beside(at, true);
+            at = changes.next_changed(at, true);
             assert_eq!(at, Some(expected));
         }
-        assert_eq!(changes.beside(Some((3, 0)), false), Some((4, 3)));
-        assert_eq!(changes.beside(None, false), Some((4, 3)));
-        assert_eq!(changes.beside(Some((2, 2)), false), Some((0, 2)));
-        let marked = changes.marked(&after);
+        assert_eq!(changes.next_changed(Some((3, 0)), false), Some((4, 3)));
+        assert_eq!(changes.next_changed(None, false), Some((4, 3)));
+        assert_eq!(changes.next_changed(Some((2, 2)), false), Some((0, 2)));
+        let marked = changes.with_unchanged_dimmed(&after);
         assert_eq!(marked.at(3, 0), [200, 0, 0, 255]);
         assert!(marked.at(1, 1)[0] < 72);
         assert!(Changes::of_pictures(&before, &Image::filled(4, 5, [0; 4])).is_none());

@@ -4,7 +4,9 @@ use std::collections::HashSet;
 
 use glam::DVec2;
 
-use super::recording::{Cell, Comparison, Ink, Mark, Recording, Rival, Step, Tone, cell, number, pair, time_of};
+use super::recording::{
+    Ink, InkedPixel, Mark, MethodComparison, MethodResult, RecordedStep, Recording, Tone, cell, number, pair, time_of,
+};
 use crate::flat2d::circle::midpoint_circle;
 use crate::flat2d::circle_forms::{angles_without_gaps, explicit_circle, parametric_circle};
 use crate::flat2d::ellipse::midpoint_ellipse;
@@ -68,7 +70,7 @@ impl CircleLesson {
         }
     }
 
-    fn steps(&self) -> Box<dyn Iterator<Item = Step> + '_> {
+    fn steps(&self) -> Box<dyn Iterator<Item = RecordedStep> + '_> {
         match self.method {
             CircleMethod::Midpoint => Box::new(self.circle_steps()),
             CircleMethod::Ellipse => Box::new(self.ellipse_steps()),
@@ -76,7 +78,7 @@ impl CircleLesson {
         }
     }
 
-    fn circle_steps(&self) -> impl Iterator<Item = Step> {
+    fn circle_steps(&self) -> impl Iterator<Item = RecordedStep> {
         let mut walk = midpoint_circle(self.center, self.half.0);
         let middle = self.middle();
         std::iter::from_fn(move || {
@@ -87,10 +89,10 @@ impl CircleLesson {
             let (word, sign) =
                 if decision >= 0 { ("outside", "≥ 0: y decreases") } else { ("inside", "< 0: y stays") };
             let ahead = DVec2::new(x as f64 + 1.0, y as f64 - 0.5);
-            Some(Step {
+            Some(RecordedStep {
                 cells: vec![cell(pixel, Ink::Group(octant))],
                 marks: vec![Mark::Dot(middle + ahead, Tone::Focus)],
-                says: format!(
+                description: format!(
                     "Point ({x}, {y}), mirrored into octant {}: the next midpoint lies {word}, D = {} {sign}.",
                     octant + 1,
                     number(decision as f64, 0)
@@ -108,7 +110,7 @@ impl CircleLesson {
         })
     }
 
-    fn ellipse_steps(&self) -> impl Iterator<Item = Step> {
+    fn ellipse_steps(&self) -> impl Iterator<Item = RecordedStep> {
         let mut walk = midpoint_ellipse(self.center, self.half.0, self.half.1);
         std::iter::from_fn(move || {
             let pixel = walk.next()?;
@@ -123,10 +125,10 @@ impl CircleLesson {
                 (false, true) => "the upper midpoint lies outside, the left one inside: step right and down",
                 (false, false) => "both midpoints lie outside: step down",
             };
-            Some(Step {
+            Some(RecordedStep {
                 cells: vec![cell(pixel, Ink::Group(usize::from(!flat)))],
                 marks: ahead.to_vec(),
-                says: format!("Point ({x}, {y}) of the quadrant; {next}."),
+                description: format!("Point ({x}, {y}) of the quadrant; {next}."),
                 state: vec![
                     pair("point in the quadrant", format!("({x}, {y})")),
                     pair("part", if flat { "flat" } else { "steep" }),
@@ -137,7 +139,7 @@ impl CircleLesson {
         })
     }
 
-    fn plain_steps(&self) -> impl Iterator<Item = Step> {
+    fn plain_steps(&self) -> impl Iterator<Item = RecordedStep> {
         let mut seen = HashSet::new();
         let parametric = self.method == CircleMethod::Parametric;
         let (center, radius) = (self.center, f64::from(self.half.0));
@@ -154,10 +156,10 @@ impl CircleLesson {
                     number((radius * radius - (x * x) as f64).sqrt(), 3)
                 )
             };
-            Step {
+            RecordedStep {
                 cells: vec![cell(pixel, Ink::Full)],
                 marks: Vec::new(),
-                says: format!(
+                description: format!(
                     "{how} gives pixel ({x}, {y}) relative to the centre{}.",
                     if again { ", again" } else { "" }
                 ),
@@ -244,17 +246,17 @@ impl CircleLesson {
     }
 
     /// Compares all algorithms for circles at 100 times the radius.
-    pub(super) fn compare(&self) -> Comparison {
+    pub(super) fn compare(&self) -> MethodComparison {
         let radius = self.half.0.max(1) * 100;
         let rivals = CircleMethod::ALL.iter().map(|method| {
             let lesson = Self { method: *method, ..self.clone() };
             let run = || lesson.pixels((0, 0), (radius, radius));
             let cells: Vec<_> = run().map(|pixel| cell(pixel, Ink::Full)).collect();
             let error = greatest_distance(&cells, (0, 0), DVec2::splat(radius.into()));
-            Rival { name: method.name(), error, time: time_of(|| run().count()) }
+            MethodResult { name: method.name(), error, time: time_of(|| run().count()) }
         });
         let task = format!("a circle of radius {radius} px");
-        Comparison { task, error: "greatest distance from the circle, px", rivals: rivals.collect(), note: None }
+        MethodComparison { task, error: "greatest distance from the circle, px", methods: rivals.collect(), note: None }
     }
 }
 
@@ -272,8 +274,8 @@ fn octant_of(x: i64, y: i64) -> usize {
 
 /// Returns the greatest distance of a pixel from an ellipse, in pixels: exact for circles, to first order for other
 /// ellipses.
-fn greatest_distance(cells: &[Cell], center: (i32, i32), radii: DVec2) -> f64 {
-    let off = |cell: &Cell| {
+fn greatest_distance(cells: &[InkedPixel], center: (i32, i32), radii: DVec2) -> f64 {
+    let off = |cell: &InkedPixel| {
         let place = DVec2::new((cell.x - i64::from(center.0)) as f64, (cell.y - i64::from(center.1)) as f64);
         let level = (place / radii).length();
         if radii.x == radii.y {

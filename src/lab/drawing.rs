@@ -6,7 +6,7 @@ use std::time::Duration;
 use glam::DVec2;
 
 use super::recording::{Ink, Mark, Recording, Tone};
-use crate::drawing::file::{DrawingFileError, Format, PixelFormat, encode, encode_animation, format_of, save};
+use crate::drawing::file::{DrawingFileError, DrawingFormat, PixelFormat, encode, encode_animation, format_of, save};
 use crate::drawing::{Drawing, Rgb, Shape, Stroke};
 
 const PAPER: Rgb = [255, 255, 255];
@@ -51,7 +51,7 @@ pub(crate) fn write_recording(path: &Path, recording: &Recording, steps: usize) 
 /// Returns the bytes of a file with the recording after its first `steps` steps. The format follows from the extension;
 /// a GIF animates all steps.
 pub(crate) fn encode_recording(path: &Path, recording: &Recording, steps: usize) -> Result<Vec<u8>, DrawingFileError> {
-    if format_of(path)? != Format::Pixels(PixelFormat::Gif) {
+    if format_of(path)? != DrawingFormat::Pixels(PixelFormat::Gif) {
         return encode(path, &drawing(recording, steps), SCALE);
     }
     let all = recording.steps.len();

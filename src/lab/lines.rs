@@ -4,7 +4,9 @@ use std::collections::BTreeSet;
 
 use glam::DVec2;
 
-use super::recording::{Cell, Comparison, Ink, Mark, Recording, Rival, Step, Tone, cell, number, pair, time_of};
+use super::recording::{
+    Ink, InkedPixel, Mark, MethodComparison, MethodResult, RecordedStep, Recording, Tone, cell, number, pair, time_of,
+};
 use crate::antialias::weight::{Weight, weighted_coverage};
 use crate::flat2d::distance_line::distance_line;
 use crate::flat2d::line::{MidpointLine, clip_to, direction_independent_line, midpoint_line};
@@ -119,7 +121,7 @@ impl LineLesson {
         Some([clipped.0, clipped.1].map(|end| DVec2::from(end) + frame))
     }
 
-    fn steps(&self, ends: [DVec2; 2]) -> Box<dyn Iterator<Item = Step>> {
+    fn steps(&self, ends: [DVec2; 2]) -> Box<dyn Iterator<Item = RecordedStep>> {
         match self.method {
             LineMethod::Distance => distance_steps(ends),
             LineMethod::Intersection => slope_steps(ends, Stepping::Intersection),
@@ -158,7 +160,7 @@ impl LineLesson {
             recording.figure.push(Mark::Outline(strip.map(|corner| corner + 0.5).to_vec(), Tone::Weak));
         }
         let last = nearest(ends[1]);
-        let keeps = |step: &Step| self.last_pixel || !step.cells.iter().any(|cell| (cell.x, cell.y) == last);
+        let keeps = |step: &RecordedStep| self.last_pixel || !step.cells.iter().any(|cell| (cell.x, cell.y) == last);
         recording.collect(self.steps(ends).filter(keeps));
         summarize(&mut recording, ends);
         self.mark_other_direction(ends, &mut recording);
@@ -188,7 +190,7 @@ impl LineLesson {
     }
 
     /// Returns the pixels of a line without recording steps.
-    fn pixels(&self, ends: [DVec2; 2], size: (u32, u32)) -> Vec<Cell> {
+    fn pixels(&self, ends: [DVec2; 2], size: (u32, u32)) -> Vec<InkedPixel> {
         let [from, to] = ends;
         let full = |pixel| cell(pixel, Ink::Full);
         let by_slope = |stepping| slope_line(from, to, stepping).into_iter().flatten().map(full).collect();
@@ -272,7 +274,7 @@ impl LineLesson {
     }
 
     /// Compares all methods that choose whole pixels, on a longer line of the same slope.
-    pub(super) fn compare(&self) -> Comparison {
+    pub(super) fn compare(&self) -> MethodComparison {
         const LONGER: f64 = 40.0;
         // Ends can be dragged far outside the grid, and the distance method tests every pixel of the bounding box.
         const LONGEST_PX: f64 = 2000.0;
@@ -286,15 +288,15 @@ impl LineLesson {
             let lesson = Self { method, ..self.clone() };
             let run = || lesson.pixels(ends, (size[0], size[1]));
             let error = run().into_iter().map(|cell| distance(ends, (cell.x, cell.y))).fold(0.0, f64::max);
-            Rival { name: method.name(), error, time: time_of(|| run().len()) }
+            MethodResult { name: method.name(), error, time: time_of(|| run().len()) }
         });
         let task = format!("a line of {} × {} px", number(ends[1].x - 50.0, 0), number(ends[1].y - 50.0, 0));
-        Comparison { task, error: "greatest distance from the line, px", rivals: rivals.collect(), note: None }
+        MethodComparison { task, error: "greatest distance from the line, px", methods: rivals.collect(), note: None }
     }
 }
 
 /// Returns the pixels covered by the strip of a line with their coverage, row by row.
-fn covered(ends: [DVec2; 2], weight: Weight) -> impl Iterator<Item = Cell> {
+fn covered(ends: [DVec2; 2], weight: Weight) -> impl Iterator<Item = InkedPixel> {
     let strip = strip(ends);
     let reach = 0.5 + weight.radius_px();
     let (least, greatest) = (ends[0].min(ends[1]) - reach, ends[0].max(ends[1]) + reach);
@@ -307,7 +309,7 @@ fn covered(ends: [DVec2; 2], weight: Weight) -> impl Iterator<Item = Cell> {
     )
 }
 
-fn distance_steps([from, to]: [DVec2; 2]) -> Box<dyn Iterator<Item = Step>> {
+fn distance_steps([from, to]: [DVec2; 2]) -> Box<dyn Iterator<Item = RecordedStep>> {
     let mut line = distance_line(from, to, SIZE.0, SIZE.1);
     let mut found = 0;
     Box::new(std::iter::from_fn(move || {
@@ -318,10 +320,10 @@ fn distance_steps([from, to]: [DVec2; 2]) -> Box<dyn Iterator<Item = Step>> {
         let direction = (to - from).normalize();
         let foot = from + direction * direction.dot(DVec2::new(pixel.0 as f64, pixel.1 as f64) - from);
         let probe = line.probe().map_or("the end".to_owned(), |(x, y)| format!("({x}, {y})"));
-        Some(Step {
+        Some(RecordedStep {
             cells: vec![cell(pixel, Ink::Full)],
             marks: vec![Mark::Line(center(pixel), foot + 0.5, Tone::Focus)],
-            says: format!(
+            description: format!(
                 "Pixel ({}, {}) is {} px away from the line, at most ½: it is drawn.",
                 pixel.0,
                 pixel.1,
@@ -337,7 +339,7 @@ fn distance_steps([from, to]: [DVec2; 2]) -> Box<dyn Iterator<Item = Step>> {
     }))
 }
 
-fn slope_steps([from, to]: [DVec2; 2], stepping: Stepping) -> Box<dyn Iterator<Item = Step>> {
+fn slope_steps([from, to]: [DVec2; 2], stepping: Stepping) -> Box<dyn Iterator<Item = RecordedStep>> {
     let Some(mut line) = slope_line(from, to, stepping) else { return Box::new(std::iter::empty()) };
     Box::new(std::iter::from_fn(move || {
         let (value, exact, steep) = (line.value()?, line.exact_value(), line.is_steep());
@@ -345,10 +347,10 @@ fn slope_steps([from, to]: [DVec2; 2], stepping: Stepping) -> Box<dyn Iterator<I
         let (axis, across) = if steep { ("y", "x") } else { ("x", "y") };
         let major = if steep { pixel.1 } else { pixel.0 };
         let place = if steep { DVec2::new(value.into(), major as f64) } else { DVec2::new(major as f64, value.into()) };
-        Some(Step {
+        Some(RecordedStep {
             cells: vec![cell(pixel, Ink::Full)],
             marks: vec![Mark::Dot(place + 0.5, Tone::Focus)],
-            says: format!(
+            description: format!(
                 "At {axis} = {major} the line is at {across} = {}: pixel ({}, {}).",
                 number(value.into(), 3),
                 pixel.0,
@@ -376,7 +378,7 @@ fn drift_of_longer([from, to]: [DVec2; 2], stepping: Stepping) -> Option<f64> {
     Some(drift)
 }
 
-fn midpoint_steps(mut line: MidpointLine, [from, to]: [DVec2; 2]) -> Box<dyn Iterator<Item = Step>> {
+fn midpoint_steps(mut line: MidpointLine, [from, to]: [DVec2; 2]) -> Box<dyn Iterator<Item = RecordedStep>> {
     let (first, last) = (nearest(from), nearest(to));
     let (width, height) = (first.0.abs_diff(last.0), first.1.abs_diff(last.1));
     let (right, down) = ((last.0 - first.0).signum() as f64, (last.1 - first.1).signum() as f64);
@@ -394,10 +396,10 @@ fn midpoint_steps(mut line: MidpointLine, [from, to]: [DVec2; 2]) -> Box<dyn Ite
                 format!("D = {} ≤ 0, the line does not pass the midpoint: straight step.", number(decision as f64, 0))
             }
         };
-        Some(Step {
+        Some(RecordedStep {
             cells: vec![cell(pixel, Ink::Full)],
             marks,
-            says: format!("Pixel ({}, {}); {why}", pixel.0, pixel.1),
+            description: format!("Pixel ({}, {}); {why}", pixel.0, pixel.1),
             state: vec![
                 pair("D", number(decision as f64, 0)),
                 pair("added if straight", number(2.0 * width.min(height) as f64, 0)),
@@ -416,7 +418,7 @@ fn octant(dx: i64, dy: i64) -> String {
     if steep { format!("{down}, then {across}") } else { format!("{across}, then {down}") }
 }
 
-fn exact_steps([from, to]: [DVec2; 2]) -> Box<dyn Iterator<Item = Step>> {
+fn exact_steps([from, to]: [DVec2; 2]) -> Box<dyn Iterator<Item = RecordedStep>> {
     let Some(mut line) = real_line(from, to) else { return Box::new(std::iter::empty()) };
     Box::new(std::iter::from_fn(move || {
         let guess = line.minor();
@@ -425,10 +427,10 @@ fn exact_steps([from, to]: [DVec2; 2]) -> Box<dyn Iterator<Item = Step>> {
         let (axis, across) = if steep { ("y", "x") } else { ("x", "y") };
         let minor = if steep { pixel.0 } else { pixel.1 };
         let half = if steep { DVec2::X / 2.0 } else { DVec2::Y / 2.0 };
-        Some(Step {
+        Some(RecordedStep {
             cells: vec![cell(pixel, Ink::Full)],
             marks: vec![Mark::Line(center(pixel) - half, center(pixel) + half, Tone::Focus)],
-            says: format!(
+            description: format!(
                 "The line passes between {across} = {minor} − ½ and {minor} + ½: pixel ({}, {}).",
                 pixel.0, pixel.1
             ),
@@ -441,7 +443,7 @@ fn exact_steps([from, to]: [DVec2; 2]) -> Box<dyn Iterator<Item = Step>> {
     }))
 }
 
-fn area_steps(ends: [DVec2; 2], weight: Weight) -> Box<dyn Iterator<Item = Step>> {
+fn area_steps(ends: [DVec2; 2], weight: Weight) -> Box<dyn Iterator<Item = RecordedStep>> {
     let mut sum = 0.0;
     Box::new(covered(ends, weight).map(move |found| {
         let share = if let Ink::Share(share) = found.ink { share } else { 1.0 };
@@ -454,10 +456,10 @@ fn area_steps(ends: [DVec2; 2], weight: Weight) -> Box<dyn Iterator<Item = Step>
             let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
             Mark::Outline(corners.map(|corner| at + DVec2::from(corner) * radius).to_vec(), Tone::Focus)
         };
-        Step {
+        RecordedStep {
             cells: vec![found],
             marks: vec![mark],
-            says: format!(
+            description: format!(
                 "The strip covers {} of the filter around pixel ({}, {}).",
                 number(share, 3),
                 found.x,

@@ -33,7 +33,7 @@ use circles::CircleLesson;
 use lines::LineLesson;
 use polygons::PolygonLesson;
 use primitives::PrimitiveLesson;
-use recording::{Comparison, Recording};
+use recording::{MethodComparison, Recording};
 use sampling::SamplingLesson;
 use seed_fills::SeedFillLesson;
 use triangles::TriangleLesson;
@@ -127,12 +127,12 @@ impl Lesson {
     }
 
     /// Returns an explanation of the algorithm for students.
-    pub(crate) fn explanation(&self) -> &'static str {
+    pub fn explanation(&self) -> &'static str {
         each!(self, lesson => lesson.explanation())
     }
 
     /// Returns the draggable points of the input, in pixels.
-    pub(crate) fn handles(&self) -> Vec<DVec2> {
+    pub fn handles(&self) -> Vec<DVec2> {
         each!(self, lesson => lesson.handles())
     }
 
@@ -160,7 +160,7 @@ impl Lesson {
     }
 
     /// Compares all methods of the page with the reference; `None` if there is none.
-    pub(crate) fn compare(&self) -> Option<Comparison> {
+    pub(crate) fn compare(&self) -> Option<MethodComparison> {
         match self {
             Self::Lines(lesson) => Some(lesson.compare()),
             Self::Circles(lesson) => Some(lesson.compare()),

@@ -2,11 +2,13 @@
 
 use glam::DVec2;
 
-use super::recording::{Comparison, Ink, Mark, Recording, Rival, Step, Tone, cell, number, pair, time_of};
-use crate::flat2d::Span;
+use super::recording::{
+    Ink, Mark, MethodComparison, MethodResult, RecordedStep, Recording, Tone, cell, number, pair, time_of,
+};
+use crate::flat2d::PixelSpan;
 use crate::flat2d::ear_clip::clip_ears;
 use crate::flat2d::hull::{HullStep, convex_hull, convex_weights};
-use crate::flat2d::polygon::{ActiveEdge, Corners, Filling, InsideRule, PolygonFill, SamplePoint, fill};
+use crate::flat2d::polygon::{ActiveEdge, Corners, FillParameters, InsideRule, PolygonFill, SamplePoint, fill};
 use crate::pipeline::settings::{Choice, choice};
 
 choice! {
@@ -98,9 +100,9 @@ impl PolygonLesson {
         self.contours.concat()
     }
 
-    fn filling(&self, (width, height): (u32, u32)) -> Filling {
+    fn filling(&self, (width, height): (u32, u32)) -> FillParameters {
         let rule = if self.method == PolygonMethod::NonZero { InsideRule::NonZero } else { InsideRule::EvenOdd };
-        Filling { rule, corners: Corners::AsGiven, sample: SamplePoint::Center, width, height }
+        FillParameters { rule, corners: Corners::AsGiven, sample: SamplePoint::Center, width, height }
     }
 
     /// Inserts a corner at `at` (in pixels) into the nearest side. Starts a contour if there are none.
@@ -194,10 +196,10 @@ impl PolygonLesson {
             let triangle = corners.map(|corner| contour[corner]);
             let spans = fill(&[triangle.to_vec()], self.filling(SIZE));
             let pixels = spans.flat_map(|span| (span.x0..span.x1).map(move |x| (i64::from(x), i64::from(span.y))));
-            let step = Step {
+            let step = RecordedStep {
                 cells: pixels.map(|pixel| cell(pixel, Ink::Group(count))).collect(),
                 marks: vec![Mark::Outline(triangle.to_vec(), Tone::Focus)],
-                says: format!(
+                description: format!(
                     "Corner {} is an ear: no corner lies in the triangle {corners:?}. It is cut off.",
                     corners[1]
                 ),
@@ -231,11 +233,11 @@ impl PolygonLesson {
                 }
             };
             let lines = chain.windows(2).map(|two| Mark::Line(points[two[0]], points[two[1]], Tone::Focus));
-            Some(Step {
+            Some(RecordedStep {
                 marks: lines.collect(),
-                says,
+                description: says,
                 state: vec![pair("chain", format!("{chain:?}"))],
-                ..Step::default()
+                ..RecordedStep::default()
             })
         });
         recording.collect(steps);
@@ -305,18 +307,21 @@ impl PolygonLesson {
     }
 
     /// Compares the fill algorithms on the polygon enlarged 16 times against a crossing test for every pixel.
-    pub(super) fn compare(&self) -> Comparison {
+    pub(super) fn compare(&self) -> MethodComparison {
         const LARGER: f64 = 16.0;
         let contours: Vec<Vec<DVec2>> =
             self.contours.iter().map(|contour| contour.iter().map(|corner| *corner * LARGER).collect()).collect();
         let size = (SIZE.0 * LARGER as u32, SIZE.1 * LARGER as u32);
         let truth = by_crossings(&contours, size, self.filling(size).rule);
         let wrong = |found: &[bool]| found.iter().zip(&truth).filter(|(a, b)| a != b).count() as f64;
-        let rival =
-            |name, run: &dyn Fn() -> Vec<bool>| Rival { name, error: wrong(&run()), time: time_of(|| run().len()) };
+        let rival = |name, run: &dyn Fn() -> Vec<bool>| MethodResult {
+            name,
+            error: wrong(&run()),
+            time: time_of(|| run().len()),
+        };
         let spans = |contours: &[Vec<DVec2>]| {
             let mut inside = vec![false; (size.0 * size.1) as usize];
-            for Span { y, x0, x1 } in fill(contours, self.filling(size)) {
+            for PixelSpan { y, x0, x1 } in fill(contours, self.filling(size)) {
                 inside[(y * size.0 + x0) as usize..(y * size.0 + x1) as usize].fill(true);
             }
             inside
@@ -334,10 +339,10 @@ impl PolygonLesson {
             rival("Ear clipping, first contour", &triangles),
             rival("Crossing test per pixel", &|| by_crossings(&contours, size, self.filling(size).rule)),
         ];
-        Comparison {
+        MethodComparison {
             task: format!("the polygon on {} × {} px", size.0, size.1),
             error: "wrong pixels",
-            rivals,
+            methods: rivals,
             note: None,
         }
     }
@@ -364,7 +369,7 @@ pub(super) fn by_crossings(contours: &[Vec<DVec2>], (width, height): (u32, u32),
 
 /// Returns the step of one span of a fill, with the active edges of the row and the crossing count and winding number
 /// between them.
-fn span_step(walk: &PolygonFill, span: Span) -> Step {
+fn span_step(walk: &PolygonFill, span: PixelSpan) -> RecordedStep {
     let y = f64::from(span.y) + 0.5;
     let mut active: Vec<ActiveEdge> = walk.active_edges().collect();
     active.sort_by(|a, b| a.crossing_px.total_cmp(&b.crossing_px));
@@ -385,10 +390,10 @@ fn span_step(walk: &PolygonFill, span: Span) -> Step {
         state.push((name, format!("x {}  {sign}", number(edge.crossing_px, 3))));
     }
     state.insert(0, pair("active edges", active.len().to_string()));
-    Step {
+    RecordedStep {
         cells: (span.x0..span.x1).map(|x| cell((x.into(), span.y.into()), Ink::Full)).collect(),
         marks,
-        says: format!(
+        description: format!(
             "Row {}: {} active edges; pixels {} to {} are inside. Labels above the row: crossings | winding number.",
             span.y,
             active.len(),

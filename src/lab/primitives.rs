@@ -3,10 +3,12 @@
 use glam::{DVec2, DVec3};
 
 use super::polygons::by_crossings;
-use super::recording::{Cell, Comparison, Ink, Mark, Recording, Rival, Step, Tone, cell, number, pair, time_of};
+use super::recording::{
+    Ink, InkedPixel, Mark, MethodComparison, MethodResult, RecordedStep, Recording, Tone, cell, number, pair, time_of,
+};
 use crate::flat2d::ear_clip::clip_ears;
-use crate::flat2d::polygon::{Corners, Filling, InsideRule, SamplePoint, fill};
-use crate::flat2d::primitives::{Piece, Primitive, Verdict, judge, pieces};
+use crate::flat2d::polygon::{Corners, FillParameters, InsideRule, SamplePoint, fill};
+use crate::flat2d::primitives::{OutlineProperties, Piece, Primitive, check_outline, pieces};
 use crate::flat2d::real_line::real_line;
 use crate::pipeline::settings::{Choice, choice};
 
@@ -142,34 +144,34 @@ impl PrimitiveLesson {
         recording.fact("triangles", count(|piece| matches!(piece, Piece::Triangle(_))));
         for (number, outline) in self.outlines().iter().enumerate() {
             let corners: Vec<_> = outline.iter().map(|vertex| self.vertices[*vertex]).collect();
-            recording.facts.push((format!("outline {}", number + 1), in_words(judge(&corners))));
+            recording.facts.push((format!("outline {}", number + 1), in_words(check_outline(&corners))));
         }
         recording
     }
 
-    fn step(&self, number: usize, piece: Piece) -> Step {
+    fn step(&self, number: usize, piece: Piece) -> RecordedStep {
         let ink = Ink::Group(number);
         match piece {
             Piece::Point(vertex) => {
                 let place = self.place(vertex).floor();
-                Step {
+                RecordedStep {
                     cells: vec![cell((place.x as i64, place.y as i64), ink)],
-                    says: format!("Vertex {vertex} is a point."),
+                    description: format!("Vertex {vertex} is a point."),
                     state: vec![pair("vertex", vertex.to_string())],
-                    ..Step::default()
+                    ..RecordedStep::default()
                 }
             }
-            Piece::Line([a, b]) => Step {
+            Piece::Line([a, b]) => RecordedStep {
                 cells: line_cells(self.place(a), self.place(b), ink),
                 marks: vec![Mark::Line(self.place(a), self.place(b), Tone::Focus)],
-                says: format!("Line {}: from vertex {a} to vertex {b}.", number + 1),
+                description: format!("Line {}: from vertex {a} to vertex {b}.", number + 1),
                 state: vec![pair("vertices", format!("{a}, {b}"))],
             },
             Piece::Triangle(corners) => self.triangle_step(number, corners),
         }
     }
 
-    fn triangle_step(&self, piece: usize, corners: [usize; 3]) -> Step {
+    fn triangle_step(&self, piece: usize, corners: [usize; 3]) -> RecordedStep {
         let places = corners.map(|corner| self.place(corner));
         let area = (places[1] - places[0]).perp_dot(places[2] - places[0]) / 2.0;
         let turn = match area {
@@ -179,7 +181,7 @@ impl PrimitiveLesson {
         };
         let middle = (places[0] + places[1] + places[2]) / 3.0;
         let (width, height) = SIZE;
-        let filling = Filling {
+        let filling = FillParameters {
             rule: InsideRule::EvenOdd,
             corners: Corners::AsGiven,
             sample: SamplePoint::Center,
@@ -188,13 +190,13 @@ impl PrimitiveLesson {
         };
         let spans = fill(&[places.to_vec()], filling);
         let pixels = spans.flat_map(|span| (span.x0..span.x1).map(move |x| (i64::from(x), i64::from(span.y))));
-        Step {
+        RecordedStep {
             cells: pixels.map(|pixel| cell(pixel, Ink::Group(piece))).collect(),
             marks: vec![
                 Mark::Outline(places.to_vec(), Tone::Focus),
                 Mark::Text(middle, (piece + 1).to_string(), Tone::Focus),
             ],
-            says: format!(
+            description: format!(
                 "Triangle {}: vertices {}, {}, {}, {turn} on the screen.",
                 piece + 1,
                 corners[0],
@@ -219,7 +221,7 @@ impl PrimitiveLesson {
     }
 
     /// Compares fans and ear clipping on the outlines, enlarged 16 times, against a crossing test for every pixel.
-    pub(super) fn compare(&self) -> Comparison {
+    pub(super) fn compare(&self) -> MethodComparison {
         const LARGER: f64 = 16.0;
         let size = (SIZE.0 * LARGER as u32, SIZE.1 * LARGER as u32);
         let place = |vertex: &usize| self.place(*vertex) * LARGER;
@@ -236,7 +238,7 @@ impl PrimitiveLesson {
         let truth = one_by_one(&outlines);
         let rival = |name, triangles: &dyn Fn() -> Vec<Vec<DVec2>>| {
             let wrong = one_by_one(&triangles()).iter().zip(&truth).filter(|(a, b)| a != b).count();
-            Rival { name, error: wrong as f64, time: time_of(|| triangles().len()) }
+            MethodResult { name, error: wrong as f64, time: time_of(|| triangles().len()) }
         };
         let fans = || {
             let fan = |o: &Vec<DVec2>| -> Vec<_> { (2..o.len()).map(|i| vec![o[0], o[i - 1], o[i]]).collect() };
@@ -246,10 +248,10 @@ impl PrimitiveLesson {
             let ears = |o: &Vec<DVec2>| -> Vec<_> { clip_ears(o).map(|ear| ear.map(|i| o[i]).to_vec()).collect() };
             outlines.iter().flat_map(ears).collect()
         };
-        Comparison {
+        MethodComparison {
             task: format!("triangulating the outlines, on {} × {} px", size.0, size.1),
             error: "wrong pixels",
-            rivals: vec![rival("Fan from the first vertex", &fans), rival("Ear clipping", &ears)],
+            methods: vec![rival("Fan from the first vertex", &fans), rival("Ear clipping", &ears)],
             note: None,
         }
     }
@@ -288,12 +290,12 @@ impl PrimitiveLesson {
 }
 
 /// Returns the pixels whose centres are nearest to a line between two positions in pixels.
-fn line_cells(from: DVec2, to: DVec2, ink: Ink) -> Vec<Cell> {
+fn line_cells(from: DVec2, to: DVec2, ink: Ink) -> Vec<InkedPixel> {
     real_line(from - 0.5, to - 0.5).into_iter().flatten().map(|pixel| cell(pixel, ink)).collect()
 }
 
 /// Describes the properties of an outline.
-fn in_words(Verdict { simple, convex, flat }: Verdict) -> String {
+fn in_words(OutlineProperties { simple, convex, flat }: OutlineProperties) -> String {
     let mut words = Vec::new();
     words.push(if simple { "simple" } else { "self-crossing" });
     if simple {

@@ -26,18 +26,18 @@ pub(crate) enum Ink {
 
 /// A pixel and its ink.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Cell {
+pub struct InkedPixel {
     /// Column; may lie outside the grid.
-    pub(crate) x: i64,
+    pub x: i64,
     /// Row; may lie outside the grid.
-    pub(crate) y: i64,
+    pub y: i64,
     /// Ink of the pixel.
     pub(crate) ink: Ink,
 }
 
 /// Constructs a cell from its position and its ink.
-pub(crate) fn cell((x, y): (i64, i64), ink: Ink) -> Cell {
-    Cell { x, y, ink }
+pub(crate) fn cell((x, y): (i64, i64), ink: Ink) -> InkedPixel {
+    InkedPixel { x, y, ink }
 }
 
 /// Meaning of a mark, expressed by its colour.
@@ -74,28 +74,28 @@ pub(crate) enum Mark {
 
 /// One step of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Step {
+pub struct RecordedStep {
     /// Pixels set by the step.
-    pub(crate) cells: Vec<Cell>,
+    pub cells: Vec<InkedPixel>,
     /// Geometry that the step examined.
     pub(crate) marks: Vec<Mark>,
     /// Description of the step, in one sentence.
-    pub(crate) says: String,
+    pub description: String,
     /// State of the algorithm, as names and values.
     pub(crate) state: Vec<(String, String)>,
 }
 
 /// A recorded run on a small input.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Recording {
+pub struct Recording {
     /// Columns and rows of the grid.
-    pub(crate) size: (u32, u32),
+    pub size: (u32, u32),
     /// Pixels of the input picture.
-    pub(crate) ground: Vec<Cell>,
+    pub(crate) ground: Vec<InkedPixel>,
     /// The true shape.
     pub(crate) figure: Vec<Mark>,
     /// Steps in order.
-    pub(crate) steps: Vec<Step>,
+    pub steps: Vec<RecordedStep>,
     /// Results of the whole run, as names and values.
     pub(crate) facts: Vec<(String, String)>,
     /// Whether the run had more than [`MAX_STEPS`] steps.
@@ -109,7 +109,7 @@ impl Recording {
     }
 
     /// Appends the steps of a run until the recording has [`MAX_STEPS`].
-    pub(crate) fn collect(&mut self, steps: impl Iterator<Item = Step>) {
+    pub(crate) fn collect(&mut self, steps: impl Iterator<Item = RecordedStep>) {
         let mut steps = steps;
         self.steps.extend(steps.by_ref().take(MAX_STEPS - self.steps.len()));
         self.cut_off |= self.steps.len() == MAX_STEPS && steps.next().is_some();
@@ -121,7 +121,7 @@ impl Recording {
     }
 
     /// Returns the pixels after the first `steps` steps in drawing order; later cells cover earlier ones.
-    pub(crate) fn cells(&self, steps: usize) -> impl Iterator<Item = &Cell> {
+    pub(crate) fn cells(&self, steps: usize) -> impl Iterator<Item = &InkedPixel> {
         let done = &self.steps[..steps.min(self.steps.len())];
         self.ground.iter().chain(done.iter().flat_map(|step| &step.cells))
     }
@@ -165,9 +165,9 @@ pub(crate) fn time_of(mut run: impl FnMut() -> usize) -> Duration {
 
 /// A method with its error and its time.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Rival {
+pub struct MethodResult {
     /// Display name.
-    pub(crate) name: &'static str,
+    pub name: &'static str,
     /// Error against the reference, in the unit that the comparison states.
     pub(crate) error: f64,
     /// Time of one run.
@@ -176,13 +176,13 @@ pub(crate) struct Rival {
 
 /// Comparison of several methods for the same task.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Comparison {
+pub struct MethodComparison {
     /// Description of the task.
-    pub(crate) task: String,
+    pub task: String,
     /// Meaning of the methods' `error`, with its unit.
     pub(crate) error: &'static str,
     /// Compared methods.
-    pub(crate) rivals: Vec<Rival>,
+    pub methods: Vec<MethodResult>,
     /// Summary of the comparison in one sentence, if it has one.
     pub(crate) note: Option<String>,
 }
@@ -195,7 +195,7 @@ mod tests {
     fn runs_are_kept_up_to_a_bound_and_no_step_is_lost_before() {
         for (count, cut_off) in [(5, false), (MAX_STEPS, false), (MAX_STEPS + 1, true)] {
             let mut recording = Recording::new((4, 4));
-            recording.collect((0..count).map(|_| Step::default()));
+            recording.collect((0..count).map(|_| RecordedStep::default()));
             assert_eq!((recording.steps.len(), recording.cut_off), (count.min(MAX_STEPS), cut_off));
         }
     }

@@ -8,7 +8,9 @@ use std::time::Duration;
 use glam::DVec2;
 
 use super::picture::{brightness, siemens_star};
-use super::recording::{Comparison, Ink, Mark, Recording, Rival, Step, Tone, cell, number, pair, time_of};
+use super::recording::{
+    Ink, Mark, MethodComparison, MethodResult, RecordedStep, Recording, Tone, cell, number, pair, time_of,
+};
 use crate::antialias::area::triangle_area;
 use crate::antialias::weight::{Weight, weighted_coverage};
 use crate::flat2d::convolve::Mask;
@@ -282,12 +284,12 @@ impl SamplingLesson {
         recording.fact("root mean square error", number(root_mean_square(&picture, &truth), 5));
         recording.fact("sum of the picture", number(picture.pixels().iter().sum(), 2));
         recording.fact("true sum", number(truth.pixels().iter().sum(), 2));
-        self.tell_chosen(&mut recording, &picture, &truth);
+        self.add_chosen_values(&mut recording, &picture, &truth);
         recording
     }
 
     /// Adds the values of the chosen pixel to the results of the run.
-    fn tell_chosen(&self, recording: &mut Recording, picture: &Image<f64>, truth: &Image<f64>) {
+    fn add_chosen_values(&self, recording: &mut Recording, picture: &Image<f64>, truth: &Image<f64>) {
         let (x, y) = self.chosen;
         recording.facts.push((format!("pixel ({x}, {y})"), number(picture.at(x, y), 5)));
         recording.fact("its reference", number(truth.at(x, y), 5));
@@ -305,14 +307,14 @@ impl SamplingLesson {
         }
     }
 
-    fn row_step(&self, y: u32, picture: &Image<f64>, truth: &Image<f64>) -> Step {
+    fn row_step(&self, y: u32, picture: &Image<f64>, truth: &Image<f64>) -> RecordedStep {
         let off = (0..SIZE.0).map(|x| (picture.at(x, y) - truth.at(x, y)).abs()).fold(0.0, f64::max);
-        Step {
+        RecordedStep {
             cells: (0..SIZE.0)
                 .map(|x| cell((x.into(), y.into()), Ink::Share(picture.at(x, y).clamp(0.0, 1.0))))
                 .collect(),
             marks: self.sample_marks(y),
-            says: format!("Row {y}: the largest error of a pixel is {} of the full range.", number(off, 3)),
+            description: format!("Row {y}: the largest error of a pixel is {} of the full range.", number(off, 3)),
             state: vec![pair("row", y.to_string()), pair("greatest error", number(off, 5))],
         }
     }
@@ -331,17 +333,17 @@ impl SamplingLesson {
         points.map(|point| Mark::Dot(corner + point, Tone::Weak)).collect()
     }
 
-    fn frame_step(&self, frame: u32) -> Step {
+    fn frame_step(&self, frame: u32) -> RecordedStep {
         let turn = f64::from(frame) * f64::from(self.turns_per_frame);
         let picture = self.picture(self.method, turn);
         let places = (0..SIZE.1).flat_map(|y| (0..SIZE.0).map(move |x| (x, y)));
         let spoke = DVec2::from_angle((turn + 0.15 / SPOKES) * TAU) * 14.5;
-        Step {
+        RecordedStep {
             cells: places
                 .map(|(x, y)| cell((x.into(), y.into()), Ink::Share(picture.at(x, y).clamp(0.0, 1.0))))
                 .collect(),
             marks: vec![Mark::Line(self.middle, self.middle + spoke, Tone::Focus)],
-            says: format!("Frame {frame}: the marked spoke has turned {} times.", number(turn, 3)),
+            description: format!("Frame {frame}: the marked spoke has turned {} times.", number(turn, 3)),
             state: vec![
                 pair("frame", frame.to_string()),
                 pair("turns", number(turn, 3)),
@@ -410,11 +412,11 @@ impl SamplingLesson {
     }
 
     /// Compares all methods on the current scene.
-    pub(super) fn compare(&self) -> Comparison {
+    pub(super) fn compare(&self) -> MethodComparison {
         let truth = self.truth();
         let rival = |method: SamplingMethod| {
             let error = root_mean_square(&self.picture(method, 0.0), &truth);
-            Rival { name: method.name(), error, time: time_of(|| self.picture(method, 0.0).pixels().len()) }
+            MethodResult { name: method.name(), error, time: time_of(|| self.picture(method, 0.0).pixels().len()) }
         };
         let rivals: Vec<_> = SamplingMethod::ALL.iter().map(|method| rival(*method)).collect();
         let task = format!(
@@ -425,19 +427,19 @@ impl SamplingLesson {
             self.points
         );
         let blur = rivals.iter().find(|rival| rival.name == SamplingMethod::Blur.name());
-        let note = blur.map(|blur| self.in_the_time_of(blur, &truth));
-        Comparison { task, error: "root mean square error", rivals, note }
+        let note = blur.map(|blur| self.error_in_time_of(blur, &truth));
+        MethodComparison { task, error: "root mean square error", methods: rivals, note }
     }
 
     /// Describes the error that supersampling achieves in the time of the blur.
-    fn in_the_time_of(&self, blur: &Rival, truth: &Image<f64>) -> String {
+    fn error_in_time_of(&self, blur: &MethodResult, truth: &Image<f64>) -> String {
         /// Largest number of points per axis to try, which takes longer than any blur.
-        const MOST_POINTS: u32 = 8;
+        const MAX_POINTS: u32 = 8;
         let timed = |points| {
             let lesson = Self { points, ..self.clone() };
             (points, time_of(|| lesson.picture(SamplingMethod::Grid, 0.0).pixels().len()), lesson)
         };
-        let affordable = (2..=MOST_POINTS).map(timed).take_while(|(_, time, _)| *time <= blur.time).last();
+        let affordable = (2..=MAX_POINTS).map(timed).take_while(|(_, time, _)| *time <= blur.time).last();
         let micros = |time: Duration| format!("{} µs", number(time.as_secs_f64() * 1e6, 1));
         match affordable {
             None => format!("At equal time: blur takes {}, which is less than 2 × 2 points take.", micros(blur.time)),

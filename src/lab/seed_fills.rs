@@ -3,8 +3,8 @@
 use glam::DVec2;
 
 use super::picture::painted;
-use super::recording::{Comparison, Ink, Mark, Recording, Rival, Step, Tone, cell, pair, time_of};
-use crate::flat2d::seed_fill::{Connectivity, Region, seed_fill};
+use super::recording::{Ink, Mark, MethodComparison, MethodResult, RecordedStep, Recording, Tone, cell, pair, time_of};
+use crate::flat2d::seed_fill::{Connectivity, FillCriterion, seed_fill};
 use crate::flat2d::stack_fill::stack_fill;
 use crate::image::{Image, Rgba8};
 use crate::pipeline::settings::{Choice, choice};
@@ -68,7 +68,7 @@ const SIZE: (u32, u32) = (30, 20);
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeedFillLesson {
     /// Grid to fill.
-    pub(crate) grid: Image<Paint>,
+    pub grid: Image<Paint>,
     /// First pixel of the fill.
     pub(crate) seed: (u32, u32),
     /// Definition of the region.
@@ -125,10 +125,10 @@ impl SeedFillLesson {
         self.grid = painted(picture, SIZE);
     }
 
-    fn region(&self) -> Region<Paint> {
+    fn region(&self) -> FillCriterion<Paint> {
         match self.region {
-            RegionKind::Flood => Region::Flood,
-            RegionKind::Boundary => Region::Boundary(Paint::Wall),
+            RegionKind::Flood => FillCriterion::Flood,
+            RegionKind::Boundary => FillCriterion::Boundary(Paint::Wall),
         }
     }
 
@@ -246,7 +246,7 @@ impl SeedFillLesson {
 }
 
 /// Compared methods: name, connectivity and order.
-const WAYS: [(&str, Neighbours, FillOrder); 4] = [
+const METHODS: [(&str, Neighbours, FillOrder); 4] = [
     ("4-connected, by pixels", Neighbours::Four, FillOrder::Pixels),
     ("4-connected, by spans", Neighbours::Four, FillOrder::Spans),
     ("8-connected, by pixels", Neighbours::Eight, FillOrder::Pixels),
@@ -255,7 +255,7 @@ const WAYS: [(&str, Neighbours, FillOrder); 4] = [
 
 impl SeedFillLesson {
     /// Compares all methods on the grid enlarged 8 times with the region that is connected by the chosen neighbours.
-    pub(super) fn compare(&self) -> Comparison {
+    pub(super) fn compare(&self) -> MethodComparison {
         const LARGER: u32 = 8;
         let (width, height) = (self.grid.width() * LARGER, self.grid.height() * LARGER);
         let larger = Self {
@@ -263,17 +263,17 @@ impl SeedFillLesson {
             seed: (self.seed.0 * LARGER, self.seed.1 * LARGER),
             ..self.clone()
         };
-        let truth = larger.hanging_together();
-        let rivals = WAYS.into_iter().map(|(name, neighbours, order)| {
+        let truth = larger.connected_region();
+        let rivals = METHODS.into_iter().map(|(name, neighbours, order)| {
             let way = Self { neighbours, order, ..larger.clone() };
             let filled = way.filled();
             let wrong = filled.pixels().iter().zip(truth.pixels()).filter(|(a, b)| a != b).count();
-            Rival { name, error: wrong as f64, time: time_of(|| way.walk()) }
+            MethodResult { name, error: wrong as f64, time: time_of(|| way.walk()) }
         });
-        Comparison {
+        MethodComparison {
             task: format!("the grid on {width} × {height} px, {}", self.neighbours.name()),
             error: "wrong pixels",
-            rivals: rivals.collect(),
+            methods: rivals.collect(),
             note: None,
         }
     }
@@ -293,7 +293,7 @@ impl SeedFillLesson {
 
     /// Returns for each pixel whether it is connected with the seed, by definition: sweeps over the whole grid add each
     /// open pixel beside a connected one, until nothing changes. Neither a stack nor an order of filling is involved.
-    fn hanging_together(&self) -> Image<bool> {
+    fn connected_region(&self) -> Image<bool> {
         let (width, height) = self.grid.size();
         let seed = self.grid.at(self.seed.0, self.seed.1);
         let is_open = |paint: Paint| match self.region {
@@ -323,7 +323,7 @@ impl SeedFillLesson {
 }
 
 /// Returns a step with the stack as it is after the step.
-fn stack_step(filled: &[(u32, u32)], stack: &[(u32, u32)], says: String) -> Step {
+fn stack_step(filled: &[(u32, u32)], stack: &[(u32, u32)], says: String) -> RecordedStep {
     /// Number of pending pixels listed in the state.
     const LISTED: usize = 14;
     let center = |(x, y): &(u32, u32)| DVec2::new((*x).into(), (*y).into()) + 0.5;
@@ -332,10 +332,10 @@ fn stack_step(filled: &[(u32, u32)], stack: &[(u32, u32)], says: String) -> Step
         let name = if place == 0 { "top of the stack".to_owned() } else { format!("{place} below top") };
         (name, format!("({x}, {y})"))
     }));
-    Step {
+    RecordedStep {
         cells: filled.iter().map(|(x, y)| cell((i64::from(*x), i64::from(*y)), Ink::Full)).collect(),
         marks: stack.iter().map(|pixel| Mark::Dot(center(pixel), Tone::Focus)).collect(),
-        says,
+        description: says,
         state,
     }
 }

@@ -30,7 +30,7 @@ fn every_page_has_steps_that_tell_what_they_do() {
         let recording = lesson.record();
         assert!(recording.steps.len() > 5, "{page:?}");
         for step in &recording.steps {
-            assert!(step.says.ends_with('.') && !step.state.is_empty(), "{page:?}: {step:?}");
+            assert!(step.description.ends_with('.') && !step.state.is_empty(), "{page:?}: {step:?}");
         }
         assert!(lesson.explanation().len() > 150 && lesson.walk() > 0 && !recording.facts.is_empty(), "{page:?}");
         assert!(!lesson.explanation().contains("  "), "{page:?}");
@@ -52,7 +52,7 @@ fn handles_move_to_where_they_are_dragged_and_never_break_a_page() {
             let to = DVec2::new(f64::from(random.i32(-10..50)) + 0.5, f64::from(random.i32(-10..40)) + 0.5);
             lesson.move_handle(handle, to);
             let recording = lesson.record();
-            assert!(recording.steps.iter().all(|step| !step.says.is_empty()));
+            assert!(recording.steps.iter().all(|step| !step.description.is_empty()));
         }
     }
 }
@@ -95,7 +95,7 @@ fn pixels_that_the_other_direction_covers_are_outlined_unless_ties_do_not_depend
     assert_eq!((outlines(&independent), differing(&independent).as_str()), (0, "0"));
     let back = LineLesson { ends: [ends[1], ends[0]], ..independent.clone() };
     assert_eq!(pixels(&independent.record()), pixels(&back.record()));
-    assert!(back.record().steps.iter().any(|step| step.says.contains("a tie: diagonal step")));
+    assert!(back.record().steps.iter().any(|step| step.description.contains("a tie: diagonal step")));
 }
 
 #[test]
@@ -104,7 +104,7 @@ fn fills_reach_what_hangs_together_and_the_wrong_neighbours_do_not() {
         let (grid, seed) = preset.grid();
         for neighbours in Neighbours::ALL {
             let lesson = SeedFillLesson { grid: grid.clone(), seed, neighbours: *neighbours, ..Default::default() };
-            let errors: Vec<_> = lesson.compare().rivals.iter().map(|rival| rival.error).collect();
+            let errors: Vec<_> = lesson.compare().methods.iter().map(|rival| rival.error).collect();
             let (right, wrong) = match neighbours {
                 Neighbours::Four => (&errors[..2], &errors[2..]),
                 Neighbours::Eight => (&errors[2..], &errors[..2]),
@@ -121,7 +121,7 @@ fn a_fan_misses_what_is_concave_and_ears_do_not() {
     let errors = |preset: VertexPreset| {
         let lesson = PrimitiveLesson { vertices: preset.vertices(), kind: PrimitiveKind::Polygon };
         let comparison = Lesson::Primitives(lesson).compare().unwrap();
-        comparison.rivals.iter().map(|rival| rival.error).collect::<Vec<_>>()
+        comparison.methods.iter().map(|rival| rival.error).collect::<Vec<_>>()
     };
     assert_eq!(errors(VertexPreset::Ring), [0.0, 0.0]);
     let concave = errors(VertexPreset::Concave);
@@ -253,17 +253,18 @@ fn a_shared_side_is_drawn_once_by_sound_rules_and_not_by_others() {
 fn comparisons_name_what_is_wrong_and_find_the_sound_ones_right() {
     for page in Page::ALL {
         let Some(comparison) = Lesson::new(*page).compare() else { continue };
-        assert!(comparison.rivals.len() > 2, "{page:?}");
+        assert!(comparison.methods.len() > 2, "{page:?}");
         assert!(
-            comparison.rivals.iter().all(|rival| rival.error.is_finite() && !rival.time.is_zero()),
+            comparison.methods.iter().all(|rival| rival.error.is_finite() && !rival.time.is_zero()),
             "{comparison:?}"
         );
     }
-    let error = |comparison: &Comparison, name: &str| comparison.rivals.iter().find(|r| r.name == name).unwrap().error;
+    let error =
+        |comparison: &MethodComparison, name: &str| comparison.methods.iter().find(|r| r.name == name).unwrap().error;
     let lines = Lesson::new(Page::Lines).compare().unwrap();
     assert!(error(&lines, LineMethod::Exact.name()) <= 0.5 && error(&lines, LineMethod::Midpoint.name()) <= 0.5);
     let triangles = Lesson::new(Page::Triangles).compare().unwrap();
-    for rasterizer in Rasterizer::sound() {
+    for rasterizer in Rasterizer::correct() {
         assert_eq!(error(&triangles, rasterizer.name()), 0.0, "{rasterizer:?}");
     }
     assert!(error(&triangles, Rasterizer::ScanlinePublished.name()) > 0.0);

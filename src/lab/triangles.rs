@@ -3,7 +3,9 @@
 
 use glam::{DVec2, Vec2};
 
-use super::recording::{Comparison, Ink, Mark, Recording, Rival, Step, Tone, cell, number, pair, time_of};
+use super::recording::{
+    Ink, Mark, MethodComparison, MethodResult, RecordedStep, Recording, Tone, cell, number, pair, time_of,
+};
 use crate::flat2d::barycentric::{along_sides_then_row, weights_by_area};
 use crate::pipeline::raster::{AnyTriangle, Span, cover};
 use crate::pipeline::settings::{Arithmetic, Choice, FillRule, Rasterizer, choice};
@@ -117,10 +119,10 @@ impl TriangleLesson {
                 let edges = triangle.sample((x, y)).edges;
                 let on_edge = edges.contains(&0.0);
                 let owner = if on_edge { ", exactly on an edge: the fill rule decides" } else { "" };
-                Step {
+                RecordedStep {
                     cells: vec![cell((x.into(), y.into()), Ink::Group(group))],
                     marks: vec![Mark::Dot(DVec2::new(x.into(), y.into()) + 0.5, Tone::Focus)],
-                    says: format!("{name}: pixel ({x}, {y}) is drawn as number {order}{owner}."),
+                    description: format!("{name}: pixel ({x}, {y}) is drawn as number {order}{owner}."),
                     state: edge_state(edges, triangle.doubled_area()),
                 }
             });
@@ -158,30 +160,32 @@ impl TriangleLesson {
         recording.figure.push(Mark::Line(ends[0], ends[1], Tone::Focus));
         recording.collect(self.pixels(corners).map(|pixel| {
             let edges = triangle.sample(pixel).edges;
-            Step {
+            RecordedStep {
                 cells: vec![cell((pixel.0.into(), pixel.1.into()), Ink::Full)],
-                says: format!(
+                description: format!(
                     "Pixel ({}, {}): the function of this edge is {}, and no edge function excludes the pixel: inside.",
                     pixel.0,
                     pixel.1,
                     if edges[edge] == 0.0 { "zero" } else { "positive" }
                 ),
                 state: edge_state(edges, triangle.doubled_area()),
-                ..Step::default()
+                ..RecordedStep::default()
             }
         }));
         recording.fact("doubled area", number(triangle.doubled_area(), 2));
     }
 
-    fn weight_step(&self, (x, y): (u32, u32)) -> Step {
+    fn weight_step(&self, (x, y): (u32, u32)) -> RecordedStep {
         let center = Vec2::new(x as f32, y as f32) + 0.5;
         let weights = weights_by_area(self.first(), center);
         let color = weights.map(|weight| (weight.clamp(0.0, 1.0) * 255.0).round() as u8);
         let to_corner = |corner: Vec2| Mark::Line(center.as_dvec2(), corner.as_dvec2(), Tone::Focus);
-        Step {
+        RecordedStep {
             cells: vec![cell((x.into(), y.into()), Ink::Color(color))],
             marks: self.first().map(to_corner).to_vec(),
-            says: format!("Pixel ({x}, {y}): the areas of the three small triangles over the whole area are α, β, γ."),
+            description: format!(
+                "Pixel ({x}, {y}): the areas of the three small triangles over the whole area are α, β, γ."
+            ),
             state: vec![
                 pair("α (area opposite A)", number(weights[0].into(), 6)),
                 pair("β (area opposite B)", number(weights[1].into(), 6)),
@@ -204,14 +208,14 @@ impl TriangleLesson {
             (equal, count) = (equal + usize::from(difference == 0.0), count + 1);
             let level = (row.value.clamp(0.0, 1.0) * 255.0).round() as u8;
             let ends = [row.long.0, row.short.0].map(|x| DVec2::new(x.into(), center.y.into()));
-            Some(Step {
+            Some(RecordedStep {
                 cells: vec![cell((x.into(), y.into()), Ink::Color([level; 3]))],
                 marks: vec![
                     Mark::Line(ends[0], ends[1], Tone::Focus),
                     Mark::Dot(ends[0], Tone::A),
                     Mark::Dot(ends[1], Tone::B),
                 ],
-                says: format!(
+                description: format!(
                     "Pixel ({x}, {y}): {} on one edge, {} on the other, {} between them.",
                     number(row.long.1.into(), 4),
                     number(row.short.1.into(), 4),
@@ -274,7 +278,7 @@ impl TriangleLesson {
     }
 
     /// Compares all rasterizers on the first triangle, enlarged 20 times, against exact arithmetic.
-    pub(super) fn compare(&self) -> Comparison {
+    pub(super) fn compare(&self) -> MethodComparison {
         const LARGER: f32 = 20.0;
         let corners = self.first().map(|corner| (corner * LARGER).to_array());
         let viewport = Viewport { width: SIZE.0 * LARGER as u32, height: SIZE.1 * LARGER as u32 };
@@ -291,10 +295,10 @@ impl TriangleLesson {
             let found = covered(*rasterizer, self.arithmetic);
             let error = found.iter().zip(&truth).filter(|(a, b)| a != b).count() as f64;
             let time = time_of(|| cover(*rasterizer, self.arithmetic, corners, self.rule, viewport).len());
-            Rival { name: rasterizer.name(), error, time }
+            MethodResult { name: rasterizer.name(), error, time }
         });
         let task = format!("ABC on {} × {} px", viewport.width, viewport.height);
-        Comparison { task, error: "wrong pixels", rivals: rivals.collect(), note: None }
+        MethodComparison { task, error: "wrong pixels", methods: rivals.collect(), note: None }
     }
 }
 

@@ -6,9 +6,9 @@ use glam::{Mat4, Vec3};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aabb {
     /// Smallest corner.
-    pub(crate) min: Vec3,
+    pub min: Vec3,
     /// Largest corner.
-    pub(crate) max: Vec3,
+    pub max: Vec3,
 }
 
 impl Aabb {
@@ -24,7 +24,7 @@ impl Aabb {
     }
 
     /// Whether the box contains no point.
-    pub(crate) fn is_empty(&self) -> bool {
+    pub fn is_empty(&self) -> bool {
         self.min.cmpgt(self.max).any()
     }
 

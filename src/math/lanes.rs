@@ -54,7 +54,7 @@ pub(crate) type F64<S> = f64x8<S>;
 
 /// Instruction set that kernels are run with.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Lanes {
+pub enum Lanes {
     /// AVX-512 with the extensions of Ice Lake, Zen 4 and later processors: eight doubles per register.
     #[cfg(target_arch = "x86_64")]
     Avx512(fearless_simd::x86::Avx512),
@@ -72,7 +72,7 @@ impl Lanes {
     }
 
     /// Returns all instruction sets of this processor, the best first.
-    pub(crate) fn all() -> impl Iterator<Item = Self> {
+    pub fn all() -> impl Iterator<Item = Self> {
         [Self::avx512(), Self::avx2(), Some(Self::baseline())].into_iter().flatten()
     }
 
@@ -111,7 +111,7 @@ impl Lanes {
     }
 
     /// Returns the display name.
-    pub(crate) fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             #[cfg(target_arch = "x86_64")]
             Self::Avx512(_) => "AVX-512",
@@ -126,7 +126,7 @@ impl Lanes {
 /// one element after the other, each more slowly than a scalar load: on Zen 4, pictures drawn with gathers take 1.1 to
 /// 1.4 times as long.
 #[inline(always)]
-pub(crate) fn gathers_are_quick() -> bool {
+pub(crate) fn gathers_are_fast() -> bool {
     #[cfg(target_arch = "x86_64")]
     {
         static ARE_QUICK: LazyLock<bool> = LazyLock::new(|| {

@@ -20,7 +20,7 @@ pub(crate) mod expansion;
 
 pub(crate) mod fixed;
 
-pub(crate) mod lanes;
+pub mod lanes;
 
 pub(crate) mod log2;
 
@@ -42,7 +42,7 @@ pub(crate) fn unit_or(v: DVec3, fallback: Vec3) -> Vec3 {
 /// [`unit_or`] for eight vectors, given as x, y and z lanes.
 #[inline(always)]
 pub(crate) fn unit_or_lanes<S: lanes::Simd>(simd: S, v: [lanes::F64<S>; 3], fallback: Vec3) -> [lanes::F32<S>; 3] {
-    if let Some(unit) = unit_lanes_nearly(simd, v) {
+    if let Some(unit) = approximate_unit_lanes(simd, v) {
         return unit;
     }
     use lanes::{F64, Select as _, SimdBase as _, SimdFloat as _, narrow};
@@ -63,7 +63,7 @@ pub(crate) fn unit_or_lanes<S: lanes::Simd>(simd: S, v: [lanes::F64<S>; 3], fall
 /// and by 1 + 2⁻⁴². If both bounds round to the same f32, [`unit_or`] rounds to it as well. They differ only about once
 /// in 100 000 times.
 #[inline(always)]
-fn unit_lanes_nearly<S: lanes::Simd>(simd: S, v: [lanes::F64<S>; 3]) -> Option<[lanes::F32<S>; 3]> {
+fn approximate_unit_lanes<S: lanes::Simd>(simd: S, v: [lanes::F64<S>; 3]) -> Option<[lanes::F32<S>; 3]> {
     use lanes::{F32, SimdBase as _, SimdFloat as _, SimdMask as _, narrow, widen};
     const SLACK: f64 = 1.0 / (1_u64 << 42) as f64;
     /// Squared lengths for which f32 has its full precision, for square roots and reciprocals as well.

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::machine::Machine;
-use super::motion::{Playback, Shot, Turn};
+use super::motion::{FrameSequence, Playback, Turn};
 use super::noise::{Noise, Pairs};
 use super::stages::{StageSummary, summarize_stages};
 use super::timing::{Summary, summarize};
@@ -79,7 +79,7 @@ pub(crate) struct Bytes {
 
 /// Frame count and cancellation flag of a measurement.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Frames<'a> {
+pub(crate) struct BenchFrames<'a> {
     /// Number of measured frames, at least 1.
     pub(crate) count: usize,
     /// Cancellation flag; when set, the measurement ends with the frames drawn so far.
@@ -87,7 +87,7 @@ pub(crate) struct Frames<'a> {
 }
 
 /// Durations and counters of one timed frame.
-struct Sample {
+struct FrameSample {
     total: Duration,
     stages: Vec<(&'static str, Duration)>,
     /// Bytes of the frame's images.
@@ -99,21 +99,21 @@ struct Sample {
 /// Times the frames of a sequence repeatedly, each with its history in the sequence, on the current rayon pool. Returns
 /// `None` if cancelled before the first measured frame was complete.
 pub(crate) fn bench(
-    shot: &Shot<'_>,
+    shot: &FrameSequence<'_>,
     recipe: &Recipe,
-    Frames { count, cancel }: Frames<'_>,
+    BenchFrames { count, cancel }: BenchFrames<'_>,
     lanes: Lanes,
 ) -> Option<BenchReport> {
     let machine = Machine::at_start();
     let scene = shot.scene;
     let (mut playback, mut renderer) = (Playback::on(*recipe, lanes), Renderer::on(lanes));
-    let mut samples: Vec<Sample> = Vec::with_capacity(count);
+    let mut samples: Vec<FrameSample> = Vec::with_capacity(count);
     for round in -WARM_UP_FRAMES..count as i64 {
         if cancel.load(Ordering::Relaxed) {
             break;
         }
         let number = shot.turn.frame_of_round(round);
-        let sample = playback.draw(shot, number, &mut renderer, |frame| Sample {
+        let sample = playback.draw(shot, number, &mut renderer, |frame| FrameSample {
             total: frame.times.total,
             stages: stages(frame, recipe),
             bytes: frame.image().bytes() + frame.drawn.depth.as_ref().map_or(0, crate::image::Image::bytes),
@@ -185,7 +185,7 @@ fn stages(frame: &Frame, recipe: &Recipe) -> Vec<(&'static str, Duration)> {
     let times = &frame.times;
     let rest = [
         ("resolve", times.resolve, recipe.antialias.has_passes()),
-        ("surfaces", times.surfaces, recipe.upscaler.upscaler().reads().surfaces),
+        ("surfaces", times.surfaces, recipe.upscaler.upscaler().reads().gbuffer),
         ("upscale", times.upscale, true),
         ("post filter", times.post, !recipe.post.is_off() || recipe.wireframe),
     ];
@@ -204,7 +204,7 @@ fn counts(scene: &Scene, frame: &Frame) -> Vec<(&'static str, u64)> {
             ("triangles kept", done.kept),
             ("entries binned", done.binned),
             ("samples tested", done.visited),
-            ("samples taken in blocks", done.plain),
+            ("samples taken in blocks", done.uniform),
             ("samples shaded", done.shaded),
             ("texels read", done.texels),
         ]);

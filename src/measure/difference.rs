@@ -36,7 +36,7 @@ impl Difference {
 
     /// Returns the colour at position `share` in the colour map, clamped to [0, 1]. For signed differences, 0.5 is
     /// zero.
-    pub(crate) fn color(self, share: f64) -> Rgba8 {
+    pub fn color(self, share: f64) -> Rgba8 {
         let share = share.clamp(0.0, 1.0);
         let [r, g, b] = match self {
             // From orange (B is lighter) to violet (A is lighter): the interface uses the same colours for A and B.
@@ -64,7 +64,7 @@ impl Difference {
 /// let none = values(Difference::Absolute, &a, &a).unwrap();
 /// assert_eq!(picture(Difference::Absolute, 1, &none).at(0, 0), Difference::Absolute.color(0.0));
 /// ```
-pub(crate) fn values(kind: Difference, a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<Image<f32>> {
+pub fn values(kind: Difference, a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<Image<f32>> {
     if kind == Difference::Flip {
         return flip::map(a, b);
     }
@@ -85,7 +85,7 @@ fn value(kind: Difference, a: Rgba8, b: Rgba8) -> f32 {
 }
 
 /// Maps difference values to colours.
-pub(crate) fn picture(kind: Difference, gain: u32, values: &Image<f32>) -> Image<Rgba8> {
+pub fn picture(kind: Difference, gain: u32, values: &Image<f32>) -> Image<Rgba8> {
     let (low, high) = kind.range(gain);
     values.map(|value| kind.color((f64::from(value) - low) / (high - low)))
 }

@@ -16,7 +16,7 @@ use crate::scene::{Camera, Scene};
 /// Compared quantity, in pipeline order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub(crate) enum Quantity {
+pub(crate) enum ComparedQuantity {
     /// Colours of the rasterized samples.
     Color,
     /// Stored depths of the rasterized samples.
@@ -27,9 +27,9 @@ pub(crate) enum Quantity {
 
 /// Difference between two frames.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub(crate) struct Difference {
+pub struct FrameDifference {
     /// First quantity in pipeline order that differs.
-    pub(crate) quantity: Quantity,
+    pub(crate) quantity: ComparedQuantity,
     /// Number of samples or pixels that differ in this quantity.
     pub(crate) samples: usize,
     /// Column and row of the first differing sample in row-major order.
@@ -40,29 +40,29 @@ pub(crate) struct Difference {
     pub(crate) found: String,
 }
 
-impl Difference {
+impl FrameDifference {
     /// Creates a difference that cannot be located at a sample, such as different image sizes.
-    fn as_a_whole(quantity: Quantity, [expected, found]: [String; 2]) -> Self {
+    fn as_a_whole(quantity: ComparedQuantity, [expected, found]: [String; 2]) -> Self {
         Self { quantity, samples: 1, first: (0, 0), expected, found }
     }
 }
 
 /// One configuration of tiled execution and its result.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct Way {
+pub struct ExecutionVariant {
     /// Name of the SIMD lanes.
     pub(crate) lanes: &'static str,
     /// Number of threads.
     pub(crate) threads: usize,
     /// First difference from the classic frame; `None` if the frames are identical.
-    pub(crate) difference: Option<Difference>,
+    pub difference: Option<FrameDifference>,
 }
 
 /// Result of comparing classic with tiled execution.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct Equality {
+pub struct Equality {
     /// All configurations compared.
-    pub(crate) ways: Vec<Way>,
+    pub ways: Vec<ExecutionVariant>,
     /// Reason why the recipe cannot run tiled; `None` if it can.
     pub(crate) obstacle: Option<&'static str>,
 }
@@ -77,7 +77,7 @@ const STACK_BYTES: usize = 8 << 20;
 /// # Errors
 ///
 /// Fails if a thread pool cannot be started.
-pub(crate) fn verify(
+pub fn verify(
     scene: &Arc<Scene>,
     camera: &Camera,
     recipe: &Recipe,
@@ -96,35 +96,35 @@ pub(crate) fn verify(
         for lanes in Lanes::all() {
             let draw = || Renderer::on(lanes).render(scene, camera, &tiled, viewport, KeepDepth::Yes);
             let difference = difference(&expected, &pool.install(draw));
-            ways.push(Way { lanes: lanes.name(), threads: count, difference });
+            ways.push(ExecutionVariant { lanes: lanes.name(), threads: count, difference });
         }
     }
     Ok(Equality { ways, obstacle: None })
 }
 
 /// Returns the first difference of a frame from the expected one.
-fn difference(expected: &Frame, found: &Frame) -> Option<Difference> {
+fn difference(expected: &Frame, found: &Frame) -> Option<FrameDifference> {
     let grid = expected.drawn.grid;
     // Packed samples outside the image have undefined values.
     let is_drawn = |x, y| {
         let (x, y) = grid.pixel(x, y);
         x < expected.raster.width && y < expected.raster.height
     };
-    first_of(Quantity::Color, [&expected.drawn.color, &found.drawn.color], is_drawn, |a, b| a == b)
+    first_of(ComparedQuantity::Color, [&expected.drawn.color, &found.drawn.color], is_drawn, |a, b| a == b)
         .or_else(|| match [&expected.drawn.depth, &found.drawn.depth] {
             [Some(expected), Some(found)] => {
-                first_of(Quantity::Depth, [expected, found], is_drawn, |a, b| a.to_bits() == b.to_bits())
+                first_of(ComparedQuantity::Depth, [expected, found], is_drawn, |a, b| a.to_bits() == b.to_bits())
             }
             [None, None] => None,
-            depths => Some(Difference::as_a_whole(
-                Quantity::Depth,
+            depths => Some(FrameDifference::as_a_whole(
+                ComparedQuantity::Depth,
                 depths.map(|depth| match depth {
                     Some(depth) => size_in_words(depth),
                     None => "none".to_owned(),
                 }),
             )),
         })
-        .or_else(|| first_of(Quantity::Picture, [expected.image(), found.image()], |_, _| true, |a, b| a == b))
+        .or_else(|| first_of(ComparedQuantity::Picture, [expected.image(), found.image()], |_, _| true, |a, b| a == b))
 }
 
 fn size_in_words<T: Copy>(image: &Image<T>) -> String {
@@ -133,20 +133,20 @@ fn size_in_words<T: Copy>(image: &Image<T>) -> String {
 }
 
 fn first_of<T: Copy + std::fmt::Debug>(
-    quantity: Quantity,
+    quantity: ComparedQuantity,
     [expected, found]: [&Image<T>; 2],
     counts: impl Fn(u32, u32) -> bool,
     same: impl Fn(&T, &T) -> bool,
-) -> Option<Difference> {
+) -> Option<FrameDifference> {
     if expected.size() != found.size() {
-        return Some(Difference::as_a_whole(quantity, [size_in_words(expected), size_in_words(found)]));
+        return Some(FrameDifference::as_a_whole(quantity, [size_in_words(expected), size_in_words(found)]));
     }
     let (width, height) = expected.size();
     let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
     let mut differing = places.filter(|(x, y)| counts(*x, *y) && !same(&expected.at(*x, *y), &found.at(*x, *y)));
     let first @ (x, y) = differing.next()?;
     let [expected, found] = [expected, found].map(|image| format!("{:?}", image.at(x, y)));
-    Some(Difference { quantity, samples: 1 + differing.count(), first, expected, found })
+    Some(FrameDifference { quantity, samples: 1 + differing.count(), first, expected, found })
 }
 
 #[cfg(test)]
@@ -187,17 +187,17 @@ mod tests {
         wrong.drawn.color.set(63, 47, [1, 2, 3, 4]);
         wrong.drawn.color.set(5, 9, [1, 2, 3, 4]);
         let told = difference(&right, &wrong).unwrap();
-        assert_eq!((told.quantity, told.samples, told.first), (Quantity::Color, 2, (5, 9)));
+        assert_eq!((told.quantity, told.samples, told.first), (ComparedQuantity::Color, 2, (5, 9)));
         assert_eq!(told.found, "[1, 2, 3, 4]");
 
         let mut deeper = right.clone();
         let depth = deeper.drawn.depth.as_mut().unwrap();
         depth.set(0, 0, f32::from_bits(depth.at(0, 0).to_bits() ^ 1));
         let told = difference(&right, &deeper).unwrap();
-        assert_eq!((told.quantity, told.samples, told.first), (Quantity::Depth, 1, (0, 0)));
+        assert_eq!((told.quantity, told.samples, told.first), (ComparedQuantity::Depth, 1, (0, 0)));
 
         let filtered = drawn("post.filter=blur");
         let unfiltered = drawn("post.filter=none");
-        assert_eq!(difference(&unfiltered, &filtered).unwrap().quantity, Quantity::Picture);
+        assert_eq!(difference(&unfiltered, &filtered).unwrap().quantity, ComparedQuantity::Picture);
     }
 }

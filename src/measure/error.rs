@@ -26,7 +26,7 @@ const C2: f64 = (0.03 * 255.0) * (0.03 * 255.0);
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ImageError {
     /// Mean squared error of 8-bit values, over all pixels and the red, green and blue channels.
-    pub(crate) mse: f64,
+    pub mse: f64,
     /// Peak signal-to-noise ratio, 10 log₁₀(255² / mse), in dB; infinite for identical images.
     pub psnr_db: f64,
     /// Structural similarity in [−1, 1]; 1 for identical images.
@@ -35,9 +35,9 @@ pub struct ImageError {
     /// renormalised to sum to 1.
     pub ssim: f64,
     /// Largest absolute difference of a channel, in 8-bit steps.
-    pub(crate) max_abs: u8,
+    pub max_abs: u8,
     /// Number of pixels that differ in red, green or blue.
-    pub(crate) differing_pixels: u64,
+    pub differing_pixels: u64,
 }
 
 /// Compares two images. Returns `None` if their sizes differ or they have no pixels.

@@ -138,7 +138,7 @@ impl Perceived {
 /// assert_eq!(errors.at(0, 0), 0.0, "far from the only pixel that differs");
 /// assert_eq!(map(&other, &grey), Some(errors));
 /// ```
-pub(crate) fn map(a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<Image<f32>> {
+pub fn map(a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<Image<f32>> {
     if a.size() != b.size() {
         return None;
     }
@@ -264,10 +264,10 @@ impl ErrorScale {
 
 /// Sum of Gaussians that blurs a channel: amplitudes and squared widths in degrees, as in the paper. Terms of amplitude
 /// 0 are omitted.
-type Sight = &'static [(f64, f64)];
+type BlurKernel = &'static [(f64, f64)];
 
 /// Blur of the lightness, red–green and blue–yellow channels, in this order.
-const SIGHTS: [Sight; 3] = [&[(1.0, 0.0047)], &[(1.0, 0.0053)], &[(34.1, 0.04), (13.5, 0.025)]];
+const BLUR_KERNELS: [BlurKernel; 3] = [&[(1.0, 0.0047)], &[(1.0, 0.0053)], &[(34.1, 0.04), (13.5, 0.025)]];
 
 /// Number of planes that the row pass writes: blurred lightness, blurred red–green, blurred blue–yellow (twice), and
 /// lightness smoothed and filtered by its first and second derivatives.
@@ -291,7 +291,7 @@ impl Filters {
         let smooth = taps(reach, gaussian);
         let total: f64 = smooth.iter().sum();
         let narrow = |weights: Vec<f64>| weights.into_iter().map(|weight| weight as f32).collect::<Vec<_>>();
-        let [lightness, red_green, blue_yellow] = SIGHTS.map(blur_weights);
+        let [lightness, red_green, blue_yellow] = BLUR_KERNELS.map(blur_weights);
         let first = |weights: Vec<Vec<f32>>| weights.into_iter().next().unwrap_or_default();
         let mut blue_yellow = blue_yellow.into_iter();
         let [wide, wider] = from_fn(|_| blue_yellow.next().unwrap_or_default());
@@ -361,11 +361,11 @@ impl Filters {
 }
 
 /// Returns the 1D weights of each Gaussian in a sum; as 2D kernels, all Gaussians together sum to 1.
-fn blur_weights(sight: Sight) -> Vec<Vec<f32>> {
+fn blur_weights(sight: BlurKernel) -> Vec<Vec<f32>> {
     use std::f64::consts::PI;
     /// Threshold relative to the largest weight; smaller weights are lost in the rounding of an f32 sum.
     const NEGLIGIBLE: f64 = 1e-9;
-    let widest = SIGHTS.iter().copied().flatten().map(|(_, b)| *b).fold(0.0, f64::max);
+    let widest = BLUR_KERNELS.iter().copied().flatten().map(|(_, b)| *b).fold(0.0, f64::max);
     let sigma = (widest / (2.0 * PI.powi(2))).sqrt();
     let reach = (REACH * sigma * PIXELS_PER_DEGREE).ceil() as i32;
     let axes = sight.iter().map(|(a, b)| {

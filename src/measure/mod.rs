@@ -4,15 +4,15 @@ pub mod against;
 
 pub(crate) mod bench;
 
-pub(crate) mod difference;
+pub mod difference;
 
-pub(crate) mod equality;
+pub mod equality;
 
 pub mod error;
 
-pub(crate) mod flip;
+pub mod flip;
 
-pub(crate) mod leaving_out;
+pub(crate) mod skipped_work;
 
 pub(crate) mod machine;
 

@@ -10,8 +10,8 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use super::against::{Figures, Standard, figures};
-use super::reference::{Gathering, Reference};
+use super::against::{ErrorMetrics, PreparedReference, figures};
+use super::reference::{ProgressiveRender, Reference};
 use crate::chain::{Frame, KeepDepth, Recipe, Renderer};
 use crate::image::Image;
 use crate::math::lanes::Lanes;
@@ -23,9 +23,9 @@ use crate::upscale::Upscaling;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Turn {
     /// Angle between two frames in degrees; 0 is the still view.
-    pub(crate) degrees: f32,
+    pub degrees: f32,
     /// Number of measured frames, at least 1.
-    pub(crate) frames: u32,
+    pub frames: u32,
 }
 
 impl Turn {
@@ -71,7 +71,7 @@ impl Default for Turn {
 
 /// A frame sequence: scene, final view and camera motion.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Shot<'a> {
+pub(crate) struct FrameSequence<'a> {
     /// Scene to draw.
     pub(crate) scene: &'a Arc<Scene>,
     /// Camera of the last frame.
@@ -84,22 +84,22 @@ pub(crate) struct Shot<'a> {
 
 /// Error over the frames of a sequence.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(crate) struct MotionError {
+pub struct MotionError {
     /// Number of frames, at least 1.
-    pub(crate) frames: usize,
+    pub frames: usize,
     /// Mean over the frames: MSE, SSIM, FLIP and the number of differing pixels are averaged. PSNR is computed from the
     /// mean MSE, and the largest difference is the maximum over all frames.
-    pub(crate) mean: Figures,
+    pub mean: ErrorMetrics,
     /// Metrics of the frame with the largest FLIP error.
-    pub(crate) worst: Figures,
+    pub(crate) worst: ErrorMetrics,
 }
 
 impl MotionError {
     /// Summarises the metrics of each frame. Returns `None` for an empty slice.
-    pub(crate) fn of(frames: &[Figures]) -> Option<Self> {
+    pub(crate) fn of(frames: &[ErrorMetrics]) -> Option<Self> {
         let worst = *frames.iter().max_by(|a, b| a.flip.total_cmp(&b.flip))?;
         let count = frames.len() as f64;
-        let mean_of = |value: fn(&Figures) -> f64| frames.iter().map(value).sum::<f64>() / count;
+        let mean_of = |value: fn(&ErrorMetrics) -> f64| frames.iter().map(value).sum::<f64>() / count;
         let mut mean = worst;
         mean.flip = mean_of(|figures| figures.flip);
         mean.codes.mse = mean_of(|figures| figures.codes.mse);
@@ -117,12 +117,12 @@ pub(crate) struct Playback {
     recipe: Recipe,
     lanes: Lanes,
     /// Renderer with history; `None` for recipes that read no earlier frame.
-    history: Option<Run>,
+    history: Option<RenderRun>,
 }
 
 /// Consecutive frames drawn by one renderer.
 #[derive(Debug)]
-struct Run {
+struct RenderRun {
     renderer: Renderer,
     /// Numbers of the frames drawn. A still view repeats one frame, counted from 0.
     frames: Range<i64>,
@@ -136,8 +136,8 @@ impl Playback {
 
     /// Creates a playback for `recipe` with the given lanes; draws nothing yet.
     pub(crate) fn on(recipe: Recipe, lanes: Lanes) -> Self {
-        let reads_past = recipe.upscaler.upscaler().reads().past;
-        let history = reads_past.then(|| Run { renderer: Renderer::on(lanes), frames: 0..0 });
+        let reads_past = recipe.upscaler.upscaler().reads().history;
+        let history = reads_past.then(|| RenderRun { renderer: Renderer::on(lanes), frames: 0..0 });
         Self { recipe, lanes, history }
     }
 
@@ -148,12 +148,12 @@ impl Playback {
 
     /// Draws at most one warm-up frame that frame `number` > −[`Turn::WARM_UP`] depends on. Returns whether there was
     /// one to draw.
-    pub(crate) fn warm_up(&mut self, shot: &Shot<'_>, number: i64) -> bool {
+    pub(crate) fn warm_up(&mut self, shot: &FrameSequence<'_>, number: i64) -> bool {
         let Some(run) = &mut self.history else { return false };
         let Some(missing) = run.missing(shot.turn, number) else { return false };
         if missing != run.frames.end || run.frames.is_empty() {
             // History from another position in the sequence would leak into the image.
-            *run = Run { renderer: Renderer::on(self.lanes), frames: missing..missing };
+            *run = RenderRun { renderer: Renderer::on(self.lanes), frames: missing..missing };
         }
         run.draw(shot, &self.recipe, missing, |_| ());
         true
@@ -163,7 +163,7 @@ impl Playback {
     /// without history use the renderer `shared`.
     pub(crate) fn draw<T>(
         &mut self,
-        shot: &Shot<'_>,
+        shot: &FrameSequence<'_>,
         number: i64,
         shared: &mut Renderer,
         look: impl FnOnce(&Frame) -> T,
@@ -181,7 +181,7 @@ impl Playback {
     }
 }
 
-impl Run {
+impl RenderRun {
     /// Returns the number of the frame to draw next to build the history of frame `number`, or `None` if that history
     /// is complete.
     fn missing(&self, turn: Turn, number: i64) -> Option<i64> {
@@ -194,7 +194,7 @@ impl Run {
         if start != -warm_up || number < end { Some(-warm_up) } else { (number > end).then_some(end) }
     }
 
-    fn draw<T>(&mut self, shot: &Shot<'_>, recipe: &Recipe, number: i64, look: impl FnOnce(&Frame) -> T) -> T {
+    fn draw<T>(&mut self, shot: &FrameSequence<'_>, recipe: &Recipe, number: i64, look: impl FnOnce(&Frame) -> T) -> T {
         self.frames.end += 1;
         drawn(shot, number, (recipe, &mut self.renderer), look)
     }
@@ -202,7 +202,7 @@ impl Run {
 
 /// Draws frame `number` and returns the result of `look`.
 fn drawn<T>(
-    shot: &Shot<'_>,
+    shot: &FrameSequence<'_>,
     number: i64,
     (recipe, renderer): (&Recipe, &mut Renderer),
     look: impl FnOnce(&Frame) -> T,
@@ -217,20 +217,20 @@ fn drawn<T>(
 /// Incremental error measurement of several recipes over a sequence: each frame with every recipe, before the next
 /// frame.
 #[derive(Debug)]
-pub(crate) struct Judge {
+pub(crate) struct ErrorMeasurement {
     reference: Reference,
     playbacks: Vec<Playback>,
     renderer: Renderer,
     /// References of the current frame with their recipes. Recipes that differ only in the upscaler share a reference.
-    standards: Vec<(Recipe, Standard)>,
-    gathering: Option<Box<Gathering>>,
+    references: Vec<(Recipe, PreparedReference)>,
+    gathering: Option<Box<ProgressiveRender>>,
     /// Metrics of each recipe, per frame.
-    figures: Vec<Vec<Figures>>,
+    figures: Vec<Vec<ErrorMetrics>>,
     /// Number of frames measured, over all recipes.
-    judged: usize,
+    measured_frames: usize,
 }
 
-impl Judge {
+impl ErrorMeasurement {
     /// Prepares to measure recipes against a reference; draws nothing yet.
     pub(crate) fn new(reference: Reference, recipes: impl IntoIterator<Item = Recipe>) -> Self {
         let playbacks: Vec<_> = recipes.into_iter().map(Playback::new).collect();
@@ -239,29 +239,33 @@ impl Judge {
             figures: vec![Vec::new(); playbacks.len()],
             playbacks,
             renderer: Renderer::default(),
-            standards: Vec::new(),
+            references: Vec::new(),
             gathering: None,
-            judged: 0,
+            measured_frames: 0,
         }
     }
 
     /// Draws at most one frame, either of a reference or with a recipe. When that completes a frame of a recipe, calls
     /// `look` with the frame and the FLIP error of every pixel, and returns the index of the recipe.
-    pub(crate) fn step(&mut self, shot: &Shot<'_>, look: impl FnOnce(usize, &Frame, Image<f32>)) -> Option<usize> {
+    pub(crate) fn step(
+        &mut self,
+        shot: &FrameSequence<'_>,
+        look: impl FnOnce(usize, &Frame, Image<f32>),
+    ) -> Option<usize> {
         if self.is_complete(shot.turn) {
             return None;
         }
-        let (frame, place) = (self.judged / self.playbacks.len(), self.judged % self.playbacks.len());
+        let (frame, place) = (self.measured_frames / self.playbacks.len(), self.measured_frames % self.playbacks.len());
         let playback = &mut self.playbacks[place];
         let plain = Recipe { upscaler: Upscaling::NATIVE, ..playback.recipe };
-        let Some((_, standard)) = self.standards.iter().find(|(of, _)| *of == plain) else {
+        let Some((_, standard)) = self.references.iter().find(|(of, _)| *of == plain) else {
             let begin = || {
                 let camera = shot.turn.camera(shot.camera, frame as i64);
                 Box::new(self.reference.begin(shot.scene, &camera, &plain, shot.viewport))
             };
             let gathering = self.gathering.get_or_insert_with(begin);
             if !gathering.step() {
-                self.standards.push((plain, Standard::new(gathering.picture())));
+                self.references.push((plain, PreparedReference::new(gathering.picture())));
                 self.gathering = None;
             }
             return None;
@@ -275,16 +279,16 @@ impl Judge {
             Some(figures)
         });
         self.figures[place].extend(figures);
-        self.judged += 1;
-        if self.judged.is_multiple_of(self.playbacks.len()) {
-            self.standards.clear();
+        self.measured_frames += 1;
+        if self.measured_frames.is_multiple_of(self.playbacks.len()) {
+            self.references.clear();
         }
         Some(place)
     }
 
     /// Whether all frames are measured.
     pub(crate) fn is_complete(&self, turn: Turn) -> bool {
-        self.judged >= self.total(turn)
+        self.measured_frames >= self.total(turn)
     }
 
     /// Returns the number of frames to measure, over all recipes.
@@ -293,8 +297,8 @@ impl Judge {
     }
 
     /// Returns the number of frames measured so far, over all recipes.
-    pub(crate) fn judged(&self) -> usize {
-        self.judged
+    pub(crate) fn measured_frames(&self) -> usize {
+        self.measured_frames
     }
 
     /// Returns the error of a recipe over the frames measured so far, or `None` before the first.
@@ -307,7 +311,7 @@ impl Judge {
 /// `go_on` receives the completed fraction in [0, 1] before each frame and returns whether to continue; the result is
 /// `None` if it returns `false`.
 pub(crate) fn between(
-    shot: &Shot<'_>,
+    shot: &FrameSequence<'_>,
     [a, b]: [&Recipe; 2],
     go_on: &mut dyn FnMut(f32) -> bool,
 ) -> Option<MotionError> {
@@ -341,12 +345,12 @@ mod tests {
 
     fn error_of(upscaler: Upscaling, turn: Turn) -> MotionError {
         let scene = Arc::new(builtin::by_id("chess").unwrap().build());
-        let shot = Shot { scene: &scene, camera: &scene.home, viewport: SIZE, turn };
+        let shot = FrameSequence { scene: &scene, camera: &scene.home, viewport: SIZE, turn };
         judged(&shot, upscaler).error(0).unwrap()
     }
 
-    fn judged(shot: &Shot<'_>, upscaler: Upscaling) -> Judge {
-        let mut judge = Judge::new(Reference::Native, [Recipe { upscaler, ..Recipe::default() }]);
+    fn judged(shot: &FrameSequence<'_>, upscaler: Upscaling) -> ErrorMeasurement {
+        let mut judge = ErrorMeasurement::new(Reference::Native, [Recipe { upscaler, ..Recipe::default() }]);
         while !judge.is_complete(shot.turn) {
             judge.step(shot, |_, _, _| ());
         }
@@ -378,7 +382,7 @@ mod tests {
         let mean_mse = (0..3).map(|frame| {
             let mut camera = scene.home;
             camera.orbit((2.0 * (frame as f32 - 2.0)).to_radians(), 0.0);
-            let draw = |recipe| Renderer::default().render_settled(&scene, &camera, recipe, SIZE);
+            let draw = |recipe| Renderer::default().render_converged(&scene, &camera, recipe, SIZE);
             compare(draw(&bilinear).image(), draw(&Recipe::default()).image()).unwrap().mse
         });
         let mean_mse = mean_mse.sum::<f64>() / 3.0;
@@ -389,10 +393,10 @@ mod tests {
     fn recipes_of_several_pipelines_have_references_of_their_own() {
         let scene = Arc::new(builtin::by_id("cubes").unwrap().build());
         let turn = Turn { degrees: 0.5, frames: 2 };
-        let shot = Shot { scene: &scene, camera: &scene.home, viewport: SIZE, turn };
+        let shot = FrameSequence { scene: &scene, camera: &scene.home, viewport: SIZE, turn };
         let mut other = Recipe::default();
         other.set("shading=normals").unwrap();
-        let mut judge = Judge::new(Reference::Native, [Recipe::default(), other]);
+        let mut judge = ErrorMeasurement::new(Reference::Native, [Recipe::default(), other]);
         let mut order = Vec::new();
         while !judge.is_complete(turn) {
             order.extend(judge.step(&shot, |recipe, frame, flip| {
@@ -407,7 +411,7 @@ mod tests {
     fn a_frame_has_the_same_history_wherever_playback_begins() {
         let scene = Arc::new(builtin::by_id("chess").unwrap().build());
         let turn = Turn { degrees: 0.5, frames: 4 };
-        let shot = Shot { scene: &scene, camera: &scene.home, viewport: SIZE, turn };
+        let shot = FrameSequence { scene: &scene, camera: &scene.home, viewport: SIZE, turn };
         for upscaler in [temporal(), Upscaling::new("accumulation", 2).unwrap(), Upscaling::new("bilinear", 2).unwrap()]
         {
             let recipe = Recipe { upscaler, ..Recipe::default() };
@@ -427,9 +431,9 @@ mod tests {
     #[test]
     fn a_still_view_is_drawn_as_it_is_at_rest() {
         let scene = Arc::new(builtin::by_id("chess").unwrap().build());
-        let shot = Shot { scene: &scene, camera: &scene.home, viewport: SIZE, turn: Turn::STILL };
+        let shot = FrameSequence { scene: &scene, camera: &scene.home, viewport: SIZE, turn: Turn::STILL };
         let recipe = Recipe { upscaler: Upscaling::new("accumulation", 2).unwrap(), ..Recipe::default() };
-        let settled = Renderer::default().render_settled(&scene, &scene.home, &recipe, SIZE);
+        let settled = Renderer::default().render_converged(&scene, &scene.home, &recipe, SIZE);
         let (mut playback, mut shared) = (Playback::new(recipe), Renderer::default());
         for _ in 0..2 {
             assert!(playback.draw(&shot, 0, &mut shared, |frame| frame.image() == settled.image()));
@@ -442,7 +446,7 @@ mod tests {
         let scene = Arc::new(builtin::by_id("chess").unwrap().build());
         let recipe = Recipe { upscaler: temporal(), ..Recipe::default() };
         let turn = Turn { degrees: 0.5, frames: 3 };
-        let shot = Shot { scene: &scene, camera: &scene.home, viewport: SIZE, turn };
+        let shot = FrameSequence { scene: &scene, camera: &scene.home, viewport: SIZE, turn };
         let mut shares = Vec::new();
         let error = between(&shot, [&Recipe::default(), &recipe], &mut |share| {
             shares.push(share);
@@ -450,7 +454,7 @@ mod tests {
         });
         assert_eq!(error, Some(error_of(temporal(), turn)));
         assert!(shares.is_sorted() && shares.contains(&0.0) && shares.last() < Some(&1.0), "{shares:?}");
-        let still = Shot { turn: Turn::STILL, ..shot };
+        let still = FrameSequence { turn: Turn::STILL, ..shot };
         let error = between(&still, [&Recipe::default(), &recipe], &mut |_| true);
         assert_eq!(error, Some(error_of(temporal(), still.turn)));
     }
@@ -458,7 +462,7 @@ mod tests {
     #[test]
     fn a_cancelled_comparison_has_no_error_and_draws_no_further() {
         let scene = Arc::new(builtin::by_id("triangle").unwrap().build());
-        let shot = Shot { scene: &scene, camera: &scene.home, viewport: SIZE, turn: Turn::default() };
+        let shot = FrameSequence { scene: &scene, camera: &scene.home, viewport: SIZE, turn: Turn::default() };
         let temporal = Recipe { upscaler: temporal(), ..Recipe::default() };
         let mut calls = 0;
         let error = between(&shot, [&Recipe::default(), &temporal], &mut |_| {

@@ -20,13 +20,13 @@ pub(crate) const ABOVE: &str = "larger than the noise";
 const ROUNDS_PER_BLOCK: usize = 3;
 
 /// Maximum number of blocks of a run; longer runs have longer blocks and therefore a lower floor.
-const MOST_BLOCKS: usize = 10;
+const MAX_BLOCKS: usize = 10;
 
 /// Noise floor of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Noise {
     /// Number of A/A pairs, at least 1.
-    pub(crate) pairs: usize,
+    pub pairs: usize,
     /// 90th percentile of the relative differences of the pairs: 0.02 means 2 % of the shorter time.
     pub(crate) p90: f64,
 }
@@ -71,7 +71,7 @@ impl Pairs {
     /// missing from either series are ignored.
     pub(crate) fn add(&mut self, first: &[f64], again: &[f64]) {
         let rounds = first.len().min(again.len());
-        let blocks = (rounds / ROUNDS_PER_BLOCK).clamp(1, MOST_BLOCKS);
+        let blocks = (rounds / ROUNDS_PER_BLOCK).clamp(1, MAX_BLOCKS);
         for block in 0..blocks {
             let range = block * rounds / blocks..(block + 1) * rounds / blocks;
             let medians = [first, again].map(|times| summarize(&times[range.clone()]).map(|summary| summary.median));

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::motion::Shot;
+use super::motion::FrameSequence;
 use super::noise::Noise;
 use super::rounds::RoundTimer;
 use super::timing::{Summary, summarize};
@@ -57,7 +57,7 @@ impl PairTimer {
     }
 
     /// Draws at most one frame; returns the times once all rounds are complete.
-    pub(crate) fn step(&mut self, shot: &Shot<'_>) -> Option<PairTimes> {
+    pub(crate) fn step(&mut self, shot: &FrameSequence<'_>) -> Option<PairTimes> {
         self.timer.step(shot);
         if !self.timer.is_complete() {
             return None;
@@ -80,7 +80,7 @@ mod tests {
         let scene = Arc::new(builtin::by_id("triangle").unwrap().build());
         let mut timer = PairTimer::new(Recipe::default(), Recipe { wireframe: true, ..Recipe::default() }, 3);
         let viewport = Viewport { width: 32, height: 24 };
-        let shot = Shot { scene: &scene, camera: &scene.home, viewport, turn: Turn::STILL };
+        let shot = FrameSequence { scene: &scene, camera: &scene.home, viewport, turn: Turn::STILL };
         // Four frames in each of five rounds; the first two rounds are warm-up.
         for _ in 0..4 * 5 - 1 {
             assert_eq!(timer.step(&shot), None);

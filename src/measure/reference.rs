@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use crate::chain::Recipe;
-pub(crate) use crate::chain::samples::Gathering;
+pub(crate) use crate::chain::samples::ProgressiveRender;
 use crate::image::{Image, Rgba8};
 use crate::pipeline::settings::{Choice, choice};
 use crate::pipeline::viewport::Viewport;
@@ -26,7 +26,7 @@ choice! {
 
 impl Reference {
     /// Returns the number of samples per pixel.
-    pub(crate) fn samples(self) -> u32 {
+    pub fn samples(self) -> u32 {
         match self {
             Self::Native => 1,
             Self::Converged => 256,
@@ -34,8 +34,14 @@ impl Reference {
     }
 
     /// Begins to render the reference of a recipe: its pipeline without upscaler, post filter and wireframe.
-    pub(crate) fn begin(self, scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, viewport: Viewport) -> Gathering {
-        Gathering::new(scene, camera, recipe, viewport, self.samples())
+    pub(crate) fn begin(
+        self,
+        scene: &Arc<Scene>,
+        camera: &Camera,
+        recipe: &Recipe,
+        viewport: Viewport,
+    ) -> ProgressiveRender {
+        ProgressiveRender::new(scene, camera, recipe, viewport, self.samples())
     }
 
     /// Renders the complete reference. `go_on` receives the completed fraction in [0, 1] after each sample and returns
@@ -85,7 +91,7 @@ mod tests {
     fn the_converged_picture_has_converged() {
         let scene = Arc::new(builtin::by_id("chess").unwrap().build());
         let of = |samples| {
-            let mut gathering = Gathering::new(&scene, &scene.home, &Recipe::default(), SIZE, samples);
+            let mut gathering = ProgressiveRender::new(&scene, &scene.home, &Recipe::default(), SIZE, samples);
             while gathering.step() {}
             gathering.picture()
         };

@@ -8,18 +8,18 @@ use crate::image::{Image, Rgba8};
 
 /// A rectangle of pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Region {
+pub struct PixelRegion {
     /// First column.
-    pub(crate) left: u32,
+    pub left: u32,
     /// First row.
-    pub(crate) top: u32,
+    pub top: u32,
     /// One past the last column.
-    pub(crate) right: u32,
+    pub right: u32,
     /// One past the last row.
-    pub(crate) bottom: u32,
+    pub bottom: u32,
 }
 
-impl Region {
+impl PixelRegion {
     /// Returns the part of an image inside the rectangle, or `None` if they do not overlap.
     pub(crate) fn of<T: Copy>(self, picture: &Image<T>) -> Option<Image<T>> {
         let (right, bottom) = (self.right.min(picture.width()), self.bottom.min(picture.height()));
@@ -30,7 +30,7 @@ impl Region {
     }
 
     /// Applies [`compare`] to the parts of two images inside the rectangle. SSIM reads no pixels outside.
-    pub(crate) fn compare(self, a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<ImageError> {
+    pub fn compare(self, a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<ImageError> {
         if a.size() != b.size() {
             return None;
         }
@@ -53,12 +53,12 @@ mod tests {
         let black = Image::filled(20, 10, [0, 0, 0, 255]);
         let mut other = black.clone();
         other.set(15, 4, [10, 0, 0, 255]);
-        let region = Region { left: 14, top: 4, right: 16, bottom: 99 };
+        let region = PixelRegion { left: 14, top: 4, right: 16, bottom: 99 };
         let error = region.compare(&black, &other).unwrap();
         assert_eq!((error.differing_pixels, error.max_abs, error.mse), (1, 10, 100.0 / (2.0 * 6.0 * 3.0)));
-        let beside = Region { left: 0, right: 15, ..region };
+        let beside = PixelRegion { left: 0, right: 15, ..region };
         assert_eq!(beside.compare(&black, &other).unwrap().differing_pixels, 0);
-        assert_eq!(Region { left: 20, right: 30, ..region }.compare(&black, &other), None);
+        assert_eq!(PixelRegion { left: 20, right: 30, ..region }.compare(&black, &other), None);
         assert_eq!(region.mean(&Image::from_fn(20, 10, |x, _| x as f32)), Some(14.5));
     }
 }

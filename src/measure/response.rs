@@ -3,7 +3,7 @@
 //! The signals use 8-bit values between 96 and 160, so that negative and positive lobes are visible and nothing clips.
 
 use crate::image::{Image, Rgba8};
-use crate::upscale::{Drawn, Upscaling};
+use crate::upscale::{UpscaleInputs, Upscaling};
 
 /// 8-bit value of the dark parts of a signal.
 const DARK: f64 = 96.0;
@@ -90,7 +90,7 @@ fn respond(how: Upscaling, side: u32, signal: impl Fn(f64, f64) -> f64) -> Image
         let code = (DARK + HEIGHT * signal(x, y)).round() as u8;
         [code, code, code, 255]
     });
-    if how.is_native() { drawn } else { how.upscale(&Drawn::from(&drawn), side, side) }
+    if how.is_native() { drawn } else { how.upscale(&UpscaleInputs::from(&drawn), side, side) }
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@
 
 use crate::chain::{FrameTimes, Recipe, Renderer};
 
-use super::motion::{Playback, Shot};
+use super::motion::{FrameSequence, Playback};
 use super::noise::{Noise, Pairs};
 
 /// Number of warm-up rounds before the measured ones: caches and clock frequencies settle.
@@ -15,14 +15,14 @@ pub(crate) const WARM_UP_ROUNDS: usize = 2;
 
 /// Maximum number of recipes drawn twice per round. They are spread evenly over all recipes, as cheap and expensive
 /// ones differ in noise.
-const MOST_TWINS: usize = 5;
+const MAX_TWINS: usize = 5;
 
 /// Seed of the shuffled order within rounds.
 const SEED: u64 = 7;
 
 /// A recipe, or its repetition for the noise floor.
 #[derive(Debug)]
-struct Entry {
+struct RoundEntry {
     recipe: usize,
     playback: Playback,
     times: Vec<FrameTimes>,
@@ -41,7 +41,7 @@ pub(crate) struct Timed {
 #[derive(Debug)]
 pub(crate) struct RoundTimer {
     /// All recipes in their order, followed by the repetitions.
-    entries: Vec<Entry>,
+    entries: Vec<RoundEntry>,
     recipes: usize,
     renderer: Renderer,
     random: fastrand::Rng,
@@ -57,7 +57,7 @@ impl RoundTimer {
     /// Prepares to time recipes over `rounds` measured rounds, at least one.
     pub(crate) fn new(recipes: &[Recipe], rounds: usize) -> Self {
         let twins = twins(recipes.len());
-        let entry = |recipe: usize| Entry { recipe, playback: Playback::new(recipes[recipe]), times: Vec::new() };
+        let entry = |recipe: usize| RoundEntry { recipe, playback: Playback::new(recipes[recipe]), times: Vec::new() };
         let entries: Vec<_> = (0..recipes.len()).chain(twins).map(entry).collect();
         Self {
             order: (0..entries.len()).collect(),
@@ -72,7 +72,7 @@ impl RoundTimer {
     }
 
     /// Draws at most one frame. Returns its times if the frame is measured and is not a repetition.
-    pub(crate) fn step(&mut self, shot: &Shot<'_>) -> Option<Timed> {
+    pub(crate) fn step(&mut self, shot: &FrameSequence<'_>) -> Option<Timed> {
         if self.is_complete() {
             return None;
         }
@@ -141,7 +141,7 @@ fn ms(times: &[FrameTimes]) -> Vec<f64> {
 
 /// Returns the indices of the recipes that are drawn twice, out of `count` recipes.
 fn twins(count: usize) -> Vec<usize> {
-    let chosen = count.min(MOST_TWINS);
+    let chosen = count.min(MAX_TWINS);
     (0..chosen).map(|twin| twin * count.saturating_sub(1) / (chosen - 1).max(1)).collect()
 }
 
@@ -159,7 +159,8 @@ mod tests {
     fn every_recipe_is_timed_once_per_round_and_twins_are_not_reported() {
         let scene = Arc::new(builtin::by_id("triangle").unwrap().build());
         let turn = Turn { degrees: 0.5, frames: 2 };
-        let shot = Shot { scene: &scene, camera: &scene.home, viewport: Viewport { width: 24, height: 16 }, turn };
+        let shot =
+            FrameSequence { scene: &scene, camera: &scene.home, viewport: Viewport { width: 24, height: 16 }, turn };
         let recipes: Vec<_> =
             Upscaling::every().map(|upscaler| Recipe { upscaler, ..Recipe::default() }).take(7).collect();
         let mut timer = RoundTimer::new(&recipes, 3);

@@ -16,7 +16,7 @@ use crate::scene::builtin::workload::{layers, sheet};
 /// Quantity that varies between the points of a series.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub(crate) enum Quantity {
+pub enum ScalingQuantity {
     /// Triangles of a mesh that fills most of the image.
     Triangles,
     /// Pixels of an image filled by one textured square.
@@ -27,7 +27,7 @@ pub(crate) enum Quantity {
     Threads,
 }
 
-impl Quantity {
+impl ScalingQuantity {
     /// All quantities, in the order of the report.
     pub(crate) const ALL: [Self; 4] = [Self::Triangles, Self::Pixels, Self::Layers, Self::Threads];
 
@@ -44,7 +44,7 @@ impl Quantity {
 
 /// Parameters of a scaling measurement.
 #[derive(Clone, Debug)]
-pub(crate) struct Plan {
+pub(crate) struct ScalingPlan {
     /// Recipe of all frames.
     pub(crate) recipe: Recipe,
     /// Image size for all series but the one over pixels.
@@ -63,7 +63,7 @@ pub(crate) struct Plan {
     pub(crate) rounds: usize,
 }
 
-impl Plan {
+impl ScalingPlan {
     /// Creates the default plan: 10³ to `most_triangles` triangles in powers of ten, 320 × 180 to 3840 × 2160 pixels, 1
     /// to 64 layers, and 1, 2, 4 … threads up to `threads` ≥ 1.
     pub(crate) fn new(recipe: Recipe, most_triangles: usize, threads: usize, rounds: usize) -> Self {
@@ -85,7 +85,7 @@ impl Plan {
 
 /// Cost of a frame at one value of the quantity.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct Point {
+pub(crate) struct ScalingPoint {
     /// Value of the quantity that varies.
     pub(crate) value: f64,
     /// Milliseconds of a frame.
@@ -98,21 +98,21 @@ pub(crate) struct Point {
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Series {
     /// Quantity that varies.
-    pub(crate) quantity: Quantity,
+    pub(crate) quantity: ScalingQuantity,
     /// Points in ascending order of value.
-    pub(crate) points: Vec<Point>,
+    pub(crate) points: Vec<ScalingPoint>,
 }
 
 /// Linear model of frame cost: a fixed part plus a part proportional to the quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(crate) struct Line {
+pub(crate) struct CostLine {
     /// Intercept, in milliseconds; negative if cost grows faster than the quantity.
     pub(crate) fixed_ms: f64,
     /// Slope, in nanoseconds per unit of the quantity.
     pub(crate) ns_each: f64,
 }
 
-impl Line {
+impl CostLine {
     /// Returns the value at which the fixed and proportional parts are equal. Below it, cost hardly depends on the
     /// quantity; above it, cost is proportional to the quantity.
     pub(crate) fn bend(&self) -> f64 {
@@ -122,17 +122,17 @@ impl Line {
 
 impl Series {
     /// Returns the line through the first and last points, or `None` if cost does not rise.
-    pub(crate) fn line(&self) -> Option<Line> {
+    pub(crate) fn line(&self) -> Option<CostLine> {
         let (first, last) = (self.points.first()?, self.points.last()?);
         let ms_each = (last.ms.median - first.ms.median) / (last.value - first.value);
         let fixed_ms = first.ms.median - ms_each * first.value;
-        (ms_each > 0.0 && ms_each.is_finite()).then_some(Line { fixed_ms, ns_each: ms_each * 1e6 })
+        (ms_each > 0.0 && ms_each.is_finite()).then_some(CostLine { fixed_ms, ns_each: ms_each * 1e6 })
     }
 }
 
 /// Result of a scaling measurement.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct Scaling {
+pub struct Scaling {
     /// Image width and height in pixels, for all series but the one over pixels.
     pub(crate) size: [u32; 2],
     /// Number of threads, for all series but the one over threads.
@@ -157,7 +157,7 @@ pub(crate) enum ScalingError {
 }
 
 /// State of one point while it is measured.
-struct Run<'a> {
+struct ScalingRun<'a> {
     value: f64,
     scene: Arc<Scene>,
     viewport: Viewport,
@@ -175,8 +175,8 @@ struct Run<'a> {
 /// Fails if threads cannot be started, or if cancelled before the first series is complete. If cancelled later, returns
 /// the complete series.
 pub(crate) fn measure(
-    plan: &Plan,
-    progress: &dyn Fn(Quantity, f32),
+    plan: &ScalingPlan,
+    progress: &dyn Fn(ScalingQuantity, f32),
     cancel: &AtomicBool,
 ) -> Result<Scaling, ScalingError> {
     let pool = |threads: &usize| rayon::ThreadPoolBuilder::new().num_threads(*threads).build();
@@ -188,9 +188,9 @@ pub(crate) fn measure(
         series,
         partial,
     };
-    for quantity in Quantity::ALL {
+    for quantity in ScalingQuantity::ALL {
         let counts = match quantity {
-            Quantity::Threads => &plan.threads[..],
+            ScalingQuantity::Threads => &plan.threads[..],
             _ => &plan.threads[plan.threads.len().saturating_sub(1)..],
         };
         let pools = counts.iter().map(pool).collect::<Result<Vec<_>, _>>()?;
@@ -207,15 +207,16 @@ pub(crate) fn measure(
             }
             progress(quantity, (round + 1) as f32 / (plan.rounds + 1) as f32);
         }
-        let point = |run: Run<'_>| Some(Point { value: run.value, ms: summarize(&run.ms)?, bytes: run.bytes });
+        let point =
+            |run: ScalingRun<'_>| Some(ScalingPoint { value: run.value, ms: summarize(&run.ms)?, bytes: run.bytes });
         series.push(Series { quantity, points: runs.into_iter().filter_map(point).collect() });
     }
     Ok(found(series, false))
 }
 
-fn runs<'a>(plan: &Plan, quantity: Quantity, pools: &'a [ThreadPool]) -> Vec<Run<'a>> {
+fn runs<'a>(plan: &ScalingPlan, quantity: ScalingQuantity, pools: &'a [ThreadPool]) -> Vec<ScalingRun<'a>> {
     let Some(most) = pools.last() else { return Vec::new() };
-    let run = |value: f64, scene: Arc<Scene>, viewport: Viewport, pool: &'a ThreadPool| Run {
+    let run = |value: f64, scene: Arc<Scene>, viewport: Viewport, pool: &'a ThreadPool| ScalingRun {
         value,
         scene,
         viewport,
@@ -225,7 +226,7 @@ fn runs<'a>(plan: &Plan, quantity: Quantity, pools: &'a [ThreadPool]) -> Vec<Run
         bytes: 0,
     };
     match quantity {
-        Quantity::Triangles => plan
+        ScalingQuantity::Triangles => plan
             .triangles
             .iter()
             .map(|count| {
@@ -233,15 +234,15 @@ fn runs<'a>(plan: &Plan, quantity: Quantity, pools: &'a [ThreadPool]) -> Vec<Run
                 run(scene.triangle_count() as f64, scene.into(), plan.viewport, most)
             })
             .collect(),
-        Quantity::Pixels => {
+        ScalingQuantity::Pixels => {
             let scene = Arc::new(layers(1));
             let pixels = |size: &Viewport| f64::from(size.width) * f64::from(size.height);
             plan.sizes.iter().map(|size| run(pixels(size), scene.clone(), *size, most)).collect()
         }
-        Quantity::Layers => {
+        ScalingQuantity::Layers => {
             plan.layers.iter().map(|count| run(*count as f64, layers(*count).into(), plan.viewport, most)).collect()
         }
-        Quantity::Threads => {
+        ScalingQuantity::Threads => {
             let scene = Arc::new(sheet(plan.shared_triangles));
             let threads = plan.threads.iter().zip(pools);
             threads.map(|(count, pool)| run(*count as f64, scene.clone(), plan.viewport, pool)).collect()
@@ -249,7 +250,7 @@ fn runs<'a>(plan: &Plan, quantity: Quantity, pools: &'a [ThreadPool]) -> Vec<Run
     }
 }
 
-impl Run<'_> {
+impl ScalingRun<'_> {
     /// Draws a frame and returns its time in milliseconds.
     fn draw(&mut self, recipe: &Recipe) -> f64 {
         let Self { scene, viewport, pool, renderer, bytes, .. } = self;
@@ -265,15 +266,15 @@ impl Run<'_> {
 mod tests {
     use super::*;
 
-    fn small() -> Plan {
+    fn small() -> ScalingPlan {
         let size = |width, height| Viewport { width, height };
-        Plan {
+        ScalingPlan {
             triangles: vec![10, 1000],
             sizes: vec![size(16, 9), size(64, 36)],
             layers: vec![1, 3],
             shared_triangles: 100,
             viewport: size(64, 36),
-            ..Plan::new(Recipe::default(), 1000, 2, 2)
+            ..ScalingPlan::new(Recipe::default(), 1000, 2, 2)
         }
     }
 
@@ -311,15 +312,15 @@ mod tests {
         assert!(!found.partial);
         assert!(matches!(measure(&small(), &|_, _| {}, &AtomicBool::new(true)), Err(ScalingError::Cancelled)));
         let cancel = AtomicBool::new(false);
-        let cancel_later = |quantity, _| cancel.store(quantity == Quantity::ALL[1], Ordering::Relaxed);
+        let cancel_later = |quantity, _| cancel.store(quantity == ScalingQuantity::ALL[1], Ordering::Relaxed);
         let partial = measure(&small(), &cancel_later, &cancel).unwrap();
         assert_eq!((partial.partial, partial.series.len()), (true, 1), "the complete series, marked");
     }
 
     #[test]
     fn the_fixed_part_and_the_growing_one_are_told_apart() {
-        let point = |value: f64, ms: f64| Point { value, ms: summarize(&[ms]).unwrap(), bytes: 0 };
-        let series = |points| Series { quantity: Quantity::Pixels, points };
+        let point = |value: f64, ms: f64| ScalingPoint { value, ms: summarize(&[ms]).unwrap(), bytes: 0 };
+        let series = |points| Series { quantity: ScalingQuantity::Pixels, points };
         let line = series(vec![point(1000.0, 3.0), point(2000.0, 3.9), point(5000.0, 7.0)]).line().unwrap();
         assert_eq!((line.fixed_ms, line.ns_each, line.bend()), (2.0, 1000.0, 2000.0));
         assert_eq!(series(vec![point(1.0, 3.0), point(2.0, 2.0)]).line(), None);
@@ -328,10 +329,10 @@ mod tests {
 
     #[test]
     fn the_plan_goes_up_to_what_is_asked() {
-        let plan = Plan::new(Recipe::default(), 10_000_000, 3, 5);
+        let plan = ScalingPlan::new(Recipe::default(), 10_000_000, 3, 5);
         assert_eq!(plan.triangles, [1000, 10_000, 100_000, 1_000_000, 10_000_000]);
         assert_eq!((plan.threads, plan.layers.last()), (vec![1, 2, 3], Some(&64)));
-        let threads = |most| Plan::new(Recipe::default(), 1000, most, 1).threads;
+        let threads = |most| ScalingPlan::new(Recipe::default(), 1000, most, 1).threads;
         assert_eq!((threads(1), threads(16)), (vec![1], vec![1, 2, 4, 8, 16]));
         assert!(threads(1024).iter().sum::<usize>() < 2 * 1024, "not one more for each");
     }

@@ -17,15 +17,15 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 
 use super::timing::summarize;
-use crate::antialias::settings::Method;
+use crate::antialias::settings::AntialiasMethod;
 use crate::chain::{Frame, FrameTimes, KeepDepth, Recipe, Renderer, redraw};
-use crate::pipeline::Until;
+use crate::pipeline::LastStage;
 use crate::pipeline::settings::{DepthTest, Execution};
 use crate::scene::{Camera, Scene};
 
 /// Time of each stage of a frame; `None` for a stage that did not run or is timed as part of another stage.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct StageTimes {
+pub struct StageTimes {
     /// Planning and vertex transform. In tiled execution, includes projection.
     pub(crate) transform: Duration,
     /// Homogeneous clipping.
@@ -35,7 +35,7 @@ pub(crate) struct StageTimes {
     /// Facing test and edge setup. In tiled execution, includes clipping and binning.
     pub(crate) cull: Duration,
     /// Clearing the framebuffer and finding covered samples. In tiled execution, includes the depth test.
-    pub(crate) rasterize: Duration,
+    pub rasterize: Duration,
     /// Depth test and depth write.
     pub(crate) depth: Option<Duration>,
     /// Attribute interpolation.
@@ -107,7 +107,7 @@ impl StageTimes {
     fn with_rest_of(self, recipe: &Recipe, times: &FrameTimes) -> Self {
         let mut all = Self {
             resolve: recipe.antialias.has_passes().then_some(times.resolve),
-            surfaces: recipe.upscaler.upscaler().reads().surfaces.then_some(times.surfaces),
+            surfaces: recipe.upscaler.upscaler().reads().gbuffer.then_some(times.surfaces),
             upscale: times.upscale,
             post: (!recipe.post.is_off() || recipe.wireframe).then_some(times.post),
             other: Duration::ZERO,
@@ -153,7 +153,7 @@ const SHORT_FRAME: Duration = Duration::from_millis(250);
 const ROUNDS: usize = 3;
 
 /// Last stage of each partial frame in classic execution.
-const LEVELS: [Until; 4] = [Until::Coverage, Until::Depth, Until::Interpolate, Until::Shade];
+const LEVELS: [LastStage; 4] = [LastStage::Coverage, LastStage::Depth, LastStage::Interpolate, LastStage::Shade];
 
 /// Incremental timer for the stages of one frame; each step is short, so that a new request never waits long.
 ///
@@ -232,7 +232,7 @@ impl StageTimer {
         }
         // After a pass over pixel centres, multisampling covers every sample but shades each pixel once.
         let samples = recipe.antialias.count();
-        let multisampled = recipe.antialias.method == Method::Multisample;
+        let multisampled = recipe.antialias.method == AntialiasMethod::Multisample;
         let weights = if multisampled { [1 + samples, 1 + samples, 2, 2] } else { [1; 4] };
         let [rasterize, depth, interpolate, shade] = split(times.rasterize, ends, weights);
         let depth = tests_depth.then_some(depth);

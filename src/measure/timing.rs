@@ -10,7 +10,7 @@ use serde::Serialize;
 /// A percentile is interpolated linearly between the two nearest samples: of n sorted samples, number p · (n − 1)
 /// counted from zero (definition 7 of Hyndman and Fan 1996, the usual one of spreadsheets and numpy).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(crate) struct Summary {
+pub struct Summary {
     /// Number of samples, at least 1.
     pub(crate) n: usize,
     /// Minimum.
@@ -18,7 +18,7 @@ pub(crate) struct Summary {
     /// 10th percentile.
     pub(crate) p10: f64,
     /// 50th percentile.
-    pub(crate) median: f64,
+    pub median: f64,
     /// 90th percentile.
     pub(crate) p90: f64,
     /// 99th percentile.

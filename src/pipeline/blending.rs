@@ -8,16 +8,16 @@
 
 use std::ops::Range;
 
-use super::depth::{Comparison, depth_at, unquantised_depth_at};
+use super::depth::{DepthComparison, depth_at, unquantised_depth_at};
 use super::framebuffer::Framebuffer;
 use super::interpolate::{Fragment, interpolate};
 use super::observe::{DepthOutcome, Observer};
 use super::raster::numbers::Numbers;
-use super::raster::{Sample, Scissor, Span, Triangle, cover_samples};
+use super::raster::{RasterSample, RasterTriangle, Scissor, Span, cover_samples};
 use super::settings::Settings;
 use super::shade::Shader;
 use super::viewport::ScreenTriangle;
-use super::{Extent, Geometry, Until, partial};
+use super::{Extent, Geometry, LastStage, partial};
 use crate::image::Image;
 
 /// Number of pixel rows whose fragments are collected at a time; bounds the memory of the list.
@@ -28,9 +28,9 @@ pub(super) fn split(
     geometry: &Geometry,
     settings: &Settings,
     triangles: &Range<usize>,
-    until: Until,
+    until: LastStage,
 ) -> (Range<usize>, Range<usize>) {
-    let first = if until == Until::Shade { geometry.sorted_from(settings) } else { triangles.end };
+    let first = if until == LastStage::Shade { geometry.sorted_from(settings) } else { triangles.end };
     let first = first.clamp(triangles.start, triangles.end.max(triangles.start));
     (triangles.start..first, first..triangles.end)
 }
@@ -38,7 +38,7 @@ pub(super) fn split(
 /// Returns the depth of a sample as a sort key that grows towards the viewer. It is not quantised to the depth format,
 /// whose steps may be coarser than the distances between panes.
 #[inline]
-pub(super) fn nearness(settings: &Settings, triangle: &ScreenTriangle, sample: &Sample) -> f32 {
+pub(super) fn nearness(settings: &Settings, triangle: &ScreenTriangle, sample: &RasterSample) -> f32 {
     let depth = unquantised_depth_at(triangle, sample) as f32;
     if settings.reversed() { depth } else { -depth }
 }
@@ -107,12 +107,12 @@ impl Sorting<'_> {
             let band = Scissor { top: first, bottom: bottom.min(first + ROWS), ..extent.scissor };
             list.clear();
             for place in extent.triangles.clone() {
-                if !band.may_meet_box(self.geometry.triangles.box_of(place)) {
+                if !band.may_overlap_box(self.geometry.triangles.box_of(place)) {
                     continue;
                 }
                 let triangle = &self.geometry.triangles[place];
                 let corners_px = triangle.corners_px();
-                let Some(edges) = Triangle::<N>::new(corners_px, self.settings.fill_rule) else { continue };
+                let Some(edges) = RasterTriangle::<N>::new(corners_px, self.settings.fill_rule) else { continue };
                 spans.clear();
                 let visited = match &self.geometry.partial {
                     Some(samples) if place + 1 == self.geometry.triangles.len() => {
@@ -131,13 +131,13 @@ impl Sorting<'_> {
     /// triangle is given with its edges and its index in [`Geometry::triangles`].
     pub(super) fn collect<N: Numbers, O: Observer>(
         &self,
-        (triangle, edges, place): (&ScreenTriangle, &Triangle<N>, usize),
+        (triangle, edges, place): (&ScreenTriangle, &RasterTriangle<N>, usize),
         spans: &[Span],
         frame: &Framebuffer,
         list: &mut FragmentList,
         observer: &mut O,
     ) {
-        let comparison = Comparison::of(self.settings);
+        let comparison = DepthComparison::of(self.settings);
         let attributes = self.shaders[triangle.instance as usize].attributes();
         let (width, depths) = (frame.color.width() as usize, frame.depth.as_ref().map(Image::pixels));
         for (column, row) in spans.iter().flat_map(|span| (span.left..span.right).map(|column| (column, span.row))) {

@@ -20,11 +20,11 @@ use crate::scene::TriangleId;
 pub(crate) const GUARD_BAND_PX: f32 = 32_768.0;
 
 /// Least w that is projected: the smallest normal f32, so that 1/w is finite.
-pub(crate) const LEAST_W: f32 = f32::MIN_POSITIVE;
+pub(crate) const MIN_W: f32 = f32::MIN_POSITIVE;
 
 /// Clipping plane of the view frustum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Plane {
+pub enum ClipPlane {
     /// z ≥ 0. This is the far plane if z falls from near to far: see [`Self::of_view`].
     Near,
     /// w ≥ [`LEAST_W`], which stands in for w > 0. The near plane implies it, except for rounding.
@@ -41,7 +41,7 @@ pub(crate) enum Plane {
     Top,
 }
 
-impl Plane {
+impl ClipPlane {
     /// All planes, in the order of clipping: depth first, so that w > 0 when the sides are cut.
     pub(crate) const ALL: [Self; 7] =
         [Self::Near, Self::Eye, Self::Far, Self::Left, Self::Right, Self::Bottom, Self::Top];
@@ -54,7 +54,7 @@ impl Plane {
         let side = w * f64::from(widening);
         match self {
             Self::Near => z,
-            Self::Eye => w - f64::from(LEAST_W),
+            Self::Eye => w - f64::from(MIN_W),
             Self::Far => w - z,
             Self::Left => side + x,
             Self::Right => side - x,
@@ -94,7 +94,7 @@ impl Plane {
         let side = p.w * widening;
         match self {
             Self::Near => p.with_z(0.0),
-            Self::Eye => p.with_w(LEAST_W),
+            Self::Eye => p.with_w(MIN_W),
             Self::Far => p.with_z(p.w),
             Self::Left => p.with_x(-side),
             Self::Right => p.with_x(side),
@@ -166,7 +166,7 @@ pub(crate) enum Cut {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct EdgeCut {
     /// Plane that cuts the edge.
-    pub(crate) plane: Plane,
+    pub(crate) plane: ClipPlane,
     /// End of the edge inside the plane.
     pub(crate) inside: ClipVertex,
     /// End of the edge outside the plane.
@@ -203,17 +203,17 @@ impl Polygon {
         if !triangle.iter().all(|v| v.position.is_finite()) {
             return Err(Fate::NotFinite);
         }
-        let all_beyond = |plane: &Plane| triangle.iter().all(|v| plane.distance(v.position, 1.0) < 0.0);
-        if Plane::ALL.iter().any(all_beyond) {
+        let all_beyond = |plane: &ClipPlane| triangle.iter().all(|v| plane.distance(v.position, 1.0) < 0.0);
+        if ClipPlane::ALL.iter().any(all_beyond) {
             return Err(Fate::Outside);
         }
-        let crosses = |plane: &Plane| triangle.iter().any(|v| plane.distance(v.position, widening) < 0.0);
-        if !Plane::ALL.iter().any(crosses) {
+        let crosses = |plane: &ClipPlane| triangle.iter().any(|v| plane.distance(v.position, widening) < 0.0);
+        if !ClipPlane::ALL.iter().any(crosses) {
             return Ok(Cut::Whole);
         }
         self.vertices.clear();
         self.vertices.extend_from_slice(triangle);
-        for plane in Plane::ALL.into_iter().filter(crosses) {
+        for plane in ClipPlane::ALL.into_iter().filter(crosses) {
             self.cut(plane, widening, watch);
         }
         if self.vertices.len() >= 3 { Ok(Cut::Pieces) } else { Err(Fate::ClippedAway) }
@@ -230,7 +230,7 @@ impl Polygon {
         self.vertices[1..].windows(2).map(move |pair| [first, pair[0], pair[1]])
     }
 
-    fn cut(&mut self, plane: Plane, widening: f32, watch: &mut impl FnMut(&EdgeCut)) {
+    fn cut(&mut self, plane: ClipPlane, widening: f32, watch: &mut impl FnMut(&EdgeCut)) {
         self.next.clear();
         for (i, a) in self.vertices.iter().enumerate() {
             let b = &self.vertices[(i + 1) % self.vertices.len()];

@@ -20,7 +20,7 @@ pub struct Framebuffer {
     /// Stored depths; `None` if the depth test is off.
     pub depth: Option<Image<f32>>,
     /// Clear value of the depth buffer.
-    pub(crate) clear_depth: f32,
+    pub clear_depth: f32,
     /// Mapping between distances and stored depths.
     pub(crate) depth_scale: DepthScale,
 }

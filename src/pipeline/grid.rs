@@ -40,7 +40,7 @@ impl SampleGrid {
 
     /// Returns the full-picture pixel of a packed sample.
     #[inline]
-    pub(crate) fn pixel(self, column: u32, row: u32) -> (u32, u32) {
+    pub fn pixel(self, column: u32, row: u32) -> (u32, u32) {
         match self {
             Self::Block { step } => (column * step, row * step),
             Self::Checkerboard | Self::OddCheckerboard => (column / 2 * 4 + column % 2 + self.first_drawn(row), row),

@@ -11,16 +11,16 @@
 
 use glam::{Vec2, Vec3};
 
-use super::plan::{DrawPlan, Part};
-use super::raster::Sample;
-use super::settings::{Arithmetic, Filter, Interpolation, Settings, Shading};
+use super::plan::{DrawPlan, PipelinePart};
+use super::raster::RasterSample;
+use super::settings::{Arithmetic, Interpolation, Settings, Shading, TexelFilter};
 use super::viewport::ScreenTriangle;
 use crate::scene::TriangleId;
 
 /// Returns the screen-space weights λ at a sample: sub-areas over the whole area. Each is correctly rounded except for
 /// the division.
 #[inline]
-pub fn affine_weights(triangle: &ScreenTriangle, sample: &Sample) -> [f32; 3] {
+pub fn affine_weights(triangle: &ScreenTriangle, sample: &RasterSample) -> [f32; 3] {
     let inverse_area = inverse_area(triangle);
     sample.edges.map(|e| e as f32 * inverse_area)
 }
@@ -34,7 +34,7 @@ pub(crate) fn inverse_area(triangle: &ScreenTriangle) -> f32 {
 /// Returns the weights for attributes at a sample. Except for [`Interpolation::Published`], they are divided by their
 /// sum.
 #[inline]
-pub fn attribute_weights(triangle: &ScreenTriangle, sample: &Sample, interpolation: Interpolation) -> [f32; 3] {
+pub fn attribute_weights(triangle: &ScreenTriangle, sample: &RasterSample, interpolation: Interpolation) -> [f32; 3] {
     if interpolation == Interpolation::Published {
         return published_weights(triangle, sample);
     }
@@ -55,7 +55,7 @@ pub(crate) struct WeightTerms {
 
 /// Returns the terms of the weights, for any interpolation except [`Interpolation::Published`].
 #[inline(always)]
-pub(crate) fn weight_terms(triangle: &ScreenTriangle, sample: &Sample) -> WeightTerms {
+pub(crate) fn weight_terms(triangle: &ScreenTriangle, sample: &RasterSample) -> WeightTerms {
     let [r0, r1, r2] = triangle.relative_inv_w;
     let q = [sample.edges[0] as f32 * r0, sample.edges[1] as f32 * r1, sample.edges[2] as f32 * r2];
     let sum = q[0] + q[1] + q[2];
@@ -65,7 +65,7 @@ pub(crate) fn weight_terms(triangle: &ScreenTriangle, sample: &Sample) -> Weight
 /// Returns the weights by a commonly published formula. It solves P = a·v02 + b·v01, relative to the first corner, for
 /// b by the determinant. It then solves for a by the x coordinates alone, which divides by v02.x. The result is NaN or
 /// infinite if corners 0 and 2 have equal x.
-fn published_weights(triangle: &ScreenTriangle, sample: &Sample) -> [f32; 3] {
+fn published_weights(triangle: &ScreenTriangle, sample: &RasterSample) -> [f32; 3] {
     let [v0, v1, v2] = triangle.corners_px();
     let [v01, v02] = [[v1[0] - v0[0], v1[1] - v0[1]], [v2[0] - v0[0], v2[1] - v0[1]]];
     let p = [sample.x as f32 + 0.5 - v0[0], sample.y as f32 + 0.5 - v0[1]];
@@ -76,26 +76,26 @@ fn published_weights(triangle: &ScreenTriangle, sample: &Sample) -> [f32; 3] {
 
 /// Selection of the attributes that a draw interpolates, and the kind of interpolation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Attributes {
+pub struct AttributeSelection {
     /// Computation of the weights.
     pub(crate) interpolation: Interpolation,
     /// Whether [`Fragment::normal`] is interpolated.
-    pub(crate) normal: bool,
+    pub normal: bool,
     /// Whether [`Fragment::uv`] is interpolated.
-    pub(crate) uv: bool,
+    pub uv: bool,
     /// Whether [`Fragment::color`] is interpolated.
-    pub(crate) color: bool,
+    pub color: bool,
     /// Whether [`Fragment::light`] is interpolated.
-    pub(crate) light: bool,
+    pub light: bool,
     /// Whether [`Fragment::source_weights`] is interpolated.
-    pub(crate) source_weights: bool,
+    pub source_weights: bool,
     /// Arithmetic of the edges from which [`Fragment::uv_gradient`] is computed; `None` if it is not computed.
     pub(crate) uv_gradient: Option<Arithmetic>,
 }
 
-impl Attributes {
+impl AttributeSelection {
     /// Returns a selection of all attributes except the gradient.
-    pub(crate) const fn all(interpolation: Interpolation) -> Self {
+    pub const fn all(interpolation: Interpolation) -> Self {
         Self {
             interpolation,
             normal: true,
@@ -111,12 +111,12 @@ impl Attributes {
     pub(crate) fn read_by(plan: &DrawPlan, settings: &Settings) -> Self {
         Self {
             interpolation: settings.interpolation,
-            normal: plan.runs(Part::Normals),
-            uv: plan.runs(Part::TextureCoordinates),
-            color: plan.runs(Part::VertexColors),
+            normal: plan.runs(PipelinePart::Normals),
+            uv: plan.runs(PipelinePart::TextureCoordinates),
+            color: plan.runs(PipelinePart::VertexColors),
             light: settings.shading == Shading::Gouraud,
-            source_weights: settings.shading == Shading::Barycentric || plan.runs(Part::Highlight),
-            uv_gradient: (settings.filter == Filter::Trilinear && plan.runs(Part::Texels))
+            source_weights: settings.shading == Shading::Barycentric || plan.runs(PipelinePart::Highlight),
+            uv_gradient: (settings.filter == TexelFilter::Trilinear && plan.runs(PipelinePart::Texels))
                 .then_some(settings.arithmetic),
         }
     }
@@ -126,28 +126,28 @@ impl Attributes {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fragment {
     /// Covered sample.
-    pub sample: Sample,
+    pub sample: RasterSample,
     /// Identifier of its triangle in the scene.
-    pub(crate) triangle: TriangleId,
+    pub triangle: TriangleId,
     /// Weights of the three corners for attributes.
     pub weights: [f32; 3],
     /// World-space normal, not normalised.
-    pub(crate) normal: Vec3,
+    pub normal: Vec3,
     /// Texture coordinates, v down.
-    pub(crate) uv: Vec2,
+    pub uv: Vec2,
     /// Vertex colour, in the working colour space.
-    pub(crate) color: Vec3,
+    pub color: Vec3,
     /// Light interpolated from the vertices (Gouraud only).
-    pub(crate) light: f32,
+    pub light: f32,
     /// Weights of the corners of the triangle before clipping.
     pub source_weights: Vec3,
     /// Change of texture coordinates per px to the right, and per px downwards; zero unless the draw reads it.
-    pub(crate) uv_gradient: [Vec2; 2],
+    pub uv_gradient: [Vec2; 2],
 }
 
 /// Interpolates the `attributes` of a covered sample.
 #[inline]
-pub fn interpolate(triangle: &ScreenTriangle, sample: Sample, attributes: Attributes) -> Fragment {
+pub fn interpolate(triangle: &ScreenTriangle, sample: RasterSample, attributes: AttributeSelection) -> Fragment {
     let weights = attribute_weights(triangle, &sample, attributes.interpolation);
     let [_, p1, p2] = weights;
     let [a, b, c] = triangle.vertices.each_ref().map(|v| &v.varyings);
@@ -196,7 +196,11 @@ pub(crate) fn edge_slopes(triangle: &ScreenTriangle, arithmetic: Arithmetic) -> 
 
 /// Returns the change of the second and the third corner's perspective-correct weights per px to the right, and per px
 /// downwards. The weights are pᵢ = qᵢ / Σ qⱼ with qᵢ = eᵢ·rᵢ affine on the screen, so pᵢ' = (qᵢ' − pᵢ·Σ qⱼ') / Σ qⱼ.
-pub(crate) fn weight_gradient(triangle: &ScreenTriangle, sample: &Sample, arithmetic: Arithmetic) -> [[f32; 2]; 2] {
+pub(crate) fn weight_gradient(
+    triangle: &ScreenTriangle,
+    sample: &RasterSample,
+    arithmetic: Arithmetic,
+) -> [[f32; 2]; 2] {
     let [r0, r1, r2] = triangle.relative_inv_w;
     let WeightTerms { q: [_, q1, q2], inverse_sum, .. } = weight_terms(triangle, sample);
     let (p1, p2) = (q1 * inverse_sum, q2 * inverse_sum);
@@ -209,7 +213,7 @@ pub(crate) fn weight_gradient(triangle: &ScreenTriangle, sample: &Sample, arithm
 
 /// Returns the perspective-correct derivatives of the texture coordinates at a sample, per px to the right and per px
 /// downwards.
-pub(crate) fn uv_gradient(triangle: &ScreenTriangle, sample: &Sample, arithmetic: Arithmetic) -> [Vec2; 2] {
+pub(crate) fn uv_gradient(triangle: &ScreenTriangle, sample: &RasterSample, arithmetic: Arithmetic) -> [Vec2; 2] {
     let [a, b, c] = triangle.vertices.each_ref().map(|v| v.varyings.uv);
     weight_gradient(triangle, sample, arithmetic).map(|[p1, p2]| (b - a) * p1 + (c - a) * p2)
 }

@@ -63,12 +63,12 @@ use std::time::{Duration, Instant};
 use glam::DMat4;
 
 use blending::Sorting;
-use depth::{Comparison, DepthScale};
+use depth::{DepthComparison, DepthScale};
 use framebuffer::Framebuffer;
 use observe::{Fate, Observer};
-use plan::{DrawPlan, Part};
+use plan::{DrawPlan, PipelinePart};
 use raster::numbers::Numbers;
-use raster::{Scissor, Span, Triangle, cover_samples, doubled_area, with_arithmetic};
+use raster::{RasterTriangle, Scissor, Span, cover_samples, doubled_area, with_arithmetic};
 use settings::{Arithmetic, Blending, BlendingOrder, Culling, Settings};
 use shade::Shader;
 use triangle_list::TriangleList;
@@ -84,7 +84,7 @@ pub struct Geometry {
     /// sorted by distance if [`Geometry::blending`] selects it.
     pub triangles: TriangleList,
     /// Order of the blended triangles.
-    pub(crate) blending: Blending,
+    pub blending: Blending,
     /// Samples drawn of the last triangle; `None` draws all of them.
     pub(crate) partial: Option<Vec<Span>>,
     /// Mapping between distances and the depths of the triangles.
@@ -121,7 +121,7 @@ impl Geometry {
     }
 
     /// Returns the index of one of the list's triangles.
-    pub fn place_of(&self, triangle: &ScreenTriangle) -> usize {
+    pub fn index_of(&self, triangle: &ScreenTriangle) -> usize {
         let (others, blended) = self.triangles.split_at(self.blended_from());
         // Index of the first candidate. The pieces of one triangle are adjacent, and so are blended triangles at equal
         // distance.
@@ -181,7 +181,7 @@ pub(crate) struct GeometryTimes {
 /// Last stage that [`draw`] runs for each covered sample. Stopping early serves to time stages separately; `black_box`
 /// then keeps the last result from being eliminated as dead code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Until {
+pub enum LastStage {
     /// Coverage only.
     Coverage,
     /// Coverage, depth test and depth store.
@@ -229,7 +229,7 @@ fn prepare_draw<O: Observer>(
     let inside = containment(mesh.visible_bounds(), matrices.clip_from_model);
     let plan = DrawPlan::new(&scene.library, instance, camera, settings, inside).starting_at(first);
     out.plans.push(plan);
-    if !plan.runs(Part::Vertices) {
+    if !plan.runs(PipelinePart::Vertices) {
         for offset in 0..mesh.triangles.len() as u32 {
             observer.rejected(TriangleId(first.0 + offset), Fate::Outside);
         }
@@ -244,8 +244,8 @@ fn prepare_draw<O: Observer>(
         vertices: &vertices,
         triangles: &mesh.triangles,
         first,
-        may_cross: plan.runs(Part::Clipping),
-        divides_by_w: plan.runs(Part::PerspectiveDivision),
+        may_cross: plan.runs(PipelinePart::Clipping),
+        divides_by_w: plan.runs(PipelinePart::PerspectiveDivision),
     };
     finish_draw(&draw, settings, viewport, out, observer);
 }
@@ -348,9 +348,9 @@ fn set_up<O: Observer>(
 #[derive(Clone, Debug)]
 pub struct Extent {
     /// Range of indices into [`Geometry::triangles`].
-    pub(crate) triangles: Range<usize>,
+    pub triangles: Range<usize>,
     /// Rectangle of pixels that are visited.
-    pub(crate) scissor: Scissor,
+    pub scissor: Scissor,
 }
 
 impl Extent {
@@ -366,7 +366,7 @@ pub fn draw<O: Observer>(
     geometry: &Geometry,
     settings: &Settings,
     extent: &Extent,
-    until: Until,
+    until: LastStage,
     frame: &mut Framebuffer,
     observer: &mut O,
 ) {
@@ -379,11 +379,11 @@ fn draw_in<N: Numbers, O: Observer>(
     geometry: &Geometry,
     settings: &Settings,
     extent: &Extent,
-    until: Until,
+    until: LastStage,
     frame: &mut Framebuffer,
     observer: &mut O,
 ) {
-    let comparison = Comparison::of(settings);
+    let comparison = DepthComparison::of(settings);
     let shaders: Vec<Shader<'_>> = scene
         .instances
         .iter()
@@ -393,13 +393,13 @@ fn draw_in<N: Numbers, O: Observer>(
     let mut spans: Vec<Span> = Vec::new();
     let (in_order, to_sort) = blending::split(geometry, settings, &extent.triangles, until);
     for place in in_order {
-        if !extent.scissor.may_meet_box(geometry.triangles.box_of(place)) {
+        if !extent.scissor.may_overlap_box(geometry.triangles.box_of(place)) {
             continue;
         }
         let triangle = &geometry.triangles[place];
         let shader = &shaders[triangle.instance as usize];
         let corners_px = triangle.corners_px();
-        let Some(edges) = Triangle::<N>::new(corners_px, settings.fill_rule) else { continue };
+        let Some(edges) = RasterTriangle::<N>::new(corners_px, settings.fill_rule) else { continue };
         spans.clear();
         let area = (frame.grid, extent.scissor);
         let visited = match &geometry.partial {
@@ -427,8 +427,8 @@ pub(crate) fn draw_samples(
     let instance = triangle.instance as usize;
     let shader = Shader::new(settings, &scene.library, &scene.instances[instance], &geometry.plans[instance]);
     with_arithmetic!(settings.arithmetic, N => {
-        if let Some(edges) = Triangle::<N>::new(triangle.corners_px(), settings.fill_rule) {
-            let how = (Comparison::of(settings), Until::Shade);
+        if let Some(edges) = RasterTriangle::<N>::new(triangle.corners_px(), settings.fill_rule) {
+            let how = (DepthComparison::of(settings), LastStage::Shade);
             samples::draw((triangle, &edges), samples, &shader, how, frame, &mut ());
         }
     });

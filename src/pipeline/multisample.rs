@@ -12,21 +12,21 @@
 use std::ops::Range;
 
 use super::blending::{self, FragmentList, Sorting};
-use super::depth::{Comparison, DepthScale, depth_at};
+use super::depth::{DepthComparison, DepthScale, depth_at};
 use super::framebuffer::Framebuffer;
 use super::interpolate::{Fragment, interpolate};
 use super::raster::numbers::Numbers;
-use super::raster::{Sample, Span, Triangle, cover_samples, doubled_area, with_arithmetic};
+use super::raster::{RasterSample, RasterTriangle, Span, cover_samples, doubled_area, with_arithmetic};
 use super::settings::Settings;
 use super::shade::Shader;
 use super::viewport::{ScreenTriangle, ScreenVertex};
-use super::{Extent, Geometry, Until, samples};
+use super::{Extent, Geometry, LastStage, samples};
 use crate::math::fixed::snap;
 use crate::scene::{Scene, Transparency};
 
 /// Sample positions within pixels.
 #[derive(Clone, Copy)]
-pub(crate) struct Places<'a> {
+pub(crate) struct CandidatePositions<'a> {
     /// Candidate positions of each sample of a pixel, px right of and below the pixel's centre.
     pub(crate) candidates: &'a [Vec<[f32; 2]>],
     /// Returns the index of a sample's candidate position in a pixel, by the pixel's column and row in the full
@@ -50,10 +50,10 @@ pub(crate) fn draw(
     geometry: &Geometry,
     settings: &Settings,
     extent: &Extent,
-    (places, rate): (Places<'_>, ShadingRate),
+    (places, rate): (CandidatePositions<'_>, ShadingRate),
     frames: &mut [Framebuffer],
 ) {
-    let job = Job::new(scene, geometry, settings, extent, places);
+    let job = DrawContext::new(scene, geometry, settings, extent, places);
     with_arithmetic!(settings.arithmetic, N => match rate {
         ShadingRate::Sample => job.per_sample::<N>(frames),
         ShadingRate::Pixel => job.per_pixel::<N>(frames),
@@ -61,43 +61,43 @@ pub(crate) fn draw(
 }
 
 /// Inputs shared by all triangles of a draw.
-struct Job<'a> {
+struct DrawContext<'a> {
     geometry: &'a Geometry,
     settings: &'a Settings,
     extent: &'a Extent,
-    places: Places<'a>,
-    comparison: Comparison,
+    places: CandidatePositions<'a>,
+    comparison: DepthComparison,
     shaders: Vec<Shader<'a>>,
 }
 
 /// Covered sample: packed row, packed column, sample index within the pixel, and index of its candidate position.
-type Covered = (u32, u32, usize, usize);
+type CandidateSample = (u32, u32, usize, usize);
 
 /// Triangle displaced for one candidate position, with its edges; `None` if it has no area.
-type Moved<N> = Option<(ScreenTriangle, Triangle<N>)>;
+type DisplacedTriangle<N> = Option<(ScreenTriangle, RasterTriangle<N>)>;
 
-impl<'a> Job<'a> {
+impl<'a> DrawContext<'a> {
     fn new(
         scene: &'a Scene,
         geometry: &'a Geometry,
         settings: &'a Settings,
         extent: &'a Extent,
-        places: Places<'a>,
+        places: CandidatePositions<'a>,
     ) -> Self {
         let draws = scene.instances.iter().zip(&geometry.plans);
         let shaders = draws.map(|(instance, plan)| Shader::new(settings, &scene.library, instance, plan)).collect();
-        Self { geometry, settings, extent, places, comparison: Comparison::of(settings), shaders }
+        Self { geometry, settings, extent, places, comparison: DepthComparison::of(settings), shaders }
     }
 
     /// Returns the triangles drawn in order, and those whose fragments are sorted.
     fn split(&self) -> [Range<usize>; 2] {
-        blending::split(self.geometry, self.settings, &self.extent.triangles, Until::Shade).into()
+        blending::split(self.geometry, self.settings, &self.extent.triangles, LastStage::Shade).into()
     }
 
     /// Returns the triangles of a range that may have samples within the scissor, in drawing order, with their indices.
     fn triangles(&self, range: Range<usize>) -> impl Iterator<Item = (usize, &ScreenTriangle, &Shader<'a>)> {
         let all = &self.geometry.triangles;
-        let near = range.filter(|place| self.extent.scissor.may_meet_box(all.box_of(*place)));
+        let near = range.filter(|place| self.extent.scissor.may_overlap_box(all.box_of(*place)));
         let near = near.map(|place| (place, &all[place]));
         near.map(|(place, triangle)| (place, triangle, &self.shaders[triangle.instance as usize]))
     }
@@ -107,17 +107,17 @@ impl<'a> Job<'a> {
     }
 
     /// Returns the triangle displaced for each candidate position of one sample.
-    fn displaced_to<N: Numbers>(&self, triangle: &ScreenTriangle, places: &[[f32; 2]]) -> Vec<Moved<N>> {
+    fn displaced_to<N: Numbers>(&self, triangle: &ScreenTriangle, places: &[[f32; 2]]) -> Vec<DisplacedTriangle<N>> {
         let moved = |offset_px: &[f32; 2]| {
             let moved = displaced(triangle, *offset_px, self.settings, &self.geometry.depth_scale)?;
-            let edges = Triangle::<N>::new(moved.corners_in(self.settings.arithmetic), self.settings.fill_rule)?;
+            let edges = RasterTriangle::<N>::new(moved.corners_in(self.settings.arithmetic), self.settings.fill_rule)?;
             Some((moved, edges))
         };
         places.iter().map(moved).collect()
     }
 
     /// Displaces the triangle for each candidate position of each sample.
-    fn displaced<N: Numbers>(&self, triangle: &ScreenTriangle, out: &mut Vec<Vec<Moved<N>>>) {
+    fn displace_all<N: Numbers>(&self, triangle: &ScreenTriangle, out: &mut Vec<Vec<DisplacedTriangle<N>>>) {
         out.clear();
         out.extend(self.places.candidates.iter().map(|places| self.displaced_to(triangle, places)));
     }
@@ -126,7 +126,7 @@ impl<'a> Job<'a> {
     /// `place`.
     fn cover<N: Numbers>(
         &self,
-        (triangle, edges): (&ScreenTriangle, &Triangle<N>),
+        (triangle, edges): (&ScreenTriangle, &RasterTriangle<N>),
         (sample, place): (usize, usize),
         frame: &Framebuffer,
         spans: &mut Vec<Span>,
@@ -150,12 +150,12 @@ impl<'a> Job<'a> {
         let (mut spans, mut moved) = (Vec::new(), Vec::new());
         let [in_order, to_sort] = self.split();
         for (_, triangle, shader) in self.triangles(in_order) {
-            self.displaced::<N>(triangle, &mut moved);
+            self.displace_all::<N>(triangle, &mut moved);
             for ((sample, frame), places) in frames.iter_mut().enumerate().zip(&moved) {
                 for (place, seen) in places.iter().enumerate() {
                     let Some((moved, edges)) = seen else { continue };
                     self.cover((moved, edges), (sample, place), frame, &mut spans);
-                    let how = (self.comparison, Until::Shade);
+                    let how = (self.comparison, LastStage::Shade);
                     samples::draw((moved, edges), &spans, shader, how, frame, &mut ());
                 }
             }
@@ -182,11 +182,11 @@ impl<'a> Job<'a> {
     }
 
     fn per_pixel<N: Numbers>(&self, frames: &mut [Framebuffer]) {
-        let (mut spans, mut moved, mut covered) = (Vec::new(), Vec::new(), Vec::<Covered>::new());
+        let (mut spans, mut moved, mut covered) = (Vec::new(), Vec::new(), Vec::<CandidateSample>::new());
         let [in_order, to_sort] = self.split();
         let mut list = FragmentList::default();
         for (index, triangle, shader) in self.triangles(in_order.start..to_sort.end) {
-            self.displaced::<N>(triangle, &mut moved);
+            self.displace_all::<N>(triangle, &mut moved);
             covered.clear();
             for ((sample, frame), places) in frames.iter().enumerate().zip(&moved) {
                 for (place, seen) in places.iter().enumerate() {
@@ -198,7 +198,7 @@ impl<'a> Job<'a> {
                 }
             }
             covered.sort_unstable();
-            let centre = Triangle::<N>::new(triangle.corners_px(), self.settings.fill_rule);
+            let centre = RasterTriangle::<N>::new(triangle.corners_px(), self.settings.fill_rule);
             for pixel in covered.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
                 let Some((seen, fragment)) = self.fragment((triangle, centre.as_ref()), &moved, pixel, frames) else {
                     continue;
@@ -217,9 +217,9 @@ impl<'a> Job<'a> {
     /// shaded.
     fn fragment<'t, N: Numbers>(
         &self,
-        (triangle, centre): (&'t ScreenTriangle, Option<&Triangle<N>>),
-        moved: &'t [Vec<Moved<N>>],
-        covered: &[Covered],
+        (triangle, centre): (&'t ScreenTriangle, Option<&RasterTriangle<N>>),
+        moved: &'t [Vec<DisplacedTriangle<N>>],
+        covered: &[CandidateSample],
         frames: &[Framebuffer],
     ) -> Option<(&'t ScreenTriangle, Fragment)> {
         let first @ (row, column, sample, _) = *covered.first()?;
@@ -235,8 +235,8 @@ impl<'a> Job<'a> {
     fn collect_pixel<N: Numbers>(
         &self,
         (index, fragment): (usize, &Fragment),
-        moved: &[Vec<Moved<N>>],
-        covered: &[Covered],
+        moved: &[Vec<DisplacedTriangle<N>>],
+        covered: &[CandidateSample],
         frames: &[Framebuffer],
         list: &mut FragmentList,
     ) {
@@ -262,15 +262,15 @@ impl<'a> Job<'a> {
     fn shade_pixel<N: Numbers>(
         &self,
         (seen, fragment): (&ScreenTriangle, &Fragment),
-        moved: &[Vec<Moved<N>>],
-        covered: &[Covered],
+        moved: &[Vec<DisplacedTriangle<N>>],
+        covered: &[CandidateSample],
         shader: &Shader<'_>,
         frames: &mut [Framebuffer],
     ) {
-        let Sample { column, row, x, y, .. } = fragment.sample;
+        let RasterSample { column, row, x, y, .. } = fragment.sample;
         let pixel = (x, y);
         let transparency = shader.transparency();
-        if transparency == Transparency::CutOut && shader.cuts_out(fragment) {
+        if transparency == Transparency::CutOut && shader.fails_alpha_test(fragment) {
             return;
         }
         let opaque = (transparency != Transparency::Blended).then(|| shader.shade(fragment, seen));
@@ -295,10 +295,10 @@ impl<'a> Job<'a> {
 
 /// Returns a covered sample, and the triangle displaced for its position.
 fn sample_of<N: Numbers>(
-    moved: &[Vec<Moved<N>>],
-    (row, column, sample, place): Covered,
+    moved: &[Vec<DisplacedTriangle<N>>],
+    (row, column, sample, place): CandidateSample,
     pixel: (u32, u32),
-) -> Option<(&ScreenTriangle, Sample)> {
+) -> Option<(&ScreenTriangle, RasterSample)> {
     let (seen, edges) = moved[sample][place].as_ref()?;
     Some((seen, edges.sample((column, row), pixel)))
 }

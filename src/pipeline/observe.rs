@@ -9,7 +9,7 @@
 use serde::Serialize;
 
 use super::interpolate::Fragment;
-use super::raster::Sample;
+use super::raster::RasterSample;
 use super::viewport::ScreenTriangle;
 use crate::image::Rgba8;
 use crate::scene::TriangleId;
@@ -73,16 +73,16 @@ pub trait Observer {
     fn visited(&mut self, _samples: u64) {}
 
     /// A sample lies inside a triangle.
-    fn covered(&mut self, _triangle: &ScreenTriangle, _sample: &Sample) {}
+    fn covered(&mut self, _triangle: &ScreenTriangle, _sample: &RasterSample) {}
 
     /// A covered sample was compared with the depth buffer.
-    fn depth_tested(&mut self, _triangle: &ScreenTriangle, _sample: &Sample, _outcome: DepthOutcome) {}
+    fn depth_tested(&mut self, _triangle: &ScreenTriangle, _sample: &RasterSample, _outcome: DepthOutcome) {}
 
     /// The depth of a sample was stored.
-    fn depth_stored(&mut self, _triangle: &ScreenTriangle, _sample: &Sample) {}
+    fn depth_stored(&mut self, _triangle: &ScreenTriangle, _sample: &RasterSample) {}
 
     /// A fragment failed the alpha test, although its depth passed.
-    fn cut_out(&mut self, _triangle: &ScreenTriangle, _fragment: &Fragment) {}
+    fn alpha_rejected(&mut self, _triangle: &ScreenTriangle, _fragment: &Fragment) {}
 
     /// A fragment was shaded and written, blended or not.
     fn shaded(&mut self, _triangle: &ScreenTriangle, _fragment: &Fragment, _color: Rgba8) {}
@@ -103,9 +103,9 @@ pub struct Counters {
     /// Number of samples inside a triangle, over all triangles.
     pub covered: u64,
     /// Number of covered samples that passed the depth test.
-    pub(crate) passed: u64,
+    pub passed: u64,
     /// Number of fragments shaded and written.
-    pub(crate) shaded: u64,
+    pub shaded: u64,
 }
 
 impl Counters {
@@ -128,11 +128,11 @@ impl Observer for Counters {
         self.visited += samples;
     }
 
-    fn covered(&mut self, _triangle: &ScreenTriangle, _sample: &Sample) {
+    fn covered(&mut self, _triangle: &ScreenTriangle, _sample: &RasterSample) {
         self.covered += 1;
     }
 
-    fn depth_tested(&mut self, _triangle: &ScreenTriangle, _sample: &Sample, outcome: DepthOutcome) {
+    fn depth_tested(&mut self, _triangle: &ScreenTriangle, _sample: &RasterSample, outcome: DepthOutcome) {
         self.passed += u64::from(outcome.passed);
     }
 

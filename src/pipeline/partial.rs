@@ -24,7 +24,7 @@ pub(crate) fn count(samples: &[Span]) -> usize {
 }
 
 /// Returns the index of a packed sample (column, row) in drawing order; `None` if the spans do not contain it.
-pub(crate) fn place_of(samples: &[Span], (column, row): (u32, u32)) -> Option<usize> {
+pub(crate) fn index_of(samples: &[Span], (column, row): (u32, u32)) -> Option<usize> {
     let found = samples.iter().position(|span| span.row == row && (span.left..span.right).contains(&column))?;
     Some(count(&samples[..found]) + (column - samples[found].left) as usize)
 }
@@ -72,7 +72,7 @@ mod tests {
         assert_eq!(first(&SAMPLES, 4), [SAMPLES[0], Span { row: 2, left: 0, right: 1 }]);
         assert_eq!(first(&SAMPLES, 99), SAMPLES);
         assert_eq!(
-            [(2, 1), (4, 1), (0, 2), (3, 2), (4, 2)].map(|at| place_of(&SAMPLES, at)),
+            [(2, 1), (4, 1), (0, 2), (3, 2), (4, 2)].map(|at| index_of(&SAMPLES, at)),
             [Some(0), Some(2), Some(3), Some(6), None]
         );
     }

@@ -7,14 +7,14 @@
 use glam::{Vec2, Vec3};
 use serde::Serialize;
 
-use super::settings::{Culling, DepthTest, Force, Interpolation, Settings, Shading};
-use super::shade::Eye;
+use super::settings::{Culling, DepthTest, DisabledOptimisation, Interpolation, Settings, Shading};
+use super::shade::Viewpoint;
 use crate::scene::{Camera, Instance, Library, Material, Projection, TextureId, Transparency, TriangleId};
 
 /// Part of the pipeline that a draw may not need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Part {
+pub enum PipelinePart {
     /// Transforming vertices, and all stages after it.
     Vertices,
     /// Processing every cluster of a large mesh. A cluster is skipped if all of it lies outside the view, or if all its
@@ -51,9 +51,9 @@ pub enum Part {
     Blending,
 }
 
-impl Part {
+impl PipelinePart {
     /// All parts, in the order of the stages.
-    pub(crate) const ALL: [Self; 16] = [
+    pub const ALL: [Self; 16] = [
         Self::Vertices,
         Self::EveryCluster,
         Self::Clipping,
@@ -73,15 +73,15 @@ impl Part {
     ];
 
     /// Returns the setting that forces the part to run without need, if there is one.
-    pub(crate) fn force(self) -> Option<Force> {
+    pub(crate) fn disabled_optimisation(self) -> Option<DisabledOptimisation> {
         match self {
-            Self::Vertices => Some(Force::Vertices),
-            Self::EveryCluster => Some(Force::Clusters),
-            Self::Clipping => Some(Force::Clipping),
-            Self::PerspectiveDivision => Some(Force::PerspectiveDivision),
-            Self::TextureCoordinates => Some(Force::TextureCoordinates),
-            Self::Normals => Some(Force::Normals),
-            Self::VertexColors => Some(Force::VertexColors),
+            Self::Vertices => Some(DisabledOptimisation::Vertices),
+            Self::EveryCluster => Some(DisabledOptimisation::Clusters),
+            Self::Clipping => Some(DisabledOptimisation::Clipping),
+            Self::PerspectiveDivision => Some(DisabledOptimisation::PerspectiveDivision),
+            Self::TextureCoordinates => Some(DisabledOptimisation::TextureCoordinates),
+            Self::Normals => Some(DisabledOptimisation::Normals),
+            Self::VertexColors => Some(DisabledOptimisation::VertexColors),
             Self::Culling
             | Self::Depth
             | Self::Texels
@@ -133,14 +133,14 @@ impl Part {
 /// Decision whether a part runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Step {
+pub enum PlanStep {
     /// The part is needed.
     Run,
     /// The part is skipped, for this reason.
     LeftOut(&'static str),
 }
 
-impl Step {
+impl PlanStep {
     /// Returns [`Step::Run`] if there is no reason to skip the part.
     pub(crate) fn unless(reason: Option<&'static str>) -> Self {
         reason.map_or(Self::Run, Self::LeftOut)
@@ -173,18 +173,18 @@ pub(crate) enum Containment {
 
 /// Numbers of culled clusters of a mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub(crate) struct Unseen {
+pub struct CullStats {
     /// Number of clusters outside the view.
-    pub(crate) outside: usize,
+    pub outside: usize,
     /// Number of other clusters whose triangles all have the culled facing.
-    pub(crate) turned_away: usize,
+    pub turned_away: usize,
     /// Number of clusters, culled or not.
-    pub(crate) all: usize,
+    pub all: usize,
 }
 
-impl Unseen {
+impl CullStats {
     /// Returns the sums over several draws.
-    pub(crate) fn of<'a>(plans: impl IntoIterator<Item = &'a DrawPlan>) -> Self {
+    pub fn of<'a>(plans: impl IntoIterator<Item = &'a DrawPlan>) -> Self {
         plans.into_iter().fold(Self::default(), |sum, DrawPlan { clusters, .. }| Self {
             outside: sum.outside + clusters.outside,
             turned_away: sum.turned_away + clusters.turned_away,
@@ -193,28 +193,28 @@ impl Unseen {
     }
 
     /// Returns the number of culled clusters.
-    pub(crate) fn left_out(&self) -> usize {
+    pub(crate) fn culled(&self) -> usize {
         self.outside + self.turned_away
     }
 
     /// Returns a description in words.
-    pub(crate) fn told(self) -> String {
+    pub(crate) fn describe(self) -> String {
         let Self { outside, turned_away, all } = self;
-        format!("{} of {all}: {outside} wholly outside the view, {turned_away} culled by facing", self.left_out())
+        format!("{} of {all}: {outside} wholly outside the view, {turned_away} culled by facing", self.culled())
     }
 }
 
 /// Plan of one draw: a step for every [`Part`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DrawPlan {
-    steps: [Step; Part::ALL.len()],
+    steps: [PlanStep; PipelinePart::ALL.len()],
     transparency: Transparency,
-    clusters: Unseen,
+    clusters: CullStats,
     /// Scale and offset of texture coordinates; `None` if they change nothing.
     #[serde(skip)]
     uv_transform: Option<[Vec2; 2]>,
     #[serde(skip)]
-    eye: Eye,
+    eye: Viewpoint,
     #[serde(skip)]
     first_triangle: TriangleId,
 }
@@ -228,24 +228,27 @@ impl DrawPlan {
         settings: &Settings,
         containment: Containment,
     ) -> Self {
-        let forced = |part: Part| matches!(settings.force, Force::Everything) || part.force() == Some(settings.force);
-        let outside = (containment == Containment::Outside && !forced(Part::Vertices))
+        let forced = |part: PipelinePart| {
+            matches!(settings.force, DisabledOptimisation::Everything)
+                || part.disabled_optimisation() == Some(settings.force)
+        };
+        let outside = (containment == Containment::Outside && !forced(PipelinePart::Vertices))
             .then_some("the whole object is outside the view");
         let transparency = transparency(library, instance, settings.shading);
-        let steps = Part::ALL.map(|part| {
+        let steps = PipelinePart::ALL.map(|part| {
             let drawn = (instance, containment, transparency);
-            let reason = outside.or_else(|| left_out(part, library, drawn, camera, settings));
+            let reason = outside.or_else(|| skip_reason(part, library, drawn, camera, settings));
             let can_run = outside.is_none() && part.can_run(library, instance, settings);
-            Step::unless(reason.filter(|_| !(forced(part) && can_run)))
+            PlanStep::unless(reason.filter(|_| !(forced(part) && can_run)))
         });
         let Material { uv_scale, uv_offset, .. } = *library.material(instance.material);
         let uv_transform = [uv_scale, uv_offset];
         Self {
             steps,
             transparency,
-            clusters: Unseen::default(),
+            clusters: CullStats::default(),
             uv_transform: (uv_transform != [Vec2::ONE, Vec2::ZERO]).then_some(uv_transform),
-            eye: Eye::of(camera),
+            eye: Viewpoint::of(camera),
             first_triangle: TriangleId(0),
         }
     }
@@ -261,7 +264,7 @@ impl DrawPlan {
     }
 
     /// Returns the viewpoint of the draw.
-    pub(super) fn eye(&self) -> Eye {
+    pub(super) fn eye(&self) -> Viewpoint {
         self.eye
     }
 
@@ -272,28 +275,28 @@ impl DrawPlan {
     }
 
     /// Returns the plan with the culled clusters recorded, if there are any.
-    pub(super) fn without(mut self, clusters: Unseen) -> Self {
-        if clusters.left_out() > 0 {
-            self.steps[Part::EveryCluster as usize] =
-                Step::LeftOut("clusters wholly outside the view or culled by facing");
+    pub(super) fn with_cull_stats(mut self, clusters: CullStats) -> Self {
+        if clusters.culled() > 0 {
+            self.steps[PipelinePart::EveryCluster as usize] =
+                PlanStep::LeftOut("clusters wholly outside the view or culled by facing");
             self.clusters = clusters;
         }
         self
     }
 
     /// Whether clusters may be culled at all.
-    pub(super) fn may_leave_out_clusters(settings: &Settings, containment: Containment) -> bool {
+    pub(super) fn may_cull_clusters(settings: &Settings, containment: Containment) -> bool {
         let some = match containment {
             // Skipped as a whole, or forced to run.
             Containment::Outside => false,
             Containment::Inside => settings.culling != Culling::None,
             Containment::Crossing => true,
         };
-        some && !matches!(settings.force, Force::Everything | Force::Clusters)
+        some && !matches!(settings.force, DisabledOptimisation::Everything | DisabledOptimisation::Clusters)
     }
 
     /// Returns the numbers of culled clusters; all zero if none is culled.
-    pub(crate) fn clusters(&self) -> Unseen {
+    pub(crate) fn clusters(&self) -> CullStats {
         self.clusters
     }
 
@@ -308,19 +311,19 @@ impl DrawPlan {
     }
 
     /// Returns the step of a part.
-    pub(crate) fn step(&self, part: Part) -> Step {
+    pub fn step(&self, part: PipelinePart) -> PlanStep {
         self.steps[part as usize]
     }
 
     /// Whether a part runs.
-    pub fn runs(&self, part: Part) -> bool {
+    pub fn runs(&self, part: PipelinePart) -> bool {
         self.step(part).runs()
     }
 }
 
 /// Returns the reason for skipping `part` in a draw that is not outside the view; `None` if the part is needed.
-fn left_out(
-    part: Part,
+fn skip_reason(
+    part: PipelinePart,
     library: &Library,
     (instance, containment, transparency): (&Instance, Containment, Transparency),
     camera: &Camera,
@@ -334,42 +337,50 @@ fn left_out(
     let textured = || textures_read(library, instance, shading).iter().any(Option::is_some);
     match part {
         // Clusters are culled later, in `DrawPlan::without`.
-        Part::Vertices | Part::EveryCluster => None,
-        Part::Clipping => (containment == Containment::Inside).then_some("the whole object is inside the view"),
-        Part::Culling => (settings.culling == Culling::None).then_some("culling is off"),
-        Part::Depth => (settings.depth_test == DepthTest::Off).then_some("the depth test is off"),
-        Part::PerspectiveDivision if settings.interpolation != Interpolation::Perspective => {
+        PipelinePart::Vertices | PipelinePart::EveryCluster => None,
+        PipelinePart::Clipping => (containment == Containment::Inside).then_some("the whole object is inside the view"),
+        PipelinePart::Culling => (settings.culling == Culling::None).then_some("culling is off"),
+        PipelinePart::Depth => (settings.depth_test == DepthTest::Off).then_some("the depth test is off"),
+        PipelinePart::PerspectiveDivision if settings.interpolation != Interpolation::Perspective => {
             Some("interpolation is affine")
         }
-        Part::PerspectiveDivision => {
+        PipelinePart::PerspectiveDivision => {
             matches!(camera.projection, Projection::Orthographic { .. }).then_some("all w are equal: orthographic view")
         }
-        Part::TextureCoordinates | Part::Texels if mesh.uvs.is_empty() => Some("the mesh has no texture coordinates"),
-        Part::TextureCoordinates if matches!(shading, Shading::Uv | Shading::Checker) => None,
-        Part::TextureCoordinates | Part::Texels if !reads_albedo && !textured() => {
+        PipelinePart::TextureCoordinates | PipelinePart::Texels if mesh.uvs.is_empty() => {
+            Some("the mesh has no texture coordinates")
+        }
+        PipelinePart::TextureCoordinates if matches!(shading, Shading::Uv | Shading::Checker) => None,
+        PipelinePart::TextureCoordinates | PipelinePart::Texels if !reads_albedo && !textured() => {
             Some("this shading reads no texture")
         }
-        Part::TextureCoordinates | Part::Texels => (!textured()).then_some("the material has no texture"),
-        Part::Normals => (!lit && shading != Shading::Normals).then_some("this shading reads no normal"),
-        Part::VertexColors if mesh.colors.is_empty() => Some("the mesh has no vertex colours"),
-        Part::VertexColors => {
+        PipelinePart::TextureCoordinates | PipelinePart::Texels => {
+            (!textured()).then_some("the material has no texture")
+        }
+        PipelinePart::Normals => (!lit && shading != Shading::Normals).then_some("this shading reads no normal"),
+        PipelinePart::VertexColors if mesh.colors.is_empty() => Some("the mesh has no vertex colours"),
+        PipelinePart::VertexColors => {
             (!reads_albedo && shading != Shading::VertexColor).then_some("this shading reads no vertex colour")
         }
-        Part::CutOut | Part::Blending if !reads_albedo => Some("this shading ignores opacity and alpha"),
-        Part::CutOut => match transparency {
+        PipelinePart::CutOut | PipelinePart::Blending if !reads_albedo => {
+            Some("this shading ignores opacity and alpha")
+        }
+        PipelinePart::CutOut => match transparency {
             Transparency::Opaque => Some("no texture that is read has alpha"),
             Transparency::CutOut => None,
             Transparency::Blended => Some("the material is blended instead"),
         },
-        Part::Light => (!lit).then_some("this shading is unlit"),
-        Part::NormalMap if !shading.reads_pixel_normals() => Some("this shading reads no per-pixel normal"),
-        Part::NormalMap if mesh.uvs.is_empty() => Some("the mesh has no texture coordinates"),
-        Part::NormalMap => material.normal_texture.is_none().then_some("the material has no normal map"),
-        Part::Highlight if shading != Shading::BlinnPhong => Some("this shading has no highlight"),
-        Part::Highlight => (material.specular == Vec3::ZERO).then_some("the material's specular colour is black"),
-        Part::Emission if !reads_albedo => Some("this shading ignores emission"),
-        Part::Emission => (material.emission == Vec3::ZERO).then_some("the material emits no light"),
-        Part::Blending => match transparency {
+        PipelinePart::Light => (!lit).then_some("this shading is unlit"),
+        PipelinePart::NormalMap if !shading.reads_pixel_normals() => Some("this shading reads no per-pixel normal"),
+        PipelinePart::NormalMap if mesh.uvs.is_empty() => Some("the mesh has no texture coordinates"),
+        PipelinePart::NormalMap => material.normal_texture.is_none().then_some("the material has no normal map"),
+        PipelinePart::Highlight if shading != Shading::BlinnPhong => Some("this shading has no highlight"),
+        PipelinePart::Highlight => {
+            (material.specular == Vec3::ZERO).then_some("the material's specular colour is black")
+        }
+        PipelinePart::Emission if !reads_albedo => Some("this shading ignores emission"),
+        PipelinePart::Emission => (material.emission == Vec3::ZERO).then_some("the material emits no light"),
+        PipelinePart::Blending => match transparency {
             Transparency::Opaque => Some("material and texture are opaque"),
             Transparency::CutOut => Some("every alpha is 0 or 1: alpha-tested instead"),
             Transparency::Blended => None,

@@ -10,7 +10,7 @@ use std::ops::{Add, Mul};
 use glam::{Vec2, Vec3, Vec4};
 use serde::Serialize;
 
-use super::settings::{Address, ColorSpace, Filter};
+use super::settings::{AddressMode, ColorSpace, TexelFilter};
 use crate::image::color::Tables;
 use crate::image::{Image, Rgba8};
 use crate::math::floor;
@@ -18,22 +18,22 @@ use crate::math::log2::log2;
 
 /// Texel read by a sample, with its weight.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub(crate) struct TexelTap {
+pub struct TexelTap {
     /// Column, from the left.
     pub(crate) x: u32,
     /// Row, from the top.
     pub(crate) y: u32,
     /// Weight; the weights of a sample sum to one.
-    pub(crate) weight: f32,
+    pub weight: f32,
 }
 
 /// Sampler: filter, addressing mode and colour space of texture reads.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Sampler {
     /// Filter between texel centres.
-    pub(crate) filter: Filter,
+    pub(crate) filter: TexelFilter,
     /// Addressing outside of [0, 1].
-    pub(crate) address: Address,
+    pub(crate) address: AddressMode,
     /// Value as which each code of a texel is mixed.
     number_of_code: &'static [f32; 256],
     /// Factor that maps mixed values into [0, 1].
@@ -42,7 +42,7 @@ pub(crate) struct Sampler {
 
 impl Sampler {
     /// Returns a sampler that mixes texels in `color_space`.
-    pub(crate) fn new(filter: Filter, address: Address, color_space: ColorSpace) -> Self {
+    pub(crate) fn new(filter: TexelFilter, address: AddressMode, color_space: ColorSpace) -> Self {
         let tables = Tables::get();
         // Mixing codes directly rounds only in the weights; dividing each code by 255 first would round every one.
         let (number_of_code, scale) = match color_space {
@@ -94,8 +94,8 @@ impl Sampler {
         let (taps, _) = self.taps(texture.size(), uv);
         let weighted = |tap: &TexelTap| value(texture.at(tap.x, tap.y)) * tap.weight;
         match self.filter {
-            Filter::Point => weighted(&taps[0]),
-            Filter::Bilinear | Filter::Trilinear => {
+            TexelFilter::Point => weighted(&taps[0]),
+            TexelFilter::Bilinear | TexelFilter::Trilinear => {
                 weighted(&taps[0]) + weighted(&taps[1]) + weighted(&taps[2]) + weighted(&taps[3])
             }
         }
@@ -107,12 +107,12 @@ impl Sampler {
         let [u, v] = self.unit(uv);
         let mut taps = [TexelTap::default(); 4];
         match self.filter {
-            Filter::Point => {
+            TexelFilter::Point => {
                 let (x, y) = (nearest(u, width), nearest(v, height));
                 taps[0] = TexelTap { x, y, weight: 1.0 };
                 (taps, 1)
             }
-            Filter::Bilinear | Filter::Trilinear => {
+            TexelFilter::Bilinear | TexelFilter::Trilinear => {
                 let ((x0, x1), tx) = neighbours(u, width, self.address);
                 let ((y0, y1), ty) = neighbours(v, height, self.address);
                 taps[0] = TexelTap { x: x0, y: y0, weight: (1.0 - tx) * (1.0 - ty) };
@@ -127,7 +127,7 @@ impl Sampler {
     /// Returns texture coordinates mapped into [0, 1], before they are scaled to texels.
     #[inline(always)]
     pub(crate) fn unit(self, uv: Vec2) -> [f64; 2] {
-        [bring_into_unit(uv.x, self.address), bring_into_unit(uv.y, self.address)]
+        [apply_address_mode(uv.x, self.address), apply_address_mode(uv.y, self.address)]
     }
 
     /// Returns the fraction of the way from the previous to the next texel centre, for a coordinate of
@@ -175,11 +175,11 @@ fn alpha_of([_, _, _, code]: Rgba8) -> f32 {
 
 /// Returns the coordinate in [0, 1] that is equivalent under an addressing mode.
 #[inline]
-fn bring_into_unit(u: f32, address: Address) -> f64 {
+fn apply_address_mode(u: f32, address: AddressMode) -> f64 {
     let unit = match address {
-        Address::Clamp => f64::from(u.clamp(0.0, 1.0)),
-        Address::Repeat => f64::from(u) - f64::from(floor(u)),
-        Address::Mirror => {
+        AddressMode::Clamp => f64::from(u.clamp(0.0, 1.0)),
+        AddressMode::Repeat => f64::from(u) - f64::from(floor(u)),
+        AddressMode::Mirror => {
             let period = f64::from(u) - 2.0 * f64::from(floor(u * 0.5));
             if period > 1.0 { 2.0 - period } else { period }
         }
@@ -195,7 +195,7 @@ fn nearest(unit: f64, size: u32) -> u32 {
 
 /// Returns the two texels around a coordinate in [0, 1], and the weight of the second one.
 #[inline]
-fn neighbours(unit: f64, size: u32, address: Address) -> ((u32, u32), f32) {
+fn neighbours(unit: f64, size: u32, address: AddressMode) -> ((u32, u32), f32) {
     let position = unit * f64::from(size) - 0.5;
     let truncated = position as i32;
     let below = truncated - i32::from(f64::from(truncated) > position);
@@ -203,8 +203,8 @@ fn neighbours(unit: f64, size: u32, address: Address) -> ((u32, u32), f32) {
     let last = size as i32 - 1;
     let (i0, i1) = (below, below + 1);
     let bring_inside = |i: i32| match address {
-        Address::Repeat if i < 0 => last,
-        Address::Repeat if i > last => 0,
+        AddressMode::Repeat if i < 0 => last,
+        AddressMode::Repeat if i > last => 0,
         _ => i.clamp(0, last),
     };
     ((bring_inside(i0) as u32, bring_inside(i1) as u32), weight)
@@ -219,14 +219,14 @@ mod tests {
         Image::from_fn(4, 1, |x, _| [x as u8 * 80, 0, 0, 255])
     }
 
-    fn red(filter: Filter, address: Address, u: f32) -> f32 {
+    fn red(filter: TexelFilter, address: AddressMode, u: f32) -> f32 {
         Sampler::new(filter, address, ColorSpace::Bytes).sample(&ramp(), Vec2::new(u, 0.5)).x * 255.0
     }
 
     #[test]
     fn texel_centres_read_the_texel_itself() {
-        for filter in Filter::ALL {
-            for address in Address::ALL {
+        for filter in TexelFilter::ALL {
+            for address in AddressMode::ALL {
                 for texel in 0..4 {
                     let read = red(*filter, *address, (texel as f32 + 0.5) / 4.0);
                     assert!((read - texel as f32 * 80.0).abs() < 1e-3, "{filter:?} {address:?} {texel}: {read}");
@@ -237,17 +237,20 @@ mod tests {
 
     #[test]
     fn halfway_between_centres_is_the_mean() {
-        assert!((red(Filter::Bilinear, Address::Clamp, 0.25) - 40.0).abs() < 1e-3);
-        assert!((red(Filter::Bilinear, Address::Repeat, 0.0) - 120.0).abs() < 1e-3, "first and last texel meet");
-        assert!((red(Filter::Bilinear, Address::Mirror, 0.0) - 0.0).abs() < 1e-3, "the border meets itself");
+        assert!((red(TexelFilter::Bilinear, AddressMode::Clamp, 0.25) - 40.0).abs() < 1e-3);
+        assert!(
+            (red(TexelFilter::Bilinear, AddressMode::Repeat, 0.0) - 120.0).abs() < 1e-3,
+            "first and last texel meet"
+        );
+        assert!((red(TexelFilter::Bilinear, AddressMode::Mirror, 0.0) - 0.0).abs() < 1e-3, "the border meets itself");
     }
 
     #[test]
     fn addressing_outside() {
-        assert_eq!(red(Filter::Point, Address::Clamp, 7.0).round(), 240.0);
-        assert_eq!(red(Filter::Point, Address::Repeat, -0.1).round(), 240.0);
-        assert_eq!(red(Filter::Point, Address::Mirror, -0.1).round(), 0.0);
-        assert_eq!(red(Filter::Point, Address::Mirror, 1.1).round(), 240.0);
+        assert_eq!(red(TexelFilter::Point, AddressMode::Clamp, 7.0).round(), 240.0);
+        assert_eq!(red(TexelFilter::Point, AddressMode::Repeat, -0.1).round(), 240.0);
+        assert_eq!(red(TexelFilter::Point, AddressMode::Mirror, -0.1).round(), 0.0);
+        assert_eq!(red(TexelFilter::Point, AddressMode::Mirror, 1.1).round(), 240.0);
     }
 
     #[test]
@@ -256,8 +259,8 @@ mod tests {
         // than f32 can resolve.
         let texture = Image::from_fn(5, 1, |x, _| [x as u8; 4]);
         let read = |u: f32| {
-            let ([tap, ..], _) =
-                Sampler::new(Filter::Point, Address::Repeat, ColorSpace::Bytes).taps(texture.size(), Vec2::new(u, 0.5));
+            let ([tap, ..], _) = Sampler::new(TexelFilter::Point, AddressMode::Repeat, ColorSpace::Bytes)
+                .taps(texture.size(), Vec2::new(u, 0.5));
             tap.x
         };
         assert!(f64::from(-0.2_f32) < -0.2);
@@ -275,7 +278,9 @@ mod tests {
         });
         for _ in 0..1000 {
             let uv = Vec2::new(rng.f32() * 4.0 - 2.0, rng.f32() * 4.0 - 2.0);
-            for (filter, address) in Filter::ALL.iter().flat_map(|f| Address::ALL.iter().map(move |a| (*f, *a))) {
+            for (filter, address) in
+                TexelFilter::ALL.iter().flat_map(|f| AddressMode::ALL.iter().map(move |a| (*f, *a)))
+            {
                 for space in ColorSpace::ALL {
                     let sampler = Sampler::new(filter, address, *space);
                     let (color, alpha) = sampler.sample_with_alpha(&texture, uv);
@@ -290,8 +295,8 @@ mod tests {
     #[test]
     fn no_coordinate_is_too_hostile() {
         for u in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e30, -1e30, f32::MIN_POSITIVE, -1e-30] {
-            for filter in Filter::ALL {
-                for address in Address::ALL {
+            for filter in TexelFilter::ALL {
+                for address in AddressMode::ALL {
                     assert!(red(*filter, *address, u).is_finite(), "{u} {filter:?} {address:?}");
                 }
             }

@@ -6,13 +6,13 @@
 
 use std::hint::black_box;
 
-use super::Until;
-use super::depth::{Comparison, depth_at};
+use super::LastStage;
+use super::depth::{DepthComparison, depth_at};
 use super::framebuffer::Framebuffer;
 use super::interpolate::interpolate;
 use super::observe::{DepthOutcome, Observer};
 use super::raster::numbers::Numbers;
-use super::raster::{Span, Triangle};
+use super::raster::{RasterTriangle, Span};
 use super::shade::Shader;
 use super::viewport::ScreenTriangle;
 use crate::image::Image;
@@ -20,10 +20,10 @@ use crate::scene::Transparency;
 
 /// Draws the samples of `spans`, all of which lie in `frame`, up to the stage `until`.
 pub(super) fn draw<N: Numbers, O: Observer>(
-    (triangle, edges): (&ScreenTriangle, &Triangle<N>),
+    (triangle, edges): (&ScreenTriangle, &RasterTriangle<N>),
     spans: &[Span],
     shader: &Shader<'_>,
-    (comparison, until): (Comparison, Until),
+    (comparison, until): (DepthComparison, LastStage),
     frame: &mut Framebuffer,
     observer: &mut O,
 ) {
@@ -37,10 +37,10 @@ pub(super) fn draw<N: Numbers, O: Observer>(
 
 /// [`draw`], compiled for one [`Transparency`].
 fn draw_as<N: Numbers, O: Observer, const CUT_OUT: bool, const BLENDED: bool>(
-    (triangle, edges): (&ScreenTriangle, &Triangle<N>),
+    (triangle, edges): (&ScreenTriangle, &RasterTriangle<N>),
     spans: &[Span],
     shader: &Shader<'_>,
-    (comparison, until): (Comparison, Until),
+    (comparison, until): (DepthComparison, LastStage),
     frame: &mut Framebuffer,
     observer: &mut O,
 ) {
@@ -53,7 +53,7 @@ fn draw_as<N: Numbers, O: Observer, const CUT_OUT: bool, const BLENDED: bool>(
         let sample = edges.sample((column, row), grid.pixel(column, row));
         observer.covered(triangle, &sample);
         let place = (row - origin.1) as usize * width + (column - origin.0) as usize;
-        if until == Until::Coverage {
+        if until == LastStage::Coverage {
             // `black_box` prevents dead-code elimination. A whole sample would have to be stored to memory, which costs
             // more than finding it, so only the column is passed.
             black_box(sample.column);
@@ -76,8 +76,8 @@ fn draw_as<N: Numbers, O: Observer, const CUT_OUT: bool, const BLENDED: bool>(
         }
         if CUT_OUT {
             let fragment = interpolate(triangle, sample, attributes);
-            if shader.cuts_out(&fragment) {
-                observer.cut_out(triangle, &fragment);
+            if shader.fails_alpha_test(&fragment) {
+                observer.alpha_rejected(triangle, &fragment);
                 continue;
             }
             if let (Some(depths), Some(new)) = (&mut depths, new_depth) {
@@ -85,11 +85,11 @@ fn draw_as<N: Numbers, O: Observer, const CUT_OUT: bool, const BLENDED: bool>(
                 observer.depth_stored(triangle, &sample);
             }
         }
-        if until == Until::Depth {
+        if until == LastStage::Depth {
             continue;
         }
         let fragment = interpolate(triangle, sample, attributes);
-        if until == Until::Interpolate {
+        if until == LastStage::Interpolate {
             black_box(fragment);
             continue;
         }

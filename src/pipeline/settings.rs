@@ -66,7 +66,7 @@ choice! {
 choice! {
     /// Parts that run even in draws that do not need them. The picture is the same; the time shows what skipping the
     /// parts saves.
-    Force {
+    DisabledOptimisation {
         Nothing = "nothing", "Nothing", "Every draw skips the parts that it does not need.";
         Everything = "everything", "Everything", "All of the following parts run wherever they can.";
         Vertices = "vertices", "Vertices", "Objects that lie wholly outside the view are transformed and clipped.";
@@ -121,7 +121,7 @@ choice! {
 
 impl Rasterizer {
     /// Returns the rasterizers that are meant to be correct.
-    pub fn sound() -> impl Iterator<Item = Self> {
+    pub fn correct() -> impl Iterator<Item = Self> {
         Self::ALL.iter().copied().filter(|rasterizer| !rasterizer.is_published())
     }
 
@@ -167,7 +167,7 @@ choice! {
 
 impl FillRule {
     /// Whether exactly one of two triangles that share an edge owns a centre on it.
-    pub(crate) fn is_sound(self) -> bool {
+    pub(crate) fn draws_shared_edges_once(self) -> bool {
         !matches!(self, Self::Inclusive | Self::Exclusive)
     }
 }
@@ -269,7 +269,7 @@ impl Shading {
 
 choice! {
     /// Filter of a texture between texel centres.
-    Filter {
+    TexelFilter {
         Point = "point", "Point", "Nearest texel: blocky up close, shimmers in the distance.";
         Bilinear = "bilinear", "Bilinear",
             "Four surrounding texels, weighted by distance: smooth up close, still shimmers in the distance.";
@@ -292,7 +292,7 @@ choice! {
 
 choice! {
     /// Addressing of texture coordinates outside of 0…1.
-    Address {
+    AddressMode {
         Clamp = "clamp", "Clamp", "Border texels extend beyond the texture.";
         Repeat = "repeat", "Repeat", "The texture repeats in both directions.";
         Mirror = "mirror", "Mirror", "The texture repeats with every second copy mirrored: no seams.";
@@ -344,7 +344,7 @@ pub struct DepthBias {
 #[serde(default)]
 pub struct Blending {
     /// Order in which fragments are blended.
-    pub(crate) order: BlendingOrder,
+    pub order: BlendingOrder,
 }
 
 impl Default for Blending {
@@ -370,7 +370,7 @@ impl Default for Light {
 
 /// Procedural checkerboard pattern.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Checker {
+pub struct Checker {
     /// Number of squares per unit of texture coordinate.
     pub(crate) squares: f32,
     /// sRGB values, in [0, 1], of the square at the origin.
@@ -408,13 +408,13 @@ pub struct Settings {
     /// Source of a fragment's colour.
     pub shading: Shading,
     /// Pattern of [`Shading::Checker`].
-    pub(crate) checker: Checker,
+    pub checker: Checker,
     /// Light of the lit shadings.
     pub light: Light,
     /// Texture filter.
-    pub filter: Filter,
+    pub filter: TexelFilter,
     /// Texture addressing.
-    pub(crate) address: Address,
+    pub address: AddressMode,
     /// Treatment of alpha in texture filters.
     pub alpha: AlphaMode,
     /// Colour space in which light is computed.
@@ -422,9 +422,9 @@ pub struct Settings {
     /// Drawing of blended materials.
     pub blending: Blending,
     /// Colour of the pixels that no triangle covers.
-    pub(crate) background: Background,
+    pub background: Background,
     /// Parts that run without need.
-    pub(crate) force: Force,
+    pub force: DisabledOptimisation,
 }
 
 impl Default for Settings {
@@ -441,13 +441,13 @@ impl Default for Settings {
             shading: Shading::Lambert,
             checker: Checker::default(),
             light: Light::default(),
-            filter: Filter::Bilinear,
-            address: Address::Repeat,
+            filter: TexelFilter::Bilinear,
+            address: AddressMode::Repeat,
             alpha: AlphaMode::Straight,
             color_space: ColorSpace::Linear,
             blending: Blending::default(),
             background: Background::Scene,
-            force: Force::Nothing,
+            force: DisabledOptimisation::Nothing,
         }
     }
 }

@@ -15,22 +15,22 @@ mod surface;
 
 use std::ops::{Add, Mul};
 
-pub(crate) use blinn_phong::Eye;
 pub(crate) use blinn_phong::Highlight;
+pub(crate) use blinn_phong::Viewpoint;
 use glam::Vec3;
 pub(crate) use normal_map::NormalMap;
 use surface::PlacedMesh;
 
 use super::depth::depth_at;
-use super::interpolate::{Attributes, Fragment};
-use super::plan::{DrawPlan, Part};
+use super::interpolate::{AttributeSelection, Fragment};
+use super::plan::{DrawPlan, PipelinePart};
 use super::sample::Sampler;
-use super::settings::{Address, AlphaMode, ColorSpace, Filter, Settings, Shading};
+use super::settings::{AddressMode, AlphaMode, ColorSpace, Settings, Shading, TexelFilter};
 use super::viewport::ScreenTriangle;
 use crate::image::color::{Tables, decode_rgb, quantize};
 use crate::image::{Image, Rgba8};
 use crate::math::unit_or;
-use crate::scene::material::CUT_OUT_BELOW;
+use crate::scene::material::ALPHA_TEST_THRESHOLD;
 use crate::scene::{Alpha, Instance, Library, Texture, Transparency, TriangleId};
 
 /// N·L above which cel shading takes the light texture.
@@ -50,7 +50,7 @@ pub(crate) fn lambert(normal: Vec3, light_direction: Vec3, ambient: f32) -> f32 
 pub(crate) struct Readable<'a> {
     image: &'a Image<Rgba8>,
     /// Mip levels from 1 up, each half as long as the one before; empty unless the filter reads them.
-    smaller: &'a [Image<Rgba8>],
+    mip_levels: &'a [Image<Rgba8>],
     mips: bool,
     /// Whether colours are weighted by alpha when texels are mixed.
     premultiplied: bool,
@@ -61,7 +61,7 @@ impl<'a> Readable<'a> {
         Self {
             // A single texel keeps its colour whatever its alpha, and opaque texels all have equal weight.
             premultiplied: settings.alpha == AlphaMode::Premultiplied
-                && settings.filter != Filter::Point
+                && settings.filter != TexelFilter::Point
                 && texture.alpha() != Alpha::Opaque,
             ..Self::straight(texture, settings, settings.color_space)
         }
@@ -69,9 +69,9 @@ impl<'a> Readable<'a> {
 
     /// Returns a texture filtered with straight alpha, mixed in the colour space `space`.
     fn straight(texture: &'a Texture, settings: &Settings, space: ColorSpace) -> Self {
-        let mips = settings.filter == Filter::Trilinear;
-        let smaller = if mips { texture.smaller(space == ColorSpace::Linear) } else { &[] };
-        Self { image: texture.image(), smaller, mips, premultiplied: false }
+        let mips = settings.filter == TexelFilter::Trilinear;
+        let mip_levels = if mips { texture.mip_levels(space == ColorSpace::Linear) } else { &[] };
+        Self { image: texture.image(), mip_levels, mips, premultiplied: false }
     }
 
     /// Whether colours are weighted by alpha when texels are mixed.
@@ -92,14 +92,14 @@ impl<'a> Readable<'a> {
 
     /// Returns the texture itself for level 0, or one of its smaller mip levels.
     pub(crate) fn level(&self, level: usize) -> &'a Image<Rgba8> {
-        level.checked_sub(1).and_then(|level| self.smaller.get(level)).unwrap_or(self.image)
+        level.checked_sub(1).and_then(|level| self.mip_levels.get(level)).unwrap_or(self.image)
     }
 
     /// Returns the mip levels read for a fragment with their weights, and how many of them count; 1 without
     /// mip-mapping.
     pub(crate) fn levels(&self, fragment: &Fragment) -> ([(usize, f32); 2], usize) {
         if self.mips {
-            (Sampler::levels(self.image.size(), self.smaller.len(), fragment.uv_gradient), 2)
+            (Sampler::levels(self.image.size(), self.mip_levels.len(), fragment.uv_gradient), 2)
         } else {
             ([(0, 1.0); 2], 1)
         }
@@ -164,16 +164,16 @@ pub struct Shader<'a> {
     /// Opacity of the material alone, without textures.
     opacity: f32,
     transparency: Transparency,
-    attributes: Attributes,
+    attributes: AttributeSelection,
 }
 
 impl<'a> Shader<'a> {
     /// Returns the shader of one instance.
-    pub(crate) fn new(settings: &'a Settings, library: &'a Library, instance: &Instance, plan: &DrawPlan) -> Self {
+    pub fn new(settings: &'a Settings, library: &'a Library, instance: &Instance, plan: &DrawPlan) -> Self {
         let material = library.material(instance.material);
         let image = |id| Readable::new(library.texture(id), settings);
-        let reads_texels = plan.runs(Part::Texels);
-        let address = if material.clamp { Address::Clamp } else { settings.address };
+        let reads_texels = plan.runs(PipelinePart::Texels);
+        let address = if material.clamp { AddressMode::Clamp } else { settings.address };
         let mesh = || PlacedMesh::new(library, instance, plan);
         let normal_map = |id| NormalMap {
             texture: Readable::straight(library.texture(id), settings, ColorSpace::Bytes),
@@ -182,7 +182,7 @@ impl<'a> Shader<'a> {
             uv_scale: material.uv_scale,
             mesh: mesh(),
         };
-        let emits = plan.runs(Part::Emission);
+        let emits = plan.runs(PipelinePart::Emission);
         Self {
             settings,
             sampler: Sampler::new(settings.filter, address, settings.color_space),
@@ -192,8 +192,8 @@ impl<'a> Shader<'a> {
             texture: material.texture.filter(|_| reads_texels).map(image),
             dark_texture: material.dark_texture.filter(|_| reads_texels).map(image),
             alpha_texture: material.alpha_texture.filter(|_| reads_texels).map(image),
-            normal_map: material.normal_texture.filter(|_| plan.runs(Part::NormalMap)).map(normal_map),
-            highlight: plan.runs(Part::Highlight).then(|| Highlight {
+            normal_map: material.normal_texture.filter(|_| plan.runs(PipelinePart::NormalMap)).map(normal_map),
+            highlight: plan.runs(PipelinePart::Highlight).then(|| Highlight {
                 specular: to_working_space(material.specular, settings.color_space),
                 shininess: material.shininess,
                 eye: plan.eye(),
@@ -203,13 +203,13 @@ impl<'a> Shader<'a> {
             emission_texture: material.emission_texture.filter(|_| emits && reads_texels).map(image),
             opacity: material.opacity,
             transparency: plan.transparency(),
-            attributes: Attributes::read_by(plan, settings),
+            attributes: AttributeSelection::read_by(plan, settings),
         }
     }
 
     /// Returns how fragments combine with what is already drawn.
     #[inline]
-    pub(crate) fn transparency(&self) -> Transparency {
+    pub fn transparency(&self) -> Transparency {
         self.transparency
     }
 
@@ -220,7 +220,7 @@ impl<'a> Shader<'a> {
 
     /// Returns the attributes that its fragments interpolate.
     #[inline]
-    pub(crate) fn attributes(&self) -> Attributes {
+    pub fn attributes(&self) -> AttributeSelection {
         self.attributes
     }
 
@@ -332,14 +332,14 @@ impl<'a> Shader<'a> {
 
     /// Whether a fragment fails the alpha test.
     #[inline]
-    pub(crate) fn cuts_out(&self, fragment: &Fragment) -> bool {
-        self.alpha(fragment) < CUT_OUT_BELOW
+    pub(crate) fn fails_alpha_test(&self, fragment: &Fragment) -> bool {
+        self.alpha(fragment) < ALPHA_TEST_THRESHOLD
     }
 
     /// Returns the colour of a blended fragment of `triangle` over `below`: colour·α + below·(1 − α) in the working
     /// colour space, with α from [`Shader::alpha`]. Views of single quantities are opaque and replace `below`.
     #[inline]
-    pub(crate) fn blend(&self, fragment: &Fragment, triangle: &ScreenTriangle, below: Rgba8) -> Rgba8 {
+    pub fn blend(&self, fragment: &Fragment, triangle: &ScreenTriangle, below: Rgba8) -> Rgba8 {
         if !self.settings.shading.reads_material() {
             return self.shade(fragment, triangle);
         }
@@ -355,7 +355,7 @@ impl<'a> Shader<'a> {
 
     /// Returns the colour of a fragment of `triangle` as if it were opaque.
     #[inline]
-    pub(crate) fn shade(&self, fragment: &Fragment, triangle: &ScreenTriangle) -> Rgba8 {
+    pub fn shade(&self, fragment: &Fragment, triangle: &ScreenTriangle) -> Rgba8 {
         match self.settings.shading {
             Shading::Texture | Shading::Gouraud | Shading::Lambert | Shading::Cel | Shading::BlinnPhong => {
                 self.encode(self.reflected(fragment))

@@ -6,8 +6,8 @@
 
 use glam::{DMat4, Mat3, Mat4, Vec2, Vec3, Vec4};
 
-use super::clip::Plane;
-use super::plan::{Containment, DrawPlan, Part};
+use super::clip::ClipPlane;
+use super::plan::{Containment, DrawPlan, PipelinePart};
 use super::settings::{Settings, Shading};
 use super::shade::{lambert, to_working_space};
 use crate::math::{Aabb, unit_or};
@@ -21,9 +21,9 @@ pub struct Varyings {
     /// Texture coordinates, v down.
     pub uv: Vec2,
     /// Vertex colour in the working colour space; white if the mesh has none.
-    pub(crate) color: Vec3,
+    pub color: Vec3,
     /// Light at the vertex (Gouraud only).
-    pub(crate) light: f32,
+    pub light: f32,
     /// Weights of the three vertices of the unclipped triangle.
     pub source_weights: Vec3,
 }
@@ -48,7 +48,7 @@ pub struct ClipVertex {
     /// Homogeneous position. Inside the frustum 0 ≤ z ≤ w, |x| ≤ w and |y| ≤ w.
     pub position: Vec4,
     /// Near or far plane of clip space on which clipping placed the vertex; `None` otherwise.
-    pub(crate) cut_at: Option<Plane>,
+    pub cut_at: Option<ClipPlane>,
     /// Attributes of the vertex.
     pub varyings: Varyings,
 }
@@ -115,7 +115,7 @@ pub(crate) fn containment(bounds: Aabb, clip_from_model: Mat4) -> Containment {
     let corners = bounds.corners().map(|c| clip_from_model * c.extend(1.0));
     // Above this magnitude a vertex may overflow although no corner does.
     let mut inside_all = magnitudes.max_element() < f64::from(f32::MAX);
-    for plane in Plane::ALL {
+    for plane in ClipPlane::ALL {
         let slack = ROUNDING * plane.magnitude(magnitudes) + UNDERFLOW;
         let distances = corners.map(|c| plane.distance(c, 1.0));
         if distances.iter().all(|d| *d < -slack) {
@@ -153,9 +153,9 @@ impl<'a> Transformer<'a> {
             mesh,
             matrices,
             settings,
-            normals: reads(Part::Normals),
-            uvs: reads(Part::TextureCoordinates),
-            colors: reads(Part::VertexColors),
+            normals: reads(PipelinePart::Normals),
+            uvs: reads(PipelinePart::TextureCoordinates),
+            colors: reads(PipelinePart::VertexColors),
             uv_transform: plan.uv_transform(),
             light_direction: unit_or(settings.light.direction.as_dvec3(), Vec3::Y),
         }

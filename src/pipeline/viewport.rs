@@ -9,7 +9,7 @@ use super::depth::{DepthFunction, DepthScale};
 use super::settings::Arithmetic;
 use super::vertex::{ClipVertex, Varyings};
 use crate::math::fixed::{snap, to_pixels};
-use crate::scene::{TriangleId, Window};
+use crate::scene::{SubView, TriangleId};
 
 /// Corner of a triangle on the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,7 +103,7 @@ pub(crate) const MAX_PIXELS: u64 = 1 << 25;
 
 impl Viewport {
     /// Returns an error that explains why a picture of this size is not supported, if it is not.
-    pub(crate) fn check(self) -> Result<(), String> {
+    pub fn check(self) -> Result<(), String> {
         let sides = 1..=MAX_SIDE_PX;
         if !sides.contains(&self.width) || !sides.contains(&self.height) {
             return Err(format!("each side must be 1 to {MAX_SIDE_PX} pixels long"));
@@ -122,7 +122,7 @@ impl Viewport {
     /// Returns the window that a picture of this size occupies in a view of `full` px. Pixel (i, j) of the picture lies
     /// at ((i + ½) · step + origin) of that view, px. The last pixels may reach past the edge of the view, or end
     /// before it.
-    pub(crate) fn window(self, full: Self, step_px: f64, origin_px: [f64; 2]) -> Window {
+    pub(crate) fn window(self, full: Self, step_px: f64, origin_px: [f64; 2]) -> SubView {
         let axis = |full: u32, own: u32, origin: f64| {
             let (full, own) = (f64::from(full), step_px * f64::from(own));
             // x in the view: (ndc + 1) / 2 · full; here: (ndc' + 1) / 2 · own + origin.
@@ -130,7 +130,7 @@ impl Viewport {
         };
         let (scale_x, shift_x) = axis(full.width, self.width, origin_px[0]);
         let (scale_y, shift_down) = axis(full.height, self.height, origin_px[1]);
-        Window { aspect: full.aspect(), scale: [scale_x, scale_y], shift: [shift_x, -shift_down] }
+        SubView { aspect: full.aspect(), scale: [scale_x, scale_y], shift: [shift_x, -shift_down] }
     }
 
     /// Returns the pixel position, before snapping, of a point in normalised device coordinates (y up).

@@ -5,7 +5,7 @@
 
 use std::io::{self, Write};
 
-use super::stability::oracle::{ClipTriangle, Region, Snap};
+use super::stability::oracle::{ClipTriangle, ExactRegion, Snap};
 use crate::case::{Answer, Case, ClipTri, Control, Options, Task, TriCoverage, Unanswered, answer};
 use crate::image::Image;
 use crate::pipeline::raster::Span;
@@ -14,7 +14,7 @@ use crate::pipeline::viewport::{MAX_PIXELS, Viewport};
 
 /// Pixels of one part of a case.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Comparison {
+pub(crate) struct PixelComparison {
     /// Pixel at the top left of the images; cases without an image size start where their pixels do.
     pub(crate) origin: (i64, i64),
     /// Fraction of each pixel covered by the engine, in [0, 1].
@@ -40,9 +40,9 @@ pub(crate) enum Agreement {
 
 /// Displayable result of a part of a case.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Shown {
+pub(crate) enum DisplayedResult {
     /// Result as pixels.
-    Pixels(Comparison),
+    Pixels(PixelComparison),
     /// Result as lines of text: a numeric answer, or the reason why there is none.
     Text(Vec<String>),
 }
@@ -57,8 +57,8 @@ const MAX_LINE_BYTES: usize = 160;
 const MAX_OUTLINE_CORNERS: usize = 1 << 14;
 
 /// Computes part number `part` of a case and none of its other parts. Returns `None` if cancelled.
-pub(crate) fn show(case: &Case, part: usize, options: Options, control: &Control<'_>) -> Option<Shown> {
-    let told = |reason: String| Shown::Text(vec![reason]);
+pub(crate) fn show(case: &Case, part: usize, options: Options, control: &Control<'_>) -> Option<DisplayedResult> {
+    let told = |reason: String| DisplayedResult::Text(vec![reason]);
     match pixels_or_numbers(case, part, options, control) {
         Ok(shown) => Some(shown),
         Err(Unanswered::Refused(refusal)) => Some(told(refusal.to_string())),
@@ -66,15 +66,24 @@ pub(crate) fn show(case: &Case, part: usize, options: Options, control: &Control
     }
 }
 
-fn pixels_or_numbers(case: &Case, part: usize, options: Options, control: &Control<'_>) -> Result<Shown, Unanswered> {
+fn pixels_or_numbers(
+    case: &Case,
+    part: usize,
+    options: Options,
+    control: &Control<'_>,
+) -> Result<DisplayedResult, Unanswered> {
     match &case.task {
-        Task::TriCoverage(task) => Comparison::of_triangle(task, part, options, control).map(Shown::Pixels),
-        Task::ClipTri(task) => Comparison::of_clip_triangle(task, part, options, control).map(Shown::Pixels),
-        _ => Ok(Comparison::of_answer(case, answer(case, options, control)?)),
+        Task::TriCoverage(task) => {
+            PixelComparison::of_triangle(task, part, options, control).map(DisplayedResult::Pixels)
+        }
+        Task::ClipTri(task) => {
+            PixelComparison::of_clip_triangle(task, part, options, control).map(DisplayedResult::Pixels)
+        }
+        _ => Ok(PixelComparison::of_answer(case, answer(case, options, control)?)),
     }
 }
 
-impl Comparison {
+impl PixelComparison {
     fn of_triangle(
         task: &TriCoverage,
         part: usize,
@@ -83,13 +92,13 @@ impl Comparison {
     ) -> Result<Self, Unanswered> {
         let viewport = task.viewport();
         let mut ours = Image::filled(viewport.width, viewport.height, 0.0);
-        task.cover(part, options, |spans, row| {
+        task.rasterize(part, options, |spans, row| {
             spans.iter().for_each(|span| fill(&mut ours, *span, 1.0));
             control.step(f64::from(row) / f64::from(viewport.height))
         })?;
         let corners = task.corners_px(part);
         let snap = if options.arithmetic == Arithmetic::Fixed { Snap::Grid256 } else { Snap::Unsnapped };
-        let exact = corners.map(|corners| Region::triangle(corners, snap, task.rule).spans(viewport));
+        let exact = corners.map(|corners| ExactRegion::triangle(corners, snap, task.rule).spans(viewport));
         let finite = corners.filter(|corners| corners.as_flattened().iter().all(|c| c.is_finite()));
         let outlines = finite.map(|corners| corners.map(|corner| corner.map(f64::from)).to_vec()).into_iter().collect();
         control.check()?;
@@ -104,7 +113,7 @@ impl Comparison {
     ) -> Result<Self, Unanswered> {
         let viewport = task.viewport();
         let mut ours = Image::filled(viewport.width, viewport.height, 0.0);
-        task.cover(part, options, |_, spans| {
+        task.rasterize(part, options, |_, spans| {
             spans.iter().for_each(|span| fill(&mut ours, *span, 1.0));
             control.check()
         })?;
@@ -115,7 +124,7 @@ impl Comparison {
     }
 
     /// Converts an answer without an exact counterpart to pixels or text.
-    fn of_answer(case: &Case, answer: Answer) -> Shown {
+    fn of_answer(case: &Case, answer: Answer) -> DisplayedResult {
         let pixels = match (&case.task, answer) {
             (Task::PolyFill(task), Answer::PolyFill(answer)) => {
                 let mut ours = Image::filled(task.width, task.height, 0.0);
@@ -146,9 +155,9 @@ impl Comparison {
                 let ours = Image::from_fn(width, height, |x, y| f32::from(u8::from(filled(x, y))));
                 Ok(Self { origin: (0, 0), ours, exact: None, outlines: Vec::new() })
             }
-            (_, answer) => return Shown::Text(numbers(&answer)),
+            (_, answer) => return DisplayedResult::Text(numbers(&answer)),
         };
-        pixels.map_or_else(|reason| Shown::Text(vec![reason]), Shown::Pixels)
+        pixels.map_or_else(|reason| DisplayedResult::Text(vec![reason]), DisplayedResult::Pixels)
     }
 
     /// Creates an image that just fits the pixels, with a margin of one pixel.
@@ -179,8 +188,8 @@ impl Comparison {
     }
 
     /// Counts the covered and differing pixels, and lists the first differing ones.
-    pub(crate) fn figures(&self) -> Figures {
-        let mut figures = Figures::default();
+    pub(crate) fn figures(&self) -> PixelCounts {
+        let mut figures = PixelCounts::default();
         let (width, height) = self.ours.size();
         for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
             let agreement = self.agreement(x, y);
@@ -202,7 +211,7 @@ const MAX_DIFFERING: usize = 1 << 16;
 
 /// Pixel counts of a comparison.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Figures {
+pub(crate) struct PixelCounts {
     /// Number of pixels covered by the engine, at least partly.
     pub(crate) covered: u64,
     /// Number of pixels covered by the engine or by the exact answer.
@@ -286,12 +295,12 @@ mod tests {
     }
 
     /// Shows a part of a case without cancellation.
-    fn shown(case: &Case, part: usize, options: Options) -> Shown {
+    fn shown(case: &Case, part: usize, options: Options) -> DisplayedResult {
         show(case, part, options, &Control::default()).unwrap()
     }
 
-    fn pixels(case: &Case, options: Options) -> Comparison {
-        let Shown::Pixels(comparison) = shown(case, 0, options) else { panic!("told in words") };
+    fn pixels(case: &Case, options: Options) -> PixelComparison {
+        let DisplayedResult::Pixels(comparison) = shown(case, 0, options) else { panic!("told in words") };
         comparison
     }
 
@@ -307,7 +316,7 @@ mod tests {
         };
         assert_eq!(wrong(Rasterizer::Tiled), 0);
         assert!(wrong(Rasterizer::ScanlinePublished) > 0);
-        let Shown::Pixels(other) = shown(&case, 1, Options::default()) else { panic!("told in words") };
+        let DisplayedResult::Pixels(other) = shown(&case, 1, Options::default()) else { panic!("told in words") };
         assert_eq!(other.figures().concerned, 0, "there is but one triangle");
     }
 
@@ -321,7 +330,7 @@ mod tests {
     #[test]
     fn what_no_picture_shows_is_told_in_numbers() {
         let case = case(r#"{"id":"d","kind":"depth","mapping":"standard","format":"f32","near":1,"far":3,"z":[1,2]}"#);
-        let Shown::Text(told) = shown(&case, 0, Options::default()) else { panic!("shown as pixels") };
+        let DisplayedResult::Text(told) = shown(&case, 0, Options::default()) else { panic!("shown as pixels") };
         assert!(told[0].contains("`case`") && told[2].contains("0.75"), "{told:?}");
     }
 
@@ -331,7 +340,7 @@ mod tests {
         let case = case(&format!(
             r#"{{"id":"d","kind":"depth","mapping":"standard","format":"f32","near":1,"far":3,"z":[{z}]}}"#
         ));
-        let Shown::Text(told) = shown(&case, 0, Options::default()) else { panic!("shown as pixels") };
+        let DisplayedResult::Text(told) = shown(&case, 0, Options::default()) else { panic!("shown as pixels") };
         assert!(told.iter().all(|line| line.len() <= MAX_LINE_BYTES), "a line is too long");
         assert!(told.iter().map(String::len).sum::<usize>() < MAX_TEXT_BYTES + 1000);
         assert!(told.last().unwrap().starts_with("… and more"), "{:?}", told.last());
@@ -347,7 +356,7 @@ mod tests {
         ));
         let options = Options { rasterizer: Rasterizer::Scanline, ..Options::default() };
         assert!(answer(&case, options, &Control::default()).is_err());
-        let Shown::Pixels(last) = shown(&case, 19_999, options) else { panic!("told in words") };
+        let DisplayedResult::Pixels(last) = shown(&case, 19_999, options) else { panic!("told in words") };
         assert!(last.ours.at(100, 100) == 1.0 && last.ours.at(16_383, 2_047) == 0.0);
     }
 
@@ -355,8 +364,8 @@ mod tests {
     fn pixels_that_either_covers_are_concerned() {
         let (ours, exact) =
             (Image::from_pixels(3, 1, vec![1.0, 0.0, 0.0]), Image::from_pixels(3, 1, vec![true, true, false]));
-        let comparison = Comparison { origin: (0, 0), ours, exact: Some(exact), outlines: Vec::new() };
-        let expected = Figures { covered: 1, concerned: 2, differing: 1, first: vec![(1, 0)] };
+        let comparison = PixelComparison { origin: (0, 0), ours, exact: Some(exact), outlines: Vec::new() };
+        let expected = PixelCounts { covered: 1, concerned: 2, differing: 1, first: vec![(1, 0)] };
         assert_eq!(comparison.figures(), expected);
     }
 }

@@ -4,7 +4,7 @@ pub(crate) mod comparison;
 
 mod html;
 
-pub(crate) mod leaving_out;
+pub(crate) mod skipped_work;
 
 pub(crate) mod plan;
 

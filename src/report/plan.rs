@@ -4,13 +4,13 @@ use serde::Serialize;
 
 use crate::chain::whole::{FramePart, rasterized_pixels};
 use crate::chain::{KeepDepth, Recipe};
-use crate::pipeline::plan::{DrawPlan, Part, Step, Unseen};
+use crate::pipeline::plan::{CullStats, DrawPlan, PipelinePart, PlanStep};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Scene, Transparency};
 
 /// One part of the work, of some draws or of the whole frame.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub(crate) struct Entry<P = Part> {
+pub(crate) struct PlanEntry<P = PipelinePart> {
     /// Part of the work.
     pub(crate) part: P,
     /// Whether the part runs.
@@ -22,7 +22,7 @@ pub(crate) struct Entry<P = Part> {
 
 /// Draws with equal plans.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub(crate) struct Group {
+pub(crate) struct DrawGroup {
     /// Number of draws.
     pub(crate) draws: usize,
     /// Names of the instances, in scene order.
@@ -30,25 +30,25 @@ pub(crate) struct Group {
     /// Transparency mode, which determines how the draws combine with what was drawn before.
     pub(crate) transparency: Transparency,
     /// Number of culled clusters by reason, and of all clusters, over the draws that cull any.
-    pub(crate) clusters: Unseen,
+    pub(crate) clusters: CullStats,
     /// All parts, in pipeline order.
-    pub(crate) parts: Vec<Entry>,
+    pub(crate) parts: Vec<PlanEntry>,
 }
 
 /// Work of a frame besides its draws.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub(crate) struct Whole {
+pub(crate) struct WholeFrame {
     /// Number of rasterized pixels.
     pub(crate) rasterized_pixels: u64,
     /// Number of pixels in the image.
     pub(crate) pixels: u64,
     /// All parts, in pipeline order.
-    pub(crate) parts: Vec<Entry<FramePart>>,
+    pub(crate) parts: Vec<PlanEntry<FramePart>>,
 }
 
 /// Describes the work of a frame besides its draws, if its depth buffer is not read afterwards.
-pub(crate) fn whole(scene: &Scene, recipe: &Recipe, viewport: Viewport) -> Whole {
-    Whole {
+pub(crate) fn whole(scene: &Scene, recipe: &Recipe, viewport: Viewport) -> WholeFrame {
+    WholeFrame {
         rasterized_pixels: rasterized_pixels(recipe, viewport),
         pixels: u64::from(viewport.width) * u64::from(viewport.height),
         parts: FramePart::ALL.map(|part| entry(part, part.step(scene, recipe, KeepDepth::No))).into(),
@@ -56,16 +56,16 @@ pub(crate) fn whole(scene: &Scene, recipe: &Recipe, viewport: Viewport) -> Whole
 }
 
 /// Formats the work of a frame as text, with a line per part.
-pub(crate) fn whole_text(whole: &Whole) -> String {
-    let Whole { rasterized_pixels, pixels, parts } = whole;
+pub(crate) fn whole_text(whole: &WholeFrame) -> String {
+    let WholeFrame { rasterized_pixels, pixels, parts } = whole;
     let share = *rasterized_pixels as f64 / *pixels as f64 * 100.0;
     let mut text = format!("The frame: {rasterized_pixels} of {pixels} pixels are rasterized, {share:.2} %\n");
-    parts.iter().for_each(|Entry { part, reason, .. }| text.push_str(&line(part.name(), *reason)));
+    parts.iter().for_each(|PlanEntry { part, reason, .. }| text.push_str(&line(part.name(), *reason)));
     text
 }
 
 /// Groups the draws of a scene by plan, in the order of their first draws. `plans` holds one plan per instance.
-pub(crate) fn groups(scene: &Scene, plans: &[DrawPlan]) -> Vec<Group> {
+pub(crate) fn groups(scene: &Scene, plans: &[DrawPlan]) -> Vec<DrawGroup> {
     let mut found: Vec<(Vec<DrawPlan>, Vec<String>)> = Vec::new();
     for (instance, plan) in scene.instances.iter().zip(plans) {
         match found.iter_mut().find(|(known, _)| known[0].agrees_with(plan)) {
@@ -79,25 +79,26 @@ pub(crate) fn groups(scene: &Scene, plans: &[DrawPlan]) -> Vec<Group> {
     found.into_iter().map(|(plans, names)| group(&plans, names)).collect()
 }
 
-fn group(plans: &[DrawPlan], names: Vec<String>) -> Group {
+fn group(plans: &[DrawPlan], names: Vec<String>) -> DrawGroup {
     let plan = &plans[0];
-    let parts = Part::ALL.map(|part| entry(part, plan.step(part))).into();
-    Group { draws: names.len(), names, transparency: plan.transparency(), clusters: Unseen::of(plans), parts }
+    let parts = PipelinePart::ALL.map(|part| entry(part, plan.step(part))).into();
+    DrawGroup { draws: names.len(), names, transparency: plan.transparency(), clusters: CullStats::of(plans), parts }
 }
 
-fn entry<P>(part: P, step: Step) -> Entry<P> {
-    Entry { part, runs: step.runs(), reason: step.reason() }
+fn entry<P>(part: P, step: PlanStep) -> PlanEntry<P> {
+    PlanEntry { part, runs: step.runs(), reason: step.reason() }
 }
 
 /// Maximum number of names listed in full; of longer lists, only the first and the last names are shown.
-const TOLD_NAMES: usize = 4;
+const MAX_LISTED_NAMES: usize = 4;
 
 /// Formats a group as text: the names of its draws, then a line per part.
-pub(crate) fn text(group: &Group) -> String {
+pub(crate) fn text(group: &DrawGroup) -> String {
     let draws = if group.draws == 1 { "draw" } else { "draws" };
-    let mut text = format!("{} {draws}: {}\n", group.draws, told_names(&group.names));
-    for Entry { part, reason, .. } in &group.parts {
-        let counted = (*part == Part::EveryCluster && group.clusters.left_out() > 0).then(|| group.clusters.told());
+    let mut text = format!("{} {draws}: {}\n", group.draws, listed_names(&group.names));
+    for PlanEntry { part, reason, .. } in &group.parts {
+        let counted =
+            (*part == PipelinePart::EveryCluster && group.clusters.culled() > 0).then(|| group.clusters.describe());
         text.push_str(&line(part.name(), counted.as_deref().or(*reason)));
     }
     text
@@ -109,10 +110,10 @@ fn line(name: &str, reason: Option<&str>) -> String {
     format!("  {name:21} {state}\n")
 }
 
-fn told_names(names: &[String]) -> String {
+fn listed_names(names: &[String]) -> String {
     match names {
-        [first @ .., last] if names.len() > TOLD_NAMES => {
-            format!("{}, … {last}", first[..TOLD_NAMES - 1].join(", "))
+        [first @ .., last] if names.len() > MAX_LISTED_NAMES => {
+            format!("{}, … {last}", first[..MAX_LISTED_NAMES - 1].join(", "))
         }
         _ => names.join(", "),
     }
@@ -125,7 +126,7 @@ mod tests {
     use crate::pipeline::viewport::Viewport;
     use crate::scene::builtin;
 
-    fn of(id: &str) -> Vec<Group> {
+    fn of(id: &str) -> Vec<DrawGroup> {
         let scene = builtin::by_id(id).unwrap().build();
         let frame = run(&scene, &scene.home, &Recipe::default(), Viewport { width: 64, height: 48 }, &mut ());
         groups(&scene, &frame.geometry.plans)
@@ -166,7 +167,7 @@ mod tests {
         let most = cubes.iter().max_by_key(|g| g.draws).unwrap();
         let told = text(most);
         assert!(told.starts_with(&format!("{} draws: ", most.draws)) && told.contains(", … "), "{told}");
-        assert_eq!(told.lines().count(), 1 + Part::ALL.len());
+        assert_eq!(told.lines().count(), 1 + PipelinePart::ALL.len());
         assert!(told.contains("  Alpha test            skipped: no texture that is read has alpha\n"), "{told}");
         assert!(told.contains("  Depth buffer          run\n"), "{told}");
     }

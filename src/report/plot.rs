@@ -28,13 +28,13 @@ pub(super) const MARK: f64 = 4.5;
 
 /// Range of an axis, in values or in their decimal logarithms.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Axis {
+pub(super) struct PlotAxis {
     pub(super) low: f64,
     pub(super) high: f64,
     pub(super) is_log: bool,
 }
 
-impl Axis {
+impl PlotAxis {
     /// Creates a logarithmic axis around all positive values, with some margin on both sides. Returns `None` if there
     /// are none.
     pub(super) fn log(values: impl Iterator<Item = f64>) -> Option<Self> {
@@ -78,8 +78,8 @@ impl Axis {
 
 /// Mapping from values to positions in a plot.
 pub(super) struct Plot {
-    pub(super) x: Axis,
-    pub(super) y: Axis,
+    pub(super) x: PlotAxis,
+    pub(super) y: PlotAxis,
     /// Height at the bottom that the vertical axis does not use.
     pub(super) lane: f64,
 }
@@ -163,12 +163,12 @@ mod tests {
 
     #[test]
     fn axes_hold_their_values_and_ticks() {
-        let log = Axis::log([0.02, 3.0, 0.0].into_iter()).unwrap();
+        let log = PlotAxis::log([0.02, 3.0, 0.0].into_iter()).unwrap();
         assert!(log.share(0.02) > 0.0 && log.share(3.0) < 1.0);
         let ticks = log.ticks();
         assert!(ticks.contains(&1.0) && ticks.iter().all(|tick| (0.0..=1.0).contains(&log.share(*tick))), "{ticks:?}");
-        assert!(Axis::log([0.0].into_iter()).is_none());
-        let linear = Axis::from_zero([4.0, 9.0].into_iter());
+        assert!(PlotAxis::log([0.0].into_iter()).is_none());
+        let linear = PlotAxis::from_zero([4.0, 9.0].into_iter());
         assert_eq!(linear.ticks()[..3], [0.0, 2.0, 4.0]);
     }
 

@@ -4,9 +4,9 @@ use std::fmt::Write as _;
 
 use super::PARTIAL;
 use super::html::{document, escaped, partial, tiles};
-use super::plot::{Axis, MARK, Plot, svg};
+use super::plot::{MARK, Plot, PlotAxis, svg};
 use crate::measure::machine::Machine;
-use crate::measure::scaling::{Point, Quantity, Scaling, Series};
+use crate::measure::scaling::{Scaling, ScalingPoint, ScalingQuantity, Series};
 
 /// Styles specific to this page.
 const STYLE: &str = "svg .points { fill: none; stroke: var(--c0); stroke-width: 2; } svg .mark { fill: var(--c0); } \
@@ -14,44 +14,44 @@ const STYLE: &str = "svg .points { fill: none; stroke: var(--c0); stroke-width: 
     table.rows td, table.rows th { text-align: right; padding: 3px 10px; }\n";
 
 /// Description of a quantity in the report.
-struct View {
+struct QuantityDescription {
     title: &'static str,
     of: &'static str,
     /// Singular noun for the quantity.
     one: &'static str,
 }
 
-fn view(quantity: Quantity) -> View {
+fn view(quantity: ScalingQuantity) -> QuantityDescription {
     let (title, of, one) = match quantity {
-        Quantity::Triangles => {
+        ScalingQuantity::Triangles => {
             ("Triangles", "a textured sheet as high as the picture, of ever smaller triangles", "triangle")
         }
-        Quantity::Pixels => ("Pixels", "one textured square in pictures of increasing size", "pixel"),
-        Quantity::Layers => {
+        ScalingQuantity::Pixels => ("Pixels", "one textured square in pictures of increasing size", "pixel"),
+        ScalingQuantity::Layers => {
             ("Layers", "textured squares behind each other, drawn back to front: all but the last are hidden", "layer")
         }
-        Quantity::Threads => {
+        ScalingQuantity::Threads => {
             ("Threads", "a sheet of a hundred thousand triangles, drawn by an increasing number of threads", "thread")
         }
     };
-    View { title, of, one }
+    QuantityDescription { title, of, one }
 }
 
 /// Returns the frame time per unit of the quantity, in nanoseconds.
-fn ns_each(point: &Point) -> f64 {
+fn ns_each(point: &ScalingPoint) -> f64 {
     point.ms.median * 1e6 / point.value
 }
 
 /// Returns the speed-up relative to the first point of the series.
-fn speed_up(series: &Series, point: &Point) -> Option<f64> {
+fn speed_up(series: &Series, point: &ScalingPoint) -> Option<f64> {
     Some(series.points.first()?.ms.median / point.ms.median)
 }
 
 /// Describes the line through the ends of a series, or the speed-up by threads. Returns `None` for a series over
 /// threads with only one thread.
 pub(crate) fn finding(series: &Series) -> Option<String> {
-    let View { one, .. } = view(series.quantity);
-    if series.quantity == Quantity::Threads {
+    let QuantityDescription { one, .. } = view(series.quantity);
+    if series.quantity == ScalingQuantity::Threads {
         let last = series.points.last().filter(|point| point.value > 1.0)?;
         let times = speed_up(series, last)?;
         return Some(format!("{} threads are {times:.2} times as fast as one.", last.value));
@@ -79,7 +79,7 @@ pub(crate) fn guide(series: &Series) -> Vec<(f64, f64)> {
     let (Some(first), Some(last)) = (series.points.first(), series.points.last()) else { return Vec::new() };
     let line = series.line();
     let ms = |value: f64| match series.quantity {
-        Quantity::Threads => Some(first.ms.median * first.value / value),
+        ScalingQuantity::Threads => Some(first.ms.median * first.value / value),
         _ => line.map(|line| line.fixed_ms + line.ns_each * value / 1e6),
     };
     let ratio = last.value / first.value;
@@ -88,9 +88,9 @@ pub(crate) fn guide(series: &Series) -> Vec<(f64, f64)> {
 }
 
 /// Describes the curve of [`guide`].
-fn guide_words(quantity: Quantity) -> &'static str {
+fn guide_words(quantity: ScalingQuantity) -> &'static str {
     match quantity {
-        Quantity::Threads => "Dashed: ideal scaling, n threads n times as fast as one.",
+        ScalingQuantity::Threads => "Dashed: ideal scaling, n threads n times as fast as one.",
         _ => "Dashed: fixed cost plus the same cost for each, through the first and the last point.",
     }
 }
@@ -152,9 +152,9 @@ pub(crate) fn text(scaling: &Scaling) -> String {
     let mut text =
         format!("{width} × {height} px, {} threads, medians of {} rounds\n", scaling.threads, scaling.rounds);
     for series in &scaling.series {
-        let View { title, of, .. } = view(series.quantity);
+        let QuantityDescription { title, of, .. } = view(series.quantity);
         // Threads share the work, so cost per thread is meaningless.
-        let by_threads = series.quantity == Quantity::Threads;
+        let by_threads = series.quantity == ScalingQuantity::Threads;
         let each = if by_threads { String::new() } else { format!("{:>12} {:>14} ", "ns each", "ns each more") };
         let _ = write!(
             text,
@@ -194,7 +194,7 @@ pub(crate) fn csv(scaling: &Scaling) -> String {
     let mut csv = "quantity,value,rounds,ms,p10,p90,ns_each,bytes\n".to_owned();
     for (series, point) in scaling.series.iter().flat_map(|s| s.points.iter().map(move |point| (s, point))) {
         let ms = point.ms;
-        let each = if series.quantity == Quantity::Threads { String::new() } else { ns_each(point).to_string() };
+        let each = if series.quantity == ScalingQuantity::Threads { String::new() } else { ns_each(point).to_string() };
         let _ = writeln!(
             csv,
             "{},{},{},{},{},{},{each},{}",
@@ -235,9 +235,9 @@ pub(crate) fn page(scaling: &Scaling) -> String {
 }
 
 fn section(series: &Series) -> String {
-    let View { title, of, one } = view(series.quantity);
+    let QuantityDescription { title, of, one } = view(series.quantity);
     let mut rows = String::new();
-    let by_threads = series.quantity == Quantity::Threads;
+    let by_threads = series.quantity == ScalingQuantity::Threads;
     for (place, point) in series.points.iter().enumerate() {
         let ms = point.ms;
         let each = match speed_up(series, point).filter(|_| by_threads) {
@@ -278,7 +278,7 @@ fn section(series: &Series) -> String {
 fn drawing(series: &Series) -> String {
     let times = series.points.iter().flat_map(|point| [point.ms.p10, point.ms.median, point.ms.p90]);
     let times = times.chain(guide(series).into_iter().map(|(_, ms)| ms));
-    let Some((x, y)) = Axis::log(series.points.iter().map(|point| point.value)).zip(Axis::log(times)) else {
+    let Some((x, y)) = PlotAxis::log(series.points.iter().map(|point| point.value)).zip(PlotAxis::log(times)) else {
         return String::new();
     };
     let plot = Plot { x, y, lane: 0.0 };
@@ -312,15 +312,15 @@ mod tests {
     use crate::measure::timing::summarize;
 
     fn scaling() -> Scaling {
-        let point = |value: f64, ms: f64| Point { value, ms: summarize(&[ms]).unwrap(), bytes: 2_000_000 };
+        let point = |value: f64, ms: f64| ScalingPoint { value, ms: summarize(&[ms]).unwrap(), bytes: 2_000_000 };
         let series = |quantity, points| Series { quantity, points };
         Scaling {
             size: [64, 36],
             threads: 2,
             rounds: 1,
             series: vec![
-                series(Quantity::Triangles, vec![point(1000.0, 3.0), point(5000.0, 7.0)]),
-                series(Quantity::Threads, vec![point(1.0, 8.0), point(2.0, 5.0)]),
+                series(ScalingQuantity::Triangles, vec![point(1000.0, 3.0), point(5000.0, 7.0)]),
+                series(ScalingQuantity::Threads, vec![point(1.0, 8.0), point(2.0, 5.0)]),
             ],
             partial: false,
         }

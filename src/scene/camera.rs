@@ -47,22 +47,22 @@ pub struct Camera {
     pub far: f32,
     /// Mapping from the view's picture to the picture that is drawn; `None` if they coincide. Not saved with a view.
     #[serde(skip)]
-    pub(crate) window: Option<Window>,
+    pub sub_view: Option<SubView>,
 }
 
 /// Picture whose rectangle differs from that of the view. Examples are a low-resolution picture whose last pixels
 /// extend past the edge, and one shifted by a fraction of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Window {
+pub struct SubView {
     /// Aspect ratio of the view, width over height.
-    pub(crate) aspect: f32,
+    pub aspect: f32,
     /// Scale in x and y, from normalised device coordinates of the view to those of the drawn picture.
-    pub(crate) scale: [f32; 2],
+    pub scale: [f32; 2],
     /// Offset in x and y, added after the scale.
-    pub(crate) shift: [f32; 2],
+    pub shift: [f32; 2],
 }
 
-impl Window {
+impl SubView {
     fn clip_from_clip(self) -> Mat4 {
         let ([scale_x, scale_y], [shift_x, shift_y]) = (self.scale, self.shift);
         Mat4::from_cols(Vec4::X * scale_x, Vec4::Y * scale_y, Vec4::Z, Vec4::new(shift_x, shift_y, 0.0, 1.0))
@@ -99,7 +99,7 @@ impl Camera {
             projection: Projection::Perspective { fov_y: DEFAULT_FOV_Y },
             near: distance * 0.01,
             far: distance * 100.0,
-            window: None,
+            sub_view: None,
         }
     }
 
@@ -146,7 +146,7 @@ impl Camera {
 
     /// Returns the unit vector to the right in the picture. Uses another up vector if the given one is parallel to the
     /// line of sight.
-    pub(crate) fn right(&self) -> Vec3 {
+    pub fn right(&self) -> Vec3 {
         let forward = self.forward();
         let right = forward.cross(self.up.normalize_or(Vec3::Y));
         right.try_normalize().unwrap_or_else(|| forward.any_orthonormal_vector())
@@ -188,7 +188,7 @@ impl Camera {
     /// Rendering", 2012).
     pub fn clip_from_view(&self, aspect: f32, mapping: DepthMapping) -> Mat4 {
         let (near, far) = (f64::from(self.near), f64::from(self.far));
-        let aspect = self.window.map_or(aspect, |window| window.aspect);
+        let aspect = self.sub_view.map_or(aspect, |window| window.aspect);
         let mut m = Mat4::ZERO;
         match self.projection {
             Projection::Perspective { fov_y } => {
@@ -219,7 +219,7 @@ impl Camera {
                 m.w_axis.w = 1.0;
             }
         }
-        self.window.map_or(m, |window| window.clip_from_clip() * m)
+        self.sub_view.map_or(m, |window| window.clip_from_clip() * m)
     }
 
     /// Whether the far plane is at z = 0 in clip space; otherwise the near plane is there.
@@ -240,7 +240,7 @@ impl Camera {
     }
 
     /// Orbits the eye around the target, `yaw` to the right and `pitch` upwards, radians. Stops short of the poles.
-    pub(crate) fn orbit(&mut self, yaw: f32, pitch: f32) {
+    pub fn orbit(&mut self, yaw: f32, pitch: f32) {
         let up = self.up.normalize_or(Vec3::Y);
         let offset = self.eye - self.target;
         let elevation = unit_or(offset.as_dvec3(), Vec3::Z).dot(up).clamp(-1.0, 1.0).asin();
@@ -263,7 +263,7 @@ impl Camera {
     /// Dollies the camera: multiplies the distance to the target, and the visible height of an orthographic view, by
     /// `factor`. A minimum distance keeps eye and target numerically distinct.
     pub fn dolly(&mut self, factor: f32) {
-        let factor = factor.max((self.least_distance() / self.distance()).min(1.0));
+        let factor = factor.max((self.min_distance() / self.distance()).min(1.0));
         if let Projection::Orthographic { height } = &mut self.projection {
             *height = (*height * factor).clamp(1e-30, 1e34);
         }
@@ -275,7 +275,7 @@ impl Camera {
 
     /// Returns the minimum distance between eye and target, world units. Any closer, rounding of their coordinates
     /// would change the line of sight.
-    fn least_distance(&self) -> f32 {
+    fn min_distance(&self) -> f32 {
         (self.eye.abs().max(self.target.abs()).max_element() * 1e-5).max(1e-30)
     }
 
@@ -312,7 +312,7 @@ impl Camera {
     /// Returns the perspective view that shows `height` world units at the target. The near and far planes keep their
     /// world positions unless they would be behind or too close to the eye.
     fn perspective_of(self, height: f32) -> Self {
-        let distance = (height * 0.5 / (DEFAULT_FOV_Y * 0.5).tan()).max(self.least_distance());
+        let distance = (height * 0.5 / (DEFAULT_FOV_Y * 0.5).tan()).max(self.min_distance());
         let shift = distance - self.distance();
         let near = (self.near + shift).max(distance * 0.01);
         Self {
@@ -326,8 +326,8 @@ impl Camera {
 
     /// Checks that the view can be rendered. Errors: values that are not finite or out of range, or eye and target
     /// coincide.
-    pub(crate) fn check(&self) -> Result<(), String> {
-        let Self { eye, target, up, projection, near, far, window: _ } = *self;
+    pub fn check(&self) -> Result<(), String> {
+        let Self { eye, target, up, projection, near, far, sub_view: _ } = *self;
         if !(eye.is_finite() && target.is_finite() && up.is_finite()) {
             return Err("eye, target and up must be finite".to_owned());
         }

@@ -50,14 +50,14 @@ impl TryFrom<CameraFile> for Camera {
             (None, None, None) => return Err("missing field `fov_y_degrees`".to_owned()),
             _ => return Err("give only one of fov_y_degrees, fov_y_radians and height".to_owned()),
         };
-        let camera = Self { eye, target, up, projection, near, far, window: None };
+        let camera = Self { eye, target, up, projection, near, far, sub_view: None };
         camera.check().map(|()| camera)
     }
 }
 
 impl From<&Camera> for CameraFile {
     fn from(camera: &Camera) -> Self {
-        let Camera { eye, target, up, projection, near, far, window: _ } = *camera;
+        let Camera { eye, target, up, projection, near, far, sub_view: _ } = *camera;
         let (mut fov_y_degrees, mut fov_y_radians, mut height) = (None, None, None);
         match projection {
             // Degrees are easier to read, but not every angle in radians survives the conversion to degrees and back.
@@ -72,13 +72,13 @@ impl From<&Camera> for CameraFile {
 }
 
 /// Serializes a view as one line of JSON, the format of [`parse`] and [`read`].
-pub(crate) fn text(camera: &Camera) -> String {
+pub fn text(camera: &Camera) -> String {
     // All fields are plain numbers, so serialization cannot fail.
     serde_json::to_string(&CameraFile::from(camera)).unwrap_or_default()
 }
 
 /// Parses a view from JSON text. Errors: malformed JSON or unknown fields, or a view that [`Camera::check`] rejects.
-pub(crate) fn parse(text: &str) -> Result<Camera, String> {
+pub fn parse(text: &str) -> Result<Camera, String> {
     serde_json::from_str::<CameraFile>(text).map_err(|error| error.to_string()).and_then(Camera::try_from)
 }
 

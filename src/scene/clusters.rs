@@ -21,10 +21,10 @@ pub(crate) const BLOCK: usize = 32;
 
 /// Maximum number of block ranges per cluster. A cluster with more is treated as referring to all blocks from its first
 /// to its last. Neighbours in a row of a grid refer to that row of vertices and to the next.
-const MOST_RANGES: usize = 8;
+const MAX_RANGES: usize = 8;
 
 /// Minimum number of clusters per mesh. Smaller meshes have no clusters, because culling them would save little.
-const FEWEST: usize = 4;
+const MIN_CLUSTERS: usize = 4;
 
 /// Bounding boxes of eight clusters in model space, in SIMD layout: minimum x, y, z, then maximum x, y, z.
 pub(crate) type Boxes = [[[f32; LANES]; 3]; 2];
@@ -34,7 +34,7 @@ pub(crate) type Boxes = [[[f32; LANES]; 3]; 2];
 /// A plane is n·p = d, where the unit normal n points to the side from which the triangle appears counter-clockwise.
 /// Triangles with two coincident corners are excluded, because they never have an area.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Planes {
+pub(crate) struct ClusterPlanes {
     /// Conservative lower and upper bounds of each component of n.
     pub(crate) normals: [[[f32; LANES]; 3]; 2],
     /// Conservative lower and upper bounds of d, model units.
@@ -52,7 +52,7 @@ pub(crate) struct Clusters {
     /// Boxes of eight clusters per entry; the last cluster's box pads the last entry.
     boxes: Vec<Boxes>,
     /// Plane bounds of the same eight clusters per entry.
-    planes: Vec<Planes>,
+    planes: Vec<ClusterPlanes>,
     /// Ranges of vertex blocks, cluster by cluster, as [first block, one past the last block].
     blocks: Vec<[u32; 2]>,
     /// Start of each cluster's ranges in `blocks`, plus a final end.
@@ -62,7 +62,7 @@ pub(crate) struct Clusters {
 impl Clusters {
     /// Builds the clusters of a mesh. All vertex indices of `triangles` must be in range of `positions`.
     pub(super) fn new(positions: &[Vec3], triangles: &[[u32; 3]]) -> Self {
-        if triangles.len() < FEWEST * CLUSTER {
+        if triangles.len() < MIN_CLUSTERS * CLUSTER {
             return Self::default();
         }
         let numbers = || triangles.chunks(CLUSTER).map(<[[u32; 3]]>::as_flattened);
@@ -88,7 +88,7 @@ impl Clusters {
             triangles: triangles.len(),
             boxes: bounds.chunks(LANES).map(boxes).collect(),
             planes: numbers()
-                .map(|numbers| facing(positions, numbers))
+                .map(|numbers| plane_bounds(positions, numbers))
                 .collect::<Vec<_>>()
                 .chunks(LANES)
                 .map(planes)
@@ -114,7 +114,7 @@ impl Clusters {
     }
 
     /// Returns the plane bounds, eight clusters per entry.
-    pub(crate) fn planes(&self) -> &[Planes] {
+    pub(crate) fn planes(&self) -> &[ClusterPlanes] {
         &self.planes
     }
 
@@ -132,7 +132,7 @@ impl Clusters {
     /// Returns the heap memory in use, in bytes.
     pub(super) fn bytes(&self) -> usize {
         self.boxes.capacity() * size_of::<Boxes>()
-            + self.planes.capacity() * size_of::<Planes>()
+            + self.planes.capacity() * size_of::<ClusterPlanes>()
             + self.blocks.capacity() * size_of::<[u32; 2]>()
             + self.starts.capacity() * size_of::<u32>()
     }
@@ -156,7 +156,7 @@ fn push_ranges(own: &[u32], ranges: &mut Vec<[u32; 2]>) {
         ranges.push([next[0], next[next.len() - 1] + 1]);
     }
     if let [[start, _], .., [_, end]] = ranges[first..]
-        && ranges.len() - first > MOST_RANGES
+        && ranges.len() - first > MAX_RANGES
     {
         ranges.truncate(first);
         ranges.push([start, end]);
@@ -164,7 +164,7 @@ fn push_ranges(own: &[u32], ranges: &mut Vec<[u32; 2]>) {
 }
 
 /// Plane bounds of one cluster: minimum and maximum of n and d, and the minimum altitude.
-type Facing = ([[f32; 4]; 2], f32);
+type PlaneBounds = ([[f32; 4]; 2], f32);
 
 /// Error bound of a normal's component, and of an offset d relative to the sum of the coordinates behind it.
 ///
@@ -173,13 +173,13 @@ type Facing = ([[f32; 4]; 2], f32);
 const PLANE_ERROR: f64 = 1e-6;
 
 /// Lower bound of the coordinate sum in error bounds, which keeps them above the rounding of f32.
-const LEAST_SIZE: f64 = 1e-30;
+const MIN_SIZE: f64 = 1e-30;
 
 /// Ratio of altitude to longest edge at or below which a triangle is too thin for a reliable normal.
-const THINNEST: f64 = 1e-6;
+const MIN_ALTITUDE_RATIO: f64 = 1e-6;
 
 /// Computes the plane bounds of triangles, given as vertex indices.
-fn facing(positions: &[Vec3], numbers: &[u32]) -> Facing {
+fn plane_bounds(positions: &[Vec3], numbers: &[u32]) -> PlaneBounds {
     let (mut ends, mut altitude) = ([[f32::INFINITY; 4], [f32::NEG_INFINITY; 4]], f32::INFINITY);
     for corners in numbers.as_chunks::<3>().0 {
         let [a, b, c] = corners.map(|i| positions[i as usize]);
@@ -195,12 +195,12 @@ fn facing(positions: &[Vec3], numbers: &[u32]) -> Facing {
         let doubled_area = doubled_area_normal.length();
         let longest = (b - a).length().max((c - b).length()).max((a - c).length());
         let own = doubled_area / longest;
-        if own.is_nan() || own <= THINNEST * longest {
+        if own.is_nan() || own <= MIN_ALTITUDE_RATIO * longest {
             altitude = 0.0;
             continue;
         }
         let normal = doubled_area_normal / doubled_area;
-        let size = a.abs().element_sum().max(LEAST_SIZE);
+        let size = a.abs().element_sum().max(MIN_SIZE);
         let plane = [(normal.x, 1.0), (normal.y, 1.0), (normal.z, 1.0), (normal.dot(a), size)];
         for (i, (at, size)) in plane.into_iter().enumerate() {
             ends[0][i] = ends[0][i].min((at - PLANE_ERROR * size) as f32);
@@ -213,10 +213,10 @@ fn facing(positions: &[Vec3], numbers: &[u32]) -> Facing {
 }
 
 /// Converts the plane bounds of up to eight clusters to SIMD layout. The last cluster pads missing lanes.
-fn planes(facing: &[Facing]) -> Planes {
+fn planes(facing: &[PlaneBounds]) -> ClusterPlanes {
     let of = |lane: usize| facing[lane.min(facing.len() - 1)];
     let end = |end: usize, i: usize| std::array::from_fn(|lane| of(lane).0[end][i]);
-    Planes {
+    ClusterPlanes {
         normals: [0, 1].map(|at| [0, 1, 2].map(|axis| end(at, axis))),
         offsets: [0, 1].map(|at| end(at, 3)),
         altitudes: std::array::from_fn(|lane| of(lane).1),
@@ -237,7 +237,7 @@ mod tests {
     #[test]
     fn every_triangle_is_within_the_box_and_the_vertices_of_its_cluster() {
         let mut random = fastrand::Rng::with_seed(9);
-        for count in [FEWEST * CLUSTER, 9 * CLUSTER + 1, 17 * CLUSTER - 1] {
+        for count in [MIN_CLUSTERS * CLUSTER, 9 * CLUSTER + 1, 17 * CLUSTER - 1] {
             let positions: Vec<Vec3> =
                 (0..count).map(|_| Vec3::from_array(std::array::from_fn(|_| random.f32() - 0.5))).collect();
             let mut corner = |i: usize| (i + random.usize(..100)).min(count - 1) as u32;
@@ -268,8 +268,8 @@ mod tests {
         push_ranges(&[1, 2, 3, 5, 8, 9], &mut ranges);
         assert_eq!(ranges, [[7, 9], [1, 4], [5, 6], [8, 10]]);
         let mut ranges = vec![[7, 9]];
-        push_ranges(&(0..2 * MOST_RANGES as u32 + 2).step_by(2).collect::<Vec<_>>(), &mut ranges);
-        assert_eq!(ranges, [[7, 9], [0, 2 * MOST_RANGES as u32 + 1]]);
+        push_ranges(&(0..2 * MAX_RANGES as u32 + 2).step_by(2).collect::<Vec<_>>(), &mut ranges);
+        assert_eq!(ranges, [[7, 9], [0, 2 * MAX_RANGES as u32 + 1]]);
     }
 
     #[test]
@@ -277,7 +277,7 @@ mod tests {
         let positions =
             [[0.0, 0.0, 5.0], [2.0, 0.0, 5.0], [0.0, 1.0, 5.0], [0.0, 0.0, 5.0], [1.0, 1e-7, 5.0], [0.0, 1.0, 4.0]];
         let positions = positions.map(Vec3::from_array);
-        let ([least, greatest], altitude) = facing(&positions, &[0, 1, 2, 0, 3, 1, 0, 1, 5]);
+        let ([least, greatest], altitude) = plane_bounds(&positions, &[0, 1, 2, 0, 3, 1, 0, 1, 5]);
         let altitude_of_first = 2.0 / 5.0_f32.sqrt();
         assert!(altitude <= altitude_of_first && altitude > altitude_of_first - 1e-5, "{altitude}");
         // The first triangle faces along z, the last one at 45° between y and z.
@@ -287,13 +287,13 @@ mod tests {
             assert!(f64::from(least[i]) < from && f64::from(greatest[i]) > to, "{i}: {} {}", least[i], greatest[i]);
             assert!(f64::from(least[i]) > from - 1e-5 && f64::from(greatest[i]) < to + 1e-5, "{i}");
         }
-        assert_eq!(facing(&positions, &[0, 1, 2, 0, 1, 4]).1, 0.0);
-        assert_eq!(facing(&positions, &[0, 3, 1]).1, 0.0, "no triangle with an area");
+        assert_eq!(plane_bounds(&positions, &[0, 1, 2, 0, 1, 4]).1, 0.0);
+        assert_eq!(plane_bounds(&positions, &[0, 3, 1]).1, 0.0, "no triangle with an area");
     }
 
     #[test]
     fn small_meshes_have_none() {
-        let triangles = vec![[0, 1, 2]; FEWEST * CLUSTER - 1];
+        let triangles = vec![[0, 1, 2]; MIN_CLUSTERS * CLUSTER - 1];
         assert!(Clusters::new(&[Vec3::ZERO, Vec3::X, Vec3::Y], &triangles).is_empty());
     }
 }

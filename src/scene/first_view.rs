@@ -34,7 +34,7 @@ impl UpAxis {
     }
 
     /// Rotates a vector of a y-up world into a world with this axis up.
-    fn turned(self, vector: Vec3) -> Vec3 {
+    fn rotated(self, vector: Vec3) -> Vec3 {
         match self {
             Self::Y => vector,
             Self::Z => Vec3::new(vector.x, -vector.z, vector.y),
@@ -48,7 +48,7 @@ impl UpAxis {
     pub(crate) fn guess(bounds: Aabb) -> Self {
         let (size, center) = (bounds.max - bounds.min, bounds.center());
         let stands_on_zero = |axis: usize| bounds.min[axis].abs() <= ON_ZERO * size[axis];
-        let has_height = size.z >= LEAST_HEIGHT * size.max_element() && size.y > 0.0;
+        let has_height = size.z >= MIN_HEIGHT * size.max_element() && size.y > 0.0;
         let is_centred = center.y.abs() <= CENTRED * size.y;
         if has_height && stands_on_zero(2) && is_centred && !stands_on_zero(1) { Self::Z } else { Self::Y }
     }
@@ -59,7 +59,7 @@ impl UpAxis {
 const ON_ZERO: f32 = 0.01;
 
 /// Minimum height relative to the largest side for a model to count as not flat.
-const LEAST_HEIGHT: f32 = 0.05;
+const MIN_HEIGHT: f32 = 0.05;
 
 /// Maximum distance of the centre from 0, relative to the size, for a model to count as centred.
 const CENTRED: f32 = 0.05;
@@ -81,7 +81,7 @@ const CLEARLY_MORE: f64 = 1.6;
 
 /// Returns a view of the whole scene with this axis up.
 pub(super) fn first_view(scene: &Scene, up: UpAxis) -> Camera {
-    let [preferred, others @ ..] = DIRECTIONS.map(|direction| up.turned(direction));
+    let [preferred, others @ ..] = DIRECTIONS.map(|direction| up.rotated(direction));
     let mut best = (preferred, front_area(scene, preferred));
     for direction in others {
         let area = front_area(scene, direction);
@@ -126,7 +126,7 @@ mod tests {
     #[test]
     fn a_view_with_z_up_shows_the_same_of_a_model_that_is_turned() {
         let direction = Vec3::new(0.55, 0.4, 1.0);
-        let turned = UpAxis::Z.turned(direction);
+        let turned = UpAxis::Z.rotated(direction);
         assert_eq!(turned.dot(Vec3::Z), direction.dot(Vec3::Y));
         assert_eq!(UpAxis::nearest(UpAxis::Z.unit()), UpAxis::Z);
     }

@@ -71,7 +71,7 @@ impl Library {
     }
 
     /// Returns the texture of an identifier from this library.
-    pub(crate) fn texture(&self, id: TextureId) -> &Texture {
+    pub fn texture(&self, id: TextureId) -> &Texture {
         &self.textures[id.index()]
     }
 

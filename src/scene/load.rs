@@ -14,7 +14,7 @@ pub struct MemoryLimit {
 
 impl MemoryLimit {
     /// Returns a limit in MiB.
-    pub(crate) const fn mib(mib: u32) -> Self {
+    pub const fn mib(mib: u32) -> Self {
         Self { mib }
     }
 
@@ -41,16 +41,16 @@ impl fmt::Display for MemoryLimit {
 #[derive(Clone, Copy)]
 pub struct LoadControl<'a> {
     /// Memory limit.
-    pub(crate) memory: MemoryLimit,
+    pub memory: MemoryLimit,
     /// Receives the completed share, from 0 to 1, several times a second.
-    pub(crate) progress: &'a (dyn Fn(f32) + Sync),
+    pub progress: &'a (dyn Fn(f32) + Sync),
     /// Cancellation flag: once `true`, the load ends with [`SceneError::Cancelled`].
-    pub(crate) cancel: &'a AtomicBool,
+    pub cancel: &'a AtomicBool,
 }
 
 impl LoadControl<'static> {
     /// Returns a control that reports nothing and never cancels.
-    pub(crate) fn quiet(memory: MemoryLimit) -> Self {
+    pub fn quiet(memory: MemoryLimit) -> Self {
         static NEVER: AtomicBool = AtomicBool::new(false);
         Self { memory, progress: &|_| {}, cancel: &NEVER }
     }

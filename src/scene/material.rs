@@ -20,43 +20,43 @@ pub enum Transparency {
 }
 
 /// Alpha-test threshold: fragments with a lower filtered alpha are discarded.
-pub(crate) const CUT_OUT_BELOW: f32 = 0.5;
+pub(crate) const ALPHA_TEST_THRESHOLD: f32 = 0.5;
 
 /// Surface properties that the pipeline shades with.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// Display name, from the file or assigned.
-    pub(crate) name: String,
+    pub name: String,
     /// Diffuse colour (`Kd`), multiplied with the texture; sRGB values in [0, 1].
-    pub(crate) diffuse: Vec3,
+    pub diffuse: Vec3,
     /// Opacity (`d`, or 1 − `Tr`) from 0, invisible, to 1, opaque; multiplied with the alpha of the texture.
     pub opacity: f32,
     /// Colour texture (`map_Kd`).
     pub texture: Option<TextureId>,
     /// File name of a texture that could not be read; the plain colour replaces it.
-    pub(crate) missing_texture: Option<String>,
+    pub missing_texture: Option<String>,
     /// Texture of the unlit side, used only by cel shading.
     pub dark_texture: Option<TextureId>,
     /// Emitted colour (`Ke`), added after lighting; sRGB values in [0, 1], black for none.
-    pub(crate) emission: Vec3,
+    pub emission: Vec3,
     /// Texture (`map_Ke`) that multiplies the emitted colour.
-    pub(crate) emission_texture: Option<TextureId>,
+    pub emission_texture: Option<TextureId>,
     /// Specular colour (`Ks`) of Blinn–Phong shading; sRGB values in [0, 1].
-    pub(crate) specular: Vec3,
+    pub specular: Vec3,
     /// Specular exponent (`Ns`) of Blinn–Phong shading, at least 0.
-    pub(crate) shininess: f32,
+    pub shininess: f32,
     /// Texture (`map_d`) whose alpha channel multiplies the opacity.
-    pub(crate) alpha_texture: Option<TextureId>,
+    pub alpha_texture: Option<TextureId>,
     /// Tangent-space normal map (`norm`, `map_Bump`): x right, y up the picture (OpenGL), z out of the surface.
-    pub(crate) normal_texture: Option<TextureId>,
+    pub normal_texture: Option<TextureId>,
     /// Factor of the x and y components of the normal map (`-bm`).
-    pub(crate) normal_scale: f32,
+    pub normal_scale: f32,
     /// Factor of the texture coordinates (`-s`), applied per vertex, before the offset.
-    pub(crate) uv_scale: Vec2,
+    pub uv_scale: Vec2,
     /// Offset of the texture coordinates (`-o`), v down.
-    pub(crate) uv_offset: Vec2,
+    pub uv_offset: Vec2,
     /// Whether texture coordinates are clamped, regardless of the address mode in the settings.
-    pub(crate) clamp: bool,
+    pub clamp: bool,
 }
 
 impl Material {

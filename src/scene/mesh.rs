@@ -13,7 +13,7 @@ use crate::text;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshData {
     /// Display name.
-    pub(crate) name: String,
+    pub name: String,
     /// Position of each vertex, model space.
     pub positions: Vec<Vec3>,
     /// Unit normal of each vertex, model space. If empty, normals are computed.
@@ -124,7 +124,7 @@ impl Mesh {
     }
 
     /// Returns the number of vertices whose given normal was not finite and was replaced by zero.
-    pub(crate) fn lost_normals(&self) -> usize {
+    pub fn lost_normals(&self) -> usize {
         self.lost_normals
     }
 
@@ -134,7 +134,7 @@ impl Mesh {
     }
 
     /// Returns the bounding box of all vertices with finite positions, model space.
-    pub(crate) fn bounds(&self) -> Aabb {
+    pub fn bounds(&self) -> Aabb {
         self.bounds
     }
 

@@ -13,7 +13,7 @@ use crate::image::{Image, Rgba8};
 /// Location of a mip level in the shared texel array. A single array, so that SIMD code can load it whole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C, align(16))]
-pub(crate) struct Level {
+pub(crate) struct LevelLocation {
     /// Index of the level's first texel, that of the next smaller level (for the smallest level, its own), width, and
     /// height.
     pub(crate) numbers: [u32; 4],
@@ -29,7 +29,7 @@ pub(crate) struct Levels<T> {
     /// Texels, including unused gaps between the levels.
     pub(crate) texels: Box<[T]>,
     /// Location of each level, the largest first.
-    pub(crate) places: Box<[Level]>,
+    pub(crate) locations: Box<[LevelLocation]>,
 }
 
 impl<T: Copy + Default> Levels<T> {
@@ -38,12 +38,12 @@ impl<T: Copy + Default> Levels<T> {
         let images: Vec<_> = images.collect();
         let sizes: Vec<_> =
             images.iter().map(|image| [image.width() as usize + 1, image.height() as usize + 1]).collect();
-        let corners = corners(&sizes);
+        let corners = level_origins(&sizes);
         let stride = sizes[0][0];
         let rows = corners.iter().zip(&sizes).map(|([_, row], [_, height])| row + height).max().unwrap_or(0);
         let mut texels = vec![T::default(); rows * stride].into_boxed_slice();
         for ((image, [column, row]), [width, height]) in images.iter().zip(&corners).zip(&sizes) {
-            let mut values = wrapped(image, &value);
+            let mut values = with_wrapped_border(image, &value);
             for row in texels.chunks_exact_mut(stride).skip(*row).take(*height) {
                 for (texel, value) in row[*column..column + width].iter_mut().zip(&mut values) {
                     *texel = value;
@@ -52,21 +52,20 @@ impl<T: Copy + Default> Levels<T> {
         }
         let first = |[column, row]: [usize; 2]| (row * stride + column) as u32;
         let next = corners.iter().skip(1).chain(corners.last());
-        let places = images
-            .iter()
-            .zip(corners.iter().zip(next))
-            .map(|(image, (own, next))| Level { numbers: [first(*own), first(*next), image.width(), image.height()] });
-        Self { texels, places: places.collect() }
+        let places = images.iter().zip(corners.iter().zip(next)).map(|(image, (own, next))| LevelLocation {
+            numbers: [first(*own), first(*next), image.width(), image.height()],
+        });
+        Self { texels, locations: places.collect() }
     }
 
     /// Returns the heap memory in use, in bytes.
     pub(super) fn bytes(&self) -> usize {
-        size_of_val(&*self.texels) + size_of_val(&*self.places)
+        size_of_val(&*self.texels) + size_of_val(&*self.locations)
     }
 }
 
 /// Returns the column and row of each level's first texel. `sizes` include the repeated texels.
-fn corners(sizes: &[[usize; 2]]) -> Vec<[usize; 2]> {
+fn level_origins(sizes: &[[usize; 2]]) -> Vec<[usize; 2]> {
     let [across, first, second] = [0, 1, 2].map(|level| sizes.get(level).map_or(0, |[width, _]| *width));
     let has_room = first + second <= across;
     let (mut column, mut row) = (0, 0);
@@ -83,7 +82,7 @@ fn corners(sizes: &[[usize; 2]]) -> Vec<[usize; 2]> {
 
 /// Returns the texels of an image, converted by `value`. Each row is followed by its first texel, and the last row by
 /// the first row.
-pub(super) fn wrapped<T>(image: &Image<Rgba8>, value: impl Fn(Rgba8) -> T) -> impl Iterator<Item = T> {
+pub(super) fn with_wrapped_border<T>(image: &Image<Rgba8>, value: impl Fn(Rgba8) -> T) -> impl Iterator<Item = T> {
     let rows = (0..image.height()).chain([0]).map(|y| image.row(y));
     rows.flat_map(|row| row.iter().chain(row.first())).map(move |texel| value(*texel))
 }
@@ -93,7 +92,7 @@ type Texel = [f32; 4];
 
 /// Returns the smaller mip levels, the largest first; none for a texture of one texel. Means are of linear light, or of
 /// codes if `linear` is false.
-pub(super) fn smaller(image: &Image<Rgba8>, linear: bool) -> Vec<Image<Rgba8>> {
+pub(super) fn mip_levels(image: &Image<Rgba8>, linear: bool) -> Vec<Image<Rgba8>> {
     let tables = Tables::get();
     let value = |code: u8| if linear { tables.linear_of_code[code as usize] } else { f32::from(code) / 255.0 };
     let mut last = image.map(|[r, g, b, a]| {
@@ -174,7 +173,7 @@ mod tests {
     #[test]
     fn sides_are_halved_down_to_one_texel() {
         let sizes = |width, height| -> Vec<_> {
-            smaller(&Image::filled(width, height, [9; 4]), true).iter().map(Image::size).collect()
+            mip_levels(&Image::filled(width, height, [9; 4]), true).iter().map(Image::size).collect()
         };
         assert_eq!(sizes(8, 4), [(4, 2), (2, 1), (1, 1)]);
         assert_eq!(sizes(5, 7), [(2, 3), (1, 1)]);
@@ -187,11 +186,13 @@ mod tests {
         for (width, height) in [(16, 16), (5, 7), (1, 9), (12, 3)] {
             let plain = Image::filled(width, height, [7, 130, 255, 255]);
             for linear in [false, true] {
-                assert!(smaller(&plain, linear).iter().all(|copy| copy.pixels().iter().all(|t| *t == plain.at(0, 0))));
+                assert!(
+                    mip_levels(&plain, linear).iter().all(|copy| copy.pixels().iter().all(|t| *t == plain.at(0, 0)))
+                );
             }
             let noise = Image::from_fn(width, height, |_, _| [random.u8(..), 0, 0, 255]);
             let mean = noise.pixels().iter().map(|t| f64::from(t[0])).sum::<f64>() / f64::from(width * height);
-            let last = smaller(&noise, false).pop().unwrap();
+            let last = mip_levels(&noise, false).pop().unwrap();
             assert!((f64::from(last.at(0, 0)[0]) - mean).abs() <= 0.51, "{width} × {height}: {mean}");
         }
     }
@@ -199,14 +200,14 @@ mod tests {
     #[test]
     fn a_chessboard_is_half_the_light_or_half_the_code() {
         let board = Image::from_fn(4, 4, |x, y| if (x + y) % 2 == 0 { [0, 0, 0, 255] } else { [255; 4] });
-        assert_eq!(smaller(&board, true)[0].at(1, 1), [188, 188, 188, 255]);
-        assert_eq!(smaller(&board, false)[0].at(1, 1), [128, 128, 128, 255]);
+        assert_eq!(mip_levels(&board, true)[0].at(1, 1), [188, 188, 188, 255]);
+        assert_eq!(mip_levels(&board, false)[0].at(1, 1), [128, 128, 128, 255]);
     }
 
     #[test]
     fn what_cannot_be_seen_tints_nothing() {
         let leaf = Image::from_fn(2, 2, |x, _| if x == 0 { [0, 200, 0, 255] } else { [255, 0, 255, 0] });
-        assert_eq!(smaller(&leaf, true)[0].at(0, 0), [0, 200, 0, 128]);
+        assert_eq!(mip_levels(&leaf, true)[0].at(0, 0), [0, 200, 0, 128]);
     }
 
     fn ratio(above: u32, below: u32) -> BigRational {
@@ -214,13 +215,13 @@ mod tests {
     }
 
     /// Mip level in exact rational numbers: premultiplied colour and alpha of each texel, row by row.
-    struct Exact {
+    struct ExactLevel {
         width: u32,
         height: u32,
         texels: Vec<[BigRational; 4]>,
     }
 
-    impl Exact {
+    impl ExactLevel {
         fn of(image: &Image<Rgba8>, value: impl Fn(u8) -> BigRational) -> Self {
             let texel = |[r, g, b, a]: &Rgba8| {
                 let alpha = ratio((*a).into(), 255);
@@ -283,12 +284,12 @@ mod tests {
                     }
                 };
                 let encode = |value: f32| if linear { tables.encode(value) } else { quantize(value) };
-                let mut levels = vec![Exact::of(&image, value)];
-                for _ in smaller(&image, linear) {
+                let mut levels = vec![ExactLevel::of(&image, value)];
+                for _ in mip_levels(&image, linear) {
                     levels.push(levels[levels.len() - 1].halved());
                 }
                 let below = |at: u32, from: u32, to: u32| (at * to / from).min(to - 1);
-                for (number, copy) in smaller(&image, linear).iter().enumerate() {
+                for (number, copy) in mip_levels(&image, linear).iter().enumerate() {
                     for (x, y) in (0..copy.height()).flat_map(|y| (0..copy.width()).map(move |x| (x, y))) {
                         let (mut level, mut at) = (number + 1, (x, y));
                         let place = format!("{width} × {height}, linear {linear}, level {level}, {at:?}");

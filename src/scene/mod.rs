@@ -4,7 +4,7 @@ pub mod builtin;
 
 pub mod camera;
 
-pub(crate) mod camera_file;
+pub mod camera_file;
 
 pub(crate) mod clusters;
 
@@ -34,7 +34,7 @@ pub(crate) mod texture;
 
 pub use camera::Camera;
 pub use camera::Projection;
-pub use camera::Window;
+pub use camera::SubView;
 pub use depth_mapping::DepthMapping;
 pub use error::SceneError;
 pub(crate) use error::Warning;
@@ -49,10 +49,9 @@ pub use material::Material;
 pub use material::Transparency;
 pub use mesh::Mesh;
 pub use mesh::MeshData;
-pub(crate) use mips::Level;
-pub(crate) use mips::Levels;
+pub(crate) use mips::LevelLocation;
 pub use source::SceneSource;
-pub(crate) use texture::Alpha;
+pub use texture::Alpha;
 pub use texture::Texture;
 
 use glam::{Mat4, Vec3};
@@ -64,7 +63,7 @@ use crate::text;
 #[derive(Clone, Debug)]
 pub struct Instance {
     /// Display name.
-    pub(crate) name: String,
+    pub name: String,
     /// Identifier of the shared mesh.
     pub mesh: MeshId,
     /// Identifier of the shared material.
@@ -72,7 +71,7 @@ pub struct Instance {
     /// Affine transform from model space to world space.
     pub world_from_model: Mat4,
     /// Factor of the material's colour; sRGB values in [0, 1].
-    pub(crate) tint: Vec3,
+    pub tint: Vec3,
 }
 
 /// Identifier of a triangle of the scene, numbered in draw order over all instances.
@@ -157,8 +156,8 @@ impl Scene {
     }
 
     /// Returns the memory of the shared buffers and of the instance records, in bytes.
-    pub(crate) fn memory(&self) -> Memory {
-        Memory {
+    pub(crate) fn memory(&self) -> SceneMemory {
+        SceneMemory {
             shared_bytes: self.library.bytes(),
             mesh_bytes: self.library.meshes().iter().map(Mesh::bytes).sum(),
             instance_bytes: self.instances.iter().map(|i| size_of::<Instance>() + i.name.capacity()).sum(),
@@ -169,7 +168,7 @@ impl Scene {
 
 /// Memory of a scene, in bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Memory {
+pub(crate) struct SceneMemory {
     /// Memory of meshes and textures, each counted once.
     pub(crate) shared_bytes: usize,
     /// Memory of the meshes, a part of `shared_bytes`.

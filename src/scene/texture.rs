@@ -2,14 +2,14 @@
 
 use std::sync::OnceLock;
 
-use super::mips::{self, Levels, wrapped};
+use super::mips::{self, Levels, with_wrapped_border};
 use crate::image::color::decode_byte;
 use crate::image::{Image, Rgba8};
 use crate::text;
 
 /// Alpha content of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Alpha {
+pub enum Alpha {
     /// All texels have alpha 255.
     Opaque,
     /// All texels have alpha 0 or 255.
@@ -40,7 +40,7 @@ pub struct Texture {
     levels: OnceLock<Levels<u32>>,
     levels_linear: OnceLock<Levels<[f32; 4]>>,
     /// Smaller mip levels, by means of codes and by means of linear light.
-    smaller: [OnceLock<Vec<Image<Rgba8>>>; 2],
+    mip_levels: [OnceLock<Vec<Image<Rgba8>>>; 2],
 }
 
 impl Texture {
@@ -54,7 +54,7 @@ impl Texture {
             wrapped_linear: OnceLock::new(),
             levels: OnceLock::new(),
             levels_linear: OnceLock::new(),
-            smaller: [const { OnceLock::new() }; 2],
+            mip_levels: [const { OnceLock::new() }; 2],
         })
     }
 
@@ -69,13 +69,13 @@ impl Texture {
     /// Of the four texels around any position of the repeated texture, two and two are then adjacent in memory, one row
     /// apart. Computed at the first call and cached.
     pub(crate) fn wrapped(&self) -> &[u32] {
-        self.wrapped.get_or_init(|| wrapped(&self.image, u32::from_le_bytes).collect())
+        self.wrapped.get_or_init(|| with_wrapped_border(&self.image, u32::from_le_bytes).collect())
     }
 
     /// Returns [`Texture::wrapped`] in linear light: red, green and blue as linear values, and alpha as a code from 0
     /// to 255.
     pub(crate) fn wrapped_linear(&self) -> &[[f32; 4]] {
-        self.wrapped_linear.get_or_init(|| wrapped(&self.image, linear).collect())
+        self.wrapped_linear.get_or_init(|| with_wrapped_border(&self.image, linear).collect())
     }
 
     /// Returns [`Texture::wrapped`] of all mip levels, with the smaller ones as means of codes.
@@ -90,18 +90,18 @@ impl Texture {
 
     /// Returns the images of all mip levels, the largest first.
     fn images(&self, linear: bool) -> impl Iterator<Item = &Image<Rgba8>> {
-        [&self.image].into_iter().chain(self.smaller(linear))
+        [&self.image].into_iter().chain(self.mip_levels(linear))
     }
 
     /// Returns the smaller mip levels, from half the length down to one texel, as means of linear light or of codes.
     /// Computed at the first call and cached.
-    pub fn smaller(&self, linear: bool) -> &[Image<Rgba8>] {
-        self.smaller[usize::from(linear)].get_or_init(|| mips::smaller(&self.image, linear))
+    pub fn mip_levels(&self, linear: bool) -> &[Image<Rgba8>] {
+        self.mip_levels[usize::from(linear)].get_or_init(|| mips::mip_levels(&self.image, linear))
     }
 
     /// Returns the memory of the picture and of the cached representations so far, in bytes.
     pub(crate) fn bytes(&self) -> usize {
-        let smaller = self.smaller.iter().filter_map(OnceLock::get).flatten();
+        let smaller = self.mip_levels.iter().filter_map(OnceLock::get).flatten();
         self.image.bytes()
             + self.wrapped.get().map_or(0, |texels| size_of_val(&**texels))
             + self.wrapped_linear.get().map_or(0, |texels| size_of_val(&**texels))
@@ -111,12 +111,12 @@ impl Texture {
     }
 
     /// Returns the texels, with row 0 at the top (v = 0 after the flip on load).
-    pub(crate) fn image(&self) -> &Image<Rgba8> {
+    pub fn image(&self) -> &Image<Rgba8> {
         &self.image
     }
 
     /// Returns the alpha content of the texels, determined at construction.
-    pub(crate) fn alpha(&self) -> Alpha {
+    pub fn alpha(&self) -> Alpha {
         self.alpha
     }
 }
@@ -136,16 +136,17 @@ mod tests {
             let image = Image::from_fn(width, height, |_, _| [(); 4].map(|()| random.u8(..)));
             let texture = Texture::new("noise", image).unwrap();
             let (codes, linear) = (texture.levels(), texture.levels_linear());
-            assert_eq!(codes.places, linear.places);
-            assert_eq!(codes.places.len(), texture.smaller(false).len() + 1);
+            assert_eq!(codes.locations, linear.locations);
+            assert_eq!(codes.locations.len(), texture.mip_levels(false).len() + 1);
             let (stride, mut taken) = (width as usize + 1, vec![false; codes.texels.len()]);
-            for (level, place) in codes.places.iter().enumerate() {
+            for (level, place) in codes.locations.iter().enumerate() {
                 let [first, next, width, height] = place.numbers.map(|number| number as usize);
-                assert_eq!(next as u32, codes.places.get(level + 1).unwrap_or(place).numbers[0]);
+                assert_eq!(next as u32, codes.locations.get(level + 1).unwrap_or(place).numbers[0]);
                 assert!(first % stride + width < stride, "its rows do not break");
                 for (x, y) in (0..=height).flat_map(|y| (0..=width).map(move |x| (x, y))) {
                     let texel = |linear: bool| {
-                        let image = level.checked_sub(1).map_or(texture.image(), |copy| &texture.smaller(linear)[copy]);
+                        let image =
+                            level.checked_sub(1).map_or(texture.image(), |copy| &texture.mip_levels(linear)[copy]);
                         assert_eq!(image.size(), (width as u32, height as u32));
                         image.at((x % width) as u32, (y % height) as u32)
                     };

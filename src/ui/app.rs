@@ -2,7 +2,7 @@
 //! exchanges messages with the renderer. It owns the session, the worker and widget state only; every decision about
 //! the picture is made in the session.
 
-mod asking;
+mod requests;
 
 mod keeping;
 
@@ -17,20 +17,20 @@ use std::time::{Duration, Instant};
 use eframe::egui::{self, CentralPanel, Context, Panel, Ui};
 
 use opening::{Loading, OpeningCase, SLOW_LOAD};
-use saving::Saving;
+use saving::PendingExport;
 
-use super::canvas::Canvas;
+use super::canvas::CanvasView;
 use super::checks;
 use super::command::{BINDINGS, Command};
 use super::compare::compute::CompareRequest;
 use super::compare::tiles::TilesView;
-use super::compare::{self, Change, Mode};
+use super::compare::{self, CompareChange, Mode};
 use super::engine::{Request, Shown};
 use super::fates;
 use super::fates::finder::Finder;
-use super::judging::{Judging, MeasuringGrowth, MeasuringSavings};
 use super::lab;
 use super::layout;
+use super::long_tasks::{SavingsTask, ScalingTask, StabilityTask};
 use super::manual::ManualWindow;
 use super::mesh_view::MeshPane;
 use super::navigate::FLYING_KEYS;
@@ -44,14 +44,14 @@ use super::panels::{bottom, menu, message, pipeline, transport};
 use super::place;
 use super::range;
 use super::scrub;
-use super::session::{Level, PointerMode, Session, WindowState};
+use super::session::{PointerMode, Session, Severity, WindowState};
 use super::store::Store;
-use super::task::Task;
+use super::task::BackgroundTask;
 use super::theme;
 use super::what_if;
-use super::worker::{Job, Worker};
+use super::worker::{Worker, WorkerRequest};
 use crate::inspect::Buffer;
-use crate::inspect::find::{Found, Wanted};
+use crate::inspect::find::{SearchResult, SearchTarget};
 use crate::scene::SceneSource;
 use crate::scene::obj::TrMeaning;
 
@@ -77,25 +77,25 @@ const SIDE_SHARE: f32 = 0.29;
 pub struct Workbench {
     session: Session,
     worker: Worker,
-    asked: Option<Request>,
+    last_request: Option<Request>,
     /// Time at which the oldest unanswered render request was sent; `None` when nothing is outstanding.
-    asked_at: Option<Instant>,
+    requested_at: Option<Instant>,
     /// Number of the latest measurement of all upscalers.
     measurement: u64,
     loading: Option<Loading>,
     opening_case: Option<OpeningCase>,
-    judging: Option<Judging>,
-    measuring_savings: Option<MeasuringSavings>,
-    measuring_growth: Option<MeasuringGrowth>,
+    measuring_stability: Option<StabilityTask>,
+    measuring_savings: Option<SavingsTask>,
+    measuring_scaling: Option<ScalingTask>,
     case_view: CaseView,
     /// Exports being written to files.
-    saving: Vec<Saving>,
-    canvas: Canvas,
+    saving: Vec<PendingExport>,
+    canvas: CanvasView,
     mesh: MeshPane,
     tiles: TilesView,
-    asked_to_compare: Option<CompareRequest>,
-    asked_to_watch: Vec<(u32, u32)>,
-    finding: Option<Task<(), (Wanted, Found)>>,
+    last_compare_request: Option<CompareRequest>,
+    last_watch_request: Vec<(u32, u32)>,
+    searching: Option<BackgroundTask<(), (SearchTarget, SearchResult)>>,
     inspector: Inspector,
     checks: checks::Runner,
     fates: Finder,
@@ -107,9 +107,9 @@ pub struct Workbench {
     /// Context of the window; `None` until the first frame.
     context: Option<Context>,
     /// Whether loading is synchronous, as in screenshots and tests.
-    waits: bool,
+    is_synchronous: bool,
     /// Commands queued from outside the window, applied in the next frame.
-    asked_for: Vec<Command>,
+    queued: Vec<Command>,
     /// Preferences on disk; `None` if nothing is stored, as in screenshots and tests.
     store: Option<Store>,
 }
@@ -117,26 +117,26 @@ pub struct Workbench {
 impl Workbench {
     /// Creates the application, which renders with `worker`; an inline worker also makes loading synchronous.
     pub fn new(session: Session, worker: Worker) -> Self {
-        let waits = matches!(worker, Worker::Inline(_));
+        let is_synchronous = matches!(worker, Worker::Inline(_));
         Self {
             session,
             worker,
-            asked: None,
+            last_request: None,
             measurement: 0,
             loading: None,
             opening_case: None,
-            judging: None,
+            measuring_stability: None,
             measuring_savings: None,
-            measuring_growth: None,
+            measuring_scaling: None,
             case_view: CaseView::default(),
             saving: Vec::new(),
-            asked_at: None,
-            canvas: Canvas::default(),
+            requested_at: None,
+            canvas: CanvasView::default(),
             mesh: MeshPane::default(),
             tiles: TilesView::default(),
-            asked_to_compare: None,
-            asked_to_watch: Vec::new(),
-            finding: None,
+            last_compare_request: None,
+            last_watch_request: Vec::new(),
+            searching: None,
             inspector: Inspector::default(),
             checks: checks::Runner::default(),
             fates: Finder::default(),
@@ -145,8 +145,8 @@ impl Workbench {
             tab: Tab::default(),
             window: WindowState::default(),
             context: None,
-            waits,
-            asked_for: Vec::new(),
+            is_synchronous,
+            queued: Vec::new(),
             store: None,
         }
     }
@@ -167,15 +167,15 @@ impl Workbench {
     }
 
     /// Queues commands for the next frame, as if the user had triggered them.
-    pub(crate) fn ask_for(&mut self, commands: Vec<Command>) {
-        self.asked_for.extend(commands);
+    pub fn queue(&mut self, commands: Vec<Command>) {
+        self.queued.extend(commands);
     }
 
     /// Runs one frame of the window: receives answers, handles input, lays out the panels, applies commands and sends
     /// requests.
     pub fn show(&mut self, ui: &mut Ui) {
-        self.listen();
-        let mut commands = std::mem::take(&mut self.asked_for);
+        self.receive_answers();
+        let mut commands = std::mem::take(&mut self.queued);
         self.keys(ui, &mut commands);
         dropped_files(ui, &mut commands);
         self.layout(ui, &mut commands);
@@ -189,12 +189,12 @@ impl Workbench {
         if !ui.input(|i| i.pointer.any_down()) {
             self.session.settle(ui.input(|i| i.time));
         }
-        self.ask(ui);
-        self.ask_to_compare(ui);
-        self.checks.step(&mut self.session, ui.ctx(), self.waits);
-        self.fates.tend(ui, &mut self.session, self.tab == Tab::Fates, self.waits);
-        self.ask_what_if(ui);
-        self.ask_to_watch(ui);
+        self.send_request(ui);
+        self.send_compare_request(ui);
+        self.checks.step(&mut self.session, ui.ctx(), self.is_synchronous);
+        self.fates.update(ui, &mut self.session, self.tab == Tab::Fates, self.is_synchronous);
+        self.send_what_if_request(ui);
+        self.send_watch_request(ui);
     }
 
     fn layout(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
@@ -222,7 +222,7 @@ impl Workbench {
         let share = |wanted: f32| wanted.min(ui.available_width() * SIDE_SHARE);
         let (left, right) = (share(292.0), share(316.0));
         let tabs = TABS_HEIGHT.min(ui.available_height() * TABS_SHARE).floor();
-        Panel::bottom("tabs").frame(frame).resizable(true).default_size(tabs).min_size(bottom::LEAST_HEIGHT).show(
+        Panel::bottom("tabs").frame(frame).resizable(true).default_size(tabs).min_size(bottom::MIN_HEIGHT).show(
             ui,
             |ui| {
                 bottom::ui(ui, &mut self.tab, &self.session, commands);
@@ -267,7 +267,7 @@ impl Workbench {
                 .resizable(true)
                 .default_size(half)
                 .min_size(200.0)
-                .show(ui, |ui| self.mesh.ui(ui, &self.session, self.waits, commands));
+                .show(ui, |ui| self.mesh.ui(ui, &self.session, self.is_synchronous, commands));
         } else {
             self.mesh.hovered = false;
         }
@@ -277,7 +277,7 @@ impl Workbench {
             let size = size * ui.pixels_per_point();
             self.session.canvas_px = (size.x.max(1.0) as u32, size.y.max(1.0) as u32);
             if self.session.case.is_some() {
-                self.case_view.ui(ui, &self.session, self.waits, commands);
+                self.case_view.ui(ui, &self.session, self.is_synchronous, commands);
             } else if compares {
                 self.canvas.hovered = self.tiles.ui(ui, &mut self.canvas.zoom, &self.session, commands);
             } else {
@@ -291,7 +291,7 @@ impl Workbench {
 
     /// Draws a spinner in the corner of the canvas when an answer is outstanding for at least [`SLOW_FRAME`].
     fn busy_mark(&self, ui: &Ui) {
-        let Some(since) = self.asked_at else { return };
+        let Some(since) = self.requested_at else { return };
         if since.elapsed() >= SLOW_FRAME {
             let corner = ui.max_rect().right_top() + egui::vec2(-28.0, 8.0);
             egui::Spinner::new().paint_at(ui, egui::Rect::from_min_size(corner, egui::Vec2::splat(20.0)));
@@ -331,12 +331,12 @@ impl Workbench {
     fn run(&mut self, ui: &Ui, command: Command) {
         let Some(command) = self.session.apply(command) else { return };
         match command {
-            Command::AskForFile => self.dialog = Dialog::Open(OpenDialog::default()),
+            Command::ShowFileDialog => self.dialog = Dialog::Open(OpenDialog::default()),
             Command::Open(path) => self.open(ui, SceneSource::File(path, TrMeaning::Auto)),
             Command::Reopen(path, tr) => self.open(ui, SceneSource::File(path, tr)),
             Command::OpenBuiltin(id) => self.open(ui, SceneSource::named(id.into())),
             Command::SaveCase => self.save_case(ui),
-            Command::RunStability => self.judge(ui),
+            Command::RunStability => self.measure_stability(ui),
             Command::Probe(change) => self.probe(ui, change),
             Command::MeasurePlan => self.measure_plan(ui),
             Command::CancelPlan => {
@@ -344,25 +344,25 @@ impl Workbench {
                     task.cancel();
                 }
             }
-            Command::MeasureGrowth => self.measure_growth(ui),
-            Command::CancelGrowth => {
-                if let Some(task) = &self.measuring_growth {
+            Command::MeasureScaling => self.measure_scaling(ui),
+            Command::CancelScaling => {
+                if let Some(task) = &self.measuring_scaling {
                     task.cancel();
                 }
             }
             Command::CancelStability => {
-                if let Some(judging) = &self.judging {
+                if let Some(judging) = &self.measuring_stability {
                     judging.cancel();
                 }
             }
             Command::CancelLoading => {
                 (self.loading, self.opening_case, self.session.places.pending) = (None, None, None);
             }
-            Command::CancelExport => self.saving.iter().for_each(Saving::cancel),
+            Command::CancelExport => self.saving.iter().for_each(PendingExport::cancel),
             Command::Measure => self.measure(),
             Command::CancelMeasure => {
                 self.session.measuring = None;
-                self.worker.send(Job::CancelMeasure);
+                self.worker.send(WorkerRequest::CancelMeasure);
             }
             Command::ExportTimings => self.export_timings(ui),
             Command::ZoomFit => self.canvas.fit(),
@@ -372,19 +372,19 @@ impl Workbench {
             }
             Command::StepFault(step) => self.step_fault(step > 0),
             Command::Trace(_) => self.tab = Tab::Arithmetic,
-            Command::WhatIf(what_if::Change::Step(step)) => {
+            Command::WhatIf(what_if::WhatIfChange::Step(step)) => {
                 if let Some(pixel) = self.session.change_beside_pick(step > 0) {
                     self.session.pick = Some(pixel);
                     self.canvas.bring_into_view(pixel, self.session.canvas_px);
                 }
             }
-            Command::Overlays(overlays::Change::SaveTotals) => {
+            Command::Overlays(overlays::OverlayChange::SaveTotals) => {
                 self.save(ui, ("overlays", "csv"), overlays::save::totals(&self.session));
             }
-            Command::Lab(lab::Change::Save(end)) => self.save_drawing(ui, end),
-            Command::Lab(lab::Change::Picture(path)) => self.session.open_picture(&path),
+            Command::Lab(lab::LabChange::Save(end)) => self.save_drawing(ui, end),
+            Command::Lab(lab::LabChange::Picture(path)) => self.session.open_picture(&path),
             Command::SaveData => {
-                if let Some(view) = what_if::seen(ui, &self.session) {
+                if let Some(view) = what_if::visible_view(ui, &self.session) {
                     let (stem, encode) = range::save::data(view.clone());
                     self.save(ui, (stem, "pfm"), encode);
                 }
@@ -402,17 +402,17 @@ impl Workbench {
             Command::OpenTab(tab) => self.tab = tab,
             Command::OpenStages(open) => pipeline::open_all(ui, open),
             Command::OpenPalette => self.dialog = Dialog::Palette(Box::new(Palette::new(&self.session, ""))),
-            Command::Place(place::Change::Manage) => self.dialog = Dialog::Bookmarks,
-            Command::Place(place::Change::Find(Wanted::View(x, y, percent))) => {
+            Command::Place(place::PlaceChange::Manage) => self.dialog = Dialog::Bookmarks,
+            Command::Place(place::PlaceChange::Find(SearchTarget::View(x, y, percent))) => {
                 let center = (x as f32 + 0.5, y as f32 + 0.5);
                 self.canvas.zoom.set_view(percent as f32 / 100.0, self.session.canvas_px, center);
             }
-            Command::Place(place::Change::Find(wanted)) => self.find(ui, wanted),
-            Command::Place(place::Change::Copy) => {
+            Command::Place(place::PlaceChange::Find(wanted)) => self.search(ui, wanted),
+            Command::Place(place::PlaceChange::Copy) => {
                 ui.ctx().copy_text(self.session.command_line());
-                self.session.report(Level::Info, format!("Copied: {}", self.session.command_line()));
+                self.session.report(Severity::Info, format!("Copied: {}", self.session.command_line()));
             }
-            Command::AskForPixel => self.dialog = Dialog::Pixel(String::new()),
+            Command::ShowPixelDialog => self.dialog = Dialog::Pixel(String::new()),
             Command::Escape => self.escape(),
             _ => {}
         }
@@ -439,7 +439,7 @@ impl Workbench {
             return;
         }
         if !self.session.selection.is_empty() {
-            self.session.apply(Command::Fates(fates::Change::Clear));
+            self.session.apply(Command::Fates(fates::FatesChange::Clear));
             return;
         }
         if self.session.pick.take().is_some() {
@@ -449,7 +449,7 @@ impl Workbench {
             return;
         }
         if self.session.comparison.is_on() {
-            self.session.apply(Command::Compare(Change::Mode(Mode::Off)));
+            self.session.apply(Command::Compare(CompareChange::Mode(Mode::Off)));
         } else {
             self.session.shown = Shown::Buffer(Buffer::Color);
             self.session.apply(Command::LimitTriangles(None));
@@ -464,7 +464,7 @@ impl eframe::App for Workbench {
         }
         self.show(ui);
         self.observe_window(ui);
-        self.keep_preferences();
+        self.save_preferences();
     }
 
     /// Saves the layout. The toolkit calls this every 30 seconds and when the window closes.
@@ -474,7 +474,7 @@ impl eframe::App for Workbench {
         if let Some(context) = &self.context {
             self.window.layout = layout::text(context);
         }
-        self.keep_preferences();
+        self.save_preferences();
     }
 
     /// Returns `false`: the layout is stored with the preferences, whose file is replaced atomically.

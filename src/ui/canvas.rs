@@ -11,7 +11,7 @@ use eframe::egui::{
 };
 
 use super::command::Command;
-use super::engine::{Shown, View};
+use super::engine::{RenderedView, Shown};
 use super::fates::overlay::{SelectionLayer, badge};
 use super::fault_bar;
 use super::format;
@@ -30,7 +30,7 @@ use super::zoom::{Placement, Zoom};
 use crate::image::color::luma;
 use crate::image::{Image, Rgba8};
 use crate::inspect::Buffer;
-use crate::inspect::display::Kind;
+use crate::inspect::display::ValueKind;
 use crate::inspect::view::{Value, absence};
 
 /// Scale from which the pixel grid is drawn, in points per pixel.
@@ -67,18 +67,18 @@ impl PictureTexture {
 
 /// The canvas: zoom, pointer state and the texture of the picture.
 #[derive(Default)]
-pub(crate) struct Canvas {
+pub(crate) struct CanvasView {
     texture: PictureTexture,
     /// Scale and visible part of the picture.
     pub(crate) zoom: Zoom,
     /// Pixel under the pointer.
     pub(crate) hovered: Option<(u32, u32)>,
     /// State of the rectangle being dragged.
-    boxing: region::Dragging,
+    region_drag: region::RegionDrag,
     selection: SelectionLayer,
 }
 
-impl Canvas {
+impl CanvasView {
     /// Fits the whole picture into the canvas, also after the canvas is resized.
     pub(crate) fn fit(&mut self) {
         self.zoom.fit();
@@ -104,7 +104,7 @@ impl Canvas {
         let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Rendered picture"));
         ui.painter().rect_filled(rect, 0.0, tokens(ui).canvas);
-        let Some(view) = what_if::seen(ui, session) else {
+        let Some(view) = what_if::visible_view(ui, session) else {
             ui.painter().text(
                 rect.center(),
                 Align2::CENTER_CENTER,
@@ -116,7 +116,7 @@ impl Canvas {
         };
         let placement = self.zoom.placement(ui, rect, view.picture.size());
         let over = (&response, placement, view.picture.height());
-        let boxes = self.boxing.follow(ui, &response, (placement, view.picture.size()), session, commands);
+        let boxes = self.region_drag.follow(ui, &response, (placement, view.picture.size()), session, commands);
         navigate(ui, over, !boxes, &mut self.zoom, session, commands);
         let placement = self.zoom.placement(ui, rect, view.picture.size());
         self.pick(&response, placement, view, commands);
@@ -124,12 +124,12 @@ impl Canvas {
         badge(ui, rect, session, commands);
         let vectors = placement.points_per_px >= marks::VECTORS_FROM;
         if vectors != session.overlays.vectors {
-            commands.push(Command::Overlays(overlays::Change::Vectors(vectors)));
+            commands.push(Command::Overlays(overlays::OverlayChange::Vectors(vectors)));
         }
         overlays::card::ui(ui, rect, session, view, commands);
         let visible = region::visible(placement, view.picture.size());
         if visible != session.range.visible {
-            commands.push(Command::Range(range::Change::Visible(visible)));
+            commands.push(Command::Range(range::RangeChange::Visible(visible)));
         }
         if session.probing.picture(view).is_some() {
             probe::legend(ui, rect, &session.probing);
@@ -147,7 +147,7 @@ impl Canvas {
         response
     }
 
-    fn pick(&mut self, response: &Response, placement: Placement, view: &View, commands: &mut Vec<Command>) {
+    fn pick(&mut self, response: &Response, placement: Placement, view: &RenderedView, commands: &mut Vec<Command>) {
         let pixel_at = |position| placement.pixel_at(position, view.picture.size());
         self.hovered = response.hover_pos().and_then(pixel_at);
         let questioned = response.clicked_by(egui::PointerButton::Primary)
@@ -158,7 +158,7 @@ impl Canvas {
         }
     }
 
-    fn paint(&mut self, ui: &Ui, placement: Placement, session: &Session, view: &View) {
+    fn paint(&mut self, ui: &Ui, placement: Placement, session: &Session, view: &RenderedView) {
         let (width, height) = view.picture.size();
         let heat = session.probing.picture(view);
         let shown = heat.unwrap_or(&view.picture);
@@ -175,7 +175,7 @@ impl Canvas {
         numbers(&painter, placement, shown, ui.input(|i| i.modifiers.alt), value);
         marks::paint(&painter, placement, session, view);
         watch::markers(&painter, placement, session, (width, height), tokens(ui));
-        self.boxing.paint(ui, &painter, placement, session);
+        self.region_drag.paint(ui, &painter, placement, session);
         if let Some((x, y)) = session.pick.filter(|(x, y)| *x < width && *y < height) {
             marker(&painter, placement, (x, y), tokens(ui).accent);
         }
@@ -238,7 +238,7 @@ fn value_lines(value: Value, bits: bool) -> String {
 
 /// Draws the legend in the lower-left corner: name and help text of the shown quantity, and a colour bar with its range
 /// if a colour map is used. Returns the rectangle of the legend.
-fn legend(ui: &Ui, canvas: Rect, session: &Session, view: &View) -> Rect {
+fn legend(ui: &Ui, canvas: Rect, session: &Session, view: &RenderedView) -> Rect {
     let painter = ui.painter().with_clip_rect(canvas);
     const WIDTH: f32 = 220.0;
     const BAR: f32 = 8.0;
@@ -250,7 +250,7 @@ fn legend(ui: &Ui, canvas: Rect, session: &Session, view: &View) -> Rect {
     let (name, help) = (shown.name(), missing.unwrap_or(shown.help()));
     let small = FontId::proportional(font_size::SMALL);
     let text = painter.layout(format!("{name}: {help}"), small, tokens(ui).text, WIDTH);
-    let range = view.range.filter(|_| kind(view.request.shown) == Kind::Numbers);
+    let range = view.range.filter(|_| kind(view.request.shown) == ValueKind::Numbers);
     let bar_height = if range.is_some() { BAR + 20.0 } else { 0.0 };
     let size = vec2(WIDTH, text.size().y + bar_height) + Vec2::splat(2.0 * space::S);
     let frame = Rect::from_min_size(canvas.left_bottom() + vec2(space::S, -space::S - size.y), size);
@@ -269,12 +269,12 @@ fn legend(ui: &Ui, canvas: Rect, session: &Session, view: &View) -> Rect {
 
 /// Draws a frame around the picked pixel that is visible on any picture and at any scale.
 pub(super) fn marker(painter: &egui::Painter, placement: Placement, (x, y): (u32, u32), accent: Color32) {
-    const LEAST_POINTS: f32 = 7.0;
+    const MIN_POINTS: f32 = 7.0;
     let pixel = placement.rect_of(x, y);
-    let frame = Rect::from_center_size(pixel.center(), pixel.size().max(Vec2::splat(LEAST_POINTS)));
+    let frame = Rect::from_center_size(pixel.center(), pixel.size().max(Vec2::splat(MIN_POINTS)));
     painter.rect_stroke(frame.expand(1.0), 0.0, Stroke::new(3.0, MARK_EDGE), StrokeKind::Outside);
     painter.rect_stroke(frame.expand(2.0), 0.0, Stroke::new(1.5, accent), StrokeKind::Outside);
-    if pixel.width() < LEAST_POINTS {
+    if pixel.width() < MIN_POINTS {
         for direction in [vec2(1.0, 0.0), vec2(-1.0, 0.0), vec2(0.0, 1.0), vec2(0.0, -1.0)] {
             let (from, to) = (frame.center() + direction * 9.0, frame.center() + direction * 16.0);
             painter.line_segment([from, to], Stroke::new(3.0, MARK_EDGE));

@@ -8,11 +8,11 @@ use std::path::PathBuf;
 use eframe::egui::{Key, KeyboardShortcut, Modifiers};
 
 use super::checks;
-use super::compare::{Change, Mode};
+use super::compare::{CompareChange, Mode};
 use super::engine::Shown;
 use super::fates;
-use super::judging::StabilityView;
 use super::lab;
+use super::long_tasks::StabilityView;
 use super::mesh_view;
 use super::overlays;
 use super::panels::bottom::Tab;
@@ -28,13 +28,13 @@ use super::watch;
 use super::what_if;
 use crate::chain::Recipe;
 use crate::inspect::outline::OutlineKind;
-use crate::inspect::range::Fit;
+use crate::inspect::range::RangeFit;
 use crate::inspect::scrub::Unit;
 use crate::inspect::selection::TriangleSelection;
-use crate::inspect::trace::Direction;
+use crate::inspect::trace::StepDirection;
 use crate::manual::Chapter;
 use crate::measure::motion::Turn;
-use crate::report::stability::column::Column;
+use crate::report::stability::column::ReportColumn;
 use crate::scene::Camera;
 use crate::scene::obj::TrMeaning;
 
@@ -42,7 +42,7 @@ use crate::scene::obj::TrMeaning;
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
     /// Shows the dialog for opening a model or a case.
-    AskForFile,
+    ShowFileDialog,
     /// Opens a model, case or picture file.
     Open(PathBuf),
     /// Reloads a model with another meaning of `Tr`.
@@ -56,7 +56,7 @@ pub enum Command {
     /// Shows the part of the open case with this index.
     ShowPart(usize),
     /// Opens the worst case of a stability report column, given as JSON, with the settings of that column.
-    OpenWorst(Column, String),
+    OpenWorst(ReportColumn, String),
     /// Saves the visible triangle at the picked pixel as a minimal case.
     SaveCase,
     /// Runs the stability report over all classes of hard cases.
@@ -70,15 +70,15 @@ pub enum Command {
     /// Cancels the measurement of the plan's savings.
     CancelPlan,
     /// Changes or runs the stability probe.
-    Probe(probe::Change),
+    Probe(probe::ProbeChange),
     /// Changes the scope or the selection of the vertex panel.
-    Vertices(vertices::Change),
+    Vertices(vertices::VerticesChange),
     /// Changes the mesh view, which shows the scene from outside.
-    MeshView(mesh_view::Change),
+    MeshView(mesh_view::MeshViewChange),
     /// Measures how cost scales with triangles, pixels, layers and threads.
-    MeasureGrowth,
+    MeasureScaling,
     /// Cancels the scaling measurement.
-    CancelGrowth,
+    CancelScaling,
     /// Cancels loading a model or case.
     CancelLoading,
     /// Cancels all running exports.
@@ -88,7 +88,7 @@ pub enum Command {
     /// Selects the upscaler at this index of the registry.
     ChooseUpscaler(usize),
     /// Changes the comparison.
-    Compare(Change),
+    Compare(CompareChange),
     /// Resets the recipe to the default.
     ResetRecipe,
     /// Replaces the camera.
@@ -164,25 +164,25 @@ pub enum Command {
     /// Opens the manual at a chapter, or to search it.
     OpenManual(Option<Chapter>),
     /// Shows the dialog for going to a pixel, triangle, vertex or object.
-    AskForPixel,
+    ShowPixelDialog,
     /// Closes the case, or clears the innermost of selection, pick, probe, comparison and shown buffer.
     Escape,
     /// Changes the overlays.
-    Overlays(overlays::Change),
+    Overlays(overlays::OverlayChange),
     /// Changes the range or the colour map of the shown quantity.
-    Range(range::Change),
+    Range(range::RangeChange),
     /// Opens the 2D lab, or returns to the pipeline.
     ToggleLab,
     /// Changes the 2D lab.
-    Lab(lab::Change),
+    Lab(lab::LabChange),
     /// Runs, cancels or toggles the checks.
-    Checks(checks::Change),
+    Checks(checks::ChecksChange),
     /// Steps through the arithmetic of the picked pixel.
-    Trace(trace::Change),
+    Trace(trace::TraceChange),
     /// Steps or plays through the drawing of the frame.
-    Scrub(scrub::Change),
+    Scrub(scrub::ScrubChange),
     /// Filters triangles by fate.
-    Fates(fates::Change),
+    Fates(fates::FatesChange),
     /// Replaces the selection of triangles.
     Select(TriangleSelection),
     /// Opens a tab along the bottom.
@@ -192,15 +192,15 @@ pub enum Command {
     /// Opens the command palette.
     OpenPalette,
     /// Changes the comparison with the settings before the last change.
-    WhatIf(what_if::Change),
+    WhatIf(what_if::WhatIfChange),
     /// Changes the list of watched pixels.
-    Watch(watch::Change),
+    Watch(watch::WatchChange),
     /// Adds or edits a bookmark, or navigates to a place.
-    Place(place::Change),
+    Place(place::PlaceChange),
 }
 
 /// A key binding with its description.
-pub struct Binding {
+pub struct KeyBinding {
     /// Key that triggers the command.
     pub(crate) key: Key,
     /// Modifiers that must be held.
@@ -208,22 +208,22 @@ pub struct Binding {
     /// Constructs the command.
     pub(crate) command: fn() -> Command,
     /// Description for tooltips and the key sheet.
-    pub(crate) what: &'static str,
+    pub description: &'static str,
 }
 
-const fn bind(modifiers: Modifiers, key: Key, command: fn() -> Command, what: &'static str) -> Binding {
-    Binding { key, modifiers, command, what }
+const fn bind(modifiers: Modifiers, key: Key, command: fn() -> Command, what: &'static str) -> KeyBinding {
+    KeyBinding { key, modifiers, command, description: what }
 }
 
 /// The modifiers Ctrl + Shift.
 const CONTROL_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
 /// Returns the binding of a key to a bookmark.
-const fn jump(key: Key, command: fn() -> Command) -> Binding {
+const fn jump(key: Key, command: fn() -> Command) -> KeyBinding {
     bind(Modifiers::COMMAND, key, command, "Go to a bookmark")
 }
 
-impl Binding {
+impl KeyBinding {
     /// Returns the binding as a shortcut of the toolkit.
     pub(crate) fn shortcut(&self) -> KeyboardShortcut {
         KeyboardShortcut::new(self.modifiers, self.key)
@@ -232,8 +232,8 @@ impl Binding {
 
 /// The key map. Among the bindings of one key, those with more modifiers come first, so that the first match is the
 /// most specific.
-pub const BINDINGS: &[Binding] = &[
-    bind(Modifiers::COMMAND, Key::O, || Command::AskForFile, "Open a model or a case"),
+pub const BINDINGS: &[KeyBinding] = &[
+    bind(Modifiers::COMMAND, Key::O, || Command::ShowFileDialog, "Open a model or a case"),
     bind(
         Modifiers::COMMAND.plus(Modifiers::SHIFT),
         Key::S,
@@ -241,24 +241,29 @@ pub const BINDINGS: &[Binding] = &[
         "Save the exact values as floats (PFM)",
     ),
     bind(Modifiers::COMMAND, Key::S, || Command::SavePicture, "Save the picture as PNG"),
-    bind(CONTROL_SHIFT, Key::C, || Command::Place(place::Change::Copy), "Copy as command"),
+    bind(CONTROL_SHIFT, Key::C, || Command::Place(place::PlaceChange::Copy), "Copy as command"),
     bind(Modifiers::COMMAND, Key::C, || Command::CopyPicture, "Copy the picture"),
     bind(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z, || Command::Redo, "Redo"),
     bind(Modifiers::COMMAND, Key::Z, || Command::Undo, "Undo the last setting"),
-    bind(Modifiers::COMMAND, Key::G, || Command::AskForPixel, "Go to a pixel, triangle, vertex or object"),
+    bind(Modifiers::COMMAND, Key::G, || Command::ShowPixelDialog, "Go to a pixel, triangle, vertex or object"),
     bind(CONTROL_SHIFT, Key::P, || Command::OpenPalette, "Find anything"),
-    bind(Modifiers::COMMAND, Key::B, || Command::Place(place::Change::Bookmark), "Bookmark this place"),
-    jump(Key::Num1, || Command::Place(place::Change::Jump(0))),
-    jump(Key::Num2, || Command::Place(place::Change::Jump(1))),
-    jump(Key::Num3, || Command::Place(place::Change::Jump(2))),
-    jump(Key::Num4, || Command::Place(place::Change::Jump(3))),
-    jump(Key::Num5, || Command::Place(place::Change::Jump(4))),
-    jump(Key::Num6, || Command::Place(place::Change::Jump(5))),
-    jump(Key::Num7, || Command::Place(place::Change::Jump(6))),
-    jump(Key::Num8, || Command::Place(place::Change::Jump(7))),
-    jump(Key::Num9, || Command::Place(place::Change::Jump(8))),
-    bind(Modifiers::ALT, Key::ArrowLeft, || Command::Place(place::Change::Back), "Go back to the previous place"),
-    bind(Modifiers::ALT, Key::ArrowRight, || Command::Place(place::Change::Forward), "Go forward to the next place"),
+    bind(Modifiers::COMMAND, Key::B, || Command::Place(place::PlaceChange::Bookmark), "Bookmark this place"),
+    jump(Key::Num1, || Command::Place(place::PlaceChange::Jump(0))),
+    jump(Key::Num2, || Command::Place(place::PlaceChange::Jump(1))),
+    jump(Key::Num3, || Command::Place(place::PlaceChange::Jump(2))),
+    jump(Key::Num4, || Command::Place(place::PlaceChange::Jump(3))),
+    jump(Key::Num5, || Command::Place(place::PlaceChange::Jump(4))),
+    jump(Key::Num6, || Command::Place(place::PlaceChange::Jump(5))),
+    jump(Key::Num7, || Command::Place(place::PlaceChange::Jump(6))),
+    jump(Key::Num8, || Command::Place(place::PlaceChange::Jump(7))),
+    jump(Key::Num9, || Command::Place(place::PlaceChange::Jump(8))),
+    bind(Modifiers::ALT, Key::ArrowLeft, || Command::Place(place::PlaceChange::Back), "Go back to the previous place"),
+    bind(
+        Modifiers::ALT,
+        Key::ArrowRight,
+        || Command::Place(place::PlaceChange::Forward),
+        "Go forward to the next place",
+    ),
     bind(Modifiers::NONE, Key::F, || Command::ZoomFit, "Fit the picture into the canvas"),
     bind(Modifiers::NONE, Key::Num0, || Command::ZoomOne, "Show one picture pixel per screen pixel"),
     bind(Modifiers::NONE, Key::OpenBracket, || Command::StepStage(-1), "Show the previous stage"),
@@ -266,38 +271,38 @@ pub const BINDINGS: &[Binding] = &[
     bind(
         Modifiers::COMMAND,
         Key::Comma,
-        || Command::Scrub(scrub::Change::Step(Unit::Draw, false)),
+        || Command::Scrub(scrub::ScrubChange::Step(Unit::Draw, false)),
         "Draw one object less",
     ),
     bind(
         Modifiers::COMMAND,
         Key::Period,
-        || Command::Scrub(scrub::Change::Step(Unit::Draw, true)),
+        || Command::Scrub(scrub::ScrubChange::Step(Unit::Draw, true)),
         "Draw one object more",
     ),
     bind(
         Modifiers::SHIFT,
         Key::Comma,
-        || Command::Scrub(scrub::Change::Step(Unit::Fragment, false)),
+        || Command::Scrub(scrub::ScrubChange::Step(Unit::Fragment, false)),
         "Draw one fragment less",
     ),
     bind(
         Modifiers::SHIFT,
         Key::Period,
-        || Command::Scrub(scrub::Change::Step(Unit::Fragment, true)),
+        || Command::Scrub(scrub::ScrubChange::Step(Unit::Fragment, true)),
         "Draw one fragment more",
     ),
-    bind(Modifiers::SHIFT, Key::Space, || Command::Scrub(scrub::Change::Play(false)), "Play backwards, or pause"),
+    bind(Modifiers::SHIFT, Key::Space, || Command::Scrub(scrub::ScrubChange::Play(false)), "Play backwards, or pause"),
     bind(
         Modifiers::NONE,
         Key::Space,
-        || Command::Scrub(scrub::Change::Play(true)),
+        || Command::Scrub(scrub::ScrubChange::Play(true)),
         "Play back how the frame was drawn, or pause",
     ),
     bind(
         Modifiers::NONE,
         Key::Y,
-        || Command::Scrub(scrub::Change::Touching(None)),
+        || Command::Scrub(scrub::ScrubChange::Touching(None)),
         "Step only through what touches the picked pixel, or through everything",
     ),
     bind(Modifiers::NONE, Key::Comma, || Command::StepTriangle(-1), "Draw one triangle less"),
@@ -307,11 +312,21 @@ pub const BINDINGS: &[Binding] = &[
     bind(
         Modifiers::NONE,
         Key::O,
-        || Command::Overlays(overlays::Change::ToggleOpen),
+        || Command::Overlays(overlays::OverlayChange::ToggleOpen),
         "Show or hide the list of overlays",
     ),
-    bind(Modifiers::SHIFT, Key::N, || Command::Range(range::Change::FitVisible), "Fit the range to the visible part"),
-    bind(Modifiers::NONE, Key::N, || Command::Range(range::Change::Fit(Fit::All)), "Fit the range to all values"),
+    bind(
+        Modifiers::SHIFT,
+        Key::N,
+        || Command::Range(range::RangeChange::FitVisible),
+        "Fit the range to the visible part",
+    ),
+    bind(
+        Modifiers::NONE,
+        Key::N,
+        || Command::Range(range::RangeChange::Fit(RangeFit::All)),
+        "Fit the range to all values",
+    ),
     bind(Modifiers::NONE, Key::Home, || Command::LimitTriangles(Some(0)), "Go before the first triangle"),
     bind(Modifiers::NONE, Key::End, || Command::LimitTriangles(None), "Go after the last triangle"),
     bind(Modifiers::SHIFT, Key::ArrowLeft, || Command::NudgePick(-10, 0), "Move the picked pixel 10 left"),
@@ -331,65 +346,75 @@ pub const BINDINGS: &[Binding] = &[
     bind(Modifiers::NONE, Key::Num7, || Command::ChooseUpscaler(6), "Choose an upscaler"),
     bind(Modifiers::NONE, Key::Num8, || Command::ChooseUpscaler(7), "Choose an upscaler"),
     bind(Modifiers::NONE, Key::Num9, || Command::ChooseUpscaler(8), "Choose an upscaler"),
-    bind(Modifiers::NONE, Key::T, || Command::Compare(Change::Toggle(Mode::Tiles)), "Compare in tiles, or stop"),
-    bind(Modifiers::NONE, Key::W, || Command::Compare(Change::Toggle(Mode::Wipe)), "Wipe between A and B, or stop"),
-    bind(Modifiers::NONE, Key::B, || Command::Compare(Change::Toggle(Mode::Flip)), "Flip between A and B, or stop"),
+    bind(Modifiers::NONE, Key::T, || Command::Compare(CompareChange::Toggle(Mode::Tiles)), "Compare in tiles, or stop"),
+    bind(
+        Modifiers::NONE,
+        Key::W,
+        || Command::Compare(CompareChange::Toggle(Mode::Wipe)),
+        "Wipe between A and B, or stop",
+    ),
+    bind(
+        Modifiers::NONE,
+        Key::B,
+        || Command::Compare(CompareChange::Toggle(Mode::Flip)),
+        "Flip between A and B, or stop",
+    ),
     bind(
         Modifiers::NONE,
         Key::D,
-        || Command::Compare(Change::Toggle(Mode::Difference)),
+        || Command::Compare(CompareChange::Toggle(Mode::Difference)),
         "Show the difference, or stop",
     ),
     bind(
         Modifiers::NONE,
         Key::X,
-        || Command::WhatIf(what_if::Change::Toggle),
+        || Command::WhatIf(what_if::WhatIfChange::Toggle),
         "Show what the last change did, or stop",
     ),
-    bind(Modifiers::NONE, Key::S, || Command::Compare(Change::Swap), "Swap A and B"),
+    bind(Modifiers::NONE, Key::S, || Command::Compare(CompareChange::Swap), "Swap A and B"),
     bind(
         Modifiers::NONE,
         Key::R,
-        || Command::Compare(Change::ToggleRegion),
+        || Command::Compare(CompareChange::ToggleRegion),
         "Reset the range; while comparing, drag a rectangle to measure",
     ),
     bind(Modifiers::NONE, Key::L, || Command::ToggleLab, "Switch between the 2D lab and the pipeline"),
-    bind(Modifiers::NONE, Key::K, || Command::Lab(lab::Change::TogglePlay), "Play the steps of the lab, or stop"),
-    bind(Modifiers::SHIFT, Key::F10, || Command::Trace(trace::Change::Step(-1)), "Arithmetic: previous line"),
-    bind(Modifiers::NONE, Key::F10, || Command::Trace(trace::Change::Step(1)), "Arithmetic: next line"),
+    bind(Modifiers::NONE, Key::K, || Command::Lab(lab::LabChange::TogglePlay), "Play the steps of the lab, or stop"),
+    bind(Modifiers::SHIFT, Key::F10, || Command::Trace(trace::TraceChange::Step(-1)), "Arithmetic: previous line"),
+    bind(Modifiers::NONE, Key::F10, || Command::Trace(trace::TraceChange::Step(1)), "Arithmetic: next line"),
     bind(
         Modifiers::SHIFT,
         Key::F5,
-        || Command::Trace(trace::Change::Run(None, Direction::Back)),
+        || Command::Trace(trace::TraceChange::Run(None, StepDirection::Back)),
         "Arithmetic: previous flagged line",
     ),
     bind(
         Modifiers::NONE,
         Key::F5,
-        || Command::Trace(trace::Change::Run(None, Direction::Forward)),
+        || Command::Trace(trace::TraceChange::Run(None, StepDirection::Forward)),
         "Arithmetic: next flagged line",
     ),
     bind(
         Modifiers::SHIFT,
         Key::F11,
-        || Command::Trace(trace::Change::Stage(Direction::Back)),
+        || Command::Trace(trace::TraceChange::Stage(StepDirection::Back)),
         "Arithmetic: previous stage",
     ),
     bind(
         Modifiers::NONE,
         Key::F11,
-        || Command::Trace(trace::Change::Stage(Direction::Forward)),
+        || Command::Trace(trace::TraceChange::Stage(StepDirection::Forward)),
         "Arithmetic: next stage",
     ),
     bind(
         Modifiers::NONE,
         Key::M,
-        || Command::MeshView(mesh_view::Change::Toggle),
+        || Command::MeshView(mesh_view::MeshViewChange::Toggle),
         "Show or hide the scene from outside",
     ),
     bind(Modifiers::NONE, Key::C, || Command::TogglePointerMode, "Switch camera mode"),
     bind(Modifiers::NONE, Key::H, || Command::ResetCamera, "Return to the scene's own view"),
-    bind(Modifiers::NONE, Key::Enter, || Command::Watch(watch::Change::AddPick), "Watch the picked pixel"),
+    bind(Modifiers::NONE, Key::Enter, || Command::Watch(watch::WatchChange::AddPick), "Watch the picked pixel"),
     bind(
         Modifiers::NONE,
         Key::Escape,

@@ -9,7 +9,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::look::{self, Look, Looked, Slow, Source};
+use super::look::{self, Look, LookResult, SlowOverlays, ValueSource};
 use super::scrub::reel::{Reel, timeline_of};
 use super::seam_search::SeamSearch;
 use crate::chain::{self, Frame, KeepDepth, Recipe, Renderer};
@@ -21,7 +21,7 @@ use crate::inspect::scrub::{Moment, Timeline};
 use crate::inspect::view::Range;
 use crate::inspect::{Intermediate, PixelReport, Stage, Survey, explain};
 use crate::measure::stages::{StageTimer, StageTimes};
-use crate::pipeline::Until;
+use crate::pipeline::LastStage;
 use crate::pipeline::observe::Counters;
 use crate::pipeline::settings::Choice as _;
 use crate::pipeline::viewport::Viewport;
@@ -63,28 +63,28 @@ impl Shown {
 #[derive(Clone, Debug)]
 pub struct Request {
     /// Scene; compared by pointer.
-    pub(crate) scene: Arc<Scene>,
+    pub scene: Arc<Scene>,
     /// Camera.
-    pub(crate) camera: Camera,
+    pub camera: Camera,
     /// Recipe to draw with.
-    pub(crate) recipe: Recipe,
+    pub recipe: Recipe,
     /// Size of the picture, in pixels.
-    pub(crate) viewport: Viewport,
+    pub viewport: Viewport,
     /// Quantity on the canvas.
-    pub(crate) shown: Shown,
+    pub shown: Shown,
     /// Number of rasterized triangles to draw; all if `None`.
-    pub(crate) triangle_limit: Option<usize>,
+    pub triangle_limit: Option<usize>,
     /// Number of fragments of the last of these triangles to draw; all if `None`.
-    pub(crate) fragment_limit: Option<usize>,
+    pub fragment_limit: Option<usize>,
     /// Picked pixel, in picture pixels.
-    pub(crate) pick: Option<(u32, u32)>,
+    pub pick: Option<(u32, u32)>,
     /// Range, colours and overlays.
-    pub(crate) look: Look,
+    pub look: Look,
 }
 
 impl Request {
     /// Whether both requests have the same answer.
-    pub(crate) fn same_view(&self, other: &Self) -> bool {
+    pub fn same_view(&self, other: &Self) -> bool {
         self.same_frame(other) && self.shown == other.shown && self.pick == other.pick && self.look == other.look
     }
 
@@ -110,7 +110,7 @@ impl Request {
     }
 
     /// Whether both requests have the same frame once all of its triangles are drawn.
-    pub(crate) fn same_complete_frame(&self, other: &Self) -> bool {
+    pub fn same_complete_frame(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.scene, &other.scene)
             && self.camera == other.camera
             && self.recipe == other.recipe
@@ -120,7 +120,7 @@ impl Request {
 
 /// The answer to a [`Request`].
 #[derive(Clone, Debug)]
-pub struct View {
+pub struct RenderedView {
     /// The request that was answered.
     pub request: Request,
     /// Rendered frame.
@@ -136,16 +136,16 @@ pub struct View {
     /// Ends of the colour map; `None` without one.
     pub range: Option<Range>,
     /// Intermediate images and statistics of the picture.
-    pub looked: Looked,
+    pub look_result: LookResult,
     /// History of the picked pixel.
     pub report: Option<Arc<PixelReport>>,
     /// Moments around the shown one; `None` if the frame is complete and no pixel is picked.
     pub(crate) timeline: Option<Arc<Timeline>>,
     /// Whether the frame was drawn for this answer rather than reused from the last one.
-    pub(crate) fresh: bool,
+    pub fresh: bool,
 }
 
-impl View {
+impl RenderedView {
     /// Whether this view holds the complete frame of which `request` wants an earlier moment.
     fn is_whole_for(&self, request: &Request) -> bool {
         request.triangle_limit.is_some()
@@ -154,8 +154,8 @@ impl View {
     }
 
     /// Whether repeating the request would improve the frame, because the upscaler has not converged yet.
-    pub(crate) fn wants_another(&self) -> bool {
-        self.request.triangle_limit.is_none() && self.frame.wants_another(&self.request.recipe)
+    pub(crate) fn is_unconverged(&self) -> bool {
+        self.request.triangle_limit.is_none() && self.frame.is_converging(&self.request.recipe)
     }
 }
 
@@ -166,20 +166,20 @@ const SEAMS_WAIT: Duration = Duration::from_millis(50);
 /// Answers requests, reusing results of the last one.
 #[derive(Debug, Default)]
 pub(crate) struct Engine {
-    last: Option<View>,
+    last: Option<RenderedView>,
     renderer: Renderer,
     seams: SeamSearch,
-    survey: Surveyed,
+    survey: SurveyCache,
     reel: Option<Reel>,
 }
 
 impl Engine {
     /// Answers a request, reusing valid parts of the last answer.
-    pub(crate) fn answer(&mut self, request: Request) -> View {
+    pub(crate) fn answer(&mut self, request: Request) -> RenderedView {
         let mut last = self.last.take();
         self.reel.take_if(|reel| !reel.is_of(&request));
         let whole = last.as_ref().filter(|view| view.is_whole_for(&request)).map(|view| view.frame.clone());
-        let stale = |view: &mut View| !view.request.same_frame(&request) || view.wants_another();
+        let stale = |view: &mut RenderedView| !view.request.same_frame(&request) || view.is_unconverged();
         if let Some(view) = last.take_if(stale) {
             // The frame is recycled only if no other view holds it.
             if let Ok(frame) = Arc::try_unwrap(view.frame) {
@@ -188,7 +188,9 @@ impl Engine {
         }
         let fresh = last.is_none();
         let (frame, rasterized, kept_buffers, kept_captured, kept) = match last {
-            Some(view) => (view.frame, view.rasterized, view.buffers, view.captured, Some((view.request, view.looked))),
+            Some(view) => {
+                (view.frame, view.rasterized, view.buffers, view.captured, Some((view.request, view.look_result)))
+            }
             None => {
                 let (frame, rasterized) = render(&request, &mut self.renderer, (&mut self.reel, whole));
                 (Arc::new(frame), rasterized, None, None, None)
@@ -206,9 +208,9 @@ impl Engine {
         let kept = kept.filter(|_| had_seams || buffers.as_deref().is_some_and(Buffers::misses_seams));
         let mut looked = {
             let (buffers, captured) = (buffers.as_deref(), captured.as_deref());
-            let slow = if is_asked_again { Slow::Made } else { Slow::Postponed };
-            let source = Source { frame: &frame, buffers, captured, stage: None, seams: seams.as_deref() };
-            look::look(&request, source, kept, slow)
+            let slow = if is_asked_again { SlowOverlays::Computed } else { SlowOverlays::Postponed };
+            let source = ValueSource { frame: &frame, buffers, captured, stage: None, seams: seams.as_deref() };
+            look::apply_look(&request, source, kept, slow)
         };
         looked.is_unfinished |= reads_seams && seams.is_none();
         let report = request.pick.and_then(|pick| {
@@ -217,8 +219,19 @@ impl Engine {
         });
         let (picture, range) = (looked.picture.clone(), looked.range);
         let timeline = self.timeline(&request, &frame, report.as_deref()).map(Arc::new);
-        let view =
-            View { request, frame, rasterized, picture, buffers, captured, range, looked, report, timeline, fresh };
+        let view = RenderedView {
+            request,
+            frame,
+            rasterized,
+            picture,
+            buffers,
+            captured,
+            range,
+            look_result: looked,
+            report,
+            timeline,
+            fresh,
+        };
         self.last = Some(view.clone());
         view
     }
@@ -235,9 +248,9 @@ impl Engine {
 
 /// Cached survey of all triangles of the last frame with a picked pixel, reused for its other pixels and moments.
 #[derive(Debug, Default)]
-struct Surveyed(Option<(Arc<Scene>, Recipe, Survey)>);
+struct SurveyCache(Option<(Arc<Scene>, Recipe, Survey)>);
 
-impl Surveyed {
+impl SurveyCache {
     fn of(&mut self, request: &Request, frame: &Frame, seams: Option<&Arc<Seams>>) -> &Survey {
         let Request { scene, recipe, .. } = request;
         self.0.take_if(|(of, by, survey)| !Arc::ptr_eq(of, scene) || by != recipe || !survey.fits(recipe, frame));
@@ -300,7 +313,7 @@ fn render(
 #[derive(Clone, Copy, Debug, Default)]
 pub struct StageFigures {
     /// Wall-clock times.
-    pub(crate) times: StageTimes,
+    pub times: StageTimes,
     /// Counters.
     pub(crate) counters: Counters,
     /// Number of fragments whose depth or weights are NaN or infinite.
@@ -309,14 +322,14 @@ pub struct StageFigures {
 
 /// Determines the figures of a view in steps, each of which takes at most one frame time.
 #[derive(Debug)]
-pub(crate) struct Figuring {
-    view: View,
+pub(crate) struct StageMeasurement {
+    view: RenderedView,
     timer: StageTimer,
 }
 
-impl Figuring {
+impl StageMeasurement {
     /// Starts with a view.
-    pub(crate) fn new(view: View) -> Self {
+    pub(crate) fn new(view: RenderedView) -> Self {
         Self { timer: StageTimer::new(&view.frame), view }
     }
 
@@ -327,7 +340,7 @@ impl Figuring {
 
     /// Runs the next step. Returns the figures after the last one, `None` before.
     pub(crate) fn step(&mut self) -> Option<StageFigures> {
-        let View { request, frame, .. } = &self.view;
+        let RenderedView { request, frame, .. } = &self.view;
         let times = self.timer.step(&request.scene, &request.camera, &request.recipe, frame)?;
         let BadFragments { counters, bad, .. } = count(request, frame);
         Some(StageFigures { times, counters, bad })
@@ -340,7 +353,7 @@ fn count(request: &Request, frame: &Frame) -> BadFragments {
     let Request { scene, recipe, .. } = request;
     let mut counting = BadFragments::new(recipe.pipeline);
     chain::prepare_again(scene, recipe, frame, &mut counting);
-    let again = chain::redraw(scene, recipe, frame, Until::Depth, &mut counting);
+    let again = chain::redraw(scene, recipe, frame, LastStage::Depth, &mut counting);
     let counters = &mut counting.counters;
     counters.shaded = if again.depth.is_some() { counters.passed } else { counters.covered };
     counting

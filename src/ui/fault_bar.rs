@@ -25,7 +25,7 @@ pub(crate) fn ui(ui: &mut Ui, legend: Rect, hits: &Hits, commands: &mut Vec<Comm
         let size = vec2(ui.available_width(), ROW_HEIGHT);
         ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| content(ui));
     };
-    row(&mut column, &mut |ui| numbers(ui, hits));
+    row(&mut column, &mut |ui| draw_counts(ui, hits));
     if hits.elsewhere > 0 {
         row(&mut column, &mut |ui| {
             let text = format!("{} more wrong pixels, not along shared edges", format::count(hits.elsewhere as u64));
@@ -53,7 +53,7 @@ fn seams_text(hits: &Hits) -> Option<String> {
 }
 
 /// Draws both counts: as a success if both are zero, otherwise each beside the colour of its pixels.
-fn numbers(ui: &mut Ui, hits: &Hits) {
+fn draw_counts(ui: &mut Ui, hits: &Hits) {
     let (cracks, doubles) = (hits.count(FaultKind::Crack), hits.count(FaultKind::DoubleHit));
     if cracks + doubles == 0 {
         chip(ui, Status::Passed, "0 cracks · 0 double hits", "Every pixel along a shared edge is drawn exactly once");

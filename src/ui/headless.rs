@@ -36,36 +36,43 @@ pub(crate) struct PassCost {
 }
 
 /// An egui context with the installed theme, its painter, and the shapes of its last pass.
-pub(crate) struct Headless {
+pub struct Headless {
     context: egui::Context,
     painter: CpuPainter,
     size_points: Vec2,
     pixels_per_point: f32,
-    passes: u32,
+    pass_count: u32,
     shapes: Vec<ClippedShape>,
 }
 
 impl Headless {
     /// Creates a window of `size_points` (logical) at an interface scale of `pixels_per_point`.
-    pub(crate) fn new(size_points: Vec2, pixels_per_point: f32, theme: egui::Theme) -> Self {
+    pub fn new(size_points: Vec2, pixels_per_point: f32, theme: egui::Theme) -> Self {
         let context = egui::Context::default();
         theme::install(&context);
         context.set_theme(theme);
-        Self { context, painter: CpuPainter::default(), size_points, pixels_per_point, passes: 0, shapes: Vec::new() }
+        Self {
+            context,
+            painter: CpuPainter::default(),
+            size_points,
+            pixels_per_point,
+            pass_count: 0,
+            shapes: Vec::new(),
+        }
     }
 
     /// Returns the context for further setup.
-    pub(crate) fn context(&self) -> &egui::Context {
+    pub fn context(&self) -> &egui::Context {
         &self.context
     }
 
     /// Runs one pass with `events` as its input. Returns its requests to the platform (cursor, clipboard, accessibility
     /// tree).
-    pub(crate) fn pass(&mut self, events: Vec<Event>, ui: impl FnMut(&mut egui::Ui)) -> PlatformOutput {
+    pub fn pass(&mut self, events: Vec<Event>, ui: impl FnMut(&mut egui::Ui)) -> PlatformOutput {
         let input = self.input(events);
         let FullOutput { platform_output, mut textures_delta, shapes, .. } = self.context.run_ui(input, ui);
         self.painter.handle_delta(&mut textures_delta);
-        self.passes += 1;
+        self.pass_count += 1;
         self.shapes = shapes;
         platform_output
     }
@@ -79,7 +86,7 @@ impl Headless {
         let images = textures_delta.set.values().flatten().map(|delta| delta.image.width() * delta.image.height());
         let texture_bytes = images.sum::<usize>() * size_of::<egui::Color32>();
         self.painter.handle_delta(&mut textures_delta);
-        self.passes += 1;
+        self.pass_count += 1;
         self.shapes.clone_from(&shapes);
         let begun = Instant::now();
         let primitives = self.context.tessellate(shapes, pixels_per_point);
@@ -105,7 +112,7 @@ impl Headless {
     }
 
     /// Paints the last pass at `size_points` × `pixels_per_point`, rounded to whole pixels.
-    pub(crate) fn picture(&self) -> Image<Rgba8> {
+    pub fn picture(&self) -> Image<Rgba8> {
         let size = (self.size_points * self.pixels_per_point).round();
         let background = self.context.global_style().visuals.panel_fill;
         self.painter.paint_shapes(&self.context, self.shapes.clone(), (size.x as u32, size.y as u32), background)
@@ -115,7 +122,7 @@ impl Headless {
         let mut input = RawInput {
             screen_rect: Some(Rect::from_min_size(Pos2::ZERO, self.size_points)),
             max_texture_side: Some(LARGEST_TEXTURE_SIDE),
-            time: Some(f64::from(self.passes) * STEP_SECONDS),
+            time: Some(f64::from(self.pass_count) * STEP_SECONDS),
             predicted_dt: STEP_SECONDS as f32,
             events,
             ..RawInput::default()

@@ -2,7 +2,7 @@
 
 use eframe::egui::{Key, Label, RichText, ScrollArea, TextEdit, Ui, WidgetInfo, vec2};
 
-use super::command::{BINDINGS, Binding, Command, MOUSE};
+use super::command::{BINDINGS, Command, KeyBinding, MOUSE};
 use super::palette::fuzzy::fit;
 use super::theme::{space, tokens};
 
@@ -19,7 +19,7 @@ const MARGIN_POINTS: f32 = 40.0;
 const LINE_POINTS: f32 = 16.0;
 
 /// Number of keys of one action above which only the first and the last are listed.
-const MOST_KEYS: usize = 3;
+const MAX_KEYS: usize = 3;
 
 /// Returns the width of the sheet, in points: three columns if the window has room for them, otherwise two.
 pub(crate) fn width(ui: &Ui) -> f32 {
@@ -64,7 +64,7 @@ impl Topic {
     ];
 
     /// Returns the topic of a key from its command.
-    fn of(binding: &Binding) -> Self {
+    fn of(binding: &KeyBinding) -> Self {
         match (binding.command)() {
             Command::NudgePick(..) | Command::Pick(_) | Command::Watch(_) | Command::StepFault(_) | Command::Escape => {
                 Self::Pixel
@@ -76,13 +76,13 @@ impl Topic {
             Command::StepTriangle(_) | Command::LimitTriangles(_) | Command::Scrub(_) => Self::Making,
             Command::Range(_) | Command::Overlays(_) => Self::Showing,
             Command::Trace(_) => Self::Arithmetic,
-            Command::AskForFile
+            Command::ShowFileDialog
             | Command::TogglePointerMode
             | Command::ResetCamera
             | Command::FitCamera
             | Command::MeshView(_) => Self::Scene,
             Command::Undo | Command::Redo | Command::ChooseUpscaler(_) | Command::SetRecipe(_) => Self::Settings,
-            Command::Place(_) | Command::OpenPalette | Command::AskForPixel => Self::Places,
+            Command::Place(_) | Command::OpenPalette | Command::ShowPixelDialog => Self::Places,
             Command::Compare(_) | Command::WhatIf(_) => Self::Comparing,
             _ => Self::General,
         }
@@ -90,12 +90,12 @@ impl Topic {
 }
 
 /// A line of the sheet: all keys or the gesture of one action, and its description.
-struct Line {
+struct SheetLine {
     keys: Vec<String>,
     what: &'static str,
 }
 
-impl Line {
+impl SheetLine {
     /// Estimates the number of text rows that the key names take.
     fn rows(&self) -> usize {
         /// Characters that fit into one row.
@@ -105,7 +105,7 @@ impl Line {
 
     fn names(&self) -> String {
         match &self.keys[..] {
-            [first, .., last] if self.keys.len() > MOST_KEYS => format!("{first} … {last}"),
+            [first, .., last] if self.keys.len() > MAX_KEYS => format!("{first} … {last}"),
             keys => keys.join(", "),
         }
     }
@@ -121,7 +121,7 @@ pub(crate) fn ui(ui: &mut Ui, filter: &mut String) {
     if topics.is_empty() {
         ui.label(RichText::new("No key matches.").color(tokens(ui).text_weak));
     }
-    let rows = |lines: &[Line]| lines.iter().map(Line::rows).sum::<usize>();
+    let rows = |lines: &[SheetLine]| lines.iter().map(SheetLine::rows).sum::<usize>();
     let all: usize = topics.iter().map(|(_, lines)| rows(lines) + 1).sum();
     let height = (ui.ctx().content_rect().height() * 0.74).max(120.0);
     let count = columns(ui);
@@ -141,7 +141,7 @@ pub(crate) fn ui(ui: &mut Ui, filter: &mut String) {
     });
 }
 
-fn show(ui: &mut Ui, topic: &str, lines: &[Line]) {
+fn show(ui: &mut Ui, topic: &str, lines: &[SheetLine]) {
     ui.label(RichText::new(topic).strong().color(tokens(ui).text_strong));
     for line in lines {
         ui.horizontal_top(|ui| {
@@ -156,15 +156,15 @@ fn show(ui: &mut Ui, topic: &str, lines: &[Line]) {
 }
 
 /// Returns the lines of a topic that match `filter`. Keys with the same description share a line.
-fn lines(topic: Topic, filter: &str) -> Vec<Line> {
-    let mut lines: Vec<Line> = Vec::new();
+fn lines(topic: Topic, filter: &str) -> Vec<SheetLine> {
+    let mut lines: Vec<SheetLine> = Vec::new();
     if topic == Topic::Mouse {
-        lines.extend(MOUSE.iter().map(|(gesture, what)| Line { keys: vec![(*gesture).to_owned()], what }));
+        lines.extend(MOUSE.iter().map(|(gesture, what)| SheetLine { keys: vec![(*gesture).to_owned()], what }));
     }
     for binding in BINDINGS.iter().filter(|binding| Topic::of(binding) == topic) {
-        match lines.iter_mut().find(|line| line.what == binding.what) {
+        match lines.iter_mut().find(|line| line.what == binding.description) {
             Some(known) => known.keys.push(key_name(binding)),
-            None => lines.push(Line { keys: vec![key_name(binding)], what: binding.what }),
+            None => lines.push(SheetLine { keys: vec![key_name(binding)], what: binding.description }),
         }
     }
     lines.retain(|line| fit(filter, &format!("{} {}", line.names(), line.what)).is_some());
@@ -172,7 +172,7 @@ fn lines(topic: Topic, filter: &str) -> Vec<Line> {
 }
 
 /// Returns the name of a key with its modifiers, in characters that the fonts contain.
-pub(crate) fn key_name(binding: &Binding) -> String {
+pub fn key_name(binding: &KeyBinding) -> String {
     let mut name = String::new();
     if binding.modifiers.command || binding.modifiers.ctrl {
         name.push_str("Ctrl + ");
@@ -199,10 +199,10 @@ mod tests {
 
     #[test]
     fn every_key_stands_on_the_sheet_once() {
-        let all: Vec<Line> = Topic::ALL.into_iter().flat_map(|(topic, _)| lines(topic, "")).collect();
+        let all: Vec<SheetLine> = Topic::ALL.into_iter().flat_map(|(topic, _)| lines(topic, "")).collect();
         for binding in BINDINGS {
-            let of_it = all.iter().filter(|line| line.what == binding.what);
-            assert_eq!(of_it.count(), 1, "{}", binding.what);
+            let of_it = all.iter().filter(|line| line.what == binding.description);
+            assert_eq!(of_it.count(), 1, "{}", binding.description);
         }
         assert!(MOUSE.iter().all(|(gesture, _)| all.iter().any(|line| line.keys == [*gesture])));
     }

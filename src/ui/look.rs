@@ -3,30 +3,30 @@
 
 use std::sync::{Arc, OnceLock};
 
-use super::engine::{Request, Shown, View};
-use super::overlays::Layer;
+use super::engine::{RenderedView, Request, Shown};
+use super::overlays::OverlayLayer;
 use crate::chain::Frame;
 use crate::image::{Image, Rgba8};
 use crate::inspect::buffers::Buffers;
-use crate::inspect::display::{Display, Kind};
+use crate::inspect::display::{Display, ValueKind};
 use crate::inspect::intermediate::Captured;
-use crate::inspect::measured::{Measured, measure};
-use crate::inspect::overlays::watch::Watched;
-use crate::inspect::overlays::{Context, Sheet, compose};
+use crate::inspect::measured::{PictureStatistics, measure};
+use crate::inspect::overlays::watch::FragmentStats;
+use crate::inspect::overlays::{OverlayContext, Sheet, compose};
 use crate::inspect::stages;
 use crate::inspect::view::{Range, Value, value};
-use crate::measure::region::Region;
+use crate::measure::region::PixelRegion;
 use crate::scene::seams::Seams;
 
 /// Display of a quantity, overlays, and requested statistics.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Look {
+pub struct Look {
     /// Range, colour map and channels.
     pub(crate) display: Display,
     /// Requested statistics; `None` for none.
-    pub(crate) measures: Option<Measures>,
+    pub(crate) statistics: Option<StatisticsRequest>,
     /// Overlays, bottom first.
-    pub(crate) layers: Vec<Layer>,
+    pub(crate) layers: Vec<OverlayLayer>,
     /// Whether layers with lines are omitted from the picture because lines are drawn between large pixels instead.
     pub(crate) vectors: bool,
 }
@@ -40,16 +40,16 @@ impl Look {
 
 /// Statistics to compute.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Measures {
+pub(crate) struct StatisticsRequest {
     /// Axis of the histograms; the range of all values if `None`.
     pub(crate) axis: Option<Range>,
     /// Rectangle with statistics of its own.
-    pub(crate) region: Option<Region>,
+    pub(crate) region: Option<PixelRegion>,
 }
 
 /// The picture for a [`Look`], with everything that it was made from.
 #[derive(Clone, Debug)]
-pub struct Looked {
+pub struct LookResult {
     /// Picture after a stage as drawn; `None` unless a stage is shown.
     pub(crate) stage: Option<Arc<Image<Rgba8>>>,
     /// Picture of the quantity without overlays.
@@ -59,20 +59,20 @@ pub struct Looked {
     /// Ends of the colour map, or of each channel; `None` for categorical values.
     pub(crate) range: Option<Range>,
     /// Visible overlays, in the order of the layers.
-    pub(crate) sheets: Vec<Arc<Sheet>>,
+    pub sheets: Vec<Arc<Sheet>>,
     /// Whether placeholders stand in for overlays that are slow to compute.
     pub(crate) is_unfinished: bool,
     /// All overlays computed for the frame, visible or not.
-    made: Vec<Arc<Sheet>>,
+    computed: Vec<Arc<Sheet>>,
     /// Instrumented rendering of the frame, shared by overlays and created on first use.
-    watched: Arc<OnceLock<Watched>>,
+    watched: Arc<OnceLock<FragmentStats>>,
     /// Computed statistics; `None` if none were requested.
-    pub(crate) measured: Option<Arc<Measured>>,
+    pub measured: Option<Arc<PictureStatistics>>,
 }
 
 /// Sources of the values of a shown quantity.
 #[derive(Clone, Copy)]
-pub(crate) struct Source<'a> {
+pub(crate) struct ValueSource<'a> {
     /// The frame.
     pub(crate) frame: &'a Frame,
     /// Captured buffers of the frame; `None` if the shown quantity does not need them.
@@ -85,7 +85,7 @@ pub(crate) struct Source<'a> {
     pub(crate) seams: Option<&'a Seams>,
 }
 
-impl Source<'_> {
+impl ValueSource<'_> {
     /// Returns the shown value at a pixel of the full picture.
     fn value(&self, shown: Shown, x: u32, y: u32) -> Value {
         match shown {
@@ -109,18 +109,23 @@ impl Source<'_> {
 
 /// Whether slow overlays are computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Slow {
+pub(crate) enum SlowOverlays {
     /// Slow overlays are computed.
-    Made,
+    Computed,
     /// Placeholders stand in for slow overlays, so that the frame appears soon.
     Postponed,
 }
 
 /// Computes the look of a request, reusing the previous look of the same frame if there is one.
-pub(crate) fn look(request: &Request, source: Source<'_>, kept: Option<(Request, Looked)>, slow: Slow) -> Looked {
+pub(crate) fn apply_look(
+    request: &Request,
+    source: ValueSource<'_>,
+    kept: Option<(Request, LookResult)>,
+    slow: SlowOverlays,
+) -> LookResult {
     let frame = source.frame;
     let (watched, mut made) = match &kept {
-        Some((_, looked)) => (looked.watched.clone(), looked.made.clone()),
+        Some((_, looked)) => (looked.watched.clone(), looked.computed.clone()),
         None => Default::default(),
     };
     let kept = kept.filter(|(before, _)| before.shown == request.shown);
@@ -131,7 +136,7 @@ pub(crate) fn look(request: &Request, source: Source<'_>, kept: Option<(Request,
         })),
         _ => None,
     };
-    let source = Source { stage: stage.as_deref(), ..source };
+    let source = ValueSource { stage: stage.as_deref(), ..source };
     let value = |x: u32, y: u32| source.value(request.shown, x, y);
     let (base, range) = match kept.as_ref().filter(|_| same_colors) {
         Some((_, looked)) => (looked.base.clone(), looked.range),
@@ -140,34 +145,34 @@ pub(crate) fn look(request: &Request, source: Source<'_>, kept: Option<(Request,
             (Arc::new(base), range)
         }
     };
-    let same_figures = |(before, _): &&(Request, Looked)| before.look.measures == request.look.measures;
+    let same_figures = |(before, _): &&(Request, LookResult)| before.look.statistics == request.look.statistics;
     let measured = match kept.as_ref().filter(same_figures) {
         Some((_, looked)) => looked.measured.clone(),
-        None => request.look.measures.map(|wanted| {
+        None => request.look.statistics.map(|wanted| {
             let count = kind(request.shown).channels().len();
             Arc::new(measure(frame.image().size(), count, wanted.axis, wanted.region, value))
         }),
     };
-    let context = Context {
+    let context = OverlayContext {
         scene: &request.scene,
         recipe: &request.recipe,
         frame,
         is_whole: request.triangle_limit.is_none(),
-        watched: &watched,
+        stats_cache: &watched,
         seams: source.seams,
         shown: &value,
         range,
     };
     made.retain(|sheet| same_colors || !sheet.overlay.reads_shown());
     let mut is_unfinished = false;
-    let mut sheet = |layer: &Layer| {
+    let mut sheet = |layer: &OverlayLayer| {
         if let Some(known) = made.iter().find(|sheet| layer.is_of(sheet)) {
             return known.clone();
         }
         let waits_for_seams = layer.overlay.reads_seams() && source.seams.is_none();
-        if waits_for_seams || slow == Slow::Postponed && layer.overlay.is_slow() {
+        if waits_for_seams || slow == SlowOverlays::Postponed && layer.overlay.is_slow() {
             is_unfinished = true;
-            return Arc::new(layer.overlay.unmade(&context));
+            return Arc::new(layer.overlay.pending_sheet(&context));
         }
         made.retain(|sheet| sheet.overlay != layer.overlay);
         made.push(Arc::new(layer.sheet(&context)));
@@ -175,12 +180,12 @@ pub(crate) fn look(request: &Request, source: Source<'_>, kept: Option<(Request,
     };
     let sheets: Vec<Arc<Sheet>> = request.look.layers.iter().map(&mut sheet).collect();
     let before = kept.as_ref().filter(|(before, _)| same_colors && before.look.has_same_layers(&request.look));
-    let same_sheets = |looked: &Looked| looked.sheets.iter().zip(&sheets).all(|(a, b)| Arc::ptr_eq(a, b));
+    let same_sheets = |looked: &LookResult| looked.sheets.iter().zip(&sheets).all(|(a, b)| Arc::ptr_eq(a, b));
     let picture = match before.filter(|(_, looked)| same_sheets(looked)) {
         Some((_, looked)) => looked.picture.clone(),
         None => composed(&base, &sheets, &request.look),
     };
-    Looked { stage, base, picture, range, measured, sheets, is_unfinished, made, watched }
+    LookResult { stage, base, picture, range, measured, sheets, is_unfinished, computed: made, watched }
 }
 
 /// Returns the picture with all overlays.
@@ -192,19 +197,19 @@ fn composed(base: &Arc<Image<Rgba8>>, sheets: &[Arc<Sheet>], look: &Look) -> Arc
 }
 
 /// Returns the kind of values of a shown quantity.
-pub(crate) fn kind(shown: Shown) -> Kind {
+pub(crate) fn kind(shown: Shown) -> ValueKind {
     match shown {
-        Shown::Buffer(buffer) => Kind::of(buffer),
-        Shown::Stage(_) => Kind::Colors,
-        Shown::Intermediate(_) => Kind::Numbers,
+        Shown::Buffer(buffer) => ValueKind::of(buffer),
+        Shown::Stage(_) => ValueKind::Colors,
+        Shown::Intermediate(_) => ValueKind::Numbers,
     }
 }
 
-impl View {
+impl RenderedView {
     /// Returns the exact value at a pixel inside the picture, independent of its colours.
     pub fn value(&self, x: u32, y: u32) -> Value {
-        let (buffers, stage) = (self.buffers.as_deref(), self.looked.stage.as_deref());
-        Source { frame: &self.frame, buffers, captured: self.captured.as_deref(), stage, seams: None }.value(
+        let (buffers, stage) = (self.buffers.as_deref(), self.look_result.stage.as_deref());
+        ValueSource { frame: &self.frame, buffers, captured: self.captured.as_deref(), stage, seams: None }.value(
             self.request.shown,
             x,
             y,

@@ -17,7 +17,7 @@ const DEFAULT_SIZE_POINTS: [f32; 2] = [820.0, 560.0];
 const LIST_POINTS: f32 = 220.0;
 
 /// Results listed at most.
-const MOST_RESULTS: usize = 40;
+const MAX_RESULTS: usize = 40;
 
 /// Manual window: which page is open, and what is searched for.
 #[derive(Default)]
@@ -119,7 +119,7 @@ impl ManualWindow {
             if let Some(first) = passages.first().filter(|_| entered) {
                 self.go_to(first.chapter, first.section);
             }
-            for passage in passages.iter().take(MOST_RESULTS) {
+            for passage in passages.iter().take(MAX_RESULTS) {
                 if result(ui, passage) {
                     self.go_to(passage.chapter, passage.section);
                 }

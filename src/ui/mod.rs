@@ -52,7 +52,7 @@ pub mod command;
 
 pub(crate) mod timings;
 
-pub(crate) mod judging;
+pub(crate) mod long_tasks;
 
 pub(crate) mod open_case;
 
@@ -60,7 +60,7 @@ pub mod session;
 
 pub mod checks;
 
-pub(crate) mod place;
+pub mod place;
 
 pub(crate) mod what_if;
 
@@ -82,21 +82,21 @@ pub(crate) mod panels;
 
 pub(crate) mod palette;
 
-pub(crate) mod key_sheet;
+pub mod key_sheet;
 
 pub mod app;
 
 mod start;
 
-pub(crate) mod store;
+pub mod store;
 
 pub(crate) mod window_time;
 
+pub use start::InitialView;
 pub use start::ScreenshotRequest;
-pub use start::Seen;
 pub use start::Theme;
 pub use start::WindowStart;
-pub(crate) use start::resumed;
+pub use start::resumed;
 pub(crate) use start::run_window;
 pub use start::screenshot;
-pub(crate) use start::workbench;
+pub use start::workbench;

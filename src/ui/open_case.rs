@@ -3,16 +3,16 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::session::{Level, Session};
+use super::session::{Session, Severity};
 use crate::case::Case;
 use crate::pipeline::settings::Settings;
-use crate::report::stability::column::Column;
+use crate::report::stability::column::ReportColumn;
 
 /// An open case.
 #[derive(Clone, Debug)]
-pub(crate) struct OpenCase {
+pub struct OpenCase {
     /// The case.
-    pub(crate) case: Arc<Case>,
+    pub case: Arc<Case>,
     /// Index of the shown part.
     pub(crate) part: usize,
     /// Settings to restore on closing; `None` if the case was opened with the current settings.
@@ -28,27 +28,27 @@ impl OpenCase {
 
 impl Session {
     /// Shows a case in place of the open one; the scene stays loaded.
-    pub(crate) fn show_case(&mut self, case: impl Into<Arc<Case>>) {
+    pub fn show_case(&mut self, case: impl Into<Arc<Case>>) {
         let case = case.into();
         self.close_case();
-        self.report(Level::Info, format!("Opened the case {}", case.id));
+        self.report(Severity::Info, format!("Opened the case {}", case.id));
         self.error = None;
         self.case = Some(OpenCase::new(case));
     }
 
     /// Shows the worst case of a column of the stability report with the settings of that column.
-    pub(super) fn open_worst(&mut self, column: Column, json: &str) {
+    pub(super) fn open_worst(&mut self, column: ReportColumn, json: &str) {
         let case = match Case::parse(json.as_bytes(), Path::new("worst case")) {
             Ok(case) => case,
-            Err(error) => return self.report(Level::Error, error.to_string()),
+            Err(error) => return self.report(Severity::Error, error.to_string()),
         };
         self.show_case(case);
         let settings = &mut self.state.recipe.pipeline;
         let before = *settings;
         match column {
-            Column::Coverage(by) => (settings.rasterizer, settings.arithmetic) = (by.rasterizer, by.arithmetic),
-            Column::Weights(by) => settings.arithmetic = by.arithmetic,
-            Column::Depth(format) => settings.depth_format = format,
+            ReportColumn::Coverage(by) => (settings.rasterizer, settings.arithmetic) = (by.rasterizer, by.arithmetic),
+            ReportColumn::Weights(by) => settings.arithmetic = by.arithmetic,
+            ReportColumn::Depth(format) => settings.depth_format = format,
         }
         self.case.iter_mut().for_each(|open| open.settings_before = Some(before));
     }

@@ -8,11 +8,11 @@ mod preferences;
 
 mod undo;
 
-pub use log::Level;
 pub(crate) use log::LogLine;
+pub use log::Severity;
 pub use preferences::PictureSize;
 pub use preferences::PointerMode;
-pub(crate) use preferences::Preferences;
+pub use preferences::Preferences;
 pub use preferences::WindowState;
 pub(crate) use undo::Undoable;
 
@@ -23,23 +23,23 @@ use std::sync::Arc;
 use super::checks::Checks;
 use super::command::Command;
 use super::compare::compute::{CompareRequest, Compared};
-use super::compare::{Change, Comparison, Mode, Tiles};
-use super::engine::{Request, Shown, StageFigures, View};
+use super::compare::{CompareChange, CompareSettings, Mode, TileSet};
+use super::engine::{RenderedView, Request, Shown, StageFigures};
 use super::fates::FatesView;
-use super::judging::{Growth, PlanSavings, Stability};
 use super::lab::{self, Lab};
+use super::long_tasks::{PlanSavings, ScalingState, Stability};
 use super::look::Look;
 use super::mesh_view::{self, MeshView};
 use super::open_case::OpenCase;
 use super::overlays::Overlays;
 use super::place::Places;
-use super::probe::Probing;
+use super::probe::ProbeState;
 use super::range::{self, RangeControl};
 use super::scrub::{self, Scrub};
 use super::timings::Timings;
 use super::trace::TraceView;
-use super::vertices::Vertices;
-use super::watch::Watch;
+use super::vertices::VertexTable;
+use super::watch::WatchList;
 use super::what_if::WhatIf;
 use super::window_time::WindowTimes;
 use crate::chain::{Frame, Recipe};
@@ -56,7 +56,7 @@ const RECENT_FILES: usize = 8;
 
 /// A running measurement of all upscalers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Measuring {
+pub struct Measuring {
     /// Completed share, in [0, 1].
     pub(crate) progress: f32,
 }
@@ -65,89 +65,89 @@ pub(crate) struct Measuring {
 #[derive(Debug)]
 pub struct Session {
     /// Scene on screen.
-    pub(crate) scene: Arc<Scene>,
+    pub scene: Arc<Scene>,
     /// Source of the scene.
-    pub(crate) source: SceneSource,
+    pub source: SceneSource,
     /// Whether the scene is the mirror image in z of its source.
     pub(crate) mirrored: bool,
     /// Memory limit for loading models.
     pub(crate) memory_limit: MemoryLimit,
     /// State covered by undo.
-    pub(crate) state: Undoable,
+    pub state: Undoable,
     /// Quantity on the canvas.
-    pub(crate) shown: Shown,
+    pub shown: Shown,
     /// Number of triangles to draw; all if `None`.
-    pub(crate) triangle_limit: Option<usize>,
+    pub triangle_limit: Option<usize>,
     /// State of stepping and playing through the frame.
-    pub(crate) scrub: Scrub,
+    pub scrub: Scrub,
     /// Picked pixel.
-    pub(crate) pick: Option<(u32, u32)>,
+    pub pick: Option<(u32, u32)>,
     /// Pointer mode.
-    pub(crate) pointer_mode: PointerMode,
+    pub pointer_mode: PointerMode,
     /// Size of the canvas in screen pixels, as of the last frame.
     pub(crate) canvas_px: (u32, u32),
     /// Newest answer of the renderer.
-    pub(crate) view: Option<View>,
+    pub view: Option<RenderedView>,
     /// Counters and times of the stages of the last settled frame.
     pub(crate) stages: Option<StageFigures>,
     /// Settings of the comparison.
-    pub(crate) comparison: Comparison,
+    pub comparison: CompareSettings,
     /// Results of the comparison so far.
-    pub(crate) compared: Option<Compared>,
+    pub compared: Option<Compared>,
     /// Frame times.
-    pub(crate) timings: Timings,
+    pub timings: Timings,
     /// Times of the window itself.
     pub(crate) window_times: WindowTimes,
     /// Running measurement of all upscalers.
-    pub(crate) measuring: Option<Measuring>,
+    pub measuring: Option<Measuring>,
     /// Open case.
-    pub(crate) case: Option<OpenCase>,
+    pub case: Option<OpenCase>,
     /// Stability report.
-    pub(crate) stability: Stability,
+    pub stability: Stability,
     /// Completed share of the export of a drawing, from 0 to 1.
     pub(crate) export_progress: Option<f32>,
     /// Savings of the plan.
-    pub(crate) savings: PlanSavings,
+    pub savings: PlanSavings,
     /// Scaling of cost.
-    pub(crate) growth: Growth,
+    pub scaling: ScalingState,
     /// Stability probe.
-    pub(crate) probing: Probing,
+    pub probing: ProbeState,
     /// Scope and selection of the vertex panel.
-    pub(crate) vertices: Vertices,
+    pub vertices: VertexTable,
     /// Mesh view, which shows the scene from outside.
-    pub(crate) mesh_view: MeshView,
+    pub mesh_view: MeshView,
     /// 2D lab.
-    pub(crate) lab: Lab,
+    pub lab: Lab,
     /// Settings and results of the checks.
-    pub(crate) checks: Checks,
+    pub checks: Checks,
     /// Trace of the arithmetic of the picked pixel.
-    pub(crate) trace: TraceView,
+    pub trace: TraceView,
     /// Ranges and colour maps of the buffers and stages.
-    pub(crate) range: RangeControl,
+    pub range: RangeControl,
     /// Overlays of the picture.
-    pub(crate) overlays: Overlays,
+    pub overlays: Overlays,
     /// Selected triangles, highlighted in the picture, in tables and on meshes.
-    pub(crate) selection: TriangleSelection,
+    pub selection: TriangleSelection,
     /// Fates of triangles and fragments.
-    pub(crate) fates: FatesView,
+    pub fates: FatesView,
     /// Bookmarks and navigation history.
-    pub(crate) places: Places,
+    pub places: Places,
     /// Effect of the last change of settings.
-    pub(crate) what_if: WhatIf,
+    pub what_if: WhatIf,
     /// Watched pixels.
-    pub(crate) watch: Watch,
+    pub watch: WatchList,
     /// Error in the message bar until it is dismissed.
-    pub(crate) error: Option<String>,
+    pub error: Option<String>,
     /// Picture file that was opened as a scene; the message bar offers to open it in the 2D lab.
-    pub(crate) offered_picture: Option<PathBuf>,
+    pub offered_picture: Option<PathBuf>,
     /// All messages, up to the length limit of the log.
-    pub(crate) log: VecDeque<LogLine>,
+    pub log: VecDeque<LogLine>,
     /// Recently opened files, newest first.
-    pub(crate) recent: Vec<PathBuf>,
+    pub recent: Vec<PathBuf>,
     /// Output folder for pictures and cases: the working directory at the start.
-    pub(crate) folder: PathBuf,
+    pub folder: PathBuf,
     /// Whether the first hint was dismissed.
-    pub(crate) hint_closed: bool,
+    pub hint_closed: bool,
     first_pick: FirstPick,
     /// Time of the last camera movement, in seconds.
     camera_moved_at: f64,
@@ -173,7 +173,7 @@ const FIRST_PICK: (f32, f32) = (0.53, 0.49);
 impl Session {
     /// Creates a session of a scene with recipe and camera.
     pub fn new(scene: Arc<Scene>, source: SceneSource, recipe: Recipe, camera: Camera) -> Self {
-        let state = Undoable { recipe, camera, size: PictureSize::Canvas, tiles: Tiles::default() };
+        let state = Undoable { recipe, camera, size: PictureSize::Canvas, tiles: TileSet::default() };
         Self {
             scene,
             source,
@@ -189,7 +189,7 @@ impl Session {
             canvas_px: (0, 0),
             view: None,
             stages: None,
-            comparison: Comparison::default(),
+            comparison: CompareSettings::default(),
             compared: None,
             timings: Timings::default(),
             window_times: WindowTimes::default(),
@@ -198,9 +198,9 @@ impl Session {
             stability: Stability::default(),
             export_progress: None,
             savings: PlanSavings::default(),
-            growth: Growth::default(),
-            probing: Probing::default(),
-            vertices: Vertices::default(),
+            scaling: ScalingState::default(),
+            probing: ProbeState::default(),
+            vertices: VertexTable::default(),
             mesh_view: MeshView::default(),
             lab: Lab::default(),
             checks: Checks::default(),
@@ -211,7 +211,7 @@ impl Session {
             fates: FatesView::default(),
             places: Places::default(),
             what_if: WhatIf::default(),
-            watch: Watch::default(),
+            watch: WatchList::default(),
             error: None,
             offered_picture: None,
             log: VecDeque::new(),
@@ -226,7 +226,7 @@ impl Session {
     }
 
     /// Returns the size of the picture, at least one pixel.
-    pub(crate) fn viewport(&self) -> Viewport {
+    pub fn viewport(&self) -> Viewport {
         let (width, height) = match self.state.size {
             PictureSize::Canvas => self.canvas_px,
             PictureSize::Fixed(width, height) => (width, height),
@@ -235,7 +235,7 @@ impl Session {
     }
 
     /// Returns the current request for the renderer.
-    pub(crate) fn request(&self) -> Request {
+    pub fn request(&self) -> Request {
         Request {
             scene: self.scene.clone(),
             camera: self.state.camera,
@@ -247,7 +247,7 @@ impl Session {
             pick: self.pick,
             look: Look {
                 display: self.range.setting(self.shown).display,
-                measures: self.range.measures(self.shown),
+                statistics: self.range.measures(self.shown),
                 layers: self.overlays.layers.clone(),
                 vectors: self.overlays.vectors,
             },
@@ -256,7 +256,7 @@ impl Session {
 
     /// Returns the current comparison request; `None` if comparison is off.
     pub(crate) fn compare_request(&self) -> Option<CompareRequest> {
-        let Comparison { mode, reference, region, difference, gain, .. } = self.comparison;
+        let CompareSettings { mode, reference, region, difference, gain, .. } = self.comparison;
         let shows_difference = mode == Mode::Difference;
         let tiles = 0..self.comparison.shown(&self.state.tiles);
         self.comparison.is_on().then(|| CompareRequest {
@@ -275,7 +275,7 @@ impl Session {
         if let SceneSource::File(path, _) = &source {
             self.remember(path);
         }
-        self.report(Level::Info, format!("Opened {}: {} triangles", scene.name, scene.triangle_count()));
+        self.report(Severity::Info, format!("Opened {}: {} triangles", scene.name, scene.triangle_count()));
         self.state.camera = scene.home;
         self.offered_picture = None;
         self.close_case();
@@ -298,7 +298,7 @@ impl Session {
     }
 
     /// Returns the newest answer of the renderer; `None` while it shows the previous scene.
-    pub(crate) fn view_of_scene(&self) -> Option<&View> {
+    pub(crate) fn view_of_scene(&self) -> Option<&RenderedView> {
         self.view.as_ref().filter(|view| Arc::ptr_eq(&view.request.scene, &self.scene))
     }
 
@@ -327,10 +327,10 @@ impl Session {
     }
 
     /// Applies a command that affects this state only. Returns commands that concern the window or the disk.
-    pub(crate) fn apply(&mut self, command: Command) -> Option<Command> {
+    pub fn apply(&mut self, command: Command) -> Option<Command> {
         match self.lab.claim(command)? {
             Command::ToggleLab => {
-                self.lab.apply(lab::Change::Open(!self.lab.open));
+                self.lab.apply(lab::LabChange::Open(!self.lab.open));
             }
             Command::Lab(change) => return self.lab.apply(change).map(Command::Lab),
             Command::Trace(change) => return self.trace.apply(change, self.view.as_ref()).map(Command::Trace),
@@ -347,8 +347,8 @@ impl Session {
             }
             Command::Overlays(change) => return self.overlays.apply(change).map(Command::Overlays),
             Command::Range(change) => self.range.apply(change, self.shown, self.view.as_ref()),
-            Command::Compare(Change::ToggleRegion) if !self.comparison.is_on() => {
-                self.range.apply(range::Change::Reset, self.shown, None);
+            Command::Compare(CompareChange::ToggleRegion) if !self.comparison.is_on() => {
+                self.range.apply(range::RangeChange::Reset, self.shown, None);
             }
             Command::Compare(change) => {
                 let Undoable { tiles, recipe, .. } = &mut self.state;
@@ -374,10 +374,10 @@ impl Session {
             Command::Show(shown) => self.show(shown),
             Command::StepStage(step) => self.step_stage(step),
             Command::LimitTriangles(limit) => {
-                self.scrub(scrub::Change::Go(Moment::after(limit.unwrap_or(self.triangle_count()))));
+                self.scrub(scrub::ScrubChange::Go(Moment::after(limit.unwrap_or(self.triangle_count()))));
             }
             Command::StepTriangle(step) => {
-                self.scrub(scrub::Change::Step(Unit::Triangle, step > 0));
+                self.scrub(scrub::ScrubChange::Step(Unit::Triangle, step > 0));
             }
             Command::Scrub(change) => return self.scrub(change).and_then(|command| self.apply(command)),
             Command::SetPointerMode(mode) => self.pointer_mode = mode,
@@ -392,7 +392,7 @@ impl Session {
             }
             Command::OpenWorst(column, json) => self.open_worst(column, &json),
             Command::Fates(change) => self.fates.apply(change, &mut self.selection),
-            Command::Select(selection) => self.fates.give_way(selection, &mut self.selection),
+            Command::Select(selection) => self.fates.adopt_selection(selection, &mut self.selection),
             Command::ShowStability(view) => self.stability.view = view,
             Command::OpenInLab(path) => self.open_in_lab(&path),
             Command::CloseOffer => self.offered_picture = None,
@@ -408,7 +408,7 @@ impl Session {
     }
 
     /// Returns the number of rasterized triangles of the frame on screen without a limit.
-    pub(crate) fn triangle_count(&self) -> usize {
+    pub fn triangle_count(&self) -> usize {
         self.view.as_ref().map_or(0, |view| view.rasterized)
     }
 
@@ -420,14 +420,14 @@ impl Session {
             return self.overlays.beside(self.view.as_ref()?, self.pick, forwards);
         }
         let hits = self.view.as_ref()?.buffers.as_ref()?.hits.as_ref()?;
-        hits.beside(self.pick, forwards).map(|fault| (fault.x, fault.y))
+        hits.neighbour(self.pick, forwards).map(|fault| (fault.x, fault.y))
     }
 
     /// Loads a picture file as the canvas of the lab.
     pub(crate) fn open_picture(&mut self, path: &Path) {
         match file::read(path) {
             Ok(picture) => self.lab.show_picture(&picture),
-            Err(error) => self.report(Level::Error, error.to_string()),
+            Err(error) => self.report(Severity::Error, error.to_string()),
         }
     }
 
@@ -436,11 +436,11 @@ impl Session {
         self.offered_picture = None;
         match file::read(path) {
             Ok(picture) => {
-                self.lab.apply(lab::Change::Open(true));
+                self.lab.apply(lab::LabChange::Open(true));
                 self.lab.show_picture(&picture);
-                self.report(Level::Info, format!("Opened {} in the 2D lab", path.display()));
+                self.report(Severity::Info, format!("Opened {} in the 2D lab", path.display()));
             }
-            Err(error) => self.report(Level::Error, error.to_string()),
+            Err(error) => self.report(Severity::Error, error.to_string()),
         }
     }
 

@@ -10,7 +10,7 @@ use eframe::egui::{self, Vec2, ViewportBuilder};
 use super::app::Workbench;
 use super::checks;
 use super::command::Command;
-use super::compare::Change;
+use super::compare::CompareChange;
 use super::engine::Shown;
 use super::fates;
 use super::headless::Headless;
@@ -18,18 +18,18 @@ use super::lab;
 use super::layout;
 use super::panels::bottom::Tab;
 use super::place;
-use super::session::{Level, PictureSize, Preferences, Session, WindowState};
-use super::store::{self, Found, Store};
+use super::session::{PictureSize, Preferences, Session, Severity, WindowState};
+use super::store::{self, LoadedPreferences, Store};
 use super::theme;
 use super::watch;
 use super::worker::Worker;
 use crate::chain::Recipe;
 use crate::image::{Image, Rgba8};
-use crate::inspect::Place;
+use crate::inspect::InspectionState;
 use crate::inspect::display::Display;
 use crate::inspect::fates::{Bin, TriangleFate};
 use crate::inspect::mesh_view::MeshStyle;
-use crate::inspect::overlays::Layer;
+use crate::inspect::overlays::OverlayLayer;
 use crate::inspect::scrub::Moment;
 use crate::lab::Page;
 use crate::pipeline::viewport::Viewport;
@@ -39,30 +39,30 @@ use crate::scene::{Camera, LoadControl, MemoryLimit, Scene, SceneError, SceneSou
 #[derive(Clone, Debug)]
 pub struct WindowStart {
     /// Source of the scene.
-    pub(crate) source: SceneSource,
+    pub source: SceneSource,
     /// The scene.
-    pub(crate) scene: Arc<Scene>,
+    pub scene: Arc<Scene>,
     /// Warnings of the loader.
-    pub(crate) warnings: Vec<Warning>,
+    pub warnings: Vec<Warning>,
     /// Recipe that the scene is drawn with.
-    pub(crate) recipe: Recipe,
+    pub recipe: Recipe,
     /// Initial camera.
-    pub(crate) camera: Camera,
+    pub camera: Camera,
     /// Whether the scene is the mirror image in z of its source.
-    pub(crate) mirrored: bool,
+    pub mirrored: bool,
     /// Whether a window resumes scene, recipe and camera of the previous run instead.
-    pub(crate) resume: bool,
+    pub resume: bool,
     /// Initial view of the frame.
-    pub(crate) seen: Seen,
+    pub initial_view: InitialView,
     /// Memory limit for loading models.
-    pub(crate) memory_limit: MemoryLimit,
+    pub memory_limit: MemoryLimit,
     /// Scene to load after the window has opened.
-    pub(crate) pending: Option<PendingScene>,
+    pub pending: Option<PendingScene>,
 }
 
 /// Scene that takes too long to load before the window opens.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct PendingScene {
+pub struct PendingScene {
     /// Path of the model.
     pub(crate) path: PathBuf,
     /// Camera; the scene's home view if `None`.
@@ -71,7 +71,7 @@ pub(crate) struct PendingScene {
 
 /// Initial view of the frame; `None` and empty fields mean the defaults.
 #[derive(Clone, Debug, Default)]
-pub struct Seen {
+pub struct InitialView {
     /// Picked pixel.
     pub(crate) pixel: Option<(u32, u32)>,
     /// Shown buffer, stage or intermediate value.
@@ -79,14 +79,14 @@ pub struct Seen {
     /// Range, colour map and channels.
     pub(crate) display: Option<Display>,
     /// Overlays, bottom first.
-    pub(crate) layers: Vec<Layer>,
+    pub(crate) layers: Vec<OverlayLayer>,
     /// Moment at which drawing stops; the finished frame if `None`.
     pub(crate) moment: Option<Moment>,
     /// Size of the picture.
     pub(crate) picture: Option<Viewport>,
 }
 
-impl Seen {
+impl InitialView {
     fn show(self, session: &mut Session) {
         session.pick = self.pixel;
         session.shown = self.shown.unwrap_or(session.shown);
@@ -120,36 +120,36 @@ pub enum Theme {
 #[derive(Clone, Debug)]
 pub struct ScreenshotRequest {
     /// Initial state of the workbench.
-    pub(crate) start: WindowStart,
+    pub start: WindowStart,
     /// Size of the screenshot, in pixels.
-    pub(crate) size: Viewport,
+    pub size: Viewport,
     /// Interface scale, in pixels per point.
-    pub(crate) pixels_per_point: f32,
+    pub pixels_per_point: f32,
     /// Colour theme.
-    pub(crate) theme: Theme,
+    pub theme: Theme,
     /// Whether all upscalers are timed first, which takes some seconds, so that the screenshot contains their frame
     /// times.
-    pub(crate) measure: bool,
+    pub measure: bool,
     /// Whether the stability probe is run first.
-    pub(crate) probe: bool,
+    pub probe: bool,
     /// Style of the mesh view beside the picture; `None` without a mesh view.
-    pub(crate) mesh: Option<MeshStyle>,
+    pub mesh: Option<MeshStyle>,
     /// Change of the comparison; `None` without a comparison.
-    pub(crate) compare: Option<Change>,
+    pub compare: Option<CompareChange>,
     /// Open tab; the first one if `None`.
-    pub(crate) tab: Option<Tab>,
+    pub tab: Option<Tab>,
     /// Quantity on the canvas; the colours if `None`.
-    pub(crate) shown: Option<Shown>,
+    pub shown: Option<Shown>,
     /// Moment at which drawing stops; the finished frame if `None`.
-    pub(crate) moment: Option<Moment>,
+    pub moment: Option<Moment>,
     /// Fate of the selected triangles; opens the tab of fates.
-    pub(crate) fate: Option<TriangleFate>,
+    pub fate: Option<TriangleFate>,
     /// Picked pixel; automatic, near the centre, if `None`.
-    pub(crate) selected: Option<(u32, u32)>,
+    pub selected: Option<(u32, u32)>,
     /// Page of the 2D lab and number of its steps (all if `None`), shown instead of the pipeline.
-    pub(crate) lab: Option<(Page, Option<usize>)>,
+    pub lab: Option<(Page, Option<usize>)>,
     /// Commands applied first.
-    pub(crate) first: Vec<Command>,
+    pub first: Vec<Command>,
 }
 
 /// Number of passes of a screenshot: the first determines the size of the canvas, the second has a frame, and the
@@ -160,13 +160,13 @@ const SCREENSHOT_PASSES: usize = 6;
 const DEFAULT_SIZE: Vec2 = Vec2::new(1280.0, 800.0);
 
 /// Smallest size of the window, in points.
-const LEAST_SIZE: Vec2 = Vec2::new(900.0, 560.0);
+const MIN_SIZE: Vec2 = Vec2::new(900.0, 560.0);
 
 /// Largest initial size of a window, in points.
-const MOST_SIZE: Vec2 = Vec2::splat(16_384.0);
+const MAX_SIZE: Vec2 = Vec2::splat(16_384.0);
 
 /// Time limit for loading the previous scene before the window opens.
-const PATIENCE: Duration = Duration::from_millis(400);
+const LOAD_TIMEOUT: Duration = Duration::from_millis(400);
 
 /// Name of the program's data folder.
 const APP_ID: &str = "rasterscope";
@@ -180,8 +180,8 @@ pub(crate) fn run_window(start: WindowStart) -> Result<(), String> {
     let options = eframe::NativeOptions {
         viewport: ViewportBuilder::default()
             .with_title("Rasterscope")
-            .with_inner_size(size.clamp(LEAST_SIZE, MOST_SIZE))
-            .with_min_inner_size(LEAST_SIZE)
+            .with_inner_size(size.clamp(MIN_SIZE, MAX_SIZE))
+            .with_min_inner_size(MIN_SIZE)
             .with_maximized(maximized)
             .with_drag_and_drop(true),
         // Kept with the preferences, whose file is replaced atomically.
@@ -197,7 +197,12 @@ pub(crate) fn run_window(start: WindowStart) -> Result<(), String> {
 }
 
 /// Returns the application in a window: resumed from the preferences in `folder`, with a renderer of its own.
-fn windowed(start: WindowStart, folder: Option<PathBuf>, found: Found, cc: &eframe::CreationContext<'_>) -> Workbench {
+fn windowed(
+    start: WindowStart,
+    folder: Option<PathBuf>,
+    found: LoadedPreferences,
+    cc: &eframe::CreationContext<'_>,
+) -> Workbench {
     let preferences = found.preferences;
     layout::restore(&cc.egui_ctx, &preferences.window.layout);
     theme::install(&cc.egui_ctx);
@@ -208,19 +213,19 @@ fn windowed(start: WindowStart, folder: Option<PathBuf>, found: Found, cc: &efra
     let context = cc.egui_ctx.clone();
     let worker = Worker::spawn(move || context.request_repaint());
     close_on_signals(cc.egui_ctx.clone());
-    let start = if start.resume { resumed(start, &preferences, PATIENCE) } else { start };
+    let start = if start.resume { resumed(start, &preferences, LOAD_TIMEOUT) } else { start };
     let store = folder.map(|folder| Store::new(folder, preferences.clone()));
     let mut workbench = workbench(start, preferences, worker);
     match store {
-        Some(store) => workbench.keep_in(store),
+        Some(store) => workbench.save_preferences_to(store),
         None => {
             workbench
                 .session_mut()
-                .report(Level::Warning, "Preferences and bookmarks are not saved: there is no folder for them");
+                .report(Severity::Warning, "Preferences and bookmarks are not saved: there is no folder for them");
         }
     }
     if let Some(warning) = found.warning {
-        workbench.session_mut().report(Level::Error, warning);
+        workbench.session_mut().report(Severity::Error, warning);
     }
     workbench
 }
@@ -228,11 +233,11 @@ fn windowed(start: WindowStart, folder: Option<PathBuf>, found: Found, cc: &efra
 /// Closes the window cleanly on SIGTERM, SIGHUP and SIGINT. If the window does not respond within 3 s, the process
 /// exits; its preferences are on disk already.
 fn close_on_signals(context: egui::Context) {
-    const PATIENCE: Duration = Duration::from_secs(3);
+    const EXIT_TIMEOUT: Duration = Duration::from_secs(3);
     let close = move || {
         context.send_viewport_cmd(egui::ViewportCommand::Close);
         context.request_repaint();
-        std::thread::sleep(PATIENCE);
+        std::thread::sleep(EXIT_TIMEOUT);
         std::process::exit(1);
     };
     // Without a handler the signals end the process at once, which loses no data on disk.
@@ -242,7 +247,7 @@ fn close_on_signals(context: egui::Context) {
 /// Returns the start with scene, recipe and camera of the previous run, as far as they still exist and are valid:
 /// stored preferences may be damaged or belong to an older version. A model that does not load within `patience`
 /// becomes the pending scene.
-pub(crate) fn resumed(start: WindowStart, preferences: &Preferences, patience: Duration) -> WindowStart {
+pub fn resumed(start: WindowStart, preferences: &Preferences, patience: Duration) -> WindowStart {
     let recipe = if preferences.recipe.check().is_ok() { preferences.recipe } else { start.recipe };
     let start = WindowStart { recipe, ..start };
     let Some(path) = preferences.source.clone() else { return start };
@@ -272,29 +277,29 @@ pub(crate) fn resumed(start: WindowStart, preferences: &Preferences, patience: D
 }
 
 /// Creates the application with its initial state and these preferences.
-pub(crate) fn workbench(start: WindowStart, preferences: Preferences, worker: Worker) -> Workbench {
+pub fn workbench(start: WindowStart, preferences: Preferences, worker: Worker) -> Workbench {
     let mut session = Session::new(start.scene, start.source, start.recipe, start.camera);
     session.recent = preferences.recent;
     session.hint_closed = preferences.hint_closed;
     session.places.bookmarks = preferences.bookmarks;
     session.watch.pixels = preferences.watched;
-    session.watch.pixels.truncate(watch::MOST);
+    session.watch.pixels.truncate(watch::MAX_PIXELS);
     session.mirrored = start.mirrored;
     session.memory_limit = start.memory_limit;
     session.state.size = preferences.size.checked();
-    start.seen.show(&mut session);
+    start.initial_view.show(&mut session);
     session.settle_silently();
     let mut workbench = Workbench::new(session, worker);
     workbench.warn(&start.warnings);
     if let Some(PendingScene { path, camera }) = start.pending {
         let open = match camera {
             Some(camera) => {
-                let place = Place { scene: path, camera, ..workbench.session().place() };
-                Command::Place(place::Change::Go(Box::new(place)))
+                let place = InspectionState { scene: path, camera, ..workbench.session().place() };
+                Command::Place(place::PlaceChange::Go(Box::new(place)))
             }
             None => Command::Open(path),
         };
-        workbench.ask_for(vec![open]);
+        workbench.queue(vec![open]);
     }
     workbench
 }
@@ -310,12 +315,12 @@ pub fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Viewport>
     let size_points = Vec2::new(width as f32, height as f32) / request.pixels_per_point;
     let mut headless = Headless::new(size_points, request.pixels_per_point, theme);
     let mut app = workbench(request.start.clone(), Preferences::default(), Worker::inline());
-    app.session_mut().pick = request.selected.or(request.start.seen.pixel);
+    app.session_mut().pick = request.selected.or(request.start.initial_view.pixel);
     if let Some(change) = request.compare.clone() {
         app.session_mut().apply(Command::Compare(change));
     }
     if request.tab == Some(Tab::Checks) {
-        app.session_mut().checks.apply(checks::Change::Run);
+        app.session_mut().checks.apply(checks::ChecksChange::Run);
     }
     if let Some(style) = request.mesh {
         let mesh = &mut app.session_mut().mesh_view;
@@ -332,15 +337,16 @@ pub fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Viewport>
     }
     if let Some(fate) = request.fate {
         app.open_tab(Tab::Fates);
-        app.session_mut().apply(Command::Fates(fates::Change::Bin(Bin::Triangles(fate))));
+        app.session_mut().apply(Command::Fates(fates::FatesChange::Bin(Bin::Triangles(fate))));
     }
     if let Some((page, step)) = request.lab {
-        let changes = [lab::Change::Open(true), lab::Change::Page(page), lab::Change::Go(step.unwrap_or(usize::MAX))];
-        changes.into_iter().chain(request.measure.then_some(lab::Change::Compare)).for_each(|change| {
+        let changes =
+            [lab::LabChange::Open(true), lab::LabChange::Page(page), lab::LabChange::Go(step.unwrap_or(usize::MAX))];
+        changes.into_iter().chain(request.measure.then_some(lab::LabChange::Compare)).for_each(|change| {
             app.session_mut().lab.apply(change);
         });
     }
-    app.ask_for(request.first.clone());
+    app.queue(request.first.clone());
     for _ in 0..SCREENSHOT_PASSES {
         headless.pass(Vec::new(), |ui| app.show(ui));
     }
@@ -387,7 +393,7 @@ mod tests {
             resume: true,
             memory_limit: MemoryLimit::default(),
             pending: None,
-            seen: Seen::default(),
+            initial_view: InitialView::default(),
         }
     }
 
@@ -402,10 +408,10 @@ mod tests {
         };
         let preferences = Preferences { window: window.clone(), ..Preferences::default() };
         let mut app = workbench(start(), preferences.clone(), Worker::inline());
-        app.keep_in(Store::new(folder.path().to_owned(), preferences));
+        app.save_preferences_to(Store::new(folder.path().to_owned(), preferences));
         let mut headless = Headless::new(DEFAULT_SIZE, 1.0, egui::Theme::Light);
         headless.pass(Vec::new(), |ui| app.show(ui));
-        app.keep_preferences();
+        app.save_preferences();
         drop(app);
         assert_eq!(store::read(folder.path()).unwrap().preferences.window, window);
     }

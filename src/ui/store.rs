@@ -39,15 +39,15 @@ pub(crate) struct Store {
 
 /// Preferences read from disk.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Found {
+pub struct LoadedPreferences {
     /// The preferences; defaults for everything that cannot be read.
-    pub(crate) preferences: Preferences,
+    pub preferences: Preferences,
     /// Warning about unreadable contents, with the path of their backup.
-    pub(crate) warning: Option<String>,
+    pub warning: Option<String>,
 }
 
 /// Reads the preferences in `folder`; returns `None` if there is no file yet.
-pub(crate) fn read(folder: &Path) -> Option<Found> {
+pub fn read(folder: &Path) -> Option<LoadedPreferences> {
     let path = folder.join(FILE);
     if !path.exists() {
         return None;
@@ -56,7 +56,7 @@ pub(crate) fn read(folder: &Path) -> Option<Found> {
         Ok((preferences, damage)) => (preferences, damage.map(|damage| damage.warning)),
         Err(error) => (Preferences::default(), Some(format!("{}: cannot read it: {error}", path.display()))),
     };
-    Some(Found { preferences, warning })
+    Some(LoadedPreferences { preferences, warning })
 }
 
 /// Report of a partly unreadable file.
@@ -103,7 +103,7 @@ impl Store {
     }
 
     /// Queues `now` for writing unless it equals the last queued preferences. Never blocks.
-    pub(crate) fn keep(&mut self, now: Preferences) {
+    pub(crate) fn enqueue(&mut self, now: Preferences) {
         if let Some(changes) = self.changes.as_ref().filter(|_| now != self.known) {
             // The thread ends only when the store is dropped, so sending succeeds.
             drop(changes.send(now.clone()));
@@ -210,13 +210,13 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let store = |found| Store::new(folder.path().join("made"), found);
         let mut first = store(Preferences::default());
-        first.keep(with(&["a", "b"]));
+        first.enqueue(with(&["a", "b"]));
         drop(first);
         let at = folder.path().join("made");
         let (mut first, mut second) = (store(with(&["a", "b"])), store(with(&["a", "b"])));
-        first.keep(with(&["a", "b", "first"]));
+        first.enqueue(with(&["a", "b", "first"]));
         drop(first);
-        second.keep(with(&["b", "second"]));
+        second.enqueue(with(&["b", "second"]));
         drop(second);
         assert_eq!(names(&at), ["b", "first", "second"], "added by both, and one removed by the second");
     }
@@ -232,7 +232,7 @@ mod tests {
         kept.recent = vec![path.clone()];
         kept.source = Some(path);
         let mut store = Store::new(folder.path().to_owned(), Preferences::default());
-        store.keep(kept.clone());
+        store.enqueue(kept.clone());
         drop(store);
         assert_eq!(read(folder.path()).unwrap().preferences, kept);
     }
@@ -263,7 +263,7 @@ mod tests {
         let at = folder.path().join("file in the way");
         std::fs::write(&at, "").unwrap();
         let mut store = Store::new(at.clone(), Preferences::default());
-        store.keep(with(&["a"]));
+        store.enqueue(with(&["a"]));
         let failure = store.failures.recv().unwrap();
         assert!(failure.contains("cannot save preferences"), "{failure}");
         std::fs::remove_file(&at).unwrap();

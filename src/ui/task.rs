@@ -9,13 +9,13 @@ use eframe::egui::Context;
 /// Running work with progress reports of type `P` and a result of type `T`. Dropping it cancels the work, so that
 /// restarted work does not run twice.
 #[derive(Debug)]
-pub(crate) struct Task<P, T> {
-    heard: Receiver<News<P, T>>,
+pub(crate) struct BackgroundTask<P, T> {
+    receiver: Receiver<Message<P, T>>,
     stop: Arc<AtomicBool>,
 }
 
 /// Message of the thread.
-enum News<P, T> {
+enum Message<P, T> {
     Progress(P),
     /// The result; `None` if the work was cancelled.
     Done(Option<Box<T>>),
@@ -23,29 +23,29 @@ enum News<P, T> {
 
 /// State of the work after its messages were handled.
 #[derive(Debug)]
-pub(crate) enum Listening<T> {
+pub(crate) enum TaskStatus<T> {
     /// The work is running.
-    GoesOn,
+    Running,
     /// The work has ended with this result; `None` if it was cancelled.
     Ended(Option<Box<T>>),
     /// The thread ended without a result, for example because it panicked.
-    BrokeOff,
+    Lost,
 }
 
-impl<P, T> Drop for Task<P, T> {
+impl<P, T> Drop for BackgroundTask<P, T> {
     fn drop(&mut self) {
         self.stop.store(true, Ordering::Relaxed);
     }
 }
 
-impl<P: Send + 'static, T: Send + 'static> Task<P, T> {
+impl<P: Send + 'static, T: Send + 'static> BackgroundTask<P, T> {
     /// Starts `work` on a thread. It receives a function for progress reports and a cancellation flag; `context` is
     /// repainted after every message.
     pub(crate) fn start(
         context: Context,
         work: impl FnOnce(&(dyn Fn(P) + Sync), &AtomicBool) -> Option<T> + Send + 'static,
     ) -> Self {
-        let (sender, heard) = channel();
+        let (sender, receiver) = channel();
         let stop = Arc::new(AtomicBool::new(false));
         let cancelled = stop.clone();
         std::thread::spawn(move || {
@@ -55,10 +55,10 @@ impl<P: Send + 'static, T: Send + 'static> Task<P, T> {
                 drop(tell.lock().map(|sender| sender.send(news)));
                 context.request_repaint();
             };
-            let result = work(&|progress| say(News::Progress(progress)), &cancelled);
-            say(News::Done(result.map(Box::new)));
+            let result = work(&|progress| say(Message::Progress(progress)), &cancelled);
+            say(Message::Done(result.map(Box::new)));
         });
-        Self { heard, stop }
+        Self { receiver, stop }
     }
 
     /// Requests cancellation; the thread ends soon after.
@@ -67,18 +67,18 @@ impl<P: Send + 'static, T: Send + 'static> Task<P, T> {
     }
 
     /// Handles all messages of the thread. Sets `progress` to the latest report, and to `None` at the end.
-    pub(crate) fn listen(&self, progress: &mut Option<P>) -> Listening<T> {
+    pub(crate) fn poll(&self, progress: &mut Option<P>) -> TaskStatus<T> {
         loop {
-            match self.heard.try_recv() {
-                Ok(News::Progress(news)) => *progress = Some(news),
-                Ok(News::Done(result)) => {
+            match self.receiver.try_recv() {
+                Ok(Message::Progress(news)) => *progress = Some(news),
+                Ok(Message::Done(result)) => {
                     *progress = None;
-                    return Listening::Ended(result);
+                    return TaskStatus::Ended(result);
                 }
-                Err(TryRecvError::Empty) => return Listening::GoesOn,
+                Err(TryRecvError::Empty) => return TaskStatus::Running,
                 Err(TryRecvError::Disconnected) => {
                     *progress = None;
-                    return Listening::BrokeOff;
+                    return TaskStatus::Lost;
                 }
             }
         }
@@ -92,7 +92,7 @@ mod tests {
     #[test]
     fn dropped_work_is_told_to_stop() {
         let (sender, stopped) = channel();
-        let task = Task::<(), ()>::start(Context::default(), move |_, stop| {
+        let task = BackgroundTask::<(), ()>::start(Context::default(), move |_, stop| {
             while !stop.load(Ordering::Relaxed) {
                 std::thread::yield_now();
             }

@@ -33,9 +33,9 @@ pub(crate) fn log_marks(input: &GridInput) -> Vec<GridMark> {
     const APART: [f64; 9] = [1.0, 0.45, 0.1, 0.1, 0.45, 0.1, 0.1, 0.1, 0.1];
     let (low, high) = input.bounds;
     /// Maximum number of powers of ten; an axis with more is unreadable.
-    const MOST_POWERS: i32 = 40;
-    let first = low.floor().clamp(-f64::from(MOST_POWERS), f64::from(MOST_POWERS)) as i32;
-    let last = (high.ceil() as i32).clamp(first, first + MOST_POWERS);
+    const MAX_POWERS: i32 = 40;
+    let first = low.floor().clamp(-f64::from(MAX_POWERS), f64::from(MAX_POWERS)) as i32;
+    let last = (high.ceil() as i32).clamp(first, first + MAX_POWERS);
     let digits = |power: i32| APART.into_iter().zip(1..).map(move |(apart, digit)| (power, digit, apart));
     let marks = (first..=last)
         .flat_map(digits)

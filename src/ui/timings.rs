@@ -32,33 +32,33 @@ pub enum TimingsView {
 
 /// All recorded frame times, in milliseconds.
 #[derive(Debug, Default)]
-pub(crate) struct Timings {
+pub struct Timings {
     /// Selected plot.
     pub(crate) view: TimingsView,
     /// Whether recording of recent frames is paused.
     pub(crate) paused: bool,
     recent: BTreeMap<Upscaling, VecDeque<f64>>,
     slowest: Vec<(Upscaling, f64)>,
-    recent_of: Option<Request>,
+    recent_request: Option<Request>,
     /// Camera motion over the frames that the next measurement judges and times.
-    pub(crate) turn: Turn,
+    pub turn: Turn,
     measured: BTreeMap<Upscaling, Vec<f64>>,
     errors: BTreeMap<Upscaling, MethodError>,
     noise: Option<Noise>,
-    measured_of: Option<MeasureRequest>,
+    measurement_request: Option<MeasureRequest>,
 }
 
 /// Cost and error of a method.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct TradeOff {
+pub struct TradeOff {
     /// The method.
-    pub(crate) upscaling: Upscaling,
+    pub upscaling: Upscaling,
     /// Frame times, in milliseconds.
-    pub(crate) ms: Summary,
+    pub ms: Summary,
     /// Error against the reference of the measurement; the error in motion ranks the methods.
-    pub(crate) error: MethodError,
+    pub error: MethodError,
     /// Position relative to the Pareto front of time and FLIP in motion.
-    pub(crate) standing: Standing<Upscaling>,
+    pub standing: Standing<Upscaling>,
     /// Whether the difference from the native time is within noise.
     pub(crate) native_within_noise: bool,
 }
@@ -70,7 +70,7 @@ impl Timings {
         if self.paused {
             return;
         }
-        let goes_on = self.recent_of.as_ref().is_some_and(|old| {
+        let goes_on = self.recent_request.as_ref().is_some_and(|old| {
             std::sync::Arc::ptr_eq(&old.scene, &request.scene)
                 && Recipe { upscaler: request.recipe.upscaler, ..old.recipe } == request.recipe
                 && old.viewport == request.viewport
@@ -78,7 +78,7 @@ impl Timings {
         if !goes_on {
             self.recent.clear();
             self.slowest.clear();
-            self.recent_of = Some(request.clone());
+            self.recent_request = Some(request.clone());
         }
         let recent = self.recent.entry(request.recipe.upscaler).or_default();
         if recent.len() == RECENT {
@@ -106,8 +106,9 @@ impl Timings {
     /// Returns every recorded frame time as comma-separated values, one line per frame, with scene, size and upscaler.
     pub(crate) fn csv(&self) -> String {
         let mut text = "scene,width,height,what,upscaler,frame,ms\n".to_owned();
-        let recent = ("recent", self.recent_of.as_ref(), per_method(&self.recent));
-        let measured = ("measured", self.measured_of.as_ref().map(|measured| &measured.of), per_method(&self.measured));
+        let recent = ("recent", self.recent_request.as_ref(), per_method(&self.recent));
+        let measured =
+            ("measured", self.measurement_request.as_ref().map(|measured| &measured.of), per_method(&self.measured));
         for (what, of, series) in [recent, measured] {
             let Some(request) = of else { continue };
             let scene = request.scene.name.replace('"', "\"\"");
@@ -126,26 +127,26 @@ impl Timings {
         self.measured.clear();
         self.errors.clear();
         self.noise = None;
-        self.measured_of = Some(request);
+        self.measurement_request = Some(request);
     }
 
     /// Adds a sample of the measurement.
     pub(crate) fn record_measured(&mut self, upscaling: Upscaling, milliseconds: f64) {
-        if self.measured_of.is_some() {
+        if self.measurement_request.is_some() {
             self.measured.entry(upscaling).or_default().push(milliseconds);
         }
     }
 
     /// Records the error of a method, as far as it is known.
     pub(crate) fn record_error(&mut self, upscaling: Upscaling, error: MethodError) {
-        if self.measured_of.is_some() {
+        if self.measurement_request.is_some() {
             self.errors.insert(upscaling, error);
         }
     }
 
     /// Records the noise floor of the completed rounds.
     pub(crate) fn record_noise(&mut self, noise: Noise) {
-        if self.measured_of.is_some() {
+        if self.measurement_request.is_some() {
             self.noise = Some(noise);
         }
     }
@@ -164,7 +165,7 @@ impl Timings {
 
     /// Returns every method of the measurement whose time and error are known, in the order of the methods. Empty
     /// before the first round is complete.
-    pub(crate) fn tradeoff(&self) -> Vec<TradeOff> {
+    pub fn tradeoff(&self) -> Vec<TradeOff> {
         let Some(noise) = self.noise else { return Vec::new() };
         let known = self
             .errors
@@ -189,13 +190,13 @@ impl Timings {
     }
 
     /// Whether there is a measurement to show, begun or complete.
-    pub(crate) fn has_measurement(&self) -> bool {
+    pub fn has_measurement(&self) -> bool {
         !self.measured.is_empty()
     }
 
     /// Returns the request of the measurement; `None` without a measurement.
-    pub(crate) fn measured_of(&self) -> Option<&MeasureRequest> {
-        self.measured_of.as_ref()
+    pub(crate) fn measurement_request(&self) -> Option<&MeasureRequest> {
+        self.measurement_request.as_ref()
     }
 
     /// Whether the measurement was made on the view of `request`, regardless of its upscaler.
@@ -210,7 +211,7 @@ impl Timings {
             fragment_limit: None,
             ..r.clone()
         };
-        self.measured_of.as_ref().is_some_and(|measured| plain(&measured.of).same_view(&plain(request)))
+        self.measurement_request.as_ref().is_some_and(|measured| plain(&measured.of).same_view(&plain(request)))
     }
 
     /// Returns the median of a method divided by the median of native, if both were measured on the view of `request`.
@@ -221,7 +222,7 @@ impl Timings {
     }
 
     /// Returns the times of the measurement, or else of the recent frames, per method; oldest first.
-    pub(crate) fn series(&self) -> Vec<(Upscaling, Vec<f64>)> {
+    pub fn series(&self) -> Vec<(Upscaling, Vec<f64>)> {
         if self.has_measurement() { per_method(&self.measured) } else { per_method(&self.recent) }
     }
 }

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 
 use super::app::Workbench;
 use super::command::Command;
-use super::compare::{Change as Compare, Mode};
+use super::compare::{CompareChange as Compare, Mode};
 use super::headless::{Headless, PassCost};
 use super::lab;
 use super::mesh_view;
@@ -68,7 +68,7 @@ pub(crate) fn window_costs(start: &WindowStart, size: Viewport, passes: usize) -
 /// Returns every timed situation: its name, and the commands that set it up.
 fn situations() -> Vec<(String, Vec<Command>)> {
     let tabs = TABS.iter().map(|(tab, name, _)| {
-        let (open, watch) = (Command::OpenTab(*tab), Command::Watch(watch::Change::AddPick));
+        let (open, watch) = (Command::OpenTab(*tab), Command::Watch(watch::WatchChange::AddPick));
         (format!("Tab “{name}”"), vec![watch, open])
     });
     let through = ["lanczos3", "fsr1"].map(|method| {
@@ -85,8 +85,8 @@ fn situations() -> Vec<(String, Vec<Command>)> {
     ];
     let compared = compared.map(|(name, change)| (name.to_owned(), vec![Command::Compare(change)]));
     let more = [
-        ("The scene from outside", vec![Command::MeshView(mesh_view::Change::Toggle)]),
-        ("What changed", vec![Command::WhatIf(what_if::Change::Toggle)]),
+        ("The scene from outside", vec![Command::MeshView(mesh_view::MeshViewChange::Toggle)]),
+        ("What changed", vec![Command::WhatIf(what_if::WhatIfChange::Toggle)]),
         ("Range and overlays", laid_over()),
         ("All stages", vec![Command::OpenStages(true)]),
         ("Keys", vec![Command::ToggleKeys]),
@@ -95,7 +95,7 @@ fn situations() -> Vec<(String, Vec<Command>)> {
     ];
     let more = more.map(|(name, first)| (name.to_owned(), first));
     let pages = Page::ALL.iter().map(|page| {
-        let first = [lab::Change::Open(true), lab::Change::Page(*page), lab::Change::Go(usize::MAX)];
+        let first = [lab::LabChange::Open(true), lab::LabChange::Page(*page), lab::LabChange::Go(usize::MAX)];
         (format!("2D lab, {}", page.name()), first.map(Command::Lab).into())
     });
     tabs.chain(through).chain(compared).chain(more).chain(pages).collect()
@@ -103,8 +103,8 @@ fn situations() -> Vec<(String, Vec<Command>)> {
 
 fn laid_over() -> Vec<Command> {
     let layers = [Overlay::Rasterized, Overlay::Wireframe];
-    let layers = layers.map(|overlay| Command::Overlays(overlays::Change::Toggle(overlay)));
-    let open = [Command::Overlays(overlays::Change::Open(true)), Command::Range(range::Change::Open(true))];
+    let layers = layers.map(|overlay| Command::Overlays(overlays::OverlayChange::Toggle(overlay)));
+    let open = [Command::Overlays(overlays::OverlayChange::Open(true)), Command::Range(range::RangeChange::Open(true))];
     layers.into_iter().chain(open).collect()
 }
 
@@ -113,9 +113,9 @@ fn everything() -> Vec<Command> {
     let more = [
         Command::OpenTab(Tab::Arithmetic),
         Command::OpenStages(true),
-        Command::MeshView(mesh_view::Change::Toggle),
-        Command::WhatIf(what_if::Change::Toggle),
-        Command::Watch(watch::Change::AddPick),
+        Command::MeshView(mesh_view::MeshViewChange::Toggle),
+        Command::WhatIf(what_if::WhatIfChange::Toggle),
+        Command::Watch(watch::WatchChange::AddPick),
     ];
     laid_over().into_iter().chain(more).collect()
 }
@@ -127,7 +127,7 @@ fn cost(start: &WindowStart, size: Viewport, passes: usize, what: String, first:
     headless.pass(Vec::new(), |ui| app.show(ui));
     headless.pass(Vec::new(), |ui| app.show(ui));
     plot_something(&mut app);
-    app.ask_for(first);
+    app.queue(first);
     let pass = |number| headless.timed_pass(vec![pointer(points, number)], |ui| app.show(ui));
     let costs: Vec<_> = (0..WARM_UP_PASSES + passes).map(pass).skip(WARM_UP_PASSES).collect();
     let ms = |time: fn(&PassCost) -> f64| summarize(&costs.iter().map(time).collect::<Vec<_>>());
@@ -165,7 +165,7 @@ fn pointer(window: Vec2, pass: usize) -> Event {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ui::Seen;
+    use crate::ui::InitialView;
 
     #[test]
     fn old_passes_make_room_for_new_ones() {
@@ -191,7 +191,7 @@ mod tests {
             resume: false,
             memory_limit: crate::scene::MemoryLimit::default(),
             pending: None,
-            seen: Seen { picture: Some(Viewport { width: 64, height: 40 }), ..Seen::default() },
+            initial_view: InitialView { picture: Some(Viewport { width: 64, height: 40 }), ..InitialView::default() },
         };
         let size = Viewport { width: 1000, height: 600 };
         let situations = situations();

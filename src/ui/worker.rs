@@ -11,10 +11,10 @@ use std::sync::mpsc::{Receiver, RecvError, RecvTimeoutError, Sender, TryRecvErro
 use std::time::Duration;
 
 use super::compare::compute::{CompareRequest, Compared, Comparer};
-use super::engine::{Engine, Figuring, Request, StageFigures, View};
-use super::watch::watcher::Watcher;
-use super::what_if::drawer::{Drawer, Found, WhatIfRequest};
-use crate::inspect::watch::Watched;
+use super::engine::{Engine, RenderedView, Request, StageFigures, StageMeasurement};
+use super::watch::watcher::PixelWatcher;
+use super::what_if::drawer::{Drawer, WhatIfRequest, WhatIfResults};
+use crate::inspect::watch::WatchedPixel;
 use crate::measure::noise::Noise;
 use crate::upscale::Upscaling;
 pub use measurement::MEASURE_ROUNDS;
@@ -27,7 +27,7 @@ const SETTLED: Duration = Duration::from_millis(120);
 
 /// A request of the window.
 #[derive(Debug)]
-pub enum Job {
+pub enum WorkerRequest {
     /// Renders this view.
     Show(Box<Request>),
     /// Renders this comparison; ends the comparison if `None`.
@@ -44,15 +44,15 @@ pub enum Job {
 
 /// A message of the renderer.
 #[derive(Debug)]
-pub enum Answer {
+pub enum WorkerResponse {
     /// A view.
-    View(Box<View>),
+    View(Box<RenderedView>),
     /// Results of the comparison so far.
     Compared(Box<Compared>),
     /// Values of the newest frame at the watched pixels.
-    Watched(Vec<Watched>),
+    Watched(Vec<WatchedPixel>),
     /// Known effects of the change of settings so far.
-    WhatIf(Box<Found>),
+    WhatIf(Box<WhatIfResults>),
     /// Counters and times of the stages of the last frame.
     Stages(Box<StageFigures>),
     /// One timed frame of a measurement.
@@ -67,7 +67,7 @@ pub enum Answer {
         progress: f32,
     },
     /// The error of a method, as far as it is known.
-    Judged {
+    MethodError {
         /// Number of the measurement.
         of: u64,
         /// Method that was judged.
@@ -96,12 +96,12 @@ pub enum Worker {
     /// Asynchronous: answers arrive later.
     Thread {
         /// Sender of requests to the thread.
-        jobs: Sender<Job>,
+        jobs: Sender<WorkerRequest>,
         /// Receiver of answers from the thread.
-        answers: Receiver<Answer>,
+        answers: Receiver<WorkerResponse>,
     },
     /// Synchronous: answers are ready when [`Worker::send`] returns.
-    Inline(Box<Loop>),
+    Inline(Box<RenderWorker>),
 }
 
 impl Worker {
@@ -112,7 +112,7 @@ impl Worker {
         let (outbox, answers) = channel();
         std::thread::Builder::new()
             .name("renderer".to_owned())
-            .spawn(move || Loop::default().serve(&inbox, &outbox, wake))
+            .spawn(move || RenderWorker::default().serve(&inbox, &outbox, wake))
             .map_or_else(|_| Self::inline(), |_| Self::Thread { jobs, answers })
     }
 
@@ -122,19 +122,19 @@ impl Worker {
     }
 
     /// Sends a request; a synchronous worker also completes it.
-    pub(crate) fn send(&mut self, job: Job) {
+    pub fn send(&mut self, job: WorkerRequest) {
         match self {
             // The thread ends only with the window, so a failed send has no one to report to.
             Self::Thread { jobs, .. } => drop(jobs.send(job)),
             Self::Inline(work) => {
-                work.take(job);
+                work.queue_request(job);
                 while work.step() {}
             }
         }
     }
 
     /// Returns the next answer that is ready.
-    pub(crate) fn poll(&mut self) -> Option<Answer> {
+    pub fn poll(&mut self) -> Option<WorkerResponse> {
         match self {
             Self::Thread { answers, .. } => answers.try_recv().ok(),
             Self::Inline(work) => work.done.pop_front(),
@@ -144,34 +144,34 @@ impl Worker {
 
 /// Pending work and the state that it needs.
 #[derive(Debug, Default)]
-pub struct Loop {
+pub struct RenderWorker {
     engine: Engine,
     to_show: Option<Box<Request>>,
     comparer: Comparer,
     to_compare: Option<Box<CompareRequest>>,
     drawer: Drawer,
-    watcher: Watcher,
-    to_ask: Option<Box<WhatIfRequest>>,
+    watcher: PixelWatcher,
+    to_evaluate: Option<Box<WhatIfRequest>>,
     /// Current request, if one more frame would improve its answer.
     to_improve: Option<Box<Request>>,
     /// Current request, if slow parts of its answer are still missing.
     to_complete: Option<Box<Request>>,
-    to_time: Option<Box<Figuring>>,
+    to_time: Option<Box<StageMeasurement>>,
     measurement: Option<Measurement>,
-    done: std::collections::VecDeque<Answer>,
+    done: std::collections::VecDeque<WorkerResponse>,
 }
 
-impl Loop {
-    fn serve(mut self, inbox: &Receiver<Job>, outbox: &Sender<Answer>, wake: impl Fn()) {
+impl RenderWorker {
+    fn serve(mut self, inbox: &Receiver<WorkerRequest>, outbox: &Sender<WorkerResponse>, wake: impl Fn()) {
         loop {
             match self.wait(inbox) {
-                Ok(Some(job)) => self.take(job),
+                Ok(Some(job)) => self.queue_request(job),
                 Ok(None) => {}
                 Err(RecvError) => return,
             }
             loop {
                 match inbox.try_recv() {
-                    Ok(job) => self.take(job),
+                    Ok(job) => self.queue_request(job),
                     Err(TryRecvError::Empty) => break,
                     Err(TryRecvError::Disconnected) => return,
                 }
@@ -191,9 +191,9 @@ impl Loop {
 
     /// Waits for a job as long as the pending work allows. Blocks without pending work, returns at once for work that
     /// the user waits for, and waits [`SETTLED`] before work that a newer frame may make obsolete.
-    fn wait(&self, inbox: &Receiver<Job>) -> Result<Option<Job>, RecvError> {
+    fn wait(&self, inbox: &Receiver<WorkerRequest>) -> Result<Option<WorkerRequest>, RecvError> {
         let is_asked = self.to_show.is_some() || self.to_improve.is_some() || self.to_compare.is_some();
-        if is_asked || self.to_ask.is_some() || self.watcher.has_work() || self.measurement.is_some() {
+        if is_asked || self.to_evaluate.is_some() || self.watcher.has_work() || self.measurement.is_some() {
             return Ok(None);
         }
         let figuring = self.to_time.as_ref();
@@ -212,23 +212,23 @@ impl Loop {
         }
     }
 
-    fn take(&mut self, job: Job) {
+    fn queue_request(&mut self, job: WorkerRequest) {
         match job {
-            Job::Show(request) => self.to_show = Some(request),
-            Job::Compare(None) => {
+            WorkerRequest::Show(request) => self.to_show = Some(request),
+            WorkerRequest::Compare(None) => {
                 self.to_compare = None;
                 self.comparer.clear();
             }
-            Job::Compare(request) => self.to_compare = request,
-            Job::Watch(pixels) => self.watcher.set(pixels),
-            Job::WhatIf(request) => {
+            WorkerRequest::Compare(request) => self.to_compare = request,
+            WorkerRequest::Watch(pixels) => self.watcher.set(pixels),
+            WorkerRequest::WhatIf(request) => {
                 if request.is_none() {
                     self.drawer.clear();
                 }
-                self.to_ask = request;
+                self.to_evaluate = request;
             }
-            Job::Measure(request) => self.measurement = Some(Measurement::new(request)),
-            Job::CancelMeasure => self.measurement = None,
+            WorkerRequest::Measure(request) => self.measurement = Some(Measurement::new(request)),
+            WorkerRequest::CancelMeasure => self.measurement = None,
         }
     }
 
@@ -240,31 +240,34 @@ impl Loop {
         } else if self.watcher.has_work() {
             self.watch();
         } else if let Some(request) = self.to_compare.take() {
-            self.compare(|comparer| Some(comparer.ask(*request)));
-        } else if let Some(request) = self.to_ask.take() {
-            self.ask(|drawer| drawer.ask(*request).cloned());
+            self.compare(|comparer| Some(comparer.start(*request)));
+        } else if let Some(request) = self.to_evaluate.take() {
+            self.evaluate_change(|drawer| drawer.start(*request).cloned());
         } else if let Some(request) = self.to_complete.take() {
             self.show(*request);
         } else if self.comparer.has_work() {
             self.compare(Comparer::step);
         } else if self.drawer.has_work() {
-            self.ask(|drawer| drawer.step().cloned());
+            self.evaluate_change(|drawer| drawer.step().cloned());
         } else if let Some(mut figuring) = self.to_time.take() {
             match catch_unwind(AssertUnwindSafe(|| figuring.step())) {
-                Ok(Some(figures)) => self.done.push_back(Answer::Stages(Box::new(figures))),
+                Ok(Some(figures)) => self.done.push_back(WorkerResponse::Stages(Box::new(figures))),
                 Ok(None) => self.to_time = Some(figuring),
-                Err(panic) => self.done.push_back(Answer::Panicked(panic_text(&*panic))),
+                Err(panic) => self.done.push_back(WorkerResponse::Panicked(panic_text(&*panic))),
             }
         } else if let Some(mut measurement) = self.measurement.take() {
             match catch_unwind(AssertUnwindSafe(|| measurement.step())) {
                 Ok(sample) => self.done.extend(sample),
                 Err(panic) => {
-                    self.done.extend([Answer::Panicked(panic_text(&*panic)), Answer::Measured(measurement.number())]);
+                    self.done.extend([
+                        WorkerResponse::Panicked(panic_text(&*panic)),
+                        WorkerResponse::Measured(measurement.number()),
+                    ]);
                     return true;
                 }
             }
             if measurement.is_complete() {
-                self.done.push_back(Answer::Measured(measurement.number()));
+                self.done.push_back(WorkerResponse::Measured(measurement.number()));
             } else {
                 self.measurement = Some(measurement);
             }
@@ -278,10 +281,10 @@ impl Loop {
     fn compare(&mut self, piece: impl FnOnce(&mut Comparer) -> Option<&Compared>) {
         let comparer = &mut self.comparer;
         match catch_unwind(AssertUnwindSafe(|| piece(comparer).cloned())) {
-            Ok(compared) => self.done.extend(compared.map(|compared| Answer::Compared(Box::new(compared)))),
+            Ok(compared) => self.done.extend(compared.map(|compared| WorkerResponse::Compared(Box::new(compared)))),
             Err(panic) => {
                 self.comparer.clear();
-                self.done.push_back(Answer::Panicked(panic_text(&*panic)));
+                self.done.push_back(WorkerResponse::Panicked(panic_text(&*panic)));
             }
         }
     }
@@ -290,22 +293,22 @@ impl Loop {
     fn watch(&mut self) {
         let watcher = &mut self.watcher;
         match catch_unwind(AssertUnwindSafe(|| watcher.step())) {
-            Ok(rows) => self.done.extend(rows.map(Answer::Watched)),
+            Ok(rows) => self.done.extend(rows.map(WorkerResponse::Watched)),
             Err(panic) => {
-                self.watcher = Watcher::default();
-                self.done.push_back(Answer::Panicked(panic_text(&*panic)));
+                self.watcher = PixelWatcher::default();
+                self.done.push_back(WorkerResponse::Panicked(panic_text(&*panic)));
             }
         }
     }
 
     /// Runs one step of determining the effect of a change. A panic ends it.
-    fn ask(&mut self, piece: impl FnOnce(&mut Drawer) -> Option<Found>) {
+    fn evaluate_change(&mut self, piece: impl FnOnce(&mut Drawer) -> Option<WhatIfResults>) {
         let drawer = &mut self.drawer;
         match catch_unwind(AssertUnwindSafe(|| piece(drawer))) {
-            Ok(found) => self.done.extend(found.map(|found| Answer::WhatIf(Box::new(found)))),
+            Ok(found) => self.done.extend(found.map(|found| WorkerResponse::WhatIf(Box::new(found)))),
             Err(panic) => {
                 self.drawer.clear();
-                self.done.push_back(Answer::Panicked(panic_text(&*panic)));
+                self.done.push_back(WorkerResponse::Panicked(panic_text(&*panic)));
             }
         }
     }
@@ -315,18 +318,18 @@ impl Loop {
         match catch_unwind(AssertUnwindSafe(|| (engine.answer(request), engine))) {
             Ok((view, engine)) => {
                 self.engine = engine;
-                if view.wants_another() {
+                if view.is_unconverged() {
                     self.to_improve = Some(Box::new(view.request.clone()));
                 } else if view.fresh {
-                    self.to_time = Some(Box::new(Figuring::new(view.clone())));
+                    self.to_time = Some(Box::new(StageMeasurement::new(view.clone())));
                 }
-                if view.looked.is_unfinished {
+                if view.look_result.is_unfinished {
                     self.to_complete = Some(Box::new(view.request.clone()));
                 }
-                self.watcher.look_at(&view);
-                self.done.push_back(Answer::View(Box::new(view)));
+                self.watcher.set_view(&view);
+                self.done.push_back(WorkerResponse::View(Box::new(view)));
             }
-            Err(panic) => self.done.push_back(Answer::Panicked(panic_text(&*panic))),
+            Err(panic) => self.done.push_back(WorkerResponse::Panicked(panic_text(&*panic))),
         }
     }
 }

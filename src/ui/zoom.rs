@@ -9,7 +9,7 @@ use eframe::egui::{Pos2, Rect, Ui, Vec2, pos2, vec2};
 const SCALE_RANGE: (f32, f32) = (1.0 / 32.0, 256.0);
 
 /// Minimum scale of a fitted picture, which prevents division by zero on a canvas without height.
-const LEAST_FIT: f32 = 1.0 / 65_536.0;
+const MIN_FIT: f32 = 1.0 / 65_536.0;
 
 /// Scale from which zooming rounds to an integer, in screen pixels per picture pixel.
 const WHOLE_FROM: f32 = 8.0;
@@ -113,7 +113,7 @@ impl Zoom {
             None => {
                 let available = canvas.size() * screen;
                 // A canvas without height still needs a non-zero scale: positions are divided by it.
-                let exact = (available.x / size.x).min(available.y / size.y).max(LEAST_FIT);
+                let exact = (available.x / size.x).min(available.y / size.y).max(MIN_FIT);
                 // Integer scales from 1:1 upwards make all squares equal.
                 let scale = if exact >= 1.0 { exact.floor() } else { exact };
                 // Snapped to screen pixels: on a canvas that is less than one pixel larger, the picture starts in the

@@ -13,7 +13,10 @@ use std::ops::Range;
 
 use arrayvec::ArrayVec;
 
-use super::{Anchor, Before, Drawn, Lattice, Light, Motion, Offers, Reads, Sampling, Scale, Tap, Upscaler, Upscaling};
+use super::{
+    Anchor, FilterSpace, Lattice, Motion, Offers, Reads, Reprojected, Sampling, Scale, Tap, UpscaleInputs, Upscaler,
+    Upscaling,
+};
 use crate::antialias::pattern::Pattern;
 use crate::image::color::Tables;
 use crate::image::{Image, Rgba8};
@@ -28,7 +31,7 @@ pub(crate) static ACCUMULATION: Accumulation = Accumulation;
 pub(crate) struct Accumulation;
 
 /// Number of jitter positions per pixel, one per frame.
-const PLACES: u32 = 16;
+const JITTER_POSITIONS: u32 = 16;
 
 /// Weight of an interpolated colour in a pixel without a sample of its own.
 const INTERPOLATED: f32 = 0.05;
@@ -54,55 +57,55 @@ impl Upscaler for Accumulation {
         Offers {
             scales: &[Scale::ONE, Scale::TWO],
             anchors: &[Anchor::Centre],
-            lights: &[Light::Linear, Light::Bytes],
+            lights: &[FilterSpace::Linear, FilterSpace::Bytes],
             deringing: false,
             sharpening: false,
         }
     }
 
     fn reads(&self) -> Reads {
-        Reads { surfaces: true, past: true }
+        Reads { gbuffer: true, history: true }
     }
 
-    fn settles_after(&self, _how: Upscaling) -> u32 {
-        PLACES
+    fn converges_after(&self, _how: Upscaling) -> u32 {
+        JITTER_POSITIONS
     }
 
     fn sampling(&self, how: Upscaling) -> Sampling {
         Sampling::Lattice(how.lattice())
     }
 
-    fn sampling_of(&self, how: Upscaling, frames: u32) -> (Sampling, [f64; 2]) {
+    fn frame_sampling(&self, how: Upscaling, frames: u32) -> (Sampling, [f64; 2]) {
         (self.sampling(how), place(frames))
     }
 
-    fn upscale(&self, how: Upscaling, drawn: &Drawn<'_>, full: &mut Image<Rgba8>) {
-        self.upscale_and_remember(how, drawn, full, None);
+    fn upscale(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, full: &mut Image<Rgba8>) {
+        self.upscale_with_history(how, drawn, full, None);
     }
 
-    fn upscale_and_remember(
+    fn upscale_with_history(
         &self,
         how: Upscaling,
-        drawn: &Drawn<'_>,
+        drawn: &UpscaleInputs<'_>,
         full: &mut Image<Rgba8>,
         memory: Option<Image<[f32; 4]>>,
     ) -> Option<Image<[f32; 4]>> {
         let (width, height) = full.size();
         let mut memory = Image::reusing(memory, width, height, [0.0; 4]);
-        rows::fill(Lanes::best(), &Now::new(how, drawn, (width, height)), full, &mut memory);
+        rows::fill(Lanes::best(), &FrameContext::new(how, drawn, (width, height)), full, &mut memory);
         Some(memory)
     }
 
-    fn pixel(&self, how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
-        Now::new(how, drawn, size).pixel(at)
+    fn pixel(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
+        FrameContext::new(how, drawn, size).pixel(at)
     }
 
     /// Returns the samples of this frame only; history contributes no taps.
-    fn taps(&self, how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Vec<Tap> {
-        let now = Now::new(how, drawn, size);
+    fn taps(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Vec<Tap> {
+        let now = FrameContext::new(how, drawn, size);
         let mut taps = now.present(at).0.to_vec();
-        if drawn.seen.is_some_and(|seen| seen.before(size, at).is_some_and(|before| !before.is_still)) {
-            let (columns, rows) = now.nine(at);
+        if drawn.frame.is_some_and(|seen| seen.reproject(size, at).is_some_and(|before| !before.is_still)) {
+            let (columns, rows) = now.neighbourhood(at);
             for (x, y) in rows.flat_map(|y| columns.clone().map(move |x| (x as u32, y))) {
                 if taps.iter().all(|tap| (tap.x, tap.y) != (x, y)) {
                     taps.push(Tap { x, y, weight: 0.0 });
@@ -112,31 +115,37 @@ impl Upscaler for Accumulation {
         taps
     }
 
-    fn remembers(&self, _how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Option<Before> {
-        let seen = drawn.seen?;
-        seen.past?.memory.as_ref().and_then(|_| seen.before(size, at))
+    fn history_position(
+        &self,
+        _how: Upscaling,
+        drawn: &UpscaleInputs<'_>,
+        size: (u32, u32),
+        at: (u32, u32),
+    ) -> Option<Reprojected> {
+        let seen = drawn.frame?;
+        seen.history?.accumulated.as_ref().and_then(|_| seen.reproject(size, at))
     }
 }
 
 /// Returns the jitter position within a pixel, in [0, 1]², after `frames` earlier frames.
 fn place(frames: u32) -> [f64; 2] {
-    let places = Pattern::LowDiscrepancy { count: PLACES }.offsets(0, 0);
-    places[(frames % PLACES) as usize]
+    let places = Pattern::LowDiscrepancy { count: JITTER_POSITIONS }.offsets(0, 0);
+    places[(frames % JITTER_POSITIONS) as usize]
 }
 
 /// Returns the position of an output pixel along an axis, relative to this frame's samples: the index of the sample
 /// before it, which may be outside the image, and the distance from there in samples, in [0, 1).
-fn among(lattice: Lattice, place: f64, at: u32) -> (i64, f32) {
+fn sample_coordinate(lattice: Lattice, place: f64, at: u32) -> (i64, f32) {
     let (scale, origin) = (lattice.scale.value(), lattice.position_px(0));
     let index = (f64::from(at) + 0.5 - origin) / scale - (place - 0.5);
     (index.floor() as i64, (index - index.floor()) as f32)
 }
 
 /// A frame with its history.
-struct Now<'a> {
-    light: Light,
+struct FrameContext<'a> {
+    light: FilterSpace,
     lattice: Lattice,
-    drawn: &'a Drawn<'a>,
+    drawn: &'a UpscaleInputs<'a>,
     /// Size of the full image, in pixels.
     size: (u32, u32),
     /// Jitter position of this frame within a pixel.
@@ -144,32 +153,43 @@ struct Now<'a> {
     /// Whether every jitter position was drawn since the view became still; the image then no longer changes.
     is_settled: bool,
     /// Motion since the previous frame and the accumulated history: RGB mean and sample count per pixel.
-    past: Option<(Motion<'a>, &'a Image<[f32; 4]>)>,
+    history: Option<(Motion<'a>, &'a Image<[f32; 4]>)>,
     tables: &'static Tables,
 }
 
-impl<'a> Now<'a> {
-    fn new(how: Upscaling, drawn: &'a Drawn<'a>, size: (u32, u32)) -> Self {
-        let place = drawn.seen.map_or(super::CENTRE, |seen| place(seen.frames()));
-        let past: Option<(Motion<'_>, _)> =
-            drawn.seen.and_then(|seen| Some((seen.motion(size)?, seen.past?.memory.as_ref()?)));
-        let is_settled = past.as_ref().is_some_and(|(motion, _)| motion.is_still() && motion.past.still >= PLACES);
-        Self { light: how.light(), lattice: how.lattice(), drawn, size, place, is_settled, past, tables: Tables::get() }
+impl<'a> FrameContext<'a> {
+    fn new(how: Upscaling, drawn: &'a UpscaleInputs<'a>, size: (u32, u32)) -> Self {
+        let place = drawn.frame.map_or(super::CENTRE, |seen| place(seen.frames()));
+        let history: Option<(Motion<'_>, _)> =
+            drawn.frame.and_then(|seen| Some((seen.motion(size)?, seen.history?.accumulated.as_ref()?)));
+        let is_settled = history
+            .as_ref()
+            .is_some_and(|(motion, _)| motion.is_still() && motion.history.still_frames >= JITTER_POSITIONS);
+        Self {
+            light: how.light(),
+            lattice: how.lattice(),
+            drawn,
+            size,
+            place,
+            is_settled,
+            history,
+            tables: Tables::get(),
+        }
     }
 
     fn number(&self, code: u8) -> f32 {
         match self.light {
-            Light::Linear => self.tables.linear_of_code[code as usize],
-            Light::Bytes => f32::from(code),
+            FilterSpace::Linear => self.tables.linear_of_code[code as usize],
+            FilterSpace::Bytes => f32::from(code),
         }
     }
 
     fn pixel(&self, at: (u32, u32)) -> Rgba8 {
         let present = self.present(at);
-        let [r, g, b, _] = self.mixed(at, &present);
+        let [r, g, b, _] = self.blend_history(at, &present);
         let encode = |value: f32| match self.light {
-            Light::Linear => self.tables.encode(value),
-            Light::Bytes => (value + 0.5) as u8,
+            FilterSpace::Linear => self.tables.encode(value),
+            FilterSpace::Bytes => (value + 0.5) as u8,
         };
         let alpha = self.mean(&present.0)[3];
         [encode(r), encode(g), encode(b), (alpha + 0.5) as u8]
@@ -187,11 +207,11 @@ impl<'a> Now<'a> {
     }
 
     /// Blends the result of [`Self::present`] with the history. Returns the RGB mean and the sample count.
-    fn mixed(&self, at: (u32, u32), (taps, counts_for): &(ArrayVec<Tap, 4>, f32)) -> [f32; 4] {
+    fn blend_history(&self, at: (u32, u32), (taps, counts_for): &(ArrayVec<Tap, 4>, f32)) -> [f32; 4] {
         let counts_for = *counts_for;
         let now = self.mean(taps);
-        let remembered = self.past.and_then(|(motion, memory)| {
-            let before = motion.before(at)?;
+        let remembered = self.history.and_then(|(motion, memory)| {
+            let before = motion.reproject(at)?;
             Some((before, before.read(self.size, |x, y| memory.at(x, y))))
         });
         let Some((before, [mut r, mut g, mut b, count])) = remembered else {
@@ -200,7 +220,7 @@ impl<'a> Now<'a> {
         if !before.is_still {
             // Decoding is monotonic, so the bounds of the encoded values are the bounds of the decoded ones.
             let [mut least, mut greatest] = [[u8::MAX; 4], [u8::MIN; 4]];
-            let (columns, rows) = self.nine(at);
+            let (columns, rows) = self.neighbourhood(at);
             for y in rows {
                 for color in &self.drawn.color.row(y)[columns.clone()] {
                     for channel in 0..4 {
@@ -214,7 +234,7 @@ impl<'a> Now<'a> {
                 *value = value.min(greatest[channel]).max(least[channel]);
             }
         }
-        let count = count.min((PLACES - 1) as f32);
+        let count = count.min((JITTER_POSITIONS - 1) as f32);
         let share = if self.is_settled { 0.0 } else { counts_for / (count + counts_for) };
         let mix = |past: f32, now: f32| past + (now - past) * share;
         [mix(r, now[0]), mix(g, now[1]), mix(b, now[2]), count + counts_for]
@@ -230,7 +250,8 @@ impl<'a> Now<'a> {
         if lattice.scale == Scale::ONE {
             return alone(x, y);
         }
-        let [(column, right), (row, down)] = [among(lattice, place[0], x), among(lattice, place[1], y)];
+        let [(column, right), (row, down)] =
+            [sample_coordinate(lattice, place[0], x), sample_coordinate(lattice, place[1], y)];
         if let (Some(x), Some(y)) = (self.own(column, right, width), self.own(row, down, height)) {
             return alone(x, y);
         }
@@ -256,10 +277,10 @@ impl<'a> Now<'a> {
     }
 
     /// Returns the columns and rows of the 3 × 3 samples of this frame around an output pixel; fewer at borders.
-    fn nine(&self, (x, y): (u32, u32)) -> (Range<usize>, Range<u32>) {
+    fn neighbourhood(&self, (x, y): (u32, u32)) -> (Range<usize>, Range<u32>) {
         let (width, height) = self.drawn.color.size();
         let three = |place: f64, at: u32, length: u32| {
-            let (cell, on) = among(self.lattice, place, at);
+            let (cell, on) = sample_coordinate(self.lattice, place, at);
             let nearest = cell + i64::from(on > 0.5);
             let inside = |at: i64| at.clamp(0, i64::from(length)) as u32;
             inside(nearest - 1)..inside(nearest + 2)

@@ -6,7 +6,7 @@ use super::Scale;
 use crate::image::{Image, Rgba8};
 
 /// Minimum number of rows in a band: outweighs the few sample rows that adjacent bands both process.
-const LEAST_ROWS: usize = 48;
+const MIN_ROWS: usize = 48;
 
 /// Bands per thread, so that one delayed thread does not delay the whole image.
 const BANDS_PER_THREAD: usize = 2;
@@ -20,7 +20,7 @@ fn rows_of_band(height: usize, scale: Scale) -> usize {
         threads => threads * BANDS_PER_THREAD,
     };
     let (pixels, _) = scale.ratio();
-    height.div_ceil(bands).max(LEAST_ROWS).next_multiple_of(pixels as usize)
+    height.div_ceil(bands).max(MIN_ROWS).next_multiple_of(pixels as usize)
 }
 
 /// Calls `fill` for every band of an image on the current rayon pool, with the band's first row, row count and pixels.

@@ -2,7 +2,7 @@
 //!
 //! It reproduces cubic polynomials, but its slope is discontinuous at the samples.
 
-use super::separable::{Separable, Weights};
+use super::separable::{KernelWeights, Separable};
 
 /// Separable 4-point Lagrange interpolation.
 pub(crate) static BICUBIC: Separable = Separable {
@@ -11,7 +11,7 @@ pub(crate) static BICUBIC: Separable = Separable {
     help: "Fits a cubic through the four surrounding samples, along rows and then columns (the 4-point Lagrange cubic, \
            not Catmull-Rom). Good on smooth detail. Overshoots at hard edges by up to 6.5 % of their height, visible \
            as a dark or bright seam, and keeps the stairs of slanted edges.",
-    weights: Weights::Four(weights),
+    weights: KernelWeights::Four(weights),
     deringing: true,
 };
 

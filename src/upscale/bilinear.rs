@@ -1,6 +1,6 @@
 //! Bilinear interpolation, with weights 1 − t and t.
 
-use super::separable::{Separable, Weights};
+use super::separable::{KernelWeights, Separable};
 
 /// Separable linear interpolation.
 pub(crate) static BILINEAR: Separable = Separable {
@@ -9,7 +9,7 @@ pub(crate) static BILINEAR: Separable = Separable {
     help: "Interpolates linearly, along rows and then columns. Good on smooth shading: never leaves the range of its \
            neighbours, so it cannot ring. Blurs texture, and the kinks at the samples show as a lattice of faint \
            crosses. Values are rounded, and the picture is filled in up to the border.",
-    weights: Weights::Two(weights),
+    weights: KernelWeights::Two(weights),
     deringing: false,
 };
 

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{ALL, Anchor, Drawn, Lattice, Sampling, Scale, Upscaler};
+use super::{ALL, Anchor, Lattice, Sampling, Scale, UpscaleInputs, Upscaler};
 use crate::image::{Image, Rgba8};
 use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::settings::{Choice, choice};
@@ -10,7 +10,7 @@ use crate::pipeline::settings::{Choice, choice};
 choice! {
     /// Colour space in which an upscaler filters.
     #[derive(PartialOrd, Ord)]
-    Light {
+    FilterSpace {
         Bytes = "bytes", "sRGB", "Filters sRGB codes, as most programs do: steps that look even are treated as even.";
         Linear = "linear", "Linear",
             "Filters linear light: physically correct averages, but dark edges ring more. Slower: each sample is \
@@ -19,7 +19,7 @@ choice! {
 }
 
 /// Maximum sharpening, in percent.
-pub(super) const MOST_SHARPENING: u32 = 100;
+pub(super) const MAX_SHARPENING: u32 = 100;
 
 /// Upscaler with its scale and options. Always valid: options that the upscaler does not offer are replaced by offered
 /// ones.
@@ -30,7 +30,7 @@ pub struct Upscaling {
     method: usize,
     scale: Scale,
     anchor: Anchor,
-    light: Light,
+    light: FilterSpace,
     deringing: bool,
     sharpening: u32,
 }
@@ -46,7 +46,7 @@ struct Written {
     anchor: Option<Anchor>,
     /// Filtering colour space; the upscaler's default if absent.
     #[serde(default)]
-    light: Option<Light>,
+    light: Option<FilterSpace>,
     #[serde(default)]
     deringing: bool,
     #[serde(default)]
@@ -59,7 +59,7 @@ impl Upscaling {
         method: 0,
         scale: Scale::ONE,
         anchor: Anchor::Corner,
-        light: Light::Bytes,
+        light: FilterSpace::Bytes,
         deringing: false,
         sharpening: 0,
     };
@@ -93,7 +93,7 @@ impl Upscaling {
         self.anchor = kept_or_first(offers.anchors, self.anchor);
         self.light = kept_or_first(offers.lights, self.light);
         self.deringing &= offers.deringing;
-        self.sharpening = if offers.sharpening { self.sharpening.min(MOST_SHARPENING) } else { 0 };
+        self.sharpening = if offers.sharpening { self.sharpening.min(MAX_SHARPENING) } else { 0 };
         self
     }
 
@@ -115,12 +115,12 @@ impl Upscaling {
     }
 
     /// Returns the choice with another anchor, if the upscaler offers it.
-    pub(crate) fn with_anchor(self, anchor: Anchor) -> Self {
+    pub fn with_anchor(self, anchor: Anchor) -> Self {
         Self { anchor, ..self }.offered()
     }
 
     /// Returns the choice with another filtering colour space, if the upscaler offers it.
-    pub(crate) fn with_light(self, light: Light) -> Self {
+    pub(crate) fn with_light(self, light: FilterSpace) -> Self {
         Self { light, ..self }.offered()
     }
 
@@ -135,22 +135,22 @@ impl Upscaling {
     }
 
     /// Whether this is native rendering, with every pixel drawn.
-    pub(crate) fn is_native(self) -> bool {
+    pub fn is_native(self) -> bool {
         self.method == Self::NATIVE.method
     }
 
     /// Returns the upscaler.
-    pub(crate) fn upscaler(self) -> &'static dyn Upscaler {
+    pub fn upscaler(self) -> &'static dyn Upscaler {
         ALL[self.method]
     }
 
     /// Returns the id of the upscaler.
-    pub(crate) fn method(self) -> &'static str {
+    pub fn method(self) -> &'static str {
         self.upscaler().id()
     }
 
     /// Returns the scale per axis.
-    pub(crate) fn scale(self) -> Scale {
+    pub fn scale(self) -> Scale {
         self.scale
     }
 
@@ -165,7 +165,7 @@ impl Upscaling {
     }
 
     /// Returns the filtering colour space.
-    pub(crate) fn light(self) -> Light {
+    pub(crate) fn light(self) -> FilterSpace {
         self.light
     }
 
@@ -185,7 +185,7 @@ impl Upscaling {
     }
 
     /// Returns the samples to draw.
-    pub(crate) fn sampling(self) -> Sampling {
+    pub fn sampling(self) -> Sampling {
         self.upscaler().sampling(self)
     }
 
@@ -199,15 +199,15 @@ impl Upscaling {
     /// # Examples
     /// ```
     /// use rasterscope::image::Image;
-    /// use rasterscope::upscale::{Drawn, Upscaling};
+    /// use rasterscope::upscale::{UpscaleInputs, Upscaling};
     ///
     /// let upscaling = Upscaling::new("nearest", 2).unwrap();
     /// let drawn = Image::from_fn(32, 18, |x, y| [x as u8, y as u8, 0, 255]);
-    /// let full = upscaling.upscale(&Drawn::from(&drawn), 64, 36);
+    /// let full = upscaling.upscale(&UpscaleInputs::from(&drawn), 64, 36);
     /// assert_eq!(full.size(), (64, 36));
     /// assert_eq!(full.at(11, 7), drawn.at(5, 3));
     /// ```
-    pub(crate) fn upscale(self, drawn: &Drawn<'_>, width: u32, height: u32) -> Image<Rgba8> {
+    pub fn upscale(self, drawn: &UpscaleInputs<'_>, width: u32, height: u32) -> Image<Rgba8> {
         let mut full = Image::filled(width, height, [0; 4]);
         self.upscaler().upscale(self, drawn, &mut full);
         full

@@ -4,7 +4,7 @@
 //! reproduces quadratics. Mitchell and Netravali's own choice, (⅓, ⅓), trades some blur for less ringing and reproduces
 //! linear ramps.
 
-use super::separable::{Separable, Weights};
+use super::separable::{KernelWeights, Separable};
 
 /// Catmull-Rom spline (B = 0, C = ½).
 pub(crate) static CATMULL_ROM: Separable = Separable {
@@ -14,7 +14,7 @@ pub(crate) static CATMULL_ROM: Separable = Separable {
            Good on natural images: without the kinks of the Lagrange cubic of Bicubic. Overshoots at hard edges by up \
            to 7.5 % of their height. Source: Catmull and Rom (1974), in the form of Mitchell and Netravali (1988), B = \
            0, C = ½.",
-    weights: Weights::Four(|t| weights(t, 0.0, 0.5)),
+    weights: KernelWeights::Four(|t| weights(t, 0.0, 0.5)),
     deringing: true,
 };
 
@@ -26,7 +26,7 @@ pub(crate) static MITCHELL: Separable = Separable {
            overshoots by up to 4 % of an edge's height. It does not pass through the samples, so the picture becomes \
            slightly softer, including the drawn pixels. Source: Mitchell and Netravali, Reconstruction Filters in \
            Computer Graphics (1988), B = C = ⅓.",
-    weights: Weights::Four(|t| weights(t, 1.0 / 3.0, 1.0 / 3.0)),
+    weights: KernelWeights::Four(|t| weights(t, 1.0 / 3.0, 1.0 / 3.0)),
     deringing: false,
 };
 

@@ -9,12 +9,12 @@ use crate::scene::{Camera, Projection};
 
 mod wide;
 
-pub(super) use wide::{NOWHERE, same_surface};
+pub(super) use wide::{NOT_VISIBLE, same_surface};
 
 /// Visible surface of every pixel in the full image, found without shading. Alpha-tested and transparent surfaces count
 /// as opaque.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Surfaces {
+pub(crate) struct GBuffer {
     /// Id colour of the object in each pixel; the background where there is none.
     pub(crate) object: Image<Rgba8>,
     /// Distance along the view axis, in world units; infinite or the far plane where there is no surface.
@@ -24,7 +24,7 @@ pub(crate) struct Surfaces {
 /// Relative tolerance for equal distances: depths are rounded, and pixels sample slightly different positions.
 const SAME_DISTANCE: f32 = 0.02;
 
-impl Surfaces {
+impl GBuffer {
     /// Whether a pixel shows this object at about this distance.
     pub(crate) fn shows(&self, (x, y): (u32, u32), object: Rgba8, distance: f32) -> bool {
         let there = self.distance.at(x, y);
@@ -33,7 +33,7 @@ impl Surfaces {
     }
 
     /// Whether two pixels show the same object at about the same distance.
-    pub(crate) fn are_one(&self, a: (u32, u32), b: (u32, u32)) -> bool {
+    pub(crate) fn same_surface(&self, a: (u32, u32), b: (u32, u32)) -> bool {
         self.shows(a, self.object.at(b.0, b.1), self.distance.at(b.0, b.1))
     }
 }
@@ -44,47 +44,47 @@ pub(crate) struct History {
     /// Full image of the frame; `None` if the upscaler stores its own history.
     pub(crate) picture: Option<Image<Rgba8>>,
     /// Upscaler's own history, more precise than the image.
-    pub(crate) memory: Option<Image<[f32; 4]>>,
+    pub(crate) accumulated: Option<Image<[f32; 4]>>,
     /// Visible surfaces of the frame.
-    pub(crate) surfaces: Arc<Surfaces>,
+    pub(crate) surfaces: Arc<GBuffer>,
     /// Camera of the frame.
     pub(crate) camera: Camera,
     /// Number of consecutive frames before this one.
     pub(crate) frames: u32,
     /// Number of consecutive frames with an unchanged camera, including this one.
-    pub(crate) still: u32,
+    pub(crate) still_frames: u32,
 }
 
 /// Inputs of the current frame besides its colours.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Seen<'a> {
+pub(crate) struct FrameInputs<'a> {
     /// Visible surfaces of the frame.
-    pub(crate) surfaces: &'a Surfaces,
+    pub(crate) gbuffer: &'a GBuffer,
     /// Camera of the frame.
     pub(crate) camera: &'a Camera,
     /// Previous frame, if it shows the same scene with the same recipe.
-    pub(crate) past: Option<&'a History>,
+    pub(crate) history: Option<&'a History>,
 }
 
-impl Seen<'_> {
+impl FrameInputs<'_> {
     /// Returns the number of consecutive frames before this one.
     pub(crate) fn frames(&self) -> u32 {
-        self.past.map_or(0, |past| past.frames + 1)
+        self.history.map_or(0, |past| past.frames + 1)
     }
 
     /// Reprojects pixel `at` into the previous frame. Returns `None` if it was not visible there. For many pixels, call
     /// [`Self::motion`] once.
-    pub(crate) fn before(&self, size: (u32, u32), at: (u32, u32)) -> Option<Before> {
-        self.motion(size)?.before(at)
+    pub(crate) fn reproject(&self, size: (u32, u32), at: (u32, u32)) -> Option<Reprojected> {
+        self.motion(size)?.reproject(at)
     }
 }
 
-impl<'a> Seen<'a> {
+impl<'a> FrameInputs<'a> {
     /// Returns the motion since the previous frame, or `None` if there is no previous frame.
     pub(crate) fn motion(&self, size: (u32, u32)) -> Option<Motion<'a>> {
-        let past = self.past?;
-        let path = (past.camera != *self.camera).then(|| Path::new([self.camera, &past.camera], size));
-        Some(Motion { past, surfaces: self.surfaces, size, path })
+        let past = self.history?;
+        let path = (past.camera != *self.camera).then(|| ViewChange::new([self.camera, &past.camera], size));
+        Some(Motion { history: past, gbuffer: self.gbuffer, size, path })
     }
 }
 
@@ -92,42 +92,42 @@ impl<'a> Seen<'a> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Motion<'a> {
     /// The previous frame.
-    pub(crate) past: &'a History,
-    surfaces: &'a Surfaces,
+    pub(crate) history: &'a History,
+    gbuffer: &'a GBuffer,
     size: (u32, u32),
     /// Change of view; `None` if the camera is unchanged.
-    path: Option<Path>,
+    path: Option<ViewChange>,
 }
 
 impl Motion<'_> {
     /// Reprojects pixel `at` into the previous frame. Returns `None` if it was not visible there.
-    pub(crate) fn before(&self, at: (u32, u32)) -> Option<Before> {
+    pub(crate) fn reproject(&self, at: (u32, u32)) -> Option<Reprojected> {
         let center = [f64::from(at.0) + 0.5, f64::from(at.1) + 0.5];
         let Some(path) = &self.path else {
-            return Some(Before { place: center, is_still: true });
+            return Some(Reprojected { place: center, is_still: true });
         };
-        let distance = self.surfaces.distance.at(at.0, at.1);
+        let distance = self.gbuffer.distance.at(at.0, at.1);
         let (place, expected) = path.moved(center, distance.into())?;
         let inside = |at: f64, length: u32| at >= 0.0 && at < f64::from(length);
         if !inside(place[0], self.size.0) || !inside(place[1], self.size.1) {
             return None;
         }
         let pixel = (place[0] as u32, place[1] as u32);
-        let same = self.past.surfaces.shows(pixel, self.surfaces.object.at(at.0, at.1), expected as f32);
-        same.then_some(Before { place, is_still: false })
+        let same = self.history.surfaces.shows(pixel, self.gbuffer.object.at(at.0, at.1), expected as f32);
+        same.then_some(Reprojected { place, is_still: false })
     }
 }
 
 /// Position of a pixel in the previous frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Before {
+pub struct Reprojected {
     /// Position in pixels from the top left corner of the image.
     pub(crate) place: [f64; 2],
     /// Whether the camera was the same, so that the position is the pixel itself.
     pub(crate) is_still: bool,
 }
 
-impl Before {
+impl Reprojected {
     /// Samples an image bilinearly at this position; reads the pixel itself if the camera was unchanged.
     pub(crate) fn read<const N: usize>(&self, size: (u32, u32), value: impl Fn(u32, u32) -> [f32; N]) -> [f32; N] {
         let [x, y] = self.place;
@@ -198,12 +198,12 @@ impl Lens {
 
 /// Transformation from one view to another.
 #[derive(Clone, Copy, Debug)]
-struct Path {
+struct ViewChange {
     lenses: [Lens; 2],
     to_from: DMat4,
 }
 
-impl Path {
+impl ViewChange {
     fn new(cameras: [&Camera; 2], size: (u32, u32)) -> Self {
         let [from, to] = cameras.map(Camera::view_from_world_f64);
         Self { lenses: cameras.map(|camera| Lens::new(camera, size)), to_from: to * from.inverse() }
@@ -225,14 +225,14 @@ pub(super) mod tests {
 
     /// Inputs of one test frame, with its history.
     pub(in crate::upscale) struct Frames {
-        surfaces: Surfaces,
+        surfaces: GBuffer,
         camera: Camera,
         past: Option<History>,
     }
 
     impl Frames {
-        pub(in crate::upscale) fn seen(&self) -> Seen<'_> {
-            Seen { surfaces: &self.surfaces, camera: &self.camera, past: self.past.as_ref() }
+        pub(in crate::upscale) fn seen(&self) -> FrameInputs<'_> {
+            FrameInputs { gbuffer: &self.surfaces, camera: &self.camera, history: self.past.as_ref() }
         }
     }
 
@@ -240,7 +240,7 @@ pub(super) mod tests {
     /// with the same camera, and with another camera in perspective and orthographic projection.
     pub(in crate::upscale) fn frames((width, height): (u32, u32), number: u32) -> Vec<Frames> {
         let mut random = fastrand::Rng::with_seed(u64::from(number));
-        let surfaces = Surfaces {
+        let surfaces = GBuffer {
             object: Image::from_fn(width, height, |x, y| [(x / 23) as u8, (y / 4) as u8, 0, 255]),
             distance: Image::from_fn(width, height, |x, y| {
                 if x / 23 == 1 { f32::INFINITY } else { 4.0 + (x / 23) as f32 * 0.3 + y as f32 * 0.01 }
@@ -259,11 +259,11 @@ pub(super) mod tests {
             camera: views.map_or(near, |(camera, _)| camera),
             past: views.map(|(_, camera)| History {
                 picture: Some(picture.clone()),
-                memory: Some(memory.clone()),
+                accumulated: Some(memory.clone()),
                 surfaces: Arc::new(surfaces.clone()),
                 camera,
                 frames: number,
-                still: 1,
+                still_frames: 1,
             }),
         };
         views.map(of).into()
@@ -286,7 +286,7 @@ pub(super) mod tests {
             for _ in 0..200 {
                 let point = Vec3::new(random.f32(), random.f32(), random.f32()) - 0.5;
                 let (place, distance) = project(&cameras[0], point);
-                let (found, how_far) = Path::new(cameras.each_ref(), size).moved(place, distance).unwrap();
+                let (found, how_far) = ViewChange::new(cameras.each_ref(), size).moved(place, distance).unwrap();
                 let (expected, expected_distance) = project(&cameras[1], point);
                 assert!((how_far - expected_distance).abs() < 1e-4);
                 assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 0.01), "{found:?} {expected:?}");

@@ -6,7 +6,7 @@
 use std::array;
 use std::f64::consts::PI;
 
-use super::separable::{Separable, Weights};
+use super::separable::{KernelWeights, Separable};
 
 /// Lanczos filter with a = 2 (four taps).
 pub(crate) static LANCZOS2: Separable = Separable {
@@ -15,7 +15,7 @@ pub(crate) static LANCZOS2: Separable = Separable {
     help: "A sinc windowed by a wider sinc that ends after two samples, along rows and then columns. Good on fine \
            detail. Overshoots at hard edges by up to 9 % of their height. Source: Duchon, Lanczos Filtering in One and \
            Two Dimensions (1979); weights divided by their sum.",
-    weights: Weights::Four(lanczos),
+    weights: KernelWeights::Four(lanczos),
     deringing: true,
 };
 
@@ -26,7 +26,7 @@ pub(crate) static LANCZOS3: Separable = Separable {
     help: "A sinc windowed by a wider sinc that ends after three samples, along rows and then columns. Good on natural \
            images that were low-pass filtered. Rings: up to 12 % of an edge's height beside it, with a second wave. \
            Source: Duchon, Lanczos Filtering in One and Two Dimensions (1979); weights divided by their sum.",
-    weights: Weights::Six(lanczos),
+    weights: KernelWeights::Six(lanczos),
     deringing: true,
 };
 

@@ -36,7 +36,7 @@ pub struct Lattice {
 
 /// Position of an output pixel between two samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Place {
+pub(crate) struct LatticePosition {
     /// Index of the last sample at or before the pixel; −1 before the first.
     pub(crate) cell: i32,
     /// Offset towards the next sample, in steps of 1 / [`Lattice::phases`].
@@ -60,34 +60,34 @@ impl Lattice {
     }
 
     /// Returns the position of output pixel `at`: `at / s` or `(at + ½) / s − ½` samples, for corner or centre.
-    pub(crate) fn place(self, at: u32) -> Place {
+    pub(crate) fn place(self, at: u32) -> LatticePosition {
         self.place_beyond(i64::from(at))
     }
 
     /// Does the same as [`Lattice::place`], also for pixels outside the image.
-    pub(super) fn place_beyond(self, at: i64) -> Place {
+    pub(super) fn place_beyond(self, at: i64) -> LatticePosition {
         let (pixels, samples) = self.scale.ratio();
         let (pixels, samples) = (i64::from(pixels), i64::from(samples));
         let (steps, phases) = match self.anchor {
             Anchor::Corner => (at * samples, pixels),
             Anchor::Centre => ((2 * at + 1) * samples - pixels, 2 * pixels),
         };
-        Place { cell: steps.div_euclid(phases) as i32, phase: steps.rem_euclid(phases) as u32 }
+        LatticePosition { cell: steps.div_euclid(phases) as i32, phase: steps.rem_euclid(phases) as u32 }
     }
 
     /// Returns [`Lattice::place`] of output pixel `first` and of all after it. Positions are computed incrementally:
     /// thousands of divisions would take a tenth of the time of a fast kernel.
-    pub(super) fn places_from(self, first: u32) -> impl Iterator<Item = Place> {
+    pub(super) fn places_from(self, first: u32) -> impl Iterator<Item = LatticePosition> {
         let phases = self.phases();
         let (_, samples) = self.scale.ratio();
         let steps = match self.anchor {
             Anchor::Corner => samples,
             Anchor::Centre => 2 * samples,
         };
-        std::iter::successors(Some(self.place(first)), move |Place { cell, phase }| {
+        std::iter::successors(Some(self.place(first)), move |LatticePosition { cell, phase }| {
             // A pixel is never wider than a sample, so it advances by at most one cell.
             let (phase, next) = (phase + steps, phase + steps >= phases);
-            Some(Place { cell: cell + i32::from(next), phase: if next { phase - phases } else { phase } })
+            Some(LatticePosition { cell: cell + i32::from(next), phase: if next { phase - phases } else { phase } })
         })
     }
 
@@ -110,7 +110,7 @@ impl Lattice {
     }
 
     /// Returns the nearest sample to a position; see [`Lattice::nearest`].
-    pub(super) fn nearest_to(self, Place { cell, phase }: Place, samples: u32) -> u32 {
+    pub(super) fn nearest_to(self, LatticePosition { cell, phase }: LatticePosition, samples: u32) -> u32 {
         let index = cell + i32::from(2 * phase > self.phases());
         (index.max(0) as u32).min(samples.saturating_sub(1))
     }
@@ -130,7 +130,7 @@ pub(super) mod tests {
     fn places_agree_with_the_positions_of_samples() {
         for lattice in every() {
             for at in 0..50 {
-                let Place { cell, phase } = lattice.place(at);
+                let LatticePosition { cell, phase } = lattice.place(at);
                 let origin = lattice.position_px(0);
                 let place = (f64::from(at) + 0.5 - origin) / lattice.scale.value();
                 let told = f64::from(cell) + f64::from(phase) / f64::from(lattice.phases());

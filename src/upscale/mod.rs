@@ -42,21 +42,20 @@ pub(crate) use checkerboard::CHECKERBOARD;
 pub(crate) use checkerboard::CHECKERBOARD_EDGES;
 pub(crate) use checkerboard::CHECKERBOARD_SURFACES;
 pub(crate) use checkerboard::CHECKERBOARD_TEMPORAL;
-pub use choice::Light;
+pub use choice::FilterSpace;
 pub use choice::Upscaling;
 pub(crate) use cubic::CATMULL_ROM;
 pub(crate) use cubic::MITCHELL;
 pub(crate) use fsr::FSR1;
-pub(crate) use history::Before;
+pub(crate) use history::FrameInputs;
+pub(crate) use history::GBuffer;
 pub(crate) use history::History;
 pub(crate) use history::Motion;
-pub(crate) use history::Seen;
-pub(crate) use history::Surfaces;
+pub(crate) use history::Reprojected;
 pub(crate) use lanczos::LANCZOS2;
 pub(crate) use lanczos::LANCZOS3;
 pub use lattice::Anchor;
 pub(crate) use lattice::Lattice;
-pub(crate) use lattice::Place;
 pub(crate) use native::NATIVE;
 pub(crate) use nearest::NEAREST;
 pub use scale::Scale;
@@ -77,11 +76,11 @@ pub trait Upscaler: Sync {
 
     /// Returns the inputs besides the drawn colours.
     fn reads(&self) -> Reads {
-        Reads { surfaces: false, past: false }
+        Reads { gbuffer: false, history: false }
     }
 
     /// Returns the number of frames of a still view after which the image no longer changes.
-    fn settles_after(&self, _how: Upscaling) -> u32 {
+    fn converges_after(&self, _how: Upscaling) -> u32 {
         1
     }
 
@@ -90,36 +89,42 @@ pub trait Upscaler: Sync {
 
     /// Returns the samples to draw after `frames` consecutive earlier frames, and their position within a pixel, in
     /// [0, 1]².
-    fn sampling_of(&self, how: Upscaling, _frames: u32) -> (Sampling, [f64; 2]) {
+    fn frame_sampling(&self, how: Upscaling, _frames: u32) -> (Sampling, [f64; 2]) {
         (self.sampling(how), CENTRE)
     }
 
     /// Overwrites an image with the upscaled samples.
     ///
     /// May panic if the samples are not packed as [`Upscaler::sampling`] specifies for the image size.
-    fn upscale(&self, how: Upscaling, drawn: &Drawn<'_>, full: &mut Image<Rgba8>);
+    fn upscale(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, full: &mut Image<Rgba8>);
 
     /// Computes pixel `at` of the image that [`Upscaler::upscale`] produces for `size` px, using only the samples
     /// listed by [`Upscaler::taps`].
-    fn pixel(&self, how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8;
+    fn pixel(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8;
 
     /// Returns the distinct samples that contribute to pixel `at`. Samples of zero weight affect only clamping or
     /// rounding. The weights sum to 1. The clamped weighted sum, in the filtering colour space, is the pixel up to
     /// rounding and non-linear steps of the upscaler.
-    fn taps(&self, how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Vec<Tap>;
+    fn taps(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Vec<Tap>;
 
     /// Returns the position in the previous frame from which pixel `at` reads history; `None` for most upscalers.
     /// History is not a tap.
-    fn remembers(&self, _how: Upscaling, _drawn: &Drawn<'_>, _size: (u32, u32), _at: (u32, u32)) -> Option<Before> {
+    fn history_position(
+        &self,
+        _how: Upscaling,
+        _drawn: &UpscaleInputs<'_>,
+        _size: (u32, u32),
+        _at: (u32, u32),
+    ) -> Option<Reprojected> {
         None
     }
 
     /// Upscales like [`Upscaler::upscale`], and returns history for the next frame besides the image; `None` for most
     /// upscalers. May reuse `_memory`, an old history, as the buffer.
-    fn upscale_and_remember(
+    fn upscale_with_history(
         &self,
         how: Upscaling,
-        drawn: &Drawn<'_>,
+        drawn: &UpscaleInputs<'_>,
         full: &mut Image<Rgba8>,
         _memory: Option<Image<[f32; 4]>>,
     ) -> Option<Image<[f32; 4]>> {
@@ -135,24 +140,24 @@ pub(crate) const CENTRE: [f64; 2] = [0.5; 2];
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reads {
     /// Whether it reads the visible surface of every pixel.
-    pub(crate) surfaces: bool,
+    pub(crate) gbuffer: bool,
     /// Whether it reads the previous frame; requires `surfaces`.
-    pub(crate) past: bool,
+    pub history: bool,
 }
 
 /// Options of an upscaler; the first value of each list is the default.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Offers {
     /// Scales per axis, in ascending order; a single one if there is no choice.
-    pub(crate) scales: &'static [Scale],
+    pub scales: &'static [Scale],
     /// Positions of a sample within its block.
-    pub(crate) anchors: &'static [Anchor],
+    pub anchors: &'static [Anchor],
     /// Filtering colour spaces.
-    pub(crate) lights: &'static [Light],
+    pub lights: &'static [FilterSpace],
     /// Whether de-ringing is available.
-    pub(crate) deringing: bool,
+    pub deringing: bool,
     /// Whether sharpening is available.
-    pub(crate) sharpening: bool,
+    pub sharpening: bool,
 }
 
 /// Samples that are drawn for an upscaler.
@@ -191,7 +196,7 @@ impl Sampling {
     }
 
     /// Returns the position in the full image, in pixels, of a packed sample given by column and row.
-    pub(crate) fn position_px(self, (column, row): (u32, u32)) -> (f64, f64) {
+    pub fn position_px(self, (column, row): (u32, u32)) -> (f64, f64) {
         match self {
             Self::Grid(grid) => {
                 let (x, y) = grid.pixel(column, row);
@@ -210,16 +215,16 @@ impl Sampling {
 
 /// Inputs of an upscaler.
 #[derive(Clone, Copy, Debug)]
-pub struct Drawn<'a> {
+pub struct UpscaleInputs<'a> {
     /// Colours of the drawn samples, packed.
     pub color: &'a Image<Rgba8>,
     /// Surfaces and history, if the upscaler reads them and they are available.
-    pub(crate) seen: Option<Seen<'a>>,
+    pub(crate) frame: Option<FrameInputs<'a>>,
 }
 
-impl<'a> From<&'a Image<Rgba8>> for Drawn<'a> {
+impl<'a> From<&'a Image<Rgba8>> for UpscaleInputs<'a> {
     fn from(color: &'a Image<Rgba8>) -> Self {
-        Self { color, seen: None }
+        Self { color, frame: None }
     }
 }
 
@@ -227,11 +232,11 @@ impl<'a> From<&'a Image<Rgba8>> for Drawn<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Tap {
     /// Column in the drawn image: the full one, or the lower-resolution one of a [`Lattice`].
-    pub(crate) x: u32,
+    pub x: u32,
     /// Row in the drawn image.
-    pub(crate) y: u32,
+    pub y: u32,
     /// Weight of the sample; negative weights sharpen.
-    pub(crate) weight: f32,
+    pub weight: f32,
 }
 
 /// All upscalers, in menu order.

@@ -1,6 +1,6 @@
 //! Native rendering without upscaling.
 
-use super::{Anchor, Drawn, Light, Offers, Sampling, Scale, Tap, Upscaler, Upscaling};
+use super::{Anchor, FilterSpace, Offers, Sampling, Scale, Tap, UpscaleInputs, Upscaler, Upscaling};
 use crate::image::{Image, Rgba8};
 use crate::pipeline::grid::SampleGrid;
 
@@ -27,7 +27,7 @@ impl Upscaler for Native {
         Offers {
             scales: &[Scale::ONE],
             anchors: &[Anchor::Corner],
-            lights: &[Light::Bytes],
+            lights: &[FilterSpace::Bytes],
             deringing: false,
             sharpening: false,
         }
@@ -37,15 +37,15 @@ impl Upscaler for Native {
         Sampling::Grid(SampleGrid::FULL)
     }
 
-    fn upscale(&self, _how: Upscaling, drawn: &Drawn<'_>, full: &mut Image<Rgba8>) {
+    fn upscale(&self, _how: Upscaling, drawn: &UpscaleInputs<'_>, full: &mut Image<Rgba8>) {
         full.pixels_mut().copy_from_slice(drawn.color.pixels());
     }
 
-    fn pixel(&self, _how: Upscaling, drawn: &Drawn<'_>, _size: (u32, u32), (x, y): (u32, u32)) -> Rgba8 {
+    fn pixel(&self, _how: Upscaling, drawn: &UpscaleInputs<'_>, _size: (u32, u32), (x, y): (u32, u32)) -> Rgba8 {
         drawn.color.at(x, y)
     }
 
-    fn taps(&self, _how: Upscaling, _drawn: &Drawn<'_>, _size: (u32, u32), (x, y): (u32, u32)) -> Vec<Tap> {
+    fn taps(&self, _how: Upscaling, _drawn: &UpscaleInputs<'_>, _size: (u32, u32), (x, y): (u32, u32)) -> Vec<Tap> {
         vec![Tap { x, y, weight: 1.0 }]
     }
 }

@@ -5,11 +5,11 @@ use fearless_simd::Level;
 use super::bands;
 #[cfg(target_arch = "x86_64")]
 use super::lanes::pixels_to_alignment;
-use super::lattice::{Lattice, Place};
+use super::lattice::{Lattice, LatticePosition};
 #[cfg(target_arch = "x86_64")]
 use super::nearest_avx2::NearestAvx2;
 use super::separable::SCALES;
-use super::{Anchor, Drawn, Light, Offers, Sampling, Tap, Upscaler, Upscaling};
+use super::{Anchor, FilterSpace, Offers, Sampling, Tap, UpscaleInputs, Upscaler, Upscaling};
 use crate::image::{Image, Rgba8};
 use crate::pipeline::settings::Choice as _;
 
@@ -35,24 +35,30 @@ impl Upscaler for Nearest {
     }
 
     fn offers(&self) -> Offers {
-        Offers { scales: SCALES, anchors: Anchor::ALL, lights: &[Light::Bytes], deringing: false, sharpening: false }
+        Offers {
+            scales: SCALES,
+            anchors: Anchor::ALL,
+            lights: &[FilterSpace::Bytes],
+            deringing: false,
+            sharpening: false,
+        }
     }
 
     fn sampling(&self, how: Upscaling) -> Sampling {
         Sampling::of_lattice(how.lattice())
     }
 
-    fn upscale(&self, how: Upscaling, drawn: &Drawn<'_>, full: &mut Image<Rgba8>) {
+    fn upscale(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, full: &mut Image<Rgba8>) {
         fill(Level::new(), how.lattice(), drawn.color, full);
     }
 
-    fn pixel(&self, how: Upscaling, drawn: &Drawn<'_>, _size: (u32, u32), (x, y): (u32, u32)) -> Rgba8 {
+    fn pixel(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, _size: (u32, u32), (x, y): (u32, u32)) -> Rgba8 {
         let (columns, rows) = drawn.color.size();
         let [column, row] = [(x, columns), (y, rows)].map(|(at, samples)| of_pixel(how.lattice(), at, samples));
         drawn.color.at(column, row)
     }
 
-    fn taps(&self, how: Upscaling, drawn: &Drawn<'_>, _size: (u32, u32), (x, y): (u32, u32)) -> Vec<Tap> {
+    fn taps(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, _size: (u32, u32), (x, y): (u32, u32)) -> Vec<Tap> {
         let (columns, rows) = drawn.color.size();
         let [column, row] = [(x, columns), (y, rows)].map(|(at, samples)| of_pixel(how.lattice(), at, samples));
         let (x, y) = how.grid().pixel(column, row);
@@ -62,7 +68,7 @@ impl Upscaler for Nearest {
 
 /// Returns the index of the sample that an output pixel copies, out of `samples`: with corner anchor the last one at or
 /// before the pixel, otherwise the nearest.
-fn source(lattice: Lattice, place: Place, samples: u32) -> u32 {
+fn source(lattice: Lattice, place: LatticePosition, samples: u32) -> u32 {
     match lattice.anchor {
         Anchor::Corner => (place.cell as u32).min(samples.saturating_sub(1)),
         Anchor::Centre => lattice.nearest_to(place, samples),
@@ -127,7 +133,7 @@ mod tests {
         let drawn = Image::from_pixels(2, 1, vec![[1; 4], [2; 4]]);
         for (scale, columns) in [(2_u32, [1, 1, 2]), (3, [1, 1, 1])] {
             let how = Upscaling::new("nearest", Scale::from(scale)).unwrap();
-            let full = how.upscale(&Drawn::from(&drawn), 3, 1);
+            let full = how.upscale(&UpscaleInputs::from(&drawn), 3, 1);
             assert_eq!(full.row(0), columns.map(|code| [code; 4]));
         }
     }

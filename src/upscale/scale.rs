@@ -13,19 +13,19 @@ pub struct Scale {
 
 impl Scale {
     /// Factor 1: no upscaling.
-    pub(crate) const ONE: Self = Self { halves: 2 };
+    pub const ONE: Self = Self { halves: 2 };
 
     /// Factor 1.5: three pixels for two samples.
     pub(crate) const ONE_AND_A_HALF: Self = Self { halves: 3 };
 
     /// Factor 2.
-    pub(crate) const TWO: Self = Self { halves: 4 };
+    pub const TWO: Self = Self { halves: 4 };
 
     /// Factor 3.
     pub(crate) const THREE: Self = Self { halves: 6 };
 
     /// Factor 4.
-    pub(crate) const FOUR: Self = Self { halves: 8 };
+    pub const FOUR: Self = Self { halves: 8 };
 
     /// Returns the factor in lowest terms: the numbers of pixels and of samples in one period.
     pub(crate) fn ratio(self) -> (u32, u32) {

@@ -43,13 +43,13 @@ fn everything() -> impl Iterator<Item = Upscaling> {
 
 /// Calls `check` for every upscaler, option and small size, with the upscaled image, the native image and the drawn
 /// samples.
-fn for_every_method_and_size(mut check: impl FnMut(Upscaling, &Image<Rgba8>, &Image<Rgba8>, &Drawn<'_>)) {
+fn for_every_method_and_size(mut check: impl FnMut(Upscaling, &Image<Rgba8>, &Image<Rgba8>, &UpscaleInputs<'_>)) {
     let mut random = fastrand::Rng::with_seed(17);
     for (width, height) in [(1, 1), (2, 1), (1, 2), (3, 2), (4, 4), (5, 9), (7, 6), (12, 5), (13, 8)] {
         let native = noise(&mut random, width, height);
         for how in everything() {
             let color = draw(&native, how);
-            let drawn = Drawn::from(&color);
+            let drawn = UpscaleInputs::from(&color);
             let full = how.upscale(&drawn, width, height);
             assert_eq!(full.size(), (width, height), "{}", how.label());
             check(how, &full, &native, &drawn);
@@ -112,7 +112,7 @@ fn a_pixel_needs_no_other_samples_than_its_taps() {
             let sparse = Image::from_fn(columns, rows, |column, row| {
                 if needed(column, row) { drawn.color.at(column, row) } else { [255, 0, 173, 1] }
             });
-            let alone = how.upscaler().pixel(how, &Drawn::from(&sparse), full.size(), at);
+            let alone = how.upscaler().pixel(how, &UpscaleInputs::from(&sparse), full.size(), at);
             assert_eq!(full.at(at.0, at.1), alone, "{} {:?} {at:?}", how.label(), full.size());
         }
     });
@@ -121,7 +121,7 @@ fn a_pixel_needs_no_other_samples_than_its_taps() {
 #[test]
 fn every_pixel_is_the_sum_of_its_taps_but_for_rounding() {
     for_every_method_and_size(|how, full, _, drawn| {
-        if how.light() == Light::Linear || how.deringing() || how.method() == "fsr1" {
+        if how.light() == FilterSpace::Linear || how.deringing() || how.method() == "fsr1" {
             return;
         }
         let sampled = |tap: &Tap| how.grid().sample_at(tap.x, tap.y).map(|(column, row)| drawn.color.at(column, row));
@@ -161,7 +161,7 @@ fn a_picture_of_one_colour_stays_so() {
     for how in everything() {
         for colour in [[0; 4], [255; 4], [1, 127, 128, 254], [13, 77, 201, 255]] {
             let native = Image::filled(11, 7, colour);
-            let full = how.upscale(&Drawn::from(&draw(&native, how)), 11, 7);
+            let full = how.upscale(&UpscaleInputs::from(&draw(&native, how)), 11, 7);
             assert_eq!(full, native, "{}", how.label());
         }
     }
@@ -174,7 +174,7 @@ fn the_number_of_threads_changes_nothing() {
     let three = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
     for how in everything() {
         let color = draw(&native, how);
-        let full = |pool: &rayon::ThreadPool| pool.install(|| how.upscale(&Drawn::from(&color), 9, 301));
+        let full = |pool: &rayon::ThreadPool| pool.install(|| how.upscale(&UpscaleInputs::from(&color), 9, 301));
         assert!(full(&one) == full(&three), "{}", how.label());
     }
 }
@@ -184,7 +184,7 @@ fn an_empty_picture_stays_empty() {
     for how in everything() {
         for (width, height) in [(0, 0), (0, 5), (5, 0)] {
             let drawn = draw(&Image::filled(width, height, [0; 4]), how);
-            let full = how.upscale(&Drawn::from(&drawn), width, height);
+            let full = how.upscale(&UpscaleInputs::from(&drawn), width, height);
             assert_eq!(full.size(), (width, height), "{}", how.label());
         }
     }
@@ -197,7 +197,7 @@ fn the_nearest_enlargement_on_offer_is_taken_and_what_is_not_offered_is_not_kept
     assert_eq!(labels, ["Checkerboard", "Bilinear ×1.5", "Bicubic ×4"]);
     assert_eq!(Upscaling::new("sinc", Scale::TWO), None);
     let chosen = Upscaling::new("lanczos3", Scale::ONE_AND_A_HALF).unwrap();
-    let chosen = chosen.with_anchor(Anchor::Centre).with_light(Light::Linear).with_deringing(true);
+    let chosen = chosen.with_anchor(Anchor::Centre).with_light(FilterSpace::Linear).with_deringing(true);
     assert_eq!(chosen.label(), "Lanczos 3 ×1.5, centre, linear, de-ringed");
     assert_eq!(chosen.with_method("native"), Some(Upscaling::NATIVE));
     assert_eq!(chosen.with_method("mitchell").unwrap().label(), "Mitchell ×1.5");

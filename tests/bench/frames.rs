@@ -8,7 +8,7 @@ use rasterscope::image::Image;
 use rasterscope::inspect::inspect;
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::{Scene, builtin};
-use rasterscope::upscale::{Drawn, Upscaling};
+use rasterscope::upscale::{UpscaleInputs, Upscaling};
 
 const VIEWPORT: Viewport = Viewport { width: 1280, height: 720 };
 
@@ -25,7 +25,7 @@ fn scene(id: &str) -> Arc<Scene> {
 fn frame(bencher: Bencher<'_, '_>, id: &str) {
     let (scene, recipe, mut renderer) = (scene(id), Recipe::default(), Renderer::default());
     bencher.bench_local(move || {
-        let frame = renderer.render_settled(&scene, &scene.home, &recipe, VIEWPORT);
+        let frame = renderer.render_converged(&scene, &scene.home, &recipe, VIEWPORT);
         renderer.recycle(frame);
     });
 }
@@ -36,15 +36,15 @@ fn upscale(bencher: Bencher<'_, '_>, method: &str) {
     let how = Upscaling::new(method, 2).expect("the method offers scale 2");
     let recipe = Recipe { upscaler: how, ..Recipe::default() };
     let scene = scene("chess");
-    let frame = Renderer::default().render_settled(&scene, &scene.home, &recipe, VIEWPORT);
+    let frame = Renderer::default().render_converged(&scene, &scene.home, &recipe, VIEWPORT);
     let mut full = Image::filled(VIEWPORT.width, VIEWPORT.height, [0; 4]);
-    bencher.bench_local(move || how.upscaler().upscale(how, &Drawn::from(&frame.drawn.color), &mut full));
+    bencher.bench_local(move || how.upscaler().upscale(how, &UpscaleInputs::from(&frame.drawn.color), &mut full));
 }
 
 /// Replaying and explaining one pixel.
 #[divan::bench]
 fn inspect_pixel(bencher: Bencher<'_, '_>) {
     let (scene, recipe) = (scene("chess"), Recipe::default());
-    let frame = Renderer::default().render_settled(&scene, &scene.home, &recipe, VIEWPORT);
+    let frame = Renderer::default().render_converged(&scene, &scene.home, &recipe, VIEWPORT);
     bencher.bench_local(|| inspect(&scene, &recipe, &frame, 700, 300));
 }

@@ -13,7 +13,7 @@ use rasterscope::chain::{Frame, Recipe, run};
 use rasterscope::image::{Image, Rgba8};
 use rasterscope::pipeline::from_clip_space;
 use rasterscope::pipeline::observe::Observer;
-use rasterscope::pipeline::raster::{AnyTriangle, Sample, cover};
+use rasterscope::pipeline::raster::{AnyTriangle, RasterSample, cover};
 use rasterscope::pipeline::settings::{Arithmetic, Choice, DepthBias, FillRule, Rasterizer};
 use rasterscope::pipeline::vertex::ClipVertex;
 use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport};
@@ -84,7 +84,7 @@ pub(crate) fn covered(
     rasterizer: Rasterizer,
     rule: FillRule,
     viewport: Viewport,
-) -> Vec<Sample> {
+) -> Vec<RasterSample> {
     let corners_px = triangle.corners_px();
     let spans = cover(rasterizer, Arithmetic::Fixed, corners_px, rule, viewport);
     let pixels = spans.into_iter().flat_map(|span| (span.left..span.right).map(move |x| (x, span.row)));
@@ -225,7 +225,7 @@ pub(crate) fn coplanar_scene() -> Scene {
 }
 
 /// Returns opaque, alpha-tested and blended surfaces through and behind each other, by texture and by opacity.
-pub(crate) fn see_through_scene() -> Scene {
+pub(crate) fn transparency_scene() -> Scene {
     let mut rng = fastrand::Rng::with_seed(4);
     let soup = soup(&mut rng, 8);
     let mut textures = |codes: &[u8]| {
@@ -270,7 +270,7 @@ pub(crate) fn scenes() -> [(&'static str, Scene); 4] {
         ("ground and cube", ground_and_cube()),
         ("soup", soup_scene()),
         ("coplanar", coplanar_scene()),
-        ("see-through", see_through_scene()),
+        ("see-through", transparency_scene()),
     ]
 }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use fastrand::Rng;
-use rasterscope::case::{Answer, Case, Control, Options, Outcome, Task, solve};
+use rasterscope::case::{Answer, Case, CaseOutcome, Control, Options, Task, solve};
 use rasterscope::pipeline::settings::{Arithmetic, Choice, Rasterizer};
 use serde_json::Value;
 
@@ -77,8 +77,8 @@ impl Target for Cases {
             return Err(Failure::Wrong(format!("result cannot be written: {error}")));
         }
         match &result.outcome {
-            Outcome::Answered(answer) => check(&case.task, answer),
-            Outcome::Refused { error } => check_message(error, ""),
+            CaseOutcome::Answered(answer) => check(&case.task, answer),
+            CaseOutcome::Refused { error } => check_message(error, ""),
         }
     }
 }
@@ -129,7 +129,7 @@ fn there_is_a_sound_case_of_every_kind() {
         let case = Case::parse(seed.as_bytes(), Path::new(FILE)).unwrap_or_else(|error| panic!("{kind}: {error}"));
         assert!(seed.contains(&format!("\"{kind}\"")), "{seed} instead of a case of the kind {kind}");
         let result = solve(&case, Options::default(), &Control::default()).expect("nothing cancels it");
-        assert!(matches!(result.outcome, Outcome::Answered(_)), "{result:?}");
+        assert!(matches!(result.outcome, CaseOutcome::Answered(_)), "{result:?}");
     }
     assert_eq!(Task::KINDS.len(), SEEDS.len());
 }

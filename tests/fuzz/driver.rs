@@ -34,7 +34,7 @@ pub(crate) const LIMIT: Duration = Duration::from_secs(2);
 const GIVE_UP: u32 = 30;
 
 /// Largest growth of the resident memory in one execution, in bytes.
-const MOST_GROWTH: u64 = 1 << 30;
+const MAX_GROWTH: u64 = 1 << 30;
 
 /// Stack size of threads that execute and draw, in bytes: that of a main thread, because unoptimised kernels for many
 /// kinds of lanes are large.
@@ -47,7 +47,7 @@ const CONFIRMATIONS: usize = 2;
 const MINIMISING: Duration = Duration::from_secs(10);
 
 /// Number of different failures after which a target stops.
-const MOST_FINDINGS: usize = 8;
+const MAX_FINDINGS: usize = 8;
 
 /// A part of the program that processes random inputs.
 pub(crate) trait Target: Send + Sync + 'static {
@@ -66,8 +66,8 @@ pub(crate) trait Target: Send + Sync + 'static {
     }
 
     /// Returns the largest growth of the resident memory in one execution, in bytes.
-    fn most_growth(&self) -> u64 {
-        MOST_GROWTH
+    fn max_growth(&self) -> u64 {
+        MAX_GROWTH
     }
 
     /// Returns the features that the target needs besides the default ones, for the command that reproduces a failure.
@@ -252,7 +252,7 @@ impl<T: Target> Fuzzer<'_, T> {
             let mut rng = Rng::with_seed(self.plan.seed.rotate_left(32) ^ iteration);
             let input = self.target.generate(&mut rng);
             self.check(&input, Some(iteration));
-            let is_over = begun.elapsed() >= self.plan.time || self.report.findings.len() >= MOST_FINDINGS;
+            let is_over = begun.elapsed() >= self.plan.time || self.report.findings.len() >= MAX_FINDINGS;
             if is_over || self.executor.is_stuck {
                 return;
             }
@@ -296,7 +296,7 @@ impl<T: Target> Fuzzer<'_, T> {
         }
         match outcome.result {
             Ok(()) if outcome.time > limit => Err(Failure::Slow(outcome.time)),
-            Ok(()) if outcome.growth > self.target.most_growth() => Err(Failure::Memory(outcome.growth)),
+            Ok(()) if outcome.growth > self.target.max_growth() => Err(Failure::Memory(outcome.growth)),
             result => result,
         }
     }

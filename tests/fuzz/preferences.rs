@@ -14,7 +14,7 @@ use rasterscope::ui::headless::Headless;
 use rasterscope::ui::place::{self, Bookmark};
 use rasterscope::ui::session::{PictureSize, Preferences, Session, WindowState};
 use rasterscope::ui::worker::Worker;
-use rasterscope::ui::{Seen, WindowStart, resumed, store, workbench};
+use rasterscope::ui::{InitialView, WindowStart, resumed, store, workbench};
 use serde_json::Value;
 
 use crate::driver::{Failure, Target};
@@ -126,7 +126,7 @@ fn start(preferences: Preferences) -> Result<(), Failure> {
         recipe: Recipe::default(),
         mirrored: false,
         resume: true,
-        seen: Seen::default(),
+        initial_view: InitialView::default(),
         memory_limit: MemoryLimit::default(),
         pending: None,
     };
@@ -136,7 +136,7 @@ fn start(preferences: Preferences) -> Result<(), Failure> {
     let mut app = workbench(resumed(start, &preferences, Duration::MAX), preferences, Worker::inline());
     pass(&mut headless, &mut app);
     for bookmark in 0..bookmarks {
-        app.ask_for(vec![Command::Place(place::Change::Jump(bookmark))]);
+        app.queue(vec![Command::Place(place::PlaceChange::Jump(bookmark))]);
         pass(&mut headless, &mut app);
         pass(&mut headless, &mut app);
     }

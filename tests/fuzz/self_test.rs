@@ -41,7 +41,7 @@ impl Target for Bad {
         Duration::from_millis(100)
     }
 
-    fn most_growth(&self) -> u64 {
+    fn max_growth(&self) -> u64 {
         self.1
     }
 }

@@ -7,8 +7,8 @@ use fastrand::Rng;
 use rasterscope::chain::{Frame, Recipe};
 use rasterscope::inspect::display::{ColorMap, Display};
 use rasterscope::inspect::fields::assignments;
-use rasterscope::inspect::find::{Wanted, find};
-use rasterscope::inspect::overlays::{Layer, Overlay};
+use rasterscope::inspect::find::{SearchTarget, find};
+use rasterscope::inspect::overlays::{Overlay, OverlayLayer};
 use rasterscope::pipeline::settings::Choice;
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::{Scene, camera_file};
@@ -181,7 +181,7 @@ fn check_recipe(recipe: &Recipe) -> Result<(), Failure> {
 }
 
 fn check_layer(text: &str) -> Result<(), Failure> {
-    let Ok(layer) = text.parse::<Layer>() else { return Ok(()) };
+    let Ok(layer) = text.parse::<OverlayLayer>() else { return Ok(()) };
     let is_same = layer.text().parse() == Ok(layer);
     if is_same { Ok(()) } else { Err(Failure::Wrong(format!("overlay is not read back: {}", layer.text()))) }
 }
@@ -194,7 +194,7 @@ fn check_look(text: &str) -> Result<(), Failure> {
 
 /// Searches the scene for a place.
 fn check_place(text: &str) {
-    if let Ok(wanted) = Wanted::parse(text, &SCENE, SIZE, Some(0)) {
+    if let Ok(wanted) = SearchTarget::parse(text, &SCENE, SIZE, Some(0)) {
         find(&SCENE, &Recipe::default(), &FRAME, &wanted);
     }
 }

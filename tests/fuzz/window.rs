@@ -146,9 +146,9 @@ fn stop_measurements(window: &mut Harness<'_, Workbench>) {
     let mut commands = Vec::new();
     commands.extend(session.stability.progress.is_some().then_some(Command::CancelStability));
     commands.extend(session.savings.progress.is_some().then_some(Command::CancelPlan));
-    commands.extend(session.growth.progress.is_some().then_some(Command::CancelGrowth));
+    commands.extend(session.scaling.progress.is_some().then_some(Command::CancelScaling));
     commands.extend(session.measuring.is_some().then_some(Command::CancelMeasure));
-    app.ask_for(commands);
+    app.queue(commands);
 }
 
 /// Checks that the program reports no error of its own, and that all shapes have finite positions.
@@ -158,7 +158,7 @@ fn check(window: &Harness<'_, Workbench>) -> Result<(), Failure> {
         let panic = panics::take_elsewhere().unwrap_or_default();
         return Err(Failure::Panic(format!("{panic} ({})", line.text)));
     }
-    let is_lost = |shape: &ClippedShape| shape.clip_rect.any_nan() || is_nowhere(&shape.shape);
+    let is_lost = |shape: &ClippedShape| shape.clip_rect.any_nan() || has_nan_position(&shape.shape);
     match window.output().shapes.iter().find(|shape| is_lost(shape)) {
         None => Ok(()),
         Some(shape) => Err(Failure::Wrong(format!("shape at a place that is not a number: {shape:?}"))),
@@ -166,9 +166,9 @@ fn check(window: &Harness<'_, Workbench>) -> Result<(), Failure> {
 }
 
 /// Whether a part of a shape has a position that is NaN.
-fn is_nowhere(shape: &Shape) -> bool {
+fn has_nan_position(shape: &Shape) -> bool {
     match shape {
-        Shape::Vec(parts) => parts.iter().any(is_nowhere),
+        Shape::Vec(parts) => parts.iter().any(has_nan_position),
         // Empty text has no bounds.
         Shape::Text(text) => text.pos.any_nan(),
         shape => shape.visual_bounding_rect().any_nan(),

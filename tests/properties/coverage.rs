@@ -206,7 +206,7 @@ fn coverage_agrees_with_an_oracle_that_pushes_the_sample() {
         for rule in sound_fill_rules().chain([FillRule::Inclusive, FillRule::Exclusive]) {
             for triangle in screen_triangles(&vertices, &triangles, VIEW, &mut ()) {
                 let expected = Image::from_fn(VIEW.width, VIEW.height, |x, y| oracle(&triangle, (x, y), rule));
-                for rasterizer in Rasterizer::sound() {
+                for rasterizer in Rasterizer::correct() {
                     let mut found = Image::filled(VIEW.width, VIEW.height, false);
                     for s in covered(&triangle, rasterizer, rule, VIEW) {
                         found.set(s.x, s.y, true);

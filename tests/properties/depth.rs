@@ -8,8 +8,8 @@ use rasterscope::inspect::capture;
 use rasterscope::pipeline::clip::{clip, guard_band_widening};
 use rasterscope::pipeline::depth::{DepthEncoding, DepthScale};
 use rasterscope::pipeline::observe::{DepthOutcome, Observer};
-use rasterscope::pipeline::plan::Part;
-use rasterscope::pipeline::raster::Sample;
+use rasterscope::pipeline::plan::PipelinePart;
+use rasterscope::pipeline::raster::RasterSample;
 use rasterscope::pipeline::settings::{
     Arithmetic, Choice, Culling, DepthBias, DepthFormat, DepthTest, FillRule, Rasterizer,
 };
@@ -163,7 +163,7 @@ fn a_far_plane_at_infinity_cuts_nothing_away() {
             if format.mapping() == DepthMapping::ReversedInfinite {
                 assert!(drawn > 50, "{drawn} at {distance}");
                 let plan = &frame.plans[0];
-                assert!(!plan.runs(Part::Clipping), "wholly inside at {distance}");
+                assert!(!plan.runs(PipelinePart::Clipping), "wholly inside at {distance}");
                 // The front of the cube is at 0.8 of the distance.
                 let nearest = depths(&frame).iter().fold(0.0_f32, |a, b| a.max(*b));
                 assert!((nearest * distance * 0.8 / 0.1 - 1.0).abs() < 1e-6, "{nearest} at {distance}");
@@ -211,7 +211,8 @@ fn what_is_cut_at_a_plane_has_exactly_the_depth_of_that_plane() {
         let (camera, recipe) = (scene.home, always(*format));
         let plans = render(&scene, &recipe, SIZE).plans;
         let scale = DepthScale::new(*format, &camera);
-        for (instance, plan) in scene.instances.iter().zip(&plans).filter(|(_, plan)| plan.runs(Part::Clipping)) {
+        for (instance, plan) in scene.instances.iter().zip(&plans).filter(|(_, plan)| plan.runs(PipelinePart::Clipping))
+        {
             let mesh = scene.library.mesh(instance.mesh);
             let matrices = DrawMatrices::new(instance, camera.clip_from_world_f64(VIEW.aspect(), format.mapping()));
             let vertices = transform(mesh, &matrices, &recipe.pipeline, plan);
@@ -376,7 +377,7 @@ fn a_depth_bias_decides_between_surfaces_at_one_depth() {
 struct OnlyDepths(usize);
 
 impl Observer for OnlyDepths {
-    fn depth_tested(&mut self, triangle: &ScreenTriangle, sample: &Sample, outcome: DepthOutcome) {
+    fn depth_tested(&mut self, triangle: &ScreenTriangle, sample: &RasterSample, outcome: DepthOutcome) {
         assert!((0.0..=1.0).contains(&outcome.new), "{outcome:?} at {sample:?} of {triangle:?}");
         self.0 += 1;
     }

@@ -64,7 +64,7 @@ fn the_wrong_rules_fault_where_two_triangles_touch_a_centre_and_nowhere_else() {
         let triangles = cells(rng);
         let touched = |pixel| containing(&triangles, pixel);
         let at_seam = pixels(|pixel| touched(pixel).0 > 1);
-        for rasterizer in Rasterizer::sound() {
+        for rasterizer in Rasterizer::correct() {
             let with = |fill_rule| hits(&triangles, &Settings { rasterizer, fill_rule, ..Settings::default() });
             let (right, inclusive) = (with(FillRule::TopLeft), with(FillRule::Inclusive));
             assert_eq!(found(&inclusive, FaultKind::DoubleHit), at_seam, "{rasterizer:?}");
@@ -116,7 +116,7 @@ fn a_fault_names_triangles_that_touch_the_centre() {
 fn sound_rules_have_no_fault_in_fixed_point_and_in_exact_arithmetic() {
     for scene in builtin::ALL {
         let built = scene.build();
-        for rasterizer in Rasterizer::sound() {
+        for rasterizer in Rasterizer::correct() {
             for (arithmetic, rule) in
                 [("fixed", "top-left"), ("exact", "top-left"), ("fixed", "top-right"), ("fixed", "bottom-left")]
             {
@@ -240,14 +240,14 @@ fn faults_are_stepped_through_in_reading_order_and_round_the_end() {
     let mut seen = Vec::new();
     let mut at = None;
     for _ in 0..hits.faults.len() {
-        let fault = hits.beside(at, true).expect("there are faults");
+        let fault = hits.neighbour(at, true).expect("there are faults");
         at = Some((fault.x, fault.y));
         seen.push(fault.clone());
     }
     assert_eq!(seen, hits.faults);
-    assert_eq!(hits.beside(at, true), hits.faults.first());
+    assert_eq!(hits.neighbour(at, true), hits.faults.first());
     for fault in hits.faults.iter().rev().skip(1).chain(hits.faults.last()) {
-        let before = hits.beside(at, false).expect("there are faults");
+        let before = hits.neighbour(at, false).expect("there are faults");
         assert_eq!(before, fault);
         at = Some((before.x, before.y));
     }

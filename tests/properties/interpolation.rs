@@ -4,8 +4,8 @@
 
 use glam::{DVec3, Vec2, Vec3};
 use rasterscope::pipeline::depth::{DepthEncoding, DepthFunction, depth_at};
-use rasterscope::pipeline::interpolate::{Attributes, affine_weights, attribute_weights, interpolate};
-use rasterscope::pipeline::raster::{AnyTriangle, Sample};
+use rasterscope::pipeline::interpolate::{AttributeSelection, affine_weights, attribute_weights, interpolate};
+use rasterscope::pipeline::raster::{AnyTriangle, RasterSample};
 use rasterscope::pipeline::settings::{Arithmetic, FillRule, Interpolation, Rasterizer};
 use rasterscope::pipeline::vertex::Varyings;
 use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport};
@@ -35,7 +35,7 @@ fn random_triangle(
 /// Runs a test for every covered sample of many random triangles.
 fn for_samples(
     varyings: impl Fn(&mut fastrand::Rng) -> Varyings + Copy,
-    mut test: impl FnMut(&ScreenTriangle, Sample),
+    mut test: impl FnMut(&ScreenTriangle, RasterSample),
 ) {
     let mut samples = 0;
     for_seeds(400, |rng| {
@@ -51,7 +51,7 @@ fn for_samples(
 
 /// Returns the weights with perspective division (by `w`) or without (all w = 1), as shares of signed volumes in
 /// homogeneous space. Neither edge functions nor 1/w are involved.
-fn oracle(triangle: &ScreenTriangle, sample: Sample, perspective: bool) -> [f64; 3] {
+fn oracle(triangle: &ScreenTriangle, sample: RasterSample, perspective: bool) -> [f64; 3] {
     let corners = triangle.vertices.each_ref().map(|v| {
         let w = if perspective { 1.0 / f64::from(v.inv_w) } else { 1.0 };
         DVec3::new(f64::from(v.x) / 256.0, f64::from(v.y) / 256.0, 1.0) * w
@@ -153,7 +153,7 @@ fn attributes_are_interpolated_with_the_perspective_weights() {
         |rng| Varyings { normal: in_cube(rng), uv: Vec2::new(rng.f32(), rng.f32()), ..Varyings::default() },
         |triangle, sample| {
             let weights = oracle(triangle, sample, true);
-            let fragment = interpolate(triangle, sample, Attributes::all(Interpolation::Perspective));
+            let fragment = interpolate(triangle, sample, AttributeSelection::all(Interpolation::Perspective));
             let mean = |value: fn(&Varyings) -> f32| -> f64 {
                 weights.iter().zip(&triangle.vertices).map(|(p, v)| p * f64::from(value(&v.varyings))).sum()
             };
@@ -176,7 +176,7 @@ fn what_is_the_same_at_all_corners_is_exactly_that_inside() {
     for_samples(
         |_| same,
         |triangle, sample| {
-            let got = interpolate(triangle, sample, Attributes::all(Interpolation::Perspective));
+            let got = interpolate(triangle, sample, AttributeSelection::all(Interpolation::Perspective));
             let varyings = Varyings {
                 normal: got.normal,
                 uv: got.uv,
@@ -216,8 +216,9 @@ fn cutting_changes_no_attribute_beyond_rounding() {
                     sample.edges.iter().all(|e| *e > 0.0).then_some((whole, sample))
                 });
                 let Some((whole, in_whole)) = in_whole else { continue };
-                let [got, expected] = [(piece, sample), (whole, in_whole)]
-                    .map(|(t, s)| interpolate(t, s, Attributes::all(Interpolation::Perspective)).source_weights);
+                let [got, expected] = [(piece, sample), (whole, in_whole)].map(|(t, s)| {
+                    interpolate(t, s, AttributeSelection::all(Interpolation::Perspective)).source_weights
+                });
                 // Snapping moves a cut by up to 1/512 px, which is the whole width of a sliver, so only wide triangles
                 // count.
                 let wide = [whole, piece].iter().all(|t| t.doubled_area > f64::from(200 << 16));

@@ -8,7 +8,7 @@ use rasterscope::chain::{Recipe, run};
 use rasterscope::image::{Image, Rgba8};
 use rasterscope::pipeline::depth::depth_at;
 use rasterscope::pipeline::from_clip_space;
-use rasterscope::pipeline::interpolate::{Attributes, Fragment, interpolate};
+use rasterscope::pipeline::interpolate::{AttributeSelection, Fragment, interpolate};
 use rasterscope::pipeline::observe::{Counters, Fate, Observer};
 use rasterscope::pipeline::raster::cover;
 use rasterscope::pipeline::settings::{Arithmetic, Choice as _, FillRule, Interpolation, Rasterizer};
@@ -101,7 +101,7 @@ struct OnlyFinite(usize);
 
 impl Observer for OnlyFinite {
     fn shaded(&mut self, triangle: &ScreenTriangle, fragment: &Fragment, _color: Rgba8) {
-        let all = interpolate(triangle, fragment.sample, Attributes::all(Interpolation::Perspective));
+        let all = interpolate(triangle, fragment.sample, AttributeSelection::all(Interpolation::Perspective));
         let finite = fragment.weights.iter().all(|w| w.is_finite())
             && depth_at(triangle, &fragment.sample).is_finite()
             && all.source_weights.is_finite();

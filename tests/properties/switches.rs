@@ -6,14 +6,14 @@ use rasterscope::image::{Image, Rgba8};
 use rasterscope::inspect::capture;
 use rasterscope::pipeline::framebuffer::Framebuffer;
 use rasterscope::pipeline::grid::SampleGrid;
-use rasterscope::pipeline::interpolate::{Attributes, Fragment, interpolate};
+use rasterscope::pipeline::interpolate::{AttributeSelection, Fragment, interpolate};
 use rasterscope::pipeline::observe::{DepthOutcome, Observer};
-use rasterscope::pipeline::plan::Part;
-use rasterscope::pipeline::raster::{Sample, Scissor};
+use rasterscope::pipeline::plan::PipelinePart;
+use rasterscope::pipeline::raster::{RasterSample, Scissor};
 use rasterscope::pipeline::settings::{Choice, DepthFormat, DepthTest, Interpolation, Shading};
 use rasterscope::pipeline::shade::Shader;
 use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport, relative_inv_w};
-use rasterscope::pipeline::{Extent, Until, clip, draw, vertex};
+use rasterscope::pipeline::{Extent, LastStage, clip, draw, vertex};
 use rasterscope::scene::{DepthMapping, Scene, Transparency, TriangleId};
 
 use crate::common::{
@@ -37,7 +37,7 @@ fn redraw(
 ) -> Framebuffer {
     let mut drawn = Framebuffer::new(grid, SIZE.0, SIZE.1, scene.background, &recipe.pipeline);
     let extent = Extent::all(&frame.geometry, VIEW);
-    draw(scene, &frame.geometry, &recipe.pipeline, &extent, Until::Shade, &mut drawn, observer);
+    draw(scene, &frame.geometry, &recipe.pipeline, &extent, LastStage::Shade, &mut drawn, observer);
     drawn
 }
 
@@ -135,7 +135,7 @@ impl Ties {
 }
 
 impl Observer for Ties {
-    fn depth_tested(&mut self, _triangle: &ScreenTriangle, sample: &Sample, outcome: DepthOutcome) {
+    fn depth_tested(&mut self, _triangle: &ScreenTriangle, sample: &RasterSample, outcome: DepthOutcome) {
         if outcome.new == outcome.stored {
             self.0.set(sample.column, sample.row, true);
         }
@@ -232,7 +232,7 @@ fn a_scissor_draws_its_part_of_the_picture_and_nothing_else() {
         let scissor = Scissor { left, top, right: rng.u32(left..=SIZE.0), bottom: rng.u32(top..=SIZE.1) };
         let mut part = Framebuffer::new(SampleGrid::FULL, SIZE.0, SIZE.1, scene.background, &recipe.pipeline);
         let extent = Extent { scissor, ..Extent::all(&full.geometry, VIEW) };
-        draw(&scene, &full.geometry, &recipe.pipeline, &extent, Until::Shade, &mut part, &mut ());
+        draw(&scene, &full.geometry, &recipe.pipeline, &extent, LastStage::Shade, &mut part, &mut ());
         let [r, g, b] = scene.background;
         let expected = Image::from_fn(SIZE.0, SIZE.1, |x, y| {
             let inside = (scissor.left..scissor.right).contains(&x) && (scissor.top..scissor.bottom).contains(&y);
@@ -256,7 +256,7 @@ fn leaving_out_the_perspective_division_of_an_orthographic_view_changes_no_bit()
         scene.home = scene.home.with_orthographic(true);
         let recipe = recipe(&["culling=none"]);
         let mut frame = render(scene, &recipe, SIZE);
-        assert!(frame.plans.iter().all(|p| !p.runs(Part::PerspectiveDivision)), "{name}");
+        assert!(frame.plans.iter().all(|p| !p.runs(PipelinePart::PerspectiveDivision)), "{name}");
         for triangle in &mut frame.geometry.triangles {
             triangle.relative_inv_w = relative_inv_w(&triangle.vertices);
         }
@@ -269,7 +269,7 @@ fn leaving_out_the_interpolation_of_attributes_changes_no_bit() {
     struct Compare<'a>(Vec<Shader<'a>>);
     impl Observer for Compare<'_> {
         fn shaded(&mut self, triangle: &ScreenTriangle, fragment: &Fragment, color: Rgba8) {
-            let all = interpolate(triangle, fragment.sample, Attributes::all(Interpolation::Perspective));
+            let all = interpolate(triangle, fragment.sample, AttributeSelection::all(Interpolation::Perspective));
             let shader = &self.0[triangle.instance as usize];
             if shader.transparency() != Transparency::Blended {
                 assert_eq!(shader.shade(&all, triangle), color);
@@ -288,7 +288,7 @@ fn leaving_out_the_interpolation_of_attributes_changes_no_bit() {
             let shaders: Vec<_> =
                 shaders.map(|(i, plan)| Shader::new(&recipe.pipeline, &scene.library, i, plan)).collect();
             for shader in &shaders {
-                let Attributes { normal, uv, color, light, source_weights, .. } = shader.attributes();
+                let AttributeSelection { normal, uv, color, light, source_weights, .. } = shader.attributes();
                 for (count, read) in skipped.iter_mut().zip([normal, uv, color, light, source_weights]) {
                     *count += usize::from(!read);
                 }
@@ -312,7 +312,7 @@ fn leaving_out_the_clipping_of_an_object_inside_changes_no_bit() {
         let matrices =
             vertex::DrawMatrices::new(instance, scene.home.clip_from_world_f64(VIEW.aspect(), DepthMapping::Standard));
         let plan = render(&scene, &recipe, SIZE).geometry.plans[0];
-        if plan.runs(Part::Clipping) {
+        if plan.runs(PipelinePart::Clipping) {
             return;
         }
         compared += 1;
@@ -335,7 +335,7 @@ fn leaving_out_an_object_outside_changes_no_bit() {
             .with(soup(rng, 20), Mat4::from_translation(in_cube(rng) * 6.0), None)
             .0;
         let frame = render(&scene, &Recipe::default(), SIZE);
-        if frame.plans[0].runs(Part::Vertices) {
+        if frame.plans[0].runs(PipelinePart::Vertices) {
             return;
         }
         outside += 1;
@@ -352,7 +352,7 @@ fn leaving_out_an_object_outside_changes_no_bit() {
         data.triangles.push([0, 1, 2].map(|c| (count - 3 + c) as u32));
         scene.instances[0].mesh = scene.library.add_mesh(rasterscope::scene::Mesh::new(data).unwrap());
         let forced = render(&scene, &Recipe::default(), SIZE);
-        assert!(forced.geometry.plans[0].runs(Part::Vertices));
+        assert!(forced.geometry.plans[0].runs(PipelinePart::Vertices));
         assert_eq!(forced.image(), frame.image());
     });
     assert!(outside > 10, "only {outside} objects were outside");
@@ -369,9 +369,9 @@ fn affine_interpolation_differs_only_where_w_does() {
 #[test]
 fn stopping_early_counts_the_same_samples() {
     #[derive(Default, PartialEq, Debug)]
-    struct Covered(Vec<(TriangleId, Sample)>);
+    struct Covered(Vec<(TriangleId, RasterSample)>);
     impl Observer for Covered {
-        fn covered(&mut self, triangle: &ScreenTriangle, sample: &Sample) {
+        fn covered(&mut self, triangle: &ScreenTriangle, sample: &RasterSample) {
             self.0.push((triangle.id, *sample));
         }
         fn shaded(&mut self, _triangle: &ScreenTriangle, fragment: &Fragment, _color: Rgba8) {
@@ -382,7 +382,7 @@ fn stopping_early_counts_the_same_samples() {
     let recipe = Recipe::default();
     let frame = render(&scene, &recipe, SIZE);
     let [coverage, depth, interpolate, all] =
-        [Until::Coverage, Until::Depth, Until::Interpolate, Until::Shade].map(|until| {
+        [LastStage::Coverage, LastStage::Depth, LastStage::Interpolate, LastStage::Shade].map(|until| {
             let mut buffer = Framebuffer::new(SampleGrid::FULL, SIZE.0, SIZE.1, scene.background, &recipe.pipeline);
             let mut covered = Covered::default();
             draw(
@@ -421,7 +421,7 @@ fn a_greater_depth_test_shows_the_farthest_surface() {
 struct Farthest(Image<Option<f32>>, bool);
 
 impl Observer for Farthest {
-    fn depth_tested(&mut self, _triangle: &ScreenTriangle, sample: &Sample, outcome: DepthOutcome) {
+    fn depth_tested(&mut self, _triangle: &ScreenTriangle, sample: &RasterSample, outcome: DepthOutcome) {
         let before = self.0.at(sample.column, sample.row).unwrap_or(outcome.new);
         let farthest = if self.1 { before.min(outcome.new) } else { before.max(outcome.new) };
         self.0.set(sample.column, sample.row, Some(farthest));

@@ -8,15 +8,15 @@ use rasterscope::pipeline::depth::depth_at;
 use rasterscope::pipeline::framebuffer::Framebuffer;
 use rasterscope::pipeline::interpolate::Fragment;
 use rasterscope::pipeline::observe::Observer;
-use rasterscope::pipeline::plan::{DrawPlan, Part, Step};
-use rasterscope::pipeline::settings::{BlendingOrder, Choice as _, ColorSpace, DepthFormat, Filter, Shading};
+use rasterscope::pipeline::plan::{DrawPlan, PipelinePart, PlanStep};
+use rasterscope::pipeline::settings::{BlendingOrder, Choice as _, ColorSpace, DepthFormat, Shading, TexelFilter};
 use rasterscope::pipeline::shade::Shader;
 use rasterscope::pipeline::viewport::ScreenTriangle;
-use rasterscope::pipeline::{Extent, Until, draw};
+use rasterscope::pipeline::{Extent, LastStage, draw};
 use rasterscope::scene::{Instance, Material, Mesh, MeshData, Scene, Texture, Transparency};
 
 use crate::common::{
-    SceneBuilder, for_seeds, noise_texture, plane, recipe, render, scenes, see_through_scene, with_alpha,
+    SceneBuilder, for_seeds, noise_texture, plane, recipe, render, scenes, transparency_scene, with_alpha,
 };
 
 const SIZE: (u32, u32) = (48, 36);
@@ -106,7 +106,7 @@ fn panes_are_blended_from_far_to_near_whatever_order_they_come_in() {
 #[test]
 fn blended_triangles_come_last_from_far_to_near_and_the_others_as_they_were_submitted() {
     for orthographic in [false, true] {
-        let mut scene = see_through_scene();
+        let mut scene = transparency_scene();
         scene.home = scene.home.with_orthographic(orthographic);
         for format in DepthFormat::ALL {
             let mut recipe = recipe(&["culling=none"]);
@@ -124,7 +124,7 @@ fn blended_triangles_come_last_from_far_to_near_and_the_others_as_they_were_subm
                 assert!(blended.windows(2).all(|pair| distance(&pair[0]) >= distance(&pair[1])), "{format:?}");
             }
             for (place, triangle) in frame.geometry.triangles.iter().enumerate() {
-                assert_eq!(frame.geometry.place_of(triangle), place);
+                assert_eq!(frame.geometry.index_of(triangle), place);
             }
         }
     }
@@ -152,7 +152,7 @@ impl Observer for Collect {
 fn exact_order_is_that_of_fragments_sorted_by_depth() {
     let mut reordered = 0;
     for_seeds(8, |rng| {
-        let scene = see_through_scene();
+        let scene = transparency_scene();
         let mut exact = recipe(&["culling=none", "blending.order=exact"]);
         exact.pipeline.depth_format =
             [DepthFormat::F32, DepthFormat::ReversedF32, DepthFormat::WBuffer][rng.usize(..3)];
@@ -165,11 +165,11 @@ fn exact_order_is_that_of_fragments_sorted_by_depth() {
         let pixels = (SIZE.0 * SIZE.1) as usize;
         let mut collect = Collect { frame, fragments: vec![Vec::new(); pixels] };
         let again = render(&scene, &submitted, SIZE);
-        redraw(&scene, &submitted, &again, Until::Shade, &mut collect);
+        redraw(&scene, &submitted, &again, LastStage::Shade, &mut collect);
         let opaque =
             Extent { triangles: 0..again.geometry.blended_from(), ..Extent::all(&again.geometry, again.raster) };
         let mut drawn = Framebuffer::new(again.drawn.grid, SIZE.0, SIZE.1, scene.background, &submitted.pipeline);
-        draw(&scene, &again.geometry, &submitted.pipeline, &opaque, Until::Shade, &mut drawn, &mut ());
+        draw(&scene, &again.geometry, &submitted.pipeline, &opaque, LastStage::Shade, &mut drawn, &mut ());
         let mut expected = drawn.color;
         let shaders: Vec<_> = scene
             .instances
@@ -255,7 +255,7 @@ fn a_cut_out_surface_is_there_where_its_alpha_drawn_as_a_colour_is_at_least_one_
         let [cut_out, opaque] = [image.clone(), image.map(|[r, g, b, _]| [r, g, b, 255])].map(leaning);
         let alpha = leaning(image.map(|[_, _, _, a]| [a, a, a, 255]));
         let behind = panes([Pane { z: -1.0, color: Vec3::X, opacity: 1.0 }]);
-        for filter in Filter::ALL {
+        for filter in TexelFilter::ALL {
             let mut recipe = recipe(&["color-space=bytes", "shading=texture"]);
             recipe.pipeline.filter = *filter;
             let [cut_out, opaque, alpha, behind] =
@@ -296,17 +296,17 @@ fn the_alpha_of_a_texture_and_opacity_are_multiplied() {
 
 #[test]
 fn shadings_that_show_no_material_are_opaque_and_say_why() {
-    let scene = see_through_scene();
+    let scene = transparency_scene();
     for shading in Shading::ALL {
         let mut recipe = Recipe::default();
         recipe.pipeline.shading = *shading;
         let frame = render(&scene, &recipe, SIZE);
         let kinds: Vec<_> = frame.geometry.plans.iter().map(DrawPlan::transparency).collect();
         for (plan, kind) in frame.geometry.plans.iter().zip(&kinds) {
-            assert_eq!(plan.runs(Part::Blending), *kind == Transparency::Blended);
-            assert_eq!(plan.runs(Part::CutOut), *kind == Transparency::CutOut);
+            assert_eq!(plan.runs(PipelinePart::Blending), *kind == Transparency::Blended);
+            assert_eq!(plan.runs(PipelinePart::CutOut), *kind == Transparency::CutOut);
             if !shading.reads_material() {
-                let Step::LeftOut(reason) = plan.step(Part::Blending) else { panic!("{shading:?} blends") };
+                let PlanStep::LeftOut(reason) = plan.step(PipelinePart::Blending) else { panic!("{shading:?} blends") };
                 assert!(reason.contains("ignores opacity"), "{reason}");
             }
         }

@@ -5,24 +5,24 @@
 mod common;
 
 mod mips;
-mod see_through;
+mod transparency;
 
 use std::sync::Arc;
 
 use common::{DEPTH_BIASES, SceneBuilder, distinct, scenes};
 use glam::{Mat4, Vec3, Vec4};
-use rasterscope::antialias::settings::{Method, Samples};
+use rasterscope::antialias::settings::{AntialiasMethod, SampleCount};
 use rasterscope::chain::{KeepDepth, Recipe, Renderer, execution, run};
 use rasterscope::image::Image;
 use rasterscope::math::lanes::Lanes;
-use rasterscope::pipeline::plan::{DrawPlan, Part, Unseen};
+use rasterscope::pipeline::plan::{CullStats, DrawPlan, PipelinePart};
 use rasterscope::pipeline::settings::{
-    Address, Arithmetic, Choice, ColorSpace, Culling, DepthFormat, DepthTest, Execution, FillRule, Filter, Force,
-    Interpolation, Rasterizer, Shading,
+    AddressMode, Arithmetic, Choice, ColorSpace, Culling, DepthFormat, DepthTest, DisabledOptimisation, Execution,
+    FillRule, Interpolation, Rasterizer, Shading, TexelFilter,
 };
 use rasterscope::pipeline::tiled;
 use rasterscope::pipeline::viewport::Viewport;
-use rasterscope::scene::{Camera, Projection, Scene, SceneSource, Window, builtin};
+use rasterscope::scene::{Camera, Projection, Scene, SceneSource, SubView, builtin};
 use rasterscope::upscale::Upscaling;
 
 /// Size of the pictures, odd so that neither tiles nor blocks divide it.
@@ -63,7 +63,7 @@ fn single_switches() -> Vec<Recipe> {
     recipes.extend(with::<Shading>(default, |r, c| r.pipeline.shading = c));
     recipes.extend(with::<Rasterizer>(default, |r, c| r.pipeline.rasterizer = c));
     recipes.extend(with::<Arithmetic>(default, |r, c| r.pipeline.arithmetic = c));
-    recipes.extend(with::<Force>(default, |r, c| r.pipeline.force = c));
+    recipes.extend(with::<DisabledOptimisation>(default, |r, c| r.pipeline.force = c));
     recipes.extend(upscalers().into_iter().map(|upscaler| Recipe { upscaler, ..Recipe::default() }));
     let settings = ["antialias.method=none", "antialias.method=multisample", "antialias.method=jittered"];
     recipes.extend(settings.map(|setting| common::recipe(&[setting, "background=#d04010"])));
@@ -88,8 +88,8 @@ fn biased(mut recipes: Vec<Recipe>) -> Vec<Recipe> {
 
 /// Returns recipes that are shaded in lanes, with every way to read textures.
 fn textures() -> Vec<Recipe> {
-    let recipes = with::<Filter>(&[Recipe::default()], |r, c| r.pipeline.filter = c);
-    let recipes = with::<Address>(&recipes, |r, c| r.pipeline.address = c);
+    let recipes = with::<TexelFilter>(&[Recipe::default()], |r, c| r.pipeline.filter = c);
+    let recipes = with::<AddressMode>(&recipes, |r, c| r.pipeline.address = c);
     let recipes = with::<ColorSpace>(&recipes, |r, c| r.pipeline.color_space = c);
     let mut all = recipes.clone();
     for shading in [Shading::Texture, Shading::Gouraud] {
@@ -176,7 +176,7 @@ fn all_scenes() -> impl Iterator<Item = (&'static str, Arc<Scene>)> {
 #[test]
 fn every_scene_runs_tile_by_tile_whatever_is_seen_through() {
     for builtin in builtin::ALL {
-        for recipe in [Recipe::default(), multisampled(&[Samples::Four])[0], jittered(&[Samples::Four])[0]] {
+        for recipe in [Recipe::default(), multisampled(&[SampleCount::Four])[0], jittered(&[SampleCount::Four])[0]] {
             assert_eq!(execution(&builtin.build(), &recipe), (Execution::Tiled, None), "{}", builtin.id);
         }
     }
@@ -198,7 +198,7 @@ fn every_depth_bias_gives_the_same_picture() {
     let recipes = biased(depths());
     check_small_scenes(&recipes.iter().copied().step_by(3).collect::<Vec<_>>());
     check_all_at(SMALL, &recipes.into_iter().step_by(11).collect::<Vec<_>>());
-    let smooth = [multisampled(&[Samples::Four]), jittered(&[Samples::Four])].concat();
+    let smooth = [multisampled(&[SampleCount::Four]), jittered(&[SampleCount::Four])].concat();
     let smooth = biased(with::<DepthFormat>(&smooth, |r, c| r.pipeline.depth_format = c));
     check_small_scenes(&smooth.into_iter().step_by(2).collect::<Vec<_>>());
 }
@@ -221,8 +221,8 @@ fn every_way_to_read_textures_gives_the_same_picture() {
 
 #[test]
 fn every_way_to_smooth_gives_the_same_picture() {
-    let mut recipes = with::<Method>(&[Recipe::default()], |r, c| r.antialias.method = c);
-    recipes.extend(with::<Method>(&recipes[..1], |r, c| {
+    let mut recipes = with::<AntialiasMethod>(&[Recipe::default()], |r, c| r.antialias.method = c);
+    recipes.extend(with::<AntialiasMethod>(&recipes[..1], |r, c| {
         r.antialias.method = c;
         r.upscaler = Upscaling::new("checkerboard", 1).unwrap();
     }));
@@ -230,21 +230,21 @@ fn every_way_to_smooth_gives_the_same_picture() {
 }
 
 /// Returns recipes with multisampling, one for each number of samples.
-fn multisampled(samples: &[Samples]) -> Vec<Recipe> {
-    smoothed(Method::Multisample, samples)
+fn multisampled(samples: &[SampleCount]) -> Vec<Recipe> {
+    smoothed(AntialiasMethod::Multisample, samples)
 }
 
 /// Returns recipes with jittered samples, one for each number of samples, each with another seed.
-fn jittered(samples: &[Samples]) -> Vec<Recipe> {
-    let mut recipes = smoothed(Method::Jittered, samples);
+fn jittered(samples: &[SampleCount]) -> Vec<Recipe> {
+    let mut recipes = smoothed(AntialiasMethod::Jittered, samples);
     for (seed, recipe) in recipes.iter_mut().enumerate() {
         recipe.antialias.seed = seed as u32;
     }
     recipes
 }
 
-fn smoothed(method: Method, samples: &[Samples]) -> Vec<Recipe> {
-    let recipe = |samples: &Samples| {
+fn smoothed(method: AntialiasMethod, samples: &[SampleCount]) -> Vec<Recipe> {
+    let recipe = |samples: &SampleCount| {
         let mut recipe = Recipe::default();
         (recipe.antialias.method, recipe.antialias.samples) = (method, *samples);
         recipe
@@ -254,26 +254,26 @@ fn smoothed(method: Method, samples: &[Samples]) -> Vec<Recipe> {
 
 #[test]
 fn every_number_of_multisamples_gives_the_same_picture() {
-    check_all_at(SMALL, &multisampled(Samples::ALL));
+    check_all_at(SMALL, &multisampled(SampleCount::ALL));
 }
 
 #[test]
 fn multisampling_gives_the_same_picture_by_every_switch() {
-    let few = multisampled(&[Samples::Four, Samples::Sixteen]);
+    let few = multisampled(&[SampleCount::Four, SampleCount::Sixteen]);
     let four = &few[..1];
     let mut recipes = with::<Culling>(&few, |r, c| r.pipeline.culling = c);
     recipes.extend(with::<FillRule>(&few, |r, c| r.pipeline.fill_rule = c));
     recipes.extend(with::<ColorSpace>(&few, |r, c| r.antialias.light = c));
     recipes.extend(with::<ColorSpace>(four, |r, c| r.pipeline.color_space = c));
     recipes.extend(with::<Shading>(four, |r, c| r.pipeline.shading = c));
-    recipes.extend(with::<Filter>(four, |r, c| r.pipeline.filter = c));
+    recipes.extend(with::<TexelFilter>(four, |r, c| r.pipeline.filter = c));
     recipes.extend(upscalers().into_iter().map(|upscaler| Recipe { upscaler, ..few[0] }));
     check_all_at(SMALL, &recipes);
 }
 
 #[test]
 fn multisampling_gives_the_same_picture_by_every_depth_test_and_format() {
-    let mut recipes = multisampled(&[Samples::Four]);
+    let mut recipes = multisampled(&[SampleCount::Four]);
     recipes[0].pipeline.culling = Culling::None;
     let recipes = with::<DepthTest>(&recipes, |r, c| r.pipeline.depth_test = c);
     check_all_at(SMALL, &with::<DepthFormat>(&recipes, |r, c| r.pipeline.depth_format = c));
@@ -295,12 +295,12 @@ fn check_small_scenes(recipes: &[Recipe]) {
 
 #[test]
 fn every_number_of_jittered_samples_gives_the_same_picture() {
-    check_all_at(SMALL, &jittered(&[Samples::Four]));
-    check_small_scenes(&jittered(&[Samples::Sixteen]));
+    check_all_at(SMALL, &jittered(&[SampleCount::Four]));
+    check_small_scenes(&jittered(&[SampleCount::Sixteen]));
     let mut renderers = Renderers::of(Viewport { width: 71, height: 19 });
     for (name, scene) in scenes() {
         let scene = Arc::new(scene);
-        for recipe in jittered(Samples::ALL) {
+        for recipe in jittered(SampleCount::ALL) {
             renderers.check(name, &scene, &scene.home, &recipe);
         }
     }
@@ -308,13 +308,13 @@ fn every_number_of_jittered_samples_gives_the_same_picture() {
 
 #[test]
 fn jittered_samples_give_the_same_picture_by_every_switch() {
-    let four = &jittered(&[Samples::Four]);
+    let four = &jittered(&[SampleCount::Four]);
     let mut recipes = with::<Culling>(four, |r, c| r.pipeline.culling = c);
     recipes.extend(with::<FillRule>(four, |r, c| r.pipeline.fill_rule = c));
     recipes.extend(with::<ColorSpace>(four, |r, c| r.antialias.light = c));
     recipes.extend(with::<ColorSpace>(four, |r, c| r.pipeline.color_space = c));
     recipes.extend(with::<Shading>(four, |r, c| r.pipeline.shading = c));
-    recipes.extend(with::<Filter>(four, |r, c| r.pipeline.filter = c));
+    recipes.extend(with::<TexelFilter>(four, |r, c| r.pipeline.filter = c));
     recipes.extend([1, 7, u32::MAX].map(|seed| {
         let mut recipe = four[0];
         recipe.antialias.seed = seed;
@@ -325,13 +325,13 @@ fn jittered_samples_give_the_same_picture_by_every_switch() {
 
 #[test]
 fn jittered_samples_give_the_same_picture_by_every_upscaler() {
-    let four = jittered(&[Samples::Four])[0];
+    let four = jittered(&[SampleCount::Four])[0];
     check_small_scenes(&upscalers().into_iter().map(|upscaler| Recipe { upscaler, ..four }).collect::<Vec<_>>());
 }
 
 #[test]
 fn jittered_samples_give_the_same_picture_by_every_depth_test_and_format() {
-    let mut recipes = jittered(&[Samples::Four]);
+    let mut recipes = jittered(&[SampleCount::Four]);
     recipes[0].pipeline.culling = Culling::None;
     let recipes = with::<DepthTest>(&recipes, |r, c| r.pipeline.depth_test = c);
     check_small_scenes(&with::<DepthFormat>(&recipes, |r, c| r.pipeline.depth_format = c));
@@ -342,7 +342,7 @@ fn jittered_samples_give_the_same_picture_by_every_depth_test_and_format() {
 #[test]
 fn triangles_of_all_sizes_are_sampled_alike() {
     let mut renderers = Renderers::of(SMALL);
-    let few = [Samples::Four, Samples::Sixteen];
+    let few = [SampleCount::Four, SampleCount::Sixteen];
     let single: Vec<_> = upscalers().into_iter().map(|upscaler| Recipe { upscaler, ..Recipe::default() }).collect();
     let recipes = [multisampled(&few), jittered(&few), single.clone(), single];
     let recipes = recipes.map(|recipes| with::<FillRule>(&recipes, |r, c| r.pipeline.fill_rule = c));
@@ -407,7 +407,7 @@ fn layers_over_whole_tiles_give_the_same_picture() {
             recipe.pipeline.depth_bias = DEPTH_BIASES[random.usize(..DEPTH_BIASES.len())];
         }
         renderers.check("layers", &scene, &scene.home, &recipe);
-        for of in [multisampled(&[Samples::Four]), jittered(&[Samples::Four])] {
+        for of in [multisampled(&[SampleCount::Four]), jittered(&[SampleCount::Four])] {
             smooth.check("layers", &scene, &scene.home, &Recipe { pipeline: recipe.pipeline, ..of[0] });
         }
     });
@@ -424,9 +424,9 @@ fn views_from_within_the_scene_give_the_same_picture() {
             camera.eye = camera.eye.lerp(camera.target, random.f32() * 1.5);
             camera.target += common::in_cube(&mut random) * 2.0;
             renderers.check(builtin.id, &scene, &camera, &Recipe::default());
-            smooth.check(builtin.id, &scene, &camera, &multisampled(&[Samples::Four])[0]);
+            smooth.check(builtin.id, &scene, &camera, &multisampled(&[SampleCount::Four])[0]);
             if scene.triangle_count() <= MOST_JITTERED {
-                smooth.check(builtin.id, &scene, &camera, &jittered(&[Samples::Four])[0]);
+                smooth.check(builtin.id, &scene, &camera, &jittered(&[SampleCount::Four])[0]);
             }
         }
     }
@@ -438,7 +438,7 @@ fn views_from_within_the_scene_give_the_same_picture() {
 fn clusters_that_show_nothing_are_missed_by_no_picture() {
     let mut renderers = Renderers::new();
     let mut random = fastrand::Rng::with_seed(31);
-    let mut seen = Unseen::default();
+    let mut seen = CullStats::default();
     let shear = Mat4::from_cols(Vec4::X, Vec4::new(0.7, 1.0, -0.3, 0.0), Vec4::new(0.0, 0.4, 1.0, 0.0), Vec4::W);
     for (name, placed) in [
         ("as it is", Mat4::IDENTITY),
@@ -466,7 +466,7 @@ fn clusters_that_show_nothing_are_missed_by_no_picture() {
             recipe.pipeline.culling = Culling::ALL[random.usize(..Culling::ALL.len())];
             recipe.pipeline.depth_format = DepthFormat::ALL[random.usize(..DepthFormat::ALL.len())];
             renderers.check(name, &scene, &camera, &recipe);
-            let unseen = Unseen::of(&tiled::plans(&scene, &camera, &recipe.pipeline, SIZE));
+            let unseen = CullStats::of(&tiled::plans(&scene, &camera, &recipe.pipeline, SIZE));
             seen.outside += unseen.outside;
             seen.turned_away += unseen.turned_away;
             seen.all += unseen.all;
@@ -495,7 +495,7 @@ fn clusters_that_touch_a_plane_are_kept() {
             let mesh = common::sheet(outside * at, [first, along]);
             let mut scene = SceneBuilder::new(Vec3::Z * 3.0).with(mesh, Mat4::IDENTITY, None).0;
             scene.home.projection = Projection::Orthographic { height: 4.0 };
-            scene.home.window = Some(Window { aspect: 1.0, scale: [1.0; 2], shift: [0.0; 2] });
+            scene.home.sub_view = Some(SubView { aspect: 1.0, scale: [1.0; 2], shift: [0.0; 2] });
             (scene.home.near, scene.home.far) = (1.0, 5.0);
             let (scene, mut recipe) = (Arc::new(scene), Recipe::default());
             recipe.pipeline.culling = Culling::None;
@@ -555,10 +555,10 @@ fn what_runs_without_need_changes_no_picture() {
                 recipe.pipeline.force = force;
                 Renderer::default().render(&scene, &scene.home, &recipe, SIZE, KeepDepth::Yes)
             };
-            let (planned, forced) = (drawn(Force::Nothing), drawn(Force::Everything));
+            let (planned, forced) = (drawn(DisabledOptimisation::Nothing), drawn(DisabledOptimisation::Everything));
             assert_eq!(planned.drawn, forced.drawn, "{} {:?}", builtin.id, recipe.execution);
             let runs = |plans: &[DrawPlan]| {
-                plans.iter().map(|p| Part::ALL.iter().filter(|part| p.runs(**part)).count()).sum::<usize>()
+                plans.iter().map(|p| PipelinePart::ALL.iter().filter(|part| p.runs(**part)).count()).sum::<usize>()
             };
             assert!(runs(&forced.plans) >= runs(&planned.plans), "{}", builtin.id);
         }
@@ -572,7 +572,7 @@ fn the_number_of_threads_changes_nothing() {
     let pool = |threads: usize| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     let (alone, others) = (pool(1), [2, 8].map(pool));
     let mut recipes = with::<Shading>(&[Recipe::default()], |r, c| r.pipeline.shading = c);
-    recipes.extend([multisampled(&[Samples::Four]), jittered(&[Samples::Four])].concat());
+    recipes.extend([multisampled(&[SampleCount::Four]), jittered(&[SampleCount::Four])].concat());
     recipes.push(Recipe { upscaler: Upscaling::new("checkerboard", 1).unwrap(), ..Recipe::default() });
     for id in ["chess", "stained-glass", "missing-texture"] {
         let scene = Arc::new(builtin::by_id(id).unwrap().build());

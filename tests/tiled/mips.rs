@@ -4,11 +4,11 @@
 use std::sync::Arc;
 
 use glam::{Mat4, Vec2, Vec3};
-use rasterscope::antialias::settings::Samples;
+use rasterscope::antialias::settings::SampleCount;
 use rasterscope::chain::{KeepDepth, Recipe, Renderer, execution};
 use rasterscope::image::{Image, Rgba8};
 use rasterscope::pipeline::settings::{
-    Address, Choice, ColorSpace, Culling, Execution, Filter, Force, Interpolation, Shading,
+    AddressMode, Choice, ColorSpace, Culling, DisabledOptimisation, Execution, Interpolation, Shading, TexelFilter,
 };
 use rasterscope::scene::{Mesh, MeshData, Scene, builtin};
 
@@ -18,13 +18,13 @@ use crate::{Renderers, SMALL, check_all, check_all_at, multisampled, upscalers, 
 /// Returns the default recipe with mip-mapping.
 fn mipmapped() -> Recipe {
     let mut recipe = Recipe::default();
-    recipe.pipeline.filter = Filter::Trilinear;
+    recipe.pipeline.filter = TexelFilter::Trilinear;
     recipe
 }
 
 /// Returns recipes that are shaded in lanes, with every way to read mip levels.
 fn readings() -> Vec<Recipe> {
-    let recipes = with::<Address>(&[mipmapped()], |r, c| r.pipeline.address = c);
+    let recipes = with::<AddressMode>(&[mipmapped()], |r, c| r.pipeline.address = c);
     let recipes = with::<ColorSpace>(&recipes, |r, c| r.pipeline.color_space = c);
     let shadings = [Shading::Texture, Shading::Gouraud, Shading::Lambert];
     let shaded = |recipe: &Recipe, shading| {
@@ -67,7 +67,7 @@ fn every_switch_gives_the_same_picture() {
     let mut recipes = with::<Shading>(default, |r, c| r.pipeline.shading = c);
     recipes.extend(with::<Culling>(default, |r, c| r.pipeline.culling = c));
     recipes.extend(with::<Interpolation>(default, |r, c| r.pipeline.interpolation = c));
-    recipes.extend(with::<Force>(default, |r, c| r.pipeline.force = c));
+    recipes.extend(with::<DisabledOptimisation>(default, |r, c| r.pipeline.force = c));
     recipes.extend(upscalers().into_iter().map(|upscaler| Recipe { upscaler, ..default[0] }));
     check_all(&recipes);
 }
@@ -76,7 +76,7 @@ fn every_switch_gives_the_same_picture() {
 #[test]
 fn levels_are_multisampled_alike() {
     let mut recipes: Vec<_> = readings().into_iter().step_by(5).collect();
-    for (recipe, samples) in recipes.iter_mut().zip([Samples::Four, Samples::Sixteen].into_iter().cycle()) {
+    for (recipe, samples) in recipes.iter_mut().zip([SampleCount::Four, SampleCount::Sixteen].into_iter().cycle()) {
         recipe.antialias = multisampled(&[samples])[0].antialias;
     }
     check_all_at(SMALL, &recipes);

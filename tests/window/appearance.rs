@@ -12,7 +12,7 @@ fn the_key_sheet_lists_all_keys_and_gestures() {
         let mut bench = Bench::small("triangle");
         bench.press_with(modifiers, key);
         assert!(bench.says("Keys and mouse"), "{key:?}");
-        for what in BINDINGS.iter().map(|binding| binding.what).chain(MOUSE.iter().map(|(_, what)| *what)) {
+        for what in BINDINGS.iter().map(|binding| binding.description).chain(MOUSE.iter().map(|(_, what)| *what)) {
             assert!(bench.says(what), "{what}");
         }
         bench.click("Close");

@@ -70,7 +70,7 @@ fn the_eye_of_a_line_shows_its_number_and_hides_it_again() {
     let mut bench = Bench::small("interpenetrating");
     bench.click("Arithmetic");
     let line = trace(&bench).lines.iter().position(|line| line.buffer == Some(Intermediate::Lambda1));
-    let step = rasterscope::ui::trace::Change::Step(line.expect("every fragment has weights") as i64);
+    let step = rasterscope::ui::trace::TraceChange::Step(line.expect("every fragment has weights") as i64);
     bench.session_mut().apply(rasterscope::ui::command::Command::Trace(step));
     bench.rest();
     bench.click("Show “λ1 on screen” for the whole picture");

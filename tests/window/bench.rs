@@ -13,7 +13,7 @@ use rasterscope::image::{Image, Rgba8};
 use rasterscope::measure::motion::Turn;
 use rasterscope::scene::SceneSource;
 use rasterscope::ui::app::Workbench;
-use rasterscope::ui::engine::{Request, View};
+use rasterscope::ui::engine::{RenderedView, Request};
 use rasterscope::ui::session::{PictureSize, Session};
 use rasterscope::ui::theme;
 use rasterscope::ui::worker::Worker;
@@ -71,7 +71,7 @@ impl Bench {
         self.window.state_mut().session_mut()
     }
 
-    pub(crate) fn view(&self) -> &View {
+    pub(crate) fn view(&self) -> &RenderedView {
         self.session().view.as_ref().expect("a frame was drawn")
     }
 
@@ -85,7 +85,7 @@ impl Bench {
         let Request { scene, camera, recipe, viewport, .. } = self.session().request();
         let mut frame = run(&scene, &camera, &recipe, viewport, &mut ());
         let mut renderer = Renderer::default();
-        while frame.wants_another(&recipe) {
+        while frame.is_converging(&recipe) {
             frame = renderer.render(&scene, &camera, &recipe, viewport, KeepDepth::Yes);
         }
         frame

@@ -10,7 +10,7 @@ use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use rasterscope::case::Case;
 use rasterscope::pipeline::settings::{Arithmetic, Rasterizer};
 use rasterscope::report::stability::catalogue;
-use rasterscope::report::stability::sweep::{self, Plan, Report};
+use rasterscope::report::stability::sweep::{self, StabilityPlan, StabilityReport};
 use rasterscope::ui::worker::Worker;
 use tempfile::TempDir;
 
@@ -247,12 +247,12 @@ fn files(folder: &Path) -> Vec<PathBuf> {
 }
 
 /// Returns a report of two rasterizers on two classes; the published one has errors.
-fn small_report() -> Report {
-    let plan = Plan {
+fn small_report() -> StabilityReport {
+    let plan = StabilityPlan {
         classes: vec![catalogue::by_id("needles").unwrap(), catalogue::by_id("not-finite").unwrap()],
         rasterizers: vec![Rasterizer::Scanline, Rasterizer::ScanlinePublished],
         timed: false,
-        ..Plan::default()
+        ..StabilityPlan::default()
     };
     sweep::run(&plan, &|_| {}, &AtomicBool::new(false)).unwrap()
 }

@@ -4,7 +4,7 @@ use eframe::egui::{Key, PointerButton, Pos2, Rect, Role, Vec2};
 use egui_kittest::kittest::Queryable as _;
 use rasterscope::chain::run;
 use rasterscope::measure::error::compare;
-use rasterscope::measure::region::Region;
+use rasterscope::measure::region::PixelRegion;
 use rasterscope::ui::compare::Mode;
 use rasterscope::ui::compare::compute::Compared;
 use rasterscope::upscale::{ALL, Upscaling};
@@ -134,13 +134,13 @@ fn a_dragged_rectangle_has_figures_of_its_own() {
     let from = place_of(&bench, "Picture A", (60, 30));
     let to = place_of(&bench, "Picture A", (99, 59));
     bench.drag(PointerButton::Primary, from, to - from);
-    let region = Region { left: 60, top: 30, right: 100, bottom: 60 };
+    let region = PixelRegion { left: 60, top: 30, right: 100, bottom: 60 };
     assert_eq!(bench.session().comparison.region, Some(region));
     let [a, b] = &compared(&bench).tiles[..] else { panic!("two tiles") };
-    let within = b.within.expect("the region is measured");
+    let within = b.region_figures.expect("the region is measured");
     assert_eq!(Some(within.codes), region.compare(&b.picture, &a.picture));
     bench.click("Clear the region");
-    assert!(compared(&bench).tiles.iter().all(|tile| tile.within.is_none()));
+    assert!(compared(&bench).tiles.iter().all(|tile| tile.region_figures.is_none()));
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use eframe::egui::Key;
 use rasterscope::inspect::fates::{Bin, TriangleFate};
 use rasterscope::ui::command::Command;
-use rasterscope::ui::fates::Change;
+use rasterscope::ui::fates::FatesChange;
 
 use crate::bench::Bench;
 
@@ -21,20 +21,20 @@ fn a_bin_selects_its_members_until_it_is_dropped() {
     assert_eq!(bench.session().fates.members.len() as u64, count);
     assert!(bench.says(&format!("{count} triangles: lost depth")));
     bench.press(Key::Escape);
-    assert!(bench.session().selection.is_empty() && !bench.session().fates.asks());
+    assert!(bench.session().selection.is_empty() && !bench.session().fates.is_filtering());
 }
 
 #[test]
 fn a_member_leads_to_one_of_its_pixels() {
     let mut bench = Bench::small("interpenetrating");
     bench.click("Fates");
-    bench.session_mut().apply(Command::Fates(Change::Bin(Bin::Triangles(TriangleFate::Visible))));
+    bench.session_mut().apply(Command::Fates(FatesChange::Bin(Bin::Triangles(TriangleFate::Visible))));
     bench.rest();
     let fates = bench.session().fates.fates.clone().expect("the tab is open");
     let first = bench.session().fates.members[0];
     let name = &fates.objects[fates.object_of(first)].name;
     bench.click(&format!("Triangle {} of {name}: visible", first.0));
-    assert_eq!(bench.session().pick, fates.place_of(first));
+    assert_eq!(bench.session().pick, fates.representative_pixel(first));
     assert_eq!(bench.view().report.as_ref().expect("picked").visible().map(|f| f.triangle), Some(first));
 }
 
@@ -42,7 +42,7 @@ fn a_member_leads_to_one_of_its_pixels() {
 fn the_selection_follows_the_camera() {
     let mut bench = Bench::small("near-plane");
     bench.click("Fates");
-    bench.session_mut().apply(Command::Fates(Change::Bin(Bin::Triangles(TriangleFate::Outside))));
+    bench.session_mut().apply(Command::Fates(FatesChange::Bin(Bin::Triangles(TriangleFate::Outside))));
     bench.rest();
     let before = bench.session().selection.clone();
     bench.session_mut().state.camera.orbit(0.6, 0.1);

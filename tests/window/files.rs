@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use eframe::egui::{Event, Key, Modifiers};
 use rasterscope::scene::builtin;
-use rasterscope::ui::session::Level;
+use rasterscope::ui::session::Severity;
 
 use crate::bench::Bench;
 
@@ -79,7 +79,7 @@ fn a_bad_file_is_named_and_the_scene_stays() {
         assert!(Arc::ptr_eq(&bench.session().scene, &scene));
         assert_eq!(bench.image(), picture);
         assert!(bench.session().recent.is_empty());
-        assert_eq!(bench.session().log.back().map(|line| line.level), Some(Level::Error));
+        assert_eq!(bench.session().log.back().map(|line| line.level), Some(Severity::Error));
 
         bench.session_mut().hint_closed = true;
         bench.rest();
@@ -110,7 +110,7 @@ fn warnings_of_a_model_are_in_the_log() {
     std::fs::write(&path, format!("mtllib nowhere.mtl\n{QUAD}")).unwrap();
     let mut bench = Bench::small("triangle");
     bench.drop_file(&path);
-    let warning = bench.session().log.iter().find(|line| line.level == Level::Warning).expect("a warning").clone();
+    let warning = bench.session().log.iter().find(|line| line.level == Severity::Warning).expect("a warning").clone();
     assert!(warning.text.contains("nowhere.mtl"), "{}", warning.text);
     assert!(bench.says(&warning.text), "the log is brought up");
 }

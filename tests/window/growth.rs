@@ -43,6 +43,6 @@ fn measuring_how_cost_grows_can_be_cancelled() {
     assert!(bench.says("No measurement yet"));
     bench.click("Measure scaling");
     bench.click("Cancel");
-    wait_while(&mut bench, |bench| bench.session().growth.progress.is_some());
-    assert!(bench.session().growth.found.is_none() && bench.session().error.is_none());
+    wait_while(&mut bench, |bench| bench.session().scaling.progress.is_some());
+    assert!(bench.session().scaling.found.is_none() && bench.session().error.is_none());
 }

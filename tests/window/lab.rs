@@ -54,7 +54,7 @@ fn every_page_explains_itself_and_can_be_stepped() {
         bench.press(Key::Home);
         assert!(bench.says("No step done yet: step forward or play."));
         bench.click("One step forward  (.)");
-        assert!(bench.says(&bench.session().lab.recording.steps[0].says.clone()), "{page:?}");
+        assert!(bench.says(&bench.session().lab.recording.steps[0].description.clone()), "{page:?}");
         bench.press(Key::End);
         bench.press(Key::Comma);
         assert_eq!(bench.session().lab.step, all - 1);
@@ -107,7 +107,7 @@ fn rivals_are_compared_with_their_error_and_time() {
     bench.click("Compare all methods");
     let comparison = bench.session().lab.comparison.clone().unwrap();
     assert!(bench.mentions(&comparison.task));
-    for rival in &comparison.rivals {
+    for rival in &comparison.methods {
         assert!(bench.mentions(rival.name), "{}", rival.name);
     }
     bench.click("Close the comparison");

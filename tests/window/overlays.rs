@@ -8,12 +8,12 @@ use rasterscope::inspect::view::Value;
 use rasterscope::pipeline::settings::FillRule;
 use rasterscope::ui::command::Command;
 use rasterscope::ui::engine::Shown;
-use rasterscope::ui::overlays::Change;
+use rasterscope::ui::overlays::OverlayChange;
 
 use crate::bench::Bench;
 
 fn lay(bench: &mut Bench, overlay: Overlay) {
-    bench.session_mut().apply(Command::Overlays(Change::Toggle(overlay)));
+    bench.session_mut().apply(Command::Overlays(OverlayChange::Toggle(overlay)));
     bench.rest();
 }
 
@@ -28,7 +28,10 @@ fn the_list_lays_overlays_over_the_picture_and_takes_them_away() {
     assert!(bench.says("Overlays (1)") || bench.mentions("Overlays (1)"));
     let view = bench.view();
     assert_ne!(*view.picture, image);
-    assert_eq!(*view.picture, compose(&image, [(&*view.looked.sheets[0], bench.session().overlays.layers[0].opacity)]));
+    assert_eq!(
+        *view.picture,
+        compose(&image, [(&*view.look_result.sheets[0], bench.session().overlays.layers[0].opacity)])
+    );
     assert_eq!(bench.image(), image, "the frame itself stays");
     bench.window.get_by_role_and_label(Role::CheckBox, "Facing").click();
     bench.rest();
@@ -58,12 +61,12 @@ fn j_goes_from_one_fault_of_an_overlay_to_the_next() {
     lay(&mut bench, Overlay::ExactOwner);
     bench.session_mut().pick = None;
     bench.rest();
-    let sheet = bench.view().looked.sheets[0].clone();
-    let first = sheet.beside(None, true).expect("the rule leaves pixels out");
+    let sheet = bench.view().look_result.sheets[0].clone();
+    let first = sheet.next_pixel(None, true).expect("the rule leaves pixels out");
     bench.press(Key::J);
     assert_eq!(bench.session().pick, Some(first));
     bench.press(Key::J);
-    assert_eq!(bench.session().pick, sheet.beside(Some(first), true));
+    assert_eq!(bench.session().pick, sheet.next_pixel(Some(first), true));
 }
 
 #[test]
@@ -76,7 +79,7 @@ fn lines_lie_in_pixels_while_these_are_small_and_between_them_when_large() {
     bench.wheel(middle, 800.0, Modifiers::NONE);
     assert!(bench.session().overlays.vectors);
     assert_eq!(*bench.view().picture, image, "lines are drawn over it, not into it");
-    assert!(!bench.view().looked.sheets[0].lines.is_empty());
+    assert!(!bench.view().look_result.sheets[0].lines.is_empty());
 }
 
 #[test]
@@ -84,9 +87,9 @@ fn values_of_another_buffer_make_another_sheet_only_where_they_matter() {
     let mut bench = Bench::small("triangle");
     lay(&mut bench, Overlay::Rasterized);
     lay(&mut bench, Overlay::Clipped);
-    let sheets = bench.view().looked.sheets.clone();
+    let sheets = bench.view().look_result.sheets.clone();
     bench.press(Key::N);
-    let again = bench.view().looked.sheets.clone();
+    let again = bench.view().look_result.sheets.clone();
     assert!(std::sync::Arc::ptr_eq(&sheets[0], &again[0]));
     assert!(!std::sync::Arc::ptr_eq(&sheets[1], &again[1]));
 }
@@ -116,7 +119,7 @@ fn totals_and_exact_values_are_written_into_the_folder() {
 fn normals_have_a_length_that_the_list_changes_and_a_colour_where_pixels_are_large() {
     let mut bench = Bench::small("triangle");
     lay(&mut bench, Overlay::FaceNormals);
-    let sheet = |bench: &Bench| bench.view().looked.sheets[0].clone();
+    let sheet = |bench: &Bench| bench.view().look_result.sheets[0].clone();
     let length = |bench: &Bench| {
         let [[ax, ay], [bx, by]] = sheet(bench).lines[0];
         (bx - ax).hypot(by - ay)

@@ -3,12 +3,12 @@
 use eframe::egui::{Key, Modifiers, PointerButton, Role, Vec2};
 use egui_kittest::kittest::Queryable as _;
 use rasterscope::inspect::Buffer;
-use rasterscope::inspect::range::{Fit, Rule};
+use rasterscope::inspect::range::{RangeFit, Rule};
 use rasterscope::inspect::view::Value;
-use rasterscope::measure::region::Region;
+use rasterscope::measure::region::PixelRegion;
 use rasterscope::ui::command::Command;
 use rasterscope::ui::engine::Shown;
-use rasterscope::ui::range::Change;
+use rasterscope::ui::range::RangeChange;
 
 use crate::bench::Bench;
 
@@ -17,7 +17,7 @@ const DEPTH: Shown = Shown::Buffer(Buffer::Depth);
 fn showing_depth() -> Bench {
     let mut bench = Bench::small("interpenetrating");
     bench.session_mut().apply(Command::Show(DEPTH));
-    bench.session_mut().apply(Command::Range(Change::Open(true)));
+    bench.session_mut().apply(Command::Range(RangeChange::Open(true)));
     bench.rest();
     bench
 }
@@ -59,7 +59,7 @@ fn keys_fit_once_and_to_what_is_on_screen() {
     assert_eq!(rule(&bench), Rule::Fixed(natural));
     bench.press(Key::Num0);
     bench.session_mut().pick = Some((80, 45));
-    bench.session_mut().range.visible = Some(Region { left: 70, top: 40, right: 90, bottom: 50 });
+    bench.session_mut().range.visible = Some(PixelRegion { left: 70, top: 40, right: 90, bottom: 50 });
     let expected = {
         let view = bench.view();
         let near = (40..50).flat_map(|y| (70..90).map(move |x| (x, y))).filter_map(|(x, y)| match view.value(x, y) {
@@ -68,7 +68,7 @@ fn keys_fit_once_and_to_what_is_on_screen() {
         });
         near.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), depth| (low.min(depth), high.max(depth)))
     };
-    bench.session_mut().apply(Command::Range(Change::FitVisible));
+    bench.session_mut().apply(Command::Range(RangeChange::FitVisible));
     let Rule::Fixed(range) = rule(&bench) else { panic!("fitting sets the range") };
     assert_eq!((range.low, range.high), expected);
     bench.press_with(Modifiers::SHIFT, Key::N);
@@ -78,7 +78,7 @@ fn keys_fit_once_and_to_what_is_on_screen() {
 #[test]
 fn a_sticky_range_follows_the_picture_and_a_fixed_one_does_not() {
     let mut bench = showing_depth();
-    bench.session_mut().apply(Command::Range(Change::Rule(Rule::Sticky(Fit::Most))));
+    bench.session_mut().apply(Command::Range(RangeChange::Rule(Rule::Sticky(RangeFit::Most))));
     bench.rest();
     let before = bench.view().range;
     bench.session_mut().state.camera.dolly(0.5);
@@ -96,12 +96,12 @@ fn a_sticky_range_follows_the_picture_and_a_fixed_one_does_not() {
 fn a_dragged_box_has_figures() {
     let mut bench = showing_depth();
     let (from, to) = (bench.place_of((60, 30)), bench.place_of((99, 59)));
-    bench.session_mut().apply(Command::Range(Change::DrawRegion(true)));
+    bench.session_mut().apply(Command::Range(RangeChange::DrawRegion(true)));
     bench.rest();
     bench.drag(PointerButton::Primary, from, to - from);
-    let region = Region { left: 60, top: 30, right: 100, bottom: 60 };
+    let region = PixelRegion { left: 60, top: 30, right: 100, bottom: 60 };
     assert_eq!(bench.session().range.region, Some(region));
-    let measured = bench.view().looked.measured.clone().expect("figures are wanted");
+    let measured = bench.view().look_result.measured.clone().expect("figures are wanted");
     let (of, channels) = measured.part.clone().expect("a box was drawn");
     let inside = (30..60).flat_map(|y| (60..100).map(move |x| (x, y)));
     let finite = inside.filter(|(x, y)| matches!(bench.view().value(*x, *y), Value::Number(_))).count();
@@ -114,14 +114,14 @@ fn a_dragged_box_has_figures() {
 #[test]
 fn channels_are_switched_and_shown_alone() {
     let mut bench = Bench::small("triangle");
-    bench.session_mut().apply(Command::Range(Change::Open(true)));
+    bench.session_mut().apply(Command::Range(RangeChange::Open(true)));
     bench.rest();
     let image = bench.image();
     bench.click("R");
     for (shown, drawn) in bench.view().picture.pixels().iter().zip(image.pixels()) {
         assert_eq!(*shown, [0, drawn[1], drawn[2], 255]);
     }
-    bench.session_mut().apply(Command::Range(Change::Solo(1)));
+    bench.session_mut().apply(Command::Range(RangeChange::Solo(1)));
     bench.rest();
     for (shown, drawn) in bench.view().picture.pixels().iter().zip(image.pixels()) {
         assert_eq!(*shown, [drawn[1], drawn[1], drawn[1], 255]);
@@ -132,11 +132,11 @@ fn channels_are_switched_and_shown_alone() {
 #[test]
 fn the_histogram_tab_has_figures_only_while_it_is_open() {
     let mut bench = Bench::small("triangle");
-    assert!(bench.view().looked.measured.is_none());
+    assert!(bench.view().look_result.measured.is_none());
     bench.click("Histogram");
-    let measured = bench.view().looked.measured.clone().expect("the tab wants figures");
+    let measured = bench.view().look_result.measured.clone().expect("the tab wants figures");
     assert_eq!(measured.whole.len(), 3);
     assert_eq!(measured.whole[0].count(), 160 * 90);
     bench.click("Log");
-    assert!(bench.view().looked.measured.is_none());
+    assert!(bench.view().look_result.measured.is_none());
 }

@@ -4,7 +4,7 @@ use eframe::egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::Queryable as _;
 use rasterscope::inspect::scrub::{Moment, Unit};
 use rasterscope::ui::command::Command;
-use rasterscope::ui::scrub::Change;
+use rasterscope::ui::scrub::ScrubChange;
 
 use crate::bench::Bench;
 
@@ -47,7 +47,7 @@ fn the_slider_of_fragments_draws_the_last_triangle_in_part() {
 #[test]
 fn space_plays_and_stops() {
     let mut bench = Bench::small("shared-edges");
-    bench.session_mut().apply(Command::Scrub(Change::Speed(4.0)));
+    bench.session_mut().apply(Command::Scrub(ScrubChange::Speed(4.0)));
     bench.window.key_press_modifiers(Modifiers::NONE, Key::Space);
     for _ in 0..6 {
         bench.window.step();
@@ -69,12 +69,12 @@ fn what_does_not_touch_the_pick_is_passed_over() {
     assert!(all > 0);
     bench.press(Key::Home);
     bench.click("Only steps at the picked pixel");
-    assert!(bench.session().scrub.touching);
+    assert!(bench.session().scrub.only_touches);
     for fragments in 1..=all {
         bench.click("Draw one triangle more  (.)");
         assert_eq!(bench.view().report.as_ref().expect("picked").fragments.len(), fragments);
     }
     bench.press(Key::Y);
-    assert!(!bench.session().scrub.touching);
+    assert!(!bench.session().scrub.only_touches);
     assert_eq!(bench.session().scrub.unit, Unit::Triangle);
 }

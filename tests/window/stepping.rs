@@ -9,7 +9,7 @@ use rasterscope::pipeline::settings::{Choice as _, FillRule};
 use rasterscope::scene::Camera;
 use rasterscope::ui::command::Command;
 use rasterscope::ui::engine::Shown;
-use rasterscope::ui::overlays::Change;
+use rasterscope::ui::overlays::OverlayChange;
 
 use crate::bench::Bench;
 
@@ -106,12 +106,12 @@ fn j_goes_to_the_pixels_that_t_junctions_open_and_says_so() {
         assert!(bench.mentions("T-junction: v"));
     }
     // The overlay leads to the vertex itself.
-    bench.session_mut().apply(Command::Overlays(Change::Toggle(Overlay::Junctions)));
+    bench.session_mut().apply(Command::Overlays(OverlayChange::Toggle(Overlay::Junctions)));
     bench.rest();
     bench.press(Key::J);
-    let sheet = bench.view().looked.sheets[0].clone();
-    assert_eq!(bench.session().pick, sheet.beside(None, true));
-    assert_eq!(sheet.beside(None, true), sheet.beside(None, false), "there is one");
+    let sheet = bench.view().look_result.sheets[0].clone();
+    assert_eq!(bench.session().pick, sheet.next_pixel(None, true));
+    assert_eq!(sheet.next_pixel(None, true), sheet.next_pixel(None, false), "there is one");
 }
 
 #[test]

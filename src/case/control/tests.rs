@@ -3,7 +3,7 @@ use std::time::{Duration, Instant};
 
 use super::*;
 use crate::case::{
-    Case, ClipTri, CoplanarPair, Exactly, Float, Options, Real, Task, TriAttr, TriCoverage, Upscale, Vertex,
+    AttributeVertex, Case, ClipTri, CoplanarPair, Exactly, Float, Options, Real, Task, TriAttr, TriCoverage, Upscale,
 };
 use crate::case::{answer, solve};
 use crate::image::Image;
@@ -92,7 +92,7 @@ fn too_large() -> Vec<(&'static str, Task)> {
         Exactly([[-1.0, -1.0, 0.5, 1.0], [1.0, -1.0, 0.5, 1.0], [-1.0, 1.0, 0.5, 1.0]].map(|c| Exactly(c.map(Float))));
     let vertex = |x: f32, y: f32| {
         let [x, y, z, w, u, v] = [x, y, 0.0, 1.0, 0.0, 0.0].map(Float);
-        Vertex { x, y, z, w, u, v }
+        AttributeVertex { x, y, z, w, u, v }
     };
     let vertices = Exactly([vertex(0.0, 0.0), vertex(9.0, 0.0), vertex(0.0, 9.0)]);
     let (width, height) = (16_384, 2_048);

@@ -10,7 +10,7 @@ use crate::flat2d::side;
 
 /// Edge that crosses rows of the picture, from top to bottom.
 #[derive(Clone, Debug)]
-pub(super) struct Edge {
+pub(super) struct PolygonEdge {
     pub(super) top: DVec2,
     pub(super) bottom: DVec2,
     /// Rows that the edge crosses, at least one.
@@ -21,13 +21,13 @@ pub(super) struct Edge {
 
 /// Samples of one row of the picture.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Row {
+pub(super) struct SampleRow {
     row: u32,
     offset: f64,
     width: u32,
 }
 
-impl Row {
+impl SampleRow {
     pub(super) fn new(row: u32, sample: SamplePoint, width: u32) -> Self {
         Self { row, offset: sample.offset(), width }
     }
@@ -38,7 +38,7 @@ impl Row {
     }
 }
 
-impl Edge {
+impl PolygonEdge {
     /// Creates an edge; `None` if it crosses no row of samples in a picture of this height.
     pub(super) fn new(from: DVec2, to: DVec2, sample: SamplePoint, height: u32) -> Option<Self> {
         let (top, bottom, winding) = if from.y <= to.y { (from, to, 1) } else { (to, from, -1) };
@@ -51,7 +51,7 @@ impl Edge {
 
     /// Returns the first column whose sample lies at or right of the crossing with a row, exactly; the width if there
     /// is none.
-    pub(super) fn column_at(&self, row: Row) -> u32 {
+    pub(super) fn column_at(&self, row: SampleRow) -> u32 {
         let slant = Slant::new(self);
         slant.column_at(row).unwrap_or_else(|| self.search(&slant, row))
     }
@@ -59,7 +59,7 @@ impl Edge {
     /// Computes the column exactly where floats cannot decide it, by a binary search with exact tests of single
     /// samples.
     #[cold]
-    pub(super) fn search(&self, slant: &Slant, row: Row) -> u32 {
+    pub(super) fn search(&self, slant: &Slant, row: SampleRow) -> u32 {
         let crossing = slant.crossing_px(row) - row.offset;
         let within = |column: f64| ceil(column.clamp(0.0, f64::from(row.width))).1;
         let (mut least, mut greatest) = (within(crossing - slant.error_px), within(crossing + slant.error_px));
@@ -94,8 +94,8 @@ pub(super) struct Slant {
 const ERROR_OF_CROSSING: f64 = 16.0 * f64::EPSILON;
 
 impl Slant {
-    pub(super) fn new(edge: &Edge) -> Self {
-        let Edge { top, bottom, .. } = edge;
+    pub(super) fn new(edge: &PolygonEdge) -> Self {
+        let PolygonEdge { top, bottom, .. } = edge;
         Self {
             top: *top,
             slope: (bottom.x - top.x) / (bottom.y - top.y),
@@ -105,14 +105,14 @@ impl Slant {
 
     /// Returns the position x where the edge crosses a row, px, up to rounding.
     #[inline]
-    pub(super) fn crossing_px(&self, row: Row) -> f64 {
+    pub(super) fn crossing_px(&self, row: SampleRow) -> f64 {
         self.top.x + (row.y() - self.top.y) * self.slope
     }
 
     /// Returns the first column whose sample lies at or right of the crossing; the width if there is none. Returns
     /// `None` if the crossing is too close to a sample for floats to decide.
     #[inline]
-    pub(super) fn column_at(&self, row: Row) -> Option<u32> {
+    pub(super) fn column_at(&self, row: SampleRow) -> Option<u32> {
         // The distance outside the picture is irrelevant, so the crossing is clamped to the picture.
         let crossing = (self.crossing_px(row) - row.offset).clamp(-0.5, f64::from(row.width) - 0.5);
         let (nearest, column) = ceil(crossing);

@@ -6,15 +6,15 @@ const SIZE: u32 = 24;
 
 const RULES: [InsideRule; 2] = [InsideRule::EvenOdd, InsideRule::NonZero];
 
-fn filling(rule: InsideRule, corners: Corners, sample: SamplePoint) -> Filling {
-    Filling { rule, corners, sample, width: SIZE, height: SIZE }
+fn filling(rule: InsideRule, corners: Corners, sample: SamplePoint) -> FillParameters {
+    FillParameters { rule, corners, sample, width: SIZE, height: SIZE }
 }
 
-fn as_given(rule: InsideRule) -> Filling {
+fn as_given(rule: InsideRule) -> FillParameters {
     filling(rule, Corners::AsGiven, SamplePoint::Center)
 }
 
-fn pixels(contours: &[Vec<DVec2>], filling: Filling) -> Vec<(u32, u32)> {
+fn pixels(contours: &[Vec<DVec2>], filling: FillParameters) -> Vec<(u32, u32)> {
     fill(contours, filling).flat_map(|span| (span.x0..span.x1).map(move |x| (x, span.y))).collect()
 }
 
@@ -155,7 +155,7 @@ fn corners_at_the_end_of_the_range_are_no_trouble() {
 fn the_state_lists_the_edges_that_cross_the_row() {
     let mut walk = fill(&[real(&[(4, 2), (8, 10), (0, 10)], 1)], as_given(InsideRule::NonZero));
     assert_eq!(walk.edge_table().map(|(row, _, _)| row).collect::<Vec<_>>(), [2, 2]);
-    assert_eq!(walk.nth(2), Some(Span { y: 5, x0: 2, x1: 6 }));
+    assert_eq!(walk.nth(2), Some(PixelSpan { y: 5, x0: 2, x1: 6 }));
     assert_eq!(walk.row(), 5);
     let mut crossings: Vec<_> = walk.active_edges().map(|e| (e.crossing_px, e.column, e.winding)).collect();
     crossings.sort_by(|a, b| a.0.total_cmp(&b.0));

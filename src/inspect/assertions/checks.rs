@@ -4,7 +4,7 @@ use super::Assertion;
 use super::exact::{Owner, corner_depths};
 use crate::pipeline::depth::DepthScale;
 use crate::pipeline::interpolate::{Fragment, affine_weights, attribute_weights};
-use crate::pipeline::raster::Sample;
+use crate::pipeline::raster::RasterSample;
 use crate::pipeline::settings::{Arithmetic, Choice as _, DepthTest, Settings};
 use crate::pipeline::viewport::ScreenTriangle;
 
@@ -19,18 +19,18 @@ const EDGE_ROUNDINGS: f64 = 4.0 * f64::EPSILON;
 const PASS_STEPS: f64 = 8.0;
 
 /// A covered sample, as passed to the checks of coverage, weights and depth.
-pub(super) struct Covered<'a> {
+pub(super) struct CoveredSample<'a> {
     pub(super) settings: &'a Settings,
     pub(super) scale: &'a DepthScale,
     pub(super) triangle: &'a ScreenTriangle,
-    pub(super) sample: &'a Sample,
+    pub(super) sample: &'a RasterSample,
     /// Depth that is stored if the fragment wins, in [0, 1].
     pub(super) depth: f32,
     pub(super) owner: &'a Owner,
 }
 
 /// A fragment that passed the depth test against an already stored depth.
-pub(super) struct Pass<'a> {
+pub(super) struct PassedFragment<'a> {
     pub(super) settings: &'a Settings,
     /// Depths of the fragment and of the stored one before quantisation, in that order.
     pub(super) depths: [f64; 2],
@@ -49,26 +49,26 @@ pub(super) struct Blend {
 }
 
 /// A shaded fragment.
-pub(super) struct Shaded<'a> {
+pub(super) struct ShadedFragment<'a> {
     pub(super) fragment: &'a Fragment,
     pub(super) is_lit: bool,
 }
 
 /// Description of a violation; `None` if the assertion holds.
-type Verdict = Option<String>;
+type ViolationText = Option<String>;
 
 /// The function of an assertion, by the pipeline event at which its inputs are known.
 #[derive(Clone, Copy)]
-pub(super) enum Check {
-    Covered(fn(&Covered<'_>) -> Verdict),
-    Pass(fn(&Pass<'_>) -> Verdict),
-    Shaded(fn(&Shaded<'_>) -> Option<Verdict>),
-    Blend(fn(&Blend) -> Verdict),
+pub(super) enum AssertionCheck {
+    Covered(fn(&CoveredSample<'_>) -> ViolationText),
+    Pass(fn(&PassedFragment<'_>) -> ViolationText),
+    Shaded(fn(&ShadedFragment<'_>) -> Option<ViolationText>),
+    Blend(fn(&Blend) -> ViolationText),
     /// Concerns no fragment: checked once, after all fragments.
     Mesh,
 }
 
-impl Check {
+impl AssertionCheck {
     /// Returns the function that checks an assertion.
     pub(super) fn of(assertion: Assertion) -> Self {
         match assertion {
@@ -87,7 +87,7 @@ impl Check {
     }
 }
 
-fn owner(at: &Covered<'_>) -> Verdict {
+fn owner(at: &CoveredSample<'_>) -> ViolationText {
     match at.owner.owns((at.sample.x, at.sample.y)) {
         Ok(()) => None,
         Err(None) => Some("the triangle has no area, yet it has a fragment".to_owned()),
@@ -99,46 +99,46 @@ fn owner(at: &Covered<'_>) -> Verdict {
     }
 }
 
-fn edge_sum(at: &Covered<'_>) -> Verdict {
+fn edge_sum(at: &CoveredSample<'_>) -> ViolationText {
     let (sum, area) = (at.sample.edges.iter().sum::<f64>(), at.triangle.doubled_area);
     let slack = if at.settings.arithmetic == Arithmetic::Fixed { 0.0 } else { area * EDGE_ROUNDINGS };
     let holds = (sum - area).abs() <= slack;
     (!holds).then(|| format!("edge values {:?} sum to {sum}, not to the doubled area {area}", at.sample.edges))
 }
 
-fn all_weights(at: &Covered<'_>) -> [[f32; 3]; 2] {
+fn all_weights(at: &CoveredSample<'_>) -> [[f32; 3]; 2] {
     let affine = affine_weights(at.triangle, at.sample);
     [affine, attribute_weights(at.triangle, at.sample, at.settings.interpolation)]
 }
 
-fn weights(at: &Covered<'_>) -> Verdict {
+fn weights(at: &CoveredSample<'_>) -> ViolationText {
     let found = all_weights(at).into_iter().find(|weights| !weights.iter().all(|w| (0.0..=1.0).contains(w)));
     found.map(|weights| format!("the weights are {weights:?}"))
 }
 
-fn weights_sum(at: &Covered<'_>) -> Verdict {
+fn weights_sum(at: &CoveredSample<'_>) -> ViolationText {
     let [_, weights] = all_weights(at);
     let sum: f32 = weights.iter().sum();
     let holds = (sum - 1.0).abs() <= SUM_SLACK;
     (!holds).then(|| format!("the weights {weights:?} sum to {sum:?}"))
 }
 
-fn finite(at: &Covered<'_>) -> Verdict {
+fn finite(at: &CoveredSample<'_>) -> ViolationText {
     let weights = all_weights(at);
     let holds = weights.as_flattened().iter().all(|w| w.is_finite()) && at.depth.is_finite();
     (!holds).then(|| format!("weights {weights:?}, depth {:?}", at.depth))
 }
 
-fn depth_range(at: &Covered<'_>) -> Verdict {
+fn depth_range(at: &CoveredSample<'_>) -> ViolationText {
     let corners = corner_depths(at.triangle, at.scale).map(|depth| depth.clamp(0.0, 1.0));
     let (low, high) = (corners.into_iter().fold(1.0, f64::min), corners.into_iter().fold(0.0, f64::max));
-    let [depth, next] = at.scale.encoding().with_next(at.depth);
+    let [depth, next] = at.scale.encoding().depth_and_next(at.depth);
     let step = (next - depth).abs();
     let holds = (low - step..=high + step).contains(&f64::from(at.depth)) && (0.0..=1.0).contains(&at.depth);
     (!holds).then(|| format!("the depth is {:?}, the corner depths are {corners:?}", at.depth))
 }
 
-fn depth_pass(pass: &Pass<'_>) -> Verdict {
+fn depth_pass(pass: &PassedFragment<'_>) -> ViolationText {
     let [new, old] = pass.depths;
     let asks_for_farther = pass.settings.depth_test == DepthTest::Greater;
     let less_is_asked_for = asks_for_farther == pass.settings.reversed();
@@ -149,18 +149,18 @@ fn depth_pass(pass: &Pass<'_>) -> Verdict {
     (!holds).then(|| format!("it passed the depth test “{test}” at depth {new}, {way} the stored depth {old}"))
 }
 
-fn blend_order(Blend { depth, nearest, is_wrong }: &Blend) -> Verdict {
+fn blend_order(Blend { depth, nearest, is_wrong }: &Blend) -> ViolationText {
     is_wrong.then(|| format!("it is blended at depth {depth:?} over a nearer fragment at depth {nearest:?}"))
 }
 
-fn attributes(at: &Shaded<'_>) -> Verdict {
+fn attributes(at: &ShadedFragment<'_>) -> ViolationText {
     let Fragment { uv, normal, color, light, .. } = at.fragment;
     let holds = uv.is_finite() && normal.is_finite() && color.is_finite() && light.is_finite();
     (!holds).then(|| format!("texture coordinates {uv}, normal {normal}, colour {color}, light {light}"))
 }
 
 /// Checks the length of the normal of a lit fragment; returns `None` for unlit ones.
-fn normal(at: &Shaded<'_>) -> Option<Verdict> {
+fn normal(at: &ShadedFragment<'_>) -> Option<ViolationText> {
     let length = at.fragment.normal.length();
     at.is_lit.then(|| {
         (length <= f32::MIN_POSITIVE || length.is_nan()).then(|| format!("the normal is {}", at.fragment.normal))

@@ -2,7 +2,7 @@
 
 use crate::pipeline::depth::DepthScale;
 use crate::pipeline::grid::SampleGrid;
-use crate::pipeline::raster::{AnyTriangle, Sample, Scissor, Span, cover_within};
+use crate::pipeline::raster::{AnyTriangle, RasterSample, Scissor, Span, cover_within};
 use crate::pipeline::settings::{Arithmetic, FillRule, Rasterizer, Settings};
 use crate::pipeline::viewport::ScreenTriangle;
 
@@ -21,7 +21,7 @@ impl Owner {
             Arithmetic::Fixed => triangle.snapped_px(),
             Arithmetic::F32 | Arithmetic::F64 | Arithmetic::Exact => triangle.corners_px(),
         };
-        let rule = if settings.fill_rule.is_sound() { settings.fill_rule } else { FillRule::TopLeft };
+        let rule = if settings.fill_rule.draws_shared_edges_once() { settings.fill_rule } else { FillRule::TopLeft };
         Self { corners_px, rule, exact: AnyTriangle::new(Arithmetic::Exact, corners_px, rule) }
     }
 
@@ -48,7 +48,7 @@ pub(super) fn corner_depths(triangle: &ScreenTriangle, scale: &DepthScale) -> [f
 
 /// Returns the depth of a sample before quantisation, in [0, 1], and its uncertainty. The depth is the mean of the
 /// corner depths in f64, weighted by edge values: a formula other than the pipeline's.
-pub(super) fn depth(triangle: &ScreenTriangle, sample: &Sample, scale: &DepthScale) -> (f64, f64) {
+pub(super) fn depth(triangle: &ScreenTriangle, sample: &RasterSample, scale: &DepthScale) -> (f64, f64) {
     let depths = corner_depths(triangle, scale);
     if !scale.is_linear_in_space() {
         return (weighted_mean(sample.edges, depths).clamp(0.0, 1.0), 0.0);

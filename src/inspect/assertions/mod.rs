@@ -17,14 +17,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::Serialize;
 
-use self::watch::Watch;
+use self::watch::AssertionObserver;
 use crate::chain::{Frame, Recipe};
 use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::raster::Scissor;
 use crate::pipeline::settings::{Choice, choice};
 use crate::pipeline::triangle_list::box_around;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
-use crate::pipeline::{Extent, Until, draw};
+use crate::pipeline::{Extent, LastStage, draw};
 use crate::scene::seams::Seams;
 use crate::scene::{Scene, TriangleId};
 
@@ -49,9 +49,9 @@ choice! {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Violation {
     /// Column of its pixel in the raster image, before upscaling.
-    pub(crate) x: u32,
+    pub x: u32,
     /// Row of its pixel in the raster image, before upscaling.
-    pub(crate) y: u32,
+    pub y: u32,
     /// Triangle of the fragment.
     pub(crate) triangle: TriangleId,
     /// Description of the violation, with the values.
@@ -60,7 +60,7 @@ pub struct Violation {
 
 /// Result of one assertion.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub(crate) struct Finding {
+pub struct Finding {
     /// The assertion that was checked.
     pub(crate) assertion: Assertion,
     /// Number of fragments, or of vertices of open edges, that were checked.
@@ -74,19 +74,19 @@ pub(crate) struct Finding {
 
 /// The findings of a frame, in the order of [`Assertion::ALL`].
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub(crate) struct Report {
+pub struct AssertionReport {
     /// One finding for each requested assertion.
-    pub(crate) findings: Vec<Finding>,
+    pub findings: Vec<Finding>,
 }
 
-impl Report {
+impl AssertionReport {
     /// Whether no assertion is violated.
     pub(crate) fn holds(&self) -> bool {
         self.findings.iter().all(|finding| finding.violated == 0)
     }
 
     /// Returns the first violation of the first violated assertion.
-    pub(crate) fn first_violation(&self) -> Option<(Assertion, &Violation)> {
+    pub fn first_violation(&self) -> Option<(Assertion, &Violation)> {
         self.findings.iter().find_map(|finding| Some((finding.assertion, finding.first.as_ref()?)))
     }
 }
@@ -127,18 +127,18 @@ const ROWS_AT_ONCE: usize = 32;
 /// assert!(violation.x < 64 && violation.y < 40);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub(crate) fn check(
+pub fn check(
     scene: &Scene,
     recipe: &Recipe,
     frame: &Frame,
     wanted: &[Assertion],
     tell: &dyn Fn(f32),
     stop: &AtomicBool,
-) -> Option<Report> {
+) -> Option<AssertionReport> {
     let (raster, settings, geometry) = (frame.raster, &recipe.pipeline, &*frame.geometry);
     let grid = frame.sampling.grid();
     let mut framebuffer = Framebuffer::new(grid, raster.width, raster.height, scene.background, settings);
-    let mut watch = Watch::new(recipe, frame, wanted);
+    let mut watch = AssertionObserver::new(recipe, frame, wanted);
     let count = geometry.triangles.len();
     let sorted_from = geometry.sorted_from(settings);
     let mut next = 0;
@@ -153,7 +153,7 @@ pub(crate) fn check(
             let triangles = next..end;
             next = triangles.end;
             let extent = Extent { triangles, scissor: whole };
-            draw(scene, geometry, settings, &extent, Until::Shade, &mut framebuffer, &mut watch);
+            draw(scene, geometry, settings, &extent, LastStage::Shade, &mut framebuffer, &mut watch);
             continue;
         }
         // Depth-sorted fragments cannot be drawn in batches of triangles, but rows are independent of each other.
@@ -165,7 +165,7 @@ pub(crate) fn check(
             }
             let scissor = Scissor { top, bottom: (top + ROWS_AT_ONCE as u32).min(raster.height), ..whole };
             let extent = Extent { triangles: next..count, scissor };
-            draw(scene, geometry, settings, &extent, Until::Shade, &mut framebuffer, &mut watch);
+            draw(scene, geometry, settings, &extent, LastStage::Shade, &mut framebuffer, &mut watch);
         }
         next = count;
     }

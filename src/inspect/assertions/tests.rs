@@ -9,7 +9,7 @@ use crate::scene::{Camera, Projection, builtin};
 
 const VIEW: Viewport = Viewport { width: 64, height: 40 };
 
-fn report(id: &str, settings: &[&str]) -> Report {
+fn report(id: &str, settings: &[&str]) -> AssertionReport {
     let scene = builtin::by_id(id).unwrap().build();
     let mut recipe = Recipe::default();
     recipe.set_all(settings).unwrap();

@@ -3,9 +3,9 @@
 use std::str::FromStr;
 
 use super::{ColorMap, Display};
-use crate::inspect::range::{Fit, Rule};
+use crate::inspect::range::{RangeFit, Rule};
 use crate::inspect::view::Range;
-use crate::measure::region::Region;
+use crate::measure::region::PixelRegion;
 use crate::pipeline::settings::Choice as _;
 
 /// Letters of the channels, in order.
@@ -13,13 +13,13 @@ const CHANNELS: [char; 3] = ['r', 'g', 'b'];
 
 impl Display {
     /// Returns the settings as text, empty for the default. Parsing the text restores the same settings.
-    pub(crate) fn text(&self) -> String {
+    pub fn text(&self) -> String {
         let mut parts = Vec::new();
         match self.rule {
             Rule::Natural => {}
-            Rule::Sticky(Fit::All) => parts.push("range=all".to_owned()),
-            Rule::Sticky(Fit::Most) => parts.push("range=most".to_owned()),
-            Rule::Sticky(Fit::Within(Region { left, top, right, bottom })) => {
+            Rule::Sticky(RangeFit::All) => parts.push("range=all".to_owned()),
+            Rule::Sticky(RangeFit::Most) => parts.push("range=most".to_owned()),
+            Rule::Sticky(RangeFit::Within(PixelRegion { left, top, right, bottom })) => {
                 parts.push(format!("range={left}:{top}:{right}:{bottom}"));
             }
             Rule::Fixed(Range { low, high }) => parts.push(format!("range={low}..{high}")),
@@ -61,8 +61,8 @@ fn rule(text: &str) -> Result<Rule, String> {
         )
     };
     match text {
-        "all" => return Ok(Rule::Sticky(Fit::All)),
-        "most" => return Ok(Rule::Sticky(Fit::Most)),
+        "all" => return Ok(Rule::Sticky(RangeFit::All)),
+        "most" => return Ok(Rule::Sticky(RangeFit::Most)),
         _ => {}
     }
     if let Some((low, high)) = text.split_once("..") {
@@ -72,7 +72,9 @@ fn rule(text: &str) -> Result<Rule, String> {
     }
     let sides: Option<Vec<u32>> = text.split(':').map(|side| side.parse().ok()).collect();
     match sides.as_deref() {
-        Some(&[left, top, right, bottom]) => Ok(Rule::Sticky(Fit::Within(Region { left, top, right, bottom }))),
+        Some(&[left, top, right, bottom]) => {
+            Ok(Rule::Sticky(RangeFit::Within(PixelRegion { left, top, right, bottom })))
+        }
         _ => Err(bad()),
     }
 }
@@ -110,13 +112,13 @@ mod tests {
 
     #[test]
     fn what_is_written_is_read_back_to_the_bit() {
-        let region = Region { left: 1, top: 2, right: 30, bottom: 40 };
+        let region = PixelRegion { left: 1, top: 2, right: 30, bottom: 40 };
         let fixed = |low: f32, high: f32| Rule::Fixed(Range { low, high });
         let rules = [
             Rule::Natural,
-            Rule::Sticky(Fit::All),
-            Rule::Sticky(Fit::Most),
-            Rule::Sticky(Fit::Within(region)),
+            Rule::Sticky(RangeFit::All),
+            Rule::Sticky(RangeFit::Most),
+            Rule::Sticky(RangeFit::Within(region)),
             fixed(-0.0, 1.0 / 3.0),
             fixed(-f32::MAX, f32::MIN_POSITIVE / 2.0),
         ];

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::rejections::Rejections;
-use super::tally::Tally;
+use super::tally::FateTally;
 use crate::pipeline::Geometry;
 use crate::scene::TriangleId;
 
@@ -26,17 +26,17 @@ pub struct Account {
 }
 
 impl Account {
-    pub(super) fn of(geometry: &Geometry, rejections: &Rejections, tally: &Tally<'_>) -> Self {
+    pub(super) fn of(geometry: &Geometry, rejections: &Rejections, tally: &FateTally<'_>) -> Self {
         let mut rasterized = vec![false; rejections.fates.len()];
         geometry.triangles.iter().for_each(|triangle| rasterized[triangle.id.0 as usize] = true);
         let both = || rejections.fates.iter().zip(&rasterized).zip(0..).map(|(fates, id)| (fates, TriangleId(id)));
         let twice = both().filter(|((fate, rasterized), _)| fate.is_some() && **rasterized).map(|(_, id)| id);
         let never = both().filter(|((fate, rasterized), _)| fate.is_none() && !**rasterized).map(|(_, id)| id);
-        let rejected = rejections.fates.iter().flatten().count() + rejections.again.len();
+        let rejected = rejections.fates.iter().flatten().count() + rejections.rejected_again.len();
         Self {
             triangles_in: geometry.triangles_in as u64,
             triangles_out: (rejected + rasterized.iter().filter(|r| **r).count()) as u64,
-            with_two_fates: twice.chain(rejections.again.iter().copied()).collect(),
+            with_two_fates: twice.chain(rejections.rejected_again.iter().copied()).collect(),
             without_fate: never.collect(),
             fragments_in: tally.generated,
             fragments_out: super::sum(&tally.fragments).sum(),
@@ -44,12 +44,12 @@ impl Account {
     }
 
     /// Whether all sums match and every triangle has exactly one fate.
-    pub(crate) fn is_balanced(&self) -> bool {
+    pub fn is_balanced(&self) -> bool {
         self.complaints().is_empty()
     }
 
     /// Returns one sentence for each mismatch.
-    pub(crate) fn complaints(&self) -> Vec<String> {
+    pub fn complaints(&self) -> Vec<String> {
         let Self { triangles_in, triangles_out, fragments_in, fragments_out, .. } = self;
         let mut complaints = Vec::new();
         if triangles_in != triangles_out {

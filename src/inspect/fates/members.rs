@@ -25,7 +25,7 @@ impl Bin {
 
 /// Conditions for members of a bin. An empty filter accepts every triangle.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Filter {
+pub(crate) struct FateFilter {
     /// Number of the triangle; `None` for any.
     id: Option<u32>,
     /// Lower and upper bound of the screen area, in px².
@@ -38,7 +38,7 @@ pub(crate) struct Filter {
     name: String,
 }
 
-impl Filter {
+impl FateFilter {
     /// Parses words such as `tri 123`, `area<1`, `area>=20`, `is:cut`, `is:broken` and parts of a name, in any order.
     pub(crate) fn parse(text: &str) -> Self {
         let mut filter = Self::default();
@@ -97,7 +97,7 @@ fn area_bound(word: &str) -> Option<(usize, f64)> {
 
 impl Fates {
     /// Returns the triangles that pass a filter, in scene order. `None` as bin or object means all bins or all objects.
-    pub(crate) fn members(&self, bin: Option<Bin>, object: Option<usize>, filter: &Filter) -> Vec<TriangleId> {
+    pub(crate) fn members(&self, bin: Option<Bin>, object: Option<usize>, filter: &FateFilter) -> Vec<TriangleId> {
         let is_asked = |place: usize| object.is_none_or(|object| object == place) && filter.names(&self.objects[place]);
         let objects = (0..self.objects.len()).filter(|place| is_asked(*place)).map(|place| &self.objects[place]);
         let ids = objects.flat_map(|object| object.first.0..object.first.0 + object.triangles.sum() as u32);
@@ -120,15 +120,23 @@ mod tests {
     #[test]
     fn bounds_are_read_however_they_are_spaced_and_names_are_left_alone() {
         for text in ["area<1.5", "area <1.5", "area< 1.5", "Area < 1.5"] {
-            assert_eq!(Filter::parse(text), Filter { area: [None, Some(1.5)], ..Filter::default() }, "{text}");
+            assert_eq!(
+                FateFilter::parse(text),
+                FateFilter { area: [None, Some(1.5)], ..FateFilter::default() },
+                "{text}"
+            );
         }
         for text in ["area>=20", "area >= 20", "area > 20"] {
-            assert_eq!(Filter::parse(text), Filter { area: [Some(20.0), None], ..Filter::default() }, "{text}");
+            assert_eq!(
+                FateFilter::parse(text),
+                FateFilter { area: [Some(20.0), None], ..FateFilter::default() },
+                "{text}"
+            );
         }
         for name in ["area light", "a > b", "x = y"] {
-            assert_eq!(Filter::parse(name), Filter { name: name.to_owned(), ..Filter::default() });
+            assert_eq!(FateFilter::parse(name), FateFilter { name: name.to_owned(), ..FateFilter::default() });
         }
-        let both = Filter { area: [None, Some(2.0)], name: "area light".to_owned(), ..Filter::default() };
-        assert_eq!(Filter::parse("area light area < 2"), both);
+        let both = FateFilter { area: [None, Some(2.0)], name: "area light".to_owned(), ..FateFilter::default() };
+        assert_eq!(FateFilter::parse("area light area < 2"), both);
     }
 }

@@ -16,9 +16,9 @@ mod tally;
 
 pub(crate) use account::Account;
 pub use members::Bin;
-pub(crate) use members::Filter;
-pub(crate) use places::Mark;
-pub(crate) use rejections::Met;
+pub(crate) use members::FateFilter;
+pub(crate) use places::SelectionVisibility;
+pub(crate) use rejections::GeometryOutcome;
 pub(crate) use rejections::Rejections;
 
 use serde::{Serialize, Serializer};
@@ -30,11 +30,11 @@ use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::observe::Fate;
 use crate::pipeline::settings::{Choice, Culling, choice};
 use crate::pipeline::viewport::Viewport;
-use crate::pipeline::{Extent, Geometry, Until, draw};
+use crate::pipeline::{Extent, Geometry, LastStage, draw};
 use crate::scene::{Instance, Scene, TriangleId};
 use crate::upscale::Sampling;
-use places::{Shape, shapes};
-use tally::Tally;
+use places::{ScreenShape, shapes};
+use tally::FateTally;
 
 choice! {
     /// Fate of a triangle. A rasterized triangle has the best fate of its fragments.
@@ -48,9 +48,9 @@ choice! {
         FrontFacing = "front-facing", "Front-facing", "It is front-facing and removed by culling. To show it, set culling to none.";
         NoCentre = "no-centre", "No pixel centre", "It lies between pixel centres or outside the picture and covers no pixel centre.";
         LostDepth = "lost-depth", "Depth failed", "All of its fragments failed the depth test.";
-        CutOut = "cut-out", "Alpha failed", "None of its fragments was written: those that passed the depth test failed the alpha test.";
+        AlphaRejected = "cut-out", "Alpha failed", "None of its fragments was written: those that passed the depth test failed the alpha test.";
         Overwritten = "overwritten", "Overwritten", "It was drawn, but later fragments cover all of it.";
-        SeenThrough = "seen-through", "Seen through", "It is visible only through blended surfaces in front of it.";
+        BlendedOver = "seen-through", "Seen through", "It is visible only through blended surfaces in front of it.";
         Visible = "visible", "Visible", "It is the front surface of at least one pixel.";
     }
 }
@@ -59,9 +59,9 @@ choice! {
     /// Fate of a fragment.
     FragmentFate {
         LostDepth = "lost-depth", "Depth failed", "It failed the depth test.";
-        CutOut = "cut-out", "Alpha failed", "It failed the alpha test.";
+        AlphaRejected = "cut-out", "Alpha failed", "It failed the alpha test.";
         Overwritten = "overwritten", "Overwritten", "It was written, but a later fragment covered it: wasted work.";
-        SeenThrough = "seen-through", "Seen through", "It was written and is visible through later blended fragments.";
+        BlendedOver = "seen-through", "Seen through", "It was written and is visible through later blended fragments.";
         Visible = "visible", "Visible", "It is the front surface in the finished picture.";
     }
 }
@@ -85,12 +85,12 @@ pub struct FragmentCounts<N = u32>(pub(crate) [N; FragmentFate::ALL.len()]);
 
 impl<N: Copy + Into<u64>> FragmentCounts<N> {
     /// Returns the number of fragments with this fate.
-    pub(crate) fn of(&self, fate: FragmentFate) -> u64 {
+    pub fn of(&self, fate: FragmentFate) -> u64 {
         self.0[fate as usize].into()
     }
 
     /// Returns the number of all fragments.
-    pub(crate) fn sum(&self) -> u64 {
+    pub fn sum(&self) -> u64 {
         self.0.iter().map(|count| (*count).into()).sum()
     }
 
@@ -106,12 +106,12 @@ pub struct TriangleCounts(pub(crate) [u64; TriangleFate::ALL.len()]);
 
 impl TriangleCounts {
     /// Returns the number of triangles with this fate.
-    pub(crate) fn of(&self, fate: TriangleFate) -> u64 {
+    pub fn of(&self, fate: TriangleFate) -> u64 {
         self.0[fate as usize]
     }
 
     /// Returns the number of all triangles.
-    pub(crate) fn sum(&self) -> u64 {
+    pub fn sum(&self) -> u64 {
         self.0.iter().sum()
     }
 }
@@ -135,9 +135,9 @@ impl<N: Copy + Into<u64>> Serialize for FragmentCounts<N> {
 
 /// Fates of the triangles and fragments of one object.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub(crate) struct ObjectFates {
+pub struct ObjectFates {
     /// Name of the object.
-    pub(crate) name: String,
+    pub name: String,
     /// Name of the object's material.
     pub(crate) material: String,
     /// First triangle of the object.
@@ -157,17 +157,17 @@ pub struct Fates {
     /// Fragments of every triangle by fate, in scene order.
     pub fragments: Vec<FragmentCounts>,
     /// Fates per object (instance), in scene order.
-    pub(crate) objects: Vec<ObjectFates>,
+    pub objects: Vec<ObjectFates>,
     /// Input and output totals, for checking that the sums match.
     pub account: Account,
     /// Triangles that crossed a frustum plane and were clipped.
     pub(crate) cut: TriangleSelection,
     /// Triangles with a NaN or infinite normal or texture coordinate in the model.
-    pub(crate) broken: TriangleSelection,
+    pub broken: TriangleSelection,
     /// Triangle written last at each drawn sample, in the packed layout of the frame's framebuffer.
-    shown: Image<TriangleId>,
+    top_triangle: Image<TriangleId>,
     /// Shapes of all triangles on the screen, including those that culling drops, in scene order.
-    shapes: Vec<Shape>,
+    shapes: Vec<ScreenShape>,
     recipe: Recipe,
     sampling: Sampling,
     /// Size of the raster image, in pixels.
@@ -201,15 +201,15 @@ impl Fates {
         let geometry = prepare_again(scene, recipe, frame, &mut rejections);
         let (grid, Viewport { width, height }) = (frame.sampling.grid(), frame.raster);
         let mut drawn = Framebuffer::new(grid, width, height, scene.background, &recipe.pipeline);
-        let mut tally = Tally::new(scene, recipe, &geometry, drawn.color.size());
+        let mut tally = FateTally::new(scene, recipe, &geometry, drawn.color.size());
         let extent = Extent::all(&geometry, frame.raster);
-        draw(scene, &geometry, &recipe.pipeline, &extent, Until::Shade, &mut drawn, &mut tally);
+        draw(scene, &geometry, &recipe.pipeline, &extent, LastStage::Shade, &mut drawn, &mut tally);
         tally.finish();
 
-        let triangles = endings(&geometry, &rejections, &tally.fragments);
+        let triangles = triangle_fates(&geometry, &rejections, &tally.fragments);
         let account = Account::of(&geometry, &rejections, &tally);
         let objects = objects(scene, &triangles, &tally.fragments);
-        let Tally { fragments, shown, .. } = tally;
+        let FateTally { fragments, top_triangle, .. } = tally;
         Self {
             shapes: shapes(&with_all_sides(scene, recipe, frame, geometry), recipe.pipeline.arithmetic),
             triangles,
@@ -218,7 +218,7 @@ impl Fates {
             account,
             cut: TriangleSelection::new("clipped by a plane of the view", rejections.cut),
             broken: TriangleSelection::new("with a NaN or infinite attribute", scene.broken_triangles()),
-            shown,
+            top_triangle,
             recipe: *recipe,
             sampling: frame.sampling,
             raster: frame.raster,
@@ -239,13 +239,13 @@ impl Fates {
     }
 
     /// Returns the index of the instance that a triangle belongs to.
-    pub(crate) fn object_of(&self, triangle: TriangleId) -> usize {
+    pub fn object_of(&self, triangle: TriangleId) -> usize {
         self.objects.partition_point(|object| object.first <= triangle).saturating_sub(1)
     }
 }
 
 /// Returns the fate of each triangle, in scene order.
-fn endings(geometry: &Geometry, rejections: &Rejections, fragments: &[FragmentCounts]) -> Vec<TriangleFate> {
+fn triangle_fates(geometry: &Geometry, rejections: &Rejections, fragments: &[FragmentCounts]) -> Vec<TriangleFate> {
     let mut fates: Vec<_> =
         rejections.fates.iter().map(|fate| fate.map_or(TriangleFate::Unaccounted, Into::into)).collect();
     for triangle in &geometry.triangles {
@@ -253,9 +253,9 @@ fn endings(geometry: &Geometry, rejections: &Rejections, fragments: &[FragmentCo
         fates[place] = match fragments[place].best() {
             None => TriangleFate::NoCentre,
             Some(FragmentFate::LostDepth) => TriangleFate::LostDepth,
-            Some(FragmentFate::CutOut) => TriangleFate::CutOut,
+            Some(FragmentFate::AlphaRejected) => TriangleFate::AlphaRejected,
             Some(FragmentFate::Overwritten) => TriangleFate::Overwritten,
-            Some(FragmentFate::SeenThrough) => TriangleFate::SeenThrough,
+            Some(FragmentFate::BlendedOver) => TriangleFate::BlendedOver,
             Some(FragmentFate::Visible) => TriangleFate::Visible,
         };
     }

@@ -13,7 +13,7 @@ use crate::upscale::Sampling;
 
 /// A triangle on the screen, or one piece of a clipped triangle.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Shape {
+pub(super) struct ScreenShape {
     id: TriangleId,
     /// Corners before snapping, in px.
     corners_px: [[f32; 2]; 3],
@@ -21,7 +21,7 @@ pub(super) struct Shape {
     area_px: f64,
 }
 
-impl Shape {
+impl ScreenShape {
     fn new(triangle: &ScreenTriangle, arithmetic: Arithmetic) -> Self {
         let decisive = match arithmetic {
             Arithmetic::Fixed => triangle.snapped_px(),
@@ -39,15 +39,15 @@ impl Shape {
 }
 
 /// Returns the shapes of all triangles on the screen, in scene order.
-pub(super) fn shapes(geometry: &Geometry, arithmetic: Arithmetic) -> Vec<Shape> {
-    let mut shapes: Vec<_> = geometry.triangles.iter().map(|triangle| Shape::new(triangle, arithmetic)).collect();
+pub(super) fn shapes(geometry: &Geometry, arithmetic: Arithmetic) -> Vec<ScreenShape> {
+    let mut shapes: Vec<_> = geometry.triangles.iter().map(|triangle| ScreenShape::new(triangle, arithmetic)).collect();
     shapes.sort_by_key(|shape| shape.id);
     shapes
 }
 
 /// Visibility of selected triangles at a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Mark {
+pub(crate) enum SelectionVisibility {
     /// No selected triangle lies at the pixel.
     None,
     /// A selected triangle lies at the pixel, but is occluded or not drawn.
@@ -67,9 +67,9 @@ impl Fates {
     /// Returns a pixel of the full picture that represents a triangle; `None` if the triangle is outside the picture.
     /// It is the most central pixel where the triangle is on top, or else the most central one that it covers. Without
     /// any, it is the pixel that contains the triangle's centroid.
-    pub(crate) fn place_of(&self, triangle: TriangleId) -> Option<(u32, u32)> {
-        let width = self.shown.width();
-        let on_top = self.shown.pixels().iter().zip(0..).filter(|(shown, _)| **shown == triangle);
+    pub fn representative_pixel(&self, triangle: TriangleId) -> Option<(u32, u32)> {
+        let width = self.top_triangle.width();
+        let on_top = self.top_triangle.pixels().iter().zip(0..).filter(|(shown, _)| **shown == triangle);
         let on_top: Vec<_> = on_top.map(|(_, place)| (place % width, place / width)).collect();
         let samples = if on_top.is_empty() { self.covered_by(self.shapes_of(triangle)) } else { on_top };
         let middle = middle(&samples).or_else(|| self.sample_at_middle(self.shapes_of(triangle).first()?));
@@ -78,20 +78,20 @@ impl Fates {
 
     /// Returns the visibility of a selection at every pixel of the full picture. A triangle that covers no sample marks
     /// the pixel that contains its centroid.
-    pub(crate) fn marks(&self, selection: &TriangleSelection) -> Image<Mark> {
-        let (width, height) = self.shown.size();
-        let mut marks = Image::filled(width, height, Mark::None);
+    pub(crate) fn visibility_of(&self, selection: &TriangleSelection) -> Image<SelectionVisibility> {
+        let (width, height) = self.top_triangle.size();
+        let mut marks = Image::filled(width, height, SelectionVisibility::None);
         let selected: Vec<_> = self.shapes.iter().filter(|shape| selection.contains(shape.id)).collect();
         for shape in selected {
             let mut samples = self.covered_by(std::slice::from_ref(shape));
             if samples.is_empty() {
                 samples.extend(self.sample_at_middle(shape));
             }
-            samples.iter().for_each(|(column, row)| marks.set(*column, *row, Mark::Hidden));
+            samples.iter().for_each(|(column, row)| marks.set(*column, *row, SelectionVisibility::Hidden));
         }
-        for (mark, shown) in marks.pixels_mut().iter_mut().zip(self.shown.pixels()) {
+        for (mark, shown) in marks.pixels_mut().iter_mut().zip(self.top_triangle.pixels()) {
             if *shown != TriangleId::NONE && selection.contains(*shown) {
-                *mark = Mark::Shown;
+                *mark = SelectionVisibility::Shown;
             }
         }
         let sample = |x, y| nearest_sample(self.sampling, self.raster, (x, y));
@@ -101,14 +101,14 @@ impl Fates {
         })
     }
 
-    fn shapes_of(&self, triangle: TriangleId) -> &[Shape] {
+    fn shapes_of(&self, triangle: TriangleId) -> &[ScreenShape] {
         let first = self.shapes.partition_point(|shape| shape.id < triangle);
         let count = self.shapes[first..].partition_point(|shape| shape.id == triangle);
         &self.shapes[first..first + count]
     }
 
     /// Returns the packed samples covered by the shapes, without a depth test.
-    fn covered_by(&self, shapes: &[Shape]) -> Vec<(u32, u32)> {
+    fn covered_by(&self, shapes: &[ScreenShape]) -> Vec<(u32, u32)> {
         let settings = &self.recipe.pipeline;
         let how = (settings.rasterizer, settings.arithmetic, settings.fill_rule);
         let area = (self.sampling.grid(), Scissor::full(self.raster.width, self.raster.height));
@@ -118,7 +118,7 @@ impl Fates {
     }
 
     /// Returns the packed sample nearest to the centroid of a shape; `None` if the centroid is outside the picture.
-    fn sample_at_middle(&self, shape: &Shape) -> Option<(u32, u32)> {
+    fn sample_at_middle(&self, shape: &ScreenShape) -> Option<(u32, u32)> {
         let [x, y] = shape.centre_px();
         let Viewport { width, height } = self.raster;
         let inside = (0.0..f64::from(width)).contains(&x) && (0.0..f64::from(height)).contains(&y);

@@ -8,7 +8,7 @@ use crate::scene::{Camera, Scene, TriangleId};
 
 /// Result of the geometry stages for a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Met {
+pub(crate) enum GeometryOutcome {
     /// The triangle reaches the rasterizer unclipped.
     Drawn,
     /// The triangle is clipped, and the remaining pieces reach the rasterizer.
@@ -23,7 +23,7 @@ pub(crate) struct Rejections {
     /// Reason for rejection of each triangle of the scene; `None` if it was not rejected.
     pub(super) fates: Vec<Option<Fate>>,
     /// Triangles that were rejected more than once; empty unless the pipeline has a bug.
-    pub(super) again: Vec<TriangleId>,
+    pub(super) rejected_again: Vec<TriangleId>,
     /// Triangles that crossed a frustum plane and were clipped, ascending.
     pub(super) cut: Vec<TriangleId>,
 }
@@ -31,7 +31,7 @@ pub(crate) struct Rejections {
 impl Rejections {
     /// Creates an empty record for this number of triangles.
     pub(crate) fn new(triangles: usize) -> Self {
-        Self { fates: vec![None; triangles], again: Vec::new(), cut: Vec::new() }
+        Self { fates: vec![None; triangles], rejected_again: Vec::new(), cut: Vec::new() }
     }
 
     /// Runs the geometry stages for a view of a scene and records their rejections.
@@ -47,11 +47,11 @@ impl Rejections {
     }
 
     /// Returns the result for every triangle, in scene order.
-    pub(crate) fn met(&self) -> impl Iterator<Item = Met> {
+    pub(crate) fn outcomes(&self) -> impl Iterator<Item = GeometryOutcome> {
         let met = |(fate, id): (&Option<Fate>, u32)| match fate {
-            Some(fate) => Met::Rejected(*fate),
-            None if self.is_cut(TriangleId(id)) => Met::Cut,
-            None => Met::Drawn,
+            Some(fate) => GeometryOutcome::Rejected(*fate),
+            None if self.is_cut(TriangleId(id)) => GeometryOutcome::Cut,
+            None => GeometryOutcome::Drawn,
         };
         self.fates.iter().zip(0..).map(met)
     }
@@ -62,7 +62,7 @@ impl Observer for Rejections {
         if let Some(place) = self.fates.get_mut(id.0 as usize)
             && place.replace(fate).is_some()
         {
-            self.again.push(id);
+            self.rejected_again.push(id);
         }
     }
 

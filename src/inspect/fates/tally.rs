@@ -6,7 +6,7 @@ use crate::image::{Image, Rgba8};
 use crate::pipeline::Geometry;
 use crate::pipeline::interpolate::Fragment;
 use crate::pipeline::observe::{DepthOutcome, Observer};
-use crate::pipeline::raster::Sample;
+use crate::pipeline::raster::RasterSample;
 use crate::pipeline::shade::Shader;
 use crate::pipeline::viewport::ScreenTriangle;
 use crate::scene::{Scene, Transparency, TriangleId};
@@ -16,27 +16,27 @@ const NO_LAYER: u32 = u32::MAX;
 
 /// A written fragment below later blended fragments.
 #[derive(Debug)]
-struct Layer {
+struct WrittenFragment {
     triangle: TriangleId,
     /// Index of the next layer below, or [`NO_LAYER`].
     below: u32,
 }
 
 /// Counts the fragments of each triangle by fate and tracks the top triangle of every sample.
-pub(super) struct Tally<'a> {
+pub(super) struct FateTally<'a> {
     shaders: Vec<Shader<'a>>,
     /// Counts for each triangle of the scene. Fragments on top are counted only by [`Tally::finish`].
     pub(super) fragments: Vec<FragmentCounts>,
     /// Number of fragments that the rasterizer generated, counted independently of their fates.
     pub(super) generated: u64,
     /// Triangle written last at each sample.
-    pub(super) shown: Image<TriangleId>,
+    pub(super) top_triangle: Image<TriangleId>,
     /// Index of the first layer below the top triangle of each sample.
     below: Image<u32>,
-    layers: Vec<Layer>,
+    layers: Vec<WrittenFragment>,
 }
 
-impl<'a> Tally<'a> {
+impl<'a> FateTally<'a> {
     /// Creates an empty tally for a packed framebuffer of this size, in samples.
     pub(super) fn new(scene: &'a Scene, recipe: &'a Recipe, geometry: &Geometry, (width, height): (u32, u32)) -> Self {
         let shaders = scene.instances.iter().zip(&geometry.plans);
@@ -44,7 +44,7 @@ impl<'a> Tally<'a> {
             shaders: shaders.map(|(i, plan)| Shader::new(&recipe.pipeline, &scene.library, i, plan)).collect(),
             fragments: vec![FragmentCounts::default(); scene.triangle_count()],
             generated: 0,
-            shown: Image::filled(width, height, TriangleId::NONE),
+            top_triangle: Image::filled(width, height, TriangleId::NONE),
             below: Image::filled(width, height, NO_LAYER),
             layers: Vec::new(),
         }
@@ -52,23 +52,23 @@ impl<'a> Tally<'a> {
 
     /// Counts the fragments that are visible at every sample after the last triangle.
     pub(super) fn finish(&mut self) {
-        for place in 0..self.shown.pixels().len() {
-            let top = self.shown.pixels()[place];
+        for place in 0..self.top_triangle.pixels().len() {
+            let top = self.top_triangle.pixels()[place];
             if top != TriangleId::NONE {
-                self.end(top, FragmentFate::Visible);
-                self.end_layers(place, FragmentFate::SeenThrough);
+                self.count_fate(top, FragmentFate::Visible);
+                self.count_layers(place, FragmentFate::BlendedOver);
             }
         }
     }
 
-    fn end(&mut self, triangle: TriangleId, fate: FragmentFate) {
+    fn count_fate(&mut self, triangle: TriangleId, fate: FragmentFate) {
         self.fragments[triangle.0 as usize].0[fate as usize] += 1;
     }
 
-    fn end_layers(&mut self, place: usize, fate: FragmentFate) {
+    fn count_layers(&mut self, place: usize, fate: FragmentFate) {
         let mut next = std::mem::replace(&mut self.below.pixels_mut()[place], NO_LAYER);
-        while let Some(&Layer { triangle, below }) = self.layers.get(next as usize) {
-            self.end(triangle, fate);
+        while let Some(&WrittenFragment { triangle, below }) = self.layers.get(next as usize) {
+            self.count_fate(triangle, fate);
             next = below;
         }
     }
@@ -79,35 +79,35 @@ impl<'a> Tally<'a> {
     }
 }
 
-impl Observer for Tally<'_> {
-    fn covered(&mut self, _triangle: &ScreenTriangle, _sample: &Sample) {
+impl Observer for FateTally<'_> {
+    fn covered(&mut self, _triangle: &ScreenTriangle, _sample: &RasterSample) {
         self.generated += 1;
     }
 
-    fn depth_tested(&mut self, triangle: &ScreenTriangle, _sample: &Sample, outcome: DepthOutcome) {
+    fn depth_tested(&mut self, triangle: &ScreenTriangle, _sample: &RasterSample, outcome: DepthOutcome) {
         if !outcome.passed {
-            self.end(triangle.id, FragmentFate::LostDepth);
+            self.count_fate(triangle.id, FragmentFate::LostDepth);
         }
     }
 
-    fn cut_out(&mut self, triangle: &ScreenTriangle, _fragment: &Fragment) {
-        self.end(triangle.id, FragmentFate::CutOut);
+    fn alpha_rejected(&mut self, triangle: &ScreenTriangle, _fragment: &Fragment) {
+        self.count_fate(triangle.id, FragmentFate::AlphaRejected);
     }
 
     fn shaded(&mut self, triangle: &ScreenTriangle, fragment: &Fragment, _color: Rgba8) {
-        let Sample { column, row, .. } = fragment.sample;
-        let place = row as usize * self.shown.width() as usize + column as usize;
-        let under = std::mem::replace(&mut self.shown.pixels_mut()[place], triangle.id);
+        let RasterSample { column, row, .. } = fragment.sample;
+        let place = row as usize * self.top_triangle.width() as usize + column as usize;
+        let under = std::mem::replace(&mut self.top_triangle.pixels_mut()[place], triangle.id);
         if under == TriangleId::NONE {
             return;
         }
         if self.covers_all(triangle, fragment) {
-            self.end(under, FragmentFate::Overwritten);
-            self.end_layers(place, FragmentFate::Overwritten);
+            self.count_fate(under, FragmentFate::Overwritten);
+            self.count_layers(place, FragmentFate::Overwritten);
         } else {
             let below = self.below.pixels()[place];
             self.below.pixels_mut()[place] = self.layers.len() as u32;
-            self.layers.push(Layer { triangle: under, below });
+            self.layers.push(WrittenFragment { triangle: under, below });
         }
     }
 }

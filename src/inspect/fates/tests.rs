@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use super::*;
 use crate::chain::run;
 use crate::inspect::selection::TriangleSelection;
-use crate::inspect::{Outcome, inspect};
+use crate::inspect::{FragmentOutcome, inspect};
 use crate::pipeline::settings::{Arithmetic, DepthTest, FillRule, Rasterizer};
 use crate::scene::{Camera, Library, Material, Mesh, MeshData, builtin};
 use crate::upscale::Upscaling;
@@ -55,7 +55,7 @@ fn every_sum_matches_in_every_scene_by_every_setting() {
             assert_eq!(of_objects(|o| o.triangles.sum()), scene.triangle_count() as u64, "{told}");
             assert_eq!(of_objects(|o| o.fragments.sum()), fates.fragment_counts().sum(), "{told}");
             // Every sample that shows a triangle has exactly one visible fragment.
-            let shown = fates.shown.pixels().iter().filter(|id| **id != TriangleId::NONE).count() as u64;
+            let shown = fates.top_triangle.pixels().iter().filter(|id| **id != TriangleId::NONE).count() as u64;
             assert_eq!(fates.fragment_counts().of(FragmentFate::Visible), shown, "{told}");
         }
     });
@@ -72,11 +72,11 @@ fn fragments_end_as_the_replay_of_their_pixels_tells() {
         for (x, y) in (0..SIZE.height).flat_map(|y| (0..SIZE.width).map(move |x| (x, y))) {
             for fragment in inspect(&scene, &recipe, &frame, x, y).unwrap().fragments {
                 let fate = match fragment.outcome {
-                    Outcome::Visible => FragmentFate::Visible,
-                    Outcome::Overwritten => FragmentFate::Overwritten,
-                    Outcome::BlendedOver => FragmentFate::SeenThrough,
-                    Outcome::DepthRejected => FragmentFate::LostDepth,
-                    Outcome::CutOut => FragmentFate::CutOut,
+                    FragmentOutcome::Visible => FragmentFate::Visible,
+                    FragmentOutcome::Overwritten => FragmentFate::Overwritten,
+                    FragmentOutcome::BlendedOver => FragmentFate::BlendedOver,
+                    FragmentOutcome::DepthRejected => FragmentFate::LostDepth,
+                    FragmentOutcome::CutOut => FragmentFate::AlphaRejected,
                 };
                 expected.0[fate as usize] += 1;
             }
@@ -119,7 +119,7 @@ fn each_triangle_of_a_stage_ends_as_it_was_placed() {
         ("a speck", around(0.9, 0.9, 1e-3, 0.0), 1.0, TriangleFate::NoCentre),
         ("drawn first", around(-0.9, -0.6, 0.2, 0.0), 1.0, TriangleFate::Overwritten),
         ("drawn over it", around(-0.9, -0.6, 0.4, 1.0), 1.0, TriangleFate::Visible),
-        ("under glass", around(-0.9, 0.8, 0.2, 0.0), 1.0, TriangleFate::SeenThrough),
+        ("under glass", around(-0.9, 0.8, 0.2, 0.0), 1.0, TriangleFate::BlendedOver),
         ("glass", around(-0.9, 0.8, 0.4, 1.0), 0.5, TriangleFate::Visible),
     ];
     let scene = stage(&cast.map(|(name, corners, opacity, _)| (name, corners, opacity)));
@@ -132,7 +132,7 @@ fn each_triangle_of_a_stage_ends_as_it_was_placed() {
     assert!(fates.account.is_balanced());
 
     // `place_of` returns a pixel that shows the triangle or that the triangle lies in.
-    let places: Vec<_> = (0..cast.len() as u32).map(|id| fates.place_of(TriangleId(id))).collect();
+    let places: Vec<_> = (0..cast.len() as u32).map(|id| fates.representative_pixel(TriangleId(id))).collect();
     for (id, (name, _, _, fate)) in cast.iter().enumerate() {
         match fate {
             TriangleFate::Outside | TriangleFate::ZeroArea => assert_eq!(places[id], None, "{name}"),
@@ -145,14 +145,19 @@ fn each_triangle_of_a_stage_ends_as_it_was_placed() {
         }
     }
     // Marks of a visible triangle and of triangles behind it.
-    for (id, mark) in [(0, Mark::Shown), (1, Mark::Hidden), (2, Mark::Hidden), (6, Mark::Hidden)] {
-        let marks = fates.marks(&TriangleSelection::new("one", [TriangleId(id)]));
+    for (id, mark) in [
+        (0, SelectionVisibility::Shown),
+        (1, SelectionVisibility::Hidden),
+        (2, SelectionVisibility::Hidden),
+        (6, SelectionVisibility::Hidden),
+    ] {
+        let marks = fates.visibility_of(&TriangleSelection::new("one", [TriangleId(id)]));
         let (x, y) = places[id as usize].unwrap();
         assert_eq!(marks.at(x, y), mark, "{}", cast[id as usize].0);
     }
     // Filters by number, area and name.
     let found = |bin, text: &str| -> Vec<u32> {
-        fates.members(bin, None, &Filter::parse(text)).iter().map(|id| id.0).collect()
+        fates.members(bin, None, &FateFilter::parse(text)).iter().map(|id| id.0).collect()
     };
     assert_eq!(found(None, "tri 3"), [3]);
     assert_eq!(found(None, "#4"), [4]);
@@ -161,7 +166,7 @@ fn each_triangle_of_a_stage_ends_as_it_was_placed() {
     assert_eq!(found(None, "PLAIN").len(), cast.len(), "their material is called so");
     assert_eq!(found(Some(Bin::Triangles(TriangleFate::Outside)), "the eye"), [5]);
     assert_eq!(found(Some(Bin::Fragments(FragmentFate::Overwritten)), ""), [7]);
-    assert_eq!(fates.members(None, Some(8), &Filter::default()), [TriangleId(8)]);
+    assert_eq!(fates.members(None, Some(8), &FateFilter::default()), [TriangleId(8)]);
 }
 
 #[test]
@@ -174,7 +179,7 @@ fn clipped_pieces_of_one_triangle_are_one_triangle() {
     let rasterized = fates.triangles.iter().filter(|fate| **fate as usize >= TriangleFate::NoCentre as usize).count();
     assert!(rasterized < pieces, "{rasterized} triangles, {pieces} pieces: nothing was cut");
     let several = |id: &TriangleId| frame.geometry.triangles.iter().filter(|piece| piece.id == *id).count() > 1;
-    let cut = fates.members(None, None, &Filter::parse("is:cut"));
+    let cut = fates.members(None, None, &FateFilter::parse("is:cut"));
     assert!((0..fates.triangles.len() as u32).map(TriangleId).filter(several).all(|id| cut.contains(&id)));
     assert!(!cut.is_empty() && cut.len() == fates.cut.len());
     assert!(fates.account.is_balanced());
@@ -187,7 +192,7 @@ fn what_does_not_add_up_is_told() {
     let frame = run(&scene, &scene.home, &recipe, SIZE, &mut ());
     let mut rejections = Rejections::new(scene.triangle_count());
     let mut geometry = prepare_again(&scene, &recipe, &frame, &mut rejections);
-    let mut tally = Tally::new(&scene, &recipe, &geometry, (SIZE.width, SIZE.height));
+    let mut tally = FateTally::new(&scene, &recipe, &geometry, (SIZE.width, SIZE.height));
     assert!(Account::of(&geometry, &rejections, &tally).is_balanced());
     tally.generated = 1;
     let lost = geometry.triangles.last().unwrap().id;

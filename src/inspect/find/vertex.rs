@@ -1,6 +1,6 @@
 //! Search for a vertex: parsing its name and locating it in the picture.
 
-use super::{Found, named};
+use super::{SearchResult, named};
 use crate::chain::{Frame, Recipe};
 use crate::inspect::vertices::{ObjectVertices, plane_name};
 use crate::scene::Scene;
@@ -45,17 +45,17 @@ pub(super) fn words(scene: &Scene, object: u32, number: u32) -> String {
 }
 
 /// Locates a vertex in a frame.
-pub(super) fn find(scene: &Scene, recipe: &Recipe, frame: &Frame, (object, number): (u32, u32)) -> Found {
+pub(super) fn find(scene: &Scene, recipe: &Recipe, frame: &Frame, (object, number): (u32, u32)) -> SearchResult {
     let words = words(scene, object, number);
     let size = frame.viewport;
     let vertices = ObjectVertices::new(scene, &frame.camera, &recipe.pipeline, size, object as usize);
     let Some(vertex) = vertices.and_then(|vertices| vertices.stages(number)) else {
-        return Found::Nowhere(format!("{words} does not exist"));
+        return SearchResult::Nowhere(format!("{words} does not exist"));
     };
     let beyond: Vec<_> = vertex.outcode.planes().map(plane_name).collect();
     let Some(screen) = vertex.screen.filter(|_| beyond.is_empty()) else {
         let sides = if beyond.is_empty() { "not finite".to_owned() } else { format!("beyond: {}", beyond.join(", ")) };
-        return Found::Nowhere(format!("{words} lies outside the view, {sides}"));
+        return SearchResult::Nowhere(format!("{words} lies outside the view, {sides}"));
     };
     // Positions on the right and bottom border of the view lie past the last pixel.
     let [x, y] = screen.px;
@@ -64,7 +64,7 @@ pub(super) fn find(scene: &Scene, recipe: &Recipe, frame: &Frame, (object, numbe
     if let Some(shown) = shown_distance(frame, pixel) {
         told += &format!("; the surface at this pixel is {shown:.4} units from the eye");
     }
-    Found::At(pixel, told)
+    SearchResult::At(pixel, told)
 }
 
 /// Returns the distance from the eye of the surface that a pixel shows, along the line of sight, in world units. `None`
@@ -79,7 +79,7 @@ fn shown_distance(frame: &Frame, (x, y): (u32, u32)) -> Option<f64> {
 mod tests {
     use super::*;
     use crate::chain::run;
-    use crate::inspect::find::Wanted;
+    use crate::inspect::find::SearchTarget;
     use crate::pipeline::viewport::Viewport;
     use crate::scene::builtin;
 
@@ -117,15 +117,15 @@ mod tests {
                     let model = scene.library.mesh(instance.mesh).positions[number as usize];
                     let clip = clip_from_world * instance.world_from_model.as_dmat4() * model.as_dvec3().extend(1.0);
                     let ndc = clip.truncate() / clip.w;
-                    let found = super::super::find(&scene, &recipe, &frame, &Wanted::Vertex(object, number));
+                    let found = super::super::find(&scene, &recipe, &frame, &SearchTarget::Vertex(object, number));
                     match found {
-                        Found::At((x, y), told) => {
+                        SearchResult::At((x, y), told) => {
                             let place = [(ndc.x * 0.5 + 0.5) * 64.0, (0.5 - ndc.y * 0.5) * 48.0];
                             let off = (place[0] - f64::from(x) - 0.5).abs().max((place[1] - f64::from(y) - 0.5).abs());
                             assert!(clip.w > 0.0 && off < 0.501, "{told}: {place:?}");
                             inside += 1;
                         }
-                        Found::Nowhere(told) => {
+                        SearchResult::Nowhere(told) => {
                             let is_out = clip.w <= 0.0 || ndc.abs().max_element() > 0.999 || ndc.z < 0.001;
                             assert!(is_out && told.contains("outside the view"), "{told}: {ndc}");
                             outside += 1;

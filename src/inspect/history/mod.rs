@@ -115,7 +115,7 @@ impl Cause {
 
 /// A triangle without a fragment at a pixel, and the reason.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub(crate) struct Absent {
+pub struct Absent {
     /// Triangle of the scene.
     pub(crate) triangle: TriangleId,
     /// Name of the instance of the triangle.
@@ -126,7 +126,7 @@ pub(crate) struct Absent {
     pub(crate) cause: Cause,
     /// Reason as one sentence with the deciding number. The triangle is the subject: the text begins with “covers”,
     /// “misses” or the like.
-    pub(crate) reason: String,
+    pub reason: String,
     /// Corners in px as used to decide coverage; `None` if the triangle has no position on the screen.
     pub(crate) corners_px: Option<[[f32; 2]; 3]>,
     /// Distance from the pixel's centre to the triangle in px, if the centre is outside. Uses the snapped corners in
@@ -163,7 +163,7 @@ pub fn explain(
 mod tests {
     use super::*;
     use crate::chain::run;
-    use crate::inspect::Outcome;
+    use crate::inspect::FragmentOutcome;
     use crate::pipeline::settings::{FillRule, Rasterizer};
     use crate::pipeline::viewport::Viewport;
     use crate::scene::builtin;
@@ -193,7 +193,10 @@ mod tests {
                 assert_eq!(now, report.last());
                 assert_eq!((now.color, now.depth), (frame.image().at(report.x, report.y), report.final_depth));
             }
-            assert!(reports.iter().any(|r| r.fragments.iter().any(|f| f.outcome == Outcome::Overwritten)), "{id}");
+            assert!(
+                reports.iter().any(|r| r.fragments.iter().any(|f| f.outcome == FragmentOutcome::Overwritten)),
+                "{id}"
+            );
         }
     }
 

@@ -18,7 +18,7 @@ use crate::scene::{Scene, TriangleId};
 const NEAR_PX: f64 = 1.0;
 
 /// Maximum number of reported near misses; a corner of a fine mesh may have thousands.
-const MOST: usize = 40;
+const MAX_NEAR_MISSES: usize = 40;
 
 /// A triangle that does not cover the pixel's centre.
 #[derive(Clone, Copy)]
@@ -61,7 +61,7 @@ pub(super) fn at(
     near.sort_by(|a, b| a.distance_px.total_cmp(&b.distance_px));
     let mut told = BTreeSet::new();
     near.retain(|miss| told.insert(triangles[miss.place].id));
-    near.truncate(MOST);
+    near.truncate(MAX_NEAR_MISSES);
     near.into_iter().filter_map(|miss| absent(scene, settings, &triangles[miss.place], miss, pixel)).collect()
 }
 

@@ -14,10 +14,10 @@ use super::near_miss::distance_px;
 use super::{Absent, Cause};
 use crate::chain::{Frame, Recipe};
 use crate::image::Image;
-use crate::pipeline::clip::{Plane, clip, guard_band_widening};
+use crate::pipeline::clip::{ClipPlane, clip, guard_band_widening};
 use crate::pipeline::cull::{Facing, cull, facing};
 use crate::pipeline::observe::{Fate, Observer};
-use crate::pipeline::plan::Part;
+use crate::pipeline::plan::PipelinePart;
 use crate::pipeline::raster::{Scissor, Span, cover_within, doubled_area};
 use crate::pipeline::settings::{Choice as _, Culling, Settings};
 use crate::pipeline::vertex::{ClipVertex, DrawMatrices};
@@ -35,7 +35,7 @@ const CHUNK: usize = 4096;
 /// The triangles of one frame that may be absent at a pixel.
 #[derive(Clone, Debug)]
 pub struct Survey {
-    found: Found,
+    triangles: SurveyedTriangles,
     camera: Camera,
     raster: Viewport,
     /// Open seams of the scene; `None` until they are known.
@@ -44,16 +44,16 @@ pub struct Survey {
 
 /// Surveyed triangles, in scene order.
 #[derive(Clone, Debug, Default)]
-struct Found {
+struct SurveyedTriangles {
     /// Triangles that were projected to the screen and then culled.
-    dropped: Vec<Placed>,
+    dropped: Vec<PlacedTriangle>,
     /// Triangles that the full frame rasterizes.
-    rasterized: Vec<Placed>,
-    crossing: Vec<Crossing>,
+    rasterized: Vec<PlacedTriangle>,
+    crossing: Vec<CrossingTriangle>,
     not_finite: Vec<(TriangleId, u32)>,
 }
 
-impl Found {
+impl SurveyedTriangles {
     fn append(&mut self, mut later: Self) {
         self.dropped.append(&mut later.dropped);
         self.rasterized.append(&mut later.rasterized);
@@ -64,7 +64,7 @@ impl Found {
 
 /// A triangle, or a piece of one, on the screen, with the cause if it is absent at a pixel.
 #[derive(Clone, Copy, Debug)]
-struct Placed {
+struct PlacedTriangle {
     id: TriangleId,
     instance: u32,
     corners_px: [[f32; 2]; 3],
@@ -73,14 +73,14 @@ struct Placed {
 
 /// A triangle that is not entirely between the near and far planes, with its corners in clip space.
 #[derive(Clone, Copy, Debug)]
-struct Crossing {
+struct CrossingTriangle {
     id: TriangleId,
     instance: u32,
     corners: [Vec4; 3],
 }
 
 /// One draw of a frame whose triangles are surveyed.
-struct Draw<'a> {
+struct SurveyedDraw<'a> {
     settings: &'a Settings,
     raster: Viewport,
     widening: f32,
@@ -94,7 +94,7 @@ struct Draw<'a> {
     positions_px: Vec<[f32; 2]>,
 }
 
-impl<'a> Draw<'a> {
+impl<'a> SurveyedDraw<'a> {
     fn new(
         scene: &'a Scene,
         recipe: &'a Recipe,
@@ -118,30 +118,31 @@ impl<'a> Draw<'a> {
             instance: index as u32,
             first,
             triangles: &mesh.triangles,
-            runs: plan.runs(Part::Vertices),
-            may_cross: plan.runs(Part::Clipping),
+            runs: plan.runs(PipelinePart::Vertices),
+            may_cross: plan.runs(PipelinePart::Clipping),
             vertices,
             positions_px,
         }
     }
 
     /// Surveys all triangles of the draw, in parallel.
-    fn found(&self) -> Found {
+    fn survey(&self) -> SurveyedTriangles {
         let chunks = self.triangles.par_chunks(CHUNK).enumerate();
-        let parts: Vec<Found> = chunks.map(|(chunk, triangles)| self.found_in(chunk * CHUNK, triangles)).collect();
-        let mut all = Found::default();
+        let parts: Vec<SurveyedTriangles> =
+            chunks.map(|(chunk, triangles)| self.found_in(chunk * CHUNK, triangles)).collect();
+        let mut all = SurveyedTriangles::default();
         parts.into_iter().for_each(|part| all.append(part));
         all
     }
 
     /// Surveys a chunk of triangles; `place` is the index of the first one in the mesh.
-    fn found_in(&self, place: usize, triangles: &[[u32; 3]]) -> Found {
-        let mut found = Found::default();
+    fn found_in(&self, place: usize, triangles: &[[u32; 3]]) -> SurveyedTriangles {
+        let mut found = SurveyedTriangles::default();
         for (id, corners) in (self.first.0 + place as u32..).map(TriangleId).zip(triangles) {
             let whole = corners.map(|corner| self.vertices[corner as usize]);
             let positions = whole.map(|corner| corner.position);
             if positions.iter().any(|p| p.z < 0.0 || p.z > p.w) {
-                found.crossing.push(Crossing { id, instance: self.instance, corners: positions });
+                found.crossing.push(CrossingTriangle { id, instance: self.instance, corners: positions });
             }
             if !self.runs {
                 continue;
@@ -169,7 +170,7 @@ impl<'a> Draw<'a> {
     }
 
     /// Adds the pieces of one triangle, sorted by cause.
-    fn take_pieces(&self, pieces: &[[[f32; 2]; 3]], id: TriangleId, found: &mut Found) {
+    fn take_pieces(&self, pieces: &[[[f32; 2]; 3]], id: TriangleId, found: &mut SurveyedTriangles) {
         let causes = pieces.iter().map(|corners_px| {
             let (area, _) = doubled_area(self.settings.arithmetic, *corners_px);
             match cull(area, self.settings.culling) {
@@ -183,7 +184,7 @@ impl<'a> Draw<'a> {
         let has_area = causes.clone().any(|cause| cause != Cause::ZeroArea);
         for (corners_px, cause) in pieces.iter().zip(causes).filter(|(_, cause)| !has_area || *cause != Cause::ZeroArea)
         {
-            let piece = Placed { id, instance: self.instance, corners_px: *corners_px, cause };
+            let piece = PlacedTriangle { id, instance: self.instance, corners_px: *corners_px, cause };
             if cause == Cause::NotDrawnYet { &mut found.rasterized } else { &mut found.dropped }.push(piece);
         }
     }
@@ -199,11 +200,11 @@ impl Survey {
     /// Surveys a frame that `recipe` draws of `scene`.
     pub fn of(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Self {
         let camera = frame.drawn_from(recipe);
-        let mut found = Found::default();
+        let mut triangles = SurveyedTriangles::default();
         for (index, first) in scene.first_triangles().into_iter().enumerate() {
-            found.append(Draw::new(scene, recipe, frame, &camera, index, first).found());
+            triangles.append(SurveyedDraw::new(scene, recipe, frame, &camera, index, first).survey());
         }
-        Self { found, camera, raster: frame.raster, seams: None }
+        Self { triangles, camera, raster: frame.raster, seams: None }
     }
 
     /// Whether the survey is also valid for a frame with the same recipe and scene: the view must match, even if the
@@ -218,9 +219,9 @@ impl Survey {
         let mut counts = Image::filled(width, height, 0);
         let how = (settings.rasterizer, settings.arithmetic, settings.fill_rule);
         let area = (frame.drawn.grid, Scissor::full(self.raster.width, self.raster.height));
-        let culled = |piece: &&Placed| matches!(piece.cause, Cause::BackFacing | Cause::FrontFacing);
+        let culled = |piece: &&PlacedTriangle| matches!(piece.cause, Cause::BackFacing | Cause::FrontFacing);
         let mut spans: Vec<Span> = Vec::new();
-        for piece in self.found.dropped.iter().filter(culled) {
+        for piece in self.triangles.dropped.iter().filter(culled) {
             spans.clear();
             cover_within(how, piece.corners_px, area, &mut spans);
             for Span { row, left, right } in &spans {
@@ -254,21 +255,22 @@ impl Survey {
             edges: None,
         };
         let settings = &recipe.pipeline;
-        let is_there = |piece: &&Placed| piece.would_cover(settings, frame, pixel);
-        let is_drawn = |piece: &&Placed| frame.geometry.triangles.iter().any(|triangle| triangle.id == piece.id);
+        let is_there = |piece: &&PlacedTriangle| piece.would_cover(settings, frame, pixel);
+        let is_drawn =
+            |piece: &&PlacedTriangle| frame.geometry.triangles.iter().any(|triangle| triangle.id == piece.id);
         // All rasterized triangles are drawn unless the frame's list was truncated.
-        let is_whole = frame.geometry.triangles.len() >= self.found.rasterized.len();
-        let later: &[Placed] = if is_whole { &[] } else { &self.found.rasterized };
+        let is_whole = frame.geometry.triangles.len() >= self.triangles.rasterized.len();
+        let later: &[PlacedTriangle] = if is_whole { &[] } else { &self.triangles.rasterized };
         let later = later.iter().filter(is_there).filter(|piece| !is_drawn(piece));
-        let dropped = self.found.dropped.iter().filter(is_there).chain(later);
-        let crossing = self.found.crossing.iter().filter_map(|t| Some((t, self.cut_away(t, settings, pixel)?)));
+        let dropped = self.triangles.dropped.iter().filter(is_there).chain(later);
+        let crossing = self.triangles.crossing.iter().filter_map(|t| Some((t, self.cut_away(t, settings, pixel)?)));
         dropped
             .map(|piece| Absent {
                 corners_px: Some(piece.corners_px),
                 ..absent(piece.id, piece.instance, piece.cause, piece.reason(settings))
             })
             .chain(crossing.map(|(t, (cause, reason))| absent(t.id, t.instance, cause, reason)))
-            .chain(self.found.not_finite.iter().map(|(id, instance)| {
+            .chain(self.triangles.not_finite.iter().map(|(id, instance)| {
                 let reason = "has a NaN or infinite corner in clip space, so it is never drawn".to_owned();
                 absent(*id, *instance, Cause::NotFinite, reason)
             }))
@@ -277,7 +279,12 @@ impl Survey {
 
     /// Returns the near or far plane that clips a triangle away at a pixel, with the reason. `None` if neither does, or
     /// if the triangle would be culled anyway.
-    fn cut_away(&self, triangle: &Crossing, settings: &Settings, (x, y): (u32, u32)) -> Option<(Cause, String)> {
+    fn cut_away(
+        &self,
+        triangle: &CrossingTriangle,
+        settings: &Settings,
+        (x, y): (u32, u32),
+    ) -> Option<(Cause, String)> {
         let share = |pixel: u32, size: u32| (f64::from(pixel) + 0.5) / f64::from(size);
         let ndc = DVec2::new(share(x, self.raster.width) * 2.0 - 1.0, 1.0 - share(y, self.raster.height) * 2.0);
         let met = meeting(triangle.corners, ndc)?;
@@ -314,12 +321,12 @@ impl Survey {
     }
 }
 
-impl Placed {
+impl PlacedTriangle {
     /// Whether the recipe's rasterizer would cover the pixel; for a zero-area piece, whether it passes through the
     /// centre.
     fn would_cover(&self, settings: &Settings, frame: &Frame, (x, y): (u32, u32)) -> bool {
         let scissor = Scissor::pixel(x, y);
-        if !scissor.may_meet(self.corners_px) {
+        if !scissor.may_overlap(self.corners_px) {
             return false;
         }
         if self.cause == Cause::ZeroArea {
@@ -358,7 +365,7 @@ impl Placed {
 
 /// Whether a corner lies inside the view frustum: a triangle of three such corners is neither clipped nor rejected.
 fn is_inside(position: Vec4) -> bool {
-    position.is_finite() && Plane::ALL.iter().all(|plane| plane.distance(position, 1.0) >= 0.0)
+    position.is_finite() && ClipPlane::ALL.iter().all(|plane| plane.distance(position, 1.0) >= 0.0)
 }
 
 /// An observer that records triangles with a non-finite corner.

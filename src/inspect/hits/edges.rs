@@ -11,25 +11,25 @@ const REACH_PX: f64 = 2.0;
 
 /// Bit patterns of an edge's ends, in an order independent of the triangle, and the instance of the edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-struct Ends {
+struct EdgeEnds {
     instance: u32,
     bits: [[u32; 2]; 2],
 }
 
 /// An edge, and the side of it on which its triangle lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Edge {
-    ends: Ends,
-    side: Side,
+pub(super) struct SidedEdge {
+    ends: EdgeEnds,
+    side: EdgeSide,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Side {
+enum EdgeSide {
     One,
     Other,
 }
 
-impl Side {
+impl EdgeSide {
     fn opposite(self) -> Self {
         match self {
             Self::One => Self::Other,
@@ -39,23 +39,23 @@ impl Side {
 }
 
 /// Returns the edges of a triangle, each opposite to the corner with the same index; empty if the triangle has no area.
-pub(super) fn edges_of(instance: u32, corners_px: [[f32; 2]; 3]) -> Vec<Edge> {
+pub(super) fn edges_of(instance: u32, corners_px: [[f32; 2]; 3]) -> Vec<SidedEdge> {
     (0..3).filter_map(|opposite| edge(instance, corners_px, opposite)).collect()
 }
 
-fn edge(instance: u32, corners_px: [[f32; 2]; 3], opposite: usize) -> Option<Edge> {
+fn edge(instance: u32, corners_px: [[f32; 2]; 3], opposite: usize) -> Option<SidedEdge> {
     // Adding zero turns −0 into 0, which is the same position.
     let bits = |corner: [f32; 2]| corner.map(|c| (c + 0.0).to_bits());
     let (from, to) = (corners_px[(opposite + 1) % 3], corners_px[(opposite + 2) % 3]);
     let [from, to] = if bits(from) <= bits(to) { [from, to] } else { [to, from] };
     let (area, _) = doubled_area(Arithmetic::Exact, [from, to, corners_px[opposite]]);
-    let side = if area == 0.0 { None } else { Some(if area > 0.0 { Side::One } else { Side::Other }) }?;
-    Some(Edge { ends: Ends { instance, bits: [bits(from), bits(to)] }, side })
+    let side = if area == 0.0 { None } else { Some(if area > 0.0 { EdgeSide::One } else { EdgeSide::Other }) }?;
+    Some(SidedEdge { ends: EdgeEnds { instance, bits: [bits(from), bits(to)] }, side })
 }
 
 /// Returns the edge nearest to a pixel's centre inside a triangle; two edges if the centre lies on a corner. Empty if
 /// all are farther away than any rasterizer's faults reach.
-pub(super) fn edges_near(instance: u32, corners_px: [[f32; 2]; 3], pixel: (u32, u32)) -> Vec<Edge> {
+pub(super) fn edges_near(instance: u32, corners_px: [[f32; 2]; 3], pixel: (u32, u32)) -> Vec<SidedEdge> {
     let Some(triangle) = AnyTriangle::new(Arithmetic::Exact, corners_px, FillRule::TopLeft) else { return Vec::new() };
     let sample = triangle.sample(pixel);
     let (_, scale) = doubled_area(Arithmetic::Exact, corners_px);
@@ -70,34 +70,34 @@ pub(super) fn edges_near(instance: u32, corners_px: [[f32; 2]; 3], pixel: (u32, 
 
 /// Triangles by edge: the first one on each side.
 #[derive(Default)]
-pub(super) struct Meetings(HashMap<Ends, [Option<usize>; 2]>);
+pub(super) struct EdgeTriangles(HashMap<EdgeEnds, [Option<usize>; 2]>);
 
-impl Meetings {
+impl EdgeTriangles {
     /// Whether no edge is recorded.
     pub(super) fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
     /// Adds an edge without triangles.
-    pub(super) fn expect(&mut self, edge: Edge) {
+    pub(super) fn expect(&mut self, edge: SidedEdge) {
         self.0.entry(edge.ends).or_default();
     }
 
     /// Adds a triangle on its side of an edge.
-    pub(super) fn add(&mut self, edge: Edge, triangle: usize) {
+    pub(super) fn add(&mut self, edge: SidedEdge, triangle: usize) {
         self.expect(edge);
         self.add_expected(edge, triangle);
     }
 
     /// Adds a triangle only if its edge is recorded.
-    pub(super) fn add_expected(&mut self, edge: Edge, triangle: usize) {
+    pub(super) fn add_expected(&mut self, edge: SidedEdge, triangle: usize) {
         if let Some(sides) = self.0.get_mut(&edge.ends) {
             sides[edge.side as usize].get_or_insert(triangle);
         }
     }
 
     /// Returns the first triangle on the other side of an edge.
-    pub(super) fn across(&self, edge: Edge) -> Option<usize> {
+    pub(super) fn across(&self, edge: SidedEdge) -> Option<usize> {
         self.0.get(&edge.ends)?[edge.side.opposite() as usize]
     }
 }

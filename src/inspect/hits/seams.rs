@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::{Fault, FaultKind, Search, Way};
+use super::{CountMode, Fault, FaultKind, FaultSearch};
 use crate::chain::{Frame, Recipe};
 use crate::inspect::vertices::Outcode;
 use crate::math::fixed::{snap, to_pixels};
@@ -20,7 +20,7 @@ use crate::pipeline::raster::{AnyTriangle, Scissor, doubled_area};
 use crate::pipeline::settings::{Arithmetic, FillRule, Settings};
 use crate::pipeline::vertex::{ClipVertex, DrawMatrices};
 use crate::pipeline::viewport::{Viewport, divided};
-use crate::scene::seams::{Corner, Junction, Seam, Seams, TriangleEdge};
+use crate::scene::seams::{Junction, Seam, Seams, TriangleCorner, TriangleEdge};
 use crate::scene::{Camera, Scene, TriangleId};
 
 /// Minimum number of seams that one thread processes at a time.
@@ -43,13 +43,13 @@ pub(super) fn faults(scene: &Scene, recipe: &Recipe, frame: &Frame, seams: &Seam
         faults
     };
     let parts: Vec<_> = seams.seams().par_iter().with_min_len(CHUNK).map(faults_of).collect();
-    let mut found = Found::new();
+    let mut found = FaultMap::new();
     for ((y, x), fault) in parts.into_iter().flatten() {
         if frame.drawn.grid.sample_at(x, y).is_some() {
             found.entry((y, x)).or_insert(fault);
         }
     }
-    Search::of(frame, &recipe.pipeline, scissor).seam_faults(found)
+    FaultSearch::of(frame, &recipe.pipeline, scissor).seam_faults(found)
 }
 
 /// Returns for each junction the pixel of the full picture that contains its vertex. `None` if the vertex is outside
@@ -71,21 +71,21 @@ pub(in crate::inspect) fn junction_pixels(
 pub(in crate::inspect) fn border_in_picture(scene: &Scene, recipe: &Recipe, frame: &Frame, seams: &Seams) -> usize {
     let wanted = || seams.border().iter().map(|corner| corner.triangle);
     let placing = Placing::new(scene, recipe, frame, (frame.camera, frame.viewport), wanted());
-    let is_there = |corner: &&Corner| placing.is_drawn(corner.triangle) && placing.pixel(**corner).is_some();
+    let is_there = |corner: &&TriangleCorner| placing.is_drawn(corner.triangle) && placing.pixel(**corner).is_some();
     seams.border().iter().filter(is_there).count()
 }
 
 /// Faults by row and column of their sample: the kind, the triangles of both sides, and the junction.
-pub(super) type Found = BTreeMap<(u32, u32), (FaultKind, [TriangleId; 2], Junction)>;
+pub(super) type FaultMap = BTreeMap<(u32, u32), (FaultKind, [TriangleId; 2], Junction)>;
 
-impl Search<'_> {
+impl FaultSearch<'_> {
     /// Adds the triangles that hit each faulty sample, and the triangles that should.
-    fn seam_faults(&self, found: Found) -> Vec<Fault> {
+    fn seam_faults(&self, found: FaultMap) -> Vec<Fault> {
         if found.is_empty() {
             return Vec::new();
         }
         let mut hit_by: BTreeMap<(u32, u32), Vec<TriangleId>> = BTreeMap::new();
-        self.each_hit(Way::Drawn, |index, (column, row)| {
+        self.each_hit(CountMode::Drawn, |index, (column, row)| {
             let (x, y) = self.grid.pixel(column + self.origin.0, row + self.origin.1);
             if found.contains_key(&(y, x)) {
                 hit_by.entry((y, x)).or_default().push(self.triangles[index].id);
@@ -168,7 +168,7 @@ impl<'a> Placing<'a> {
     }
 
     /// Returns the pixel that contains a vertex; `None` if the vertex is outside the picture.
-    fn pixel(&self, Corner { triangle, corner }: Corner) -> Option<(u32, u32)> {
+    fn pixel(&self, TriangleCorner { triangle, corner }: TriangleCorner) -> Option<(u32, u32)> {
         let vertex = self.corners(triangle)?[usize::from(corner)];
         if !Outcode::of(vertex.position, false).is_inside() {
             return None;
@@ -213,17 +213,17 @@ impl<'a> Placing<'a> {
 
 /// Two edges on the screen with their triangles on opposite sides.
 struct Gap {
-    sides: [Side; 2],
+    sides: [GapSide; 2],
 }
 
 /// One edge of a gap.
-struct Side {
+struct GapSide {
     ends_px: [[f64; 2]; 2],
     /// Triangle whose edge opposite to its last corner is this edge, on the side of the surface.
     triangle: AnyTriangle,
 }
 
-impl Side {
+impl GapSide {
     fn new(ends_px: [[f32; 2]; 2], facing: Facing, rule: FillRule) -> Option<Self> {
         let [[ax, ay], [bx, by]] = ends_px;
         // Direction across the edge towards the inner side of a triangle that appears clockwise.
@@ -234,7 +234,7 @@ impl Side {
     }
 
     /// Whether a pixel's centre lies on the inner side, or on the edge and is owned by its triangle.
-    fn has(&self, pixel: (u32, u32)) -> bool {
+    fn covers(&self, pixel: (u32, u32)) -> bool {
         let value = self.triangle.sample(pixel).edges[2];
         value > 0.0 || value == 0.0 && self.triangle.owned()[2]
     }
@@ -255,7 +255,7 @@ impl Side {
 impl Gap {
     /// Returns the gap between two adjacent edges; `None` if both surfaces lie on the same side, as on an outline.
     fn between(host: ScreenEdge, guest: ScreenEdge, settings: &Settings) -> Option<Self> {
-        let rule = if settings.fill_rule.is_sound() { settings.fill_rule } else { FillRule::TopLeft };
+        let rule = if settings.fill_rule.draws_shared_edges_once() { settings.fill_rule } else { FillRule::TopLeft };
         let run =
             |edge: &ScreenEdge| [0, 1].map(|axis| f64::from(edge.ends_px[1][axis]) - f64::from(edge.ends_px[0][axis]));
         let (a, b) = (run(&host), run(&guest));
@@ -274,7 +274,7 @@ impl Gap {
             (host, guest) if opposite(host) == guest => [host, guest],
             _ => return None,
         };
-        let sides = [Side::new(host.ends_px, facings[0], rule)?, Side::new(guest.ends_px, facings[1], rule)?];
+        let sides = [GapSide::new(host.ends_px, facings[0], rule)?, GapSide::new(guest.ends_px, facings[1], rule)?];
         Some(Self { sides })
     }
 
@@ -295,7 +295,7 @@ impl Gap {
             let high = clamp(1 - axis, one.max(other).floor() + 2.0);
             for across in low..high {
                 let pixel = if axis == 0 { (along, across) } else { (across, along) };
-                match (host.has(pixel), guest.has(pixel)) {
+                match (host.covers(pixel), guest.covers(pixel)) {
                     (false, false) => sink(pixel, FaultKind::Crack),
                     (true, true) => sink(pixel, FaultKind::DoubleHit),
                     _ => {}

@@ -1,20 +1,20 @@
 //! Hatching: parallel lines over one convex polygon, except where another one covers it.
 
 /// A point of a picture, in px.
-pub(super) type Point = [f32; 2];
+pub(super) type ScreenPoint = [f32; 2];
 
 /// Maximum number of lines of one hatching; a polygon that needs more is not hatched.
-const MOST_LINES: f32 = 600.0;
+const MAX_LINES: f32 = 600.0;
 
 /// Returns lines that rise to the right over `outer` but not over `inner`. They cross an axis every `step` px. Either
 /// polygon may be degenerate.
-pub(super) fn hatch(outer: &[Point], inner: &[Point], step: f32) -> Vec<[Point; 2]> {
+pub(super) fn hatch(outer: &[ScreenPoint], inner: &[ScreenPoint], step: f32) -> Vec<[ScreenPoint; 2]> {
     // x + y is constant along a line.
-    let along = |p: &Point| p[0] + p[1];
+    let along = |p: &ScreenPoint| p[0] + p[1];
     let finite = outer.iter().map(along).filter(|c| c.is_finite());
     let (low, high) = finite.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), c| (low.min(c), high.max(c)));
     let extent = high - low;
-    if !extent.is_finite() || extent <= 0.0 || extent / step > MOST_LINES {
+    if !extent.is_finite() || extent <= 0.0 || extent / step > MAX_LINES {
         return Vec::new();
     }
     let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
@@ -36,7 +36,7 @@ pub(super) fn hatch(outer: &[Point], inner: &[Point], step: f32) -> Vec<[Point; 
 
 /// Returns the interval of x in which the line x + y = `c` lies within a convex polygon; `None` if it misses the
 /// polygon.
-fn interval(polygon: &[Point], c: f32) -> Option<[f32; 2]> {
+fn interval(polygon: &[ScreenPoint], c: f32) -> Option<[f32; 2]> {
     let mut range: Option<[f32; 2]> = None;
     for (index, a) in polygon.iter().enumerate() {
         let b = polygon[(index + 1) % polygon.len()];
@@ -55,9 +55,9 @@ fn interval(polygon: &[Point], c: f32) -> Option<[f32; 2]> {
 mod tests {
     use super::*;
 
-    const SQUARE: [Point; 4] = [[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]];
+    const SQUARE: [ScreenPoint; 4] = [[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]];
 
-    fn length(lines: &[[Point; 2]]) -> f32 {
+    fn length(lines: &[[ScreenPoint; 2]]) -> f32 {
         lines.iter().map(|[a, b]| ((a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2)).sqrt()).sum()
     }
 
@@ -65,7 +65,7 @@ mod tests {
     fn lines_fill_the_outer_polygon_less_the_inner_one() {
         // Lines at 45° that cross an axis every `step` have a total length of area · √2 / step.
         let (step, root) = (0.05, std::f32::consts::SQRT_2);
-        let area = |lines: &[[Point; 2]]| length(lines) * step / root;
+        let area = |lines: &[[ScreenPoint; 2]]| length(lines) * step / root;
         assert!((area(&hatch(&SQUARE, &[], step)) - 100.0).abs() < 1.0);
         let half = [[0.0, 0.0], [5.0, 0.0], [5.0, 10.0], [0.0, 10.0]];
         let lines = hatch(&SQUARE, &half, step);

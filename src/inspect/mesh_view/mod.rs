@@ -15,7 +15,7 @@ mod outside;
 mod picture;
 
 use crate::image::Rgba8;
-use crate::inspect::fates::{Met, Rejections};
+use crate::inspect::fates::{GeometryOutcome, Rejections};
 use crate::pipeline::observe::Fate;
 use crate::pipeline::settings::{Choice, Culling, Settings, choice};
 use crate::pipeline::viewport::Viewport;
@@ -24,16 +24,15 @@ use crate::scene::{Camera, Scene, TriangleId};
 pub(crate) use explode::corners;
 pub(crate) use explode::exploded;
 pub(crate) use outside::first_view;
-pub(crate) use outside::fit;
+pub use outside::fit;
 pub(crate) use outside::with_planes;
-pub(crate) use overlay::Kind;
-pub(crate) use overlay::Look;
-pub(crate) use overlay::Mark;
+pub(crate) use overlay::MarkKind;
+pub(crate) use overlay::MeshMark;
+pub(crate) use overlay::OverlayInputs;
 pub(crate) use overlay::drawn;
-pub(crate) use picture::MeshNormals;
-pub(crate) use picture::MeshPicture;
-pub(crate) use picture::Painting;
-pub(crate) use picture::paint;
+pub use picture::MeshNormals;
+pub use picture::Painting;
+pub use picture::paint;
 pub(crate) use picture::shown_at;
 
 choice! {
@@ -49,13 +48,13 @@ choice! {
 
 /// The render camera and its pipeline, which the second camera looks at.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Inner {
+pub struct Inner {
     /// The render camera.
-    pub(crate) camera: Camera,
+    pub camera: Camera,
     /// Pipeline settings of the render camera.
-    pub(crate) settings: Settings,
+    pub settings: Settings,
     /// Size of the render camera's picture, in pixels.
-    pub(crate) viewport: Viewport,
+    pub viewport: Viewport,
 }
 
 impl Inner {
@@ -67,31 +66,34 @@ impl Inner {
 }
 
 /// Returns the display colour of a geometry-stage result.
-pub(crate) fn met_color(met: Met) -> Rgba8 {
+pub(crate) fn met_color(met: GeometryOutcome) -> Rgba8 {
     match met {
-        Met::Drawn => [120, 168, 216, 255],
-        Met::Cut => [240, 160, 48, 255],
-        Met::Rejected(Fate::BackFacing | Fate::FrontFacing) => [206, 84, 84, 255],
-        Met::Rejected(Fate::Outside) => [104, 104, 112, 255],
-        Met::Rejected(Fate::ClippedAway) => [150, 96, 40, 255],
-        Met::Rejected(Fate::ZeroArea) => [236, 220, 96, 255],
-        Met::Rejected(Fate::NotFinite) => [214, 80, 214, 255],
+        GeometryOutcome::Drawn => [120, 168, 216, 255],
+        GeometryOutcome::Cut => [240, 160, 48, 255],
+        GeometryOutcome::Rejected(Fate::BackFacing | Fate::FrontFacing) => [206, 84, 84, 255],
+        GeometryOutcome::Rejected(Fate::Outside) => [104, 104, 112, 255],
+        GeometryOutcome::Rejected(Fate::ClippedAway) => [150, 96, 40, 255],
+        GeometryOutcome::Rejected(Fate::ZeroArea) => [236, 220, 96, 255],
+        GeometryOutcome::Rejected(Fate::NotFinite) => [214, 80, 214, 255],
     }
 }
 
 /// Returns the legend of a style; empty if its colours only distinguish triangles or objects.
 pub(crate) fn key(style: MeshStyle) -> Vec<(&'static str, Rgba8)> {
     let fates = [
-        ("drawn", Met::Drawn),
-        ("clipped, drawn", Met::Cut),
-        ("culled", Met::Rejected(Fate::BackFacing)),
-        ("outside", Met::Rejected(Fate::Outside)),
-        ("clipped away", Met::Rejected(Fate::ClippedAway)),
-        ("zero area", Met::Rejected(Fate::ZeroArea)),
-        ("not finite", Met::Rejected(Fate::NotFinite)),
+        ("drawn", GeometryOutcome::Drawn),
+        ("clipped, drawn", GeometryOutcome::Cut),
+        ("culled", GeometryOutcome::Rejected(Fate::BackFacing)),
+        ("outside", GeometryOutcome::Rejected(Fate::Outside)),
+        ("clipped away", GeometryOutcome::Rejected(Fate::ClippedAway)),
+        ("zero area", GeometryOutcome::Rejected(Fate::ZeroArea)),
+        ("not finite", GeometryOutcome::Rejected(Fate::NotFinite)),
     ];
-    let sides =
-        [("front", Met::Drawn), ("back", Met::Rejected(Fate::BackFacing)), ("not seen", Met::Rejected(Fate::Outside))];
+    let sides = [
+        ("front", GeometryOutcome::Drawn),
+        ("back", GeometryOutcome::Rejected(Fate::BackFacing)),
+        ("not seen", GeometryOutcome::Rejected(Fate::Outside)),
+    ];
     match style {
         MeshStyle::Fate => fates.map(|(name, met)| (name, met_color(met))).to_vec(),
         MeshStyle::Facing | MeshStyle::Wire => sides.map(|(name, met)| (name, met_color(met))).to_vec(),

@@ -10,7 +10,7 @@ use crate::scene::{Camera, Scene};
 const FROM: Vec3 = Vec3::new(1.0, 0.6, 0.45);
 
 /// Minimum ratio of the near to the far distance; reversed depth has sufficient precision for it.
-const LEAST_NEAR: f32 = 1e-5;
+const MIN_NEAR: f32 = 1e-5;
 
 /// Returns the bounding box of the scene and the eye of the render camera.
 fn bounds(scene: &Scene, inner: &Camera) -> Aabb {
@@ -29,7 +29,7 @@ pub(crate) fn first_view(scene: &Scene, inner: &Inner, aspect: f32) -> Camera {
 }
 
 /// Returns a view in the same direction that shows the whole scene and the render camera.
-pub(crate) fn fit(view: Camera, scene: &Scene, inner: &Inner, aspect: f32) -> Camera {
+pub fn fit(view: Camera, scene: &Scene, inner: &Inner, aspect: f32) -> Camera {
     view.refit(bounds(scene, &inner.camera), aspect)
 }
 
@@ -38,7 +38,7 @@ pub(crate) fn with_planes(view: Camera, scene: &Scene, inner: &Inner) -> Camera 
     let bounds = bounds(scene, &inner.camera);
     let (distance, radius) = (view.eye.distance(bounds.center()), bounds.radius());
     let far = (distance + radius) * 1.01;
-    let near = ((distance - radius) * 0.5).max(far * LEAST_NEAR);
+    let near = ((distance - radius) * 0.5).max(far * MIN_NEAR);
     let seen = Camera { near, far, ..view };
     if seen.check().is_ok() { seen } else { view }
 }

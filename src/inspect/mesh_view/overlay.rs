@@ -3,9 +3,9 @@
 
 use glam::{DMat4, DVec3, DVec4, Vec3};
 
-use super::hatch::{Point, hatch};
+use super::hatch::{ScreenPoint, hatch};
 use super::{Inner, corners};
-use crate::inspect::fates::Met;
+use crate::inspect::fates::GeometryOutcome;
 use crate::pipeline::clip::{Cut, Polygon, guard_band_widening};
 use crate::pipeline::observe::Fate;
 use crate::pipeline::vertex::{ClipVertex, DrawMatrices};
@@ -13,17 +13,17 @@ use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, DepthMapping, Projection, Scene, TriangleId};
 
 /// Maximum number of clipped or culled triangles that are all marked; with more, only the selected one is.
-const MOST_MARKED: usize = 200;
+const MAX_MARKED: usize = 200;
 
 /// Distance between the lines of a hatching along an axis, in px.
 const HATCH_PX: f32 = 7.0;
 
 /// Minimum w of a projected point, as a fraction of the second camera's near distance.
-const LEAST_W: f64 = 1e-6;
+const MIN_W: f64 = 1e-6;
 
 /// Kind of a mark.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Kind {
+pub(crate) enum MarkKind {
     /// An edge of the render camera's frustum.
     Frustum,
     /// The near rectangle of the frustum, as a polygon.
@@ -39,7 +39,7 @@ pub(crate) enum Kind {
     /// The selected triangle, as a polygon.
     Selected,
     /// Outline of the remaining part of a clipped triangle.
-    Kept,
+    RemainingPart,
     /// A hatching line over the clipped part of a triangle.
     CutAway,
     /// A vertex created by clipping, as a dot. The value is its position along its edge, in [0, 1]; `None` if it lies
@@ -53,16 +53,16 @@ pub(crate) enum Kind {
 
 /// A dot (one point), a line (two) or a closed polygon (more).
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Mark {
+pub(crate) struct MeshMark {
     /// Kind of the mark.
-    pub(crate) kind: Kind,
+    pub(crate) kind: MarkKind,
     /// Points of the mark, in px of the mesh view.
-    pub(crate) points: Vec<Point>,
+    pub(crate) points: Vec<ScreenPoint>,
 }
 
 /// Parts of the scene to mark.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Look {
+pub(crate) struct OverlayInputs {
     /// Picked pixel of the render camera's picture.
     pub(crate) pixel: Option<(u32, u32)>,
     /// Distance along the line of sight to the surface at the picked pixel, in world units; `None` for the background.
@@ -74,48 +74,54 @@ pub(crate) struct Look {
     /// Whether culled triangles are outlined.
     pub(crate) culled: bool,
     /// Factor by which triangles are moved apart; see [`super::exploded`].
-    pub(crate) apart: f32,
+    pub(crate) explode: f32,
 }
 
 /// Returns all marks, bottom to top.
-pub(crate) fn drawn(scene: &Scene, inner: &Inner, look: &Look, outside: &Camera, size: Viewport) -> Vec<Mark> {
-    let mut canvas = Canvas::new(outside, size);
-    let eye = Eye::new(inner, scene);
+pub(crate) fn drawn(
+    scene: &Scene,
+    inner: &Inner,
+    look: &OverlayInputs,
+    outside: &Camera,
+    size: Viewport,
+) -> Vec<MeshMark> {
+    let mut canvas = MarkProjector::new(outside, size);
+    let eye = CameraFrustum::new(inner, scene);
     // Clipped and culled triangles are marked at their original positions only.
-    if look.apart == 0.0 {
+    if look.explode == 0.0 {
         cut_and_culled(scene, inner, look, &mut canvas);
     }
-    if let Some(corners) = look.selected.and_then(|id| corners(scene, id, look.apart)) {
-        canvas.polygon(Kind::Selected, &corners.map(Vec3::as_dvec3));
+    if let Some(corners) = look.selected.and_then(|id| corners(scene, id, look.explode)) {
+        canvas.polygon(MarkKind::Selected, &corners.map(Vec3::as_dvec3));
     }
     eye.frustum(&mut canvas);
     eye.ray(look, &mut canvas);
-    if let Some(vertex) = look.vertex.filter(|_| look.apart == 0.0) {
-        canvas.dot(Kind::Vertex, vertex);
+    if let Some(vertex) = look.vertex.filter(|_| look.explode == 0.0) {
+        canvas.dot(MarkKind::Vertex, vertex);
     }
     canvas.marks
 }
 
 /// Marks projected by the second camera.
-struct Canvas {
+struct MarkProjector {
     clip_from_world: DMat4,
     size: Viewport,
     least_w: f64,
-    marks: Vec<Mark>,
+    marks: Vec<MeshMark>,
 }
 
-impl Canvas {
+impl MarkProjector {
     fn new(outside: &Camera, size: Viewport) -> Self {
         let clip_from_view = outside.clip_from_view(size.aspect(), DepthMapping::Reversed).as_dmat4();
         Self {
             clip_from_world: clip_from_view * outside.view_from_world_f64(),
             size,
-            least_w: f64::from(outside.near) * LEAST_W,
+            least_w: f64::from(outside.near) * MIN_W,
             marks: Vec::new(),
         }
     }
 
-    fn pixel(&self, clip: DVec4) -> Point {
+    fn pixel(&self, clip: DVec4) -> ScreenPoint {
         let Viewport { width, height } = self.size;
         let x = (clip.x / clip.w * 0.5 + 0.5) * f64::from(width);
         let y = (0.5 - clip.y / clip.w * 0.5) * f64::from(height);
@@ -123,7 +129,7 @@ impl Canvas {
     }
 
     /// Returns the part of a polygon in front of the second camera, in px.
-    fn projected(&self, points: &[DVec3]) -> Vec<Point> {
+    fn projected(&self, points: &[DVec3]) -> Vec<ScreenPoint> {
         let clip: Vec<DVec4> = points.iter().map(|point| self.clip_from_world * point.extend(1.0)).collect();
         let mut seen = Vec::with_capacity(points.len() + 1);
         for (index, a) in clip.iter().enumerate() {
@@ -140,38 +146,38 @@ impl Canvas {
         seen
     }
 
-    fn polygon(&mut self, kind: Kind, points: &[DVec3]) {
+    fn polygon(&mut self, kind: MarkKind, points: &[DVec3]) {
         let points = self.projected(points);
         if points.len() >= 3 {
-            self.marks.push(Mark { kind, points });
+            self.marks.push(MeshMark { kind, points });
         }
     }
 
-    fn line(&mut self, kind: Kind, from: DVec3, to: DVec3) {
+    fn line(&mut self, kind: MarkKind, from: DVec3, to: DVec3) {
         let mut points = self.projected(&[from, to]);
         // The line is processed as a two-point polygon in both directions, so a clipped end appears twice.
         points.truncate(2);
         if points.len() == 2 {
-            self.marks.push(Mark { kind, points });
+            self.marks.push(MeshMark { kind, points });
         }
     }
 
-    fn dot(&mut self, kind: Kind, at: DVec3) {
+    fn dot(&mut self, kind: MarkKind, at: DVec3) {
         let clip = self.clip_from_world * at.extend(1.0);
         if clip.w >= self.least_w {
-            self.marks.push(Mark { kind, points: vec![self.pixel(clip)] });
+            self.marks.push(MeshMark { kind, points: vec![self.pixel(clip)] });
         }
     }
 }
 
 /// The render camera's frustum and ray in world space.
-struct Eye<'a> {
+struct CameraFrustum<'a> {
     inner: &'a Inner,
     /// Distance at which the drawn frustum ends, in world units: the far plane, or the end of the scene if nearer.
     far: f64,
 }
 
-impl<'a> Eye<'a> {
+impl<'a> CameraFrustum<'a> {
     fn new(inner: &'a Inner, scene: &Scene) -> Self {
         let camera = &inner.camera;
         let forward = camera.forward().as_dvec3();
@@ -186,7 +192,7 @@ impl<'a> Eye<'a> {
         let camera = &self.inner.camera;
         let (right, forward) = (camera.right().as_dvec3(), camera.forward().as_dvec3());
         let up = right.cross(forward);
-        let aspect = camera.window.map_or_else(|| self.inner.viewport.aspect(), |window| window.aspect);
+        let aspect = camera.sub_view.map_or_else(|| self.inner.viewport.aspect(), |window| window.aspect);
         let half_height = match camera.projection {
             Projection::Perspective { fov_y } => (f64::from(fov_y) * 0.5).tan() * distance,
             Projection::Orthographic { height } => f64::from(height) * 0.5,
@@ -195,60 +201,60 @@ impl<'a> Eye<'a> {
         camera.eye.as_dvec3() + forward * distance + aside
     }
 
-    fn frustum(&self, canvas: &mut Canvas) {
+    fn frustum(&self, canvas: &mut MarkProjector) {
         const CORNERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
         let near = CORNERS.map(|corner| self.at(corner, self.inner.camera.near.into()));
         let far = CORNERS.map(|corner| self.at(corner, self.far));
-        canvas.polygon(Kind::NearPlane, &near);
+        canvas.polygon(MarkKind::NearPlane, &near);
         for side in 0..4 {
-            canvas.line(Kind::Frustum, near[side], far[side]);
-            canvas.line(Kind::Frustum, near[side], near[(side + 1) % 4]);
-            canvas.line(Kind::Frustum, far[side], far[(side + 1) % 4]);
+            canvas.line(MarkKind::Frustum, near[side], far[side]);
+            canvas.line(MarkKind::Frustum, near[side], near[(side + 1) % 4]);
+            canvas.line(MarkKind::Frustum, far[side], far[(side + 1) % 4]);
             if matches!(self.inner.camera.projection, Projection::Perspective { .. }) {
-                canvas.line(Kind::Frustum, self.inner.camera.eye.as_dvec3(), near[side]);
+                canvas.line(MarkKind::Frustum, self.inner.camera.eye.as_dvec3(), near[side]);
             }
         }
-        canvas.dot(Kind::Eye, self.inner.camera.eye.as_dvec3());
+        canvas.dot(MarkKind::Eye, self.inner.camera.eye.as_dvec3());
     }
 
-    fn ray(&self, look: &Look, canvas: &mut Canvas) {
+    fn ray(&self, look: &OverlayInputs, canvas: &mut MarkProjector) {
         let Some((x, y)) = look.pixel else { return };
         let Viewport { width, height } = self.inner.viewport;
         let across = |pixel: u32, size: u32| (f64::from(pixel) + 0.5) / f64::from(size) * 2.0 - 1.0;
         let place = [across(x, width), -across(y, height)];
         let end = self.at(place, self.far);
         let hit = look.hit_distance.filter(|distance| distance.is_finite()).map(|distance| self.at(place, distance));
-        canvas.line(Kind::Ray, self.at(place, 0.0), hit.unwrap_or(end));
+        canvas.line(MarkKind::Ray, self.at(place, 0.0), hit.unwrap_or(end));
         if let Some(hit) = hit {
-            canvas.line(Kind::RayBehind, hit, end);
-            canvas.dot(Kind::Hit, hit);
+            canvas.line(MarkKind::RayBehind, hit, end);
+            canvas.dot(MarkKind::Hit, hit);
         }
     }
 }
 
 /// Marks triangles that were clipped, and outlines triangles that were culled.
-fn cut_and_culled(scene: &Scene, inner: &Inner, look: &Look, canvas: &mut Canvas) {
+fn cut_and_culled(scene: &Scene, inner: &Inner, look: &OverlayInputs, canvas: &mut MarkProjector) {
     let rejections = inner.rejections(scene, inner.settings.culling);
-    let that_met = |wanted: fn(Met) -> bool| {
+    let that_met = |wanted: fn(GeometryOutcome) -> bool| {
         let found: Vec<_> =
-            rejections.met().zip(0..).filter(|(met, _)| wanted(*met)).map(|(_, id)| TriangleId(id)).collect();
-        let few = found.len() <= MOST_MARKED;
+            rejections.outcomes().zip(0..).filter(|(met, _)| wanted(*met)).map(|(_, id)| TriangleId(id)).collect();
+        let few = found.len() <= MAX_MARKED;
         found.into_iter().filter(move |id| few || look.selected == Some(*id))
     };
     if look.culled {
-        let is_culled = |met| matches!(met, Met::Rejected(Fate::BackFacing | Fate::FrontFacing));
+        let is_culled = |met| matches!(met, GeometryOutcome::Rejected(Fate::BackFacing | Fate::FrontFacing));
         for corners in that_met(is_culled).filter_map(|id| corners(scene, id, 0.0)) {
-            canvas.polygon(Kind::Culled, &corners.map(Vec3::as_dvec3));
+            canvas.polygon(MarkKind::Culled, &corners.map(Vec3::as_dvec3));
         }
     }
-    let is_cut = |met| matches!(met, Met::Cut | Met::Rejected(Fate::ClippedAway));
+    let is_cut = |met| matches!(met, GeometryOutcome::Cut | GeometryOutcome::Rejected(Fate::ClippedAway));
     for id in that_met(is_cut) {
         cut(scene, inner, id, canvas);
     }
 }
 
 /// Marks one clipped triangle: the remaining part, the clipped part, and the new vertices.
-fn cut(scene: &Scene, inner: &Inner, id: TriangleId, canvas: &mut Canvas) {
+fn cut(scene: &Scene, inner: &Inner, id: TriangleId, canvas: &mut MarkProjector) {
     let Some((polygon, corners)) = clipped(scene, inner, id) else { return };
     let world = |vertex: &ClipVertex| {
         let [a, b, c] = vertex.varyings.source_weights.to_array().map(f64::from);
@@ -257,12 +263,12 @@ fn cut(scene: &Scene, inner: &Inner, id: TriangleId, canvas: &mut Canvas) {
     let kept: Vec<DVec3> = polygon.iter().map(world).collect();
     let (outer, inner_part) = (canvas.projected(&corners), canvas.projected(&kept));
     let lines = hatch(&outer, &inner_part, HATCH_PX);
-    canvas.marks.extend(lines.into_iter().map(|line| Mark { kind: Kind::CutAway, points: line.to_vec() }));
-    canvas.polygon(Kind::Kept, &kept);
+    canvas.marks.extend(lines.into_iter().map(|line| MeshMark { kind: MarkKind::CutAway, points: line.to_vec() }));
+    canvas.polygon(MarkKind::RemainingPart, &kept);
     for (vertex, place) in polygon.iter().zip(kept) {
         let weights = vertex.varyings.source_weights;
         if weights.max_element() < 1.0 {
-            canvas.dot(Kind::NewVertex(along_edge(weights)), place);
+            canvas.dot(MarkKind::NewVertex(along_edge(weights)), place);
         }
     }
 }

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::{Inner, MeshStyle, exploded, is_triangle, met_color};
 use crate::image::{Image, Rgba8};
-use crate::inspect::fates::Met;
+use crate::inspect::fates::GeometryOutcome;
 use crate::inspect::normals::{DEFAULT_LENGTH, NormalKind, Projector, normal_lines, world_length};
 use crate::inspect::overlays::{FACE_NORMAL, VERTEX_NORMAL};
 use crate::inspect::selection::TriangleSelection;
@@ -12,27 +12,27 @@ use crate::math::unit_or;
 use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::observe::Observer;
-use crate::pipeline::raster::Sample;
+use crate::pipeline::raster::RasterSample;
 use crate::pipeline::settings::{Culling, DepthFormat, DepthTest, Settings, Shading};
 use crate::pipeline::shade::id_color;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::pipeline::wireframe::{edge_pixels, line_pixels};
-use crate::pipeline::{Extent, Geometry, Until, draw, prepare};
+use crate::pipeline::{Extent, Geometry, LastStage, draw, prepare};
 use crate::scene::{Camera, Scene, TriangleId};
 
 /// A rendered mesh view.
 #[derive(Clone, Debug)]
-pub(crate) struct MeshPicture {
+pub struct MeshPicture {
     /// The rendered image.
     pub(crate) image: Image<Rgba8>,
     /// Triangle that each pixel shows, or [`TriangleId::NONE`].
-    pub(crate) owner: Image<TriangleId>,
+    pub owner: Image<TriangleId>,
     /// Second camera that it was rendered with.
     pub(crate) camera: Camera,
 }
 
 /// Brightness factor of a triangle seen edge-on.
-const LEAST_LIGHT: f32 = 0.38;
+const MIN_LIGHT: f32 = 0.38;
 
 /// Brightness factor of unselected triangles.
 const DIM: f32 = 0.35;
@@ -40,10 +40,10 @@ const DIM: f32 = 0.35;
 /// Grey of a triangle seen head-on (sRGB codes).
 const FLAT: Rgba8 = [196, 198, 202, 255];
 
-struct Owners(Image<TriangleId>);
+struct MeshOwnerRecorder(Image<TriangleId>);
 
-impl Observer for Owners {
-    fn depth_stored(&mut self, triangle: &ScreenTriangle, sample: &Sample) {
+impl Observer for MeshOwnerRecorder {
+    fn depth_stored(&mut self, triangle: &ScreenTriangle, sample: &RasterSample) {
         self.0.set(sample.column, sample.row, triangle.id);
     }
 }
@@ -62,28 +62,28 @@ fn settings() -> Settings {
 
 /// Style of a mesh view.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Painting {
+pub struct Painting {
     /// Style that determines the colours of the triangles.
-    pub(crate) style: MeshStyle,
+    pub style: MeshStyle,
     /// Factor by which triangles are moved apart, relative to their distance from the centre of their mesh.
-    pub(crate) apart: f32,
+    pub explode: f32,
     /// Selected triangles; all others are dimmed. With an empty selection, none are.
-    pub(crate) selection: TriangleSelection,
+    pub selection: TriangleSelection,
     /// Background colour (sRGB codes).
-    pub(crate) backdrop: [u8; 3],
+    pub backdrop: [u8; 3],
     /// Kinds of normals to draw as lines.
-    pub(crate) normals: MeshNormals,
+    pub normals: MeshNormals,
 }
 
 /// Normals drawn over the triangles, without occlusion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshNormals {
     /// Whether vertex normals are drawn.
-    pub(crate) vertices: bool,
+    pub vertices: bool,
     /// Whether face normals are drawn.
-    pub(crate) faces: bool,
+    pub faces: bool,
     /// Length, as a fraction of the diagonal of the scene's bounding box.
-    pub(crate) length: f32,
+    pub length: f32,
 }
 
 impl Default for MeshNormals {
@@ -101,8 +101,8 @@ impl MeshNormals {
 }
 
 /// Renders the scene for the second camera `outside`.
-pub(crate) fn paint(scene: &Scene, inner: &Inner, outside: Camera, size: Viewport, painting: &Painting) -> MeshPicture {
-    let Painting { style, apart, selection, backdrop, normals } = painting;
+pub fn paint(scene: &Scene, inner: &Inner, outside: Camera, size: Viewport, painting: &Painting) -> MeshPicture {
+    let Painting { style, explode: apart, selection, backdrop, normals } = painting;
     let (style, apart) = (*style, *apart);
     let moved = (apart != 0.0).then(|| exploded(scene, apart));
     let shown = moved.as_ref().unwrap_or(scene);
@@ -136,8 +136,8 @@ pub(crate) fn paint(scene: &Scene, inner: &Inner, outside: Camera, size: Viewpor
 
 fn owners(scene: &Scene, geometry: &Geometry, settings: &Settings, size: Viewport) -> Image<TriangleId> {
     let mut frame = Framebuffer::new(SampleGrid::FULL, size.width, size.height, scene.background, settings);
-    let mut owners = Owners(Image::filled(size.width, size.height, TriangleId::NONE));
-    draw(scene, geometry, settings, &Extent::all(geometry, size), Until::Depth, &mut frame, &mut owners);
+    let mut owners = MeshOwnerRecorder(Image::filled(size.width, size.height, TriangleId::NONE));
+    draw(scene, geometry, settings, &Extent::all(geometry, size), LastStage::Depth, &mut frame, &mut owners);
     owners.0
 }
 
@@ -158,11 +158,11 @@ pub(crate) fn shown_at(owner: &Image<TriangleId>, triangle: TriangleId) -> Optio
 fn colors(scene: &Scene, inner: &Inner, style: MeshStyle) -> Vec<Rgba8> {
     match style {
         MeshStyle::Flat => Vec::new(),
-        MeshStyle::Fate => inner.rejections(scene, inner.settings.culling).met().map(met_color).collect(),
+        MeshStyle::Fate => inner.rejections(scene, inner.settings.culling).outcomes().map(met_color).collect(),
         // Culling back faces distinguishes the sides regardless of the render camera's culling mode.
         MeshStyle::Facing | MeshStyle::Wire => {
-            let whole = |met| if met == Met::Cut { Met::Drawn } else { met };
-            inner.rejections(scene, Culling::Back).met().map(|met| met_color(whole(met))).collect()
+            let whole = |met| if met == GeometryOutcome::Cut { GeometryOutcome::Drawn } else { met };
+            inner.rejections(scene, Culling::Back).outcomes().map(|met| met_color(whole(met))).collect()
         }
         MeshStyle::Object => {
             let counts = scene.instances.iter().map(|i| scene.library.mesh(i.mesh).triangles.len());
@@ -182,7 +182,7 @@ fn lights(scene: &Scene, eye: Vec3) -> Vec<f32> {
                 let [a, b, c] = corners.map(|corner| world[corner as usize].as_dvec3());
                 let normal = unit_or((b - a).cross(c - a), Vec3::Y);
                 let towards = unit_or(eye.as_dvec3() - a, Vec3::Z);
-                LEAST_LIGHT + (1.0 - LEAST_LIGHT) * normal.dot(towards).abs()
+                MIN_LIGHT + (1.0 - MIN_LIGHT) * normal.dot(towards).abs()
             })
             .collect::<Vec<_>>()
     };
@@ -196,7 +196,7 @@ fn lit([r, g, b, a]: Rgba8, light: f32) -> Rgba8 {
 
 /// Draws the edges of all triangles, front-facing ones on top.
 fn wires(geometry: &Geometry, colors: &[Rgba8], is_dim: impl Fn(TriangleId) -> bool, image: &mut Image<Rgba8>) {
-    let front = met_color(Met::Drawn);
+    let front = met_color(GeometryOutcome::Drawn);
     let color = |triangle: &ScreenTriangle| colors.get(triangle.id.0 as usize).copied().unwrap_or(FLAT);
     for fronts in [false, true] {
         for triangle in geometry.triangles.iter().filter(|triangle| (color(triangle) == front) == fronts) {

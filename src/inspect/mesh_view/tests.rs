@@ -22,10 +22,10 @@ fn outside(scene: &Scene, inner: &Inner) -> Camera {
 }
 
 fn painting(style: MeshStyle, backdrop: [u8; 3]) -> Painting {
-    Painting { style, apart: 0.0, selection: TriangleSelection::default(), backdrop, normals: MeshNormals::default() }
+    Painting { style, explode: 0.0, selection: TriangleSelection::default(), backdrop, normals: MeshNormals::default() }
 }
 
-fn marks(scene: &Scene, look: &Look) -> Vec<Mark> {
+fn marks(scene: &Scene, look: &OverlayInputs) -> Vec<MeshMark> {
     let inner = inner(scene);
     drawn(scene, &inner, look, &outside(scene, &inner), SIZE)
 }
@@ -37,8 +37,8 @@ fn the_first_view_shows_the_eye_and_every_triangle_can_be_picked() {
         let inner = inner(&scene);
         let seen = outside(&scene, &inner);
         assert_eq!(seen.check(), Ok(()), "{id}");
-        let marks = drawn(&scene, &inner, &Look::default(), &seen, SIZE);
-        let eye = marks.iter().find(|mark| mark.kind == Kind::Eye).unwrap();
+        let marks = drawn(&scene, &inner, &OverlayInputs::default(), &seen, SIZE);
+        let eye = marks.iter().find(|mark| mark.kind == MarkKind::Eye).unwrap();
         let [x, y] = eye.points[0];
         assert!((0.0..160.0).contains(&x) && (0.0..120.0).contains(&y), "{id}: {x}, {y}");
         let painted = paint(&scene, &inner, seen, SIZE, &painting(MeshStyle::Flat, [0; 3]));
@@ -54,45 +54,48 @@ fn fates_are_those_that_the_pipeline_deals_out() {
     let inner = inner(&scene);
     let mut counters = crate::pipeline::observe::Counters::default();
     crate::pipeline::prepare(&scene, &inner.camera, &inner.settings, SIZE, &mut counters);
-    let met: Vec<_> = inner.rejections(&scene, inner.settings.culling).met().collect();
+    let met: Vec<_> = inner.rejections(&scene, inner.settings.culling).outcomes().collect();
     for fate in crate::pipeline::observe::Fate::ALL {
-        let count = met.iter().filter(|met| **met == Met::Rejected(fate)).count() as u64;
+        let count = met.iter().filter(|met| **met == GeometryOutcome::Rejected(fate)).count() as u64;
         assert_eq!(count, counters.fate(fate), "{fate:?}");
     }
     assert!(counters.fate(Fate::BackFacing) > 0);
     let both = inner.rejections(&scene, Culling::None);
-    assert!(both.met().all(|met| met != Met::Rejected(Fate::BackFacing)));
+    assert!(both.outcomes().all(|met| met != GeometryOutcome::Rejected(Fate::BackFacing)));
 }
 
 #[test]
 fn culled_triangles_are_outlined_if_they_are_few_or_selected() {
-    let outlines = |scene: &Scene, culling, look: &Look| {
+    let outlines = |scene: &Scene, culling, look: &OverlayInputs| {
         let inner = Inner { settings: Settings { culling, ..Settings::default() }, ..inner(scene) };
         let marks = drawn(scene, &inner, look, &outside(scene, &inner), SIZE);
-        marks.iter().filter(|mark| mark.kind == Kind::Culled).count()
+        marks.iter().filter(|mark| mark.kind == MarkKind::Culled).count()
     };
-    let all = Look { culled: true, ..Look::default() };
+    let all = OverlayInputs { culled: true, ..OverlayInputs::default() };
     let alone = scene("triangle");
     assert_eq!(outlines(&alone, Culling::Front, &all), 1);
     assert_eq!(outlines(&alone, Culling::Back, &all), 0);
-    assert_eq!(outlines(&alone, Culling::Front, &Look::default()), 0);
+    assert_eq!(outlines(&alone, Culling::Front, &OverlayInputs::default()), 0);
     let many = scene("cubes");
-    let back = inner(&many).rejections(&many, Culling::Back).met().position(|m| m == Met::Rejected(Fate::BackFacing));
+    let back = inner(&many)
+        .rejections(&many, Culling::Back)
+        .outcomes()
+        .position(|m| m == GeometryOutcome::Rejected(Fate::BackFacing));
     assert_eq!(outlines(&many, Culling::Back, &all), 0);
     let selected = back.map(|id| TriangleId(id as u32));
-    assert_eq!(outlines(&many, Culling::Back, &Look { selected, ..all }), 1);
+    assert_eq!(outlines(&many, Culling::Back, &OverlayInputs { selected, ..all }), 1);
 }
 
 #[test]
 fn what_crosses_the_near_plane_has_new_vertices_on_it() {
     let scene = scene("near-plane");
-    let marks = marks(&scene, &Look::default());
+    let marks = marks(&scene, &OverlayInputs::default());
     let new: Vec<_> =
-        marks.iter().filter_map(|m| if let Kind::NewVertex(t) = m.kind { Some(t) } else { None }).collect();
+        marks.iter().filter_map(|m| if let MarkKind::NewVertex(t) = m.kind { Some(t) } else { None }).collect();
     assert!(!new.is_empty());
     assert!(new.iter().flatten().all(|t| *t > 0.0 && *t < 1.0), "{new:?}");
-    assert!(marks.iter().any(|mark| mark.kind == Kind::CutAway));
-    assert!(marks.iter().any(|mark| mark.kind == Kind::Kept));
+    assert!(marks.iter().any(|mark| mark.kind == MarkKind::CutAway));
+    assert!(marks.iter().any(|mark| mark.kind == MarkKind::RemainingPart));
 }
 
 #[test]
@@ -105,20 +108,20 @@ fn the_ray_of_a_pixel_ends_on_what_it_shows() {
     for (x, y) in (0..SIZE.width).step_by(13).flat_map(|x| (0..SIZE.height).step_by(11).map(move |y| (x, y))) {
         let report = crate::inspect::inspect(&scene, &recipe, &frame, x, y).unwrap();
         let Some(hit) = report.visible() else { continue };
-        let look = Look {
+        let look = OverlayInputs {
             pixel: Some((x, y)),
             hit_distance: Some(frame.depth_scale().distance_of(hit.depth.value)),
-            ..Look::default()
+            ..OverlayInputs::default()
         };
         // The hit, interpolated from the corners by their weights and projected by the second camera.
         let corners = corners(&scene, hit.triangle, 0.0).unwrap().map(glam::Vec3::as_dvec3);
         let weights = hit.attribute_weights.map(f64::from);
         let on_surface: DVec3 = corners.iter().zip(weights).map(|(corner, weight)| *corner * weight).sum();
         let seen = outside(&scene, &inner);
-        let look = Look { vertex: Some(on_surface), ..look };
+        let look = OverlayInputs { vertex: Some(on_surface), ..look };
         let marks = drawn(&scene, &inner, &look, &seen, SIZE);
         let at = |kind| marks.iter().find(|mark| mark.kind == kind).unwrap().points[0];
-        let ([a, b], [c, d]) = (at(Kind::Hit), at(Kind::Vertex));
+        let ([a, b], [c, d]) = (at(MarkKind::Hit), at(MarkKind::Vertex));
         assert!((a - c).hypot(b - d) < 0.5, "{x},{y}: {a},{b} and {c},{d}");
         checked += 1;
     }

@@ -9,7 +9,7 @@ use crate::pipeline::viewport::ScreenTriangle;
 
 /// A point on the boundary of two regions.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Crossing {
+pub(super) struct BoundaryPoint {
     /// Position, in samples.
     pub(super) place: DVec2,
     /// Unit normal of the straight line that the boundary follows there. `None` if it follows no line, as at the border
@@ -27,7 +27,7 @@ pub(super) struct Surfaces<'a> {
 impl Surfaces<'_> {
     /// Adds the point between two sample positions, in samples, at which their stacks change. Adds two points if one
     /// surface ends and the other begins elsewhere.
-    pub(super) fn find_crossings(&self, path: [DVec2; 2], stacks: [StackId; 2], found: &mut Vec<Crossing>) {
+    pub(super) fn find_crossings(&self, path: [DVec2; 2], stacks: [StackId; 2], found: &mut Vec<BoundaryPoint>) {
         let [first, second] = self.changing(stacks).map(|index| index.map(|index| self.side(index, path)));
         let events = match (first, second) {
             (Some(first), Some(second)) => change(&first, &second),
@@ -35,7 +35,8 @@ impl Surfaces<'_> {
             (None, Some(only)) => [only.enter, None],
             (None, None) => [None, None],
         };
-        let crossing = |along: f64, normal: Option<DVec2>| Crossing { place: path[0].lerp(path[1], along), normal };
+        let crossing =
+            |along: f64, normal: Option<DVec2>| BoundaryPoint { place: path[0].lerp(path[1], along), normal };
         if events == [None, None] {
             found.push(crossing(0.5, None));
         }
@@ -69,12 +70,12 @@ impl Surfaces<'_> {
         self.geometry.is_blended(&self.geometry.triangles[index as usize])
     }
 
-    fn side(&self, index: u32, path: [DVec2; 2]) -> Side {
+    fn side(&self, index: u32, path: [DVec2; 2]) -> PathTriangle {
         let triangle = &self.geometry.triangles[index as usize];
         let corners = triangle.corners_in(self.settings.arithmetic).map(|[x, y]| DVec2::new(x.into(), y.into()));
         let [enter, exit] = events(corners, path);
-        let plane = Plane::through(corners, self.priorities(triangle, index));
-        Side { enter, exit, gradient: plane.gradient, priority: path.map(|place| plane.at(place)) }
+        let plane = AffineFunction::through(corners, self.priorities(triangle, index));
+        PathTriangle { enter, exit, gradient: plane.gradient, priority: path.map(|place| plane.at(place)) }
     }
 
     /// Returns values at the corners of a triangle that are affine on the screen. They exceed the values of another
@@ -106,7 +107,7 @@ struct Event {
 
 /// A triangle along the path between two samples.
 #[derive(Clone, Copy, Debug)]
-struct Side {
+struct PathTriangle {
     /// Point where the path enters the triangle; `None` if it begins inside.
     enter: Option<Event>,
     /// Point where the path leaves the triangle; `None` if it ends inside.
@@ -118,9 +119,9 @@ struct Side {
 }
 
 /// Returns the point at which `first`, visible at the start of the path, is replaced by `second`, visible at the end.
-fn change(first: &Side, second: &Side) -> [Option<Event>; 2] {
+fn change(first: &PathTriangle, second: &PathTriangle) -> [Option<Event>; 2] {
     let lead = |along: f64| {
-        let at = |side: &Side| side.priority[0] + (side.priority[1] - side.priority[0]) * along;
+        let at = |side: &PathTriangle| side.priority[0] + (side.priority[1] - side.priority[0]) * along;
         at(first) - at(second)
     };
     // The surfaces may overlap from the point where the second begins to the point where the first ends.
@@ -165,13 +166,13 @@ fn events(corners: [DVec2; 3], [from, to]: [DVec2; 2]) -> [Option<Event>; 2] {
 
 /// An affine function of the screen.
 #[derive(Clone, Copy, Debug)]
-struct Plane {
+struct AffineFunction {
     origin: DVec2,
     at_origin: f64,
     gradient: DVec2,
 }
 
-impl Plane {
+impl AffineFunction {
     /// Returns the function with these values at the corners of a triangle.
     fn through(corners: [DVec2; 3], values: [f64; 3]) -> Self {
         let [origin, b, c] = corners;

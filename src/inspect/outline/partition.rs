@@ -13,9 +13,9 @@ use glam::{DMat2, DVec2};
 use rayon::prelude::*;
 
 use super::control::{OutlineControl, ParallelStep};
-use super::crossing::{Crossing, Surfaces};
+use super::crossing::{BoundaryPoint, Surfaces};
 use super::visible::{RegionId, StackId};
-use crate::drawing::Region;
+use crate::drawing::PartitionRegion;
 
 /// Maximum deviation when vertices of nearly straight boundaries are removed, in px.
 const STRAIGHT_PX: f64 = 0.01;
@@ -31,7 +31,7 @@ const BOUNDARIES_PERCENT: Range<usize> = 80..100;
 
 /// A vertex on the boundary of regions, in the cell between four samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Vertex {
+struct BoundaryVertex {
     /// Column of the cell, equal to the column of the samples on its right.
     column: u32,
     /// Position, in samples.
@@ -41,18 +41,18 @@ struct Vertex {
 }
 
 /// All vertices, in reading order of their cells.
-struct Vertices {
-    all: Vec<Vertex>,
+struct BoundaryVertices {
+    all: Vec<BoundaryVertex>,
     /// Index range of each row of cells.
     rows: Vec<Range<usize>>,
 }
 
-impl Vertices {
+impl BoundaryVertices {
     /// Finds the vertices of all cells; `None` if cancelled.
     fn find(surfaces: &Surfaces<'_>, control: OutlineControl<'_>) -> Option<Self> {
         let height = surfaces.visibility.height;
         let step = ParallelStep::new(control, VERTICES_PERCENT, height as usize + 1);
-        let rows: Vec<Vec<Vertex>> = (0..=height)
+        let rows: Vec<Vec<BoundaryVertex>> = (0..=height)
             .into_par_iter()
             .map(|row| step.advance().map(|()| vertices_of(surfaces, row)))
             .collect::<Option<_>>()?;
@@ -79,12 +79,12 @@ pub(super) fn partition(
     surfaces: &Surfaces<'_>,
     samples_per_px: u32,
     control: OutlineControl<'_>,
-) -> Option<Vec<Region>> {
+) -> Option<Vec<PartitionRegion>> {
     let per_px = f64::from(samples_per_px);
-    let vertices = Vertices::find(surfaces, control)?;
+    let vertices = BoundaryVertices::find(surfaces, control)?;
     let mut outlines = Outlines {
         surfaces,
-        kept: Kept {
+        kept: Simplification {
             vertices: &vertices.all,
             tolerance: STRAIGHT_PX * per_px,
             decided: vec![None; vertices.all.len()],
@@ -92,7 +92,7 @@ pub(super) fn partition(
         vertices: &vertices,
     };
     let colors = surfaces.visibility.colors();
-    let mut regions: Vec<_> = colors.iter().map(|fill| Region { contours: Vec::new(), fill: *fill }).collect();
+    let mut regions: Vec<_> = colors.iter().map(|fill| PartitionRegion { contours: Vec::new(), fill: *fill }).collect();
     for (region, boundary) in outlines.all(control)? {
         let contour: Vec<_> = boundary.into_iter().map(|vertex| vertices.all[vertex].place / per_px).collect();
         regions[region as usize].contours.push(contour);
@@ -107,7 +107,7 @@ fn row_of<'a>(surfaces: &Surfaces<'a>, row: Option<u32>) -> Option<&'a [StackId]
 }
 
 /// Returns the vertices of the cells between a row of samples and the one above it.
-fn vertices_of(surfaces: &Surfaces<'_>, row: u32) -> Vec<Vertex> {
+fn vertices_of(surfaces: &Surfaces<'_>, row: u32) -> Vec<BoundaryVertex> {
     let (above, below) = (row_of(surfaces, row.checked_sub(1)), row_of(surfaces, Some(row)));
     let width = surfaces.visibility.width;
     let at = |samples: Option<&[StackId]>, column: u32| samples?.get(column as usize).copied();
@@ -126,7 +126,11 @@ fn vertices_of(surfaces: &Surfaces<'_>, row: u32) -> Vec<Vertex> {
 
 /// Returns the vertex of a cell; `None` if its samples all belong to one region. The stacks are in clockwise order,
 /// beginning with the upper left sample.
-fn vertex_of(surfaces: &Surfaces<'_>, cell @ [column, row]: [u32; 2], stacks: [Option<StackId>; 4]) -> Option<Vertex> {
+fn vertex_of(
+    surfaces: &Surfaces<'_>,
+    cell @ [column, row]: [u32; 2],
+    stacks: [Option<StackId>; 4],
+) -> Option<BoundaryVertex> {
     /// Positions of the samples of a cell, relative to its centre.
     const SAMPLES: [DVec2; 4] =
         [DVec2::new(-0.5, -0.5), DVec2::new(0.5, -0.5), DVec2::new(0.5, 0.5), DVec2::new(-0.5, 0.5)];
@@ -142,7 +146,8 @@ fn vertex_of(surfaces: &Surfaces<'_>, cell @ [column, row]: [u32; 2], stacks: [O
             }
             (Some(_), None) | (None, Some(_)) => {
                 // The border of the picture lies halfway between a sample inside and one outside.
-                crossings.push(Crossing { place: (path[0] + path[1]) / 2.0, normal: Some((path[1] - path[0]).abs()) });
+                crossings
+                    .push(BoundaryPoint { place: (path[0] + path[1]) / 2.0, normal: Some((path[1] - path[0]).abs()) });
                 boundaries += 1;
             }
             _ => {}
@@ -152,16 +157,16 @@ fn vertex_of(surfaces: &Surfaces<'_>, cell @ [column, row]: [u32; 2], stacks: [O
     let bounds = [(middle - 0.5).max(DVec2::ZERO), (middle + 0.5).min(size)];
     let [column, _] = cell;
     let is_junction = boundaries > 2;
-    (boundaries > 0).then(|| Vertex { column, place: nearest(&crossings, bounds), is_junction })
+    (boundaries > 0).then(|| BoundaryVertex { column, place: nearest(&crossings, bounds), is_junction })
 }
 
 /// Returns the point within bounds that minimises the sum of squared distances to the lines of all crossings. If there
 /// are several, returns the one nearest to the mean position of the crossings.
-fn nearest(crossings: &[Crossing], [low, high]: [DVec2; 2]) -> DVec2 {
+fn nearest(crossings: &[BoundaryPoint], [low, high]: [DVec2; 2]) -> DVec2 {
     let mean = crossings.iter().map(|crossing| crossing.place).sum::<DVec2>() / crossings.len() as f64;
     // Σ n nᵀ and Σ n (n · c), with positions relative to the mean.
     let (mut matrix, mut vector) = (DMat2::ZERO, DVec2::ZERO);
-    for Crossing { place, normal } in crossings {
+    for BoundaryPoint { place, normal } in crossings {
         let Some(normal) = normal else { continue };
         matrix += DMat2::from_cols(*normal * normal.x, *normal * normal.y);
         vector += *normal * normal.dot(*place - mean);
@@ -200,19 +205,19 @@ fn nearest(crossings: &[Crossing], [low, high]: [DVec2; 2]) -> DVec2 {
 /// The boundaries of regions, traced around their samples.
 struct Outlines<'a> {
     surfaces: &'a Surfaces<'a>,
-    vertices: &'a Vertices,
-    kept: Kept<'a>,
+    vertices: &'a BoundaryVertices,
+    kept: Simplification<'a>,
 }
 
 /// A side of a sample, traversed with the sample on the right.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Side {
+struct SampleSide {
     sample: [u32; 2],
     /// Unit step along the side.
     step: [i32; 2],
 }
 
-impl Side {
+impl SampleSide {
     /// Returns the unit step from the sample across the side.
     fn outward(self) -> [i32; 2] {
         [self.step[1], -self.step[0]]
@@ -240,7 +245,7 @@ impl Outlines<'_> {
             if x == 0 {
                 step.advance()?;
             }
-            let top = Side { sample: [x, y], step: [1, 0] };
+            let top = SampleSide { sample: [x, y], step: [1, 0] };
             let region = visibility.region(visibility.stack(x, y));
             if walked[y as usize * width as usize + x as usize] || self.beyond([x, y], top.outward()) == Some(region) {
                 continue;
@@ -275,31 +280,31 @@ impl Outlines<'_> {
     }
 
     /// Returns the next side on the boundary of a region. Samples that touch only at a corner are not connected.
-    fn next(&self, side: Side, region: RegionId) -> Side {
-        let Side { sample, step } = side;
+    fn next(&self, side: SampleSide, region: RegionId) -> SampleSide {
+        let SampleSide { sample, step } = side;
         let outward = side.outward();
         let moved = |by: [i32; 2]| [0, 1].map(|axis| sample[axis].saturating_add_signed(by[axis]));
         let diagonal = [step[0] + outward[0], step[1] + outward[1]];
         if self.beyond(sample, step) != Some(region) {
-            Side { sample, step: outward.map(|across| -across) }
+            SampleSide { sample, step: outward.map(|across| -across) }
         } else if self.beyond(sample, diagonal) != Some(region) {
-            Side { sample: moved(step), step }
+            SampleSide { sample: moved(step), step }
         } else {
-            Side { sample: moved(diagonal), step: outward }
+            SampleSide { sample: moved(diagonal), step: outward }
         }
     }
 }
 
 /// Simplification of nearly straight boundaries (Douglas and Peucker, 1973). Each vertex is decided once, for the
 /// regions on both sides.
-struct Kept<'a> {
-    vertices: &'a [Vertex],
+struct Simplification<'a> {
+    vertices: &'a [BoundaryVertex],
     /// Maximum distance of a removed vertex from the boundary, in samples.
     tolerance: f64,
     decided: Vec<Option<bool>>,
 }
 
-impl Kept<'_> {
+impl Simplification<'_> {
     /// Returns the kept vertices of a closed boundary.
     fn of(&mut self, mut boundary: Vec<usize>) -> Vec<usize> {
         let place = |vertex: &usize| self.vertices[*vertex].place;

@@ -121,7 +121,7 @@ fn flat(shading: &str) -> Recipe {
     recipe
 }
 
-fn regions(drawing: &Drawing) -> &[Region] {
+fn regions(drawing: &Drawing) -> &[PartitionRegion] {
     let [Shape::Partition(regions)] = drawing.shapes.as_slice() else { panic!("{:?}", drawing.shapes) };
     regions
 }

@@ -15,7 +15,7 @@ use crate::pipeline::observe::Observer;
 use crate::pipeline::raster::Scissor;
 use crate::pipeline::settings::Settings;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
-use crate::pipeline::{Extent, Geometry, Until, draw};
+use crate::pipeline::{Extent, Geometry, LastStage, draw};
 use crate::scene::{Scene, TriangleId};
 
 /// Number of sample rows drawn together: enough to set up most triangles once, and few enough to give every thread
@@ -36,7 +36,7 @@ pub(super) const BACKGROUND: u32 = 0;
 
 /// A surface and the stack below it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-struct Layer<T> {
+struct SurfaceLayer<T> {
     /// Stack below; the background for opaque surfaces, which hide everything below.
     below: u32,
     surface: T,
@@ -46,8 +46,8 @@ struct Layer<T> {
 #[derive(Clone, Debug)]
 struct Stacks<T> {
     /// Top layer of each stack except the background, which has none.
-    layers: Vec<Layer<T>>,
-    numbers: HashMap<Layer<T>, u32>,
+    layers: Vec<SurfaceLayer<T>>,
+    numbers: HashMap<SurfaceLayer<T>, u32>,
 }
 
 impl<T: Copy + Eq + std::hash::Hash> Stacks<T> {
@@ -56,7 +56,7 @@ impl<T: Copy + Eq + std::hash::Hash> Stacks<T> {
     }
 
     /// Returns the index of a stack, adding it if it is new.
-    fn number(&mut self, layer: Layer<T>) -> u32 {
+    fn number(&mut self, layer: SurfaceLayer<T>) -> u32 {
         *self.numbers.entry(layer).or_insert_with(|| {
             self.layers.push(layer);
             self.layers.len() as u32
@@ -98,11 +98,11 @@ impl Visibility {
     ) -> Option<Self> {
         let firsts: Vec<u32> = (0..size.height).step_by(ROWS as usize).collect();
         let step = ParallelStep::new(control, VISIBILITY_PERCENT, firsts.len());
-        let bands: Vec<Band> = firsts
+        let bands: Vec<RowBand> = firsts
             .into_par_iter()
             .map(|first| {
                 let rows = first..size.height.min(first + ROWS);
-                let band = Band::draw(scene, geometry, settings, (size, rows));
+                let band = RowBand::draw(scene, geometry, settings, (size, rows));
                 step.advance().map(|()| band)
             })
             .collect::<Option<_>>()?;
@@ -111,12 +111,12 @@ impl Visibility {
         let (mut regions, mut sums) = (vec![BACKGROUND], vec![Sum::default()]);
         for band in bands {
             let mut numbers = vec![BACKGROUND];
-            for Layer { below, surface } in &band.stacks.layers {
-                let number = stacks.number(Layer { below: numbers[*below as usize], surface: *surface });
+            for SurfaceLayer { below, surface } in &band.stacks.layers {
+                let number = stacks.number(SurfaceLayer { below: numbers[*below as usize], surface: *surface });
                 if number as usize == regions.len() {
                     let id = geometry.triangles[*surface as usize].id;
                     let below = regions[stacks.layers[number as usize - 1].below as usize];
-                    regions.push(triangles.number(Layer { below, surface: id }));
+                    regions.push(triangles.number(SurfaceLayer { below, surface: id }));
                     sums.resize(triangles.layers.len() + 1, Sum::default());
                 }
                 numbers.push(number);
@@ -178,14 +178,14 @@ impl Sum {
 }
 
 /// A band of rows of the picture, with its own numbering of stacks.
-struct Band {
+struct RowBand {
     labels: Vec<u32>,
     stacks: Stacks<u32>,
     /// Sum of the colours of each stack's samples.
     sums: Vec<Sum>,
 }
 
-impl Band {
+impl RowBand {
     fn draw(scene: &Scene, geometry: &Geometry, settings: &Settings, (size, rows): (Viewport, Range<u32>)) -> Self {
         let Viewport { width, height } = size;
         let scissor = Scissor { top: rows.start, bottom: rows.end, ..Scissor::full(width, height) };
@@ -194,9 +194,9 @@ impl Band {
         let mut frame = Framebuffer::of_rows(grid, (width, height), rows.clone(), scene.background, settings);
         let labels = vec![BACKGROUND; width as usize * rows.len()];
         let mut recorder =
-            Recorder { geometry, first_row: rows.start, width, labels, stacks: Stacks::new(), last_drawn: 0 };
-        draw(scene, geometry, settings, &extent, Until::Shade, &mut frame, &mut recorder);
-        let Recorder { labels, stacks, .. } = recorder;
+            StackRecorder { geometry, first_row: rows.start, width, labels, stacks: Stacks::new(), last_drawn: 0 };
+        draw(scene, geometry, settings, &extent, LastStage::Shade, &mut frame, &mut recorder);
+        let StackRecorder { labels, stacks, .. } = recorder;
         let mut sums = vec![Sum::default(); stacks.layers.len() + 1];
         for (label, [red, green, blue, _]) in labels.iter().zip(frame.color.pixels()) {
             let codes = [red, green, blue].map(|code| u64::from(*code));
@@ -207,7 +207,7 @@ impl Band {
 }
 
 /// An observer that records the stack of each sample.
-struct Recorder<'a> {
+struct StackRecorder<'a> {
     geometry: &'a Geometry,
     first_row: u32,
     width: u32,
@@ -217,23 +217,23 @@ struct Recorder<'a> {
     last_drawn: usize,
 }
 
-impl Recorder<'_> {
+impl StackRecorder<'_> {
     /// Returns the index of a triangle in [`Geometry::triangles`].
     fn index_of(&mut self, triangle: &ScreenTriangle) -> u32 {
         let triangles = &self.geometry.triangles;
         if !triangles.get(self.last_drawn).is_some_and(|last| std::ptr::eq(last, triangle)) {
-            self.last_drawn = self.geometry.place_of(triangle);
+            self.last_drawn = self.geometry.index_of(triangle);
         }
         self.last_drawn as u32
     }
 }
 
-impl Observer for Recorder<'_> {
+impl Observer for StackRecorder<'_> {
     fn shaded(&mut self, triangle: &ScreenTriangle, fragment: &Fragment, _color: Rgba8) {
         let surface = self.index_of(triangle);
         let (column, row) = (fragment.sample.column, fragment.sample.row - self.first_row);
         let label = &mut self.labels[row as usize * self.width as usize + column as usize];
         let below = if self.geometry.is_blended(triangle) { *label } else { BACKGROUND };
-        *label = self.stacks.number(Layer { below, surface });
+        *label = self.stacks.number(SurfaceLayer { below, surface });
     }
 }

@@ -2,13 +2,13 @@
 //!
 //! The frame's samples are drawn twice more, with the recipe's texture filtering and with premultiplied filtering.
 
-use super::sheet::{Key, Scale, Sheet, Total};
-use super::{Context, Overlay};
+use super::sheet::{ColorScale, Sheet, SheetLegend, Total};
+use super::{Overlay, OverlayContext};
 use crate::chain::{Recipe, redraw};
 use crate::image::Rgba8;
 use crate::inspect::display::ColorMap;
 use crate::inspect::view::Range;
-use crate::pipeline::Until;
+use crate::pipeline::LastStage;
 use crate::pipeline::settings::{AlphaMode, Settings};
 
 /// Returns the greatest difference of any channel, in codes.
@@ -17,12 +17,12 @@ fn difference(a: Rgba8, b: Rgba8) -> u8 {
 }
 
 /// Computes the difference from premultiplied filtering at each pixel, in codes.
-pub(super) fn alpha_bleed(context: &Context<'_>) -> Sheet {
-    let Context { scene, recipe, frame, .. } = context;
+pub(super) fn alpha_bleed(context: &OverlayContext<'_>) -> Sheet {
+    let OverlayContext { scene, recipe, frame, .. } = context;
     let pipeline = Settings { alpha: AlphaMode::Premultiplied, ..recipe.pipeline };
     let premultiplied = Recipe { pipeline, ..**recipe };
     let [drawn, due] =
-        [*recipe, &premultiplied].map(|recipe| redraw(scene, recipe, frame, Until::Shade, &mut ()).color);
+        [*recipe, &premultiplied].map(|recipe| redraw(scene, recipe, frame, LastStage::Shade, &mut ()).color);
     let codes = |column: u32, row: u32| difference(drawn.at(column, row), due.at(column, row));
     let (width, height) = drawn.size();
     let all = (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));
@@ -35,12 +35,12 @@ pub(super) fn alpha_bleed(context: &Context<'_>) -> Sheet {
         0 => f32::NAN,
         codes => codes.into(),
     });
-    let scale = Scale {
+    let scale = ColorScale {
         range: Range { low: 1.0, high: 255.0 },
         logarithmic: true,
         map: ColorMap::Magma,
         reversed: false,
         unit: "codes",
     };
-    Sheet::new(Overlay::AlphaBleed, values, Key::Scale(scale), totals)
+    Sheet::new(Overlay::AlphaBleed, values, SheetLegend::Scale(scale), totals)
 }

@@ -1,22 +1,22 @@
 //! Invalid values of the displayed quantity: NaN, infinite, negative, or outside the range.
 
-use super::sheet::{Key, Kind, Sheet, Total};
-use super::{Context, Overlay};
+use super::sheet::{PixelKind, Sheet, SheetLegend, Total};
+use super::{Overlay, OverlayContext};
 use crate::image::Image;
 use crate::inspect::display::{NOT_A_NUMBER, beyond};
 use crate::inspect::range::channels;
 use crate::inspect::view::Value;
 
-const BAD: [Kind; 3] = [
-    Kind { name: "not a number", color: NOT_A_NUMBER, striped: false },
-    Kind { name: "infinite", color: [255, 230, 0, 255], striped: false },
-    Kind { name: "negative", color: [0, 190, 255, 255], striped: true },
+const BAD: [PixelKind; 3] = [
+    PixelKind { name: "not a number", color: NOT_A_NUMBER, striped: false },
+    PixelKind { name: "infinite", color: [255, 230, 0, 255], striped: false },
+    PixelKind { name: "negative", color: [0, 190, 255, 255], striped: true },
 ];
 
-const CLIPPED: [Kind; 3] = [
-    Kind { name: "below", color: [30, 110, 255, 255], striped: true },
-    Kind { name: "above", color: [255, 80, 30, 255], striped: true },
-    Kind { name: "below and above", color: [210, 60, 220, 255], striped: true },
+const CLIPPED: [PixelKind; 3] = [
+    PixelKind { name: "below", color: [30, 110, 255, 255], striped: true },
+    PixelKind { name: "above", color: [255, 80, 30, 255], striped: true },
+    PixelKind { name: "below and above", color: [210, 60, 220, 255], striped: true },
 ];
 
 /// Returns the index in [`BAD`] of the most severe defect of any channel: NaN, then infinite, then negative.
@@ -26,12 +26,12 @@ fn badness(value: Value) -> Option<usize> {
 }
 
 /// Marks NaN, infinite and negative values.
-pub(super) fn bad_numbers(context: &Context<'_>) -> Sheet {
+pub(super) fn bad_numbers(context: &OverlayContext<'_>) -> Sheet {
     sheet(Overlay::BadNumbers, context, &BAD, badness)
 }
 
 /// Marks values outside the displayed range.
-pub(super) fn clipped(context: &Context<'_>) -> Sheet {
+pub(super) fn clipped(context: &OverlayContext<'_>) -> Sheet {
     let Some(range) = context.range else {
         return Sheet::absent(Overlay::Clipped, context.frame.image().size(), "the displayed quantity has no range");
     };
@@ -45,8 +45,8 @@ pub(super) fn clipped(context: &Context<'_>) -> Sheet {
 
 fn sheet(
     overlay: Overlay,
-    context: &Context<'_>,
-    kinds: &'static [Kind; 3],
+    context: &OverlayContext<'_>,
+    kinds: &'static [PixelKind; 3],
     kind: impl Fn(Value) -> Option<usize>,
 ) -> Sheet {
     let (width, height) = context.frame.image().size();
@@ -59,5 +59,5 @@ fn sheet(
         None => f32::NAN,
     });
     let totals = kinds.iter().zip(counts).map(|(kind, n)| Total { name: kind.name, number: n as f64, unit: "px" });
-    Sheet::new(overlay, values, Key::Kinds(kinds), totals.collect())
+    Sheet::new(overlay, values, SheetLegend::Kinds(kinds), totals.collect())
 }

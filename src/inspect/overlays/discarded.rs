@@ -2,31 +2,31 @@
 //!
 //! Clipping is not counted: clipped parts have no coverage.
 
-use super::sheet::{Key, Kind, Sheet, Total};
-use super::{Context, Overlay};
+use super::sheet::{PixelKind, Sheet, SheetLegend, Total};
+use super::{Overlay, OverlayContext};
 use crate::image::Image;
 use crate::inspect::history::Survey;
 
 /// Reasons, in the order that resolves ties between them.
-const REASONS: [Kind; 3] = [
-    Kind { name: "depth test", color: [230, 60, 50, 255], striped: false },
-    Kind { name: "alpha test", color: [250, 200, 40, 255], striped: false },
-    Kind { name: "face culling", color: [60, 120, 235, 255], striped: false },
+const REASONS: [PixelKind; 3] = [
+    PixelKind { name: "depth test", color: [230, 60, 50, 255], striped: false },
+    PixelKind { name: "alpha test", color: [250, 200, 40, 255], striped: false },
+    PixelKind { name: "face culling", color: [60, 120, 235, 255], striped: false },
 ];
 
 /// Colours each pixel by the reason that discarded most fragments there.
-pub(super) fn discarded(context: &Context<'_>) -> Sheet {
-    let Context { scene, recipe, frame, .. } = context;
-    let watched = context.watched();
+pub(super) fn discarded(context: &OverlayContext<'_>) -> Sheet {
+    let OverlayContext { scene, recipe, frame, .. } = context;
+    let watched = context.stats();
     let culled = Survey::of(scene, recipe, frame).culled_coverage(&recipe.pipeline, frame);
     let counts = |column: u32, row: u32| {
         let lost_depth = watched.rasterized.at(column, row) - watched.passed.at(column, row);
-        [lost_depth, watched.cut_out.at(column, row), culled.at(column, row)]
+        [lost_depth, watched.alpha_rejected.at(column, row), culled.at(column, row)]
     };
     let values = context.spread(|column, row| most_frequent(counts(column, row)).map_or(f32::NAN, |kind| kind as f32));
     let of_reasons = [0, 1, 2].map(|kind| context.spread(|column, row| counts(column, row)[kind] as f32));
     let totals = totals(&culled, counts);
-    Sheet { counts: of_reasons.into(), ..Sheet::new(Overlay::Discarded, values, Key::Kinds(&REASONS), totals) }
+    Sheet { counts: of_reasons.into(), ..Sheet::new(Overlay::Discarded, values, SheetLegend::Kinds(&REASONS), totals) }
 }
 
 /// Returns the index of the greatest count, the first one in a tie; `None` if all are zero.

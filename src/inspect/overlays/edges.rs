@@ -1,8 +1,8 @@
 //! Triangle edges as lines, and their ownership under the fill rule.
 
-use super::sheet::{Key, Sheet, Total};
+use super::sheet::{Sheet, SheetLegend, Total};
 use super::watch::corners_px;
-use super::{Context, Overlay};
+use super::{Overlay, OverlayContext};
 use crate::chain::{Frame, Recipe};
 use crate::image::Image;
 use crate::pipeline::prepare;
@@ -13,8 +13,8 @@ use crate::scene::Scene;
 use crate::upscale::Sampling;
 
 /// Draws all edges, between exact or snapped corners.
-pub(super) fn wireframe(overlay: Overlay, context: &Context<'_>) -> Sheet {
-    let Context { scene, recipe, frame, .. } = context;
+pub(super) fn wireframe(overlay: Overlay, context: &OverlayContext<'_>) -> Sheet {
+    let OverlayContext { scene, recipe, frame, .. } = context;
     let size = frame.image().size();
     let mut values = Image::filled(size.0, size.1, f32::NAN);
     let mut lines = Vec::new();
@@ -34,7 +34,7 @@ pub(super) fn wireframe(overlay: Overlay, context: &Context<'_>) -> Sheet {
         Total { name: "triangles", number: (lines.len() / 3) as f64, unit: "" },
         Total { name: "pixels on lines", number: on_lines as f64, unit: "px" },
     ];
-    Sheet { lines, ..Sheet::new(overlay, values, Key::Lines, totals) }
+    Sheet { lines, ..Sheet::new(overlay, values, SheetLegend::Lines, totals) }
 }
 
 /// Calls `sink` with every rasterized triangle, projected to the full picture.

@@ -4,18 +4,18 @@
 //! projection and depth with the frame. Differences come from rounding of corners and edges, or from a deliberately
 //! wrong fill rule.
 
-use super::sheet::{Key, Kind, Sheet, Total};
+use super::sheet::{PixelKind, Sheet, SheetLegend, Total};
 use super::watch::watch;
-use super::{Context, Overlay};
+use super::{Overlay, OverlayContext};
 use crate::antialias::settings::{Antialiasing, PostFilter};
 use crate::chain::{Recipe, run};
 use crate::pipeline::settings::{Arithmetic, Execution, FillRule, Rasterizer, Settings};
 use crate::scene::TriangleId;
 
-const DIFFERENCES: [Kind; 3] = [
-    Kind { name: "another triangle", color: [255, 0, 190, 255], striped: false },
-    Kind { name: "missing", color: [48, 132, 255, 255], striped: false },
-    Kind { name: "extra", color: [255, 150, 0, 255], striped: false },
+const DIFFERENCES: [PixelKind; 3] = [
+    PixelKind { name: "another triangle", color: [255, 0, 190, 255], striped: false },
+    PixelKind { name: "missing", color: [48, 132, 255, 255], striped: false },
+    PixelKind { name: "extra", color: [255, 150, 0, 255], striped: false },
 ];
 
 /// Returns the recipe of the reference.
@@ -24,7 +24,7 @@ fn oracle(recipe: &Recipe) -> Recipe {
     let pipeline = Settings {
         arithmetic: Arithmetic::Exact,
         rasterizer: Rasterizer::BoundingBox,
-        fill_rule: if fill_rule.is_sound() { fill_rule } else { FillRule::TopLeft },
+        fill_rule: if fill_rule.draws_shared_edges_once() { fill_rule } else { FillRule::TopLeft },
         ..recipe.pipeline
     };
     // Owners are compared at pixel centres, regardless of anti-aliasing and post filters.
@@ -33,8 +33,8 @@ fn oracle(recipe: &Recipe) -> Recipe {
 }
 
 /// Marks pixels whose owner differs from the reference.
-pub(super) fn exact_owner(context: &Context<'_>) -> Sheet {
-    let Context { scene, recipe, frame, .. } = context;
+pub(super) fn exact_owner(context: &OverlayContext<'_>) -> Sheet {
+    let OverlayContext { scene, recipe, frame, .. } = context;
     let overlay = Overlay::ExactOwner;
     if !context.is_whole {
         return Sheet::absent(overlay, frame.image().size(), "only some triangles are drawn; draw the whole frame");
@@ -44,7 +44,7 @@ pub(super) fn exact_owner(context: &Context<'_>) -> Sheet {
     if exact.sampling != frame.sampling {
         return Sheet::absent(overlay, frame.image().size(), "the samples of this frame depend on previous frames");
     }
-    let (drawn, due) = (&context.watched().owner, watch(scene, &oracle, &exact).owner);
+    let (drawn, due) = (&context.stats().owner, watch(scene, &oracle, &exact).owner);
     let kind = |column: u32, row: u32| match (drawn.at(column, row), due.at(column, row)) {
         (drawn, due) if drawn == due => None,
         (TriangleId::NONE, _) => Some(1),
@@ -60,5 +60,5 @@ pub(super) fn exact_owner(context: &Context<'_>) -> Sheet {
     let values = context.spread(|column, row| kind(column, row).map_or(f32::NAN, |kind| kind as f32));
     let totals =
         DIFFERENCES.iter().zip(counts).map(|(kind, n)| Total { name: kind.name, number: n as f64, unit: "px" });
-    Sheet::new(overlay, values, Key::Kinds(&DIFFERENCES), totals.collect())
+    Sheet::new(overlay, values, SheetLegend::Kinds(&DIFFERENCES), totals.collect())
 }

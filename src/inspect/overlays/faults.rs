@@ -1,21 +1,21 @@
 //! Cracks and double hits along shared edges and open seams.
 
-use super::sheet::{Key, Kind, Sheet, Total};
-use super::{Context, Overlay};
+use super::sheet::{PixelKind, Sheet, SheetLegend, Total};
+use super::{Overlay, OverlayContext};
 use crate::image::Image;
 use crate::inspect::hits::{FaultKind, Hits};
 use crate::inspect::view::{CRACK, DOUBLE_HIT};
 use crate::scene::seams::JunctionKind;
 
-const FAULTS: [Kind; 2] = [
-    Kind { name: "crack", color: CRACK, striped: false },
-    Kind { name: "double hit", color: DOUBLE_HIT, striped: false },
+const FAULTS: [PixelKind; 2] = [
+    PixelKind { name: "crack", color: CRACK, striped: false },
+    PixelKind { name: "double hit", color: DOUBLE_HIT, striped: false },
 ];
 
 /// Marks the faults of a frame.
-pub(super) fn faults(context: &Context<'_>) -> Sheet {
+pub(super) fn faults(context: &OverlayContext<'_>) -> Sheet {
     let (width, height) = context.frame.image().size();
-    let Context { scene, recipe, frame, .. } = context;
+    let OverlayContext { scene, recipe, frame, .. } = context;
     let hits = Hits::of(frame, &recipe.pipeline);
     let hits = match context.seams {
         Some(seams) => hits.with_seams(scene, recipe, frame, seams),
@@ -32,5 +32,5 @@ pub(super) fn faults(context: &Context<'_>) -> Sheet {
         Total { name: "at unwelded vertices", number: hits.count_at(JunctionKind::Unwelded) as f64, unit: "px" },
         Total { name: "wrong elsewhere", number: hits.elsewhere as f64, unit: "px" },
     ];
-    Sheet::new(Overlay::Faults, values, Key::Kinds(&FAULTS), totals)
+    Sheet::new(Overlay::Faults, values, SheetLegend::Kinds(&FAULTS), totals)
 }

@@ -1,21 +1,21 @@
 //! Fragment counts of each pixel (rasterized, passed, visible), and outcomes of its depth tests.
 
-use super::sheet::{Key, Kind, Scale, Sheet, Total};
-use super::{Context, Overlay};
+use super::sheet::{ColorScale, PixelKind, Sheet, SheetLegend, Total};
+use super::{Overlay, OverlayContext};
 use crate::image::Image;
 use crate::inspect::display::ColorMap;
 use crate::inspect::view::Range;
 
 /// Combined outcomes of a pixel's depth tests.
-const OUTCOMES: [Kind; 3] = [
-    Kind { name: "all passed", color: [40, 120, 230, 255], striped: false },
-    Kind { name: "some rejected", color: [240, 150, 20, 255], striped: false },
-    Kind { name: "all rejected", color: [200, 40, 40, 255], striped: false },
+const OUTCOMES: [PixelKind; 3] = [
+    PixelKind { name: "all passed", color: [40, 120, 230, 255], striped: false },
+    PixelKind { name: "some rejected", color: [240, 150, 20, 255], striped: false },
+    PixelKind { name: "all rejected", color: [200, 40, 40, 255], striped: false },
 ];
 
 /// Shows one of the three fragment counts.
-pub(super) fn count(overlay: Overlay, context: &Context<'_>) -> Sheet {
-    let watched = context.watched();
+pub(super) fn count(overlay: Overlay, context: &OverlayContext<'_>) -> Sheet {
+    let watched = context.stats();
     let counts = match overlay {
         Overlay::Passed => &watched.passed,
         Overlay::Visible => &watched.visible,
@@ -24,8 +24,8 @@ pub(super) fn count(overlay: Overlay, context: &Context<'_>) -> Sheet {
     let values = context.spread(|column, row| positive(counts.at(column, row)));
     let most = counts.pixels().iter().copied().max().unwrap_or(0);
     let range = Range { low: 0.0, high: most.max(1) as f32 };
-    let scale = Scale { range, logarithmic: false, map: ColorMap::Viridis, reversed: false, unit: "fragments" };
-    Sheet::new(overlay, values, Key::Scale(scale), totals_of(counts))
+    let scale = ColorScale { range, logarithmic: false, map: ColorMap::Viridis, reversed: false, unit: "fragments" };
+    Sheet::new(overlay, values, SheetLegend::Scale(scale), totals_of(counts))
 }
 
 /// Converts a count to a number; zero becomes NaN.
@@ -46,12 +46,12 @@ fn totals_of(counts: &Image<u32>) -> Vec<Total> {
 }
 
 /// Shows whether all, some or none of a pixel's fragments passed the depth test.
-pub(super) fn depth_test(context: &Context<'_>) -> Sheet {
+pub(super) fn depth_test(context: &OverlayContext<'_>) -> Sheet {
     let overlay = Overlay::DepthTest;
     if context.frame.drawn.depth.is_none() {
         return Sheet::absent(overlay, context.frame.image().size(), "the depth test is off");
     }
-    let watched = context.watched();
+    let watched = context.stats();
     let values = context.spread(|column, row| {
         let (came, passed) = (watched.rasterized.at(column, row), watched.passed.at(column, row));
         match (came, passed) {
@@ -68,5 +68,5 @@ pub(super) fn depth_test(context: &Context<'_>) -> Sheet {
         Total { name: "passed", number: passed, unit: "fragments" },
         Total { name: "rejected", number: came - passed, unit: "fragments" },
     ];
-    Sheet::new(overlay, values, Key::Kinds(&OUTCOMES), totals)
+    Sheet::new(overlay, values, SheetLegend::Kinds(&OUTCOMES), totals)
 }

@@ -1,20 +1,20 @@
 //! T-junctions and unwelded vertices at their positions in the picture.
 
-use super::sheet::{Key, Kind, Sheet, Total};
-use super::{Context, Overlay};
+use super::sheet::{PixelKind, Sheet, SheetLegend, Total};
+use super::{Overlay, OverlayContext};
 use crate::image::Image;
 use crate::inspect::hits::junction_pixels;
 use crate::inspect::view::DOUBLE_HIT;
 use crate::scene::seams::{JunctionKind, Seams};
 
-const KINDS: [Kind; 2] = [
-    Kind { name: "T-junction", color: [255, 0, 190, 255], striped: false },
-    Kind { name: "unwelded vertex", color: DOUBLE_HIT, striped: false },
+const KINDS: [PixelKind; 2] = [
+    PixelKind { name: "T-junction", color: [255, 0, 190, 255], striped: false },
+    PixelKind { name: "unwelded vertex", color: DOUBLE_HIT, striped: false },
 ];
 
 /// Marks the pixel of every such vertex whose triangle was rasterized, even if occluded.
-pub(super) fn junctions(context: &Context<'_>) -> Sheet {
-    let Context { scene, recipe, frame, .. } = context;
+pub(super) fn junctions(context: &OverlayContext<'_>) -> Sheet {
+    let OverlayContext { scene, recipe, frame, .. } = context;
     let (width, height) = frame.image().size();
     let none = Seams::default();
     let seams = context.seams.unwrap_or(&none);
@@ -35,5 +35,5 @@ pub(super) fn junctions(context: &Context<'_>) -> Sheet {
     let counts = seams.counts();
     let whole = [("T-junctions of the scene", counts.t_junctions), ("unwelded vertices of the scene", counts.unwelded)];
     let whole = whole.map(|(name, count)| Total { name, number: count as f64, unit: "" });
-    Sheet::new(Overlay::Junctions, values, Key::Kinds(&KINDS), totals.chain(whole).collect())
+    Sheet::new(Overlay::Junctions, values, SheetLegend::Kinds(&KINDS), totals.chain(whole).collect())
 }

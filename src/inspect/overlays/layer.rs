@@ -4,34 +4,34 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Context, Overlay, Sheet, normals};
+use super::{Overlay, OverlayContext, Sheet, normals};
 use crate::inspect::normals::DEFAULT_LENGTH;
 use crate::pipeline::settings::Choice as _;
 
 /// An overlay in the stack, with its settings.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
-pub(crate) struct Layer {
+pub struct OverlayLayer {
     /// Overlay of the layer.
     pub(crate) overlay: Overlay,
     /// Opacity, in [0, 1].
-    pub(crate) opacity: f32,
+    pub opacity: f32,
     /// Length of normals, in [0, 1], as a fraction of the diagonal of the scene's bounding box; unused by other
     /// overlays.
     pub(crate) length: f32,
 }
 
-impl From<Overlay> for Layer {
+impl From<Overlay> for OverlayLayer {
     /// Creates a layer with the default opacity and length.
     fn from(overlay: Overlay) -> Self {
         Self { overlay, opacity: overlay.first_opacity(), length: DEFAULT_LENGTH }
     }
 }
 
-impl Layer {
+impl OverlayLayer {
     /// Returns the command-line form: `facing`, or `facing=0.4` if the opacity is not the default. A non-default length
     /// of normals follows, as in `face-normals=1,length=0.1`.
-    pub(crate) fn text(&self) -> String {
+    pub fn text(&self) -> String {
         let (id, opacity) = (self.overlay.id(), self.opacity);
         match self.drawn_length().filter(|length| *length != DEFAULT_LENGTH) {
             Some(length) => format!("{id}={opacity},length={length}"),
@@ -52,7 +52,7 @@ impl Layer {
     }
 
     /// Computes the sheet of the overlay for a frame.
-    pub(crate) fn sheet(&self, context: &Context<'_>) -> Sheet {
+    pub(crate) fn sheet(&self, context: &OverlayContext<'_>) -> Sheet {
         match self.drawn_length() {
             Some(length) => normals::normals(self.overlay, length, context),
             None => self.overlay.sheet(context),
@@ -60,7 +60,7 @@ impl Layer {
     }
 }
 
-impl FromStr for Layer {
+impl FromStr for OverlayLayer {
     type Err = String;
 
     /// Parses the output of [`Layer::text`].
@@ -83,13 +83,13 @@ impl FromStr for Layer {
     }
 }
 
-impl From<Layer> for String {
-    fn from(layer: Layer) -> Self {
+impl From<OverlayLayer> for String {
+    fn from(layer: OverlayLayer) -> Self {
         layer.text()
     }
 }
 
-impl TryFrom<String> for Layer {
+impl TryFrom<String> for OverlayLayer {
     type Error = String;
 
     fn try_from(text: String) -> Result<Self, String> {
@@ -107,11 +107,11 @@ mod tests {
             for opacity in [overlay.first_opacity(), 0.0, 1.0 / 3.0, 1.0] {
                 for length in [DEFAULT_LENGTH, 0.25] {
                     let length = if overlay.has_length() { length } else { DEFAULT_LENGTH };
-                    let layer = Layer { overlay: *overlay, opacity, length };
+                    let layer = OverlayLayer { overlay: *overlay, opacity, length };
                     assert_eq!(layer.text().parse(), Ok(layer), "{}", layer.text());
                 }
             }
-            assert_eq!(overlay.id().parse(), Ok(Layer::from(*overlay)));
+            assert_eq!(overlay.id().parse(), Ok(OverlayLayer::from(*overlay)));
         }
         for (text, told) in [
             ("fog", "facing"),
@@ -119,7 +119,7 @@ mod tests {
             ("facing=", "from 0 to 1"),
             ("facing=1,length=0.1", "has no length"),
         ] {
-            assert!(text.parse::<Layer>().unwrap_err().contains(told), "{text}");
+            assert!(text.parse::<OverlayLayer>().unwrap_err().contains(told), "{text}");
         }
     }
 }

@@ -38,17 +38,16 @@ use std::sync::OnceLock;
 
 pub(crate) use edges::EdgeMarks;
 pub(crate) use edges::edge_marks;
-pub(crate) use layer::Layer;
+pub use layer::OverlayLayer;
 pub(crate) use normals::FACE_NORMAL;
 pub(crate) use normals::VERTEX_NORMAL;
-pub(crate) use sheet::Key;
-pub(crate) use sheet::Kind;
-pub(crate) use sheet::Scale;
+pub(crate) use sheet::ColorScale;
 pub(crate) use sheet::Sheet;
+pub(crate) use sheet::SheetLegend;
 pub(crate) use sheet::Total;
 pub use sheet::compose;
 pub(crate) use sheet::csv;
-use watch::Watched;
+use watch::FragmentStats;
 
 use super::normals::DEFAULT_LENGTH;
 use super::view::{Range, Value};
@@ -86,29 +85,29 @@ choice! {
 }
 
 /// Inputs of overlays.
-pub struct Context<'a> {
+pub struct OverlayContext<'a> {
     /// Scene of the frame.
-    pub(crate) scene: &'a Scene,
+    pub scene: &'a Scene,
     /// Recipe that the frame was drawn with.
-    pub(crate) recipe: &'a Recipe,
+    pub recipe: &'a Recipe,
     /// Frame to overlay.
-    pub(crate) frame: &'a Frame,
+    pub frame: &'a Frame,
     /// Whether all triangles of the frame were drawn.
-    pub(crate) is_whole: bool,
+    pub is_whole: bool,
     /// Data recorded by the observer; computed on first use.
-    pub(crate) watched: &'a OnceLock<Watched>,
+    pub stats_cache: &'a OnceLock<FragmentStats>,
     /// Open seams of the scene; `None` until the search for them is complete.
-    pub(crate) seams: Option<&'a Seams>,
+    pub seams: Option<&'a Seams>,
     /// Displayed quantity at a pixel of the full picture.
-    pub(crate) shown: &'a dyn Fn(u32, u32) -> Value,
+    pub shown: &'a dyn Fn(u32, u32) -> Value,
     /// Range of the displayed quantity, if it has one.
-    pub(crate) range: Option<Range>,
+    pub range: Option<Range>,
 }
 
-impl Context<'_> {
+impl OverlayContext<'_> {
     /// Returns the data recorded while drawing the frame again; computes it on first use.
-    pub(crate) fn watched(&self) -> &Watched {
-        self.watched.get_or_init(|| watch::watch(self.scene, self.recipe, self.frame))
+    pub(crate) fn stats(&self) -> &FragmentStats {
+        self.stats_cache.get_or_init(|| watch::watch(self.scene, self.recipe, self.frame))
     }
 
     /// Expands a number per packed sample to the pixels of the full picture; NaN where nothing was drawn.
@@ -158,7 +157,7 @@ impl Overlay {
     }
 
     /// Returns a placeholder sheet with the reason why the overlay is not ready yet.
-    pub(crate) fn unmade(self, context: &Context<'_>) -> Sheet {
+    pub(crate) fn pending_sheet(self, context: &OverlayContext<'_>) -> Sheet {
         let why = if self.reads_seams() {
             "still searching the open edges of the scene for T-junctions"
         } else {
@@ -168,7 +167,7 @@ impl Overlay {
     }
 
     /// Computes the overlay for a frame with default settings.
-    pub fn sheet(self, context: &Context<'_>) -> Sheet {
+    pub fn sheet(self, context: &OverlayContext<'_>) -> Sheet {
         match self {
             Self::Wireframe | Self::SnappedWireframe => edges::wireframe(self, context),
             Self::VertexNormals | Self::FaceNormals => normals::normals(self, DEFAULT_LENGTH, context),

@@ -1,8 +1,8 @@
 //! Vertex and face normals as lines.
 
 use super::edges::each_triangle;
-use super::sheet::{Key, Kind, Sheet, Total};
-use super::{Context, Overlay};
+use super::sheet::{PixelKind, Sheet, SheetLegend, Total};
+use super::{Overlay, OverlayContext};
 use crate::image::{Image, Rgba8};
 use crate::inspect::normals::{NormalKind, Projector, normal_lines, world_length};
 use crate::pipeline::wireframe::line_pixels;
@@ -13,13 +13,13 @@ pub(crate) const VERTEX_NORMAL: Rgba8 = [64, 220, 232, 255];
 /// Colour of face normals.
 pub(crate) const FACE_NORMAL: Rgba8 = [255, 208, 64, 255];
 
-const VERTEX: [Kind; 1] = [Kind { name: "vertex normal", color: VERTEX_NORMAL, striped: false }];
+const VERTEX: [PixelKind; 1] = [PixelKind { name: "vertex normal", color: VERTEX_NORMAL, striped: false }];
 
-const FACE: [Kind; 1] = [Kind { name: "face normal", color: FACE_NORMAL, striped: false }];
+const FACE: [PixelKind; 1] = [PixelKind { name: "face normal", color: FACE_NORMAL, striped: false }];
 
 /// Draws the normals of all rasterized triangles; `length` is a fraction of the diagonal of the scene's bounding box.
-pub(super) fn normals(overlay: Overlay, length: f32, context: &Context<'_>) -> Sheet {
-    let Context { scene, recipe, frame, .. } = context;
+pub(super) fn normals(overlay: Overlay, length: f32, context: &OverlayContext<'_>) -> Sheet {
+    let OverlayContext { scene, recipe, frame, .. } = context;
     let size = frame.image().size();
     let (kind, key) = match overlay {
         Overlay::FaceNormals => (NormalKind::Face, &FACE),
@@ -40,5 +40,5 @@ pub(super) fn normals(overlay: Overlay, length: f32, context: &Context<'_>) -> S
         Total { name: "without a normal", number: found.without as f64, unit: "" },
     ];
     let lines = found.lines.iter().map(|ends| ends.map(|end| end.map(|c| c as f32))).collect();
-    Sheet { lines, length: Some(length), ..Sheet::new(overlay, values, Key::Kinds(key), totals) }
+    Sheet { lines, length: Some(length), ..Sheet::new(overlay, values, SheetLegend::Kinds(key), totals) }
 }

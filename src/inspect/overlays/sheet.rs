@@ -9,7 +9,7 @@ use crate::pipeline::wireframe::line_color;
 
 /// A kind of pixel in an overlay, identified by its index in the list.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Kind {
+pub(crate) struct PixelKind {
     /// Display name.
     pub(crate) name: &'static str,
     /// Colour of the kind.
@@ -20,7 +20,7 @@ pub(crate) struct Kind {
 
 /// Mapping of numbers to colours.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Scale {
+pub(crate) struct ColorScale {
     /// Numbers at both ends of the colour map.
     pub(crate) range: Range,
     /// Whether the scale is logarithmic.
@@ -33,7 +33,7 @@ pub(crate) struct Scale {
     pub(crate) unit: &'static str,
 }
 
-impl Scale {
+impl ColorScale {
     /// Returns the position of a number on the colour map, in [0, 1].
     pub(crate) fn position(&self, number: f32) -> f32 {
         let position = if self.logarithmic {
@@ -59,13 +59,13 @@ impl Scale {
 
 /// Legend of an overlay's colours.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Key {
+pub(crate) enum SheetLegend {
     /// Lines that contrast with the picture below, light on dark and dark on light.
     Lines,
     /// Kinds of pixels, each with its own colour.
-    Kinds(&'static [Kind]),
+    Kinds(&'static [PixelKind]),
     /// Numbers on a colour scale.
-    Scale(Scale),
+    Scale(ColorScale),
 }
 
 /// A total over the picture.
@@ -90,11 +90,11 @@ pub struct Sheet {
     /// otherwise empty.
     pub(crate) counts: Vec<Image<f32>>,
     /// Legend of the colours.
-    pub(crate) key: Key,
+    pub(crate) key: SheetLegend,
     /// Totals over all drawn samples.
     pub totals: Vec<Total>,
     /// Lines in px, for overlays that consist of lines: three edges per triangle, or normals.
-    pub(crate) lines: Vec<[[f32; 2]; 2]>,
+    pub lines: Vec<[[f32; 2]; 2]>,
     /// Length of normals as a fraction of the diagonal of the scene's bounding box; `None` for other overlays.
     pub(crate) length: Option<f32>,
     /// Reason why the sheet has no values; `None` if it has some.
@@ -109,14 +109,14 @@ const GAP_STRENGTH: f32 = 0.3;
 
 impl Sheet {
     /// Creates a sheet with values, a legend and totals.
-    pub(super) fn new(overlay: Overlay, values: Image<f32>, key: Key, totals: Vec<Total>) -> Self {
+    pub(super) fn new(overlay: Overlay, values: Image<f32>, key: SheetLegend, totals: Vec<Total>) -> Self {
         Self { overlay, values, counts: Vec::new(), key, totals, lines: Vec::new(), length: None, absence: None }
     }
 
     /// Creates a sheet without values, with the reason.
     pub(super) fn absent(overlay: Overlay, (width, height): (u32, u32), why: impl Into<String>) -> Self {
         let values = Image::filled(width, height, f32::NAN);
-        Self { absence: Some(why.into()), ..Self::new(overlay, values, Key::Lines, Vec::new()) }
+        Self { absence: Some(why.into()), ..Self::new(overlay, values, SheetLegend::Lines, Vec::new()) }
     }
 
     /// Returns the colour at a pixel over the picture below, and its relative opacity in [0, 1]; `None` without a
@@ -127,9 +127,9 @@ impl Sheet {
             return None;
         }
         match &self.key {
-            Key::Lines => Some((line_color(below), 1.0)),
-            Key::Scale(scale) => Some((scale.color(value), 1.0)),
-            Key::Kinds(kinds) => {
+            SheetLegend::Lines => Some((line_color(below), 1.0)),
+            SheetLegend::Scale(scale) => Some((scale.color(value), 1.0)),
+            SheetLegend::Kinds(kinds) => {
                 let kind = kinds.get(value as usize)?;
                 let in_gap = kind.striped && (x + y) % STRIPES >= STRIPES / 2;
                 Some((kind.color, if in_gap { GAP_STRENGTH } else { 1.0 }))
@@ -140,7 +140,7 @@ impl Sheet {
     /// Returns the colour of the lines; `None` if they contrast with the picture below.
     pub(crate) fn line_color(&self) -> Option<Rgba8> {
         match &self.key {
-            Key::Kinds([kind]) => Some(kind.color),
+            SheetLegend::Kinds([kind]) => Some(kind.color),
             _ => None,
         }
     }
@@ -149,20 +149,22 @@ impl Sheet {
     pub(crate) fn text(&self, x: u32, y: u32) -> Option<String> {
         let value = self.values.get(x, y).filter(|value| !value.is_nan())?;
         match &self.key {
-            Key::Lines => Some("an edge".to_owned()),
-            Key::Kinds(kinds) if self.counts.is_empty() => kinds.get(value as usize).map(|kind| kind.name.to_owned()),
-            Key::Kinds(kinds) => {
+            SheetLegend::Lines => Some("an edge".to_owned()),
+            SheetLegend::Kinds(kinds) if self.counts.is_empty() => {
+                kinds.get(value as usize).map(|kind| kind.name.to_owned())
+            }
+            SheetLegend::Kinds(kinds) => {
                 let counted = kinds.iter().zip(&self.counts).map(|(kind, counts)| (kind.name, counts.at(x, y)));
                 let words: Vec<_> =
                     counted.filter(|(_, count)| *count > 0.0).map(|(name, count)| format!("{name} {count}")).collect();
                 Some(words.join(", "))
             }
-            Key::Scale(scale) => Some(amount(value, scale.unit)),
+            SheetLegend::Scale(scale) => Some(number_with_unit(value, scale.unit)),
         }
     }
 
     /// Returns the next pixel after `from` with a value in reading order, or the previous one; wraps around at the end.
-    pub(crate) fn beside(&self, from: Option<(u32, u32)>, forwards: bool) -> Option<(u32, u32)> {
+    pub fn next_pixel(&self, from: Option<(u32, u32)>, forwards: bool) -> Option<(u32, u32)> {
         let (width, height) = self.values.size();
         let count = u64::from(width) * u64::from(height);
         let start = from.map(|(x, y)| u64::from(y) * u64::from(width) + u64::from(x));
@@ -178,7 +180,7 @@ impl Sheet {
 }
 
 /// Formats a number with its unit: integers exactly, others with about four significant digits.
-fn amount(value: f32, unit: &str) -> String {
+fn number_with_unit(value: f32, unit: &str) -> String {
     match value.abs() {
         1.0 => format!("{value} {}", unit.trim_end_matches('s')),
         size if value.fract() == 0.0 && size < 1e7 => format!("{value} {unit}"),

@@ -4,7 +4,7 @@ use crate::image::Rgba8;
 use crate::inspect::explain;
 use crate::inspect::history::{Absent, Cause, Survey};
 use crate::inspect::hits::Hits;
-use crate::inspect::pixel::{Outcome, inspect};
+use crate::inspect::pixel::{FragmentOutcome, inspect};
 use crate::inspect::view::{CRACK, DOUBLE_HIT};
 use crate::pipeline::raster::cover;
 use crate::pipeline::settings::{Arithmetic, Culling, DepthTest, FillRule};
@@ -15,14 +15,14 @@ use crate::scene::builtin;
 use crate::scene::seams::{self, Seams};
 use std::sync::Arc;
 
-struct Bench {
+struct OverlayBench {
     scene: Arc<Scene>,
     recipe: Recipe,
     frame: Frame,
-    watched: OnceLock<Watched>,
+    watched: OnceLock<FragmentStats>,
 }
 
-impl Bench {
+impl OverlayBench {
     fn new(scene: &str, recipe: Recipe, size: (u32, u32)) -> Self {
         let scene = Arc::new(builtin::by_id(scene).unwrap().build());
         let viewport = Viewport { width: size.0, height: size.1 };
@@ -43,20 +43,20 @@ impl Bench {
         range: Option<Range>,
         shown: &'a dyn Fn(u32, u32) -> Value,
         seams: &'a Seams,
-    ) -> Context<'a> {
-        Context {
+    ) -> OverlayContext<'a> {
+        OverlayContext {
             scene: &self.scene,
             recipe: &self.recipe,
             frame: &self.frame,
             is_whole: true,
-            watched: &self.watched,
+            stats_cache: &self.watched,
             seams: Some(seams),
             shown,
             range,
         }
     }
 
-    fn layer_sheet(&self, layer: &Layer) -> Sheet {
+    fn layer_sheet(&self, layer: &OverlayLayer) -> Sheet {
         layer.sheet(&self.context(None, &|_, _| Value::Nothing, &Seams::default()))
     }
 
@@ -79,7 +79,7 @@ fn counts_are_those_of_every_triangle_and_every_pixel_taken_alone() {
     for scene in ["interpenetrating", "stained-glass"] {
         let mut recipe = Recipe::default();
         recipe.pipeline.culling = Culling::None;
-        let bench = Bench::new(scene, recipe, (24, 18));
+        let bench = OverlayBench::new(scene, recipe, (24, 18));
         let mut covered = Image::filled(24, 18, 0_usize);
         let settings = &bench.recipe.pipeline;
         let viewport = bench.frame.viewport;
@@ -97,11 +97,13 @@ fn counts_are_those_of_every_triangle_and_every_pixel_taken_alone() {
         for (x, y) in bench.pixels() {
             assert_eq!(count(rasterized.values.at(x, y)), covered.at(x, y), "{scene} {x}, {y}");
             let report = inspect(&bench.scene, &bench.recipe, &bench.frame, x, y).unwrap();
-            let of = |outcomes: &[Outcome]| report.fragments.iter().filter(|f| outcomes.contains(&f.outcome)).count();
-            let rejected = of(&[Outcome::DepthRejected]);
+            let of = |outcomes: &[FragmentOutcome]| {
+                report.fragments.iter().filter(|f| outcomes.contains(&f.outcome)).count()
+            };
+            let rejected = of(&[FragmentOutcome::DepthRejected]);
             rejected_in_all += rejected;
             assert_eq!(count(passed.values.at(x, y)), report.fragments.len() - rejected, "{scene} {x}, {y}");
-            let seen = of(&[Outcome::Visible, Outcome::BlendedOver]);
+            let seen = of(&[FragmentOutcome::Visible, FragmentOutcome::BlendedOver]);
             assert_eq!(count(visible.values.at(x, y)), seen, "{scene} {x}, {y}");
             let expected = match (report.fragments.len(), rejected) {
                 (0, _) => None,
@@ -123,7 +125,7 @@ fn discarded_fragments_are_those_of_every_pixel_taken_alone() {
         for method in ["native", "checkerboard"] {
             let mut recipe = Recipe::default();
             recipe.set_all(&[format!("upscaler.method={method}")]).unwrap();
-            let bench = Bench::new(scene, recipe, (24, 18));
+            let bench = OverlayBench::new(scene, recipe, (24, 18));
             let sheet = bench.sheet(Overlay::Discarded);
             let survey = Survey::of(&bench.scene, &bench.recipe, &bench.frame);
             let mut sums = [0; 3];
@@ -132,7 +134,7 @@ fn discarded_fragments_are_those_of_every_pixel_taken_alone() {
                 let ended = |outcome| report.fragments.iter().filter(|f| f.outcome == outcome).count();
                 let is_culled = |absent: &&Absent| matches!(absent.cause, Cause::BackFacing | Cause::FrontFacing);
                 let culled = report.absent.iter().filter(is_culled).count();
-                let counts = [ended(Outcome::DepthRejected), ended(Outcome::CutOut), culled];
+                let counts = [ended(FragmentOutcome::DepthRejected), ended(FragmentOutcome::CutOut), culled];
                 let names = ["depth test", "alpha test", "face culling"].into_iter().zip(counts);
                 let words: Vec<_> = names.filter(|(_, n)| *n > 0).map(|(name, n)| format!("{name} {n}")).collect();
                 let expected = (!words.is_empty()).then(|| words.join(", "));
@@ -157,7 +159,7 @@ fn culled_coverage_is_what_is_rasterized_if_the_other_side_is_culled() {
     let with = |culling| {
         let mut recipe = Recipe::default();
         (recipe.pipeline.culling, recipe.pipeline.depth_test) = (culling, DepthTest::Off);
-        Bench::new("cubes", recipe, (40, 30))
+        OverlayBench::new("cubes", recipe, (40, 30))
     };
     let (backs, fronts) =
         (with(Culling::Back).sheet(Overlay::Discarded), with(Culling::Front).sheet(Overlay::Rasterized));
@@ -169,7 +171,7 @@ fn culled_coverage_is_what_is_rasterized_if_the_other_side_is_culled() {
 
 #[test]
 fn sizes_are_those_of_the_snapped_corners_in_whole_numbers() {
-    let bench = Bench::new("shared-edges", Recipe::default(), (40, 30));
+    let bench = OverlayBench::new("shared-edges", Recipe::default(), (40, 30));
     let sizes = bench.sheet(Overlay::TriangleSize);
     let heights = bench.sheet(Overlay::Sliver);
     let mut seen = 0;
@@ -192,14 +194,14 @@ fn sizes_are_those_of_the_snapped_corners_in_whole_numbers() {
     assert!(seen > 100);
     assert_eq!(total(&sizes, "triangles"), bench.frame.geometry.triangles.len() as f64);
     // With a single triangle, the least, median and greatest sizes are equal.
-    let one = Bench::new("triangle", Recipe::default(), (40, 30)).sheet(Overlay::TriangleSize);
+    let one = OverlayBench::new("triangle", Recipe::default(), (40, 30)).sheet(Overlay::TriangleSize);
     assert_eq!(total(&one, "triangles"), 1.0);
     assert!(["least", "greatest"].iter().all(|name| total(&one, name) == total(&one, "median")));
 }
 
 #[test]
 fn the_snapped_wireframe_is_the_one_that_recipes_draw() {
-    let bench = Bench::new("slivers", Recipe::default(), (60, 40));
+    let bench = OverlayBench::new("slivers", Recipe::default(), (60, 40));
     let sheet = bench.sheet(Overlay::SnappedWireframe);
     let mut on_line = Image::filled(60, 40, false);
     for triangle in &bench.frame.geometry.triangles {
@@ -216,19 +218,19 @@ fn the_snapped_wireframe_is_the_one_that_recipes_draw() {
 fn both_sides_are_told_apart() {
     let mut recipe = Recipe::default();
     recipe.pipeline.culling = Culling::None;
-    let mut bench = Bench::new("cubes", recipe, (32, 24));
+    let mut bench = OverlayBench::new("cubes", recipe, (32, 24));
     let sheet = bench.sheet(Overlay::Facing);
     assert_eq!(total(&sheet, "back"), 0.0, "closed bodies hide their backs");
     assert!(total(&sheet, "front") > 50.0);
     bench.recipe.pipeline.culling = Culling::Front;
-    let inside_out = Bench::new("cubes", bench.recipe, (32, 24)).sheet(Overlay::Facing);
+    let inside_out = OverlayBench::new("cubes", bench.recipe, (32, 24)).sheet(Overlay::Facing);
     assert_eq!(total(&inside_out, "front"), 0.0);
     assert!(total(&inside_out, "back") > 50.0);
 }
 
 #[test]
 fn texel_density_is_what_neighbours_differ_by() {
-    let bench = Bench::new("chess", Recipe::default(), (160, 120));
+    let bench = OverlayBench::new("chess", Recipe::default(), (160, 120));
     let sheet = bench.sheet(Overlay::TexelDensity);
     let at = |x: u32, y: u32| {
         let report = inspect(&bench.scene, &bench.recipe, &bench.frame, x, y)?;
@@ -262,7 +264,7 @@ fn faults_lie_where_hits_are_wrong() {
     for (rule, kind, color) in [(FillRule::Exclusive, "crack", CRACK), (FillRule::Inclusive, "double hit", DOUBLE_HIT)]
     {
         recipe.pipeline.fill_rule = rule;
-        let bench = Bench::new("shared-edges", recipe, (32, 24));
+        let bench = OverlayBench::new("shared-edges", recipe, (32, 24));
         let (sheet, hits) = (bench.sheet(Overlay::Faults), Hits::of(&bench.frame, &bench.recipe.pipeline));
         let marked: Vec<_> = bench.pixels().filter(|(x, y)| !sheet.values.at(*x, *y).is_nan()).collect();
         assert_eq!(marked, hits.faults.iter().map(|fault| (fault.x, fault.y)).collect::<Vec<_>>());
@@ -277,14 +279,14 @@ fn faults_lie_where_hits_are_wrong() {
 fn exact_arithmetic_agrees_with_itself_and_finds_what_a_wrong_rule_does() {
     let mut recipe = Recipe::default();
     recipe.pipeline.arithmetic = Arithmetic::Exact;
-    let exact = Bench::new("slivers", recipe, (60, 40)).sheet(Overlay::ExactOwner);
+    let exact = OverlayBench::new("slivers", recipe, (60, 40)).sheet(Overlay::ExactOwner);
     assert!(exact.totals.iter().all(|total| total.number == 0.0));
     assert!(exact.values.pixels().iter().all(|value| value.is_nan()));
-    let exact_frame = Bench::new("shared-edges", recipe, (32, 24));
+    let exact_frame = OverlayBench::new("shared-edges", recipe, (32, 24));
     recipe.pipeline.fill_rule = FillRule::Exclusive;
-    let bench = Bench::new("shared-edges", recipe, (32, 24));
+    let bench = OverlayBench::new("shared-edges", recipe, (32, 24));
     let sheet = bench.sheet(Overlay::ExactOwner);
-    let owner = |bench: &Bench, x, y| {
+    let owner = |bench: &OverlayBench, x, y| {
         let report = inspect(&bench.scene, &bench.recipe, &bench.frame, x, y).unwrap();
         report.visible().map(|fragment| fragment.triangle)
     };
@@ -308,7 +310,7 @@ fn tiles_are_handed_what_the_tiled_way_says() {
 }
 
 fn tiles_are_handed_what_is_said_of(recipe: Recipe) {
-    let mut bench = Bench::new("cubes", recipe, (200, 150));
+    let mut bench = OverlayBench::new("cubes", recipe, (200, 150));
     bench.frame = Renderer::default().render(
         &bench.scene,
         &bench.scene.home,
@@ -337,7 +339,7 @@ fn tiles_are_handed_what_is_said_of(recipe: Recipe) {
 
 #[test]
 fn what_is_no_proper_number_is_marked_and_stepped_to() {
-    let bench = Bench::new("triangle", Recipe::default(), (8, 4));
+    let bench = OverlayBench::new("triangle", Recipe::default(), (8, 4));
     let shown = |x: u32, y: u32| match (x, y) {
         (1, 0) => Value::Number(f32::NAN),
         (5, 1) => Value::Weights([0.5, f32::NEG_INFINITY, -1.0]),
@@ -352,22 +354,22 @@ fn what_is_no_proper_number_is_marked_and_stepped_to() {
     assert_eq!(bad.text(5, 1).as_deref(), Some("infinite"));
     assert_eq!(bad.text(2, 3).as_deref(), Some("negative"));
     assert_eq!(bad.totals.iter().map(|total| total.number).collect::<Vec<_>>(), [1.0, 1.0, 1.0]);
-    assert_eq!(bad.beside(None, true), Some((1, 0)));
-    assert_eq!(bad.beside(Some((1, 0)), true), Some((5, 1)));
-    assert_eq!(bad.beside(Some((2, 3)), true), Some((1, 0)), "round the end");
-    assert_eq!(bad.beside(Some((1, 0)), false), Some((2, 3)));
-    assert_eq!(bad.beside(None, false), Some((2, 3)));
+    assert_eq!(bad.next_pixel(None, true), Some((1, 0)));
+    assert_eq!(bad.next_pixel(Some((1, 0)), true), Some((5, 1)));
+    assert_eq!(bad.next_pixel(Some((2, 3)), true), Some((1, 0)), "round the end");
+    assert_eq!(bad.next_pixel(Some((1, 0)), false), Some((2, 3)));
+    assert_eq!(bad.next_pixel(None, false), Some((2, 3)));
     let clipped = bench.sheet_over(Overlay::Clipped, range, &shown);
     assert_eq!(clipped.text(3, 3).as_deref(), Some("above"));
     assert_eq!(clipped.text(2, 3).as_deref(), Some("below"));
     assert_eq!(clipped.text(0, 0), None);
     let nothing = bench.sheet_over(Overlay::Clipped, None, &shown);
-    assert!(nothing.absence.is_some() && nothing.beside(None, true).is_none());
+    assert!(nothing.absence.is_some() && nothing.next_pixel(None, true).is_none());
 }
 
 #[test]
 fn sheets_are_laid_in_order_and_change_nothing_below() {
-    let bench = Bench::new("shared-edges", Recipe::default(), (32, 24));
+    let bench = OverlayBench::new("shared-edges", Recipe::default(), (32, 24));
     let (facing, size) = (bench.sheet(Overlay::Facing), bench.sheet(Overlay::TriangleSize));
     let base = bench.frame.image().clone();
     let over = |first: &Sheet, second: &Sheet, opacity: f32| compose(&base, [(first, 1.0), (second, opacity)]);
@@ -388,7 +390,7 @@ fn sheets_are_laid_in_order_and_change_nothing_below() {
 
 #[test]
 fn owners_of_edges_follow_the_fill_rule() {
-    let bench = Bench::new("shared-edges", Recipe::default(), (32, 24));
+    let bench = OverlayBench::new("shared-edges", Recipe::default(), (32, 24));
     let marks = edge_marks(&bench.frame, &bench.recipe, [0.0, 0.0, 32.0, 24.0], 1000);
     assert_eq!(marks.len(), 3 * bench.frame.geometry.triangles.len());
     for EdgeMarks { ends_px: [from, to], inward, owned } in &marks {
@@ -401,7 +403,7 @@ fn owners_of_edges_follow_the_fill_rule() {
 
 #[test]
 fn totals_are_a_table() {
-    let bench = Bench::new("triangle", Recipe::default(), (16, 12));
+    let bench = OverlayBench::new("triangle", Recipe::default(), (16, 12));
     let sheet = bench.sheet(Overlay::Rasterized);
     let table = csv([&sheet]);
     let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
@@ -413,10 +415,10 @@ fn totals_are_a_table() {
 
 #[test]
 fn normals_are_those_of_rasterized_triangles_and_as_long_as_their_layer_says() {
-    let layer = |text: &str| text.parse::<Layer>().unwrap();
+    let layer = |text: &str| text.parse::<OverlayLayer>().unwrap();
     let mut recipe = Recipe::default();
-    let lines = |bench: &Bench, text: &str| bench.layer_sheet(&layer(text)).lines;
-    let bench = Bench::new("cubes", recipe, (120, 90));
+    let lines = |bench: &OverlayBench, text: &str| bench.layer_sheet(&layer(text)).lines;
+    let bench = OverlayBench::new("cubes", recipe, (120, 90));
     for (id, name) in [("vertex-normals", "vertex normal"), ("face-normals", "face normal")] {
         let sheet = bench.layer_sheet(&layer(id));
         let mut on_lines = Image::filled(120, 90, false);
@@ -440,12 +442,12 @@ fn normals_are_those_of_rasterized_triangles_and_as_long_as_their_layer_says() {
         assert!((1.9..2.2).contains(&ratio), "{ratio}");
         assert_eq!(bench.sheet(layer(id).overlay).lines, sheet.lines);
     }
-    let faces = |bench: &Bench| lines(bench, "face-normals").len();
+    let faces = |bench: &OverlayBench| lines(bench, "face-normals").len();
     let drawn: std::collections::BTreeSet<_> =
         bench.frame.geometry.triangles.iter().map(|triangle| triangle.id).collect();
     assert_eq!(faces(&bench), drawn.len());
     recipe.pipeline.culling = Culling::None;
-    assert!(faces(&Bench::new("cubes", recipe, (120, 90))) > drawn.len());
+    assert!(faces(&OverlayBench::new("cubes", recipe, (120, 90))) > drawn.len());
 }
 
 #[test]
@@ -454,7 +456,7 @@ fn t_junctions_are_marked_where_their_vertices_lie() {
     let camera = crate::scene::Camera::look_at(glam::Vec3::new(0.0, 0.0, 4.0), glam::Vec3::ZERO);
     let (recipe, viewport) = (Recipe::default(), Viewport { width: 100, height: 80 });
     let frame = run(&scene, &camera, &recipe, viewport, &mut ());
-    let bench = Bench { scene, recipe, frame, watched: OnceLock::new() };
+    let bench = OverlayBench { scene, recipe, frame, watched: OnceLock::new() };
     let sheet = bench.sheet(Overlay::Junctions);
     let marked: Vec<_> = bench.pixels().filter(|(x, y)| !sheet.values.at(*x, *y).is_nan()).collect();
     let clip_from_world = camera.clip_from_world(viewport.aspect(), crate::scene::DepthMapping::Standard);

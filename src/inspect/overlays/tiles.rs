@@ -1,7 +1,7 @@
 //! Number of triangles in the bin of each tile of the tiled renderer.
 
-use super::sheet::{Key, Scale, Sheet, Total};
-use super::{Context, Overlay};
+use super::sheet::{ColorScale, Sheet, SheetLegend, Total};
+use super::{Overlay, OverlayContext};
 use crate::chain::samples::places_on_grid;
 use crate::inspect::display::ColorMap;
 use crate::inspect::view::Range;
@@ -9,8 +9,8 @@ use crate::pipeline::tiled::{self, TILE_SIDE};
 use crate::upscale::Sampling;
 
 /// Shows the number of triangles per tile.
-pub(super) fn load(context: &Context<'_>) -> Sheet {
-    let Context { scene, recipe, frame, .. } = context;
+pub(super) fn load(context: &OverlayContext<'_>) -> Sheet {
+    let OverlayContext { scene, recipe, frame, .. } = context;
     let absent = |why: &str| Sheet::absent(Overlay::TileLoad, frame.image().size(), why);
     if let Some(why) = tiled::obstacle(scene, &recipe.pipeline) {
         return absent(why);
@@ -25,7 +25,7 @@ pub(super) fn load(context: &Context<'_>) -> Sheet {
     let empty = counts.pixels().iter().filter(|count| **count == 0).count();
     let values = context.spread(|column, row| counts.at(column / TILE_SIDE, row / TILE_SIDE) as f32);
     let range = Range { low: 0.0, high: most.max(1) as f32 };
-    let scale = Scale { range, logarithmic: false, map: ColorMap::Viridis, reversed: false, unit: "triangles" };
+    let scale = ColorScale { range, logarithmic: false, map: ColorMap::Viridis, reversed: false, unit: "triangles" };
     let tiles = counts.pixels().len();
     let totals = vec![
         Total { name: "tiles", number: tiles as f64, unit: "" },
@@ -34,5 +34,5 @@ pub(super) fn load(context: &Context<'_>) -> Sheet {
         Total { name: "mean per tile", number: sum as f64 / tiles.max(1) as f64, unit: "triangles" },
         Total { name: "most in a tile", number: f64::from(most), unit: "triangles" },
     ];
-    Sheet::new(Overlay::TileLoad, values, Key::Scale(scale), totals)
+    Sheet::new(Overlay::TileLoad, values, SheetLegend::Scale(scale), totals)
 }

@@ -2,11 +2,11 @@
 
 use crate::chain::{Frame, Recipe, redraw};
 use crate::image::{Image, Rgba8};
-use crate::pipeline::Until;
+use crate::pipeline::LastStage;
 use crate::pipeline::cull::{Facing, facing};
 use crate::pipeline::interpolate::{Fragment, uv_gradient};
 use crate::pipeline::observe::{DepthOutcome, Observer};
-use crate::pipeline::raster::{Sample, doubled_area};
+use crate::pipeline::raster::{RasterSample, doubled_area};
 use crate::pipeline::settings::Arithmetic;
 use crate::pipeline::shade::Shader;
 use crate::pipeline::viewport::ScreenTriangle;
@@ -14,25 +14,25 @@ use crate::scene::{Scene, TriangleId};
 
 /// Recorded data, in the packed layout of the framebuffer.
 #[derive(Clone, Debug)]
-pub(crate) struct Watched {
+pub struct FragmentStats {
     /// Number of fragments of each sample.
     pub(crate) rasterized: Image<u32>,
     /// Number of fragments that passed the depth test when drawn; all of them without a depth test.
     pub(crate) passed: Image<u32>,
     /// Number of fragments that passed the depth test but were discarded by the alpha test.
-    pub(crate) cut_out: Image<u32>,
+    pub(crate) alpha_rejected: Image<u32>,
     /// Number of fragments that are visible in the finished frame.
     pub(crate) visible: Image<u32>,
     /// Triangle written last at each sample, or [`TriangleId::NONE`]. Where triangles are blended, this is normally the
     /// nearest.
     pub(crate) owner: Image<TriangleId>,
     /// Properties of that triangle.
-    pub(crate) surface: Image<Surface>,
+    pub(crate) surface: Image<VisibleSurface>,
 }
 
 /// Properties of the visible triangle at a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Surface {
+pub(crate) struct VisibleSurface {
     /// Area as rasterized, in px²; for a clipped triangle, the area of the piece.
     pub(crate) area_px2: f32,
     /// Least height in px: doubled area over the longest side.
@@ -43,16 +43,16 @@ pub(crate) struct Surface {
     pub(crate) texels_per_px: f32,
 }
 
-impl Surface {
+impl VisibleSurface {
     /// Value at samples without a visible triangle.
     pub(crate) const NONE: Self =
         Self { area_px2: f32::NAN, height_px: f32::NAN, is_front: false, texels_per_px: f32::NAN };
 }
 
 /// Draws a frame again and records the data of its samples.
-pub(crate) fn watch(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Watched {
+pub(crate) fn watch(scene: &Scene, recipe: &Recipe, frame: &Frame) -> FragmentStats {
     let (width, height) = frame.drawn.color.size();
-    let mut watcher = Watcher {
+    let mut watcher = FragmentStatsRecorder {
         scene,
         recipe,
         frame,
@@ -61,42 +61,42 @@ pub(crate) fn watch(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Watched {
         shaders: (scene.instances.iter().zip(&frame.plans))
             .map(|(instance, plan)| Shader::new(&recipe.pipeline, &scene.library, instance, plan))
             .collect(),
-        seen: Watched {
+        stats: FragmentStats {
             rasterized: Image::filled(width, height, 0),
             passed: Image::filled(width, height, 0),
-            cut_out: Image::filled(width, height, 0),
+            alpha_rejected: Image::filled(width, height, 0),
             visible: Image::filled(width, height, 0),
             owner: Image::filled(width, height, TriangleId::NONE),
-            surface: Image::filled(width, height, Surface::NONE),
+            surface: Image::filled(width, height, VisibleSurface::NONE),
         },
     };
-    redraw(scene, recipe, frame, Until::Shade, &mut watcher);
-    watcher.seen
+    redraw(scene, recipe, frame, LastStage::Shade, &mut watcher);
+    watcher.stats
 }
 
-struct Watcher<'a> {
+struct FragmentStatsRecorder<'a> {
     scene: &'a Scene,
     recipe: &'a Recipe,
     frame: &'a Frame,
     /// Triangle of the previous fragment, by address, and its constant properties.
-    current: Option<(*const ScreenTriangle, Whole)>,
+    current: Option<(*const ScreenTriangle, TriangleProperties)>,
     has_depth: bool,
     /// Shaders, one for each instance.
     shaders: Vec<Shader<'a>>,
-    seen: Watched,
+    stats: FragmentStats,
 }
 
 /// Properties that are constant over a triangle.
 #[derive(Clone, Copy)]
-struct Whole {
-    surface: Surface,
+struct TriangleProperties {
+    surface: VisibleSurface,
     /// Number of texels of its texture, width times height; 0 without a texture.
     texels: f32,
     is_blended: bool,
 }
 
-impl Watcher<'_> {
-    fn whole(&mut self, triangle: &ScreenTriangle) -> Whole {
+impl FragmentStatsRecorder<'_> {
+    fn triangle_properties(&mut self, triangle: &ScreenTriangle) -> TriangleProperties {
         let address = std::ptr::from_ref(triangle);
         match self.current {
             Some((of, whole)) if of == address => whole,
@@ -108,7 +108,7 @@ impl Watcher<'_> {
         }
     }
 
-    fn find(&self, triangle: &ScreenTriangle) -> Whole {
+    fn find(&self, triangle: &ScreenTriangle) -> TriangleProperties {
         let arithmetic = self.recipe.pipeline.arithmetic;
         let (signed_area, _) = doubled_area(arithmetic, triangle.corners_px());
         let [area_px2, height_px] = area_and_height(&corners_px(triangle, arithmetic));
@@ -116,8 +116,8 @@ impl Watcher<'_> {
             let library = &self.scene.library;
             Some(library.texture(library.material(instance.material).texture?).image().size())
         });
-        Whole {
-            surface: Surface {
+        TriangleProperties {
+            surface: VisibleSurface {
                 area_px2: area_px2 as f32,
                 height_px: height_px as f32,
                 is_front: facing(signed_area) == Facing::Front,
@@ -129,13 +129,13 @@ impl Watcher<'_> {
     }
 
     /// Whether the surfaces behind a blended fragment remain visible.
-    fn is_seen_through(&self, triangle: &ScreenTriangle, fragment: &Fragment) -> bool {
+    fn is_blended_over(&self, triangle: &ScreenTriangle, fragment: &Fragment) -> bool {
         let shader = self.shaders.get(triangle.instance as usize);
         self.recipe.pipeline.shading.reads_material() && shader.is_some_and(|shader| shader.alpha(fragment) < 1.0)
     }
 
     /// Returns the texels per pixel along one axis: the square root of the area of a pixel in the texture, in texels.
-    fn texels_per_px(&self, triangle: &ScreenTriangle, sample: Sample, texels: f32) -> f32 {
+    fn texels_per_px(&self, triangle: &ScreenTriangle, sample: RasterSample, texels: f32) -> f32 {
         if texels == 0.0 {
             return f32::NAN;
         }
@@ -146,37 +146,37 @@ impl Watcher<'_> {
     }
 }
 
-impl Observer for Watcher<'_> {
-    fn covered(&mut self, _triangle: &ScreenTriangle, sample: &Sample) {
-        increase(&mut self.seen.rasterized, sample);
+impl Observer for FragmentStatsRecorder<'_> {
+    fn covered(&mut self, _triangle: &ScreenTriangle, sample: &RasterSample) {
+        increase(&mut self.stats.rasterized, sample);
         if !self.has_depth {
-            increase(&mut self.seen.passed, sample);
+            increase(&mut self.stats.passed, sample);
         }
     }
 
-    fn depth_tested(&mut self, _triangle: &ScreenTriangle, sample: &Sample, outcome: DepthOutcome) {
+    fn depth_tested(&mut self, _triangle: &ScreenTriangle, sample: &RasterSample, outcome: DepthOutcome) {
         if outcome.passed {
-            increase(&mut self.seen.passed, sample);
+            increase(&mut self.stats.passed, sample);
         }
     }
 
-    fn cut_out(&mut self, _triangle: &ScreenTriangle, fragment: &Fragment) {
-        increase(&mut self.seen.cut_out, &fragment.sample);
+    fn alpha_rejected(&mut self, _triangle: &ScreenTriangle, fragment: &Fragment) {
+        increase(&mut self.stats.alpha_rejected, &fragment.sample);
     }
 
     fn shaded(&mut self, triangle: &ScreenTriangle, fragment: &Fragment, _color: Rgba8) {
-        let whole = self.whole(triangle);
+        let whole = self.triangle_properties(triangle);
         let texels_per_px = self.texels_per_px(triangle, fragment.sample, whole.texels);
         let (column, row) = (fragment.sample.column, fragment.sample.row);
-        let is_seen_through = whole.is_blended && self.is_seen_through(triangle, fragment);
-        let below = if is_seen_through { self.seen.visible.at(column, row) } else { 0 };
-        self.seen.visible.set(column, row, below + 1);
-        self.seen.owner.set(column, row, triangle.id);
-        self.seen.surface.set(column, row, Surface { texels_per_px, ..whole.surface });
+        let is_seen_through = whole.is_blended && self.is_blended_over(triangle, fragment);
+        let below = if is_seen_through { self.stats.visible.at(column, row) } else { 0 };
+        self.stats.visible.set(column, row, below + 1);
+        self.stats.owner.set(column, row, triangle.id);
+        self.stats.surface.set(column, row, VisibleSurface { texels_per_px, ..whole.surface });
     }
 }
 
-fn increase(counts: &mut Image<u32>, sample: &Sample) {
+fn increase(counts: &mut Image<u32>, sample: &RasterSample) {
     counts.set(sample.column, sample.row, counts.at(sample.column, sample.row) + 1);
 }
 

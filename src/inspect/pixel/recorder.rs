@@ -1,38 +1,38 @@
 //! The observer that records a replay, fragment by fragment.
 
-use super::{FragmentRecord, Outcome, ShadingRecord, TexelRecord, TextureMap};
+use super::{FragmentOutcome, FragmentRecord, ShadingRecord, TexelRecord, TextureMap};
 use crate::chain::{Frame, Recipe};
 use crate::image::Rgba8;
 use crate::inspect::depth::DepthRecord;
 use crate::inspect::history::SampleState;
-use crate::pipeline::depth::{Comparison, clear_value, depth_at};
+use crate::pipeline::depth::{DepthComparison, clear_value, depth_at};
 use crate::pipeline::interpolate::{Fragment, affine_weights, attribute_weights};
 use crate::pipeline::observe::{DepthOutcome, Observer};
-use crate::pipeline::plan::{DrawPlan, Part};
-use crate::pipeline::raster::Sample;
+use crate::pipeline::plan::{DrawPlan, PipelinePart};
+use crate::pipeline::raster::RasterSample;
 use crate::pipeline::sample::{Sampler, TexelTap};
 use crate::pipeline::settings::{Arithmetic, Choice as _, DepthTest, Interpolation};
 use crate::pipeline::shade::{NormalMap, Readable, Shader};
 use crate::pipeline::viewport::ScreenTriangle;
-use crate::scene::material::CUT_OUT_BELOW;
+use crate::scene::material::ALPHA_TEST_THRESHOLD;
 use crate::scene::{Scene, Transparency};
 
 /// Records every fragment of a replay.
-pub(super) struct Recorder<'a> {
+pub(super) struct FragmentRecorder<'a> {
     scene: &'a Scene,
     shaders: Vec<Shader<'a>>,
     frame: &'a Frame,
-    comparison: Comparison,
+    comparison: DepthComparison,
     arithmetic: Arithmetic,
     interpolation: Interpolation,
     records: Vec<FragmentRecord>,
     /// State of the sample before the first fragment.
     pub(super) clear: SampleState,
     /// State of the sample after the fragments so far.
-    now: SampleState,
+    state: SampleState,
 }
 
-impl<'a> Recorder<'a> {
+impl<'a> FragmentRecorder<'a> {
     /// Creates a recorder for a frame that `recipe` draws of `scene`.
     pub(super) fn new(scene: &'a Scene, recipe: &'a Recipe, frame: &'a Frame) -> Self {
         let shaders = scene.instances.iter().zip(&frame.plans);
@@ -44,12 +44,12 @@ impl<'a> Recorder<'a> {
             scene,
             shaders: shaders.map(|(i, plan)| Shader::new(&recipe.pipeline, &scene.library, i, plan)).collect(),
             frame,
-            comparison: Comparison::of(&recipe.pipeline),
+            comparison: DepthComparison::of(&recipe.pipeline),
             arithmetic: recipe.pipeline.arithmetic,
             interpolation: recipe.pipeline.interpolation,
             records: Vec::new(),
             clear,
-            now: clear,
+            state: clear,
         }
     }
 
@@ -66,7 +66,7 @@ impl<'a> Recorder<'a> {
                 None => format!("overwritten by triangle {} at depth {}", next.triangle.0, next.depth),
             };
             let previous = &mut self.records[pair[0]];
-            previous.outcome = if is_covered { Outcome::Overwritten } else { Outcome::BlendedOver };
+            previous.outcome = if is_covered { FragmentOutcome::Overwritten } else { FragmentOutcome::BlendedOver };
             previous.reason = format!("{}, then {ending}", verb(previous.transparency));
         }
         self.records
@@ -77,16 +77,16 @@ impl<'a> Recorder<'a> {
     }
 }
 
-impl Observer for Recorder<'_> {
-    fn covered(&mut self, triangle: &ScreenTriangle, sample: &Sample) {
-        let submission = self.frame.geometry.place_of(triangle);
+impl Observer for FragmentRecorder<'_> {
+    fn covered(&mut self, triangle: &ScreenTriangle, sample: &RasterSample) {
+        let submission = self.frame.geometry.index_of(triangle);
         let transparency = self.frame.plans[triangle.instance as usize].transparency();
         self.records.push(FragmentRecord {
             triangle: triangle.id,
             instance: self.scene.instances[triangle.instance as usize].name.clone(),
             submission,
             transparency,
-            outcome: Outcome::Visible,
+            outcome: FragmentOutcome::Visible,
             reason: format!("{}: the depth test is off", verb(transparency)),
             arithmetic: self.arithmetic,
             corners_px: match self.arithmetic {
@@ -104,47 +104,47 @@ impl Observer for Recorder<'_> {
             stored_depth: None,
             alpha: None,
             shading: None,
-            before: self.now,
-            after: self.now,
+            before: self.state,
+            after: self.state,
         });
     }
 
-    fn depth_tested(&mut self, _triangle: &ScreenTriangle, _sample: &Sample, outcome: DepthOutcome) {
+    fn depth_tested(&mut self, _triangle: &ScreenTriangle, _sample: &RasterSample, outcome: DepthOutcome) {
         let [new, stored] = [outcome.new, outcome.stored].map(|depth| self.depth(depth));
         let Some(record) = self.records.last_mut() else { return };
         record.stored_depth = Some(stored);
         let (symbol, verb) = (self.comparison.symbol(), verb(record.transparency));
         if outcome.passed {
             record.reason = match self.comparison {
-                Comparison::Always => format!("{verb}: the depth test always passes ({new} over {stored})"),
+                DepthComparison::Always => format!("{verb}: the depth test always passes ({new} over {stored})"),
                 _ => format!("{verb}: {new} {symbol} {stored}"),
             };
         } else {
-            record.outcome = Outcome::DepthRejected;
+            record.outcome = FragmentOutcome::DepthRejected;
             record.reason = format!("failed the depth test: not {new} {symbol} {stored}");
         }
     }
 
-    fn depth_stored(&mut self, _triangle: &ScreenTriangle, _sample: &Sample) {
+    fn depth_stored(&mut self, _triangle: &ScreenTriangle, _sample: &RasterSample) {
         let Some(record) = self.records.last_mut() else { return };
-        self.now.depth = Some(record.depth);
-        record.after = self.now;
+        self.state.depth = Some(record.depth);
+        record.after = self.state;
     }
 
-    fn cut_out(&mut self, triangle: &ScreenTriangle, fragment: &Fragment) {
+    fn alpha_rejected(&mut self, triangle: &ScreenTriangle, fragment: &Fragment) {
         let alpha = self.shaders[triangle.instance as usize].alpha(fragment);
         let Some(record) = self.records.last_mut() else { return };
         record.alpha = Some(alpha);
-        record.outcome = Outcome::CutOut;
-        record.reason = format!("failed the alpha test: alpha {alpha} < {CUT_OUT_BELOW}");
+        record.outcome = FragmentOutcome::CutOut;
+        record.reason = format!("failed the alpha test: alpha {alpha} < {ALPHA_TEST_THRESHOLD}");
     }
 
     fn shaded(&mut self, triangle: &ScreenTriangle, fragment: &Fragment, color: Rgba8) {
         let instance = triangle.instance as usize;
         let (shader, plan) = (&self.shaders[instance], &self.frame.plans[instance]);
-        let below = std::mem::replace(&mut self.now.color, color);
+        let below = std::mem::replace(&mut self.state.color, color);
         let Some(record) = self.records.last_mut() else { return };
-        record.after = self.now;
+        record.after = self.state;
         let mut shading = shading_record(shader, plan, fragment, color);
         record.alpha = (record.transparency != Transparency::Opaque).then(|| shader.alpha(fragment));
         shading.below = (record.transparency == Transparency::Blended).then_some(below);
@@ -183,20 +183,20 @@ fn texels_of(map: TextureMap, texture: Readable<'_>, sampler: Sampler, fragment:
 }
 
 fn shading_record(shader: &Shader<'_>, plan: &DrawPlan, fragment: &Fragment, color: Rgba8) -> ShadingRecord {
-    let lit = plan.runs(Part::Light);
+    let lit = plan.runs(PipelinePart::Light);
     let read = |map: &TextureMap| {
         let (texture, sampler) = texture_of(*map, shader, fragment)?;
         Some(texels_of(*map, texture, sampler, fragment))
     };
     let texels = TextureMap::ALL.iter().filter_map(read).flatten().collect();
     ShadingRecord {
-        uv: plan.runs(Part::TextureCoordinates).then(|| fragment.uv.into()),
-        normal: plan.runs(Part::Normals).then(|| shader.unit_normal(fragment).into()),
-        vertex_color: plan.runs(Part::VertexColors).then(|| fragment.color.into()),
+        uv: plan.runs(PipelinePart::TextureCoordinates).then(|| fragment.uv.into()),
+        normal: plan.runs(PipelinePart::Normals).then(|| shader.unit_normal(fragment).into()),
+        vertex_color: plan.runs(PipelinePart::VertexColors).then(|| fragment.color.into()),
         cosine: lit.then(|| shader.cosine(fragment)),
         light: lit.then(|| shader.light(fragment)),
-        highlight: plan.runs(Part::Highlight).then(|| shader.highlight_factor(fragment)),
-        emission: plan.runs(Part::Emission).then(|| shader.emitted(fragment).into()),
+        highlight: plan.runs(PipelinePart::Highlight).then(|| shader.highlight_factor(fragment)),
+        emission: plan.runs(PipelinePart::Emission).then(|| shader.emitted(fragment).into()),
         texels,
         below: None,
         color,

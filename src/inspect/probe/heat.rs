@@ -16,14 +16,14 @@ choice! {
 
 /// Start of the used part of the colour map, in [0, 1]. It excludes the darkest part, so that a single change is
 /// visible on the dim picture.
-const LEAST_POSITION: f64 = 0.25;
+const MIN_POSITION: f64 = 0.25;
 
 /// Brightness factor of the scene's picture behind the changes.
 const DIM: f32 = 0.4;
 
 /// Returns the colour at a position on the map: 0 for almost no changed runs, 1 for the pixel that changed most often.
 pub(crate) fn map_color(position: f32) -> Rgba8 {
-    let position = LEAST_POSITION + (1.0 - LEAST_POSITION) * f64::from(position.clamp(0.0, 1.0));
+    let position = MIN_POSITION + (1.0 - MIN_POSITION) * f64::from(position.clamp(0.0, 1.0));
     let [r, g, b] = colorous::INFERNO.eval_continuous(position).as_array();
     [r, g, b, 255]
 }

@@ -33,7 +33,7 @@ pub(crate) use heat::picture;
 
 choice! {
     /// The moved part of a view.
-    Jittered {
+    JitterTarget {
         Camera = "camera", "Camera", "Eye and target move along x, y and z by up to k units in the last place of their largest coordinate: the whole picture is recomputed.";
         Vertices = "vertices", "Vertices", "Every vertex moves along x, y and z by up to k units in the last place of its largest coordinate; vertices at the same position move together.";
     }
@@ -43,24 +43,24 @@ choice! {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Probe {
     /// Moved part of the view.
-    pub(crate) what: Jittered,
+    pub(crate) what: JitterTarget,
     /// Maximum movement k, in units in the last place.
-    pub(crate) ulps: u32,
+    pub ulps: u32,
     /// Number of jittered runs.
-    pub(crate) runs: u16,
+    pub runs: u16,
     /// Seed of the jitter; equal seeds give equal jitter.
     pub(crate) seed: u64,
 }
 
 impl Default for Probe {
     fn default() -> Self {
-        Self { what: Jittered::Camera, ulps: 1, runs: 32, seed: 1 }
+        Self { what: JitterTarget::Camera, ulps: 1, runs: 32, seed: 1 }
     }
 }
 
 /// The probed view, with all inputs of its picture.
 #[derive(Clone, Debug)]
-pub(crate) struct Subject {
+pub(crate) struct ProbedView {
     /// Scene of the view.
     pub(crate) scene: Arc<Scene>,
     /// Camera without jitter.
@@ -71,7 +71,7 @@ pub(crate) struct Subject {
     pub(crate) viewport: Viewport,
 }
 
-impl Subject {
+impl ProbedView {
     /// Whether both subjects give the same picture.
     pub(crate) fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.scene, &other.scene)
@@ -83,22 +83,22 @@ impl Subject {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Fragile {
     /// Fragile triangle.
-    pub(crate) triangle: TriangleId,
+    pub triangle: TriangleId,
     /// Number of pixels that it lost or gained, summed over all runs.
     pub(crate) changes: u64,
     /// The most often changed of these pixels: column and row.
-    pub(crate) worst_pixel: (u32, u32),
+    pub worst_pixel: (u32, u32),
     /// Number of runs in which that pixel had a different owner.
     pub(crate) worst_changes: u16,
 }
 
 /// Result of a probe. All images have the size of the subject's viewport; counts are numbers of runs.
 #[derive(Clone, Debug)]
-pub(crate) struct ProbeResult {
+pub struct ProbeResult {
     /// Parameters of the probe.
     pub(crate) probe: Probe,
     /// Probed view.
-    pub(crate) subject: Subject,
+    pub(crate) subject: ProbedView,
     /// Number of runs in which the owner of each pixel differed from the picture without jitter. A missing or
     /// additional owner counts as a difference.
     pub(crate) owner_changes: Image<u16>,
@@ -111,7 +111,7 @@ pub(crate) struct ProbeResult {
     /// Picture without jitter, as sRGB codes.
     pub(crate) picture: Image<Rgba8>,
     /// Triangles that lost or gained pixels, most fragile first.
-    pub(crate) ranking: Vec<Fragile>,
+    pub ranking: Vec<Fragile>,
 }
 
 /// Changes in one aspect, as part of a [`Summary`].
@@ -125,7 +125,7 @@ pub(crate) struct Changed {
 
 /// Summary of a result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub(crate) struct Summary {
+pub(crate) struct ProbeSummary {
     /// Number of pixels of the picture.
     pub(crate) pixels: u64,
     /// Changes of the owner.
@@ -140,12 +140,12 @@ pub(crate) struct Summary {
 
 impl ProbeResult {
     /// Returns the summary of the result.
-    pub(crate) fn summary(&self) -> Summary {
+    pub(crate) fn summary(&self) -> ProbeSummary {
         let changed = |counts: &Image<u16>| Changed {
             pixels: counts.pixels().iter().filter(|count| **count > 0).count() as u64,
             most: counts.pixels().iter().copied().max().unwrap_or(0),
         };
-        Summary {
+        ProbeSummary {
             pixels: self.owner_changes.pixels().len() as u64,
             owner: changed(&self.owner_changes),
             depth: self.depth_changes.as_ref().map(changed),
@@ -166,7 +166,7 @@ impl ProbeResult {
     /// Returns a fragile triangle as drawn without jitter. Among the pieces of a clipped triangle, returns the one that
     /// covers its worst pixel, or else the first. `None` if the triangle is not rasterized without jitter.
     pub(crate) fn triangle_of(&self, fragile: &Fragile) -> Option<ScreenTriangle> {
-        let Subject { scene, camera, settings, viewport } = &self.subject;
+        let ProbedView { scene, camera, settings, viewport } = &self.subject;
         let geometry = prepare(scene, camera, settings, *viewport, &mut ());
         let pieces = || geometry.triangles.iter().filter(|triangle| triangle.id == fragile.triangle);
         let covering = pieces().find(|piece| covers(piece, settings, fragile.worst_pixel));
@@ -184,8 +184,8 @@ fn covers(triangle: &ScreenTriangle, settings: &Settings, (x, y): (u32, u32)) ->
 
 /// Probes a view on the threads of the current rayon pool. Calls `tell` with the progress, in [0, 1]. Returns `None`
 /// once `stop` is set. Equal probes of equal subjects give equal results on any number of threads.
-pub(crate) fn run(subject: &Subject, probe: Probe, tell: &dyn Fn(f32), stop: &AtomicBool) -> Option<ProbeResult> {
-    let mut tally = tally::Tally::new(draw::still(subject), subject.scene.triangle_count());
+pub(crate) fn run(subject: &ProbedView, probe: Probe, tell: &dyn Fn(f32), stop: &AtomicBool) -> Option<ProbeResult> {
+    let mut tally = tally::ProbeTally::new(draw::draw_still(subject), subject.scene.triangle_count());
     let at_once = rayon::current_num_threads().max(1);
     let runs: Vec<u16> = (0..probe.runs).collect();
     for (index, batch) in runs.chunks(at_once).enumerate() {

@@ -1,50 +1,50 @@
 //! Counts of changes between runs.
 
-use super::draw::Drawn;
-use super::{Fragile, Probe, ProbeResult, Subject};
+use super::draw::ProbeImages;
+use super::{Fragile, Probe, ProbeResult, ProbedView};
 use crate::image::Image;
 use crate::scene::TriangleId;
 
 /// Changes so far, relative to the picture without jitter.
-pub(super) struct Tally {
-    still: Drawn,
+pub(super) struct ProbeTally {
+    baseline: ProbeImages,
     owner: Image<u16>,
     depth: Option<Image<u16>>,
     color: Image<u16>,
     /// Changes of each triangle, in scene order.
-    triangles: Vec<Share>,
+    triangles: Vec<TriangleChanges>,
 }
 
 /// Changes of one triangle.
 #[derive(Clone, Copy, Default)]
-struct Share {
+struct TriangleChanges {
     changes: u64,
     worst_pixel: (u32, u32),
     worst_changes: u16,
 }
 
-impl Tally {
+impl ProbeTally {
     /// Creates zeroed counts for a scene of `triangles` triangles.
-    pub(super) fn new(still: Drawn, triangles: usize) -> Self {
-        let none = Image::filled(still.color.width(), still.color.height(), 0);
+    pub(super) fn new(baseline: ProbeImages, triangles: usize) -> Self {
+        let none = Image::filled(baseline.color.width(), baseline.color.height(), 0);
         Self {
             owner: none.clone(),
-            depth: still.depth.is_some().then(|| none.clone()),
+            depth: baseline.depth.is_some().then(|| none.clone()),
             color: none,
-            still,
-            triangles: vec![Share::default(); triangles],
+            baseline,
+            triangles: vec![TriangleChanges::default(); triangles],
         }
     }
 
     /// Counts the changes of one run.
-    pub(super) fn add(&mut self, drawn: &Drawn) {
-        count(&mut self.color, &self.still.color, &drawn.color, |a, b| a == b);
-        if let (Some(counts), Some(still), Some(new)) = (&mut self.depth, &self.still.depth, &drawn.depth) {
+    pub(super) fn add(&mut self, drawn: &ProbeImages) {
+        count(&mut self.color, &self.baseline.color, &drawn.color, |a, b| a == b);
+        if let (Some(counts), Some(still), Some(new)) = (&mut self.depth, &self.baseline.depth, &drawn.depth) {
             count(counts, still, new, |a, b| a.to_bits() == b.to_bits());
         }
-        count(&mut self.owner, &self.still.owner, &drawn.owner, |a, b| a == b);
+        count(&mut self.owner, &self.baseline.owner, &drawn.owner, |a, b| a == b);
         let width = self.owner.width();
-        for (index, (before, after)) in self.still.owner.pixels().iter().zip(drawn.owner.pixels()).enumerate() {
+        for (index, (before, after)) in self.baseline.owner.pixels().iter().zip(drawn.owner.pixels()).enumerate() {
             if before == after {
                 continue;
             }
@@ -61,7 +61,7 @@ impl Tally {
     }
 
     /// Returns the result, with the most fragile triangle first.
-    pub(super) fn finish(self, subject: Subject, probe: Probe) -> ProbeResult {
+    pub(super) fn finish(self, subject: ProbedView, probe: Probe) -> ProbeResult {
         let named = self.triangles.iter().zip(0..).filter(|(share, _)| share.changes > 0);
         let mut ranking: Vec<Fragile> = named
             .map(|(share, id)| Fragile {
@@ -79,8 +79,8 @@ impl Tally {
             owner_changes: self.owner,
             depth_changes: self.depth,
             color_changes: self.color,
-            owners: self.still.owner,
-            picture: self.still.color,
+            owners: self.baseline.owner,
+            picture: self.baseline.color,
             ranking,
         }
     }

@@ -4,21 +4,21 @@ use crate::scene::builtin;
 
 const SIZE: Viewport = Viewport { width: 160, height: 100 };
 
-fn subject(id: &str) -> Subject {
+fn subject(id: &str) -> ProbedView {
     let scene = Arc::new(builtin::by_id(id).unwrap().build());
-    Subject { camera: scene.home, scene, settings: Settings::default(), viewport: SIZE }
+    ProbedView { camera: scene.home, scene, settings: Settings::default(), viewport: SIZE }
 }
 
-fn found(subject: &Subject, probe: Probe) -> ProbeResult {
+fn found(subject: &ProbedView, probe: Probe) -> ProbeResult {
     run(subject, probe, &|_| {}, &AtomicBool::new(false)).unwrap()
 }
 
-const FEW: Probe = Probe { what: Jittered::Camera, ulps: 32, runs: 8, seed: 7 };
+const FEW: Probe = Probe { what: JitterTarget::Camera, ulps: 32, runs: 8, seed: 7 };
 
 #[test]
 fn surfaces_that_fight_are_fragile_and_one_triangle_is_not() {
     // Depth steps on the far panels are coarse relative to the vertex jitter, so fewer pixels change.
-    for (what, least) in [(Jittered::Camera, 50), (Jittered::Vertices, 5)] {
+    for (what, least) in [(JitterTarget::Camera, 50), (JitterTarget::Vertices, 5)] {
         let probe = Probe { what, ..FEW };
         let fighting = found(&subject("z-fighting"), probe);
         let owner = fighting.summary().owner;
@@ -33,7 +33,7 @@ fn surfaces_that_fight_are_fragile_and_one_triangle_is_not() {
 
 #[test]
 fn without_jitter_nothing_changes() {
-    for what in Jittered::ALL {
+    for what in JitterTarget::ALL {
         let result = found(&subject("z-fighting"), Probe { what: *what, ulps: 0, ..FEW });
         let none = Changed { pixels: 0, most: 0 };
         let summary = result.summary();
@@ -81,7 +81,7 @@ fn the_heat_map_is_dark_exactly_where_nothing_changed() {
         assert_eq!(is_grey, *count == 0, "{pixel:?} {count}");
     }
     let settings = Settings { depth_test: DepthTest::Off, ..Settings::default() };
-    let without = found(&Subject { settings, ..subject("triangle") }, Probe { runs: 1, ..FEW });
+    let without = found(&ProbedView { settings, ..subject("triangle") }, Probe { runs: 1, ..FEW });
     assert!(picture(&without, Heat::Depth).is_none());
 }
 

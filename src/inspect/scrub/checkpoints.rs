@@ -6,7 +6,7 @@ use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 
 /// Maximum number of copies: with more, drawing from one to the next takes less time than copying.
-const MOST: usize = 64;
+const MAX_COPIES: usize = 64;
 
 /// Estimated fixed cost of a triangle, in units of the cost of one pixel.
 const TRIANGLE_COST_PX: f64 = 60.0;
@@ -22,7 +22,7 @@ impl Checkpoints {
     /// Distributes checkpoints so that the estimated cost between any two is about equal. `cleared` is the framebuffer
     /// before the first triangle; `budget` is in bytes.
     pub(super) fn new(geometry: &Geometry, raster: Viewport, cleared: &Framebuffer, budget: usize) -> Self {
-        let count = (budget / bytes(cleared).max(1)).clamp(2, MOST);
+        let count = (budget / bytes(cleared).max(1)).clamp(2, MAX_COPIES);
         let costs = || geometry.triangles.iter().map(|triangle| cost(triangle, raster));
         let share = costs().sum::<f64>() / count as f64;
         let mut copies = vec![(0, Some(cleared.clone()))];
@@ -59,7 +59,7 @@ impl Checkpoints {
     }
 
     /// Copies `frame` if `at` is the position of a checkpoint without a copy.
-    pub(super) fn keep(&mut self, at: usize, frame: &Framebuffer) {
+    pub(super) fn store_checkpoint(&mut self, at: usize, frame: &Framebuffer) {
         if let Ok(found) = self.copies.binary_search_by_key(&at, |(place, _)| *place) {
             self.copies[found].1.get_or_insert_with(|| frame.clone());
         }

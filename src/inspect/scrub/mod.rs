@@ -12,9 +12,8 @@ mod touches;
 
 pub(crate) use timeline::Timeline;
 pub use timeline::Unit;
-pub(crate) use touches::Count;
-pub(crate) use touches::MOST_FRAGMENTS;
 pub(crate) use touches::Touch;
+pub(crate) use touches::TouchPrecision;
 pub(crate) use touches::touches;
 
 use std::sync::Arc;
@@ -26,7 +25,7 @@ use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::raster::{Scissor, Span};
 use crate::pipeline::viewport::Viewport;
-use crate::pipeline::{Extent, Geometry, Until, draw, draw_samples, partial};
+use crate::pipeline::{Extent, Geometry, LastStage, draw, draw_samples, partial};
 use crate::scene::Scene;
 use checkpoints::Checkpoints;
 
@@ -37,14 +36,14 @@ pub(crate) const BUDGET: usize = 256 << 20;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Moment {
     /// Number of rasterized triangles drawn, including a partially drawn last one.
-    pub(crate) triangles: usize,
+    pub triangles: usize,
     /// Number of fragments drawn of the last triangle; `None` for all.
-    pub(crate) fragments: Option<usize>,
+    pub fragments: Option<usize>,
 }
 
 impl Moment {
     /// Returns the moment after this number of complete triangles.
-    pub(crate) fn after(triangles: usize) -> Self {
+    pub fn after(triangles: usize) -> Self {
         Self { triangles, fragments: None }
     }
 
@@ -65,8 +64,8 @@ pub(crate) struct Scrubber {
     raster: Viewport,
     checkpoints: Checkpoints,
     /// Framebuffer after `at` complete triangles.
-    now: Framebuffer,
-    at: usize,
+    framebuffer: Framebuffer,
+    completed_triangles: usize,
 }
 
 impl Scrubber {
@@ -75,17 +74,17 @@ impl Scrubber {
     pub(crate) fn new(scene: &Arc<Scene>, recipe: &Recipe, frame: &Frame, budget: usize) -> Self {
         let geometry = prepare_again(scene, recipe, frame, &mut ());
         let (grid, raster) = (frame.sampling.grid(), frame.raster);
-        let mut now = Framebuffer::new(grid, raster.width, raster.height, scene.background, &recipe.pipeline);
-        now.depth_scale = geometry.depth_scale;
+        let mut framebuffer = Framebuffer::new(grid, raster.width, raster.height, scene.background, &recipe.pipeline);
+        framebuffer.depth_scale = geometry.depth_scale;
         Self {
-            checkpoints: Checkpoints::new(&geometry, raster, &now, budget),
+            checkpoints: Checkpoints::new(&geometry, raster, &framebuffer, budget),
             scene: Arc::clone(scene),
             recipe: *recipe,
             geometry,
             grid,
             raster,
-            now,
-            at: 0,
+            framebuffer,
+            completed_triangles: 0,
         }
     }
 
@@ -95,7 +94,7 @@ impl Scrubber {
     }
 
     /// Draws the frame at a moment. Moments past the end give the complete frame.
-    pub(crate) fn go(&mut self, moment: Moment) -> Framebuffer {
+    pub(crate) fn frame_at(&mut self, moment: Moment) -> Framebuffer {
         let all = self.geometry.triangles.len();
         let triangles = moment.triangles.min(all);
         let first_sorted = self.geometry.sorted_from(&self.recipe.pipeline);
@@ -104,10 +103,10 @@ impl Scrubber {
         }
         let Some(samples) = self.first_samples(moment).filter(|_| triangles == moment.triangles) else {
             self.seek(triangles);
-            return self.now.clone();
+            return self.framebuffer.clone();
         };
         self.seek(triangles - 1);
-        let mut drawn = self.now.clone();
+        let mut drawn = self.framebuffer.clone();
         let settings = &self.recipe.pipeline;
         draw_samples(&self.scene, &self.geometry, settings, (triangles - 1, &samples), &mut drawn);
         drawn
@@ -117,11 +116,11 @@ impl Scrubber {
     /// later ones.
     fn draw_sorted(&mut self, moment: Moment, first: usize) -> Framebuffer {
         self.seek(first);
-        let mut drawn = self.now.clone();
+        let mut drawn = self.framebuffer.clone();
         let geometry = self.geometry_at(moment);
         let scissor = Scissor::full(self.raster.width, self.raster.height);
         let extent = Extent { triangles: first..geometry.triangles.len(), scissor };
-        draw(&self.scene, &geometry, &self.recipe.pipeline, &extent, Until::Shade, &mut drawn, &mut ());
+        draw(&self.scene, &geometry, &self.recipe.pipeline, &extent, LastStage::Shade, &mut drawn, &mut ());
         drawn
     }
 
@@ -157,17 +156,17 @@ impl Scrubber {
 
     /// Draws until exactly `triangles` complete triangles are in the framebuffer.
     fn seek(&mut self, triangles: usize) {
-        if let Some(at) = self.checkpoints.restore_before(triangles, self.at, &mut self.now) {
-            self.at = at;
+        if let Some(at) = self.checkpoints.restore_before(triangles, self.completed_triangles, &mut self.framebuffer) {
+            self.completed_triangles = at;
         }
-        while self.at < triangles {
-            let end = self.checkpoints.next_after(self.at).min(triangles);
+        while self.completed_triangles < triangles {
+            let end = self.checkpoints.next_after(self.completed_triangles).min(triangles);
             let scissor = Scissor::full(self.raster.width, self.raster.height);
-            let extent = Extent { triangles: self.at..end, scissor };
+            let extent = Extent { triangles: self.completed_triangles..end, scissor };
             let settings = &self.recipe.pipeline;
-            draw(&self.scene, &self.geometry, settings, &extent, Until::Shade, &mut self.now, &mut ());
-            self.at = end;
-            self.checkpoints.keep(end, &self.now);
+            draw(&self.scene, &self.geometry, settings, &extent, LastStage::Shade, &mut self.framebuffer, &mut ());
+            self.completed_triangles = end;
+            self.checkpoints.store_checkpoint(end, &self.framebuffer);
         }
     }
 }

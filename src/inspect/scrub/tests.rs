@@ -21,7 +21,7 @@ fn from_the_start(scene: &Scene, recipe: &Recipe, frame: &Frame, triangles: usiz
     let mut drawn = Framebuffer::new(grid, width, height, scene.background, &recipe.pipeline);
     drawn.depth_scale = geometry.depth_scale;
     let extent = Extent::all(&geometry, frame.raster);
-    draw(scene, &geometry, &recipe.pipeline, &extent, Until::Shade, &mut drawn, &mut ());
+    draw(scene, &geometry, &recipe.pipeline, &extent, LastStage::Shade, &mut drawn, &mut ());
     drawn
 }
 
@@ -55,10 +55,10 @@ fn every_moment_is_what_drawing_from_the_start_gives_bit_for_bit() {
                 let jumps = (0..4).map(|_| dice.usize(..=all)).collect::<Vec<_>>();
                 for triangles in jumps.into_iter().chain([all, all.saturating_sub(1), 0, 1.min(all), all + 3]) {
                     let expected = from_the_start(&scene, &recipe, &frame, triangles);
-                    assert_eq!(scrubber.go(Moment::after(triangles)), expected, "{id} {triangles} {recipe:?}");
+                    assert_eq!(scrubber.frame_at(Moment::after(triangles)), expected, "{id} {triangles} {recipe:?}");
                 }
                 assert!(budget > 0 || scrubber.memory().0 <= 2);
-                assert_eq!(scrubber.go(Moment::after(all)).color, frame.drawn.color, "{id} {recipe:?}");
+                assert_eq!(scrubber.frame_at(Moment::after(all)).color, frame.drawn.color, "{id} {recipe:?}");
             }
         }
     }
@@ -78,13 +78,13 @@ fn fragments_come_one_by_one_until_their_triangle_is_whole() {
         let mut scrubber = Scrubber::new(&scene, &recipe, &frame, BUDGET);
         for triangles in 1..=scrubber.geometry().triangles.len().min(4) {
             let fragments = scrubber.fragments_of(triangles - 1);
-            let mut before = scrubber.go(Moment::after(triangles - 1));
+            let mut before = scrubber.frame_at(Moment::after(triangles - 1));
             for drawn in 0..=fragments {
-                let now = scrubber.go(Moment { triangles, fragments: Some(drawn) });
+                let now = scrubber.frame_at(Moment { triangles, fragments: Some(drawn) });
                 assert!(differing(&before, &now) <= usize::from(drawn > 0), "{id} {triangles} {drawn}");
                 before = now;
             }
-            assert_eq!(before, scrubber.go(Moment::after(triangles)), "{id} {triangles}");
+            assert_eq!(before, scrubber.frame_at(Moment::after(triangles)), "{id} {triangles}");
         }
     }
 }
@@ -101,7 +101,7 @@ fn the_inspector_tells_of_the_frame_at_that_moment() {
         let fragments = scrubber.fragments_of(triangles - 1);
         for fragments in [None, Some(0), Some(1), Some(fragments / 2), Some(fragments)] {
             let moment = Moment { triangles, fragments };
-            let drawn = scrubber.go(moment);
+            let drawn = scrubber.frame_at(moment);
             let frame = frame.at_moment(&recipe, drawn, scrubber.geometry_at(moment));
             for (x, y) in (0..SIZE.height).flat_map(|y| (0..SIZE.width).map(move |x| (x, y))) {
                 let report = inspect(&scene, &recipe, &frame, x, y).unwrap();
@@ -121,7 +121,7 @@ fn touches_are_the_moments_at_which_the_replay_has_one_fragment_more() {
     let scrubber = Scrubber::new(&scene, &recipe, &frame, BUDGET);
     let area = (frame.sampling.grid(), frame.raster);
     for pixel in [(26, 18), (20, 20), (10, 30), (40, 12)] {
-        let found = touches(&scene, &recipe, scrubber.geometry(), area, pixel, Count::Fragments);
+        let found = touches(&scene, &recipe, scrubber.geometry(), area, pixel, TouchPrecision::Fragments);
         let report = inspect(&scene, &recipe, &frame, pixel.0, pixel.1).unwrap();
         let expected: Vec<_> =
             report.fragments.iter().map(|f| (f.triangle, f.submission + 1, f.shading.is_some())).collect();
@@ -133,7 +133,7 @@ fn touches_are_the_moments_at_which_the_replay_has_one_fragment_more() {
                 let moment = Moment { fragments: Some(fragments), ..touch.moment };
                 let geometry = scrubber.geometry_at(moment);
                 assert_eq!(
-                    touches(&scene, &recipe, &geometry, area, pixel, Count::Fragments).len(),
+                    touches(&scene, &recipe, &geometry, area, pixel, TouchPrecision::Fragments).len(),
                     expected,
                     "{moment:?}"
                 );
@@ -149,7 +149,7 @@ fn copies_stay_within_their_budget() {
     let frame = run(&scene, &scene.home, &recipe, SIZE, &mut ());
     let one = SIZE.width as usize * SIZE.height as usize * 8;
     let mut scrubber = Scrubber::new(&scene, &recipe, &frame, 5 * one);
-    scrubber.go(Moment::after(usize::MAX));
+    scrubber.frame_at(Moment::after(usize::MAX));
     let (count, bytes) = scrubber.memory();
     assert!((3..=5).contains(&count) && bytes <= 5 * one, "{count} copies, {bytes} bytes");
 }

@@ -7,14 +7,14 @@ use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::interpolate::Fragment;
 use crate::pipeline::observe::Observer;
-use crate::pipeline::raster::{Sample, Scissor};
+use crate::pipeline::raster::{RasterSample, Scissor};
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
-use crate::pipeline::{Extent, Geometry, Until, draw, partial};
+use crate::pipeline::{Extent, Geometry, LastStage, draw, partial};
 use crate::scene::{Scene, TriangleId};
 
 /// Precision of the moments of touches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Count {
+pub(crate) enum TouchPrecision {
     /// Only the triangle of each touch is known.
     Triangles,
     /// Fragments are counted while the triangles so far have at most [`MOST_FRAGMENTS`] in total.
@@ -22,7 +22,7 @@ pub(crate) enum Count {
 }
 
 /// Maximum number of fragments traversed to locate touches; takes a fraction of a second.
-pub(crate) const MOST_FRAGMENTS: usize = 8_000_000;
+pub(crate) const MAX_FRAGMENTS: usize = 8_000_000;
 
 /// A fragment at a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,38 +42,38 @@ pub(crate) fn touches(
     geometry: &Geometry,
     (grid, raster): (SampleGrid, Viewport),
     (x, y): (u32, u32),
-    count: Count,
+    count: TouchPrecision,
 ) -> Vec<Touch> {
     let Some(sample) = grid.sample_at(x, y) else { return Vec::new() };
     let settings = &recipe.pipeline;
     let mut one = Framebuffer::one_sample(grid, sample, scene.background, settings);
     let extent = Extent { triangles: 0..geometry.triangles.len(), scissor: Scissor::pixel(x, y) };
-    let mut watch = Watch { geometry, touches: Vec::new() };
-    draw(scene, geometry, settings, &extent, Until::Shade, &mut one, &mut watch);
+    let mut watch = TouchObserver { geometry, touches: Vec::new() };
+    draw(scene, geometry, settings, &extent, LastStage::Shade, &mut one, &mut watch);
     let mut touches = watch.touches;
     // Depth-sorted fragments are not drawn in the order of their triangles.
     touches.sort_by_key(|touch| touch.moment.key());
     let mut counted = 0;
     for touch in &mut touches {
         let Some(triangle) = geometry.triangles.get(touch.moment.triangles - 1) else { continue };
-        if count == Count::Triangles || counted > MOST_FRAGMENTS {
+        if count == TouchPrecision::Triangles || counted > MAX_FRAGMENTS {
             break;
         }
         let samples = partial::samples_of(triangle, settings, (grid, raster));
         counted += partial::count(&samples);
-        touch.moment.fragments = partial::place_of(&samples, sample).map(|place| place + 1);
+        touch.moment.fragments = partial::index_of(&samples, sample).map(|place| place + 1);
     }
     touches
 }
 
-struct Watch<'a> {
+struct TouchObserver<'a> {
     geometry: &'a Geometry,
     touches: Vec<Touch>,
 }
 
-impl Observer for Watch<'_> {
-    fn covered(&mut self, triangle: &ScreenTriangle, _sample: &Sample) {
-        let moment = Moment::after(self.geometry.place_of(triangle) + 1);
+impl Observer for TouchObserver<'_> {
+    fn covered(&mut self, triangle: &ScreenTriangle, _sample: &RasterSample) {
+        let moment = Moment::after(self.geometry.index_of(triangle) + 1);
         self.touches.push(Touch { triangle: triangle.id, moment, written: false });
     }
 

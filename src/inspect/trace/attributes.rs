@@ -4,8 +4,8 @@ use glam::Vec2;
 
 use super::formula::{Formula, given, sum};
 use super::geometry::AXES;
-use super::line::{Scribe, TraceStage};
-use super::subject::Subject;
+use super::line::{TraceRecorder, TraceStage};
+use super::subject::TracedFragment;
 use crate::inspect::intermediate::Intermediate;
 use crate::pipeline::interpolate::{edge_slopes, weight_gradient};
 use crate::pipeline::settings::Arithmetic;
@@ -15,7 +15,7 @@ use crate::pipeline::vertex::Varyings;
 pub(super) const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
 /// Writes every attribute that the draw interpolates.
-pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) {
+pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     scribe.enter(TraceStage::Attributes);
     let attributes = subject.shader.attributes();
     let fragment = &subject.fragment;
@@ -52,7 +52,7 @@ pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) {
 }
 
 /// Returns a₀ + p₁·(a₁ − a₀) + p₂·(a₂ − a₀) for one component.
-fn mixed(subject: &Subject<'_>, component: impl Fn(&Varyings) -> f32) -> Formula {
+fn mixed(subject: &TracedFragment<'_>, component: impl Fn(&Varyings) -> f32) -> Formula {
     let [a, b, c] = subject.triangle.vertices.each_ref().map(|vertex| component(&vertex.varyings));
     let [_, p1, p2] = subject.fragment.weights;
     let from_first = |name: &'static str, value: f32| given(name, value) - given("a₀", a);
@@ -60,7 +60,7 @@ fn mixed(subject: &Subject<'_>, component: impl Fn(&Varyings) -> f32) -> Formula
 }
 
 /// Writes the changes of weights and texture coordinates per pixel, to the right and downwards.
-fn gradient(subject: &Subject<'_>, arithmetic: Arithmetic, scribe: &mut Scribe) {
+fn gradient(subject: &TracedFragment<'_>, arithmetic: Arithmetic, scribe: &mut TraceRecorder) {
     const DIRECTIONS: [&str; 2] = ["to the right", "downwards"];
     const NAMES: [[&str; 2]; 2] = [["du/dx", "dv/dx"], ["du/dy", "dv/dy"]];
     const BUFFERS: [[Intermediate; 2]; 2] =
@@ -91,7 +91,7 @@ fn gradient(subject: &Subject<'_>, arithmetic: Arithmetic, scribe: &mut Scribe) 
 
 /// Returns the change of an edge value per pixel: the opposite side rotated by a right angle, in the unit of edge
 /// values.
-fn edge_change(subject: &Subject<'_>, arithmetic: Arithmetic, direction: usize, corner: usize) -> Formula {
+fn edge_change(subject: &TracedFragment<'_>, arithmetic: Arithmetic, direction: usize, corner: usize) -> Formula {
     let corners = subject.triangle.corners_in(arithmetic);
     let coordinate = |corner: usize, axis: usize| given(format!("{}{corner}", ["x", "y"][axis]), corners[corner][axis]);
     let between = |from: usize, to: usize, axis: usize| coordinate(to, axis) - coordinate(from, axis);
@@ -102,7 +102,7 @@ fn edge_change(subject: &Subject<'_>, arithmetic: Arithmetic, direction: usize, 
 }
 
 /// Returns (qᵢ′ − pᵢ·Σ qⱼ′) / Σ qⱼ with qᵢ = edgeᵢ·rᵢ and pᵢ = qᵢ / Σ qⱼ, where ′ denotes the change per pixel.
-fn weight_change(subject: &Subject<'_>, slopes: [f32; 3], corner: usize) -> Formula {
+fn weight_change(subject: &TracedFragment<'_>, slopes: [f32; 3], corner: usize) -> Formula {
     const EDGES: [&str; 3] = ["edge 0", "edge 1", "edge 2"];
     const CHANGES: [&str; 3] = ["change of edge 0", "change of edge 1", "change of edge 2"];
     let relative = |corner: usize| given(["r₀", "r₁", "r₂"][corner], subject.triangle.relative_inv_w[corner]);

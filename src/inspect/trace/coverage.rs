@@ -2,8 +2,8 @@
 
 use super::Number;
 use super::formula::{Formula, given};
-use super::line::{Notable, Scribe, TraceLine, TraceStage};
-use super::subject::Subject;
+use super::line::{Notable, TraceLine, TraceRecorder, TraceStage};
+use super::subject::TracedFragment;
 use crate::inspect::intermediate::Intermediate;
 use crate::math::fixed::snap;
 use crate::pipeline::raster::doubled_area;
@@ -15,7 +15,7 @@ use crate::pipeline::settings::{Arithmetic, Choice as _};
 const EDGE_BUFFERS: [Intermediate; 3] = [Intermediate::Edge0, Intermediate::Edge1, Intermediate::Edge2];
 
 /// Writes the area, the edge values and the coverage decisions.
-pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) {
+pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     scribe.enter(TraceStage::Coverage);
     area(subject, scribe);
     for (edge, steps) in subject.steps.iter().enumerate() {
@@ -47,7 +47,7 @@ pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) {
 }
 
 /// Writes the signed doubled area, whose sign decides facing.
-fn area(subject: &Subject<'_>, scribe: &mut Scribe) {
+fn area(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     let arithmetic = subject.settings.arithmetic;
     let (area, scale) = doubled_area(arithmetic, subject.triangle.corners_px());
     let number = |value: f64| match arithmetic {
@@ -86,8 +86,8 @@ fn fixed<'s>(
     name: &str,
     (a, b, c): (i64, i64, i64),
     (centre, value): ([i64; 2], i64),
-    (subject, edge): (&Subject<'_>, usize),
-    scribe: &'s mut Scribe,
+    (subject, edge): (&TracedFragment<'_>, usize),
+    scribe: &'s mut TraceRecorder,
 ) -> &'s mut TraceLine {
     let corners = subject.triangle.vertices.each_ref().map(|v| [i64::from(v.x), i64::from(v.y)]);
     let (from, to) = (corners[(edge + 1) % 3], corners[(edge + 2) % 3]);
@@ -105,7 +105,11 @@ fn fixed<'s>(
 }
 
 /// Writes an edge value in floating point: the difference of two products.
-fn float<'s, F: Copy + Into<Number>>(name: &str, steps: &FloatSteps<F>, scribe: &'s mut Scribe) -> &'s mut TraceLine {
+fn float<'s, F: Copy + Into<Number>>(
+    name: &str,
+    steps: &FloatSteps<F>,
+    scribe: &'s mut TraceRecorder,
+) -> &'s mut TraceLine {
     for axis in 0..2 {
         let part = ["x", "y"][axis];
         let formula =
@@ -133,7 +137,7 @@ fn exact<'s>(
     name: &str,
     [from, to, centre]: [[f64; 2]; 3],
     (sign, value): (f64, f64),
-    scribe: &'s mut Scribe,
+    scribe: &'s mut TraceRecorder,
 ) -> &'s mut TraceLine {
     let along = |axis: usize| given(["x to", "y to"][axis], to[axis]) - given(["x from", "y from"][axis], from[axis]);
     let beyond = |axis: usize| given(["x", "y"][axis], centre[axis]) - given(["x from", "y from"][axis], from[axis]);
@@ -143,7 +147,7 @@ fn exact<'s>(
 }
 
 /// Writes the decision: inside, outside, or on the edge and owned or not.
-fn decide(name: &str, steps: &EdgeSteps, value: Number, scribe: &mut Scribe) {
+fn decide(name: &str, steps: &EdgeSteps, value: Number, scribe: &mut TraceRecorder) {
     let value = value.to_f64();
     let kind = edge_kind(steps.inward);
     let (words, decision) = if value > 0.0 {

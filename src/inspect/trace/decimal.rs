@@ -4,7 +4,7 @@ use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed as _, Zero as _};
 
-use super::exact::Exact;
+use super::exact::ExactNumber;
 
 /// Maximum number of digits, numerator and denominator together, of a short fraction.
 const SHORT_DIGITS: usize = 12;
@@ -12,7 +12,7 @@ const SHORT_DIGITS: usize = 12;
 /// Maximum number of bits, numerator and denominator together, of a fraction that is reduced.
 const SHORT_BITS: u64 = 256;
 
-impl Exact {
+impl ExactNumber {
     /// Returns the number with this many significant digits, and whether they are complete. Further digits are
     /// truncated.
     pub(crate) fn decimal(&self, significant: u32) -> (String, bool) {
@@ -78,13 +78,13 @@ impl Exact {
 mod tests {
     use super::*;
 
-    fn exact(value: f64) -> Exact {
-        Exact::from_f64(value).unwrap()
+    fn exact(value: f64) -> ExactNumber {
+        ExactNumber::from_f64(value).unwrap()
     }
 
     #[test]
     fn decimals_are_cut_off_and_say_so() {
-        let third = Exact::ratio(1, 3).unwrap();
+        let third = ExactNumber::ratio(1, 3).unwrap();
         assert_eq!(third.decimal(5), ("0.33333…".to_owned(), false));
         assert_eq!(third.short_fraction(), Some("1/3".to_owned()));
         assert_eq!(exact(-0.125).decimal(5), ("−0.125".to_owned(), true));
@@ -93,6 +93,6 @@ mod tests {
         assert_eq!(exact(1200.0).short_fraction(), None);
         assert_eq!(exact(1e-30).decimal(3).0, "1.00…e−30");
         assert_eq!(exact(0.1).decimal(20).0, "0.10000000000000000555…");
-        assert_eq!(Exact::whole(999_999).decimal(3), ("9.99…e5".to_owned(), false));
+        assert_eq!(ExactNumber::whole(999_999).decimal(3), ("9.99…e5".to_owned(), false));
     }
 }

@@ -1,15 +1,15 @@
 //! Trace of the fragment's depth as stored, and of the depth test.
 
 use super::formula::{Formula, given, sum, whole};
-use super::line::{Notable, Scribe, TraceStage};
-use super::subject::Subject;
+use super::line::{Notable, TraceRecorder, TraceStage};
+use super::subject::TracedFragment;
 use crate::inspect::depth::DepthRecord;
 use crate::inspect::intermediate::Intermediate;
-use crate::pipeline::depth::{Comparison, TriangleBias, depth_at, unquantised_depth_at};
+use crate::pipeline::depth::{DepthComparison, TriangleBias, depth_at, unquantised_depth_at};
 use crate::pipeline::settings::DepthBias;
 
 /// Writes the depth and its test.
-pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) {
+pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     scribe.enter(TraceStage::Depth);
     if subject.record.stored_depth.is_none() {
         scribe.decide("depth test", "off: the triangle drawn last is visible", "passes");
@@ -40,7 +40,7 @@ pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) {
 }
 
 /// Writes the depth bias, if one is set: its terms, and the resulting least depth.
-fn bias(subject: &Subject<'_>, least: f64, biased_least: f64, scribe: &mut Scribe) {
+fn bias(subject: &TracedFragment<'_>, least: f64, biased_least: f64, scribe: &mut TraceRecorder) {
     let Some(bias) = subject.frame.geometry.depth_scale.bias_of(&subject.triangle.vertices) else { return };
     let TriangleBias { gradient: [along_x, along_y], slope, step, offset } = bias;
     scribe.read("∂z/∂x", "change of the triangle's depth per px to the right, from its corners", along_x);
@@ -60,7 +60,7 @@ fn on_screen(edges: [f64; 3], least: f64, rises: [f64; 3]) -> Formula {
     given("least", least) + sum((0..3).map(term))
 }
 
-fn in_space(subject: &Subject<'_>, least: f64, rises: [f64; 3]) -> Formula {
+fn in_space(subject: &TracedFragment<'_>, least: f64, rises: [f64; 3]) -> Formula {
     let inv_w = subject.triangle.vertices.each_ref().map(|vertex| f64::from(vertex.inv_w));
     let weight = |corner: usize| {
         let edge = given(format!("edge {corner}"), subject.sample.edges[corner]).max(whole("0", 0));
@@ -71,7 +71,7 @@ fn in_space(subject: &Subject<'_>, least: f64, rises: [f64; 3]) -> Formula {
 }
 
 /// Writes the depth in the format of the depth buffer.
-fn stored(unquantised: f64, depth: &DepthRecord, subject: &Subject<'_>, scribe: &mut Scribe) {
+fn stored(unquantised: f64, depth: &DepthRecord, subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     let depth64 = || given("depth in f64", unquantised);
     match depth.code.zip(subject.frame.depth_scale().encoding().largest_code()) {
         None => {
@@ -85,19 +85,19 @@ fn stored(unquantised: f64, depth: &DepthRecord, subject: &Subject<'_>, scribe: 
     }
 }
 
-fn test(subject: &Subject<'_>, depth: &DepthRecord, scribe: &mut Scribe) {
+fn test(subject: &TracedFragment<'_>, depth: &DepthRecord, scribe: &mut TraceRecorder) {
     let Some(stored) = subject.record.stored_depth else { return };
     scribe.read("depth in the buffer", "the stored depth before this fragment", stored.value);
-    let comparison = Comparison::of(subject.settings);
+    let comparison = DepthComparison::of(subject.settings);
     let passes = comparison.passes(depth.value, stored.value);
     let steps = depth.steps_from(&stored);
     let step = if depth.code.is_some() { "codes" } else { "ulp" };
     let sign = comparison.symbol();
     let words = match comparison {
-        Comparison::Always => "every fragment passes".to_owned(),
+        DepthComparison::Always => "every fragment passes".to_owned(),
         _ => format!("{} {sign} {}? The difference is {steps} {step}", depth.value, stored.value),
     };
     let line = scribe.decide("depth test", words, if passes { "passes" } else { "fails" });
     line.flag(Notable::DepthEqual, depth.value == stored.value);
-    line.flag(Notable::Tie, depth.value == stored.value && comparison != Comparison::Always);
+    line.flag(Notable::Tie, depth.value == stored.value && comparison != DepthComparison::Always);
 }

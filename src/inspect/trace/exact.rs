@@ -12,19 +12,19 @@ const ROOT_BITS: i64 = 160;
 
 /// A number without rounding error: numerator / denominator · 2^exponent.
 #[derive(Clone, Debug)]
-pub(crate) struct Exact {
+pub(crate) struct ExactNumber {
     numerator: BigInt,
     /// Positive denominator.
     denominator: BigInt,
     exponent: i64,
 }
 
-impl Exact {
+impl ExactNumber {
     /// Converts a float; `None` for NaN and the infinities.
     pub(crate) fn from_f64(value: f64) -> Option<Self> {
         /// Bits of the fraction field, and the exponent of the last place of subnormal numbers.
         const FRACTION_BITS: u32 = 52;
-        const LEAST_EXPONENT: i64 = -1074;
+        const MIN_EXPONENT: i64 = -1074;
         if !value.is_finite() {
             return None;
         }
@@ -32,8 +32,8 @@ impl Exact {
         let field = (bits >> FRACTION_BITS & 0x7ff) as i64;
         let fraction = bits & ((1 << FRACTION_BITS) - 1);
         let (magnitude, exponent) = match field {
-            0 => (fraction, LEAST_EXPONENT),
-            _ => (fraction | 1 << FRACTION_BITS, field - 1 + LEAST_EXPONENT),
+            0 => (fraction, MIN_EXPONENT),
+            _ => (fraction | 1 << FRACTION_BITS, field - 1 + MIN_EXPONENT),
         };
         // Removing trailing zeros keeps the number and all results computed from it short.
         let zeros = if magnitude == 0 { 0 } else { magnitude.trailing_zeros() };
@@ -163,34 +163,34 @@ fn div_floor(numerator: &BigInt, denominator: &BigInt) -> BigInt {
     if numerator.is_negative() && &quotient * denominator != *numerator { quotient - 1 } else { quotient }
 }
 
-impl Add for &Exact {
-    type Output = Exact;
+impl Add for &ExactNumber {
+    type Output = ExactNumber;
 
-    fn add(self, other: &Exact) -> Exact {
+    fn add(self, other: &ExactNumber) -> ExactNumber {
         let exponent = self.exponent.min(other.exponent);
-        let at = |number: &Exact| &number.numerator << (number.exponent - exponent).unsigned_abs();
+        let at = |number: &ExactNumber| &number.numerator << (number.exponent - exponent).unsigned_abs();
         let (a, b) = (at(self), at(other));
         if self.denominator == other.denominator {
-            return Exact { numerator: a + b, denominator: self.denominator.clone(), exponent };
+            return ExactNumber { numerator: a + b, denominator: self.denominator.clone(), exponent };
         }
         let numerator = a * &other.denominator + b * &self.denominator;
-        Exact { numerator, denominator: &self.denominator * &other.denominator, exponent }
+        ExactNumber { numerator, denominator: &self.denominator * &other.denominator, exponent }
     }
 }
 
-impl Sub for &Exact {
-    type Output = Exact;
+impl Sub for &ExactNumber {
+    type Output = ExactNumber;
 
-    fn sub(self, other: &Exact) -> Exact {
+    fn sub(self, other: &ExactNumber) -> ExactNumber {
         self + &-other
     }
 }
 
-impl Mul for &Exact {
-    type Output = Exact;
+impl Mul for &ExactNumber {
+    type Output = ExactNumber;
 
-    fn mul(self, other: &Exact) -> Exact {
-        Exact {
+    fn mul(self, other: &ExactNumber) -> ExactNumber {
+        ExactNumber {
             numerator: &self.numerator * &other.numerator,
             denominator: &self.denominator * &other.denominator,
             exponent: self.exponent + other.exponent,
@@ -198,37 +198,37 @@ impl Mul for &Exact {
     }
 }
 
-impl Div for &Exact {
-    type Output = Option<Exact>;
+impl Div for &ExactNumber {
+    type Output = Option<ExactNumber>;
 
-    fn div(self, other: &Exact) -> Option<Exact> {
+    fn div(self, other: &ExactNumber) -> Option<ExactNumber> {
         self.divided_by(other)
     }
 }
 
-impl Neg for &Exact {
-    type Output = Exact;
+impl Neg for &ExactNumber {
+    type Output = ExactNumber;
 
-    fn neg(self) -> Exact {
-        Exact { numerator: -&self.numerator, denominator: self.denominator.clone(), exponent: self.exponent }
+    fn neg(self) -> ExactNumber {
+        ExactNumber { numerator: -&self.numerator, denominator: self.denominator.clone(), exponent: self.exponent }
     }
 }
 
-impl PartialEq for Exact {
+impl PartialEq for ExactNumber {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
 
-impl Eq for Exact {}
+impl Eq for ExactNumber {}
 
-impl PartialOrd for Exact {
+impl PartialOrd for ExactNumber {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl Ord for Exact {
+impl Ord for ExactNumber {
     fn cmp(&self, other: &Self) -> Ordering {
         (self - other).numerator.cmp(&BigInt::zero())
     }
@@ -240,20 +240,20 @@ mod tests {
 
     use super::*;
 
-    fn exact(value: f64) -> Exact {
-        Exact::from_f64(value).unwrap()
+    fn exact(value: f64) -> ExactNumber {
+        ExactNumber::from_f64(value).unwrap()
     }
 
     #[test]
     fn it_is_the_arithmetic_of_fractions() {
         let mut rng = fastrand::Rng::with_seed(8);
-        let rational = |x: &Exact| {
+        let rational = |x: &ExactNumber| {
             let (numerator, denominator) = x.parts();
             BigRational::new(numerator, denominator)
         };
         for _ in 0..500 {
             let [a, b] = [(); 2].map(|()| f64::from_bits(rng.u64(..)));
-            let [Some(x), Some(y)] = [a, b].map(Exact::from_f64) else { continue };
+            let [Some(x), Some(y)] = [a, b].map(ExactNumber::from_f64) else { continue };
             let (p, q) = (BigRational::from_float(a).unwrap(), BigRational::from_float(b).unwrap());
             assert_eq!((rational(&x), rational(&y)), (p.clone(), q.clone()));
             assert_eq!(rational(&(&x + &y)), &p + &q);
@@ -265,7 +265,7 @@ mod tests {
             assert_eq!(x.approximate(), a, "a float is its own neighbour");
         }
         assert_eq!(&exact(1.0) / &exact(0.0), None);
-        assert_eq!(Exact::from_f64(f64::NAN), None);
+        assert_eq!(ExactNumber::from_f64(f64::NAN), None);
     }
 
     #[test]
@@ -292,7 +292,7 @@ mod tests {
         for (value, magnitude) in [(1.0, 0), (0.75, -1), (2.0, 1), (3.99, 1), (-8.0, 3)] {
             assert_eq!(exact(value).floor_log2(), Some(magnitude), "{value}");
         }
-        assert_eq!(Exact::ratio(1, 3).unwrap().floor_log2(), Some(-2));
-        assert_eq!(Exact::whole(0).floor_log2(), None);
+        assert_eq!(ExactNumber::ratio(1, 3).unwrap().floor_log2(), Some(-2));
+        assert_eq!(ExactNumber::whole(0).floor_log2(), None);
     }
 }

@@ -2,18 +2,18 @@
 
 use super::attributes::CHANNELS;
 use super::formula::{given, sum, whole};
-use super::line::{Scribe, TraceStage};
+use super::line::{TraceRecorder, TraceStage};
 use super::shade::encoded;
 use crate::chain::{Frame, Recipe};
 use crate::image::Rgba8;
 use crate::image::color::decode_byte;
-use crate::inspect::feeds::{Mixture, Source};
+use crate::inspect::feeds::{ContributingSample, Mixture};
 use crate::inspect::pixel::PixelReport;
 use crate::pipeline::settings::{Choice as _, ColorSpace};
-use crate::upscale::Light;
+use crate::upscale::FilterSpace;
 
 /// Writes the stages after shading.
-pub(super) fn write(recipe: &Recipe, frame: &Frame, report: &PixelReport, scribe: &mut Scribe) {
+pub(super) fn write(recipe: &Recipe, frame: &Frame, report: &PixelReport, scribe: &mut TraceRecorder) {
     scribe.enter(TraceStage::Resolve);
     resolve(frame, report, scribe);
     scribe.enter(TraceStage::Upscale);
@@ -31,14 +31,14 @@ pub(super) fn write(recipe: &Recipe, frame: &Frame, report: &PixelReport, scribe
     code_lines("pixel", "the pixel of the picture", report.color, scribe);
 }
 
-fn code_lines(what: &str, words: &str, color: Rgba8, scribe: &mut Scribe) {
+fn code_lines(what: &str, words: &str, color: Rgba8, scribe: &mut TraceRecorder) {
     for (channel, name) in CHANNELS.into_iter().enumerate() {
         scribe.read(format!("{what} {name}"), words, color[channel]);
     }
 }
 
 /// Writes the mean of the samples of a drawn pixel.
-fn resolve(frame: &Frame, report: &PixelReport, scribe: &mut Scribe) {
+fn resolve(frame: &Frame, report: &PixelReport, scribe: &mut TraceRecorder) {
     let (count, light) = (report.samples.len(), frame.antialias.light);
     if count == 0 {
         return;
@@ -71,7 +71,7 @@ fn resolve(frame: &Frame, report: &PixelReport, scribe: &mut Scribe) {
 }
 
 /// Writes the samples that the upscaler weights, and their weighted sums.
-fn upscale(recipe: &Recipe, frame: &Frame, at: (u32, u32), scribe: &mut Scribe) {
+fn upscale(recipe: &Recipe, frame: &Frame, at: (u32, u32), scribe: &mut TraceRecorder) {
     let Some(mixture) = Mixture::of(frame, recipe.upscaler, at) else { return };
     for source in &mixture.sources {
         let words = format!("of the drawn sample {}, {}", source.tap.x, source.tap.y);
@@ -80,17 +80,18 @@ fn upscale(recipe: &Recipe, frame: &Frame, at: (u32, u32), scribe: &mut Scribe) 
             scribe.read(format!("sample {name}"), words.clone(), source.color[channel]);
         }
     }
-    let is_codes = recipe.upscaler.light() == Light::Bytes;
+    let is_codes = recipe.upscaler.light() == FilterSpace::Bytes;
     for (channel, name) in CHANNELS.into_iter().enumerate().filter(|_| !mixture.sources.is_empty()) {
         let what = format!("weighted sum {name}");
         if is_codes {
-            let term = |source: &Source| given("weight", source.tap.weight) * given("code", source.color[channel]);
+            let term =
+                |source: &ContributingSample| given("weight", source.tap.weight) * given("code", source.color[channel]);
             scribe.aside(what, mixture.sum[channel], &sum(mixture.sources.iter().map(term)));
         } else {
             scribe.read(what, "in linear light, then encoded", mixture.sum[channel]);
         }
     }
-    if mixture.remembers {
+    if mixture.uses_history {
         scribe.decide("history", "part of the pixel comes from previous frames", "used");
     }
     let upscaler = recipe.upscaler.upscaler();

@@ -6,7 +6,7 @@
 use std::borrow::Cow;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::exact::Exact;
+use super::exact::ExactNumber;
 use super::number::Number;
 
 /// A formula over named numbers.
@@ -15,7 +15,7 @@ pub(crate) enum Formula {
     /// A named number of the pipeline.
     Given(Cow<'static, str>, Number),
     /// A constant of the formula, with its text.
-    Constant(&'static str, Exact),
+    Constant(&'static str, ExactNumber),
     /// An operation on two formulas.
     Binary(Op, Box<Self>, Box<Self>),
     /// A function of one formula.
@@ -62,7 +62,7 @@ pub(crate) enum Function {
 #[derive(Clone, Debug)]
 pub(crate) struct Evaluated {
     /// Exact value of the formula.
-    pub(crate) value: Exact,
+    pub(crate) value: ExactNumber,
     /// Greatest number of leading bits cancelled by any sum or difference in the formula.
     pub(crate) lost_bits: u32,
 }
@@ -74,12 +74,12 @@ pub(crate) fn given(name: impl Into<Cow<'static, str>>, number: impl Into<Number
 
 /// Creates an integer constant of a formula.
 pub(crate) fn whole(text: &'static str, value: i64) -> Formula {
-    Formula::Constant(text, Exact::whole(value))
+    Formula::Constant(text, ExactNumber::whole(value))
 }
 
 /// Creates a fractional constant of a formula with its decimal text; the denominator must not be 0.
 pub(crate) fn fraction(text: &'static str, numerator: i64, denominator: i64) -> Formula {
-    Formula::Constant(text, Exact::ratio(numerator, denominator).unwrap_or_else(|| Exact::whole(0)))
+    Formula::Constant(text, ExactNumber::ratio(numerator, denominator).unwrap_or_else(|| ExactNumber::whole(0)))
 }
 
 /// Returns the sum of formulas; 0 for none.
@@ -166,7 +166,7 @@ impl Formula {
                     Op::Divide => a.value.divided_by(&b.value)?,
                     Op::Max => (&a.value).max(&b.value).clone(),
                     Op::Min => (&a.value).min(&b.value).clone(),
-                    Op::Power => Exact::from_f64(libm::pow(a.value.approximate(), b.value.approximate()))?,
+                    Op::Power => ExactNumber::from_f64(libm::pow(a.value.approximate(), b.value.approximate()))?,
                 };
                 let here = match op {
                     Op::Add | Op::Subtract => cancelled_bits(&a.value, &b.value, &value),
@@ -190,38 +190,38 @@ impl Formula {
     }
 
     /// Returns the text, and the precedence of its outermost operator.
-    fn text(&self, name: &impl Fn(&Self) -> String) -> (String, Binding) {
-        let inside = |part: &Self, least: Binding| {
+    fn text(&self, name: &impl Fn(&Self) -> String) -> (String, Precedence) {
+        let inside = |part: &Self, least: Precedence| {
             let (text, binding) = part.text(name);
             if binding < least { format!("({text})") } else { text }
         };
         match self {
-            Self::Given(..) => (name(self), Binding::Atom),
-            Self::Constant(text, _) => ((*text).to_owned(), Binding::Atom),
+            Self::Given(..) => (name(self), Precedence::Atom),
+            Self::Constant(text, _) => ((*text).to_owned(), Precedence::Atom),
             Self::Binary(op, a, b) => {
                 let (sign, binding, of_second) = match op {
-                    Op::Add => ("+", Binding::Sum, Binding::Sum),
-                    Op::Subtract => ("−", Binding::Sum, Binding::Product),
-                    Op::Multiply => ("·", Binding::Product, Binding::Product),
-                    Op::Divide => ("/", Binding::Product, Binding::Atom),
+                    Op::Add => ("+", Precedence::Sum, Precedence::Sum),
+                    Op::Subtract => ("−", Precedence::Sum, Precedence::Product),
+                    Op::Multiply => ("·", Precedence::Product, Precedence::Product),
+                    Op::Divide => ("/", Precedence::Product, Precedence::Atom),
                     Op::Power => {
-                        let (base, exponent) = (inside(a, Binding::Atom), inside(b, Binding::Atom));
-                        return (format!("{base}^{exponent}"), Binding::Atom);
+                        let (base, exponent) = (inside(a, Precedence::Atom), inside(b, Precedence::Atom));
+                        return (format!("{base}^{exponent}"), Precedence::Atom);
                     }
-                    Op::Max => return (format!("max({}, {})", a.text(name).0, b.text(name).0), Binding::Atom),
-                    Op::Min => return (format!("min({}, {})", a.text(name).0, b.text(name).0), Binding::Atom),
+                    Op::Max => return (format!("max({}, {})", a.text(name).0, b.text(name).0), Precedence::Atom),
+                    Op::Min => return (format!("min({}, {})", a.text(name).0, b.text(name).0), Precedence::Atom),
                 };
                 (format!("{} {sign} {}", inside(a, binding), inside(b, of_second)), binding)
             }
             Self::Unary(function, a) => {
                 let whole = || a.text(name).0;
                 match function {
-                    Function::Negate => (format!("−{}", inside(a, Binding::Atom)), Binding::Product),
-                    Function::SquareRoot => (format!("√({})", whole()), Binding::Atom),
-                    Function::SrgbRoot => (format!("({})^(1/2.4)", whole()), Binding::Atom),
-                    Function::SrgbPower => (format!("({})^2.4", whole()), Binding::Atom),
-                    Function::Floor => (format!("⌊{}⌋", whole()), Binding::Atom),
-                    Function::Round => (format!("round({})", whole()), Binding::Atom),
+                    Function::Negate => (format!("−{}", inside(a, Precedence::Atom)), Precedence::Product),
+                    Function::SquareRoot => (format!("√({})", whole()), Precedence::Atom),
+                    Function::SrgbRoot => (format!("({})^(1/2.4)", whole()), Precedence::Atom),
+                    Function::SrgbPower => (format!("({})^2.4", whole()), Precedence::Atom),
+                    Function::Floor => (format!("⌊{}⌋", whole()), Precedence::Atom),
+                    Function::Round => (format!("round({})", whole()), Precedence::Atom),
                 }
             }
         }
@@ -230,7 +230,7 @@ impl Formula {
 
 /// Precedence of operators, from low to high.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Binding {
+enum Precedence {
     Sum,
     Product,
     Atom,
@@ -239,7 +239,7 @@ enum Binding {
 /// Returns the number of leading bits that a sum or difference of two numbers cancelled: the difference between the
 /// binary exponents of the larger operand and the result. 0 for a result of 0, where equal numbers cancel without
 /// error.
-fn cancelled_bits(a: &Exact, b: &Exact, result: &Exact) -> u32 {
+fn cancelled_bits(a: &ExactNumber, b: &ExactNumber, result: &ExactNumber) -> u32 {
     let Some(left) = result.floor_log2() else { return 0 };
     let largest = a.floor_log2().max(b.floor_log2()).unwrap_or(left);
     u32::try_from(largest - left).unwrap_or(0)
@@ -290,7 +290,10 @@ mod tests {
     fn the_exact_value_is_without_rounding() {
         let formula = given("a", 0.1_f32) + given("b", 0.2_f32);
         let exact = formula.evaluate().unwrap().value;
-        assert_eq!(exact, &Exact::from_f64(0.1_f32.into()).unwrap() + &Exact::from_f64(0.2_f32.into()).unwrap());
+        assert_eq!(
+            exact,
+            &ExactNumber::from_f64(0.1_f32.into()).unwrap() + &ExactNumber::from_f64(0.2_f32.into()).unwrap()
+        );
         assert!((given("a", 1.0_f32) / given("b", 0.0_f32)).evaluate().is_none());
         assert!(given("a", f32::NAN).evaluate().is_none());
     }

@@ -3,10 +3,10 @@
 use glam::{DMat4, DVec4, Vec4};
 
 use super::formula::{Formula, given, sum, whole};
-use super::line::{Notable, Scribe, TraceStage};
-use super::subject::Subject;
-use crate::pipeline::clip::{Cut, EdgeCut, LEAST_W, Plane, Polygon, guard_band_widening};
-use crate::pipeline::plan::{Part, Step};
+use super::line::{Notable, TraceRecorder, TraceStage};
+use super::subject::TracedFragment;
+use crate::pipeline::clip::{ClipPlane, Cut, EdgeCut, MIN_W, Polygon, guard_band_widening};
+use crate::pipeline::plan::{PipelinePart, PlanStep};
 use crate::pipeline::settings::Shading;
 use crate::pipeline::vertex::{ClipVertex, DrawMatrices};
 
@@ -23,7 +23,7 @@ pub(super) struct NamedVertex {
 /// Writes the stages from model to clip. Returns the corners of the fragment's triangle in clip space: those of the
 /// mesh, or of a piece that clipping leaves. Empty if no piece matches the fragment, which cannot happen if the frame
 /// belongs to the scene.
-pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) -> Vec<NamedVertex> {
+pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) -> Vec<NamedVertex> {
     scribe.enter(TraceStage::Model);
     model(subject, scribe);
     scribe.enter(TraceStage::Transform);
@@ -41,7 +41,7 @@ pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) -> Vec<NamedVert
     for (corner, NamedVertex { name, vertex }) in corners.iter().enumerate() {
         clip_position(subject, &matrices, (corner, name), vertex, scribe);
     }
-    if subject.runs(Part::Normals) {
+    if subject.runs(PipelinePart::Normals) {
         for (corner, NamedVertex { name, vertex }) in corners.iter().enumerate() {
             let place = subject.corners[corner];
             let raw = transformer.world_normal(place).to_array();
@@ -52,7 +52,7 @@ pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) -> Vec<NamedVert
     clip(subject, corners, scribe)
 }
 
-fn model(subject: &Subject<'_>, scribe: &mut Scribe) {
+fn model(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     let mesh = subject.mesh;
     for (corner, vertex) in subject.corners.into_iter().enumerate() {
         let mut read = |what: &str, values: &[f32]| {
@@ -63,16 +63,18 @@ fn model(subject: &Subject<'_>, scribe: &mut Scribe) {
             }
         };
         read("position", &mesh.positions[vertex].to_array());
-        if subject.runs(Part::Normals) {
+        if subject.runs(PipelinePart::Normals) {
             read("normal", &mesh.normals[vertex].to_array());
         }
-        if subject.runs(Part::TextureCoordinates) {
+        if subject.runs(PipelinePart::TextureCoordinates) {
             read("texture", &mesh.uvs[vertex].to_array());
         }
-        if subject.runs(Part::VertexColors) {
+        if subject.runs(PipelinePart::VertexColors) {
             read("colour", &mesh.colors[vertex].to_array());
         }
-        if let Some([scale, offset]) = subject.plan.uv_transform().filter(|_| subject.runs(Part::TextureCoordinates)) {
+        if let Some([scale, offset]) =
+            subject.plan.uv_transform().filter(|_| subject.runs(PipelinePart::TextureCoordinates))
+        {
             let (uv, moved) = (mesh.uvs[vertex], mesh.uvs[vertex] * scale + offset);
             for axis in 0..2 {
                 let name = ["u", "v"][axis];
@@ -92,7 +94,7 @@ fn part(what: &str, axis: usize) -> &'static str {
 }
 
 /// Writes the entries of clip from model, each rounded once from an f64 product.
-fn matrix(subject: &Subject<'_>, matrices: &DrawMatrices, scribe: &mut Scribe) {
+fn matrix(subject: &TracedFragment<'_>, matrices: &DrawMatrices, scribe: &mut TraceRecorder) {
     let mapping = subject.settings.depth_format.mapping();
     let product =
         DrawMatrices::product(subject.instance, subject.camera.clip_from_world_f64(subject.raster.aspect(), mapping));
@@ -112,7 +114,7 @@ fn entry(row: usize, column: usize) -> String {
 
 /// Writes the corners in world and view space. The pipeline never computes them, because it multiplies the matrices
 /// first.
-fn asides(subject: &Subject<'_>, scribe: &mut Scribe) {
+fn asides(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     let (model, view) = (subject.instance.world_from_model.as_dmat4(), subject.camera.view_from_world_f64());
     for (corner, vertex) in subject.corners.into_iter().enumerate() {
         let position = subject.mesh.positions[vertex].as_dvec3().extend(1.0);
@@ -122,7 +124,7 @@ fn asides(subject: &Subject<'_>, scribe: &mut Scribe) {
 }
 
 /// Transforms a point by a matrix, and writes the result as asides.
-fn transformed(matrix: &DMat4, point: DVec4, what: &str, scribe: &mut Scribe) -> DVec4 {
+fn transformed(matrix: &DMat4, point: DVec4, what: &str, scribe: &mut TraceRecorder) -> DVec4 {
     let result = *matrix * point;
     for row in 0..3 {
         let formula =
@@ -139,11 +141,11 @@ fn product_of(entries: impl Fn(usize) -> super::Number, point: [super::Number; 3
 }
 
 fn clip_position(
-    subject: &Subject<'_>,
+    subject: &TracedFragment<'_>,
     matrices: &DrawMatrices,
     (corner, name): (usize, &str),
     vertex: &ClipVertex,
-    scribe: &mut Scribe,
+    scribe: &mut TraceRecorder,
 ) {
     let position = subject.mesh.positions[subject.corners[corner]].to_array();
     for (row, axis) in AXES.into_iter().enumerate() {
@@ -155,11 +157,11 @@ fn clip_position(
 
 /// Writes a vertex normal in world space: transformed, then normalised.
 fn normal(
-    subject: &Subject<'_>,
+    subject: &TracedFragment<'_>,
     matrices: &DrawMatrices,
     (name, place): (&str, usize),
     (raw, vertex): ([f32; 3], &ClipVertex),
-    scribe: &mut Scribe,
+    scribe: &mut TraceRecorder,
 ) {
     let of_model = subject.mesh.normals[place].to_array();
     for (row, turned) in raw.into_iter().enumerate() {
@@ -190,8 +192,8 @@ pub(super) fn unit_component(vector: [f32; 3], axis: usize) -> Formula {
 }
 
 /// Writes the clipping steps. Returns the corners of the fragment's piece.
-fn clip(subject: &Subject<'_>, corners: Vec<NamedVertex>, scribe: &mut Scribe) -> Vec<NamedVertex> {
-    if let Step::LeftOut(reason) = subject.plan.step(Part::Clipping) {
+fn clip(subject: &TracedFragment<'_>, corners: Vec<NamedVertex>, scribe: &mut TraceRecorder) -> Vec<NamedVertex> {
+    if let PlanStep::LeftOut(reason) = subject.plan.step(PipelinePart::Clipping) {
         scribe.decide("clipping", reason, "skipped");
         return corners;
     }
@@ -202,7 +204,7 @@ fn clip(subject: &Subject<'_>, corners: Vec<NamedVertex>, scribe: &mut Scribe) -
     let mut cuts: Vec<EdgeCut> = Vec::new();
     let mut polygon = Polygon::default();
     let outcome = polygon.clip_watched(&triangle, widening, &mut |cut| cuts.push(*cut));
-    for plane in Plane::ALL {
+    for plane in ClipPlane::ALL {
         if triangle.iter().any(|vertex| plane.distance(vertex.position, widening) < 0.0) {
             distances((plane, plane_name(subject.plane_of_view(plane))), widening, &corners, scribe);
         }
@@ -235,7 +237,12 @@ fn clip(subject: &Subject<'_>, corners: Vec<NamedVertex>, scribe: &mut Scribe) -
 }
 
 /// Writes the distances of all corners from a plane that the triangle crosses.
-fn distances((plane, plane_name): (Plane, &str), widening: f32, corners: &[NamedVertex], scribe: &mut Scribe) {
+fn distances(
+    (plane, plane_name): (ClipPlane, &str),
+    widening: f32,
+    corners: &[NamedVertex],
+    scribe: &mut TraceRecorder,
+) {
     for NamedVertex { name, vertex } in corners {
         let formula = distance_formula(plane, vertex.position, widening);
         let distance = plane.distance(vertex.position, widening);
@@ -244,34 +251,39 @@ fn distances((plane, plane_name): (Plane, &str), widening: f32, corners: &[Named
     }
 }
 
-fn distance_formula(plane: Plane, position: Vec4, widening: f32) -> Formula {
+fn distance_formula(plane: ClipPlane, position: Vec4, widening: f32) -> Formula {
     let component = |axis: usize| given(AXES[axis], position[axis]);
     let side = || component(3) * given("guard band", widening);
     match plane {
-        Plane::Near => component(2),
-        Plane::Eye => component(3) - given("least w", LEAST_W),
-        Plane::Far => component(3) - component(2),
-        Plane::Left => side() + component(0),
-        Plane::Right => side() - component(0),
-        Plane::Bottom => side() + component(1),
-        Plane::Top => side() - component(1),
+        ClipPlane::Near => component(2),
+        ClipPlane::Eye => component(3) - given("least w", MIN_W),
+        ClipPlane::Far => component(3) - component(2),
+        ClipPlane::Left => side() + component(0),
+        ClipPlane::Right => side() - component(0),
+        ClipPlane::Bottom => side() + component(1),
+        ClipPlane::Top => side() - component(1),
     }
 }
 
-fn plane_name(plane: Plane) -> &'static str {
+fn plane_name(plane: ClipPlane) -> &'static str {
     match plane {
-        Plane::Near => "near plane",
-        Plane::Eye => "plane of the eye",
-        Plane::Far => "far plane",
-        Plane::Left => "left guard band",
-        Plane::Right => "right guard band",
-        Plane::Bottom => "lower guard band",
-        Plane::Top => "upper guard band",
+        ClipPlane::Near => "near plane",
+        ClipPlane::Eye => "plane of the eye",
+        ClipPlane::Far => "far plane",
+        ClipPlane::Left => "left guard band",
+        ClipPlane::Right => "right guard band",
+        ClipPlane::Bottom => "lower guard band",
+        ClipPlane::Top => "upper guard band",
     }
 }
 
 /// Writes a new vertex: its position along its edge, and in clip space.
-fn write_cut(cut: &EdgeCut, (name, plane, widening): (&str, &str, f32), known: &[NamedVertex], scribe: &mut Scribe) {
+fn write_cut(
+    cut: &EdgeCut,
+    (name, plane, widening): (&str, &str, f32),
+    known: &[NamedVertex],
+    scribe: &mut TraceRecorder,
+) {
     let name_of = |vertex: &ClipVertex| {
         let known = known.iter().rev().find(|known| known.vertex == *vertex);
         known.map_or_else(|| "a corner".to_owned(), |known| known.name.clone())
@@ -296,11 +308,11 @@ fn pinned(cut: &EdgeCut, axis: usize, widening: f32) -> Option<Formula> {
     let w = || given("w", cut.vertex.position.w);
     let side = || w() * given("guard band", widening);
     match (cut.plane, AXES[axis]) {
-        (Plane::Near, "z") => Some(whole("0", 0)),
-        (Plane::Eye, "w") => Some(given("least w", LEAST_W)),
-        (Plane::Far, "z") => Some(w()),
-        (Plane::Left, "x") | (Plane::Bottom, "y") => Some(-side()),
-        (Plane::Right, "x") | (Plane::Top, "y") => Some(side()),
+        (ClipPlane::Near, "z") => Some(whole("0", 0)),
+        (ClipPlane::Eye, "w") => Some(given("least w", MIN_W)),
+        (ClipPlane::Far, "z") => Some(w()),
+        (ClipPlane::Left, "x") | (ClipPlane::Bottom, "y") => Some(-side()),
+        (ClipPlane::Right, "x") | (ClipPlane::Top, "y") => Some(side()),
         _ => None,
     }
 }

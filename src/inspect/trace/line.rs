@@ -60,7 +60,7 @@ impl Flag {
 /// Result of a line.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
-pub(crate) enum Outcome {
+pub(crate) enum LineResult {
     /// A number.
     Number(Number),
     /// A decision.
@@ -81,7 +81,7 @@ pub struct ExactText {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TraceLine {
     /// Pipeline stage of the line.
-    pub(crate) stage: TraceStage,
+    pub stage: TraceStage,
     /// Name of the computed quantity.
     pub what: String,
     /// Formula with names and operators, or the source of the value.
@@ -89,7 +89,7 @@ pub struct TraceLine {
     /// Formula with numbers instead of names; empty for values that are read.
     pub(crate) numbers: String,
     /// Result of the pipeline.
-    pub(crate) value: Outcome,
+    pub(crate) value: LineResult,
     /// Type of the number; empty for decisions.
     pub(crate) kind: &'static str,
     /// Bit pattern of the number; empty for decisions.
@@ -111,7 +111,7 @@ pub struct TraceLine {
     pub(crate) flags: Vec<Flag>,
     /// Buffer that shows the quantity over the whole picture.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) buffer: Option<Intermediate>,
+    pub buffer: Option<Intermediate>,
 }
 
 impl TraceLine {
@@ -123,8 +123,8 @@ impl TraceLine {
     /// Returns the number; `None` for a decision.
     pub fn number(&self) -> Option<Number> {
         match &self.value {
-            Outcome::Number(number) => Some(*number),
-            Outcome::Words(_) => None,
+            LineResult::Number(number) => Some(*number),
+            LineResult::Words(_) => None,
         }
     }
 
@@ -147,20 +147,20 @@ impl TraceLine {
     /// Returns the value as text.
     pub(crate) fn value_text(&self) -> String {
         match &self.value {
-            Outcome::Number(number) => number.to_string(),
-            Outcome::Words(words) => words.clone(),
+            LineResult::Number(number) => number.to_string(),
+            LineResult::Words(words) => words.clone(),
         }
     }
 }
 
 /// Records trace lines, stage by stage.
 #[derive(Debug)]
-pub(super) struct Scribe {
+pub(super) struct TraceRecorder {
     stage: TraceStage,
     lines: Vec<TraceLine>,
 }
 
-impl Scribe {
+impl TraceRecorder {
     /// Creates an empty record.
     pub(super) fn new() -> Self {
         Self { stage: TraceStage::Model, lines: Vec::new() }
@@ -200,7 +200,7 @@ impl Scribe {
             line.rounding_ulp = number.rounding_ulp(&value);
             line.rounded_once = rounded_once && line.rounding_ulp.is_some();
             line.lost_bits = lost_bits;
-            let worth_telling = number.precision().is_some_and(|bits| lost_bits >= bits / WORTH_TELLING);
+            let worth_telling = number.precision().is_some_and(|bits| lost_bits >= bits / CANCELLATION_DIVISOR);
             if worth_telling {
                 line.flags.push(Flag { kind: Notable::Cancellation, lost_bits: Some(lost_bits) });
             }
@@ -228,11 +228,11 @@ impl Scribe {
         words: impl Into<String>,
         decision: impl Into<String>,
     ) -> &mut TraceLine {
-        self.push(what.into(), words.into(), Outcome::Words(decision.into()))
+        self.push(what.into(), words.into(), LineResult::Words(decision.into()))
     }
 
     fn number(&mut self, what: String, words: String, number: Number) -> &mut TraceLine {
-        let line = self.push(what, words, Outcome::Number(number));
+        let line = self.push(what, words, LineResult::Number(number));
         (line.kind, line.bits) = (number.kind(), number.bits());
         if number.is_float() && !number.to_f64().is_finite() {
             line.flags.push(Flag { kind: Notable::NotFinite, lost_bits: None });
@@ -243,7 +243,7 @@ impl Scribe {
         line
     }
 
-    fn push(&mut self, what: String, formula: String, value: Outcome) -> &mut TraceLine {
+    fn push(&mut self, what: String, formula: String, value: LineResult) -> &mut TraceLine {
         let line = TraceLine {
             stage: self.stage,
             what,
@@ -291,7 +291,7 @@ fn is_zero(bits: &u32) -> bool {
 const EXACT_DIGITS: u32 = 20;
 
 /// Denominator of the fraction of its type's bits that a cancellation must lose to be flagged.
-const WORTH_TELLING: u32 = 3;
+const CANCELLATION_DIVISOR: u32 = 3;
 
 /// Whether a number results from at most one operation on inputs of its own type, or from one conversion.
 fn rounds_once(number: Number, formula: &Formula) -> bool {

@@ -27,16 +27,13 @@ mod weights;
 
 use serde::Serialize;
 
-pub(crate) use line::ExactText;
-pub(crate) use line::Flag;
 pub(crate) use line::Notable;
-pub(crate) use line::Outcome;
-pub(crate) use line::TraceLine;
+pub use line::TraceLine;
 pub(crate) use line::TraceStage;
-pub(crate) use number::Number;
+pub use number::Number;
 
-use line::Scribe;
-use subject::Subject;
+use line::TraceRecorder;
+use subject::TracedFragment;
 
 use super::pixel::PixelReport;
 use crate::chain::{Frame, Recipe};
@@ -54,7 +51,7 @@ pub struct Trace {
     /// Number of fragments at the drawn pixel.
     pub(crate) fragments: usize,
     /// Triangle of the fragment.
-    pub(crate) triangle: Option<TriangleId>,
+    pub triangle: Option<TriangleId>,
     /// Name of the instance of the triangle.
     pub(crate) instance: String,
     /// All lines, in pipeline order.
@@ -87,8 +84,9 @@ impl Trace {
     /// ```
     pub fn of(scene: &Scene, recipe: &Recipe, frame: &Frame, report: &PixelReport, fragment: Option<usize>) -> Self {
         let fragment = fragment.filter(|index| *index < report.fragments.len()).or_else(|| main_fragment(report));
-        let mut scribe = Scribe::new();
-        let subject = fragment.and_then(|index| Subject::of(scene, recipe, frame, &report.fragments[index], report));
+        let mut scribe = TraceRecorder::new();
+        let subject =
+            fragment.and_then(|index| TracedFragment::of(scene, recipe, frame, &report.fragments[index], report));
         if let Some(subject) = &subject {
             let corners = geometry::write(subject, &mut scribe);
             project::write(subject, &corners, &mut scribe);
@@ -116,23 +114,23 @@ impl Trace {
 
     /// Returns the next or previous line after `from` with a flag of this kind, or with any flag for `None`. Skips
     /// asides, which are not part of the pipeline.
-    pub(crate) fn next(&self, from: usize, kind: Option<Notable>, direction: Direction) -> Option<usize> {
+    pub(crate) fn next(&self, from: usize, kind: Option<Notable>, direction: StepDirection) -> Option<usize> {
         self.find(from, direction, |line| !line.aside && kind.map_or(!line.flags.is_empty(), |kind| line.has(kind)))
     }
 
     /// Returns the first line of the next or previous stage relative to the line `from`.
-    pub(crate) fn next_stage(&self, from: usize, direction: Direction) -> Option<usize> {
+    pub(crate) fn next_stage(&self, from: usize, direction: StepDirection) -> Option<usize> {
         let stage = self.lines.get(from)?.stage;
         let place = self.find(from, direction, |line| line.stage != stage)?;
         let stage = self.lines[place].stage;
         self.lines.iter().position(|line| line.stage == stage)
     }
 
-    fn find(&self, from: usize, direction: Direction, wanted: impl Fn(&TraceLine) -> bool) -> Option<usize> {
+    fn find(&self, from: usize, direction: StepDirection, wanted: impl Fn(&TraceLine) -> bool) -> Option<usize> {
         let wanted = |place: &usize| wanted(&self.lines[*place]);
         match direction {
-            Direction::Forward => (from + 1..self.lines.len()).find(wanted),
-            Direction::Back => (0..from.min(self.lines.len())).rev().find(wanted),
+            StepDirection::Forward => (from + 1..self.lines.len()).find(wanted),
+            StepDirection::Back => (0..from.min(self.lines.len())).rev().find(wanted),
         }
     }
 
@@ -144,7 +142,7 @@ impl Trace {
 
 /// Direction of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Direction {
+pub enum StepDirection {
     /// Towards the final pixel.
     Forward,
     /// Towards the mesh.

@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Serialize, Serializer};
 
-use super::exact::Exact;
+use super::exact::ExactNumber;
 
 /// A number of the pipeline, with its type.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,10 +50,10 @@ impl Number {
     }
 
     /// Converts the number without error; `None` for NaN and the infinities.
-    pub(crate) fn exact(self) -> Option<Exact> {
+    pub(crate) fn exact(self) -> Option<ExactNumber> {
         match self {
-            Self::I64(value) => Some(Exact::whole(value)),
-            other => Exact::from_f64(other.to_f64()),
+            Self::I64(value) => Some(ExactNumber::whole(value)),
+            other => ExactNumber::from_f64(other.to_f64()),
         }
     }
 
@@ -97,19 +97,19 @@ impl Number {
 
     /// Returns the number minus an exact result, in units in the last place of the type at that magnitude (1 for
     /// integers). `None` if the number is not finite.
-    pub(crate) fn rounding_ulp(self, exact: &Exact) -> Option<f64> {
+    pub(crate) fn rounding_ulp(self, exact: &ExactNumber) -> Option<f64> {
         let error = &self.exact()? - exact;
         Some(error.shifted(-self.last_place(exact)).approximate())
     }
 
     /// Returns the binary exponent of the last place of the type for a number of this magnitude.
-    fn last_place(self, exact: &Exact) -> i64 {
+    fn last_place(self, exact: &ExactNumber) -> i64 {
         /// Binary exponents of the smallest positive subnormal numbers.
-        const LEAST_F32: i64 = -149;
-        const LEAST_F64: i64 = -1074;
+        const MIN_EXPONENT_F32: i64 = -149;
+        const MIN_EXPONENT_F64: i64 = -1074;
         let least = match self {
-            Self::F32(_) => LEAST_F32,
-            Self::F64(_) => LEAST_F64,
+            Self::F32(_) => MIN_EXPONENT_F32,
+            Self::F64(_) => MIN_EXPONENT_F64,
             Self::I64(_) | Self::U32(_) | Self::U8(_) => return 0,
         };
         let digits = i64::from(self.precision().unwrap_or(1)) - 1;
@@ -193,9 +193,9 @@ mod tests {
             assert_eq!(Number::from(value.next_up()).rounding_ulp(&exact), Some(1.0), "{value:e}");
             assert_eq!(Number::from(value.next_up() as f64).rounding_ulp(&exact).map(|ulps| ulps > 1e8), Some(true));
         }
-        let third = Exact::ratio(1, 3).unwrap();
+        let third = ExactNumber::ratio(1, 3).unwrap();
         assert!(Number::from(1.0_f32 / 3.0).rounding_ulp(&third).unwrap().abs() <= 0.5);
-        assert_eq!(Number::from(1_i64).rounding_ulp(&Exact::ratio(3, 4).unwrap()), Some(0.25));
+        assert_eq!(Number::from(1_i64).rounding_ulp(&ExactNumber::ratio(3, 4).unwrap()), Some(0.25));
         assert_eq!(Number::from(f32::NAN).rounding_ulp(&third), None);
     }
 

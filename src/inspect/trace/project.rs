@@ -3,19 +3,19 @@
 
 use super::formula::{Formula, Function, fraction, given, whole};
 use super::geometry::NamedVertex;
-use super::line::{Notable, Scribe, TraceStage};
-use super::subject::Subject;
+use super::line::{Notable, TraceRecorder, TraceStage};
+use super::subject::TracedFragment;
 use crate::math::fixed::SUBPIXELS;
-use crate::pipeline::clip::Plane;
-use crate::pipeline::depth::Law;
-use crate::pipeline::plan::{Part, Step};
+use crate::pipeline::clip::ClipPlane;
+use crate::pipeline::depth::DepthLaw;
+use crate::pipeline::plan::{PipelinePart, PlanStep};
 use crate::pipeline::settings::Arithmetic;
 use crate::pipeline::vertex::ClipVertex;
 use crate::pipeline::viewport::{ScreenVertex, divided};
 use crate::scene::DepthMapping;
 
 /// Writes the lines of all corners.
-pub(super) fn write(subject: &Subject<'_>, corners: &[NamedVertex], scribe: &mut Scribe) {
+pub(super) fn write(subject: &TracedFragment<'_>, corners: &[NamedVertex], scribe: &mut TraceRecorder) {
     scribe.enter(TraceStage::Project);
     for (corner, NamedVertex { name, vertex }) in corners.iter().enumerate() {
         position(subject, (name, vertex), &subject.triangle.vertices[corner], scribe);
@@ -28,7 +28,12 @@ pub(super) fn write(subject: &Subject<'_>, corners: &[NamedVertex], scribe: &mut
     relative(subject, corners, scribe);
 }
 
-fn position(subject: &Subject<'_>, (name, vertex): (&str, &ClipVertex), screen: &ScreenVertex, scribe: &mut Scribe) {
+fn position(
+    subject: &TracedFragment<'_>,
+    (name, vertex): (&str, &ClipVertex),
+    screen: &ScreenVertex,
+    scribe: &mut TraceRecorder,
+) {
     let (inv_w, ndc) = divided(vertex);
     scribe.compute(format!("{name} · 1/w"), inv_w, &(whole("1", 1) / given("w", vertex.position.w)));
     for (axis, part) in ["x", "y"].into_iter().enumerate() {
@@ -56,28 +61,29 @@ fn position(subject: &Subject<'_>, (name, vertex): (&str, &ClipVertex), screen: 
 }
 
 /// Returns the formula of the depth in [0, 1] from the distance.
-fn depth_formula(subject: &Subject<'_>, vertex: &ClipVertex, screen: &ScreenVertex) -> Formula {
+fn depth_formula(subject: &TracedFragment<'_>, vertex: &ClipVertex, screen: &ScreenVertex) -> Formula {
     let scale = &subject.frame.geometry.depth_scale;
     let [near, far, factor] = scale.planes_and_factor();
     if let Some(plane) = vertex.cut_at {
-        let name = if subject.plane_of_view(plane) == Plane::Near { "on the near plane" } else { "on the far plane" };
+        let name =
+            if subject.plane_of_view(plane) == ClipPlane::Near { "on the near plane" } else { "on the far plane" };
         return given(name, screen.depth);
     }
     let w = || given("w", vertex.position.w);
     let (near, far, factor) = (given("near", near), given("far", far), given("factor", factor));
     let depth = match scale.law() {
-        Law::Perspective(DepthMapping::Standard) => (w() - near) / w() * factor,
-        Law::Perspective(DepthMapping::Reversed) => (far - w()) / w() * factor,
-        Law::Perspective(DepthMapping::ReversedInfinite) => factor / w(),
-        Law::Perspective(DepthMapping::Linear) => (w() - near) * factor,
-        Law::Orthographic { .. } => given("clip z", vertex.position.z) / w(),
+        DepthLaw::Perspective(DepthMapping::Standard) => (w() - near) / w() * factor,
+        DepthLaw::Perspective(DepthMapping::Reversed) => (far - w()) / w() * factor,
+        DepthLaw::Perspective(DepthMapping::ReversedInfinite) => factor / w(),
+        DepthLaw::Perspective(DepthMapping::Linear) => (w() - near) * factor,
+        DepthLaw::Orthographic { .. } => given("clip z", vertex.position.z) / w(),
     };
     depth.max(whole("0", 0)).min(whole("1", 1))
 }
 
 /// Writes 1/w of each corner relative to the largest, from which the weights are computed.
-fn relative(subject: &Subject<'_>, corners: &[NamedVertex], scribe: &mut Scribe) {
-    if let Step::LeftOut(reason) = subject.plan.step(Part::PerspectiveDivision) {
+fn relative(subject: &TracedFragment<'_>, corners: &[NamedVertex], scribe: &mut TraceRecorder) {
+    if let PlanStep::LeftOut(reason) = subject.plan.step(PipelinePart::PerspectiveDivision) {
         scribe.decide("relative 1/w", reason, "1 at all corners");
         return;
     }

@@ -5,25 +5,25 @@ use glam::Vec3;
 use super::attributes::CHANNELS;
 use super::formula::{Formula, Function, fraction, given, sum, whole};
 use super::geometry::{AXES, unit_component};
-use super::line::{Notable, Scribe, TraceStage};
-use super::subject::Subject;
+use super::line::{Notable, TraceRecorder, TraceStage};
+use super::subject::TracedFragment;
 use super::texture::number_formula;
 use crate::image::Rgba8;
 use crate::inspect::intermediate::Intermediate;
 use crate::pipeline::depth::depth_at;
-use crate::pipeline::plan::Part;
+use crate::pipeline::plan::PipelinePart;
 use crate::pipeline::settings::{Choice as _, ColorSpace, Shading};
 use crate::pipeline::shade::{CEL_THRESHOLD, Highlight, NormalMap};
 use crate::scene::Transparency;
-use crate::scene::material::CUT_OUT_BELOW;
+use crate::scene::material::ALPHA_TEST_THRESHOLD;
 
 /// Writes the light and the colour.
-pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) {
+pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     scribe.enter(TraceStage::Light);
-    if subject.runs(Part::Normals) && subject.settings.shading != Shading::Gouraud {
+    if subject.runs(PipelinePart::Normals) && subject.settings.shading != Shading::Gouraud {
         unit_normal(subject, scribe);
     }
-    if subject.runs(Part::Light) {
+    if subject.runs(PipelinePart::Light) {
         light(subject, scribe);
     }
     scribe.enter(TraceStage::Colour);
@@ -43,7 +43,7 @@ pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) {
     }
 }
 
-fn unit_normal(subject: &Subject<'_>, scribe: &mut Scribe) {
+fn unit_normal(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     let smooth = subject.shader.smooth_normal(&subject.fragment);
     for (axis, value) in smooth.to_array().into_iter().enumerate() {
         let formula = unit_component(subject.fragment.normal.to_array(), axis);
@@ -55,7 +55,7 @@ fn unit_normal(subject: &Subject<'_>, scribe: &mut Scribe) {
 }
 
 /// Writes the normal-mapped normal that replaces the interpolated one.
-fn mapped_normal(subject: &Subject<'_>, map: &NormalMap<'_>, smooth: Vec3, scribe: &mut Scribe) {
+fn mapped_normal(subject: &TracedFragment<'_>, map: &NormalMap<'_>, smooth: Vec3, scribe: &mut TraceRecorder) {
     let fragment = &subject.fragment;
     let vector = map.vector(fragment);
     for (axis, value) in vector.to_array().into_iter().enumerate() {
@@ -89,7 +89,7 @@ fn mapped_normal(subject: &Subject<'_>, map: &NormalMap<'_>, smooth: Vec3, scrib
 }
 
 /// Writes N·L and the light factor.
-fn light(subject: &Subject<'_>, scribe: &mut Scribe) {
+fn light(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     let (shader, fragment) = (&subject.shader, &subject.fragment);
     let factor = shader.light(fragment);
     if subject.settings.shading == Shading::Gouraud {
@@ -118,7 +118,7 @@ fn light(subject: &Subject<'_>, scribe: &mut Scribe) {
 }
 
 /// Writes H, N·H and the factor of the specular colour.
-fn write_highlight(subject: &Subject<'_>, highlight: &Highlight<'_>, cosine: f32, scribe: &mut Scribe) {
+fn write_highlight(subject: &TracedFragment<'_>, highlight: &Highlight<'_>, cosine: f32, scribe: &mut TraceRecorder) {
     let (shader, fragment) = (&subject.shader, &subject.fragment);
     let factor = shader.highlight_factor(fragment);
     if cosine <= 0.0 {
@@ -160,7 +160,7 @@ pub(super) fn lambert_formula(normal: [f32; 3], direction: [f32; 3], ambient: f3
 }
 
 /// Writes the alpha of the fragment, and the alpha test.
-fn opacity(subject: &Subject<'_>, alpha: f32, scribe: &mut Scribe) {
+fn opacity(subject: &TracedFragment<'_>, alpha: f32, scribe: &mut TraceRecorder) {
     let own = given("opacity", subject.shader.opacity());
     let formula = match subject.shader.texture_for(&subject.fragment) {
         Some(texture) => {
@@ -188,14 +188,14 @@ fn opacity(subject: &Subject<'_>, alpha: f32, scribe: &mut Scribe) {
     };
     scribe.compute("alpha", alpha, &formula).shown_by(Intermediate::Alpha);
     if subject.record.transparency == Transparency::CutOut {
-        let words = format!("alpha < {CUT_OUT_BELOW}: discarded");
-        let line = scribe.decide("alpha test", words, if alpha < CUT_OUT_BELOW { "fails" } else { "passes" });
-        line.flag(Notable::Tie, alpha == CUT_OUT_BELOW);
+        let words = format!("alpha < {ALPHA_TEST_THRESHOLD}: discarded");
+        let line = scribe.decide("alpha test", words, if alpha < ALPHA_TEST_THRESHOLD { "fails" } else { "passes" });
+        line.flag(Notable::Tie, alpha == ALPHA_TEST_THRESHOLD);
     }
 }
 
 /// Writes the surface colour: material × texture × light, blended with the colour below if the material is transparent.
-fn material(subject: &Subject<'_>, below: Option<Rgba8>, code: Rgba8, scribe: &mut Scribe) {
+fn material(subject: &TracedFragment<'_>, below: Option<Rgba8>, code: Rgba8, scribe: &mut TraceRecorder) {
     let (shader, fragment) = (&subject.shader, &subject.fragment);
     let (plain, albedo, light) = (shader.plain_albedo(fragment), shader.albedo(fragment), shader.light(fragment));
     let (diffuse, reflected) = (albedo * light, shader.reflected(fragment));
@@ -236,7 +236,7 @@ fn material(subject: &Subject<'_>, below: Option<Rgba8>, code: Rgba8, scribe: &m
 }
 
 /// Returns the sum of diffuse light, highlight and emission, and writes a line for each of the latter two.
-fn added(subject: &Subject<'_>, channel: usize, diffuse: Formula, scribe: &mut Scribe) -> Formula {
+fn added(subject: &TracedFragment<'_>, channel: usize, diffuse: Formula, scribe: &mut TraceRecorder) -> Formula {
     let (shader, fragment, name) = (&subject.shader, &subject.fragment, CHANNELS[channel]);
     let mut all = diffuse;
     if let Some(highlight) = shader.highlight() {
@@ -258,7 +258,7 @@ fn added(subject: &Subject<'_>, channel: usize, diffuse: Formula, scribe: &mut S
     all
 }
 
-fn behind_formula(subject: &Subject<'_>, code: u8) -> Formula {
+fn behind_formula(subject: &TracedFragment<'_>, code: u8) -> Formula {
     let number = number_formula(code, subject.settings.color_space);
     match subject.settings.color_space {
         ColorSpace::Linear => number,
@@ -267,7 +267,7 @@ fn behind_formula(subject: &Subject<'_>, code: u8) -> Formula {
 }
 
 /// Returns the formula of the filtered texture colour by channel; `None` if no texture is read.
-fn texture_color<'a>(subject: &'a Subject<'_>) -> Option<impl Fn(usize) -> Formula + 'a> {
+fn texture_color<'a>(subject: &'a TracedFragment<'_>) -> Option<impl Fn(usize) -> Formula + 'a> {
     let texture = subject.shader.texture_for(&subject.fragment)?;
     let (levels, count) = texture.levels(&subject.fragment);
     Some(move |channel: usize| {
@@ -321,7 +321,7 @@ pub(super) fn encoded(value: &Formula, space: ColorSpace) -> Formula {
 }
 
 /// Writes the colours of shading modes that show a single quantity without lighting.
-fn quantity(subject: &Subject<'_>, code: Rgba8, scribe: &mut Scribe) {
+fn quantity(subject: &TracedFragment<'_>, code: Rgba8, scribe: &mut TraceRecorder) {
     let fragment = &subject.fragment;
     let bytes = |value: f32| code_formula(value, ColorSpace::Bytes);
     let formula = |channel: usize| match subject.settings.shading {

@@ -2,11 +2,11 @@
 
 use crate::chain::{Frame, Recipe};
 use crate::inspect::pixel::{FragmentRecord, PixelReport};
-use crate::pipeline::clip::Plane;
+use crate::pipeline::clip::ClipPlane;
 use crate::pipeline::interpolate::{Fragment, interpolate};
-use crate::pipeline::plan::{DrawPlan, Part};
+use crate::pipeline::plan::{DrawPlan, PipelinePart};
 use crate::pipeline::raster::steps::EdgeSteps;
-use crate::pipeline::raster::{AnyTriangle, Sample};
+use crate::pipeline::raster::{AnyTriangle, RasterSample};
 use crate::pipeline::settings::Settings;
 use crate::pipeline::shade::Shader;
 use crate::pipeline::vertex::{DrawMatrices, Transformer};
@@ -14,7 +14,7 @@ use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::scene::{Camera, Instance, Mesh, Scene};
 
 /// A fragment and the inputs that it was drawn from.
-pub(super) struct Subject<'a> {
+pub(super) struct TracedFragment<'a> {
     pub(super) settings: &'a Settings,
     pub(super) record: &'a FragmentRecord,
     pub(super) triangle: &'a ScreenTriangle,
@@ -30,11 +30,11 @@ pub(super) struct Subject<'a> {
     /// Size of the drawn picture, in pixels.
     pub(super) raster: Viewport,
     pub(super) steps: [EdgeSteps; 3],
-    pub(super) sample: Sample,
+    pub(super) sample: RasterSample,
     pub(super) fragment: Fragment,
 }
 
-impl<'a> Subject<'a> {
+impl<'a> TracedFragment<'a> {
     /// Collects the inputs of a fragment; `None` if the record belongs to another frame.
     pub(super) fn of(
         scene: &'a Scene,
@@ -53,7 +53,7 @@ impl<'a> Subject<'a> {
         let pixel = report.drawn_at.into();
         let edges = AnyTriangle::new(settings.arithmetic, triangle.corners_px(), settings.fill_rule)?;
         let (column, row) = frame.drawn.grid.sample_at(report.drawn_at[0], report.drawn_at[1])?;
-        let sample = Sample { column, row, ..edges.sample(pixel) };
+        let sample = RasterSample { column, row, ..edges.sample(pixel) };
         let shader = Shader::new(settings, &scene.library, instance, plan);
         Some(Self {
             settings,
@@ -80,7 +80,7 @@ impl<'a> Subject<'a> {
     }
 
     /// Returns the plane of the view that a clip-space plane corresponds to.
-    pub(super) fn plane_of_view(&self, plane: Plane) -> Plane {
+    pub(super) fn plane_of_view(&self, plane: ClipPlane) -> ClipPlane {
         plane.of_view(self.camera.has_zero_at_far(self.settings.depth_format.mapping()))
     }
 
@@ -90,7 +90,7 @@ impl<'a> Subject<'a> {
     }
 
     /// Whether the plan of the fragment's draw runs a part.
-    pub(super) fn runs(&self, part: Part) -> bool {
+    pub(super) fn runs(&self, part: PipelinePart) -> bool {
         self.plan.runs(part)
     }
 }

@@ -2,7 +2,8 @@ use super::*;
 use crate::chain::run;
 use crate::inspect::inspect;
 use crate::pipeline::settings::{
-    Address, Arithmetic, Choice as _, ColorSpace, DepthFormat, FillRule, Filter, Interpolation, Rasterizer, Shading,
+    AddressMode, Arithmetic, Choice as _, ColorSpace, DepthFormat, FillRule, Interpolation, Rasterizer, Shading,
+    TexelFilter,
 };
 use crate::pipeline::viewport::Viewport;
 use crate::scene::builtin;
@@ -40,12 +41,12 @@ fn recipes() -> Vec<Recipe> {
         with(|r| {
             (r.pipeline.arithmetic, r.pipeline.rasterizer) = (Arithmetic::F64, Rasterizer::EdgeWalk);
             (r.pipeline.depth_format, r.pipeline.color_space) = (DepthFormat::Unorm24, ColorSpace::Bytes);
-            (r.pipeline.filter, r.pipeline.address) = (Filter::Trilinear, Address::Mirror);
+            (r.pipeline.filter, r.pipeline.address) = (TexelFilter::Trilinear, AddressMode::Mirror);
         }),
         with(|r| {
             (r.pipeline.arithmetic, r.pipeline.fill_rule) = (Arithmetic::Exact, FillRule::BottomRight);
             (r.pipeline.depth_format, r.pipeline.shading) = (DepthFormat::WBuffer, Shading::Cel);
-            (r.pipeline.filter, r.pipeline.address) = (Filter::Point, Address::Clamp);
+            (r.pipeline.filter, r.pipeline.address) = (TexelFilter::Point, AddressMode::Clamp);
         }),
         with(|r| {
             (r.pipeline.interpolation, r.pipeline.shading) = (Interpolation::Published, Shading::Normals);
@@ -204,13 +205,13 @@ fn the_next_line_is_the_nearest_with_such_a_flag() {
             (1..trace.lines.len()).filter(|i| trace.lines[*i].has(Notable::Tie) && !trace.lines[*i].aside).collect();
         let mut at = 0;
         for expected in &places {
-            let found = trace.next(at, Some(Notable::Tie), Direction::Forward);
+            let found = trace.next(at, Some(Notable::Tie), StepDirection::Forward);
             assert_eq!(found, Some(*expected));
             at = *expected;
         }
-        assert_eq!(trace.next(at, Some(Notable::Tie), Direction::Forward), None);
+        assert_eq!(trace.next(at, Some(Notable::Tie), StepDirection::Forward), None);
         if let [.., before, last] = places[..] {
-            assert_eq!(trace.next(last, Some(Notable::Tie), Direction::Back), Some(before));
+            assert_eq!(trace.next(last, Some(Notable::Tie), StepDirection::Back), Some(before));
         }
         ties += places.len();
     }
@@ -223,8 +224,8 @@ fn stages_are_stepped_to_their_first_lines() {
         let firsts: Vec<usize> =
             trace.stages().map(|(stage, _)| trace.lines.iter().position(|line| line.stage == stage).unwrap()).collect();
         for pair in firsts.windows(2) {
-            assert_eq!(trace.next_stage(pair[0], Direction::Forward), Some(pair[1]));
-            assert_eq!(trace.next_stage(pair[1], Direction::Back), Some(pair[0]));
+            assert_eq!(trace.next_stage(pair[0], StepDirection::Forward), Some(pair[1]));
+            assert_eq!(trace.next_stage(pair[1], StepDirection::Back), Some(pair[0]));
         }
     });
 }
@@ -232,7 +233,7 @@ fn stages_are_stepped_to_their_first_lines() {
 #[test]
 fn what_is_not_finite_or_cancels_is_flagged() {
     use formula::{given, whole};
-    let mut scribe = Scribe::new();
+    let mut scribe = TraceRecorder::new();
     scribe.compute("finite", 0.5_f32, &(whole("1", 1) / given("two", 2.0_f32)));
     scribe.compute("infinite", f32::INFINITY, &(whole("1", 1) / given("zero", 0.0_f32)));
     let near = 1.0_f32 + 1.0 / 1024.0;

@@ -2,14 +2,14 @@
 
 use super::attributes::CHANNELS;
 use super::formula::{Formula, Function, fraction, given, sum, whole};
-use super::line::{Notable, Scribe, TraceStage};
-use super::subject::Subject;
+use super::line::{Notable, TraceRecorder, TraceStage};
+use super::subject::TracedFragment;
 use crate::image::{Image, Rgba8};
 use crate::pipeline::sample::TexelTap;
-use crate::pipeline::settings::{Address, Choice as _, ColorSpace, Filter};
+use crate::pipeline::settings::{AddressMode, Choice as _, ColorSpace, TexelFilter};
 
 /// Writes the texels of every mip level that is read; nothing without a texture.
-pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) {
+pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     scribe.enter(TraceStage::Texture);
     let Some(texture) = subject.shader.texture_for(&subject.fragment) else { return };
     let (levels, count) = texture.levels(&subject.fragment);
@@ -26,7 +26,12 @@ pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) {
 }
 
 /// Writes the texels of one image.
-fn read(subject: &Subject<'_>, (image, is_premultiplied): (&Image<Rgba8>, bool), name: &str, scribe: &mut Scribe) {
+fn read(
+    subject: &TracedFragment<'_>,
+    (image, is_premultiplied): (&Image<Rgba8>, bool),
+    name: &str,
+    scribe: &mut TraceRecorder,
+) {
     let (sampler, uv, size) = (subject.shader.sampler(), subject.fragment.uv, image.size());
     let unit = sampler.unit(uv);
     let lengths = [size.0, size.1];
@@ -36,7 +41,7 @@ fn read(subject: &Subject<'_>, (image, is_premultiplied): (&Image<Rgba8>, bool),
         let formula = in_unit(uv[axis], part, sampler.address);
         scribe.compute(format!("{name}{part} in 0…1"), unit[axis], &formula);
         let texels = || given(part, unit[axis]) * given(["width", "height"][axis], lengths[axis]);
-        if sampler.filter == Filter::Point {
+        if sampler.filter == TexelFilter::Point {
             continue;
         }
         shares[axis] = sampler.share_of_next(unit[axis], lengths[axis]);
@@ -45,7 +50,7 @@ fn read(subject: &Subject<'_>, (image, is_premultiplied): (&Image<Rgba8>, bool),
         scribe.compute(format!("{name}share of the next {}", ["column", "row"][axis]), shares[axis], &formula);
     }
     let (taps, count) = sampler.taps(size, uv);
-    if sampler.filter == Filter::Point {
+    if sampler.filter == TexelFilter::Point {
         nearest(&taps[0], (unit, lengths), name, scribe);
     }
     for (place, tap) in taps[..count].iter().enumerate() {
@@ -55,12 +60,12 @@ fn read(subject: &Subject<'_>, (image, is_premultiplied): (&Image<Rgba8>, bool),
 }
 
 /// Returns the formula that addressing uses to map a coordinate into [0, 1].
-fn in_unit(coordinate: f32, part: &'static str, address: Address) -> Formula {
+fn in_unit(coordinate: f32, part: &'static str, address: AddressMode) -> Formula {
     let given_part = || given(part, coordinate);
     match address {
-        Address::Clamp => given_part().max(whole("0", 0)).min(whole("1", 1)),
-        Address::Repeat => given_part() - given_part().apply(Function::Floor),
-        Address::Mirror => {
+        AddressMode::Clamp => given_part().max(whole("0", 0)).min(whole("1", 1)),
+        AddressMode::Repeat => given_part() - given_part().apply(Function::Floor),
+        AddressMode::Mirror => {
             // The distance from the nearest even number.
             let half = (given_part() / whole("2", 2)).apply(Function::Floor);
             let period = given_part() - whole("2", 2) * half;
@@ -70,7 +75,7 @@ fn in_unit(coordinate: f32, part: &'static str, address: Address) -> Formula {
 }
 
 /// Writes the single texel of the point filter.
-fn nearest(tap: &TexelTap, (unit, lengths): ([f64; 2], [u32; 2]), name: &str, scribe: &mut Scribe) {
+fn nearest(tap: &TexelTap, (unit, lengths): ([f64; 2], [u32; 2]), name: &str, scribe: &mut TraceRecorder) {
     for (axis, value) in [tap.x, tap.y].into_iter().enumerate() {
         let texels = given(["u", "v"][axis], unit[axis]) * given(["width", "height"][axis], lengths[axis]);
         let on_border = texels.evaluate().is_some_and(|exact| exact.value == exact.value.floor());
@@ -84,7 +89,7 @@ fn nearest(tap: &TexelTap, (unit, lengths): ([f64; 2], [u32; 2]), name: &str, sc
     }
 }
 
-fn weight(tap: &TexelTap, place: usize, (shares, count): ([f32; 2], usize), name: &str, scribe: &mut Scribe) {
+fn weight(tap: &TexelTap, place: usize, (shares, count): ([f32; 2], usize), name: &str, scribe: &mut TraceRecorder) {
     let what = format!("{name}weight of texel {}, {}", tap.x, tap.y);
     if count == 1 {
         scribe.read(what, "the nearest texel alone", tap.weight);
@@ -99,11 +104,11 @@ fn weight(tap: &TexelTap, place: usize, (shares, count): ([f32; 2], usize), name
 
 /// Writes the codes of the texels, the numbers that they represent, and the weighted mean.
 fn colors(
-    subject: &Subject<'_>,
+    subject: &TracedFragment<'_>,
     (image, is_premultiplied): (&Image<Rgba8>, bool),
     taps: &[TexelTap],
     name: &str,
-    scribe: &mut Scribe,
+    scribe: &mut TraceRecorder,
 ) {
     let sampler = subject.shader.sampler();
     let space = subject.settings.color_space;
@@ -145,7 +150,7 @@ fn colors(
         let value = sampler.alpha(image, subject.fragment.uv);
         scribe.compute(format!("{name}texture alpha"), value, &formula);
     }
-    if sampler.filter != Filter::Point {
+    if sampler.filter != TexelFilter::Point {
         let words = format!("{} texels, weighted: {}", taps.len(), sampler.filter.name());
         scribe.decide(format!("{name}filter"), words, sampler.address.name());
     }

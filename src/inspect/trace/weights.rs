@@ -1,8 +1,8 @@
 //! Trace from edge values to screen-space and perspective-correct weights.
 
 use super::formula::{Formula, given, sum, whole};
-use super::line::{Scribe, TraceStage};
-use super::subject::Subject;
+use super::line::{TraceRecorder, TraceStage};
+use super::subject::TracedFragment;
 use crate::inspect::intermediate::{Intermediate, inv_w_at};
 use crate::pipeline::interpolate::{WeightTerms, affine_weights, attribute_weights, inverse_area, weight_terms};
 use crate::pipeline::settings::Interpolation;
@@ -11,7 +11,7 @@ const LAMBDAS: [Intermediate; 3] = [Intermediate::Lambda0, Intermediate::Lambda1
 const WEIGHTS: [Intermediate; 3] = [Intermediate::Weight0, Intermediate::Weight1, Intermediate::Weight2];
 
 /// Writes both kinds of weights.
-pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) {
+pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     scribe.enter(TraceStage::Weights);
     let (triangle, sample) = (subject.triangle, &subject.sample);
     let edges = sample.edges.map(|edge| edge as f32);
@@ -37,7 +37,7 @@ pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) {
 }
 
 /// Writes the attribute weights, computed from edge values times relative 1/w.
-fn in_space(subject: &Subject<'_>, (edges, weights): ([f32; 3], [f32; 3]), scribe: &mut Scribe) {
+fn in_space(subject: &TracedFragment<'_>, (edges, weights): ([f32; 3], [f32; 3]), scribe: &mut TraceRecorder) {
     let WeightTerms { q, sum: total, inverse_sum } = weight_terms(subject.triangle, &subject.sample);
     let relative = subject.triangle.relative_inv_w;
     for corner in 0..3 {
@@ -54,7 +54,7 @@ fn in_space(subject: &Subject<'_>, (edges, weights): ([f32; 3], [f32; 3]), scrib
 }
 
 /// Writes the published formula, which divides by the width of one edge.
-fn published(subject: &Subject<'_>, weights: [f32; 3], scribe: &mut Scribe) {
+fn published(subject: &TracedFragment<'_>, weights: [f32; 3], scribe: &mut TraceRecorder) {
     let corners = subject.triangle.corners_px();
     let coordinate = |corner: usize, axis: usize| given(format!("{}{corner}", ["x", "y"][axis]), corners[corner][axis]);
     let side = |to: usize, axis: usize| coordinate(to, axis) - coordinate(0, axis);
@@ -70,7 +70,7 @@ fn published(subject: &Subject<'_>, weights: [f32; 3], scribe: &mut Scribe) {
 }
 
 /// Writes the distance of the surface, which the pipeline does not compute.
-fn asides(subject: &Subject<'_>, lambda: [f32; 3], scribe: &mut Scribe) {
+fn asides(subject: &TracedFragment<'_>, lambda: [f32; 3], scribe: &mut TraceRecorder) {
     let inv_w = subject.triangle.vertices.each_ref().map(|vertex| vertex.inv_w);
     let at_sample = inv_w_at(subject.triangle, &subject.sample);
     let term = |corner: usize| given(format!("λ{corner}"), lambda[corner]) * given("1/w", inv_w[corner]);

@@ -2,13 +2,13 @@
 
 use super::count_triangles;
 use crate::inspect::history::{Absent, Cause, px};
-use crate::inspect::pixel::{FragmentRecord, Outcome};
+use crate::inspect::pixel::{FragmentOutcome, FragmentRecord};
 
 /// Explains a pixel that shows none of its fragments. Without any fragment, names the most relevant absent triangle, if
 /// known.
 pub(super) fn verdict(fragments: &[FragmentRecord], absent: &[Absent]) -> String {
     let with = |outcome| count_triangles(fragments.iter().filter(|f| f.outcome == outcome));
-    match (with(Outcome::DepthRejected), with(Outcome::CutOut)) {
+    match (with(FragmentOutcome::DepthRejected), with(FragmentOutcome::CutOut)) {
         (0, 0) => absence(absent),
         (1, 0) => "Background: the only triangle here failed the depth test.".to_owned(),
         (lost, 0) => format!("Background: all {lost} triangles here failed the depth test."),

@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::instance_of;
 use crate::chain::{Frame, Recipe};
 use crate::inspect::pixel::{FragmentRecord, PixelReport};
-use crate::pipeline::plan::Part;
+use crate::pipeline::plan::PipelinePart;
 use crate::scene::Scene;
 
 /// Phrase for a normal that the loader discarded.
@@ -27,7 +27,13 @@ pub(super) fn lost_normals(visible: &FragmentRecord, scene: &Scene) -> Vec<&'sta
 
 /// Describes repaired or missing parts of the visible surface that the shading would have read. `None` if there are
 /// none, or if `said` mentions them already.
-pub(super) fn told(report: &PixelReport, scene: &Scene, recipe: &Recipe, frame: &Frame, said: &str) -> Option<String> {
+pub(super) fn describe_flaws(
+    report: &PixelReport,
+    scene: &Scene,
+    recipe: &Recipe,
+    frame: &Frame,
+    said: &str,
+) -> Option<String> {
     let visible = report.visible()?;
     let (index, instance) = instance_of(scene, visible.triangle)?;
     let mut told = Vec::new();
@@ -41,7 +47,7 @@ pub(super) fn told(report: &PixelReport, scene: &Scene, recipe: &Recipe, frame: 
             material.name
         ));
     }
-    let reads_normals = frame.plans.get(index).is_some_and(|plan| plan.runs(Part::Normals));
+    let reads_normals = frame.plans.get(index).is_some_and(|plan| plan.runs(PipelinePart::Normals));
     let lost = lost_normals(visible, scene);
     if reads_normals && !lost.is_empty() && !said.contains(LOST_NORMALS) {
         told.push(format!(

@@ -27,7 +27,7 @@ impl DepthEncoding {
     /// Returns the stored value of a depth in [0, 1]. For floats it is the nearest f32; else the f32 nearest to
     /// code/(2ⁿ − 1) with code = ⌊depth·(2ⁿ − 1) + ½⌋. Distinct codes give distinct floats.
     #[inline]
-    pub(crate) fn quantize(self, depth: f64) -> f32 {
+    pub fn quantize(self, depth: f64) -> f32 {
         match self.largest_code() {
             None => depth as f32,
             // The cast to an integer truncates.
@@ -36,14 +36,14 @@ impl DepthEncoding {
     }
 
     /// Returns the integer code of a stored value; `None` for floats.
-    pub(crate) fn code(self, stored: f32) -> Option<u32> {
+    pub fn code(self, stored: f32) -> Option<u32> {
         // A stored float is less than half a step away from the exact value of its code.
         self.largest_code().map(|largest| (f64::from(stored) * f64::from(largest) + 0.5) as u32)
     }
 
     /// Returns the depth of a stored value, and the next storable depth: the next larger one, or the next smaller one
     /// for depth 1.
-    pub(crate) fn with_next(self, stored: f32) -> [f64; 2] {
+    pub(crate) fn depth_and_next(self, stored: f32) -> [f64; 2] {
         match self.largest_code().zip(self.code(stored)) {
             None => [stored, if stored < 1.0 { stored.next_up() } else { stored.next_down() }].map(f64::from),
             Some((largest, code)) => {
@@ -122,7 +122,7 @@ mod tests {
         for encoding in [DepthEncoding::F32, DepthEncoding::Unorm16, DepthEncoding::Unorm24] {
             for depth in [0.0, 1e-9, 0.1, 0.5, 0.75, 1.0 - 1e-7, 1.0] {
                 let stored = encoding.quantize(depth);
-                let [here, next] = encoding.with_next(stored);
+                let [here, next] = encoding.depth_and_next(stored);
                 assert_eq!(encoding.quantize(here), stored);
                 assert_eq!(encoding.steps_between(stored, encoding.quantize(next)), 1, "{encoding:?} {depth}");
                 let between = (here + next) * 0.5;

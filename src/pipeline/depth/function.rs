@@ -7,23 +7,23 @@
 //! bias is added to the least depth. Depth is computed in f64 and rounded once.
 
 use super::DepthEncoding;
-use crate::pipeline::raster::Sample;
+use crate::pipeline::raster::RasterSample;
 use crate::pipeline::viewport::ScreenTriangle;
 
 /// Depth as a function over the samples of one triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepthFunction {
-    course: Course,
+    course: Interpolant,
     encoding: DepthEncoding,
     /// Least of the corner depths, after the depth bias.
-    least: f64,
+    min_depth: f64,
     /// Rise of each corner's depth above the least; per unit of its edge value if depth is affine on the screen.
     rises: [f64; 3],
 }
 
 /// Domain in which depth is linear.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Course {
+enum Interpolant {
     /// Screen space, as for z/w.
     Screen,
     /// World space, as for a w-buffer.
@@ -32,34 +32,34 @@ enum Course {
 
 impl DepthFunction {
     /// Returns the function of a triangle with these corner depths. `doubled_area` is in the unit of edge values.
-    pub(crate) fn affine_on_screen(corners: [f64; 3], doubled_area: f64, encoding: DepthEncoding) -> Self {
-        let (least, rises) = rises(corners);
-        Self { course: Course::Screen, encoding, least, rises: rises.map(|rise| rise / doubled_area) }
+    pub fn affine_on_screen(corners: [f64; 3], doubled_area: f64, encoding: DepthEncoding) -> Self {
+        let (min_depth, rises) = rises(corners);
+        Self { course: Interpolant::Screen, encoding, min_depth, rises: rises.map(|rise| rise / doubled_area) }
     }
 
     /// Returns the function of a triangle with these corner depths, linear in space whatever the distances of the
     /// corners.
-    pub(crate) fn linear_in_space(corners: [f64; 3], encoding: DepthEncoding) -> Self {
-        let (least, rises) = rises(corners);
-        Self { course: Course::Space, encoding, least, rises }
+    pub fn linear_in_space(corners: [f64; 3], encoding: DepthEncoding) -> Self {
+        let (min_depth, rises) = rises(corners);
+        Self { course: Interpolant::Space, encoding, min_depth, rises }
     }
 
     /// Returns the function with an offset added to all depths.
     #[inline(always)]
     pub(super) fn offset_by(self, offset: f64) -> Self {
-        Self { least: self.least + offset, ..self }
+        Self { min_depth: self.min_depth + offset, ..self }
     }
 
     /// Whether depth is linear in space rather than on the screen.
     pub(crate) fn is_linear_in_space(&self) -> bool {
-        self.course == Course::Space
+        self.course == Interpolant::Space
     }
 
     /// Returns the least depth, and one factor per corner. Each factor multiplies the corner's edge value or, if depth
     /// is linear in space, its weight.
     #[inline(always)]
     pub(crate) fn terms(&self) -> (f64, [f64; 3]) {
-        (self.least, self.rises)
+        (self.min_depth, self.rises)
     }
 }
 
@@ -71,18 +71,18 @@ fn rises(corners: [f64; 3]) -> (f64, [f64; 3]) {
 
 /// Returns the quantised depth of a covered sample, as it is stored.
 #[inline]
-pub fn depth_at(triangle: &ScreenTriangle, sample: &Sample) -> f32 {
+pub fn depth_at(triangle: &ScreenTriangle, sample: &RasterSample) -> f32 {
     triangle.depth.encoding.quantize(unquantised_depth_at(triangle, sample))
 }
 
 /// Returns the depth of a covered sample in [0, 1], before it is quantised.
 #[inline]
-pub(crate) fn unquantised_depth_at(triangle: &ScreenTriangle, sample: &Sample) -> f64 {
-    let DepthFunction { course, least, rises, .. } = triangle.depth;
+pub(crate) fn unquantised_depth_at(triangle: &ScreenTriangle, sample: &RasterSample) -> f64 {
+    let DepthFunction { course, min_depth: least, rises, .. } = triangle.depth;
     let weighted = |[a, b, c]: [f64; 3]| a * rises[0] + b * rises[1] + c * rises[2];
     let rise = match course {
-        Course::Screen => weighted(sample.edges),
-        Course::Space => {
+        Interpolant::Screen => weighted(sample.edges),
+        Interpolant::Space => {
             let [a, b, c] = triangle.vertices.each_ref().map(|v| f64::from(v.inv_w));
             // Inexact arithmetic also covers samples beyond an edge, where distances would run to infinity and back.
             let [e0, e1, e2] = sample.edges.map(|edge| edge.max(0.0));

@@ -20,14 +20,14 @@ pub use encoding::DepthEncoding;
 pub use function::DepthFunction;
 pub use function::depth_at;
 pub(crate) use function::unquantised_depth_at;
+pub(crate) use scale::DepthLaw;
 pub use scale::DepthScale;
-pub(crate) use scale::Law;
 
 use super::settings::{DepthTest, Settings};
 
 /// Comparison of stored depth values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Comparison {
+pub(crate) enum DepthComparison {
     /// Always passes.
     Always,
     /// Passes if new < stored.
@@ -40,7 +40,7 @@ pub(crate) enum Comparison {
     GreaterEqual,
 }
 
-impl Comparison {
+impl DepthComparison {
     /// Returns the comparison of stored values for the settings' depth test; reversed depth mirrors it.
     pub(crate) fn of(settings: &Settings) -> Self {
         match (settings.depth_test, settings.reversed()) {
@@ -78,10 +78,10 @@ impl Comparison {
 
 /// Returns the clear value of the depth buffer, against which every depth inside (0, 1) passes the test.
 pub(crate) fn clear_value(settings: &Settings) -> f32 {
-    match Comparison::of(settings) {
-        Comparison::Greater | Comparison::GreaterEqual => 0.0,
-        Comparison::Less | Comparison::LessEqual => 1.0,
-        Comparison::Always => f32::from(u8::from(!settings.reversed())),
+    match DepthComparison::of(settings) {
+        DepthComparison::Greater | DepthComparison::GreaterEqual => 0.0,
+        DepthComparison::Less | DepthComparison::LessEqual => 1.0,
+        DepthComparison::Always => f32::from(u8::from(!settings.reversed())),
     }
 }
 
@@ -95,7 +95,7 @@ mod tests {
         for test in DepthTest::ALL {
             for format in DepthFormat::ALL {
                 let settings = Settings { depth_test: *test, depth_format: *format, ..Settings::default() };
-                assert!(Comparison::of(&settings).passes(0.5, clear_value(&settings)), "{test:?} {format:?}");
+                assert!(DepthComparison::of(&settings).passes(0.5, clear_value(&settings)), "{test:?} {format:?}");
             }
         }
     }

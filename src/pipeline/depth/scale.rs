@@ -20,7 +20,7 @@ use super::DepthEncoding;
 use super::bias::{BiasRule, TriangleBias};
 use super::function::DepthFunction;
 use crate::math::lanes::*;
-use crate::pipeline::clip::Plane;
+use crate::pipeline::clip::ClipPlane;
 use crate::pipeline::settings::{DepthFormat, Settings};
 use crate::pipeline::vertex::ClipVertex;
 use crate::pipeline::viewport::ScreenVertex;
@@ -33,7 +33,7 @@ use crate::scene::{Camera, DepthMapping, Projection};
 /// exclude depth bias, which is computed per triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepthScale {
-    law: Law,
+    law: DepthLaw,
     encoding: DepthEncoding,
     near: f64,
     far: f64,
@@ -44,7 +44,7 @@ pub struct DepthScale {
 
 /// Relation between distance and depth, and the source of a vertex's depth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Law {
+pub(crate) enum DepthLaw {
     /// Perspective projection: the distance is w, and depth is computed from it.
     Perspective(DepthMapping),
     /// Orthographic projection: depth is z/w, linear in the distance and decreasing with it if `reversed`.
@@ -53,7 +53,7 @@ pub(crate) enum Law {
 
 impl Default for DepthScale {
     fn default() -> Self {
-        Self::with_law(Law::Orthographic { reversed: false }, DepthEncoding::F32, [0.0, 1.0])
+        Self::with_law(DepthLaw::Orthographic { reversed: false }, DepthEncoding::F32, [0.0, 1.0])
     }
 }
 
@@ -64,10 +64,10 @@ impl DepthScale {
     }
 
     /// Returns the mapping of a view drawn with this format and without depth bias.
-    pub(crate) fn new(format: DepthFormat, camera: &Camera) -> Self {
+    pub fn new(format: DepthFormat, camera: &Camera) -> Self {
         let law = match camera.projection {
-            Projection::Perspective { .. } => Law::Perspective(format.mapping()),
-            Projection::Orthographic { .. } => Law::Orthographic { reversed: format.mapping().is_reversed() },
+            Projection::Perspective { .. } => DepthLaw::Perspective(format.mapping()),
+            Projection::Orthographic { .. } => DepthLaw::Orthographic { reversed: format.mapping().is_reversed() },
         };
         Self::with_law(law, format.encoding(), [camera.near, camera.far])
     }
@@ -88,23 +88,23 @@ impl DepthScale {
     /// assert!(scale.stored(2.0) > 0.5);
     /// assert!(scale.resolution(scale.stored(90.0)) > 1000.0 * scale.resolution(scale.stored(2.0)));
     /// ```
-    pub(crate) fn perspective(mapping: DepthMapping, encoding: DepthEncoding, near: f32, far: f32) -> Self {
-        Self::with_law(Law::Perspective(mapping), encoding, [near, far])
+    pub fn perspective(mapping: DepthMapping, encoding: DepthEncoding, near: f32, far: f32) -> Self {
+        Self::with_law(DepthLaw::Perspective(mapping), encoding, [near, far])
     }
 
-    fn with_law(law: Law, encoding: DepthEncoding, planes: [f32; 2]) -> Self {
+    fn with_law(law: DepthLaw, encoding: DepthEncoding, planes: [f32; 2]) -> Self {
         let [near, far] = planes.map(f64::from);
         let factor = match law {
-            Law::Perspective(DepthMapping::Standard) => far / (far - near),
-            Law::Perspective(DepthMapping::Reversed) => near / (far - near),
-            Law::Perspective(DepthMapping::ReversedInfinite) => near,
-            Law::Perspective(DepthMapping::Linear) | Law::Orthographic { .. } => 1.0 / (far - near),
+            DepthLaw::Perspective(DepthMapping::Standard) => far / (far - near),
+            DepthLaw::Perspective(DepthMapping::Reversed) => near / (far - near),
+            DepthLaw::Perspective(DepthMapping::ReversedInfinite) => near,
+            DepthLaw::Perspective(DepthMapping::Linear) | DepthLaw::Orthographic { .. } => 1.0 / (far - near),
         };
         Self { law, encoding, near, far, factor, bias: BiasRule::OFF }
     }
 
     /// Returns the relation between distance and depth.
-    pub(crate) fn law(&self) -> Law {
+    pub(crate) fn law(&self) -> DepthLaw {
         self.law
     }
 
@@ -115,13 +115,13 @@ impl DepthScale {
     }
 
     /// Returns the number format of stored depths.
-    pub(crate) fn encoding(&self) -> DepthEncoding {
+    pub fn encoding(&self) -> DepthEncoding {
         self.encoding
     }
 
     /// Returns the stored depth of a point at `distance` > 0, with the arithmetic that the pipeline uses for vertices
     /// in perspective.
-    pub(crate) fn stored(&self, distance: f32) -> f32 {
+    pub fn stored(&self, distance: f32) -> f32 {
         self.encoding.quantize(self.depth(distance.into()).clamp(0.0, 1.0))
     }
 
@@ -129,13 +129,15 @@ impl DepthScale {
     /// infinity.
     pub(crate) fn distance_of(&self, stored: f32) -> f64 {
         let Self { near, far, factor, .. } = *self;
-        let [depth, _] = self.encoding.with_next(stored);
+        let [depth, _] = self.encoding.depth_and_next(stored);
         match self.law {
-            Law::Perspective(DepthMapping::Standard) => near / (1.0 - depth / factor),
-            Law::Perspective(DepthMapping::Reversed) => far * factor / (depth + factor),
-            Law::Perspective(DepthMapping::ReversedInfinite) => factor / depth,
-            Law::Perspective(DepthMapping::Linear) | Law::Orthographic { reversed: false } => near + depth / factor,
-            Law::Orthographic { reversed: true } => far - depth / factor,
+            DepthLaw::Perspective(DepthMapping::Standard) => near / (1.0 - depth / factor),
+            DepthLaw::Perspective(DepthMapping::Reversed) => far * factor / (depth + factor),
+            DepthLaw::Perspective(DepthMapping::ReversedInfinite) => factor / depth,
+            DepthLaw::Perspective(DepthMapping::Linear) | DepthLaw::Orthographic { reversed: false } => {
+                near + depth / factor
+            }
+            DepthLaw::Orthographic { reversed: true } => far - depth / factor,
         }
     }
 
@@ -159,19 +161,21 @@ impl DepthScale {
         let depth = self.encoding.depths_of(simd, stored);
         let number = |number| F64::splat(simd, number);
         match self.law {
-            Law::Perspective(DepthMapping::Standard) => number(near) / (number(1.0) - depth / factor),
-            Law::Perspective(DepthMapping::Reversed) => number(far * factor) / (depth + factor),
-            Law::Perspective(DepthMapping::ReversedInfinite) => number(factor) / depth,
-            Law::Perspective(DepthMapping::Linear) | Law::Orthographic { reversed: false } => depth / factor + near,
-            Law::Orthographic { reversed: true } => number(far) - depth / factor,
+            DepthLaw::Perspective(DepthMapping::Standard) => number(near) / (number(1.0) - depth / factor),
+            DepthLaw::Perspective(DepthMapping::Reversed) => number(far * factor) / (depth + factor),
+            DepthLaw::Perspective(DepthMapping::ReversedInfinite) => number(factor) / depth,
+            DepthLaw::Perspective(DepthMapping::Linear) | DepthLaw::Orthographic { reversed: false } => {
+                depth / factor + near
+            }
+            DepthLaw::Orthographic { reversed: true } => number(far) - depth / factor,
         }
     }
 
     /// Returns the distance between a stored depth and the next storable one; surfaces closer than that may tie.
     /// Infinite if the next depth represents infinity.
-    pub(crate) fn resolution(&self, stored: f32) -> f64 {
+    pub fn resolution(&self, stored: f32) -> f64 {
         let Self { near, far, .. } = *self;
-        let [a, b] = self.encoding.with_next(stored);
+        let [a, b] = self.encoding.depth_and_next(stored);
         let step = (b - a).abs();
         // The closed form avoids cancellation, because the two distances may agree in all digits.
         let hyperbolic = |factor: fn(f64, [f64; 2]) -> f64| {
@@ -179,10 +183,10 @@ impl DepthScale {
             near * far * (far - near) * step / (factor(a, planes) * factor(b, planes))
         };
         match self.law {
-            Law::Perspective(DepthMapping::Standard) => hyperbolic(|depth, [n, f]| (1.0 - depth) * f + depth * n),
-            Law::Perspective(DepthMapping::Reversed) => hyperbolic(|depth, [n, f]| (1.0 - depth) * n + depth * f),
-            Law::Perspective(DepthMapping::ReversedInfinite) => near * step / (a * b),
-            Law::Perspective(DepthMapping::Linear) | Law::Orthographic { .. } => (far - near) * step,
+            DepthLaw::Perspective(DepthMapping::Standard) => hyperbolic(|depth, [n, f]| (1.0 - depth) * f + depth * n),
+            DepthLaw::Perspective(DepthMapping::Reversed) => hyperbolic(|depth, [n, f]| (1.0 - depth) * n + depth * f),
+            DepthLaw::Perspective(DepthMapping::ReversedInfinite) => near * step / (a * b),
+            DepthLaw::Perspective(DepthMapping::Linear) | DepthLaw::Orthographic { .. } => (far - near) * step,
         }
     }
 
@@ -192,8 +196,8 @@ impl DepthScale {
         let (z, w) = (f64::from(vertex.position.z), f64::from(vertex.position.w));
         let depth = match (vertex.cut_at, self.law) {
             (Some(plane), _) => self.of_plane(plane),
-            (None, Law::Perspective(_)) => self.depth(w),
-            (None, Law::Orthographic { .. }) => z / w,
+            (None, DepthLaw::Perspective(_)) => self.depth(w),
+            (None, DepthLaw::Orthographic { .. }) => z / w,
         };
         // Adding 0 turns −0, whose bits are far from those of its neighbours, into +0.
         depth.clamp(0.0, 1.0) + 0.0
@@ -205,27 +209,27 @@ impl DepthScale {
         let Self { near, far, factor, .. } = *self;
         let distance = widen(simd, w);
         let depth = match self.law {
-            Law::Perspective(DepthMapping::Standard) => (distance - near) / distance * factor,
-            Law::Perspective(DepthMapping::Reversed) => (F64::splat(simd, far) - distance) / distance * factor,
-            Law::Perspective(DepthMapping::ReversedInfinite) => F64::splat(simd, factor) / distance,
-            Law::Perspective(DepthMapping::Linear) => (distance - near) * factor,
-            Law::Orthographic { .. } => widen(simd, z) / distance,
+            DepthLaw::Perspective(DepthMapping::Standard) => (distance - near) / distance * factor,
+            DepthLaw::Perspective(DepthMapping::Reversed) => (F64::splat(simd, far) - distance) / distance * factor,
+            DepthLaw::Perspective(DepthMapping::ReversedInfinite) => F64::splat(simd, factor) / distance,
+            DepthLaw::Perspective(DepthMapping::Linear) => (distance - near) * factor,
+            DepthLaw::Orthographic { .. } => widen(simd, z) / distance,
         };
         clamp_f64(depth, 0.0, 1.0) + 0.0
     }
 
     /// Whether depth is linear in space rather than on the screen.
     pub(crate) fn is_linear_in_space(&self) -> bool {
-        self.law == Law::Perspective(DepthMapping::Linear)
+        self.law == DepthLaw::Perspective(DepthMapping::Linear)
     }
 
     /// Returns the distance of a corner: w in perspective, else the distance that corresponds to its depth.
     pub(crate) fn distance(&self, corner: &ScreenVertex) -> f64 {
         let range = self.far - self.near;
         match self.law {
-            Law::Perspective(_) => 1.0 / f64::from(corner.inv_w),
-            Law::Orthographic { reversed: false } => self.near + corner.depth * range,
-            Law::Orthographic { reversed: true } => self.far - corner.depth * range,
+            DepthLaw::Perspective(_) => 1.0 / f64::from(corner.inv_w),
+            DepthLaw::Orthographic { reversed: false } => self.near + corner.depth * range,
+            DepthLaw::Orthographic { reversed: true } => self.far - corner.depth * range,
         }
     }
 
@@ -268,7 +272,7 @@ impl DepthScale {
     #[inline(always)]
     fn function(&self, depths: [f64; 3], doubled_area: f64) -> DepthFunction {
         match self.law {
-            Law::Perspective(DepthMapping::Linear) => DepthFunction::linear_in_space(depths, self.encoding),
+            DepthLaw::Perspective(DepthMapping::Linear) => DepthFunction::linear_in_space(depths, self.encoding),
             _ => DepthFunction::affine_on_screen(depths, doubled_area, self.encoding),
         }
     }
@@ -278,21 +282,21 @@ impl DepthScale {
     fn depth(&self, distance: f64) -> f64 {
         let Self { near, far, factor, .. } = *self;
         match self.law {
-            Law::Perspective(DepthMapping::Standard) => (distance - near) / distance * factor,
-            Law::Perspective(DepthMapping::Reversed) => (far - distance) / distance * factor,
-            Law::Perspective(DepthMapping::ReversedInfinite) => factor / distance,
-            Law::Perspective(DepthMapping::Linear) | Law::Orthographic { reversed: false } => {
+            DepthLaw::Perspective(DepthMapping::Standard) => (distance - near) / distance * factor,
+            DepthLaw::Perspective(DepthMapping::Reversed) => (far - distance) / distance * factor,
+            DepthLaw::Perspective(DepthMapping::ReversedInfinite) => factor / distance,
+            DepthLaw::Perspective(DepthMapping::Linear) | DepthLaw::Orthographic { reversed: false } => {
                 (distance - near) * factor
             }
-            Law::Orthographic { reversed: true } => (far - distance) * factor,
+            DepthLaw::Orthographic { reversed: true } => (far - distance) * factor,
         }
     }
 
     /// Returns the depth of a vertex that clipping placed on the plane z = 0 (near) or z = w (far) of clip space.
-    fn of_plane(&self, plane: Plane) -> f64 {
+    fn of_plane(&self, plane: ClipPlane) -> f64 {
         // With linear depth, clip-space z is reversed.
-        let mirrored = self.law == Law::Perspective(DepthMapping::Linear);
-        f64::from(u8::from((plane == Plane::Far) != mirrored))
+        let mirrored = self.law == DepthLaw::Perspective(DepthMapping::Linear);
+        f64::from(u8::from((plane == ClipPlane::Far) != mirrored))
     }
 }
 

@@ -5,12 +5,12 @@
 //! Designed for polygons with any number of edges; a triangle has two active ones at a time. In integers the step is
 //! Bresenham's and exact. In floats it accumulates the slope, which drifts.
 
-use super::numbers::{Edge, Numbers, Walk};
-use super::{Canvas, PixelRange, Triangle};
+use super::numbers::{BoundaryWalk, Numbers, RasterEdge};
+use super::{PixelRange, RasterTarget, RasterTriangle};
 
 /// An edge in the table, with the rows on which it is active.
 #[derive(Clone, Copy)]
-struct Entry<E> {
+struct EdgeEntry<E> {
     edge: E,
     rows: PixelRange,
 }
@@ -23,15 +23,15 @@ struct Active<W> {
 }
 
 /// Emits the covered samples of a triangle, row by row.
-pub(super) fn cover<N: Numbers>(triangle: &Triangle<N>, canvas: &mut Canvas<'_>) {
+pub(super) fn cover<N: Numbers>(triangle: &RasterTriangle<N>, canvas: &mut RasterTarget<'_>) {
     let sides = triangle.sides();
     let rows = sides.rows;
     let table = [
-        Entry { edge: sides.long, rows },
-        Entry { edge: sides.upper, rows: PixelRange { last: sides.last_upper.min(rows.last), ..rows } },
-        Entry { edge: sides.lower, rows: PixelRange { first: (sides.last_upper + 1).max(rows.first), ..rows } },
+        EdgeEntry { edge: sides.long, rows },
+        EdgeEntry { edge: sides.upper, rows: PixelRange { last: sides.last_upper.min(rows.last), ..rows } },
+        EdgeEntry { edge: sides.lower, rows: PixelRange { first: (sides.last_upper + 1).max(rows.first), ..rows } },
     ];
-    let mut active: Vec<Active<<N::Edge as Edge>::Walk>> = Vec::with_capacity(2);
+    let mut active: Vec<Active<<N::Edge as RasterEdge>::Walk>> = Vec::with_capacity(2);
     let mut present = None;
     for row in canvas.rows(rows) {
         let y = canvas.pixel_row(row);
@@ -40,7 +40,7 @@ pub(super) fn cover<N: Numbers>(triangle: &Triangle<N>, canvas: &mut Canvas<'_>)
         for passed in from..=y {
             active.retain(|edge| edge.last >= passed);
             active.iter_mut().for_each(|edge| edge.walk.step());
-            let starts = |entry: &&Entry<N::Edge>| match present {
+            let starts = |entry: &&EdgeEntry<N::Edge>| match present {
                 None => entry.rows.contains(passed),
                 Some(_) => entry.rows.first == passed && entry.rows.contains(passed),
             };

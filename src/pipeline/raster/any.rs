@@ -1,21 +1,21 @@
 //! A triangle in an arithmetic that is chosen at run time, for callers that examine a few of its pixels.
 
-use super::numbers::Edge;
+use super::numbers::RasterEdge;
 use super::steps::EdgeSteps;
-use super::{Exact, Fixed, Floating, Sample, Triangle, within_fixed_point};
+use super::{Exact, Fixed, Floating, RasterSample, RasterTriangle, within_fixed_point};
 use crate::pipeline::settings::{Arithmetic, FillRule};
 
 /// A [`Triangle`] in any arithmetic. Its edge values decide the coverage that [`super::cover`] returns.
 #[derive(Clone, Copy, Debug)]
 pub enum AnyTriangle {
     /// Triangle in fixed point.
-    Fixed(Triangle<Fixed>),
+    Fixed(RasterTriangle<Fixed>),
     /// Triangle in single precision.
-    F32(Triangle<Floating<f32>>),
+    F32(RasterTriangle<Floating<f32>>),
     /// Triangle in double precision.
-    F64(Triangle<Floating<f64>>),
+    F64(RasterTriangle<Floating<f64>>),
     /// Triangle in exact arithmetic. Also used beyond the range of fixed point, on the snapped vertices.
-    Exact(Triangle<Exact>),
+    Exact(RasterTriangle<Exact>),
 }
 
 /// Runs `$body` with `$triangle` bound to the triangle in its arithmetic.
@@ -36,15 +36,15 @@ impl AnyTriangle {
     pub fn new(arithmetic: Arithmetic, corners_px: [[f32; 2]; 3], rule: FillRule) -> Option<Self> {
         let (corners_px, arithmetic) = within_fixed_point(corners_px, arithmetic);
         Some(match arithmetic {
-            Arithmetic::Fixed => Self::Fixed(Triangle::new(corners_px, rule)?),
-            Arithmetic::F32 => Self::F32(Triangle::new(corners_px, rule)?),
-            Arithmetic::F64 => Self::F64(Triangle::new(corners_px, rule)?),
-            Arithmetic::Exact => Self::Exact(Triangle::new(corners_px, rule)?),
+            Arithmetic::Fixed => Self::Fixed(RasterTriangle::new(corners_px, rule)?),
+            Arithmetic::F32 => Self::F32(RasterTriangle::new(corners_px, rule)?),
+            Arithmetic::F64 => Self::F64(RasterTriangle::new(corners_px, rule)?),
+            Arithmetic::Exact => Self::Exact(RasterTriangle::new(corners_px, rule)?),
         })
     }
 
     /// Returns the edge values at a pixel's centre, inside the triangle or not.
-    pub fn sample(&self, pixel: (u32, u32)) -> Sample {
+    pub fn sample(&self, pixel: (u32, u32)) -> RasterSample {
         each!(self, triangle => triangle.sample(pixel, pixel))
     }
 
@@ -56,7 +56,7 @@ impl AnyTriangle {
     /// Returns for each edge, opposite to the vertex of the same index, whether samples exactly on it belong to the
     /// triangle.
     pub(crate) fn owned(&self) -> [bool; 3] {
-        each!(self, triangle => triangle.edges().each_ref().map(Edge::owned))
+        each!(self, triangle => triangle.edges().each_ref().map(RasterEdge::owned))
     }
 
     /// Returns the doubled area, > 0, in the unit of edge values.

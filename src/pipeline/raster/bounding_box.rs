@@ -4,10 +4,10 @@
 //! triangle, and many more for diagonal slivers. Clamping to the scissor bounds the work by the picture's size.
 
 use super::numbers::Numbers;
-use super::{Canvas, Triangle};
+use super::{RasterTarget, RasterTriangle};
 
 /// Emits the covered samples of a triangle, row by row.
-pub(super) fn cover<N: Numbers>(triangle: &Triangle<N>, canvas: &mut Canvas<'_>) {
+pub(super) fn cover<N: Numbers>(triangle: &RasterTriangle<N>, canvas: &mut RasterTarget<'_>) {
     let [columns, rows] = triangle.bounds();
     for row in canvas.rows(rows) {
         let samples = canvas.columns(row, columns.first, columns.last + 1);

@@ -4,16 +4,16 @@
 //! filled repeatedly, and a rounded start may lie outside. This version walks rows, and starts each at the first pixel
 //! inside the long edge. The end of a row is found by testing: one sample beyond the triangle is visited per row.
 
-use super::numbers::{Edge, Numbers};
-use super::{Canvas, Triangle};
+use super::numbers::{Numbers, RasterEdge};
+use super::{RasterTarget, RasterTriangle};
 
 /// Emits the covered samples of a triangle, row by row.
-pub(super) fn cover<N: Numbers>(triangle: &Triangle<N>, canvas: &mut Canvas<'_>) {
+pub(super) fn cover<N: Numbers>(triangle: &RasterTriangle<N>, canvas: &mut RasterTarget<'_>) {
     let sides = triangle.sides();
     for row in canvas.rows(sides.rows) {
         let y = canvas.pixel_row(row);
         let start = sides.long.boundary(y);
-        let inside = |canvas: &mut Canvas<'_>, column: u32| {
+        let inside = |canvas: &mut RasterTarget<'_>, column: u32| {
             canvas.visit(1);
             let x = canvas.grid.pixel(column, row).0.into();
             sides.upper.contains(x, y) && sides.lower.contains(x, y)

@@ -9,7 +9,7 @@
 use robust::{Coord, orient2d};
 
 use super::float::{Floating, unit_scale};
-use super::numbers::{Edge, Inward, Numbers, Walk};
+use super::numbers::{BoundaryWalk, Inward, Numbers, RasterEdge};
 use super::steps::{EdgeNumbers, EdgeSteps};
 use crate::pipeline::settings::FillRule;
 use crate::pipeline::viewport::MAX_SIDE_PX;
@@ -125,7 +125,7 @@ impl ExactEdge {
     }
 }
 
-impl Edge for ExactEdge {
+impl RasterEdge for ExactEdge {
     type Walk = ExactWalk;
 
     fn inward(&self) -> Inward {
@@ -197,7 +197,7 @@ pub struct ExactWalk {
     row: i64,
 }
 
-impl Walk for ExactWalk {
+impl BoundaryWalk for ExactWalk {
     fn boundary(&self) -> i64 {
         self.edge.boundary(self.row)
     }

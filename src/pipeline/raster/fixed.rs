@@ -12,7 +12,7 @@
 //! Range: with coordinates within ±2²⁸ grid steps ([`LIMIT_PX`]) differences need 30 bits, products 59, sums 61. In the
 //! pipeline's guard band (±2²⁴ grid steps) values stay below 2⁵³, so they are exact as f64 as well.
 
-use super::numbers::{Edge, Inward, Numbers, Walk};
+use super::numbers::{BoundaryWalk, Inward, Numbers, RasterEdge};
 use super::steps::{EdgeNumbers, EdgeSteps};
 use crate::math::fixed::{HALF_PIXEL, SUBPIXELS, snap};
 use crate::pipeline::settings::FillRule;
@@ -90,7 +90,7 @@ struct Ratio {
     denominator: i64,
 }
 
-impl Edge for FixedEdge {
+impl RasterEdge for FixedEdge {
     type Walk = FixedWalk;
 
     fn inward(&self) -> Inward {
@@ -147,7 +147,7 @@ pub struct FixedWalk {
     rest_step: i64,
 }
 
-impl Walk for FixedWalk {
+impl BoundaryWalk for FixedWalk {
     fn boundary(&self) -> i64 {
         self.boundary
     }

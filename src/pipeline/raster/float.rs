@@ -7,7 +7,7 @@
 
 use num_traits::Float;
 
-use super::numbers::{Edge, Inward, Numbers, Walk};
+use super::numbers::{BoundaryWalk, Inward, Numbers, RasterEdge};
 use super::steps::{EdgeNumbers, EdgeSteps, FloatSteps};
 use crate::pipeline::settings::FillRule;
 
@@ -128,7 +128,7 @@ impl<F: Float + Default + Into<f64> + Explained> FloatEdge<F> {
     }
 }
 
-impl<F: Float + Default + Into<f64> + Explained> Edge for FloatEdge<F> {
+impl<F: Float + Default + Into<f64> + Explained> RasterEdge for FloatEdge<F> {
     type Walk = FloatWalk<F>;
 
     fn inward(&self) -> Inward {
@@ -189,7 +189,7 @@ pub struct FloatWalk<F> {
     slope: F,
 }
 
-impl<F: Float + Default + Into<f64> + Explained> Walk for FloatWalk<F> {
+impl<F: Float + Default + Into<f64> + Explained> BoundaryWalk for FloatWalk<F> {
     fn boundary(&self) -> i64 {
         self.edge.column_beyond(self.x)
     }

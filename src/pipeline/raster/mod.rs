@@ -34,7 +34,7 @@ pub use any::AnyTriangle;
 pub(crate) use exact::Exact;
 pub(crate) use fixed::Fixed;
 pub(crate) use float::Floating;
-pub(crate) use triangle::Triangle;
+pub(crate) use triangle::RasterTriangle;
 
 use numbers::Numbers;
 
@@ -46,7 +46,7 @@ use crate::math::fixed::{snap, to_pixels};
 
 /// A covered sample: its position and its three edge values.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample {
+pub struct RasterSample {
     /// Column in the packed picture.
     pub column: u32,
     /// Row in the packed picture.
@@ -98,12 +98,12 @@ impl Scissor {
 
     /// Whether the bounding box of a triangle is near enough for any rasterizer to find samples within. Avoids the
     /// setup of distant triangles, which are nearly all of them when a single pixel is drawn.
-    pub(crate) fn may_meet(&self, corners_px: [[f32; 2]; 3]) -> bool {
-        self.may_meet_box(box_around(corners_px))
+    pub(crate) fn may_overlap(&self, corners_px: [[f32; 2]; 3]) -> bool {
+        self.may_overlap_box(box_around(corners_px))
     }
 
     /// [`Scissor::may_meet`] for the bounding box of a triangle.
-    pub(crate) fn may_meet_box(&self, [left, right, top, bottom]: PixelBox) -> bool {
+    pub(crate) fn may_overlap_box(&self, [left, right, top, bottom]: PixelBox) -> bool {
         /// Margin in pixels: snapping moves vertices by a fraction of a pixel, published rasterizers by a whole one.
         const MARGIN_PX: f32 = 2.0;
         let meets = |[least, greatest]: [f32; 2], first: u32, end: u32| {
@@ -136,14 +136,14 @@ impl PixelRange {
 
 /// Input and output of a rasterizer: the samples that may be covered, and the list of covered spans.
 #[derive(Debug)]
-pub(crate) struct Canvas<'a> {
+pub(crate) struct RasterTarget<'a> {
     grid: SampleGrid,
     scissor: Scissor,
     spans: &'a mut Vec<Span>,
     visited: u64,
 }
 
-impl Canvas<'_> {
+impl RasterTarget<'_> {
     /// Returns the packed rows whose samples lie in a range of pixel rows, clamped to the scissor.
     fn rows(&self, rows: PixelRange) -> std::ops::Range<u32> {
         let (top, bottom) = (self.scissor.top, self.scissor.bottom);
@@ -187,12 +187,12 @@ impl Canvas<'_> {
 /// of visited samples. Spans come in the algorithm's own order.
 pub(super) fn cover_samples<N: Numbers>(
     rasterizer: Rasterizer,
-    triangle: &Triangle<N>,
+    triangle: &RasterTriangle<N>,
     corners_px: [[f32; 2]; 3],
     (grid, scissor): (SampleGrid, Scissor),
     spans: &mut Vec<Span>,
 ) -> u64 {
-    let mut canvas = Canvas { grid, scissor, spans, visited: 0 };
+    let mut canvas = RasterTarget { grid, scissor, spans, visited: 0 };
     match rasterizer {
         Rasterizer::BoundingBox => bounding_box::cover(triangle, &mut canvas),
         Rasterizer::Scanline => scanline::cover(triangle, &mut canvas),
@@ -271,7 +271,7 @@ pub(crate) fn cover_in_bands<E>(
     let mut spans = Vec::new();
     for top in (first..end).step_by(BAND_ROWS as usize) {
         let scissor = Scissor { left: 0, top, right: width, bottom: (top + BAND_ROWS).min(height) };
-        if scissor.may_meet(corners_px) {
+        if scissor.may_overlap(corners_px) {
             spans.clear();
             cover_within(how, corners_px, (SampleGrid::FULL, scissor), &mut spans);
             take(&spans, scissor.bottom)?;
@@ -289,7 +289,7 @@ pub(crate) fn cover_within(
 ) {
     let (corners_px, arithmetic) = within_fixed_point(corners_px, arithmetic);
     with_arithmetic!(arithmetic, N => {
-        if let Some(triangle) = Triangle::<N>::new(corners_px, rule) {
+        if let Some(triangle) = RasterTriangle::<N>::new(corners_px, rule) {
             cover_samples(rasterizer, &triangle, corners_px, area, spans);
         }
     });

@@ -12,7 +12,7 @@ pub trait Numbers: Copy {
     /// Coordinate of a vertex.
     type Coordinate: Copy + PartialOrd;
     /// Edge between two vertices.
-    type Edge: Edge;
+    type Edge: RasterEdge;
 
     /// Converts a finite screen coordinate in pixels to this arithmetic.
     fn coordinate(px: f32) -> Self::Coordinate;
@@ -34,9 +34,9 @@ pub trait Numbers: Copy {
 }
 
 /// One edge of a triangle. Edge values are positive inside the triangle and zero on the line.
-pub trait Edge: Copy {
+pub trait RasterEdge: Copy {
     /// Walk down the rows that the edge crosses.
-    type Walk: Walk;
+    type Walk: BoundaryWalk;
 
     /// Returns the direction from the edge to the inside.
     fn inward(&self) -> Inward;
@@ -62,7 +62,7 @@ pub trait Edge: Copy {
 }
 
 /// Boundary of an edge, row by row.
-pub trait Walk {
+pub trait BoundaryWalk {
     /// [`Edge::boundary`] of the current row.
     fn boundary(&self) -> i64;
 

@@ -2,14 +2,14 @@
 //!
 //! They compute in f64 whatever the arithmetic, so that visible errors are faults of the method and not of rounding.
 
-use super::{Canvas, PixelRange};
+use super::{PixelRange, RasterTarget};
 
 /// Height in pixels below which a side counts as horizontal.
 const FLAT_PX: f64 = 1e-6;
 
 /// The bounding-box test with three faults. Samples lie at the pixels' top-left corners, which shifts the triangle by
 /// half a pixel. Samples on a shared edge are drawn by both triangles. Clockwise triangles are not drawn.
-pub(super) fn bounding_box(corners_px: [[f32; 2]; 3], canvas: &mut Canvas<'_>) {
+pub(super) fn bounding_box(corners_px: [[f32; 2]; 3], canvas: &mut RasterTarget<'_>) {
     let [a, b, c] = corners_px.map(|corner| corner.map(f64::from));
     let range = |axis: usize| PixelRange {
         first: a[axis].min(b[axis]).min(c[axis]) as i64,
@@ -34,7 +34,7 @@ pub(super) fn bounding_box(corners_px: [[f32; 2]; 3], canvas: &mut Canvas<'_>) {
 
 /// Scan conversion with three faults. A rounded fourth vertex bends the long edge. Sides start at the vertex instead of
 /// at the first row's centre, which shifts rows by up to a pixel times the slope. Both ends of a row are drawn.
-pub(super) fn scanline(corners_px: [[f32; 2]; 3], canvas: &mut Canvas<'_>) {
+pub(super) fn scanline(corners_px: [[f32; 2]; 3], canvas: &mut RasterTarget<'_>) {
     let mut corners = corners_px.map(|corner| corner.map(f64::from));
     corners.sort_by(|a, b| a[1].total_cmp(&b[1]));
     let [top, middle, bottom] = corners;
@@ -45,7 +45,7 @@ pub(super) fn scanline(corners_px: [[f32; 2]; 3], canvas: &mut Canvas<'_>) {
 }
 
 /// Fills the rows between two sides that start and end at the same heights.
-fn half(canvas: &mut Canvas<'_>, one: [[f64; 2]; 2], other: [[f64; 2]; 2]) {
+fn half(canvas: &mut RasterTarget<'_>, one: [[f64; 2]; 2], other: [[f64; 2]; 2]) {
     let height = one[1][1] - one[0][1];
     if height <= FLAT_PX {
         return;

@@ -5,11 +5,11 @@
 //! of from the first row's centre shifts every row. In this version the long edge stays whole and both crossings are
 //! computed for every row. The height of a horizontal edge is never a divisor.
 
-use super::numbers::{Edge, Numbers};
-use super::{Canvas, Triangle};
+use super::numbers::{Numbers, RasterEdge};
+use super::{RasterTarget, RasterTriangle};
 
 /// Emits the covered samples of a triangle, row by row.
-pub(super) fn cover<N: Numbers>(triangle: &Triangle<N>, canvas: &mut Canvas<'_>) {
+pub(super) fn cover<N: Numbers>(triangle: &RasterTriangle<N>, canvas: &mut RasterTarget<'_>) {
     let sides = triangle.sides();
     for row in canvas.rows(sides.rows) {
         let y = canvas.pixel_row(row);

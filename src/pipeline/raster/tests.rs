@@ -63,7 +63,7 @@ fn all_algorithms_find_the_same_pixels_in_fixed_and_in_exact_arithmetic() {
         for corners in triangles(3, 150, step) {
             for rule in FillRule::ALL {
                 let expected = truth(corners, *rule);
-                for rasterizer in Rasterizer::sound() {
+                for rasterizer in Rasterizer::correct() {
                     for arithmetic in [Arithmetic::Fixed, Arithmetic::Exact] {
                         let found = pixels(&cover(rasterizer, arithmetic, corners, *rule, PICTURE));
                         assert_eq!(found, expected, "{rasterizer:?} {arithmetic:?} {rule:?} {corners:?}");
@@ -78,7 +78,7 @@ fn all_algorithms_find_the_same_pixels_in_fixed_and_in_exact_arithmetic() {
 fn exact_arithmetic_needs_no_grid() {
     for corners in triangles(5, 150, 1.0 / 65_536.0) {
         let expected = truth(corners, FillRule::TopLeft);
-        for rasterizer in Rasterizer::sound() {
+        for rasterizer in Rasterizer::correct() {
             let found = pixels(&cover(rasterizer, Arithmetic::Exact, corners, FillRule::TopLeft, PICTURE));
             assert_eq!(found, expected, "{rasterizer:?} {corners:?}");
         }
@@ -108,7 +108,7 @@ fn two_triangles_of_a_shared_edge_draw_each_pixel_once_in_every_arithmetic() {
         let pin = [[0; 2]; 1].map(|p| p.map(|_: i32| random.f32() * SIDE as f32))[0];
         let (low, high) = (-50.0 - random.f32(), SIDE as f32 + 50.0 + random.f32());
         let around = [[low, low], [high, low], [high, high], [low, high]];
-        for rasterizer in Rasterizer::sound() {
+        for rasterizer in Rasterizer::correct() {
             for arithmetic in Arithmetic::ALL {
                 let spans: Vec<Span> = (0..4)
                     .flat_map(|i| {
@@ -133,7 +133,7 @@ fn what_a_pixel_shows_does_not_depend_on_the_scissor() {
         for rasterizer in Rasterizer::ALL {
             for arithmetic in Arithmetic::ALL {
                 with_arithmetic!(*arithmetic, N => {
-                    let Some(triangle) = Triangle::<N>::new(corners, FillRule::TopLeft) else { continue };
+                    let Some(triangle) = RasterTriangle::<N>::new(corners, FillRule::TopLeft) else { continue };
                     let run = |grid, scissor| {
                         let mut spans = Vec::new();
                         cover_samples(*rasterizer, &triangle, corners, (grid, scissor), &mut spans);
@@ -188,7 +188,7 @@ fn edge_values_sum_to_the_doubled_area_everywhere() {
     for corners in triangles(19, 100, 1.0 / 256.0) {
         for arithmetic in Arithmetic::ALL {
             with_arithmetic!(*arithmetic, N => {
-                let Some(triangle) = Triangle::<N>::new(corners, FillRule::TopLeft) else { continue };
+                let Some(triangle) = RasterTriangle::<N>::new(corners, FillRule::TopLeft) else { continue };
                 for pixel in [(0, 0), (17, 31), (47, 5)] {
                     let sum: f64 = triangle.sample(pixel, pixel).edges.iter().sum();
                     // Bound of the rounding of products of coordinates of up to 2⁷ px, relative to the doubled area.
@@ -214,7 +214,7 @@ fn no_corner_is_too_hostile() {
                 Rasterizer::ALL.iter().map(|r| pixels(&cover(*r, *arithmetic, corners, FillRule::TopLeft, PICTURE)));
             let sets: Vec<_> = sets.collect();
             if matches!(arithmetic, Arithmetic::Fixed | Arithmetic::Exact) {
-                let sound = Rasterizer::sound().count();
+                let sound = Rasterizer::correct().count();
                 assert!(sets[..sound].windows(2).all(|pair| pair[0] == pair[1]), "{arithmetic:?} {corners:?}");
             }
             if !corners.as_flattened().iter().all(|c| c.is_finite()) {
@@ -233,7 +233,7 @@ fn large_triangles_are_the_same_in_fixed_point_and_beyond_its_reach() {
     let inside = |x: u32, y: u32| (2 * i64::from(x) - 47) >= (2 * i64::from(y) - 47).abs();
     let expected: Vec<_> =
         (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (x, y))).filter(|(x, y)| inside(*x, *y)).collect();
-    for rasterizer in Rasterizer::sound() {
+    for rasterizer in Rasterizer::correct() {
         let found = pixels(&cover(rasterizer, Arithmetic::Fixed, corners, FillRule::TopLeft, PICTURE));
         assert_eq!(found, expected, "{rasterizer:?}");
     }
@@ -243,7 +243,7 @@ fn large_triangles_are_the_same_in_fixed_point_and_beyond_its_reach() {
 fn work_is_bounded_by_what_an_algorithm_promises() {
     let corners = [[1.0, 1.0], [47.0, 1.5], [1.5, 47.0]];
     let visits = |rasterizer| {
-        let triangle = Triangle::<Fixed>::new(corners, FillRule::TopLeft).unwrap();
+        let triangle = RasterTriangle::<Fixed>::new(corners, FillRule::TopLeft).unwrap();
         let area = (SampleGrid::FULL, Scissor::full(SIDE, SIDE));
         let mut spans = Vec::new();
         let visited = cover_samples(rasterizer, &triangle, corners, area, &mut spans);

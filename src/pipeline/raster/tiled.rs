@@ -6,8 +6,8 @@
 //! if its outermost one is. Squares lie on a fixed lattice and are never cut at the scissor, so a pixel's coverage does
 //! not depend on what else is drawn.
 
-use super::numbers::{Edge, Numbers};
-use super::{Canvas, PixelRange, Triangle};
+use super::numbers::{Numbers, RasterEdge};
+use super::{PixelRange, RasterTarget, RasterTriangle};
 
 /// Sides of the squares in pixels, from coarse to fine.
 const SIDES_PX: [i64; 2] = [64, 8];
@@ -22,14 +22,14 @@ struct Square {
 
 /// Position of a square relative to a triangle.
 #[derive(PartialEq)]
-enum Place {
+enum SquarePosition {
     Outside,
     Inside,
     Across,
 }
 
 /// Emits the covered samples of a triangle, square by square.
-pub(super) fn cover<N: Numbers>(triangle: &Triangle<N>, canvas: &mut Canvas<'_>) {
+pub(super) fn cover<N: Numbers>(triangle: &RasterTriangle<N>, canvas: &mut RasterTarget<'_>) {
     let [columns, rows] = triangle.bounds();
     let visible = canvas.scissor();
     let (columns, rows) = (columns.within(visible[0]), rows.within(visible[1]));
@@ -39,29 +39,29 @@ pub(super) fn cover<N: Numbers>(triangle: &Triangle<N>, canvas: &mut Canvas<'_>)
 }
 
 fn descend<N: Numbers>(
-    triangle: &Triangle<N>,
+    triangle: &RasterTriangle<N>,
     square: Square,
     finer: &[i64],
     columns: PixelRange,
     rows: PixelRange,
-    canvas: &mut Canvas<'_>,
+    canvas: &mut RasterTarget<'_>,
 ) {
     canvas.visit(1);
     let (columns, rows) = (square.columns().within(columns), square.rows().within(rows));
     match (place(triangle, square), finer) {
-        (Place::Outside, _) => {}
-        (Place::Inside, _) => {
+        (SquarePosition::Outside, _) => {}
+        (SquarePosition::Inside, _) => {
             for row in canvas.rows(rows) {
                 let samples = canvas.columns(row, columns.first, columns.last + 1);
                 canvas.emit(row, samples);
             }
         }
-        (Place::Across, [side, finer @ ..]) => {
+        (SquarePosition::Across, [side, finer @ ..]) => {
             for part in squares(columns, rows, *side) {
                 descend(triangle, part, finer, columns, rows, canvas);
             }
         }
-        (Place::Across, []) => {
+        (SquarePosition::Across, []) => {
             for row in canvas.rows(rows) {
                 let samples = canvas.columns(row, columns.first, columns.last + 1);
                 canvas.visit(samples.len());
@@ -84,17 +84,17 @@ fn squares(columns: PixelRange, rows: PixelRange, side: i64) -> impl Iterator<It
     lattice.into_iter().flatten()
 }
 
-fn place<N: Numbers>(triangle: &Triangle<N>, square: Square) -> Place {
-    let mut place = Place::Inside;
+fn place<N: Numbers>(triangle: &RasterTriangle<N>, square: Square) -> SquarePosition {
+    let mut place = SquarePosition::Inside;
     for edge in triangle.edges() {
         let inward = edge.inward();
         let (innermost, outermost) =
             (square.extreme(inward.right, inward.down), square.extreme(-inward.right, -inward.down));
         if !edge.contains(innermost.0, innermost.1) {
-            return Place::Outside;
+            return SquarePosition::Outside;
         }
         if !edge.contains(outermost.0, outermost.1) {
-            place = Place::Across;
+            place = SquarePosition::Across;
         }
     }
     place

@@ -1,19 +1,19 @@
 //! A triangle as rasterizers use it: three edges, and the rows and columns that they enclose.
 
-use super::numbers::{Edge, Numbers};
-use super::{PixelRange, Sample};
+use super::numbers::{Numbers, RasterEdge};
+use super::{PixelRange, RasterSample};
 use crate::pipeline::settings::FillRule;
 
 /// A triangle of nonzero area in one of the arithmetics.
 #[derive(Clone, Copy, Debug)]
-pub struct Triangle<N: Numbers> {
+pub struct RasterTriangle<N: Numbers> {
     corners: [[N::Coordinate; 2]; 3],
     /// Edges, each opposite to the vertex of the same index.
     edges: [N::Edge; 3],
     doubled_area: f64,
 }
 
-impl<N: Numbers> Triangle<N> {
+impl<N: Numbers> RasterTriangle<N> {
     /// Sets up the edges of a triangle from its vertices in pixels; `None` if a coordinate is not finite or there is no
     /// area.
     pub(crate) fn new(corners_px: [[f32; 2]; 3], rule: FillRule) -> Option<Self> {
@@ -37,9 +37,9 @@ impl<N: Numbers> Triangle<N> {
 
     /// Returns the packed sample at a pixel with its edge values, covered or not.
     #[inline]
-    pub(crate) fn sample(&self, packed: (u32, u32), (x, y): (u32, u32)) -> Sample {
+    pub(crate) fn sample(&self, packed: (u32, u32), (x, y): (u32, u32)) -> RasterSample {
         let edges = self.edges.each_ref().map(|edge| edge.value(x.into(), y.into()));
-        Sample { column: packed.0, row: packed.1, x, y, edges }
+        RasterSample { column: packed.0, row: packed.1, x, y, edges }
     }
 
     /// Returns the three edges, each opposite to the vertex of the same index.
@@ -111,7 +111,7 @@ pub(super) struct Sides<E> {
     pub(super) last_upper: i64,
 }
 
-impl<E: Edge> Sides<E> {
+impl<E: RasterEdge> Sides<E> {
     /// Returns the short edge that a row crosses.
     pub(super) fn short(&self, row: i64) -> E {
         if row <= self.last_upper { self.upper } else { self.lower }

@@ -15,14 +15,14 @@ use crate::scene::{Camera, Projection};
 
 /// Viewpoint of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(crate) enum Eye {
+pub(crate) enum Viewpoint {
     /// World-space position of the eye.
     At(Vec3),
     /// World-space unit vector towards the eye, the same everywhere: orthographic views.
     Towards(Vec3),
 }
 
-impl Eye {
+impl Viewpoint {
     /// Returns the eye of a camera.
     pub(crate) fn of(camera: &Camera) -> Self {
         match camera.projection {
@@ -47,7 +47,7 @@ pub(crate) struct Highlight<'a> {
     pub(crate) specular: Vec3,
     /// Exponent Ns.
     pub(crate) shininess: f32,
-    pub(crate) eye: Eye,
+    pub(crate) eye: Viewpoint,
     pub(crate) mesh: PlacedMesh<'a>,
 }
 

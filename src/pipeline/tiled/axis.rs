@@ -1,10 +1,10 @@
 //! Texel positions of texture coordinates along one axis: [`crate::pipeline::sample`] on lanes, bit for bit.
 
 use crate::math::lanes::*;
-use crate::pipeline::settings::Address;
+use crate::pipeline::settings::AddressMode;
 
 /// The two texels around a coordinate along one axis, and the weight of the second one.
-pub(super) struct Neighbours<S: Simd> {
+pub(super) struct TexelNeighbours<S: Simd> {
     pub(super) first: i32x8<S>,
     pub(super) second: i32x8<S>,
     pub(super) weight: F32<S>,
@@ -12,14 +12,14 @@ pub(super) struct Neighbours<S: Simd> {
 
 /// Length in texels, along one axis, of the images that eight samples are read from.
 #[derive(Clone, Copy)]
-pub(super) struct Axis<S: Simd> {
+pub(super) struct TexelAxis<S: Simd> {
     /// Number of texels.
     pub(super) length: F64<S>,
     /// Index of the last texel.
     pub(super) last: i32x8<S>,
 }
 
-impl<S: Simd> Axis<S> {
+impl<S: Simd> TexelAxis<S> {
     /// Returns an axis with the same length for all samples.
     #[inline(always)]
     pub(super) fn splat(simd: S, length: u32) -> Self {
@@ -35,11 +35,11 @@ impl<S: Simd> Axis<S> {
 
 /// Maps coordinates into [0, 1] by an addressing mode.
 #[inline(always)]
-pub(super) fn bring_into_unit<S: Simd>(simd: S, u: F32<S>, address: Address) -> F64<S> {
+pub(super) fn apply_address_mode<S: Simd>(simd: S, u: F32<S>, address: AddressMode) -> F64<S> {
     let unit = match address {
-        Address::Clamp => return widen(simd, u.max(0.0).min(1.0)),
-        Address::Repeat => widen(simd, u) - widen(simd, u.floor()),
-        Address::Mirror => {
+        AddressMode::Clamp => return widen(simd, u.max(0.0).min(1.0)),
+        AddressMode::Repeat => widen(simd, u) - widen(simd, u.floor()),
+        AddressMode::Mirror => {
             let period = widen(simd, u) - widen(simd, (u * 0.5).floor()) * 2.0;
             period.simd_gt(1.0).select(F64::splat(simd, 2.0) - period, period)
         }
@@ -56,7 +56,12 @@ pub(super) fn nearest<S: Simd>(simd: S, unit: F64<S>, size: u32) -> i32x8<S> {
 
 /// Returns the two texels around coordinates in [0, 1], and the weight of the second one.
 #[inline(always)]
-pub(super) fn neighbours<S: Simd>(simd: S, unit: F64<S>, axis: Axis<S>, address: Address) -> Neighbours<S> {
+pub(super) fn neighbours<S: Simd>(
+    simd: S,
+    unit: F64<S>,
+    axis: TexelAxis<S>,
+    address: AddressMode,
+) -> TexelNeighbours<S> {
     let position = unit * axis.length - 0.5;
     let below = position.floor();
     let weight = narrow(simd, position - below);
@@ -64,10 +69,10 @@ pub(super) fn neighbours<S: Simd>(simd: S, unit: F64<S>, axis: Axis<S>, address:
     let (first, second) = (below, below + 1);
     let zero = i32x8::splat(simd, 0);
     let (before, after) = match address {
-        Address::Repeat => (axis.last, zero),
-        Address::Clamp | Address::Mirror => (zero, axis.last),
+        AddressMode::Repeat => (axis.last, zero),
+        AddressMode::Clamp | AddressMode::Mirror => (zero, axis.last),
     };
-    Neighbours {
+    TexelNeighbours {
         first: first.simd_lt(zero).select(before, first),
         second: second.simd_gt(axis.last).select(after, second),
         weight,

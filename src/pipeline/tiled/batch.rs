@@ -1,10 +1,10 @@
 //! Batches of eight triangles of a tile that are set up together, as doubles and as integers.
 
 use super::edge_number::EdgeNumber;
-use super::geometry::Vertex;
-use super::lattice::{Lattice, TILE};
+use super::geometry::PackedVertex;
+use super::lattice::{TILE, TileLattice};
 use super::record::{Record, Slot};
-use super::setup::{Corner, Edges, Origin, Setup, least_inside};
+use super::setup::{EdgeFunctions, Origin, Setup, SnappedVertex, inside_thresholds};
 use crate::math::lanes::*;
 use crate::pipeline::depth::DepthScale;
 use crate::pipeline::settings::FillRule;
@@ -23,7 +23,7 @@ struct EdgeArrays<E> {
 /// Eight triangles that are set up together.
 #[derive(Clone, Debug, Default)]
 #[repr(align(32))]
-pub(super) struct Batch {
+pub(super) struct TriangleBatch {
     doubles: EdgeArrays<f64>,
     integers: EdgeArrays<i32>,
     /// Bit mask of the triangles whose edge values fit into 32-bit integers over the whole tile.
@@ -51,7 +51,7 @@ pub(super) trait Triangles {
     fn triangle<E: EdgeNumber>(&self, lane: usize, slot: Slot) -> Setup<E>;
 }
 
-impl Batch {
+impl TriangleBatch {
     /// Sets up eight triangles as [`Setup::new`] does, as doubles and as integers, and fills their records. Returns two
     /// bit masks. The first has the triangles that may have a sample in the tile. The second has those of them whose
     /// edge values exceed 32 bits at samples of pixels in which they cover another sample.
@@ -63,11 +63,11 @@ impl Batch {
     pub(super) fn set_up<S: Simd>(
         &mut self,
         simd: S,
-        triangles: &[[&Vertex; 3]; LANES],
+        triangles: &[[&PackedVertex; 3]; LANES],
         (records, divides_by_w): (&mut [Record; LANES], u64),
         rule: FillRule,
         scale: &DepthScale,
-        lattice: &Lattice,
+        lattice: &TileLattice,
         (origin, first): Origin,
     ) -> (u64, u64) {
         simd.vectorize(
@@ -76,7 +76,7 @@ impl Batch {
                 let vertices = each!(corner in [0, 1, 2] => {
                     each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => triangles[lane][corner])
                 });
-                let corners = each!(corner in [0, 1, 2] => Vertex::positions_and_depths(simd, &vertices[corner]));
+                let corners = each!(corner in [0, 1, 2] => PackedVertex::positions_and_depths(simd, &vertices[corner]));
                 let boxes = each!(axis in [0, 1] => {
                     let [a, b, c] = each!(i in [0, 1, 2] => corners[i].0[axis]);
                     [a.min(b).min(c), a.max(b).max(c)]
@@ -101,7 +101,7 @@ impl Batch {
                     a.store_array(&mut self.doubles.a[i]);
                     b.store_array(&mut self.doubles.b[i]);
                     c.store_array(&mut self.doubles.c[i]);
-                    least_inside(zero_and_one, a, b, rule).store_array(&mut self.doubles.inside[i]);
+                    inside_thresholds(zero_and_one, a, b, rule).store_array(&mut self.doubles.inside[i]);
                     let steepness = a.abs() + b.abs();
                     greatest_value = greatest_value.max(doubled_area + steepness * lattice.extent());
                     greatest_in_tile = greatest_in_tile.max(c.abs() + steepness * lattice.farthest());
@@ -136,7 +136,7 @@ impl Batch {
                 }
                 let positions = each!(i in [0, 1, 2] => corners[i].0);
                 let (edges, area) = integer_edges(simd, positions, origin, turned.to_bitmask());
-                let attributes = each!(corner in [0, 1, 2] => Vertex::attributes(simd, &vertices[corner]));
+                let attributes = each!(corner in [0, 1, 2] => PackedVertex::attributes(simd, &vertices[corner]));
                 Record::fill_eight(simd, records, [edges[0], edges[1]], area, attributes, divides_by_w);
                 let is_least = each!(i in [0, 1] => mask32x8::from_bitmask(simd, is_least[i].to_bitmask()));
                 let edges = each!(term in [0, 1, 2] => {
@@ -153,9 +153,9 @@ impl Batch {
 
     /// Adds the depth bias to the least and the greatest depths.
     #[cold]
-    fn offset_depths(&mut self, triangles: &[[&Vertex; 3]; LANES], scale: &DepthScale) {
+    fn offset_depths(&mut self, triangles: &[[&PackedVertex; 3]; LANES], scale: &DepthScale) {
         for (lane, vertices) in triangles.iter().enumerate() {
-            let corners = vertices.map(Corner::from);
+            let corners = vertices.map(SnappedVertex::from);
             let offset = scale.offset(corners.map(|c| c.position_px()), corners.map(|c| c.depth));
             self.least[lane] += offset;
             self.greatest[lane] += offset;
@@ -180,7 +180,7 @@ impl Batch {
     /// Returns the same triangles for the samples of a moved lattice, and the bit mask of those that may have a sample
     /// in the tile. Only the constant terms of the edge functions and the sample ranges differ.
     #[inline(always)]
-    pub(super) fn moved<S: Simd>(&self, simd: S, lattice: &Lattice, first: [f32; 2]) -> (u64, MovedBatch<'_>) {
+    pub(super) fn moved<S: Simd>(&self, simd: S, lattice: &TileLattice, first: [f32; 2]) -> (u64, MovedBatch<'_>) {
         let boxes = each!(axis in [0, 1] => each!(end in [0, 1] => F32::load_array_ref(simd, &self.boxes[axis][end])));
         let [mut columns, mut rows] = [[[0; LANES]; 2]; 2];
         let alive = ranges_lanes(simd, boxes, lattice, first, [&mut columns, &mut rows]);
@@ -189,7 +189,7 @@ impl Batch {
     }
 }
 
-impl Triangles for Batch {
+impl Triangles for TriangleBatch {
     #[inline(always)]
     fn fits(&self, lane: usize) -> bool {
         self.fit >> lane & 1 != 0
@@ -198,7 +198,7 @@ impl Triangles for Batch {
     #[inline(always)]
     fn triangle<E: EdgeNumber>(&self, lane: usize, slot: Slot) -> Setup<E> {
         let Self { doubles, integers, .. } = self;
-        let edges = Edges {
+        let edges = EdgeFunctions {
             a: of_lane(E::pick(&doubles.a, &integers.a), lane),
             b: of_lane(E::pick(&doubles.b, &integers.b), lane),
             c: of_lane(E::pick(&doubles.c, &integers.c), lane),
@@ -207,9 +207,9 @@ impl Triangles for Batch {
             slot,
             edges,
             inside: of_lane(E::pick(&doubles.inside, &integers.inside), lane),
-            least: self.least[lane],
-            rises: of_lane(&self.rises[usize::from(E::LAST_IS_LEAST)], lane),
-            greatest: self.greatest[lane],
+            min_depth: self.least[lane],
+            rises: of_lane(&self.rises[usize::from(E::LAST_HAS_MIN_DEPTH)], lane),
+            max_depth: self.greatest[lane],
             inv_w: of_lane(&self.inv_w, lane),
             columns: range_of(&self.columns, lane),
             rows: range_of(&self.rows, lane),
@@ -222,7 +222,7 @@ impl EdgeArrays<f64> {
     /// Returns bit masks of the triangles that may have a sample in the tile, and of those that cover all samples of
     /// all its pixels.
     #[inline(always)]
-    fn in_tile<S: Simd>(&self, simd: S, lattice: &Lattice) -> [u64; 2] {
+    fn in_tile<S: Simd>(&self, simd: S, lattice: &TileLattice) -> [u64; 2] {
         let [width, height] = lattice.tile_extent();
         let (mut meet, mut cover) = (u64::MAX, u64::MAX);
         for i in 0..3 {
@@ -247,7 +247,7 @@ impl EdgeArrays<i32> {
             a[i].store_array(&mut self.a[i]);
             b[i].store_array(&mut self.b[i]);
             c[i].store_array(&mut self.c[i]);
-            least_inside(zero_and_one, a[i], b[i], rule).store_array(&mut self.inside[i]);
+            inside_thresholds(zero_and_one, a[i], b[i], rule).store_array(&mut self.inside[i]);
         }
     }
 }
@@ -255,7 +255,7 @@ impl EdgeArrays<i32> {
 impl<E: EdgeNumber> EdgeArrays<E> {
     /// Returns the constant terms c for the samples of a moved lattice.
     #[inline(always)]
-    fn moved<S: Simd>(&self, simd: S, lattice: &Lattice) -> [[E; LANES]; 3] {
+    fn moved<S: Simd>(&self, simd: S, lattice: &TileLattice) -> [[E; LANES]; 3] {
         let [right, down] = lattice.offset().map(E::of);
         each!(i in [0, 1, 2] => {
             let [a, b, c] = each!(of in [&self.a, &self.b, &self.c] => E::load(simd, &of[i]));
@@ -268,7 +268,7 @@ impl<E: EdgeNumber> EdgeArrays<E> {
 #[derive(Debug)]
 #[repr(align(32))]
 pub(super) struct MovedBatch<'a> {
-    batch: &'a Batch,
+    batch: &'a TriangleBatch,
     c: ([[f64; LANES]; 3], [[i32; LANES]; 3]),
     columns: [[i32; LANES]; 2],
     rows: [[i32; LANES]; 2],
@@ -317,7 +317,7 @@ fn range_of(ranges: &[[i32; LANES]; 2], lane: usize) -> [usize; 2] {
 fn ranges_lanes<S: Simd>(
     simd: S,
     boxes: [[F32<S>; 2]; 2],
-    lattice: &Lattice,
+    lattice: &TileLattice,
     first: [f32; 2],
     ranges: [&mut [[i32; LANES]; 2]; 2],
 ) -> u64 {
@@ -368,18 +368,18 @@ mod tests {
 
     /// Returns three vertices at most `extent` grid steps apart on each axis, near a position. Often some have equal
     /// depths.
-    fn corners(random: &mut fastrand::Rng, around: [f64; 2], extent: i32) -> [Vertex; 3] {
+    fn corners(random: &mut fastrand::Rng, around: [f64; 2], extent: i32) -> [PackedVertex; 3] {
         let place = around.map(|along| along as i32 + random.i32(-8192..8192));
         [(); 3].map(|()| {
             let position = place.map(|along| (along + random.i32(0..=extent)) as f32);
             let depth = if random.bool() { random.f64() } else { f64::from(random.u8(..3)) * 0.5 };
-            Vertex::new(position, depth, 1.0, 0.0, [0.0; 2])
+            PackedVertex::new(position, depth, 1.0, 0.0, [0.0; 2])
         })
     }
 
     /// Returns the edge values at an offset from the tile's first sample, without rounding.
     fn values<E: EdgeNumber>(triangle: &Setup<E>, [x, y]: [i64; 2]) -> [i64; 3] {
-        let Edges { a, b, c } = triangle.edges;
+        let EdgeFunctions { a, b, c } = triangle.edges;
         std::array::from_fn(|i| a[i].double() as i64 * x + b[i].double() as i64 * y + c[i].double() as i64)
     }
 
@@ -392,7 +392,7 @@ mod tests {
         let scales = [(DepthScale::default(), false), (linear, true)];
         for (grid, lanes) in grids.into_iter().flat_map(|grid| Lanes::all().map(move |lanes| (grid, lanes))) {
             let offsets = [[-96, 32], [96, -32]];
-            let centres = Lattice::new(grid);
+            let centres = TileLattice::new(grid);
             let (lattice, sample) = (centres.with_samples(&offsets), centres.moved(offsets[1]));
             let (origin, first) = (lattice.origin((3, 2)), [3.0 * TILE as f32, 2.0 * TILE as f32]);
             // Corners of the region that steps of eight columns and two rows reach, enlarged by at least the distance
@@ -404,7 +404,7 @@ mod tests {
             for round in 0..400 {
                 let vertices = [(); LANES].map(|()| corners(&mut random, origin, 1 << (round % 22)));
                 let triangles = std::array::from_fn(|lane| vertices[lane].each_ref());
-                let (mut batch, mut records) = (Batch::default(), [Record::default(); LANES]);
+                let (mut batch, mut records) = (TriangleBatch::default(), [Record::default(); LANES]);
                 let (rule, (scale, is_linear)) = (FillRule::ALL[round % FillRule::ALL.len()], &scales[round / 22 % 2]);
                 let (alive, _) = on_lanes!(lanes, simd => {
                     batch.set_up(simd, &triangles, (&mut records, 0), rule, scale, &lattice, (origin, first))
@@ -435,7 +435,7 @@ mod tests {
                         assert_eq!(integers.0.rises[i], doubles.0.rises[(i + turn) % 3]);
                         assert_eq!(integers.0.inside[i].double(), doubles.0.inside[(i + turn) % 3]);
                     }
-                    assert_eq!(integers.0.least, doubles.0.least);
+                    assert_eq!(integers.0.min_depth, doubles.0.min_depth);
                     if *is_linear {
                         assert_eq!(turn, 0, "weights are divided by distances, which are in order");
                     } else {
@@ -454,22 +454,22 @@ mod tests {
         let grids = [SampleGrid::Block { step: 1 }, SampleGrid::Checkerboard];
         for (grid, lanes) in grids.into_iter().flat_map(|grid| Lanes::all().map(move |lanes| (grid, lanes))) {
             let offsets = [[-96, 32], [96, -32]];
-            let centres = Lattice::new(grid);
+            let centres = TileLattice::new(grid);
             for (lattice, offsets) in [(centres, &[[0; 2]][..]), (centres.with_samples(&offsets), &offsets[..])] {
                 let (origin, first) = (lattice.origin((3, 2)), [3.0 * TILE as f32, 2.0 * TILE as f32]);
                 for round in 0..40 {
                     let size = 1 << (15 + round % 4);
                     let mut along = |from: f64| (from as i32 + random.i32(-size..size)) as f32;
-                    let mut corner = || Vertex::new(origin.map(&mut along), 0.5, 1.0, 0.0, [0.0; 2]);
+                    let mut corner = || PackedVertex::new(origin.map(&mut along), 0.5, 1.0, 0.0, [0.0; 2]);
                     let vertices = [(); LANES].map(|()| [(); 3].map(|()| corner()));
                     let triangles = std::array::from_fn(|lane| vertices[lane].each_ref());
-                    let (mut batch, mut records) = (Batch::default(), [Record::default(); LANES]);
+                    let (mut batch, mut records) = (TriangleBatch::default(), [Record::default(); LANES]);
                     let (rule, scale) = (FillRule::ALL[round % FillRule::ALL.len()], DepthScale::default());
                     let (alive, _) = on_lanes!(lanes, simd => {
                         batch.set_up(simd, &triangles, (&mut records, 0), rule, &scale, &lattice, (origin, first))
                     });
                     for (lane, vertices) in vertices.iter().enumerate() {
-                        let corners = vertices.each_ref().map(Corner::from);
+                        let corners = vertices.each_ref().map(SnappedVertex::from);
                         let boxed = Setup::new(Slot::NONE, &corners, rule, &scale, &lattice, (origin, first));
                         let Some(triangle) = boxed else {
                             continue;

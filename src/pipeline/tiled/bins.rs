@@ -5,12 +5,12 @@
 
 use rayon::prelude::*;
 
-use super::geometry::{Arrays, Draw, Surface, Vertex};
-use super::lattice::{Lattice, TILE};
-use super::outcode::{Crossing, Outcode};
+use super::geometry::{Arrays, InstanceDraw, PackedSurface, PackedVertex};
+use super::lattice::{TILE, TileLattice};
+use super::outcode::{ClipVerdict, Outcode};
 use crate::math::lanes::*;
 use crate::pipeline::depth::DepthScale;
-use crate::pipeline::plan::Part;
+use crate::pipeline::plan::PipelinePart;
 use crate::pipeline::settings::{Culling, Settings};
 use crate::pipeline::vertex::Varyings;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
@@ -19,9 +19,9 @@ use crate::scene::TriangleId;
 
 /// Key of a triangle within a frame: its identifier, or, with the highest bit set, a piece made by clipping.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Key(pub(super) u32);
+pub(super) struct TriangleKey(pub(super) u32);
 
-impl Key {
+impl TriangleKey {
     const PIECE: u32 = 1 << 31;
     /// Bits for the index of a piece within its chunk. Clipping gives at most eight pieces per triangle.
     const PIECE_BITS: u32 = 17;
@@ -44,7 +44,7 @@ impl Key {
 const CHUNK: usize = 16_384;
 
 /// Largest number of triangles in a frame: chunk numbers must fit into the remaining bits of a piece's [`Key`].
-pub(super) const MOST_TRIANGLES: usize = CHUNK * ((1 << (31 - Key::PIECE_BITS)) - 1);
+pub(super) const MAX_TRIANGLES: usize = CHUNK * ((1 << (31 - TriangleKey::PIECE_BITS)) - 1);
 
 /// A chunk of triangles in submission order, with those that may be visible sorted by tile.
 #[derive(Clone, Debug, Default)]
@@ -54,11 +54,11 @@ pub(super) struct Chunk {
     survivors: Survivors,
     /// Start of each tile's keys, and the end of the last.
     starts: Vec<u32>,
-    keys: Vec<Key>,
+    keys: Vec<TriangleKey>,
     /// Pieces made by clipping.
     pub(super) pieces: Vec<ScreenTriangle>,
     /// Vertices of each piece, in the layout that lanes read.
-    pub(super) corners: Vec<[(Vertex, Surface); 3]>,
+    pub(super) corners: Vec<[(PackedVertex, PackedSurface); 3]>,
     /// Number of triangles and pieces that pass facing culling, with or without samples.
     pub(super) rasterized: usize,
 }
@@ -66,9 +66,9 @@ pub(super) struct Chunk {
 /// Tiles that a triangle's bounding box overlaps. Bits 0 to 15 hold the number of the first tile. Bits 16 to 23 hold
 /// the number of columns to the last tile, bits 24 to 31 the number of rows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct Tiles(u32);
+struct TileRange(u32);
 
-impl Tiles {
+impl TileRange {
     const COLUMNS: u32 = 16;
     const ROWS: u32 = 24;
 
@@ -120,7 +120,7 @@ impl Survivors {
         }
     }
 
-    fn push(&mut self, key: Key, tiles: Tiles) {
+    fn push(&mut self, key: TriangleKey, tiles: TileRange) {
         self.reserve();
         (self.keys[self.used], self.tiles[self.used]) = (key.0, tiles.0);
         self.used += 1;
@@ -137,16 +137,16 @@ impl Survivors {
     }
 
     #[inline(always)]
-    fn iter(&self) -> impl Iterator<Item = (Key, Tiles)> {
+    fn iter(&self) -> impl Iterator<Item = (TriangleKey, TileRange)> {
         let (keys, tiles) = (&self.keys[..self.used], &self.tiles[..self.used]);
-        keys.iter().zip(tiles).map(|(key, tiles)| (Key(*key), Tiles(*tiles)))
+        keys.iter().zip(tiles).map(|(key, tiles)| (TriangleKey(*key), TileRange(*tiles)))
     }
 }
 
 impl Chunk {
     /// Returns the triangles that overlap a tile, in submission order.
     #[inline(always)]
-    pub(super) fn keys(&self, tile: usize) -> &[Key] {
+    pub(super) fn keys(&self, tile: usize) -> &[TriangleKey] {
         &self.keys[self.starts[tile] as usize..self.starts[tile + 1] as usize]
     }
 
@@ -165,18 +165,18 @@ impl Chunk {
         let Survivors { keys, tiles, .. } = &self.survivors;
         (keys.capacity() + tiles.capacity() + self.starts.capacity() + self.keys.capacity()) * size_of::<u32>()
             + self.pieces.capacity() * size_of::<ScreenTriangle>()
-            + self.corners.capacity() * size_of::<[(Vertex, Surface); 3]>()
+            + self.corners.capacity() * size_of::<[(PackedVertex, PackedSurface); 3]>()
     }
 }
 
 /// Inputs of binning that are the same for all triangles of a frame.
 pub(super) struct Binning<'a> {
-    pub(super) draws: &'a [Draw<'a>],
+    pub(super) draws: &'a [InstanceDraw<'a>],
     pub(super) arrays: &'a Arrays,
     pub(super) settings: &'a Settings,
     pub(super) viewport: Viewport,
     pub(super) scale: DepthScale,
-    pub(super) lattice: Lattice,
+    pub(super) lattice: TileLattice,
     /// Width and height of the packed picture.
     pub(super) packed: (u32, u32),
     /// Number of tiles in a row and in a column.
@@ -186,7 +186,7 @@ pub(super) struct Binning<'a> {
 impl Binning<'_> {
     /// Culls and bins all triangles into `chunks`, whose memory is reused.
     pub(super) fn run(&self, lanes: Lanes, chunks: &mut Vec<Chunk>) {
-        self.share_out(chunks);
+        self.split_into_chunks(chunks);
         chunks.par_iter_mut().enumerate().with_max_len(1).for_each(|(number, chunk)| {
             for part in 0..chunk.parts.len() {
                 let (draw, first, end) = chunk.parts[part];
@@ -197,7 +197,7 @@ impl Binning<'_> {
     }
 
     /// Divides the triangles that remain after cluster culling into chunks.
-    fn share_out(&self, chunks: &mut Vec<Chunk>) {
+    fn split_into_chunks(&self, chunks: &mut Vec<Chunk>) {
         for chunk in chunks.iter_mut() {
             chunk.parts.clear();
             chunk.survivors.used = 0;
@@ -266,7 +266,7 @@ impl Binning<'_> {
                     if cut >> lane & 1 != 0 {
                         self.cut(draw, id, *corners, chunk_number, chunk);
                     } else if alive >> lane & 1 != 0 {
-                        chunk.survivors.push(Key(id), Tiles(tiles[lane] as u32));
+                        chunk.survivors.push(TriangleKey(id), TileRange(tiles[lane] as u32));
                     }
                 }
             } else if count != 0 {
@@ -282,11 +282,11 @@ impl Binning<'_> {
     fn cull_lanes<S: Simd>(
         &self,
         simd: S,
-        vertices: &[Vertex],
+        vertices: &[PackedVertex],
         corners: &[[u32; 3]; LANES],
         whole: u64,
     ) -> (u64, u64, i32x8<S>) {
-        let nowhere = Vertex::default();
+        let nowhere = PackedVertex::default();
         let positions = each!(corner in [0, 1, 2] => {
             let (x, y) = halves(simd, each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => {
                 vertices.get(corners[lane][corner] as usize).unwrap_or(&nowhere).position_bits()
@@ -313,11 +313,11 @@ impl Binning<'_> {
         let [first, last] = each!(end in [0, 1] => {
             each!(range in [columns, rows] => (range[end] * (1.0 / TILE as f32)).to_int::<i32x8<S>>())
         });
-        (shown, shown & has_samples.to_bitmask(), Tiles::of_lanes(first, last, self.tiles.0))
+        (shown, shown & has_samples.to_bitmask(), TileRange::of_lanes(first, last, self.tiles.0))
     }
 
     /// Clips one triangle as the classic path does, and bins its pieces.
-    fn cut(&self, draw: &Draw<'_>, id: u32, corners: [u32; 3], chunk_number: usize, chunk: &mut Chunk) {
+    fn cut(&self, draw: &InstanceDraw<'_>, id: u32, corners: [u32; 3], chunk_number: usize, chunk: &mut Chunk) {
         let vertices = corners.map(|corner| draw.clip_vertex(draw.first_vertex + corner as usize, self.arrays));
         let one = ClipSpaceDraw {
             instance: draw.instance,
@@ -325,7 +325,7 @@ impl Binning<'_> {
             triangles: &[[0, 1, 2]],
             first: TriangleId(id),
             may_cross: true,
-            divides_by_w: draw.plan.runs(Part::PerspectiveDivision),
+            divides_by_w: draw.plan.runs(PipelinePart::PerspectiveDivision),
         };
         let mut out = Geometry { depth_scale: self.scale, ..Geometry::default() };
         finish_draw(&one, self.settings, self.viewport, &mut out, &mut ());
@@ -340,17 +340,17 @@ impl Binning<'_> {
             let columns = axis(piece.vertices.each_ref().map(|v| v.x), 0, self.packed.0);
             let rows = axis(piece.vertices.each_ref().map(|v| v.y), 1, self.packed.1);
             if let Some(([x0, x1], [y0, y1])) = columns.zip(rows) {
-                let key = Key::piece(chunk_number, chunk.pieces.len());
+                let key = TriangleKey::piece(chunk_number, chunk.pieces.len());
                 chunk.corners.push(piece.vertices.each_ref().map(|vertex| {
                     let Varyings { normal, uv, color, light, .. } = vertex.varyings;
                     let position = [vertex.x as f32, vertex.y as f32];
                     (
-                        Vertex::new(position, vertex.depth, vertex.inv_w, light, uv.to_array()),
-                        Surface::new(normal, color),
+                        PackedVertex::new(position, vertex.depth, vertex.inv_w, light, uv.to_array()),
+                        PackedSurface::new(normal, color),
                     )
                 }));
                 chunk.pieces.push(piece);
-                chunk.survivors.push(key, Tiles::new([x0, y0], [x1, y1], self.tiles.0));
+                chunk.survivors.push(key, TileRange::new([x0, y0], [x1, y1], self.tiles.0));
             }
         }
     }
@@ -369,7 +369,7 @@ impl Binning<'_> {
             starts[tile + 1] += starts[tile];
         }
         keys.clear();
-        keys.resize(starts[tiles] as usize, Key::default());
+        keys.resize(starts[tiles] as usize, TriangleKey::default());
         for (key, touched) in survivors.iter() {
             touched.for_each(row, |tile| {
                 keys[starts[tile] as usize] = key;
@@ -395,9 +395,9 @@ fn crossings(outcodes: &[Outcode], triangles: &[[u32; 3]]) -> (u64, u64) {
     let (mut whole, mut cut) = (0, 0);
     for (lane, triangle) in triangles.iter().enumerate() {
         match Outcode::verdict(triangle.map(|corner| outcodes[corner as usize])) {
-            Crossing::Gone => {}
-            Crossing::Whole => whole |= 1 << lane,
-            Crossing::Cut => cut |= 1 << lane,
+            ClipVerdict::Rejected => {}
+            ClipVerdict::Whole => whole |= 1 << lane,
+            ClipVerdict::Cut => cut |= 1 << lane,
         }
     }
     (whole, cut)
@@ -418,16 +418,16 @@ mod tests {
                 [first, if random.bool() { first } else { random.u32(first..size) }]
             };
             let boxes: [[[u32; 2]; 2]; LANES] = std::array::from_fn(|_| [range(ROW as u32), range(256)]);
-            let tiles = boxes.map(|[[x0, x1], [y0, y1]]| Tiles::new([x0, y0], [x1, y1], ROW));
+            let tiles = boxes.map(|[[x0, x1], [y0, y1]]| TileRange::new([x0, y0], [x1, y1], ROW));
             let end = |axis: usize, end: usize| boxes.map(|sides| sides[axis][end] as i32);
             for lanes in Lanes::all() {
                 let found = on_lanes!(lanes, simd => {
                     let [first, last] = each!(i in [0, 1] => {
                         each!(axis in [0, 1] => i32x8::load_array(simd, end(axis, i)))
                     });
-                    Tiles::of_lanes(first, last, ROW).to_array()
+                    TileRange::of_lanes(first, last, ROW).to_array()
                 });
-                assert_eq!(found.map(|bits| Tiles(bits as u32)), tiles);
+                assert_eq!(found.map(|bits| TileRange(bits as u32)), tiles);
             }
             let [[x0, x1], [y0, y1]] = boxes[0].map(|side| side.map(|tile| tile as usize));
             let expected: Vec<_> = (y0..=y1).flat_map(|y| (x0..=x1).map(move |x| y * ROW + x)).collect();
@@ -446,14 +446,14 @@ mod tests {
                 let mask = random.u64(..) & 0xff;
                 let ids: [i32; LANES] = std::array::from_fn(|lane| group * LANES as i32 + lane as i32);
                 let chosen = ids.iter().enumerate().filter(|(lane, _)| mask >> lane & 1 != 0);
-                expected.extend(chosen.map(|(_, id)| (Key(*id as u32), Tiles(!*id as u32))));
+                expected.extend(chosen.map(|(_, id)| (TriangleKey(*id as u32), TileRange(!*id as u32))));
                 on_lanes!(lanes, simd => {
                     let keys = i32x8::load_array(simd, ids);
                     survivors.push_lanes(keys, !keys, mask32x8::from_bitmask(simd, mask), mask.count_ones());
                 });
                 if random.u8(..) < 16 {
-                    expected.push((Key(7), Tiles(9)));
-                    survivors.push(Key(7), Tiles(9));
+                    expected.push((TriangleKey(7), TileRange(9)));
+                    survivors.push(TriangleKey(7), TileRange(9));
                 }
             }
             assert_eq!(survivors.iter().collect::<Vec<_>>(), expected);

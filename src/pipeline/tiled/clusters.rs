@@ -37,15 +37,15 @@ use std::ops::Range;
 
 use glam::{Mat4, Vec4, Vec4Swizzles};
 
-use super::super::clip::{GUARD_BAND_PX, Plane};
-use super::super::plan::{Containment, Unseen};
+use super::super::clip::{ClipPlane, GUARD_BAND_PX};
+use super::super::plan::{Containment, CullStats};
 use super::super::settings::Culling;
 use super::super::vertex::{ROUNDING, UNDERFLOW};
 use super::super::viewport::{MAX_SIDE_PX, Viewport};
 use crate::math::fixed::SUBPIXELS;
 use crate::math::lanes::*;
 use crate::scene::Mesh;
-use crate::scene::clusters::{BLOCK, Boxes, Clusters, Planes};
+use crate::scene::clusters::{BLOCK, Boxes, ClusterPlanes, Clusters};
 
 /// Ranges in ascending order with gaps between them; in most cases a single one.
 #[derive(Clone, Debug)]
@@ -71,29 +71,32 @@ impl Ranges {
 
 /// Parts of a mesh that are drawn.
 #[derive(Clone, Debug)]
-pub(super) struct Kept {
+pub(super) struct VisibleClusters {
     pub(super) triangles: Ranges,
     /// Vertices that the triangles refer to, and perhaps others.
     pub(super) vertices: Ranges,
 }
 
-impl Kept {
+impl VisibleClusters {
     /// Returns all of a mesh.
     pub(super) fn all(mesh: &Mesh) -> Self {
         Self { triangles: Ranges::One(0..mesh.triangles.len()), vertices: Ranges::One(0..mesh.positions.len()) }
     }
 
     /// Returns a mesh without its invisible clusters, and the count of clusters culled for each reason.
-    pub(super) fn without_unseen(mesh: &Mesh, view: &View, lanes: Lanes) -> (Self, Unseen) {
+    pub(super) fn cull_clusters(mesh: &Mesh, view: &ClusterCulling, lanes: Lanes) -> (Self, CullStats) {
         let clusters = mesh.clusters();
         let fates = fates(clusters, view, lanes);
         let count = |fate| fates.iter().filter(|other| **other == fate).count();
-        let unseen =
-            Unseen { outside: count(Fate::Outside), turned_away: count(Fate::TurnedAway), all: clusters.len() };
-        if unseen.left_out() == 0 {
+        let unseen = CullStats {
+            outside: count(ClusterFate::Outside),
+            turned_away: count(ClusterFate::BackFacing),
+            all: clusters.len(),
+        };
+        if unseen.culled() == 0 {
             return (Self::all(mesh), unseen);
         }
-        let kept = || (0..clusters.len()).filter(|cluster| fates[*cluster] == Fate::Kept);
+        let kept = || (0..clusters.len()).filter(|cluster| fates[*cluster] == ClusterFate::Kept);
         let mut triangles: Vec<Range<usize>> = Vec::new();
         for next in kept().map(|cluster| clusters.triangles(cluster)) {
             match triangles.last_mut() {
@@ -108,13 +111,13 @@ impl Kept {
 
 /// Result of culling a cluster.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Fate {
+enum ClusterFate {
     /// The cluster may be visible: its triangles are processed.
     Kept,
     /// All of the cluster is beyond one plane.
     Outside,
     /// All triangles of the cluster show the culled side.
-    TurnedAway,
+    BackFacing,
 }
 
 /// Returns ranges of `len` vertices that contain all of the given blocks, whose ranges may overlap. The time grows with
@@ -153,7 +156,7 @@ struct Affine {
 
 impl Affine {
     /// Returns the distance from a plane. `widening`, a power of two, moves the sides of the view out.
-    fn distance(plane: Plane, clip_from_model: Mat4, widening: f32) -> Self {
+    fn distance(plane: ClipPlane, clip_from_model: Mat4, widening: f32) -> Self {
         let columns: [Vec4; 4] = std::array::from_fn(|column| clip_from_model.col(column));
         let factor = f64::from(widening);
         Self {
@@ -202,27 +205,28 @@ impl Affine {
 
 /// Planes that clusters are tested against. The plane of the eye adds nothing to those of depth: where w < 0, z ≥ 0 and
 /// w ≥ z do not both hold.
-const PLANES: [Plane; 6] = [Plane::Near, Plane::Far, Plane::Left, Plane::Right, Plane::Bottom, Plane::Top];
+const PLANES: [ClipPlane; 6] =
+    [ClipPlane::Near, ClipPlane::Far, ClipPlane::Left, ClipPlane::Right, ClipPlane::Bottom, ClipPlane::Top];
 
 /// Cluster culling tests for a view of one mesh.
 #[derive(Clone, Debug)]
-pub(super) struct View {
+pub(super) struct ClusterCulling {
     /// Whether all of the mesh is inside the view: no cluster is outside, and no triangle is clipped.
     all_inside: bool,
     distances: [Affine; PLANES.len()],
     /// Back-facing test; `None` if nothing is culled.
-    side: Option<Side>,
+    side: Option<BackFacingTest>,
 }
 
-impl View {
+impl ClusterCulling {
     pub(super) fn new(clip_from_model: Mat4, containment: Containment, culling: Culling, viewport: Viewport) -> Self {
         Self {
             all_inside: containment == Containment::Inside,
             distances: PLANES.map(|plane| Affine::distance(plane, clip_from_model, 1.0)),
             side: match culling {
                 Culling::None => None,
-                Culling::Back => Some(Side::new(clip_from_model, viewport, -1.0)),
-                Culling::Front => Some(Side::new(clip_from_model, viewport, 1.0)),
+                Culling::Back => Some(BackFacingTest::new(clip_from_model, viewport, -1.0)),
+                Culling::Front => Some(BackFacingTest::new(clip_from_model, viewport, 1.0)),
             },
         }
     }
@@ -238,7 +242,7 @@ const DOUBLE_ROUNDING: f64 = 1e-12;
 
 /// Data of the back-facing test.
 #[derive(Clone, Debug)]
-struct Side {
+struct BackFacingTest {
     /// Distances from the planes within which no triangle is clipped.
     distances: [Affine; PLANES.len()],
     x: Affine,
@@ -254,7 +258,7 @@ struct Side {
     quarter: f64,
 }
 
-impl Side {
+impl BackFacingTest {
     /// Creates the test. `sign` is the sign of D for culled triangles.
     fn new(clip_from_model: Mat4, Viewport { width, height }: Viewport, sign: f64) -> Self {
         let (width, height) = (f64::from(width), f64::from(height));
@@ -291,11 +295,11 @@ impl Side {
 
     /// Returns the bit mask of the clusters, of eight, all of whose triangles show the culled side.
     #[inline(always)]
-    fn turned_away<S: Simd>(
+    fn back_facing<S: Simd>(
         &self,
         simd: S,
         (bounds, farthest): (&[[F64<S>; 3]; 2], &[F64<S>; 3]),
-        planes: &Planes,
+        planes: &ClusterPlanes,
         may_be_cut: bool,
     ) -> u64 {
         let normals = each!(end in [0, 1] => {
@@ -322,7 +326,7 @@ impl Side {
         let slack = self.w.slack(simd, farthest);
         let (w_min, w_max) = (self.w.least(simd, bounds) - slack, self.w.greatest(simd, bounds) + slack);
         // Within these limits floats neither underflow nor overflow.
-        bits &= (w_min.simd_gt(LEAST_W) & w_max.simd_lt(GREATEST_W)).to_bitmask();
+        bits &= (w_min.simd_gt(MIN_W) & w_max.simd_lt(MAX_W)).to_bitmask();
         if bits == 0 {
             return 0;
         }
@@ -339,17 +343,17 @@ impl Side {
 }
 
 /// Least w of a cluster that the back-facing test may cull.
-const LEAST_W: f64 = 1e-20;
+const MIN_W: f64 = 1e-20;
 
 /// Greatest w of a cluster that the back-facing test may cull.
-const GREATEST_W: f64 = 1e20;
+const MAX_W: f64 = 1e20;
 
 /// Rounding error of a screen position, relative to the longer side and to the magnitudes that it is computed from: 8u.
 const SCREEN_ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
 
 /// Returns the fate of each cluster.
-fn fates(clusters: &Clusters, view: &View, lanes: Lanes) -> Vec<Fate> {
-    let mut out = vec![Fate::Kept; clusters.len()];
+fn fates(clusters: &Clusters, view: &ClusterCulling, lanes: Lanes) -> Vec<ClusterFate> {
+    let mut out = vec![ClusterFate::Kept; clusters.len()];
     on_lanes!(lanes, simd => {
         for ((boxes, planes), out) in clusters.boxes().iter().zip(clusters.planes()).zip(out.chunks_mut(LANES)) {
             let [outside, turned_away] = eight_fates(simd, boxes, planes, view);
@@ -358,9 +362,9 @@ fn fates(clusters: &Clusters, view: &View, lanes: Lanes) -> Vec<Fate> {
             }
             for (lane, out) in out.iter_mut().enumerate() {
                 if outside >> lane & 1 != 0 {
-                    *out = Fate::Outside;
+                    *out = ClusterFate::Outside;
                 } else if turned_away >> lane & 1 != 0 {
-                    *out = Fate::TurnedAway;
+                    *out = ClusterFate::BackFacing;
                 }
             }
         }
@@ -371,7 +375,7 @@ fn fates(clusters: &Clusters, view: &View, lanes: Lanes) -> Vec<Fate> {
 /// Returns two bit masks of eight clusters: those whose vertices the pipeline all finds beyond one of the planes, and
 /// those that are back-facing.
 #[inline(always)]
-fn eight_fates<S: Simd>(simd: S, boxes: &Boxes, planes: &Planes, view: &View) -> [u64; 2] {
+fn eight_fates<S: Simd>(simd: S, boxes: &Boxes, planes: &ClusterPlanes, view: &ClusterCulling) -> [u64; 2] {
     let bounds = each!(end in [0, 1] => {
         each!(axis in [0, 1, 2] => widen(simd, F32::load_array(simd, boxes[end][axis])))
     });
@@ -382,7 +386,7 @@ fn eight_fates<S: Simd>(simd: S, boxes: &Boxes, planes: &Planes, view: &View) ->
         outside |= distance.greatest(simd, &bounds).simd_lt(-slack).to_bitmask();
     }
     let turned_away = match &view.side {
-        Some(side) if outside != ALL => side.turned_away(simd, (&bounds, &farthest), planes, !view.all_inside),
+        Some(side) if outside != ALL => side.back_facing(simd, (&bounds, &farthest), planes, !view.all_inside),
         _ => 0,
     };
     [outside, turned_away]
@@ -415,9 +419,10 @@ mod tests {
     }
 
     fn bits(corners: &[[Vec3; 2]; LANES], matrix: Mat4, lanes: Lanes) -> u64 {
-        let view = View::new(matrix, Containment::Crossing, Culling::None, VIEWPORT);
+        let view = ClusterCulling::new(matrix, Containment::Crossing, Culling::None, VIEWPORT);
         let boxes = boxes(corners);
-        let planes = Planes { normals: [[[0.0; LANES]; 3]; 2], offsets: [[0.0; LANES]; 2], altitudes: [0.0; LANES] };
+        let planes =
+            ClusterPlanes { normals: [[[0.0; LANES]; 3]; 2], offsets: [[0.0; LANES]; 2], altitudes: [0.0; LANES] };
         let [outside, turned_away] = on_lanes!(lanes, simd => eight_fates(simd, &boxes, &planes, &view));
         assert_eq!(turned_away, 0);
         outside
@@ -426,7 +431,7 @@ mod tests {
     /// Whether the pipeline finds all `vertices` beyond one plane.
     fn is_outside(vertices: &[Vec3], matrix: Mat4) -> bool {
         let clip = || vertices.iter().map(|vertex| matrix * vertex.extend(1.0));
-        Plane::ALL.iter().any(|plane| clip().all(|position| plane.distance(position, 1.0) < 0.0))
+        ClipPlane::ALL.iter().any(|plane| clip().all(|position| plane.distance(position, 1.0) < 0.0))
     }
 
     /// Tests matrices and boxes next to a plane. The exact distance is zero or nearly so, at scales from underflowing
@@ -449,11 +454,11 @@ mod tests {
             let at = matrix * corners[0][0].extend(1.0);
             let off = plane.distance(at, 1.0) as f32 * [1.0, 1.000_001, 0.999_999][round / 36 % 3];
             match plane {
-                Plane::Near => matrix.w_axis.z -= off,
-                Plane::Left => matrix.w_axis.x -= off,
-                Plane::Right => matrix.w_axis.x += off,
-                Plane::Bottom => matrix.w_axis.y -= off,
-                Plane::Top => matrix.w_axis.y += off,
+                ClipPlane::Near => matrix.w_axis.z -= off,
+                ClipPlane::Left => matrix.w_axis.x -= off,
+                ClipPlane::Right => matrix.w_axis.x += off,
+                ClipPlane::Bottom => matrix.w_axis.y -= off,
+                ClipPlane::Top => matrix.w_axis.y += off,
                 _ => matrix.w_axis.z += off,
             }
             let matrix = matrix * scale;
@@ -507,7 +512,7 @@ mod tests {
                 projection * Mat4::from_translation(place) * Mat4::from_quat(turn) * shear * Mat4::from_scale(mirror);
             for culling in [Culling::Back, Culling::Front] {
                 let containment = containment(mesh.visible_bounds(), matrix);
-                let view = View::new(matrix, containment, culling, VIEWPORT);
+                let view = ClusterCulling::new(matrix, containment, culling, VIEWPORT);
                 for lanes in Lanes::all() {
                     let fates = fates(mesh.clusters(), &view, lanes);
                     for (cluster, fate) in fates.into_iter().enumerate() {
@@ -516,12 +521,12 @@ mod tests {
                             fate_of(triangle.map(|i| mesh.positions[i as usize]), matrix, culling)
                         };
                         let all_culled = triangles.iter().all(|triangle| fate_of(triangle).is_some());
-                        if fate == Fate::TurnedAway {
+                        if fate == ClusterFate::BackFacing {
                             assert!(all_culled, "{} {culling:?} round {round} cluster {cluster}", lanes.name());
                             turned_away += 1;
                             let areas = triangles.iter().filter_map(fate_of);
                             smallest = areas.fold(smallest, f64::min);
-                        } else if all_culled && fate == Fate::Kept {
+                        } else if all_culled && fate == ClusterFate::Kept {
                             kept_though_culled += 1;
                         }
                     }
@@ -538,7 +543,10 @@ mod tests {
     fn fate_of(corners: [Vec3; 3], matrix: Mat4, culling: Culling) -> Option<f64> {
         let widening = guard_band_widening(VIEWPORT.width, VIEWPORT.height);
         let corners = corners.map(|corner| ClipVertex::at(matrix * corner.extend(1.0)));
-        if corners.iter().any(|corner| Plane::ALL.iter().any(|plane| plane.distance(corner.position, widening) < 0.0)) {
+        if corners
+            .iter()
+            .any(|corner| ClipPlane::ALL.iter().any(|plane| plane.distance(corner.position, widening) < 0.0))
+        {
             return None;
         }
         let corners = corners.map(|corner| VIEWPORT.project_vertex(&corner, &DepthScale::default()).position_px);

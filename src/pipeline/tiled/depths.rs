@@ -2,15 +2,15 @@
 //! [`crate::pipeline::depth`].
 
 use super::edge_number::EdgeNumber;
-use super::setup::{Edges, Setup};
+use super::setup::{EdgeFunctions, Setup};
 use crate::math::lanes::*;
-use crate::pipeline::depth::{Comparison, DepthEncoding, DepthScale, clear_value};
+use crate::pipeline::depth::{DepthComparison, DepthEncoding, DepthScale, clear_value};
 use crate::pipeline::settings::Settings;
 
 /// Rules for storing and comparing depths, the same in all tiles of a frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DepthRules {
-    pub(super) comparison: Comparison,
+    pub(super) comparison: DepthComparison,
     pub(super) encoding: DepthEncoding,
     /// Whether depth is linear in space instead of on the screen.
     pub(super) linear_in_space: bool,
@@ -25,14 +25,14 @@ pub(super) struct DepthRules {
 impl DepthRules {
     /// Creates the rules of a frame. `asked_for` is whether the caller reads its depths.
     pub(super) fn new(settings: &Settings, scale: &DepthScale, asked_for: bool) -> Self {
-        let comparison = Comparison::of(settings);
+        let comparison = DepthComparison::of(settings);
         Self {
             comparison,
             encoding: scale.encoding(),
             linear_in_space: scale.is_linear_in_space(),
             biased: scale.is_biased(),
             clear: clear_value(settings),
-            stored: comparison != Comparison::Always || asked_for,
+            stored: comparison != DepthComparison::Always || asked_for,
         }
     }
 
@@ -42,7 +42,7 @@ impl DepthRules {
     pub(super) fn known<const COMMON: bool>(self) -> Self {
         if COMMON {
             Self {
-                comparison: Comparison::Less,
+                comparison: DepthComparison::Less,
                 encoding: DepthEncoding::F32,
                 linear_in_space: false,
                 biased: false,
@@ -58,19 +58,19 @@ impl DepthRules {
     #[inline(always)]
     pub(super) fn are_common(&self) -> bool {
         let Self { comparison, encoding, linear_in_space, biased, stored, .. } = *self;
-        comparison == Comparison::Less && encoding == DepthEncoding::F32 && !linear_in_space && !biased && stored
+        comparison == DepthComparison::Less && encoding == DepthEncoding::F32 && !linear_in_space && !biased && stored
     }
 }
 
 /// Returns the mask of the lanes that pass the depth test.
 #[inline(always)]
-pub(super) fn passes<S: Simd>(new: F32<S>, stored: F32<S>, comparison: Comparison) -> mask32x8<S> {
+pub(super) fn passes<S: Simd>(new: F32<S>, stored: F32<S>, comparison: DepthComparison) -> mask32x8<S> {
     match comparison {
-        Comparison::Always => mask32x8::splat(new.simd, true),
-        Comparison::Less => new.simd_lt(stored),
-        Comparison::LessEqual => new.simd_le(stored),
-        Comparison::Greater => new.simd_gt(stored),
-        Comparison::GreaterEqual => new.simd_ge(stored),
+        DepthComparison::Always => mask32x8::splat(new.simd, true),
+        DepthComparison::Less => new.simd_lt(stored),
+        DepthComparison::LessEqual => new.simd_le(stored),
+        DepthComparison::Greater => new.simd_gt(stored),
+        DepthComparison::GreaterEqual => new.simd_ge(stored),
     }
 }
 
@@ -83,7 +83,7 @@ pub(super) fn depth<S: Simd, E: EdgeNumber>(
     e: [E::Eight<S>; 3],
     rules: &DepthRules,
 ) -> F32<S> {
-    let Setup { rises, inv_w, least, .. } = triangle;
+    let Setup { rises, inv_w, min_depth: least, .. } = triangle;
     let rise = if rules.linear_in_space {
         let weights = each!(i in [0, 1, 2] => E::doubles(simd, e[i]).max(0.0) * inv_w[i]);
         let sum = weights[0] + weights[1] + weights[2];
@@ -93,7 +93,7 @@ pub(super) fn depth<S: Simd, E: EdgeNumber>(
     } else {
         let [first, second] = each!(i in [0, 1] => E::doubles(simd, e[i]) * rises[i]);
         // The third term is zero, so the sum of the other two is the same in any order.
-        if E::LAST_IS_LEAST { first + second } else { first + second + E::doubles(simd, e[2]) * rises[2] }
+        if E::LAST_HAS_MIN_DEPTH { first + second } else { first + second + E::doubles(simd, e[2]) * rises[2] }
     };
     let depth = (rise + *least).min(1.0);
     // Where the triangle covers the sample, only a bias makes a depth negative.
@@ -135,14 +135,15 @@ impl DepthPlane {
     /// Creates the plane of a triangle in a tile of this width and height from its first sample, in grid steps.
     #[inline(always)]
     pub(super) fn new<E: EdgeNumber>(triangle: &Setup<E>, [width, height]: [f64; 2], rules: &DepthRules) -> Self {
-        let Setup { edges: Edges { a, b, c }, rises, .. } = triangle;
+        let Setup { edges: EdgeFunctions { a, b, c }, rises, .. } = triangle;
         let [a, b, c] = each!(of in [a, b, c] => each!(i in [0, 1, 2] => of[i].double() * rises[i]));
         let [at_first, across, down] = each!(of in [c, a, b] => of[0] + of[1] + of[2]);
         let magnitudes = each!(i in [0, 1, 2] => c[i].abs() + a[i].abs() * width + b[i].abs() * height);
         let slack = (magnitudes[0] + magnitudes[1] + magnitudes[2] + magnitude(triangle)) * ROUNDING;
-        let [least, greatest] = each!(d in [triangle.least - slack, triangle.greatest + slack] => d.clamp(0.0, 1.0));
+        let [least, greatest] =
+            each!(d in [triangle.min_depth - slack, triangle.max_depth + slack] => d.clamp(0.0, 1.0));
         let slack = if rules.linear_in_space { f64::INFINITY } else { slack };
-        Self { at_first: at_first + triangle.least, rise: [across, down], slack, least, greatest }
+        Self { at_first: at_first + triangle.min_depth, rise: [across, down], slack, least, greatest }
     }
 
     /// Returns the depth at the tile's first sample; meaningless if depths are linear in space.
@@ -181,36 +182,36 @@ impl DepthPlane {
 pub(super) fn compare_bounds<S: Simd>(
     [low, high]: [F32<S>; 2],
     stored: [F32<S>; 2],
-    comparison: Comparison,
+    comparison: DepthComparison,
 ) -> (u64, u64) {
     let [least, greatest] = stored;
     match comparison {
-        Comparison::Always => (0, 0xFF),
-        Comparison::Less => (low.simd_ge(greatest).to_bitmask(), high.simd_lt(least).to_bitmask()),
-        Comparison::LessEqual => (low.simd_gt(greatest).to_bitmask(), high.simd_le(least).to_bitmask()),
-        Comparison::Greater => (high.simd_le(least).to_bitmask(), low.simd_gt(greatest).to_bitmask()),
-        Comparison::GreaterEqual => (high.simd_lt(least).to_bitmask(), low.simd_ge(greatest).to_bitmask()),
+        DepthComparison::Always => (0, 0xFF),
+        DepthComparison::Less => (low.simd_ge(greatest).to_bitmask(), high.simd_lt(least).to_bitmask()),
+        DepthComparison::LessEqual => (low.simd_gt(greatest).to_bitmask(), high.simd_le(least).to_bitmask()),
+        DepthComparison::Greater => (high.simd_le(least).to_bitmask(), low.simd_gt(greatest).to_bitmask()),
+        DepthComparison::GreaterEqual => (high.simd_lt(least).to_bitmask(), low.simd_ge(greatest).to_bitmask()),
     }
 }
 
 /// Returns the sum of the magnitudes of the least and the greatest depth, which no term of a depth exceeds.
 #[inline(always)]
 fn magnitude<E>(triangle: &Setup<E>) -> f64 {
-    triangle.least.abs() + triangle.greatest.abs()
+    triangle.min_depth.abs() + triangle.max_depth.abs()
 }
 
 /// Returns bounds of all stored depths of a triangle.
 #[inline(always)]
 pub(super) fn whole_depths<E: EdgeNumber>(triangle: &Setup<E>, rules: &DepthRules) -> [f32; 2] {
     let slack = ROUNDING * magnitude(triangle);
-    each!(d in [triangle.least - slack, triangle.greatest + slack] => rules.encoding.quantize(d.clamp(0.0, 1.0)))
+    each!(d in [triangle.min_depth - slack, triangle.max_depth + slack] => rules.encoding.quantize(d.clamp(0.0, 1.0)))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::lattice::{BLOCK, BLOCKS, Lattice, TILE};
+    use super::super::lattice::{BLOCK, BLOCKS, TILE, TileLattice};
     use super::super::record::Slot;
-    use super::super::setup::Corner;
+    use super::super::setup::SnappedVertex;
     use super::*;
     use crate::pipeline::depth::DepthScale;
     use crate::pipeline::grid::SampleGrid;
@@ -226,7 +227,7 @@ mod tests {
     ) -> ([f32; LANES], u64) {
         let values = places.map(|place| triangle.edges.at(place));
         let e = each!(i in [0, 1, 2] => F64::load_array(simd, std::array::from_fn(|lane| values[lane][i])));
-        (depth(simd, triangle, e, rules).to_array(), f64::inside_bits(e, triangle.least_inside(simd)))
+        (depth(simd, triangle, e, rules).to_array(), f64::inside_bits(e, triangle.inside_thresholds(simd)))
     }
 
     #[test]
@@ -237,14 +238,14 @@ mod tests {
         let grids = [SampleGrid::Block { step: 1 }, SampleGrid::Checkerboard];
         for (encoding, grid) in encodings.into_iter().flat_map(|encoding| grids.map(|grid| (encoding, grid))) {
             let rules = DepthRules {
-                comparison: Comparison::Less,
+                comparison: DepthComparison::Less,
                 encoding,
                 linear_in_space: false,
                 biased: false,
                 clear: 1.0,
                 stored: true,
             };
-            let lattice = Lattice::new(grid);
+            let lattice = TileLattice::new(grid);
             let (origin, first) = (lattice.origin((1, 2)), [TILE as f32, 2.0 * TILE as f32]);
             for _ in 0..200 {
                 let thickness = 1 << random.u32(0..20);
@@ -252,7 +253,7 @@ mod tests {
                     let along = random.f64() * 40_000.0 - 12_000.0;
                     let place =
                         origin.map(|from| (from + along + f64::from(random.i32(-thickness..thickness))).round());
-                    Corner { position: place, depth: random.f64(), inv_w: 1.0 }
+                    SnappedVertex { position: place, depth: random.f64(), inv_w: 1.0 }
                 });
                 let set_up = Setup::new(
                     Slot::NONE,

@@ -3,7 +3,7 @@
 
 use std::ops::{Add, Mul, Sub};
 
-use super::lattice::{Lattice, Steps};
+use super::lattice::{LatticeSteps, TileLattice};
 use crate::math::lanes::*;
 
 /// A number type for edge values, one or eight at a time.
@@ -18,7 +18,7 @@ pub(super) trait EdgeNumber: Copy + Add<Output = Self> + Mul<Output = Self> {
 
     /// Whether the last edge is opposite a vertex of least depth, so that its depth term is zero. Depths that are
     /// linear in space are an exception.
-    const LAST_IS_LEAST: bool;
+    const LAST_HAS_MIN_DEPTH: bool;
 
     /// Converts an integer to this type.
     fn of(number: i32) -> Self;
@@ -30,7 +30,7 @@ pub(super) trait EdgeNumber: Copy + Add<Output = Self> + Mul<Output = Self> {
     fn reach(a: Self, b: Self, width: Self, height: Self) -> [Self; 2];
 
     /// Returns the sample distances of a lattice in this type.
-    fn steps(lattice: &Lattice) -> &Steps<Self>;
+    fn steps(lattice: &TileLattice) -> &LatticeSteps<Self>;
 
     /// Returns the numbers of eight triangles that have this type.
     fn pick<'a>(doubles: &'a [[f64; LANES]; 3], integers: &'a [[i32; LANES]; 3]) -> &'a [[Self; LANES]; 3];
@@ -60,7 +60,7 @@ pub(super) trait EdgeNumber: Copy + Add<Output = Self> + Mul<Output = Self> {
 impl EdgeNumber for f64 {
     type Eight<S: Simd> = F64<S>;
 
-    const LAST_IS_LEAST: bool = false;
+    const LAST_HAS_MIN_DEPTH: bool = false;
 
     #[inline(always)]
     fn of(number: i32) -> Self {
@@ -78,7 +78,7 @@ impl EdgeNumber for f64 {
     }
 
     #[inline(always)]
-    fn steps(lattice: &Lattice) -> &Steps<Self> {
+    fn steps(lattice: &TileLattice) -> &LatticeSteps<Self> {
         &lattice.doubles
     }
 
@@ -127,7 +127,7 @@ impl EdgeNumber for f64 {
 impl EdgeNumber for i32 {
     type Eight<S: Simd> = i32x8<S>;
 
-    const LAST_IS_LEAST: bool = true;
+    const LAST_HAS_MIN_DEPTH: bool = true;
 
     #[inline(always)]
     fn of(number: i32) -> Self {
@@ -145,7 +145,7 @@ impl EdgeNumber for i32 {
     }
 
     #[inline(always)]
-    fn steps(lattice: &Lattice) -> &Steps<Self> {
+    fn steps(lattice: &TileLattice) -> &LatticeSteps<Self> {
         &lattice.integers
     }
 

@@ -1,10 +1,10 @@
 //! Gathers the triangles of a tile's bin and sets them up.
 
-use super::Frame;
-use super::batch::Batch;
-use super::geometry::{Surface, Vertex};
+use super::TiledFrame;
+use super::batch::TriangleBatch;
+use super::geometry::{PackedSurface, PackedVertex};
 use super::lattice::BLOCK;
-use super::record::{Entrant, Entrants, Part, Slot, SurfaceRecord};
+use super::record::{BinEntry, Slot, SurfacePart, SurfaceRecord, TileBin};
 use super::setup::Origin;
 use crate::math::lanes::*;
 use crate::math::prefetch::prefetch;
@@ -15,10 +15,10 @@ pub(super) const BATCHES: usize = 4;
 /// Triangles in [`BATCHES`] batches.
 pub(super) const GROUP: usize = BATCHES * LANES;
 
-impl Frame<'_> {
+impl TiledFrame<'_> {
     /// Gathers the triangles of a tile's bin from all chunks.
     #[inline(always)]
-    pub(super) fn let_enter(&self, number: usize, entrants: &mut Entrants) {
+    pub(super) fn gather_bin(&self, number: usize, entrants: &mut TileBin) {
         entrants.clear();
         let mut draw = 0;
         for chunk in self.chunks {
@@ -42,12 +42,12 @@ impl Frame<'_> {
     pub(super) fn set_up_group<S: Simd>(
         &self,
         simd: S,
-        entrants: &mut Entrants,
-        batches: &mut [Batch; BATCHES],
+        entrants: &mut TileBin,
+        batches: &mut [TriangleBatch; BATCHES],
         group: usize,
         origin: Origin,
     ) -> ([u64; BATCHES], [u64; BATCHES]) {
-        let nowhere = Vertex::default();
+        let nowhere = PackedVertex::default();
         let (mut triangles, mut divides_by_w) = ([[&nowhere; 3]; GROUP], 0);
         self.find_vertices(entrants, group, &mut triangles, &mut divides_by_w);
         let (mut alive, mut large) = ([0; BATCHES], [0; BATCHES]);
@@ -81,9 +81,9 @@ impl Frame<'_> {
     #[inline(always)]
     fn find_vertices<'a>(
         &'a self,
-        entrants: &Entrants,
+        entrants: &TileBin,
         group: usize,
-        triangles: &mut [[&'a Vertex; 3]; GROUP],
+        triangles: &mut [[&'a PackedVertex; 3]; GROUP],
         divides_by_w: &mut u64,
     ) {
         let entrants = entrants.group(group, GROUP);
@@ -112,11 +112,11 @@ impl Frame<'_> {
 
     /// Fills the surface records of up to eight triangles of a tile, from `first` on.
     #[inline(always)]
-    fn fill_surfaces<S: Simd>(&self, simd: S, entrants: &mut Entrants, first: usize, count: usize) {
-        let nothing = Surface::default();
+    fn fill_surfaces<S: Simd>(&self, simd: S, entrants: &mut TileBin, first: usize, count: usize) {
+        let nothing = PackedSurface::default();
         let mut triangles = [[&nothing; 3]; LANES];
         for (lane, triangle) in triangles.iter_mut().enumerate().take(count) {
-            let Entrant { key, draw, .. } = entrants.get(Slot::new(first + lane, false));
+            let BinEntry { key, draw, .. } = entrants.get(Slot::new(first + lane, false));
             let [a, b, c] = self.records(key, draw as usize);
             if let (Some(a), Some(b), Some(c)) = (a.1, b.1, c.1) {
                 *triangle = [a, b, c];
@@ -128,7 +128,7 @@ impl Frame<'_> {
 }
 
 /// Triangle count of a tile from which hierarchical Z is disabled, unless most of the triangles are large.
-const CROWDED: usize = 96;
+const HIZ_MAX_TRIANGLES: usize = 96;
 
 /// Extent in columns or rows from which a triangle is large: it then spans more than two blocks.
 const LARGE: i32 = 2 * BLOCK as i32;
@@ -136,9 +136,9 @@ const LARGE: i32 = 2 * BLOCK as i32;
 /// Whether a tile with this number of triangles keeps depth bounds of its blocks (hierarchical Z). Judged by the first
 /// triangles that were set up; `alive` has a bit for each of these that may have a sample in the tile.
 #[inline(always)]
-pub(super) fn keeps_bounds(triangles: usize, first: &[Batch; BATCHES], alive: &[u64; BATCHES]) -> bool {
+pub(super) fn uses_hiz(triangles: usize, first: &[TriangleBatch; BATCHES], alive: &[u64; BATCHES]) -> bool {
     let large = || first.iter().zip(alive).map(|(batch, alive)| batch.count_large(*alive, LARGE)).sum::<u32>();
-    triangles < CROWDED || 2 * large() > alive.iter().map(|alive| alive.count_ones()).sum()
+    triangles < HIZ_MAX_TRIANGLES || 2 * large() > alive.iter().map(|alive| alive.count_ones()).sum()
 }
 
 /// Fills the parts of eight surface records that the frame reads.
@@ -146,7 +146,7 @@ pub(super) fn keeps_bounds(triangles: usize, first: &[Batch; BATCHES], alive: &[
 fn fill_parts<S: Simd>(
     simd: S,
     records: &mut [SurfaceRecord; LANES],
-    triangles: &[[&Surface; 3]; LANES],
+    triangles: &[[&PackedSurface; 3]; LANES],
     normals: bool,
     colors: bool,
 ) {
@@ -154,10 +154,10 @@ fn fill_parts<S: Simd>(
         #[inline(always)]
         || {
             if normals {
-                SurfaceRecord::fill_eight(simd, records, triangles, Part::Normal);
+                SurfaceRecord::fill_eight(simd, records, triangles, SurfacePart::Normal);
             }
             if colors {
-                SurfaceRecord::fill_eight(simd, records, triangles, Part::Color);
+                SurfaceRecord::fill_eight(simd, records, triangles, SurfacePart::Color);
             }
         },
     );

@@ -1,6 +1,6 @@
 //! Sixteen samples of a few triangles: the data of each triangle is loaded once and permuted to its samples.
 
-use super::record::{Entrants, Record, Slot, Source};
+use super::record::{Record, Slot, TileBin, TriangleSource};
 use crate::math::lanes::*;
 
 /// Largest number of triangles that count as few.
@@ -10,24 +10,24 @@ const FEW: usize = LANES;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Few<'a> {
     records: [&'a Record; FEW],
-    entrants: &'a Entrants,
+    bin: &'a TileBin,
     slots: [u32; FEW],
-    which: Which,
+    which: TriangleIndices,
 }
 
 /// Index of each sample's triangle among the few.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-struct Which([u32; WIDE]);
+struct TriangleIndices([u32; WIDE]);
 
 impl<'a> Few<'a> {
     /// Finds the triangles of the samples selected by `mine`; the other samples get any of them. `None` if there are
     /// more than [`FEW`], or if the processor has no AVX-512.
     #[inline(always)]
-    pub(super) fn find<S: Simd>(simd: S, entrants: &'a Entrants, slots: &[u32; WIDE], mine: u32) -> Option<Self> {
+    pub(super) fn find<S: Simd>(simd: S, entrants: &'a TileBin, slots: &[u32; WIDE], mine: u32) -> Option<Self> {
         let (slots, which) = distinct(simd, slots, mine)?;
         let records = each!(i in [0, 1, 2, 3, 4, 5, 6, 7] => entrants.record(Slot(slots[i])));
-        Some(Self { records, entrants, slots, which })
+        Some(Self { records, bin: entrants, slots, which })
     }
 
     /// Returns the numbers of each sample's triangle, from the numbers of all triangles.
@@ -52,7 +52,7 @@ impl<'a> Few<'a> {
     }
 }
 
-impl Source for Few<'_> {
+impl TriangleSource for Few<'_> {
     /// Texels of few triangles lie close together: prefetching them for all samples takes longer than the misses it
     /// avoids.
     const PREFETCH_STEP: Option<usize> = Some(5);
@@ -65,7 +65,7 @@ impl Source for Few<'_> {
     #[inline(always)]
     fn surface_quad<S: Simd>(self, simd: S, quad: usize) -> [f32x16<S>; 4] {
         self.deal(each!(i in [0, 1, 2, 3, 4, 5, 6, 7] => {
-            f32x4::load_array_ref(simd, &self.entrants.surface(Slot(self.slots[i])).quads[quad])
+            f32x4::load_array_ref(simd, &self.bin.surface(Slot(self.slots[i])).quads[quad])
         }))
     }
 }
@@ -73,7 +73,7 @@ impl Source for Few<'_> {
 /// Returns the distinct slots of the samples selected by `mine`, and the index of each sample's slot among them; other
 /// samples get any index. `None` if there are more than [`FEW`], or without AVX-512.
 #[inline(always)]
-fn distinct<S: Simd>(simd: S, slots: &[u32; WIDE], mine: u32) -> Option<([u32; FEW], Which)> {
+fn distinct<S: Simd>(simd: S, slots: &[u32; WIDE], mine: u32) -> Option<([u32; FEW], TriangleIndices)> {
     #[cfg(target_arch = "x86_64")]
     if let Some(avx512) = simd.level().as_avx512() {
         let any = u32x16::splat(avx512, slots[mine.trailing_zeros() as usize % WIDE]);
@@ -86,7 +86,7 @@ fn distinct<S: Simd>(simd: S, slots: &[u32; WIDE], mine: u32) -> Option<([u32; F
         let (list, which) = x86::distinct(avx512, slots, firsts, earlier);
         let (list, which): (u32x16<_>, u32x16<_>) = (list.simd_into(avx512), which.simd_into(avx512));
         let list = list.to_array();
-        return Some((each!(i in [0, 1, 2, 3, 4, 5, 6, 7] => list[i]), Which(which.to_array())));
+        return Some((each!(i in [0, 1, 2, 3, 4, 5, 6, 7] => list[i]), TriangleIndices(which.to_array())));
     }
     None
 }
@@ -149,8 +149,8 @@ mod tests {
     }
 
     /// Returns triangles whose numbers are all different.
-    fn entrants(count: usize) -> Entrants {
-        let mut entrants = Entrants::default();
+    fn entrants(count: usize) -> TileBin {
+        let mut entrants = TileBin::default();
         for first in (0..count).step_by(LANES) {
             let records = entrants.eight_records(first).expect("the list grows");
             *records = std::array::from_fn(|lane| Record { quads: numbered((first + lane) * 100) });
@@ -210,7 +210,7 @@ mod tests {
         for _ in 0..100 {
             let which: [u32; WIDE] = std::array::from_fn(|_| random.u32(0..FEW as u32));
             let records = std::array::from_fn(|i| entrants.record(Slot(slots[i])));
-            let few = Few { records, entrants: &entrants, slots, which: Which(which) };
+            let few = Few { records, bin: &entrants, slots, which: TriangleIndices(which) };
             for lanes in Lanes::all() {
                 let dealt = on_lanes!(lanes, simd => few.quad(simd, 2).map(SimdBase::to_array));
                 for (lane, triangle) in which.into_iter().enumerate() {

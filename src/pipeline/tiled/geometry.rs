@@ -6,14 +6,14 @@
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
-use super::clusters::Kept;
+use super::clusters::VisibleClusters;
 use super::outcode::Outcode;
 use crate::math::fixed::SUBPIXELS;
 use crate::math::lanes::*;
 use crate::math::prefetch::prefetch;
 use crate::math::{unit_or, unit_or_lanes};
 use crate::pipeline::depth::DepthScale;
-use crate::pipeline::plan::{DrawPlan, Part};
+use crate::pipeline::plan::{DrawPlan, PipelinePart};
 use crate::pipeline::settings::{Settings, Shading};
 use crate::pipeline::shade::to_working_space;
 use crate::pipeline::vertex::{ClipVertex, DrawMatrices, Varyings};
@@ -24,11 +24,11 @@ use crate::scene::{Mesh, TriangleId};
 /// load it whole.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C, align(32))]
-pub(super) struct Vertex {
+pub(super) struct PackedVertex {
     pub(super) numbers: [f32; LANES],
 }
 
-impl Vertex {
+impl PackedVertex {
     /// Index of the snapped x in grid steps, to the right: an integer below 2²⁴.
     pub(super) const X: usize = 0;
     /// Index of the snapped y in grid steps, down.
@@ -93,11 +93,11 @@ impl Vertex {
 /// Further attributes of a vertex: normal and colour.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C, align(32))]
-pub(super) struct Surface {
+pub(super) struct PackedSurface {
     pub(super) numbers: [f32; LANES],
 }
 
-impl Surface {
+impl PackedSurface {
     /// Indices of the components of the world-space normal.
     pub(super) const NORMAL: [usize; 3] = [0, 1, 2];
     /// Indices of the channels of the colour.
@@ -115,7 +115,7 @@ impl Surface {
 
 /// One instance that is drawn.
 #[derive(Clone, Debug)]
-pub(super) struct Draw<'a> {
+pub(super) struct InstanceDraw<'a> {
     /// Index of the instance in the scene.
     pub(super) instance: u32,
     pub(super) mesh: &'a Mesh,
@@ -126,24 +126,24 @@ pub(super) struct Draw<'a> {
     /// Index of the first vertex in the arrays of all draws.
     pub(super) first_vertex: usize,
     /// Ranges that remain after cluster culling; nothing else is transformed or processed.
-    pub(super) kept: Kept,
+    pub(super) kept: VisibleClusters,
 }
 
-impl<'a> Draw<'a> {
+impl<'a> InstanceDraw<'a> {
     pub(super) fn new(
         instance: u32,
         mesh: &'a Mesh,
         plan: DrawPlan,
         matrices: DrawMatrices,
         first: TriangleId,
-        (first_vertex, kept): (usize, Kept),
+        (first_vertex, kept): (usize, VisibleClusters),
     ) -> Self {
         Self { instance, mesh, plan, matrices, first, first_vertex, kept }
     }
 
     /// Whether triangles may cross the frustum.
     pub(super) fn may_cross(&self) -> bool {
-        self.plan.runs(Part::Clipping)
+        self.plan.runs(PipelinePart::Clipping)
     }
 
     /// Returns the vertices of a triangle as indices into the arrays of all draws.
@@ -173,10 +173,10 @@ impl<'a> Draw<'a> {
             surface.filter(|_| self.plan.runs(part)).map_or(otherwise, |surface| surface.vector(places))
         };
         Varyings {
-            normal: read(Part::Normals, Surface::NORMAL, Vec3::ZERO),
-            uv: Vec2::from_array(Vertex::UV.map(|place| vertex.numbers[place])),
-            color: read(Part::VertexColors, Surface::COLOR, Vec3::ONE),
-            light: vertex.numbers[Vertex::LIGHT],
+            normal: read(PipelinePart::Normals, PackedSurface::NORMAL, Vec3::ZERO),
+            uv: Vec2::from_array(PackedVertex::UV.map(|place| vertex.numbers[place])),
+            color: read(PipelinePart::VertexColors, PackedSurface::COLOR, Vec3::ONE),
+            light: vertex.numbers[PackedVertex::LIGHT],
             source_weights: Vec3::ZERO,
         }
     }
@@ -186,9 +186,9 @@ impl<'a> Draw<'a> {
 /// Entries of vertices that no remaining triangle refers to are meaningless.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Arrays {
-    pub(super) vertices: Vec<Vertex>,
+    pub(super) vertices: Vec<PackedVertex>,
     /// World-space normals and vertex colours; empty if no draw of the frame reads them in pixels.
-    pub(super) surfaces: Vec<Surface>,
+    pub(super) surfaces: Vec<PackedSurface>,
     /// Frustum planes that each vertex is beyond; empty if no triangle may cross the frustum.
     pub(super) outcodes: Vec<Outcode>,
     /// Whether any transformed vertex of a draw lies outside the frustum, for each draw.
@@ -198,22 +198,22 @@ pub(super) struct Arrays {
 impl Arrays {
     /// Returns the number of bytes held.
     pub(super) fn bytes(&self) -> usize {
-        self.vertices.capacity() * size_of::<Vertex>()
-            + self.surfaces.capacity() * size_of::<Surface>()
+        self.vertices.capacity() * size_of::<PackedVertex>()
+            + self.surfaces.capacity() * size_of::<PackedSurface>()
             + self.outcodes.capacity() * size_of::<Outcode>()
             + self.leaves_frustum.capacity()
     }
 }
 
 /// Vertices of a draw that are transformed together.
-struct Batch<'a, 'b> {
+struct VertexBatch<'a, 'b> {
     /// Index in the list of draws.
     number: usize,
-    draw: &'b Draw<'a>,
+    draw: &'b InstanceDraw<'a>,
     /// Index of the first vertex in the mesh.
     first: usize,
-    vertices: &'b mut [Vertex],
-    surfaces: &'b mut [Surface],
+    vertices: &'b mut [PackedVertex],
+    surfaces: &'b mut [PackedSurface],
     outcodes: &'b mut [Outcode],
 }
 
@@ -222,7 +222,7 @@ const BATCH: usize = 4096;
 
 /// Transforms the vertices of all draws.
 pub(super) fn transform(
-    draws: &[Draw<'_>],
+    draws: &[InstanceDraw<'_>],
     settings: &Settings,
     viewport: Viewport,
     scale: &DepthScale,
@@ -232,12 +232,12 @@ pub(super) fn transform(
 ) {
     let total = draws.last().map_or(0, |draw| draw.first_vertex + draw.mesh.positions.len());
     let needs = |part| if draws.iter().any(|draw| draw.plan.runs(part)) { total } else { 0 };
-    arrays.vertices.resize(total, Vertex::default());
-    let normals = if settings.shading == Shading::Gouraud { 0 } else { needs(Part::Normals) };
-    arrays.surfaces.resize(normals.max(needs(Part::VertexColors)), Surface::default());
-    arrays.outcodes.resize(needs(Part::Clipping), Outcode::default());
+    arrays.vertices.resize(total, PackedVertex::default());
+    let normals = if settings.shading == Shading::Gouraud { 0 } else { needs(PipelinePart::Normals) };
+    arrays.surfaces.resize(normals.max(needs(PipelinePart::VertexColors)), PackedSurface::default());
+    arrays.outcodes.resize(needs(PipelinePart::Clipping), Outcode::default());
 
-    let job = Job {
+    let job = TransformContext {
         settings,
         viewport,
         scale: *scale,
@@ -255,7 +255,7 @@ pub(super) fn transform(
     }
 }
 
-fn batches<'a, 'b>(draws: &'b [Draw<'a>], arrays: &'b mut Arrays) -> Vec<Batch<'a, 'b>> {
+fn batches<'a, 'b>(draws: &'b [InstanceDraw<'a>], arrays: &'b mut Arrays) -> Vec<VertexBatch<'a, 'b>> {
     let Arrays { vertices, surfaces, outcodes, .. } = arrays;
     let (mut vertices, mut surfaces) = (vertices.as_mut_slice(), surfaces.as_mut_slice());
     let mut outcodes = outcodes.as_mut_slice();
@@ -268,7 +268,7 @@ fn batches<'a, 'b>(draws: &'b [Draw<'a>], arrays: &'b mut Arrays) -> Vec<Batch<'
             take(range.start - next);
             for first in range.clone().step_by(BATCH) {
                 let (vertices, surfaces, outcodes) = take(BATCH.min(range.end - first));
-                batches.push(Batch { number, draw, first, vertices, surfaces, outcodes });
+                batches.push(VertexBatch { number, draw, first, vertices, surfaces, outcodes });
             }
             next = range.end;
         }
@@ -286,7 +286,7 @@ fn take_front<'b, T>(slice: &mut &'b mut [T], len: usize) -> &'b mut [T] {
 }
 
 /// Inputs that are the same for all vertices of a frame.
-struct Job<'a> {
+struct TransformContext<'a> {
     settings: &'a Settings,
     viewport: Viewport,
     scale: DepthScale,
@@ -296,7 +296,7 @@ struct Job<'a> {
 
 /// Mesh data of eight vertices; `None` for attributes that the draw does not read.
 #[derive(Clone, Copy)]
-struct Group<'a> {
+struct VertexGroup<'a> {
     positions: &'a [Vec3; LANES],
     normals: Option<&'a [Vec3; LANES]>,
     uvs: Option<&'a [Vec2; LANES]>,
@@ -326,7 +326,7 @@ fn put<T: Copy>(out: &mut [T], items: &[T; LANES]) {
 }
 
 /// Eight vertices before they are stored, column by column.
-struct Columns<S: Simd> {
+struct VertexColumns<S: Simd> {
     position: [F32<S>; 2],
     depth: F64<S>,
     inv_w: F32<S>,
@@ -335,9 +335,9 @@ struct Columns<S: Simd> {
     uv: F64<S>,
 }
 
-impl<S: Simd> Columns<S> {
+impl<S: Simd> VertexColumns<S> {
     #[inline(always)]
-    fn store(self, simd: S, out: &mut [Vertex; LANES]) {
+    fn store(self, simd: S, out: &mut [PackedVertex; LANES]) {
         let Self { position: [x, y], depth, inv_w, light, uv } = self;
         let (first, last) = pairs(simd, x, y).interleave(depth);
         let (other_first, other_last) = pairs(simd, inv_w, light).interleave(uv);
@@ -365,18 +365,19 @@ fn quads<S: Simd>(simd: S, doubles: F64<S>) -> [f32x4<S>; 4] {
     [a.bitcast(), b.bitcast(), c.bitcast(), d.bitcast()]
 }
 
-impl Job<'_> {
+impl TransformContext<'_> {
     /// Transforms a batch. Returns whether any vertex lies outside the frustum.
     #[inline(always)]
-    fn run<S: Simd>(&self, simd: S, batch: Batch<'_, '_>) -> bool {
-        let Batch { draw, first, vertices, surfaces, outcodes, .. } = batch;
+    fn run<S: Simd>(&self, simd: S, batch: VertexBatch<'_, '_>) -> bool {
+        let VertexBatch { draw, first, vertices, surfaces, outcodes, .. } = batch;
         let mesh = draw.mesh;
-        let (reads_normals, reads_uvs) = (draw.plan.runs(Part::Normals), draw.plan.runs(Part::TextureCoordinates));
+        let (reads_normals, reads_uvs) =
+            (draw.plan.runs(PipelinePart::Normals), draw.plan.runs(PipelinePart::TextureCoordinates));
         let mut leaves_frustum = false;
         let (mut positions, mut normals, mut uvs) = Default::default();
         for start in (0..vertices.len()).step_by(LANES) {
             let from = first + start;
-            let mut group = Group {
+            let mut group = VertexGroup {
                 positions: eight(&mesh.positions, from, &mut positions),
                 normals: if reads_normals { Some(eight(&mesh.normals, from, &mut normals)) } else { None },
                 uvs: if reads_uvs { Some(eight(&mesh.uvs, from, &mut uvs)) } else { None },
@@ -391,7 +392,7 @@ impl Job<'_> {
             if let Some(whole) = out.first_chunk_mut() {
                 columns.store(simd, whole);
             } else {
-                let mut padded = [Vertex::default(); LANES];
+                let mut padded = [PackedVertex::default(); LANES];
                 columns.store(simd, &mut padded);
                 put(out, &padded);
             }
@@ -410,22 +411,27 @@ impl Job<'_> {
     }
 
     /// Stores further attributes of up to eight vertices with these world-space normals.
-    fn surfaces(&self, draw: &Draw<'_>, first: usize, normals: [[f32; LANES]; 3], out: &mut [Surface]) {
-        let reads_colors = draw.plan.runs(Part::VertexColors);
+    fn surfaces(&self, draw: &InstanceDraw<'_>, first: usize, normals: [[f32; LANES]; 3], out: &mut [PackedSurface]) {
+        let reads_colors = draw.plan.runs(PipelinePart::VertexColors);
         for (i, surface) in out.iter_mut().enumerate() {
             let color = if reads_colors {
                 to_working_space(draw.mesh.colors[first + i], self.settings.color_space)
             } else {
                 Vec3::ONE
             };
-            *surface = Surface::new(Vec3::from_array(normals.map(|axis| axis[i])), color);
+            *surface = PackedSurface::new(Vec3::from_array(normals.map(|axis| axis[i])), color);
         }
     }
 
     /// Returns eight vertices, their clip-space positions and their world-space unit normals, which are zero if none
     /// are read.
     #[inline(always)]
-    fn vertices<S: Simd>(&self, simd: S, draw: &Draw<'_>, group: Group<'_>) -> (Columns<S>, [F32<S>; 4], [F32<S>; 3]) {
+    fn vertices<S: Simd>(
+        &self,
+        simd: S,
+        draw: &InstanceDraw<'_>,
+        group: VertexGroup<'_>,
+    ) -> (VertexColumns<S>, [F32<S>; 4], [F32<S>; 3]) {
         let zero = F32::splat(simd, 0.0);
         let clip = clip_positions(simd, draw, group.positions);
         let (position, depth, inv_w) = self.project(simd, clip);
@@ -447,7 +453,7 @@ impl Job<'_> {
             });
             uv = simd.combine_f64x4(a.combine(b).bitcast(), c.combine(d).bitcast());
         }
-        (Columns { position, depth, inv_w, light, uv }, clip, normal)
+        (VertexColumns { position, depth, inv_w, light, uv }, clip, normal)
     }
 
     /// Projects clip space to the screen: returns the snapped position in grid steps, depth and 1/w.
@@ -465,7 +471,7 @@ impl Job<'_> {
 
 /// Transforms positions from model space to clip space, by component.
 #[inline(always)]
-fn clip_positions<S: Simd>(simd: S, draw: &Draw<'_>, positions: &[Vec3; LANES]) -> [F32<S>; 4] {
+fn clip_positions<S: Simd>(simd: S, draw: &InstanceDraw<'_>, positions: &[Vec3; LANES]) -> [F32<S>; 4] {
     let [x, y, z] = split(simd, positions);
     let columns = draw.matrices.clip_from_model.to_cols_array_2d();
     each!(row in [0, 1, 2, 3] => x * columns[0][row] + y * columns[1][row] + z * columns[2][row] + columns[3][row])

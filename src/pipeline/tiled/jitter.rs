@@ -6,27 +6,27 @@
 
 use std::time::{Duration, Instant};
 
-use super::batch::Batch;
-use super::lattice::{Lattice, TILE};
-use super::locations::{Displaced, Locations, Offsets};
-use super::record::{Entrants, Slot};
-use super::see_through_samples::SeenThrough;
-use super::shade::{Canvas, Shaded, shade_tile};
+use super::batch::TriangleBatch;
+use super::lattice::{TILE, TileLattice};
+use super::multisample_transparency::TransparencyMemory;
+use super::record::{Slot, TileBin};
+use super::sample_positions::{JitteredPositions, Offsets, SamplePositions};
+use super::shade::{ShadingTarget, ShadingWork, shade_tile};
 use super::tile::{Tile, TileCounts};
-use super::{BATCHES, Frame, GROUP, Target, Work, Workspace, keeps_bounds};
+use super::{BATCHES, FrameCounters, GROUP, Target, TiledFrame, Workspace, uses_hiz};
 use crate::image::Rgba8;
 use crate::math::lanes::*;
 use crate::pipeline::grid::SampleGrid;
 
 /// Number of positions from which a sample's position is chosen.
-pub(crate) const PLACES: usize = 16;
+pub(crate) const JITTER_POSITIONS: usize = 16;
 
 /// Sums of colours over the samples of sixteen pixels, channel by channel.
 pub(crate) type Sums = [[f32; WIDE]; 3];
 
 /// Chooses positions of a sample, given by number, for pixels, given by their columns in the full picture and their
 /// row. Writes the index of the chosen position for each pixel.
-pub(crate) type ChosenPlaces<'a> = &'a (dyn Fn(usize, (&[u32], u32), &mut [u8]) + Sync);
+pub(crate) type JitterChoice<'a> = &'a (dyn Fn(usize, (&[u32], u32), &mut [u8]) + Sync);
 
 /// Functions that combine samples into pixels, sixteen at a time.
 #[derive(Clone, Copy)]
@@ -42,15 +42,15 @@ pub(crate) struct SumOfSamples<'a> {
 #[derive(Clone, Copy)]
 pub(crate) struct Jittering<'a> {
     /// Possible positions of each sample, in grid steps of 1/256 px right of and below the centre of its pixel.
-    pub(crate) places: &'a [[[i32; 2]; PLACES]],
+    pub(crate) places: &'a [[[i32; 2]; JITTER_POSITIONS]],
     /// Choice among these positions.
-    pub(crate) chosen: ChosenPlaces<'a>,
+    pub(crate) chosen: JitterChoice<'a>,
     /// Combination of samples into pixels.
     pub(crate) sum: SumOfSamples<'a>,
 }
 
 /// Jittering, prepared for tiles.
-pub(super) struct Jittered<'a> {
+pub(super) struct TileJitter<'a> {
     jittering: Jittering<'a>,
     /// The samples of each pixel.
     samples: Vec<JitteredSample>,
@@ -59,15 +59,15 @@ pub(super) struct Jittered<'a> {
 /// One sample of every pixel.
 struct JitteredSample {
     /// Points; the sample lies to the right of and below its point in every pixel.
-    lattice: Lattice,
+    lattice: TileLattice,
     /// Possible offsets from the points along each axis, in grid steps.
-    offsets: [[f32; PLACES]; 2],
+    offsets: [[f32; JITTER_POSITIONS]; 2],
 }
 
-impl<'a> Jittered<'a> {
+impl<'a> TileJitter<'a> {
     pub(super) fn new(jittering: Jittering<'a>, grid: SampleGrid) -> Self {
-        let centres = Lattice::new(grid);
-        let sample = |places: &[[i32; 2]; PLACES]| {
+        let centres = TileLattice::new(grid);
+        let sample = |places: &[[i32; 2]; JITTER_POSITIONS]| {
             let along = |axis: usize| places.iter().map(move |place| place[axis]);
             let least = [0, 1].map(|axis| along(axis).fold(i32::MAX, i32::min));
             let greatest = [0, 1].map(|axis| along(axis).fold(i32::MIN, i32::max));
@@ -90,7 +90,7 @@ impl<'a> Jittered<'a> {
             (self.jittering.chosen)(number, (&columns, grid.pixel(0, packed_row).1), &mut chosen);
             let [right, below] = offsets.row_mut(row);
             for ((right, below), place) in right.iter_mut().zip(below).zip(chosen) {
-                let place = usize::from(place) % PLACES;
+                let place = usize::from(place) % JITTER_POSITIONS;
                 (*right, *below) = (across[place], down[place]);
             }
         }
@@ -100,15 +100,15 @@ impl<'a> Jittered<'a> {
 /// Memory that is reused from tile to tile.
 #[derive(Clone, Debug, Default)]
 pub(super) struct JitterMemory {
-    groups: Vec<Group>,
+    groups: Vec<TriangleGroup>,
     offsets: Offsets,
     sums: Vec<Sums>,
 }
 
 /// A group of a tile's triangles after setup.
 #[derive(Clone, Debug, Default)]
-struct Group {
-    batches: [Batch; BATCHES],
+struct TriangleGroup {
+    batches: [TriangleBatch; BATCHES],
     /// Bit masks of the triangles that may have a sample in the tile, one per batch.
     alive: [u64; BATCHES],
     /// Bit masks of the triangles whose edge values exceed 32 bits, one per batch.
@@ -118,40 +118,42 @@ struct Group {
 impl JitterMemory {
     /// Returns the number of bytes held.
     pub(super) fn bytes(&self) -> usize {
-        self.groups.capacity() * size_of::<Group>() + self.offsets.bytes() + self.sums.capacity() * size_of::<Sums>()
+        self.groups.capacity() * size_of::<TriangleGroup>()
+            + self.offsets.bytes()
+            + self.sums.capacity() * size_of::<Sums>()
     }
 }
 
 /// Number of [`Sums`], of sixteen pixels each, in a row of a tile.
 const SUMS_PER_ROW: usize = TILE / WIDE;
 
-impl Frame<'_> {
+impl TiledFrame<'_> {
     /// Draws and shades a tile of a picture with jittered samples. Until all samples are added, the picture holds the
     /// current one.
     #[inline(always)]
     pub(super) fn draw_jittered<S: Simd>(
         &self,
         simd: S,
-        jittered: &Jittered<'_>,
+        jittered: &TileJitter<'_>,
         workspace: &mut Workspace,
         mut target: Target<'_>,
-        work: &Work,
+        work: &FrameCounters,
     ) {
         let mut start = Instant::now();
-        let Workspace { tile, entrants, pending, queue, seen_through, jitter, .. } = workspace;
+        let Workspace { tile, bin: entrants, pending, queue, transparency: seen_through, jitter, .. } = workspace;
         let JitterMemory { groups, offsets, sums } = jitter;
-        let SeenThrough { blended, .. } = seen_through;
+        let TransparencyMemory { blended, .. } = seen_through;
         let place = target.place;
-        self.let_enter(target.number, entrants);
+        self.gather_bin(target.number, entrants);
         if entrants.len() == 0 {
             return target.clear_depths(self.rules.clear);
         }
-        groups.resize_with(entrants.len().div_ceil(GROUP), Group::default);
-        for (number, Group { batches, alive, large }) in groups.iter_mut().enumerate() {
+        groups.resize_with(entrants.len().div_ceil(GROUP), TriangleGroup::default);
+        for (number, TriangleGroup { batches, alive, large }) in groups.iter_mut().enumerate() {
             let origin = self.origin(&self.lattice, place);
             (*alive, *large) = self.set_up_group(simd, entrants, batches, number * GROUP, origin);
         }
-        let (mut times, mut counts, mut shaded) = ([Duration::ZERO; 2], TileCounts::default(), Shaded::default());
+        let (mut times, mut counts, mut shaded) = ([Duration::ZERO; 2], TileCounts::default(), ShadingWork::default());
         if target.depths.is_some() {
             self.draw_groups(simd, (tile, &self.lattice), groups, (entrants, place), blended);
             self.write_depths(simd, tile, entrants, &mut target);
@@ -162,11 +164,12 @@ impl Frame<'_> {
         sums.resize(TILE * SUMS_PER_ROW, [[0.0; WIDE]; 3]);
         for (number, JitteredSample { lattice, .. }) in jittered.samples.iter().enumerate() {
             jittered.place(number, self.grid, place, offsets);
-            let locations = Displaced { lattice, offsets };
+            let locations = JitteredPositions { lattice, offsets };
             self.draw_groups(simd, (tile, locations), groups, (entrants, place), blended);
             counts += tile.counts;
             let rasterized = Instant::now();
-            let canvas = Canvas { tile, locations, entrants, pending, queue, place, picture: picture.reborrow() };
+            let canvas =
+                ShadingTarget { tile, locations, bin: entrants, pending, queue, place, picture: picture.reborrow() };
             shaded += shade_tile(simd, self, canvas);
             if !blended.is_empty() {
                 shaded += self.blend(simd, (tile, locations), (entrants, blended), place, queue, &mut picture);
@@ -192,18 +195,18 @@ impl Frame<'_> {
     fn draw_groups<S: Simd>(
         &self,
         simd: S,
-        (tile, locations): (&mut Tile, impl Locations),
-        groups: &[Group],
-        (entrants, place): (&Entrants, (usize, usize)),
+        (tile, locations): (&mut Tile, impl SamplePositions),
+        groups: &[TriangleGroup],
+        (entrants, place): (&TileBin, (usize, usize)),
         blended: &mut Vec<Slot>,
     ) {
-        let bounded = groups.first().is_none_or(|first| keeps_bounds(entrants.len(), &first.batches, &first.alive));
+        let bounded = groups.first().is_none_or(|first| uses_hiz(entrants.len(), &first.batches, &first.alive));
         tile.clear(&self.rules, bounded);
         blended.clear();
         let lattice = locations.lattice();
         let (_, first) = self.origin(lattice, place);
         let owner = self.owner(entrants, lattice, place);
-        for (group, Group { batches, alive, large }) in groups.iter().enumerate() {
+        for (group, TriangleGroup { batches, alive, large }) in groups.iter().enumerate() {
             for (number, batch) in batches.iter().enumerate().filter(|(number, _)| alive[*number] != 0) {
                 let (within, moved) = batch.moved(simd, lattice, first);
                 let mut alive = alive[number] & within;

@@ -5,20 +5,20 @@
 
 use glam::Vec3;
 
-use super::Frame;
+use super::TiledFrame;
 use super::gather::Taps;
 use super::geometry::lambert_lanes;
-use super::lattice::{BLOCK, Lattice, TILE};
+use super::lattice::{BLOCK, TILE, TileLattice};
 use super::mipmap::CoarseTaps;
 use super::queue::{Queue, QueuedPair, QueuedRow, make_room};
-use super::record::{One, Record, Source, Subject};
-use super::setup::Edges;
-use super::shader::{DrawShader, Light, Plan};
-use super::target::Picture;
+use super::record::{One, Record, ShadedTriangle, TriangleSource};
+use super::setup::EdgeFunctions;
+use super::shader::{DrawShader, LightSource, ShadingPlan};
+use super::target::ColorRows;
 use crate::image::Rgba8;
 use crate::math::lanes::*;
 use crate::pipeline::interpolate::interpolate;
-use crate::pipeline::raster::Sample;
+use crate::pipeline::raster::RasterSample;
 use crate::pipeline::viewport::ScreenTriangle;
 
 /// Rows of samples of a block, or of adjacent blocks.
@@ -52,11 +52,11 @@ pub(super) const ALL: u32 = (1 << LANES) - 1;
 #[inline(never)]
 pub(super) fn shade_uniform<S: Simd>(
     simd: S,
-    frame: &Frame<'_>,
-    subject: &Subject<'_>,
+    frame: &TiledFrame<'_>,
+    subject: &ShadedTriangle<'_>,
     patch: &Patch,
     queue: &mut Queue,
-    picture: &mut Picture<'_>,
+    picture: &mut ColorRows<'_>,
 ) {
     simd.vectorize(
         #[inline(always)]
@@ -95,14 +95,16 @@ pub(super) trait EdgeRows<S: Simd> {
 #[inline(always)]
 pub(super) fn shade_rows<S: Simd>(
     simd: S,
-    frame: &Frame<'_>,
-    subject: &Subject<'_>,
+    frame: &TiledFrame<'_>,
+    subject: &ShadedTriangle<'_>,
     patch: &Patch,
-    queue_and_picture: (&mut Queue, &mut Picture<'_>),
+    queue_and_picture: (&mut Queue, &mut ColorRows<'_>),
     edges: &mut impl EdgeRows<S>,
 ) {
     match frame.shader(subject.draw).plan {
-        Plan::COMMON => shade_blocks(simd, frame, (subject, Plan::COMMON), patch, queue_and_picture, edges),
+        ShadingPlan::COMMON => {
+            shade_blocks(simd, frame, (subject, ShadingPlan::COMMON), patch, queue_and_picture, edges)
+        }
         plan => shade_blocks(simd, frame, (subject, plan), patch, queue_and_picture, edges),
     }
 }
@@ -111,13 +113,13 @@ pub(super) fn shade_rows<S: Simd>(
 #[inline(always)]
 fn shade_blocks<S: Simd>(
     simd: S,
-    frame: &Frame<'_>,
-    (subject, plan): (&Subject<'_>, Plan),
+    frame: &TiledFrame<'_>,
+    (subject, plan): (&ShadedTriangle<'_>, ShadingPlan),
     patch: &Patch,
-    (queue, picture): (&mut Queue, &mut Picture<'_>),
+    (queue, picture): (&mut Queue, &mut ColorRows<'_>),
     edges: &mut impl EdgeRows<S>,
 ) {
-    let Subject { one, draw, .. } = *subject;
+    let ShadedTriangle { one, draw, .. } = *subject;
     let (shader, number) = (frame.shader(draw), frame.shader_of_draw[draw]);
     let pairs = (patch.end - patch.first).div_ceil(2);
     let mut ahead = [StoredWeights::default(); BLOCK / 2];
@@ -135,7 +137,7 @@ fn shade_blocks<S: Simd>(
 #[inline(always)]
 fn interpolate_rows<S: Simd>(
     simd: S,
-    (shader, plan): (&DrawShader<'_>, Plan),
+    (shader, plan): (&DrawShader<'_>, ShadingPlan),
     one: One<'_>,
     (patch, (start, stride)): (&Patch, (usize, usize)),
     (pairs, taps, coarse): (&mut [QueuedPair], &mut [Taps], &mut [CoarseTaps]),
@@ -160,7 +162,7 @@ fn interpolate_rows<S: Simd>(
 /// Edge values of up to eight rows of a triangle whose edge values fit into 32 bits. Sums wrap around, and are correct
 /// where the triangle covers the sample.
 struct IntegerRows<'a, S: Simd> {
-    lattice: &'a Lattice,
+    lattice: &'a TileLattice,
     /// Change of the edge values per grid step to the right.
     a: [i32; 2],
     /// Edge values of the eight samples of a block's row, relative to its start, twice.
@@ -172,7 +174,7 @@ struct IntegerRows<'a, S: Simd> {
 
 impl<'a, S: Simd> IntegerRows<'a, S> {
     #[inline(always)]
-    fn new(simd: S, lattice: &'a Lattice, record: &Record, patch: &Patch) -> Self {
+    fn new(simd: S, lattice: &'a TileLattice, record: &Record, patch: &Patch) -> Self {
         let [y, shift] = lattice.rows_i32(simd, patch.first);
         let ([a0, b0, c0], [a1, b1, c1], doubled_area) = record.integer_edges();
         let down = each!((a, b, c) in [(a0, b0, c0), (a1, b1, c1)] => (y * b + shift * a + c).to_array());
@@ -203,7 +205,7 @@ impl<S: Simd> EdgeRows<S> for IntegerRows<'_, S> {
 
 /// Edge values of up to eight rows of any triangle, in doubles.
 struct ExactRows<'a, S: Simd> {
-    lattice: &'a Lattice,
+    lattice: &'a TileLattice,
     /// Change of the edge values per grid step to the right.
     a: [f64; 3],
     /// Edge values of the eight samples of a block's row, relative to its start.
@@ -214,8 +216,8 @@ struct ExactRows<'a, S: Simd> {
 
 impl<'a, S: Simd> ExactRows<'a, S> {
     #[inline(always)]
-    fn new(simd: S, lattice: &'a Lattice, edges: &Edges, patch: &Patch) -> Self {
-        let Edges { a, b, c } = *edges;
+    fn new(simd: S, lattice: &'a TileLattice, edges: &EdgeFunctions, patch: &Patch) -> Self {
+        let EdgeFunctions { a, b, c } = *edges;
         let steps = &lattice.doubles;
         let y = F64::load_array_ref(simd, &steps.rows) + steps.row(patch.first);
         let shift = F64::load_array_ref(simd, steps.shifts(patch.first));
@@ -244,7 +246,7 @@ impl<S: Simd> EdgeRows<S> for ExactRows<'_, S> {
 /// Shades a row by the functions of the classic path. Not inlined into lane code, where it would spill registers.
 #[inline(never)]
 pub(super) fn one_by_one(
-    frame: &Frame<'_>,
+    frame: &TiledFrame<'_>,
     shader: &DrawShader<'_>,
     triangle: &ScreenTriangle,
     patch: &Patch,
@@ -256,7 +258,7 @@ pub(super) fn one_by_one(
     for (lane, pixel) in out.iter_mut().enumerate().filter(|(lane, _)| patch.mine >> lane & 1 != 0) {
         let column = (patch.tile.0 * TILE + patch.column + lane) as u32;
         let (x, y) = frame.grid.pixel(column, row);
-        let sample = Sample { column, row, x, y, edges: edges.map(|e| e[lane]) };
+        let sample = RasterSample { column, row, x, y, edges: edges.map(|e| e[lane]) };
         let fragment = interpolate(triangle, sample, shader.shader.attributes());
         *pixel = shader.shader.shade(&fragment, triangle);
     }
@@ -265,7 +267,7 @@ pub(super) fn one_by_one(
 /// Returns the edge values of any triangle at positions right of and below the centre of the tile's first pixel, in
 /// grid steps.
 #[inline(always)]
-pub(super) fn exact_at<S: Simd>(simd: S, edges: &Edges, places: [i32x16<S>; 2]) -> [f32x16<S>; 3] {
+pub(super) fn exact_at<S: Simd>(simd: S, edges: &EdgeFunctions, places: [i32x16<S>; 2]) -> [f32x16<S>; 3] {
     // Offsets are small enough for floats to hold them exactly.
     let [(x0, x1), (y0, y1)] = each!(axis in [0, 1] => places[axis].to_float::<f32x16<S>>().split());
     let [first, last] = each!((x, y) in [(x0, y0), (x1, y1)] => {
@@ -277,7 +279,7 @@ pub(super) fn exact_at<S: Simd>(simd: S, edges: &Edges, places: [i32x16<S>; 2]) 
 
 /// Interpolation weights of attributes at sixteen samples.
 #[derive(Clone, Copy)]
-pub(super) struct Weights<S: Simd> {
+pub(super) struct AttributeWeights<S: Simd> {
     /// Weights of the second and the third vertex.
     pub(super) of_corners: [f32x16<S>; 2],
     /// Reciprocal of the sum of the edge values, each times the relative 1/w of its vertex.
@@ -297,8 +299,8 @@ impl StoredWeights {
     #[inline(always)]
     pub(super) fn store<S: Simd>(
         &mut self,
-        plan: Plan,
-        Weights { of_corners: [second, third], inverse_sum }: Weights<S>,
+        plan: ShadingPlan,
+        AttributeWeights { of_corners: [second, third], inverse_sum }: AttributeWeights<S>,
     ) {
         second.store_array(&mut self.of_corners[0]);
         third.store_array(&mut self.of_corners[1]);
@@ -308,13 +310,13 @@ impl StoredWeights {
     }
 
     #[inline(always)]
-    pub(super) fn load<S: Simd>(&self, simd: S) -> Weights<S> {
+    pub(super) fn load<S: Simd>(&self, simd: S) -> AttributeWeights<S> {
         let [second, third, inverse_sum] = each!(of in [&self.of_corners[0], &self.of_corners[1], &self.inverse_sum] => f32x16::load_array_ref(simd, of));
-        Weights { of_corners: [second, third], inverse_sum }
+        AttributeWeights { of_corners: [second, third], inverse_sum }
     }
 }
 
-impl<S: Simd> Weights<S> {
+impl<S: Simd> AttributeWeights<S> {
     /// Moves samples outside `mine` to the first vertex, so that meaningless values there do no harm.
     #[inline(always)]
     pub(super) fn of_some(self, simd: S, mine: u32) -> Self {
@@ -324,7 +326,7 @@ impl<S: Simd> Weights<S> {
 
     /// Returns the change of the weights per pixel to the right, and per pixel down.
     #[inline(always)]
-    pub(super) fn gradient(&self, simd: S, source: impl Source) -> [[f32x16<S>; 2]; 2] {
+    pub(super) fn gradient(&self, simd: S, source: impl TriangleSource) -> [[f32x16<S>; 2]; 2] {
         let (slopes, relative_inv_w) = (source.edge_slopes(simd), source.relative_inv_w(simd));
         each!(slopes in [slopes[0], slopes[1]] => {
             let q = each!(i in [0, 1, 2] => slopes[i] * relative_inv_w[i]);
@@ -336,20 +338,24 @@ impl<S: Simd> Weights<S> {
 
 /// Computes weights from edge values.
 #[inline(always)]
-pub(super) fn corner_weights<S: Simd>(simd: S, e: [f32x16<S>; 3], relative_inv_w: [f32x16<S>; 3]) -> Weights<S> {
+pub(super) fn corner_weights<S: Simd>(
+    simd: S,
+    e: [f32x16<S>; 3],
+    relative_inv_w: [f32x16<S>; 3],
+) -> AttributeWeights<S> {
     let q = each!(i in [0, 1, 2] => e[i] * relative_inv_w[i]);
     let inverse_sum = f32x16::splat(simd, 1.0) / (q[0] + q[1] + q[2]);
-    Weights { of_corners: [q[1] * inverse_sum, q[2] * inverse_sum], inverse_sum }
+    AttributeWeights { of_corners: [q[1] * inverse_sum, q[2] * inverse_sum], inverse_sum }
 }
 
 /// Finds the texels that are read, if any are.
 #[inline(always)]
-pub(super) fn locate_texels<S: Simd, O: Source>(
+pub(super) fn locate_texels<S: Simd, O: TriangleSource>(
     simd: S,
     shader: &DrawShader<'_>,
-    plan: Plan,
+    plan: ShadingPlan,
     source: O,
-    weights: Weights<S>,
+    weights: AttributeWeights<S>,
     (taps, coarse): (&mut Taps, Option<&mut CoarseTaps>),
 ) {
     let (Some(texture), Some(layout)) = (&shader.texture, plan.texture) else { return };
@@ -375,16 +381,16 @@ pub(super) fn locate_texels<S: Simd, O: Source>(
 pub(super) fn interpolate_pair<S: Simd>(
     simd: S,
     shader: &DrawShader<'_>,
-    plan: Plan,
-    source: impl Source,
-    weights: Weights<S>,
+    plan: ShadingPlan,
+    source: impl TriangleSource,
+    weights: AttributeWeights<S>,
     (pair, taps): (&mut QueuedPair, (&mut Taps, Option<&mut CoarseTaps>)),
 ) {
     let of_corners = weights.of_corners;
     match plan.light {
-        Light::None => {}
-        Light::Vertices => source.light(simd).at(of_corners).store_array(&mut pair.light),
-        Light::Normals => {
+        LightSource::None => {}
+        LightSource::Vertices => source.light(simd).at(of_corners).store_array(&mut pair.light),
+        LightSource::Normals => {
             let normal = source.normal(simd);
             let normal = each!(axis in [0, 1, 2] => normal[axis].at(of_corners));
             let ambient = shader.shader.settings.light.ambient;

@@ -22,11 +22,11 @@ const SHIFTS: usize = 4;
 
 /// Sample positions relative to a tile's first sample, in grid steps of 1/256 px.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Lattice {
+pub(super) struct TileLattice {
     grid: SampleGrid,
     /// Distances as doubles; `integers` holds the same as integers.
-    pub(super) doubles: Steps<f64>,
-    pub(super) integers: Steps<i32>,
+    pub(super) doubles: LatticeSteps<f64>,
+    pub(super) integers: LatticeSteps<i32>,
     /// Whether the distance between rows is a power of two.
     has_exact_reciprocal: bool,
     /// Offset of the samples, or of the points that they are jittered around, from the pixel centres, in grid steps.
@@ -37,7 +37,7 @@ pub(super) struct Lattice {
 
 /// Distances of samples from a tile's first one, in grid steps. All numbers are integers.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Steps<T> {
+pub(super) struct LatticeSteps<T> {
     /// Distance from one row to the next.
     row_step: T,
     /// Distance to the next row in all lanes, loaded as is for products. `row_after_next` is that to the row after the
@@ -61,7 +61,7 @@ pub(super) struct Steps<T> {
     pub(super) block: [T; 2],
 }
 
-impl<T: EdgeNumber> Steps<T> {
+impl<T: EdgeNumber> LatticeSteps<T> {
     fn new(grid: SampleGrid) -> Self {
         let of = |steps: i64| T::of(steps as i32);
         let column = |column: usize| i64::from(grid.pixel(column as u32, 0).0 - grid.pixel(0, 0).0) * SUBPIXELS;
@@ -118,14 +118,14 @@ fn shift_of(grid: SampleGrid, row: usize) -> i64 {
     }
 }
 
-impl Lattice {
+impl TileLattice {
     /// Creates the lattice of pixel centres.
     pub(super) fn new(grid: SampleGrid) -> Self {
-        let doubles = Steps::<f64>::new(grid);
+        let doubles = LatticeSteps::<f64>::new(grid);
         Self {
             grid,
             doubles,
-            integers: Steps::new(grid),
+            integers: LatticeSteps::new(grid),
             has_exact_reciprocal: (doubles.row_step as u64).is_power_of_two(),
             offset: [0; 2],
             reach: [[0.0; 2]; 2],
@@ -180,7 +180,7 @@ impl Lattice {
     /// Returns the distance from the first sample of a tile to the last one along both axes, in grid steps.
     #[inline(always)]
     pub(super) fn tile_extent(&self) -> [f64; 2] {
-        let Steps { blocks, block: [width, height], .. } = &self.doubles;
+        let LatticeSteps { blocks, block: [width, height], .. } = &self.doubles;
         [blocks[BLOCKS - 1] + width, self.doubles.row((BLOCKS - 1) * BLOCK) + height]
     }
 
@@ -234,7 +234,7 @@ impl Lattice {
     }
 }
 
-impl Lattice {
+impl TileLattice {
     /// Divides grid steps by the row step. The reciprocal of a power of two is exact, and a product is faster than a
     /// quotient.
     #[inline(always)]
@@ -269,7 +269,7 @@ mod tests {
         let grids = [1, 2, 3, 4, 5].map(|step| SampleGrid::Block { step });
         let mut random = fastrand::Rng::with_seed(9);
         for grid in grids.into_iter().chain([SampleGrid::Checkerboard, SampleGrid::OddCheckerboard]) {
-            let centres = Lattice::new(grid);
+            let centres = TileLattice::new(grid);
             let samples = [
                 centres.moved([-33, 5]),
                 centres.with_samples(&[[-96, 32], [97, -128]]),

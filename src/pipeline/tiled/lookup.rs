@@ -1,18 +1,18 @@
 //! Lookup of a frame's triangles by key, in the layout for lanes and in that of the classic path.
 
-use super::Frame;
-use super::bins::Key;
-use super::geometry::{Arrays, Surface, Vertex};
-use super::record::Entrant;
-use super::setup::{self, Corner};
+use super::TiledFrame;
+use super::bins::TriangleKey;
+use super::geometry::{Arrays, PackedSurface, PackedVertex};
+use super::record::BinEntry;
+use super::setup::{self, SnappedVertex};
 use super::shader::DrawShader;
 use crate::math::fixed::to_pixels;
-use crate::pipeline::plan::Part;
+use crate::pipeline::plan::PipelinePart;
 use crate::pipeline::viewport::{ScreenTriangle, ScreenVertex, relative_inv_w};
 use crate::scene::TriangleId;
 use crate::scene::material::Transparency;
 
-impl Frame<'_> {
+impl TiledFrame<'_> {
     /// Whether samples can be shaded together whatever draws they belong to.
     pub(super) fn are_all_alike(&self) -> bool {
         self.shader_of_draw.iter().all(|first| *first == 0) && self.shaders.iter().all(|shader| shader.on_lanes)
@@ -25,13 +25,13 @@ impl Frame<'_> {
 
     /// Returns the transparency of a triangle's material.
     #[inline(always)]
-    pub(super) fn transparency(&self, entrant: Entrant) -> Transparency {
+    pub(super) fn transparency(&self, entrant: BinEntry) -> Transparency {
         self.shader(entrant.draw as usize).shader.transparency()
     }
 
     /// Returns the scene's triangle for a key.
     #[inline(always)]
-    pub(super) fn id_of(&self, key: Key) -> TriangleId {
+    pub(super) fn id_of(&self, key: TriangleKey) -> TriangleId {
         match key.as_piece() {
             Some((chunk, index)) => self.chunks[chunk].pieces[index].id,
             None => TriangleId(key.0),
@@ -40,22 +40,22 @@ impl Frame<'_> {
 
     /// Returns the index of the draw that a triangle belongs to.
     #[inline(always)]
-    pub(super) fn draw_of(&self, key: Key) -> usize {
+    pub(super) fn draw_of(&self, key: TriangleKey) -> usize {
         let id = self.id_of(key);
         self.draws.partition_point(|draw| draw.first <= id) - 1
     }
 
     #[inline(always)]
-    pub(super) fn is_of_draw(&self, key: Key, draw: usize) -> bool {
+    pub(super) fn is_of_draw(&self, key: TriangleKey, draw: usize) -> bool {
         let first = self.draws[draw].first.0;
         let id = self.id_of(key).0;
         id >= first && id - first < self.draws[draw].mesh.triangles.len() as u32
     }
 
     #[inline(always)]
-    pub(super) fn corners(&self, key: Key, draw: usize) -> [Corner; 3] {
+    pub(super) fn corners(&self, key: TriangleKey, draw: usize) -> [SnappedVertex; 3] {
         match key.as_piece() {
-            Some((chunk, index)) => self.chunks[chunk].pieces[index].vertices.each_ref().map(Corner::from),
+            Some((chunk, index)) => self.chunks[chunk].pieces[index].vertices.each_ref().map(SnappedVertex::from),
             None => {
                 let [a, b, c] = self.draws[draw].corners(key.0);
                 let vertices = &self.arrays.vertices;
@@ -65,14 +65,14 @@ impl Frame<'_> {
     }
 
     #[inline(always)]
-    pub(super) fn vertices(&self, key: Key, draw: usize) -> [&Vertex; 3] {
+    pub(super) fn vertices(&self, key: TriangleKey, draw: usize) -> [&PackedVertex; 3] {
         let [a, b, c] = self.records(key, draw);
         [a.0, b.0, c.0]
     }
 
     /// Returns the vertices of a triangle in the layout for lanes, with further attributes if the frame has any.
     #[inline(always)]
-    pub(super) fn records(&self, key: Key, draw: usize) -> [(&Vertex, Option<&Surface>); 3] {
+    pub(super) fn records(&self, key: TriangleKey, draw: usize) -> [(&PackedVertex, Option<&PackedSurface>); 3] {
         match key.as_piece() {
             Some((chunk, index)) => {
                 let [a, b, c] = &self.chunks[chunk].corners[index];
@@ -87,7 +87,7 @@ impl Frame<'_> {
     }
 
     /// Returns a triangle in the layout of the classic path.
-    pub(super) fn screen_triangle(&self, key: Key, draw: usize) -> ScreenTriangle {
+    pub(super) fn screen_triangle(&self, key: TriangleKey, draw: usize) -> ScreenTriangle {
         if let Some((chunk, index)) = key.as_piece() {
             return self.chunks[chunk].pieces[index];
         }
@@ -108,14 +108,14 @@ impl Frame<'_> {
                 varyings,
             }
         });
-        let corners = vertices.each_ref().map(Corner::from);
-        let area = setup::Edges::new(&corners, [0.0; 2]).map_or(0.0, |(_, doubled_area)| doubled_area);
+        let corners = vertices.each_ref().map(SnappedVertex::from);
+        let area = setup::EdgeFunctions::new(&corners, [0.0; 2]).map_or(0.0, |(_, doubled_area)| doubled_area);
         ScreenTriangle {
             id: TriangleId(key.0),
             instance: draw.instance,
             doubled_area: area,
             depth: self.scale.over(&vertices, area),
-            relative_inv_w: if draw.plan.runs(Part::PerspectiveDivision) {
+            relative_inv_w: if draw.plan.runs(PipelinePart::PerspectiveDivision) {
                 relative_inv_w(&vertices)
             } else {
                 [1.0; 3]

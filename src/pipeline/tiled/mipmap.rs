@@ -6,10 +6,10 @@
 //! [`uv_gradient`]: crate::pipeline::interpolate::uv_gradient
 //! [`Sampler::levels`]: crate::pipeline::sample::Sampler::levels
 
-use super::axis::{Axis, below_repeated};
+use super::axis::{TexelAxis, below_repeated};
 use super::gather::Taps;
-use super::kernel::Weights;
-use super::record::Source;
+use super::kernel::AttributeWeights;
+use super::record::TriangleSource;
 use super::texture::{Images, Layout, TextureReader};
 use crate::math::lanes::*;
 use crate::math::log2::log2_lanes;
@@ -51,8 +51,8 @@ impl TextureReader<'_> {
         &self,
         simd: S,
         layout: Layout,
-        source: impl Source,
-        weights: Weights<S>,
+        source: impl TriangleSource,
+        weights: AttributeWeights<S>,
         (fine, coarse): (&mut Taps, &mut CoarseTaps),
     ) {
         simd.vectorize(
@@ -134,7 +134,7 @@ impl TextureReader<'_> {
         for (uv, (first, width, height), lane) in
             [([u0, v0], (first0, width0, height0), 0), ([u1, v1], (first1, width1, height1), LANES)]
         {
-            let axes = each!(length in [width, height] => Axis::of(simd, length));
+            let axes = each!(length in [width, height] => TexelAxis::of(simd, length));
             let images = Images { first, axes };
             self.locate_eight(simd, layout, &images, uv, taps, lane);
         }

@@ -4,16 +4,16 @@
 //! covers it, otherwise at the first sample that it covers, visible there or not. Fragments are shaded sixteen at a
 //! time, whatever pixels they belong to.
 
-use super::Frame;
+use super::TiledFrame;
 use super::kernel::ALL;
-use super::lattice::{BLOCK, BLOCKS, Lattice, TILE, TILE_SAMPLES};
-use super::multisample::{Picks, Planes};
+use super::lattice::{BLOCK, BLOCKS, TILE, TILE_SAMPLES, TileLattice};
+use super::multisample::{Picks, SamplePlanes};
 use super::pending::{Pending, Scattered};
 use super::queue::Queue;
-use super::record::{Entrant, Entrants, Many, Slot, Source as _};
-use super::setup::least_inside;
-use super::shade::{Job, Shaded};
-use super::target::{Picture, TileRows};
+use super::record::{BinEntry, Many, Slot, TileBin, TriangleSource as _};
+use super::setup::inside_thresholds;
+use super::shade::{ShadingJob, ShadingWork};
+use super::target::{ColorRows, TileRows};
 use super::tile::Tile;
 use crate::image::Rgba8;
 use crate::math::lanes::*;
@@ -31,7 +31,7 @@ pub(super) struct MixedPixels {
     colors: Vec<Rgba8>,
     means: Vec<Rgba8>,
     /// Triangles of eight pixels, for each sample.
-    seen: Vec<[u32; LANES]>,
+    slots: Vec<[u32; LANES]>,
 }
 
 /// Index of the background colour.
@@ -45,9 +45,9 @@ impl MixedPixels {
     pub(super) fn bytes(&self) -> usize {
         self.places.capacity() * size_of::<(usize, usize)>()
             + self.picks.capacity() * size_of::<Picks>()
-            + self.fragments.list.capacity() * size_of::<Sixteen>()
+            + self.fragments.list.capacity() * size_of::<SixteenFragments>()
             + (self.colors.capacity() + self.means.capacity()) * size_of::<Rgba8>()
-            + self.seen.capacity() * size_of::<[u32; LANES]>()
+            + self.slots.capacity() * size_of::<[u32; LANES]>()
     }
 
     /// Separates the pixels of a tile. Pixels whose samples all see the same triangle go to `agreed`, which holds no
@@ -56,7 +56,7 @@ impl MixedPixels {
     pub(super) fn find<S: Simd>(
         &mut self,
         simd: S,
-        lattice: &Lattice,
+        lattice: &TileLattice,
         samples: &[Tile],
         agreed: &mut Tile,
         (columns, rows): (usize, usize),
@@ -76,10 +76,10 @@ impl MixedPixels {
             let column = bx * BLOCK;
             let within = ALL >> (LANES - (columns - column).min(LANES));
             for row in by * BLOCK..((by + 1) * BLOCK).min(rows) {
-                let slots = first.seen(simd, column, row);
+                let slots = first.visible_slots(simd, column, row);
                 let mut same = u64::MAX;
                 for sample in others {
-                    same &= sample.seen(simd, column, row).simd_eq(slots).to_bitmask();
+                    same &= sample.visible_slots(simd, column, row).simd_eq(slots).to_bitmask();
                 }
                 let nothing = u32x8::splat(simd, Slot::NONE.0);
                 agreed.set_seen(column, row, mask32x8::from_bitmask(simd, same).select(slots, nothing));
@@ -96,14 +96,14 @@ impl MixedPixels {
     fn list<S: Simd>(
         &mut self,
         simd: S,
-        lattice: &Lattice,
+        lattice: &TileLattice,
         samples: &[Tile],
         (column, row): (usize, usize),
         mut mixed: u32,
     ) {
-        self.seen.clear();
+        self.slots.clear();
         for sample in samples {
-            self.seen.push(sample.seen(simd, column, row).to_array());
+            self.slots.push(sample.visible_slots(simd, column, row).to_array());
         }
         while mixed != 0 {
             let lane = mixed.trailing_zeros() as usize;
@@ -116,7 +116,7 @@ impl MixedPixels {
     /// Lists a pixel: its column and row, its centre relative to the tile's first one in grid steps, and its lane of
     /// eight.
     fn push(&mut self, place: (usize, usize), centre: [i32; 2], lane: usize) {
-        let Self { places, picks, fragments, seen, .. } = self;
+        let Self { places, picks, fragments, slots: seen, .. } = self;
         let (sixteen, pixel) = (places.len() / WIDE, places.len() % WIDE);
         places.push(place);
         if pixel == 0 {
@@ -139,16 +139,16 @@ impl MixedPixels {
     pub(super) fn shade<S: Simd>(
         &mut self,
         simd: S,
-        frame: &Frame<'_>,
-        planes: &Planes<'_>,
-        (entrants, pending, queue): (&Entrants, &mut Pending, &mut Queue),
+        frame: &TiledFrame<'_>,
+        planes: &SamplePlanes<'_>,
+        (entrants, pending, queue): (&TileBin, &mut Pending, &mut Queue),
         tile: (usize, usize),
-    ) -> Shaded {
+    ) -> ShadingWork {
         let Self { places, picks, fragments, colors, means, .. } = self;
         colors.clear();
         colors.resize(FIRST + fragments.list.len() * WIDE, frame.background);
         let picture = TileRows { values: colors, stride: 0, left: 0, size: (0, 0) };
-        let mut job = Job::new(frame, &frame.lattice, (entrants, pending, queue), tile, picture);
+        let mut job = ShadingJob::new(frame, &frame.lattice, (entrants, pending, queue), tile, picture);
         for (number, sixteen) in fragments.list.iter().enumerate() {
             let count = (fragments.len - number * WIDE).min(WIDE);
             let open = u32::MAX >> (u32::BITS as usize - count);
@@ -173,7 +173,7 @@ impl MixedPixels {
     }
 
     /// Writes the colours of the mixed pixels.
-    pub(super) fn write(&self, picture: &mut Picture<'_>) {
+    pub(super) fn write(&self, picture: &mut ColorRows<'_>) {
         for ((column, row), color) in self.places.iter().zip(&self.means) {
             picture.values[row * picture.stride + picture.left + column] = *color;
         }
@@ -183,14 +183,14 @@ impl MixedPixels {
 /// Fragments: pairs of a triangle and a pixel.
 #[derive(Clone, Debug, Default)]
 struct Fragments {
-    list: Vec<Sixteen>,
+    list: Vec<SixteenFragments>,
     len: usize,
 }
 
 /// Sixteen fragments.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-pub(super) struct Sixteen {
+pub(super) struct SixteenFragments {
     /// Slots of the triangles; the first triangle in unused lanes.
     slots: [u32; WIDE],
     /// Columns and rows of the pixels within the tile.
@@ -212,9 +212,9 @@ impl Fragments {
         let place = known.unwrap_or_else(|| {
             let lane = self.len % WIDE;
             if lane == 0 {
-                self.list.push(Sixteen { slots: [0; WIDE], pixels: [(0, 0); WIDE], centres: [[0; WIDE]; 2] });
+                self.list.push(SixteenFragments { slots: [0; WIDE], pixels: [(0, 0); WIDE], centres: [[0; WIDE]; 2] });
             }
-            if let Some(Sixteen { slots, pixels, centres }) = self.list.last_mut() {
+            if let Some(SixteenFragments { slots, pixels, centres }) = self.list.last_mut() {
                 (slots[lane], pixels[lane]) = (slot, (column as u8, row as u8));
                 (centres[0][lane], centres[1][lane]) = (x, y);
             }
@@ -225,14 +225,14 @@ impl Fragments {
     }
 }
 
-impl Job<'_, &Lattice> {
+impl ShadingJob<'_, &TileLattice> {
     /// Shades the fragments selected by `open`, each at the first of the `offsets` in its pixel that its triangle
     /// covers. Colours are written from `start` on.
     #[inline(always)]
     fn fragments<S: Simd>(
         &mut self,
         simd: S,
-        (fragments, mut open): (&Sixteen, u32),
+        (fragments, mut open): (&SixteenFragments, u32),
         offsets: &[[i32; 2]],
         start: usize,
     ) {
@@ -245,7 +245,7 @@ impl Job<'_, &Lattice> {
         }
         while open != 0 {
             let lane = open.trailing_zeros() as usize;
-            let draw = self.entrants.get(Slot(slots[lane])).draw as usize;
+            let draw = self.bin.get(Slot(slots[lane])).draw as usize;
             if self.frame.shader(draw).on_lanes {
                 let number = self.frame.shader_of_draw[draw];
                 let mine = self.shaded_by(number, open, slots);
@@ -265,7 +265,7 @@ impl Job<'_, &Lattice> {
     fn shading_places<S: Simd>(
         &mut self,
         simd: S,
-        fragments: &Sixteen,
+        fragments: &SixteenFragments,
         open: u32,
         offsets: &[[i32; 2]],
     ) -> [[i32; WIDE]; 2] {
@@ -273,8 +273,7 @@ impl Job<'_, &Lattice> {
         let centres = each!(axis in [0, 1] => i32x16::load_array_ref(simd, &fragments.centres[axis]));
         self.find_large(simd, open, &fragments.slots);
         let of_large = self.large.iter().fold(0, |all, (lanes, _)| all | lanes);
-        let mut places =
-            first_covered(simd, self.entrants.many(&fragments.slots), centres, open & !of_large, offsets, rule);
+        let mut places = first_covered(simd, self.bin.many(&fragments.slots), centres, open & !of_large, offsets, rule);
         for (lanes, edges) in &self.large {
             for lane in (0..WIDE).filter(|lane| lanes >> lane & 1 != 0) {
                 let place = edges.first_covered(fragments.centres.map(|along| along[lane]), offsets, rule);
@@ -286,7 +285,7 @@ impl Job<'_, &Lattice> {
 
     /// Shades one fragment by the functions of the classic path.
     fn by_itself(&mut self, slot: Slot, pixel: (usize, usize), place: [i32; 2]) -> Rgba8 {
-        let Entrant { key, draw } = self.entrants.get(slot);
+        let BinEntry { key, draw } = self.bin.get(slot);
         let frame = self.frame;
         let (draw, shader) = (draw as usize, frame.shader(draw as usize));
         self.shaded.add(shader, 1);
@@ -318,7 +317,8 @@ fn first_covered<S: Simd>(
     let (zero, one) = (i32x16::splat(simd, 0), i32x16::splat(simd, 1));
     let edges = [(a0, b0, e0), (a1, b1, e1), (zero - a0 - a1, zero - b0 - b1, area - e0 - e1)];
     // Inside of an edge, no value is negative.
-    let edges = each!((a, b, e) in [edges[0], edges[1], edges[2]] => (a, b, e - least_inside([zero, one], a, b, rule)));
+    let edges =
+        each!((a, b, e) in [edges[0], edges[1], edges[2]] => (a, b, e - inside_thresholds([zero, one], a, b, rule)));
     let mut moved = [zero; 2];
     for [right, down] in offsets {
         let [e0, e1, e2] = each!((a, b, e) in [edges[0], edges[1], edges[2]] => e + a * *right + b * *down);

@@ -20,7 +20,6 @@ mod batch;
 mod bins;
 mod clusters;
 mod depths;
-mod displaced;
 mod edge_number;
 mod entry;
 mod few;
@@ -29,11 +28,11 @@ mod geometry;
 mod jitter;
 mod kernel;
 mod lattice;
-mod locations;
 mod lookup;
 mod mipmap;
 mod mixed;
 mod multisample;
+mod multisample_transparency;
 mod outcode;
 mod pending;
 mod pixel_samples;
@@ -41,52 +40,51 @@ mod queue;
 mod record;
 mod report;
 mod runs;
-mod see_through;
-mod see_through_samples;
+mod sample_positions;
 mod setup;
 mod shade;
+mod shade_jittered;
 mod shader;
 mod sorted;
 mod target;
 mod tested;
 mod texture;
 mod tile;
+mod transparency;
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-use batch::{Batch, Triangles};
-use bins::{Binning, Chunk, MOST_TRIANGLES};
-use clusters::{Kept, View};
+use batch::{TriangleBatch, Triangles};
+use bins::{Binning, Chunk, MAX_TRIANGLES};
+use clusters::{ClusterCulling, VisibleClusters};
 use depths::DepthRules;
-use entry::{BATCHES, GROUP, keeps_bounds};
-use geometry::{Arrays, Draw};
-pub(crate) use jitter::ChosenPlaces;
+use entry::{BATCHES, GROUP, uses_hiz};
+use geometry::{Arrays, InstanceDraw};
+pub(crate) use jitter::JITTER_POSITIONS;
 use jitter::JitterMemory;
 pub(crate) use jitter::Jittering;
-pub(crate) use jitter::PLACES;
 pub(crate) use jitter::SumOfSamples;
 pub(crate) use jitter::Sums;
-use lattice::{Lattice, TILE};
-use locations::Locations;
+use lattice::{TILE, TileLattice};
 use mixed::MixedPixels;
-pub(crate) use multisample::MeanOfSamples;
 pub(crate) use multisample::Multisampling;
 pub(crate) use multisample::Picks;
+use multisample_transparency::TransparencyMemory;
 use pending::Pending;
 pub(crate) use pixel_samples::PixelSamples;
-use pixel_samples::Samples;
+use pixel_samples::PreparedSamples;
 use queue::Queue;
-use record::{Entrants, Slot};
+use record::{Slot, TileBin};
 pub(crate) use report::TiledCounts;
 pub(crate) use report::TiledReport;
 pub(crate) use report::TiledTimes;
-use runs::{Run, load, share_out};
-use see_through_samples::SeenThrough;
+use runs::{TileRun, load, split_into_runs};
+use sample_positions::SamplePositions;
 use setup::{Origin, Setup};
-use shade::{Canvas, Shaded, shade_tile};
-use shader::{DrawShader, Light};
+use shade::{ShadingTarget, ShadingWork, shade_tile};
+use shader::{DrawShader, LightSource};
 use target::{PictureRows, Target, TileMemory, TileRows, lock, picture_rows};
 use tile::{Tile, TileCounts};
 
@@ -94,7 +92,7 @@ use super::clip::guard_band_widening;
 use super::depth::DepthScale;
 use super::framebuffer::Framebuffer;
 use super::grid::SampleGrid;
-use super::plan::{DrawPlan, Part};
+use super::plan::{DrawPlan, PipelinePart};
 use super::settings::{Arithmetic, Interpolation, Settings};
 use super::shade::Shader;
 use super::vertex::{DrawMatrices, containment};
@@ -112,7 +110,7 @@ pub(crate) fn obstacle(scene: &Scene, settings: &Settings) -> Option<&'static st
         Some("the rasterizers kept as published run in classic execution only")
     } else if settings.interpolation == Interpolation::Published {
         Some("the interpolation kept as published runs in classic execution only")
-    } else if scene.triangle_count() > MOST_TRIANGLES {
+    } else if scene.triangle_count() > MAX_TRIANGLES {
         Some("the scene has more triangles than a tile can number")
     } else {
         None
@@ -121,13 +119,13 @@ pub(crate) fn obstacle(scene: &Scene, settings: &Settings) -> Option<&'static st
 
 /// Memory that is reused from frame to frame.
 #[derive(Debug, Default)]
-pub(crate) struct Memory {
+pub(crate) struct TiledMemory {
     arrays: Arrays,
     chunks: Vec<Chunk>,
     workspaces: Mutex<Vec<Workspace>>,
 }
 
-impl Memory {
+impl TiledMemory {
     /// Returns the number of bytes held.
     pub(crate) fn bytes(&self) -> usize {
         let workspaces = self.workspaces.lock().map_or(0, |all| all.iter().map(Workspace::bytes).sum());
@@ -144,10 +142,10 @@ struct Workspace {
     /// Tiles of a multisampled frame, one for each sample of the pixels.
     planes: Vec<Tile>,
     mixed: MixedPixels,
-    seen_through: SeenThrough,
+    transparency: TransparencyMemory,
     jitter: JitterMemory,
-    entrants: Entrants,
-    batches: [Batch; BATCHES],
+    bin: TileBin,
+    batches: [TriangleBatch; BATCHES],
     pending: Pending,
     queue: Queue,
 }
@@ -159,9 +157,9 @@ impl Workspace {
             memory: None,
             planes: Vec::new(),
             mixed: MixedPixels::default(),
-            seen_through: SeenThrough::default(),
+            transparency: TransparencyMemory::default(),
             jitter: JitterMemory::default(),
-            entrants: Entrants::default(),
+            bin: TileBin::default(),
             batches: Default::default(),
             pending: Pending::default(),
             queue: Queue::default(),
@@ -173,24 +171,24 @@ impl Workspace {
             + self.memory.as_ref().map_or(0, |_| size_of::<TileMemory>())
             + self.planes.iter().map(Tile::bytes).sum::<usize>()
             + self.mixed.bytes()
-            + self.seen_through.bytes()
+            + self.transparency.bytes()
             + self.jitter.bytes()
-            + self.entrants.bytes()
-            + size_of::<[Batch; BATCHES]>()
+            + self.bin.bytes()
+            + size_of::<[TriangleBatch; BATCHES]>()
             + self.pending.bytes()
             + self.queue.bytes()
     }
 }
 
 /// Data of a frame that all its tiles read.
-struct Frame<'a> {
+struct TiledFrame<'a> {
     settings: &'a Settings,
     grid: SampleGrid,
-    lattice: Lattice,
+    lattice: TileLattice,
     scale: DepthScale,
     rules: DepthRules,
     background: Rgba8,
-    draws: &'a [Draw<'a>],
+    draws: &'a [InstanceDraw<'a>],
     arrays: &'a Arrays,
     chunks: &'a [Chunk],
     /// Whether no draw is alpha-tested or blended.
@@ -203,7 +201,7 @@ struct Frame<'a> {
     shaders: Vec<DrawShader<'a>>,
     /// Index, for each draw, of the first draw that is shaded alike.
     shader_of_draw: Vec<usize>,
-    samples: Samples<'a>,
+    samples: PreparedSamples<'a>,
 }
 
 /// Draws a scene into a framebuffer and overwrites all of it. [`obstacle`] must return `None` for the scene.
@@ -213,21 +211,21 @@ pub(crate) fn draw(
     settings: &Settings,
     viewport: Viewport,
     (framebuffer, samples): (&mut Framebuffer, PixelSamples<'_>),
-    memory: &mut Memory,
+    memory: &mut TiledMemory,
     lanes: Lanes,
 ) -> TiledReport {
     let start = Instant::now();
     let scale = DepthScale::of(settings, camera);
     let (draws, plans) = plan(scene, camera, settings, viewport, lanes);
     let widening = guard_band_widening(viewport.width, viewport.height);
-    let Memory { arrays, chunks, workspaces } = memory;
+    let TiledMemory { arrays, chunks, workspaces } = memory;
     let workspaces: &Mutex<Vec<Workspace>> = workspaces;
     geometry::transform(&draws, settings, viewport, &scale, widening, lanes, arrays);
     let transformed = Instant::now();
 
     let packed = framebuffer.color.size();
-    let lattice = Lattice::new(framebuffer.grid).with_samples(&samples.offsets());
-    let samples = Samples::new(samples, framebuffer.grid, framebuffer.depth.is_some());
+    let lattice = TileLattice::new(framebuffer.grid).with_samples(&samples.offsets());
+    let samples = PreparedSamples::new(samples, framebuffer.grid, framebuffer.depth.is_some());
     let tile_counts = ((packed.0 as usize).div_ceil(TILE), (packed.1 as usize).div_ceil(TILE));
     Binning { draws: &draws, arrays, settings, viewport, scale, lattice, packed, tiles: tile_counts }
         .run(lanes, chunks);
@@ -237,7 +235,7 @@ pub(crate) fn draw(
     let rules = DepthRules::new(settings, &scale, depth.is_some());
     let shaders = shaders(scene, settings, &draws);
     let [r, g, b] = settings.background.resolve(scene.background);
-    let frame = Frame {
+    let frame = TiledFrame {
         settings,
         grid: *grid,
         lattice,
@@ -248,13 +246,13 @@ pub(crate) fn draw(
         arrays,
         chunks,
         all_opaque: shaders.iter().all(|shader| shader.shader.transparency() == Transparency::Opaque),
-        reads_normals: shaders.iter().any(|shader| shader.plan.light == Light::Normals),
+        reads_normals: shaders.iter().any(|shader| shader.plan.light == LightSource::Normals),
         reads_colors: shaders.iter().any(|shader| shader.plan.colored),
         shader_of_draw: DrawShader::first_alike(&shaders),
         shaders,
         samples,
     };
-    let work = Work::default();
+    let work = FrameCounters::default();
     frame.draw_tiles(lanes, tile_counts, &picture_rows(color, depth.as_mut()), workspaces, &work);
     let tiles_time = binned.elapsed();
     let times = TiledTimes {
@@ -283,11 +281,11 @@ pub(crate) fn tile_loads(
     let (scale, lanes) = (DepthScale::of(settings, camera), Lanes::best());
     let (draws, _) = plan(scene, camera, settings, viewport, lanes);
     let widening = guard_band_widening(viewport.width, viewport.height);
-    let Memory { mut arrays, mut chunks, .. } = Memory::default();
+    let TiledMemory { mut arrays, mut chunks, .. } = TiledMemory::default();
     geometry::transform(&draws, settings, viewport, &scale, widening, lanes, &mut arrays);
     let packed = grid.packed_size(viewport.width, viewport.height);
     let tiles = ((packed.0 as usize).div_ceil(TILE), (packed.1 as usize).div_ceil(TILE));
-    let lattice = Lattice::new(grid).with_samples(offsets);
+    let lattice = TileLattice::new(grid).with_samples(offsets);
     Binning { draws: &draws, arrays: &arrays, settings, viewport, scale, lattice, packed, tiles }
         .run(lanes, &mut chunks);
     Image::from_fn(tiles.0 as u32, tiles.1 as u32, |column, row| {
@@ -298,28 +296,28 @@ pub(crate) fn tile_loads(
 
 /// Counters that all threads add to.
 #[derive(Debug, Default)]
-struct Work {
+struct FrameCounters {
     rasterize_ns: AtomicU64,
     shade_ns: AtomicU64,
     visited: AtomicU64,
-    plain: AtomicU64,
+    uniform: AtomicU64,
     shaded: AtomicU64,
     texels: AtomicU64,
 }
 
-impl Work {
+impl FrameCounters {
     /// Adds the rasterization and shading times of a tile, and its counts.
     fn add(
         &self,
         (rasterize, shade): (Duration, Duration),
         tiles: impl IntoIterator<Item = TileCounts>,
-        shaded: Shaded,
+        shaded: ShadingWork,
     ) {
         self.rasterize_ns.fetch_add(rasterize.as_nanos() as u64, Ordering::Relaxed);
         self.shade_ns.fetch_add(shade.as_nanos() as u64, Ordering::Relaxed);
-        for TileCounts { visited, plain } in tiles {
+        for TileCounts { visited, uniform: plain } in tiles {
             self.visited.fetch_add(visited, Ordering::Relaxed);
-            self.plain.fetch_add(plain, Ordering::Relaxed);
+            self.uniform.fetch_add(plain, Ordering::Relaxed);
         }
         self.shaded.fetch_add(shaded.samples, Ordering::Relaxed);
         self.texels.fetch_add(shaded.texels, Ordering::Relaxed);
@@ -333,7 +331,7 @@ impl Work {
 }
 
 /// Returns the plans of all instances.
-pub(crate) fn plans(scene: &Scene, camera: &Camera, settings: &Settings, viewport: Viewport) -> Vec<DrawPlan> {
+pub fn plans(scene: &Scene, camera: &Camera, settings: &Settings, viewport: Viewport) -> Vec<DrawPlan> {
     plan(scene, camera, settings, viewport, Lanes::best()).1
 }
 
@@ -344,7 +342,7 @@ fn plan<'a>(
     settings: &Settings,
     viewport: Viewport,
     lanes: Lanes,
-) -> (Vec<Draw<'a>>, Vec<DrawPlan>) {
+) -> (Vec<InstanceDraw<'a>>, Vec<DrawPlan>) {
     let (mut draws, mut plans) = (Vec::new(), Vec::new());
     let mut first_vertex = 0;
     let clip_from_world = camera.clip_from_world_f64(viewport.aspect(), settings.depth_format.mapping());
@@ -353,36 +351,36 @@ fn plan<'a>(
         let matrices = DrawMatrices::new(instance, clip_from_world);
         let inside = containment(mesh.visible_bounds(), matrices.clip_from_model);
         let mut plan = DrawPlan::new(&scene.library, instance, camera, settings, inside).starting_at(first);
-        let mut kept = Kept::all(mesh);
-        if !mesh.clusters().is_empty() && DrawPlan::may_leave_out_clusters(settings, inside) {
+        let mut kept = VisibleClusters::all(mesh);
+        if !mesh.clusters().is_empty() && DrawPlan::may_cull_clusters(settings, inside) {
             let unseen;
-            (kept, unseen) = Kept::without_unseen(
+            (kept, unseen) = VisibleClusters::cull_clusters(
                 mesh,
-                &View::new(matrices.clip_from_model, inside, settings.culling, viewport),
+                &ClusterCulling::new(matrices.clip_from_model, inside, settings.culling, viewport),
                 lanes,
             );
-            plan = plan.without(unseen);
+            plan = plan.with_cull_stats(unseen);
         }
         plans.push(plan);
-        if plan.runs(Part::Vertices) && !mesh.triangles.is_empty() {
-            draws.push(Draw::new(index as u32, mesh, plan, matrices, first, (first_vertex, kept)));
+        if plan.runs(PipelinePart::Vertices) && !mesh.triangles.is_empty() {
+            draws.push(InstanceDraw::new(index as u32, mesh, plan, matrices, first, (first_vertex, kept)));
             first_vertex += mesh.positions.len();
         }
     }
     (draws, plans)
 }
 
-fn shaders<'a>(scene: &'a Scene, settings: &'a Settings, draws: &[Draw<'_>]) -> Vec<DrawShader<'a>> {
-    let shader = |draw: &Draw<'_>| {
+fn shaders<'a>(scene: &'a Scene, settings: &'a Settings, draws: &[InstanceDraw<'_>]) -> Vec<DrawShader<'a>> {
+    let shader = |draw: &InstanceDraw<'_>| {
         let instance = &scene.instances[draw.instance as usize];
         let shader = Shader::new(settings, &scene.library, instance, &draw.plan);
         let texture = scene.library.material(instance.material).texture.map(|id| scene.library.texture(id));
-        DrawShader::new(shader, texture, draw.plan.runs(Part::PerspectiveDivision))
+        DrawShader::new(shader, texture, draw.plan.runs(PipelinePart::PerspectiveDivision))
     };
     draws.iter().map(shader).collect()
 }
 
-impl Frame<'_> {
+impl TiledFrame<'_> {
     /// Draws all tiles into the rows of the picture, on all threads.
     fn draw_tiles(
         &self,
@@ -390,10 +388,10 @@ impl Frame<'_> {
         tile_counts: (usize, usize),
         rows: &[Mutex<PictureRows<'_>>],
         workspaces: &Mutex<Vec<Workspace>>,
-        work: &Work,
+        work: &FrameCounters,
     ) {
         let threads = rayon::current_num_threads();
-        let runs = share_out(self.chunks, tile_counts, threads);
+        let runs = split_into_runs(self.chunks, tile_counts, threads);
         let next_run = AtomicUsize::new(0);
         let draw_runs = || {
             let taken = workspaces.lock().ok().and_then(|mut all| all.pop());
@@ -416,11 +414,11 @@ impl Frame<'_> {
     fn draw_run(
         &self,
         lanes: Lanes,
-        run: &Run,
+        run: &TileRun,
         columns: usize,
         rows: &Mutex<PictureRows<'_>>,
         workspace: &mut Workspace,
-        work: &Work,
+        work: &FrameCounters,
     ) {
         let tiles = run.columns.clone().map(|column| ((column, run.row), run.row * columns + column));
         if run.load == 0 {
@@ -443,20 +441,20 @@ impl Frame<'_> {
     }
 
     /// Draws and shades a tile.
-    fn draw_target(&self, lanes: Lanes, workspace: &mut Workspace, target: Target<'_>, work: &Work) {
+    fn draw_target(&self, lanes: Lanes, workspace: &mut Workspace, target: Target<'_>, work: &FrameCounters) {
         match &self.samples {
-            Samples::Centre => on_lanes!(lanes, simd => self.draw_tile(simd, workspace, target, work)),
-            Samples::Multisampled(planes) => {
+            PreparedSamples::Centre => on_lanes!(lanes, simd => self.draw_tile(simd, workspace, target, work)),
+            PreparedSamples::Multisampled(planes) => {
                 on_lanes!(lanes, simd => self.draw_samples(simd, planes, workspace, target, work));
             }
-            Samples::Jittered(samples) => {
+            PreparedSamples::Jittered(samples) => {
                 on_lanes!(lanes, simd => self.draw_jittered(simd, samples, workspace, target, work));
             }
         }
     }
 
     /// Returns the counts of the frame; `triangles_in` is the number of triangles in the scene.
-    fn counts(&self, triangles_in: u64, work: Work) -> TiledCounts {
+    fn counts(&self, triangles_in: u64, work: FrameCounters) -> TiledCounts {
         TiledCounts {
             triangles_in,
             considered: self.draws.iter().map(|draw| draw.mesh.triangles.len() as u64).sum(),
@@ -464,7 +462,7 @@ impl Frame<'_> {
             kept: self.chunks.iter().map(|chunk| chunk.kept() as u64).sum(),
             binned: self.chunks.iter().map(|chunk| chunk.binned() as u64).sum(),
             visited: work.visited.into_inner(),
-            plain: work.plain.into_inner(),
+            uniform: work.uniform.into_inner(),
             shaded: work.shaded.into_inner(),
             texels: work.texels.into_inner(),
             vertices: self.draws.iter().map(|draw| draw.kept.vertices.count() as u64).sum(),
@@ -472,11 +470,18 @@ impl Frame<'_> {
     }
 
     #[inline(always)]
-    fn draw_tile<S: Simd>(&self, simd: S, workspace: &mut Workspace, mut target: Target<'_>, work: &Work) {
+    fn draw_tile<S: Simd>(&self, simd: S, workspace: &mut Workspace, mut target: Target<'_>, work: &FrameCounters) {
         let start = Instant::now();
-        let Workspace { tile, entrants, batches, pending, queue, seen_through: SeenThrough { blended, .. }, .. } =
-            workspace;
-        self.let_enter(target.number, entrants);
+        let Workspace {
+            tile,
+            bin: entrants,
+            batches,
+            pending,
+            queue,
+            transparency: TransparencyMemory { blended, .. },
+            ..
+        } = workspace;
+        self.gather_bin(target.number, entrants);
         if entrants.len() == 0 {
             return target.clear_depths(self.rules.clear);
         }
@@ -486,7 +491,7 @@ impl Frame<'_> {
         for group in (0..entrants.len()).step_by(GROUP) {
             let (alive, large) = self.set_up_group(simd, entrants, batches, group, origin);
             if group == 0 {
-                tile.clear(&self.rules, keeps_bounds(entrants.len(), batches, &alive));
+                tile.clear(&self.rules, uses_hiz(entrants.len(), batches, &alive));
             }
             let owner = self.owner(entrants, &self.lattice, place);
             for (number, batch) in batches.iter().enumerate() {
@@ -505,8 +510,15 @@ impl Frame<'_> {
         }
         let rasterized = Instant::now();
         let mut picture = target.picture;
-        let canvas =
-            Canvas { tile, locations: &self.lattice, entrants, pending, queue, place, picture: picture.reborrow() };
+        let canvas = ShadingTarget {
+            tile,
+            locations: &self.lattice,
+            bin: entrants,
+            pending,
+            queue,
+            place,
+            picture: picture.reborrow(),
+        };
         let mut shaded = shade_tile(simd, self, canvas);
         if !blended.is_empty() {
             shaded += self.blend(simd, (tile, &self.lattice), (entrants, blended), place, queue, &mut picture);
@@ -519,9 +531,9 @@ impl Frame<'_> {
     fn draw_triangle<S: Simd>(
         &self,
         simd: S,
-        (tile, locations): (&mut Tile, impl Locations),
+        (tile, locations): (&mut Tile, impl SamplePositions),
         (triangles, lane, slot): (&impl Triangles, usize, Slot),
-        (entrants, place): (&Entrants, (usize, usize)),
+        (entrants, place): (&TileBin, (usize, usize)),
         owner: &impl Fn(Slot) -> Option<Setup>,
         blended: &mut Vec<Slot>,
     ) {
@@ -530,7 +542,7 @@ impl Frame<'_> {
             Transparency::Opaque => self.draw_opaque(simd, (tile, locations), (triangles, lane, slot), owner),
             Transparency::CutOut => {
                 let triangle = triangles.triangle(lane, slot);
-                self.draw_what_is_there(simd, (tile, locations), &triangle, (entrants, place), owner);
+                self.draw_alpha_tested(simd, (tile, locations), &triangle, (entrants, place), owner);
             }
             Transparency::Blended => blended.push(slot),
         }
@@ -541,7 +553,7 @@ impl Frame<'_> {
     fn draw_opaque<S: Simd>(
         &self,
         simd: S,
-        (tile, locations): (&mut Tile, impl Locations),
+        (tile, locations): (&mut Tile, impl SamplePositions),
         (triangles, lane, slot): (&impl Triangles, usize, Slot),
         owner: &impl Fn(Slot) -> Option<Setup>,
     ) {
@@ -554,13 +566,18 @@ impl Frame<'_> {
 
     /// Returns the position of a tile's first sample in grid steps, and its packed column and row.
     #[inline(always)]
-    fn origin(&self, lattice: &Lattice, place: (usize, usize)) -> Origin {
+    fn origin(&self, lattice: &TileLattice, place: (usize, usize)) -> Origin {
         (lattice.origin(place), [(place.0 * TILE) as f32, (place.1 * TILE) as f32])
     }
 
     /// Returns a function that sets up a triangle of the tile's bin again.
     #[inline(always)]
-    fn owner(&self, entrants: &Entrants, lattice: &Lattice, place: (usize, usize)) -> impl Fn(Slot) -> Option<Setup> {
+    fn owner(
+        &self,
+        entrants: &TileBin,
+        lattice: &TileLattice,
+        place: (usize, usize),
+    ) -> impl Fn(Slot) -> Option<Setup> {
         let origin = self.origin(lattice, place);
         move |slot| {
             let entrant = entrants.get(slot);
@@ -571,10 +588,10 @@ impl Frame<'_> {
 
     /// Copies the depths at pixel centres to the target.
     #[inline(always)]
-    fn write_depths<S: Simd>(&self, simd: S, tile: &mut Tile, entrants: &Entrants, target: &mut Target<'_>) {
+    fn write_depths<S: Simd>(&self, simd: S, tile: &mut Tile, entrants: &TileBin, target: &mut Target<'_>) {
         let owner = self.owner(entrants, &self.lattice, target.place);
-        for (block, _) in tile.plain_blocks() {
-            tile.write_out(simd, block, &self.lattice, &self.rules, &owner);
+        for (block, _) in tile.uniform_blocks() {
+            tile.expand_block(simd, block, &self.lattice, &self.rules, &owner);
         }
         for (row, out) in target.depths.iter_mut().flat_map(TileRows::rows).enumerate() {
             out.copy_from_slice(&tile.depths(row)[..out.len()]);

@@ -8,13 +8,13 @@
 
 use std::time::Instant;
 
-use super::batch::{Batch, Triangles as _};
-use super::lattice::Lattice;
-use super::record::{Entrants, Slot};
-use super::shade::{Canvas, shade_tile};
+use super::batch::{TriangleBatch, Triangles as _};
+use super::lattice::TileLattice;
+use super::record::{Slot, TileBin};
+use super::shade::{ShadingTarget, shade_tile};
 use super::tested::set_bits;
 use super::tile::Tile;
-use super::{BATCHES, Frame, GROUP, Target, Work, Workspace, keeps_bounds};
+use super::{BATCHES, FrameCounters, GROUP, Target, TiledFrame, Workspace, uses_hiz};
 use crate::image::Rgba8;
 use crate::math::lanes::*;
 use crate::pipeline::grid::SampleGrid;
@@ -38,17 +38,17 @@ pub(crate) struct Multisampling<'a> {
 }
 
 /// Sample planes: the tiles that are drawn for each tile of the picture.
-pub(super) struct Planes<'a> {
+pub(super) struct SamplePlanes<'a> {
     pub(super) samples: Multisampling<'a>,
     /// Lattices, one for each sample, and one more for the pixel centres if their depths are kept.
-    pub(super) lattices: Vec<Lattice>,
+    pub(super) lattices: Vec<TileLattice>,
     /// Possible shading positions of a triangle in a pixel, in order of preference: the centre, then the samples.
     pub(super) shading_places: Vec<[i32; 2]>,
 }
 
-impl<'a> Planes<'a> {
+impl<'a> SamplePlanes<'a> {
     pub(super) fn new(samples: Multisampling<'a>, grid: SampleGrid, keep_depth: bool) -> Self {
-        let centres = Lattice::new(grid);
+        let centres = TileLattice::new(grid);
         let moved = samples.offsets.iter().map(|offset| centres.moved(*offset));
         Self {
             samples,
@@ -58,21 +58,31 @@ impl<'a> Planes<'a> {
     }
 }
 
-impl Frame<'_> {
+impl TiledFrame<'_> {
     /// Draws and shades a tile of a multisampled picture.
     #[inline(always)]
     pub(super) fn draw_samples<S: Simd>(
         &self,
         simd: S,
-        planes: &Planes<'_>,
+        planes: &SamplePlanes<'_>,
         workspace: &mut Workspace,
         mut target: Target<'_>,
-        work: &Work,
+        work: &FrameCounters,
     ) {
         let start = Instant::now();
-        let Workspace { tile, planes: tiles, mixed, seen_through, entrants, batches, pending, queue, .. } = workspace;
+        let Workspace {
+            tile,
+            planes: tiles,
+            mixed,
+            transparency: seen_through,
+            bin: entrants,
+            batches,
+            pending,
+            queue,
+            ..
+        } = workspace;
         let place = target.place;
-        self.let_enter(target.number, entrants);
+        self.gather_bin(target.number, entrants);
         if entrants.len() == 0 {
             return target.clear_depths(self.rules.clear);
         }
@@ -88,7 +98,15 @@ impl Frame<'_> {
         let mut shaded = shade_tile(
             simd,
             self,
-            Canvas { tile, locations: &self.lattice, entrants, pending, queue, place, picture: picture.reborrow() },
+            ShadingTarget {
+                tile,
+                locations: &self.lattice,
+                bin: entrants,
+                pending,
+                queue,
+                place,
+                picture: picture.reborrow(),
+            },
         );
         shaded += mixed.shade(simd, self, planes, (entrants, pending, queue), place);
         mixed.write(&mut picture);
@@ -104,8 +122,8 @@ impl Frame<'_> {
     fn draw_planes<S: Simd>(
         &self,
         simd: S,
-        (planes, tiles): (&Planes<'_>, &mut [Tile]),
-        (entrants, batches): (&mut Entrants, &mut [Batch; BATCHES]),
+        (planes, tiles): (&SamplePlanes<'_>, &mut [Tile]),
+        (entrants, batches): (&mut TileBin, &mut [TriangleBatch; BATCHES]),
         place: (usize, usize),
         blended: &mut Vec<Slot>,
     ) {
@@ -114,7 +132,7 @@ impl Frame<'_> {
         for group in (0..entrants.len()).step_by(GROUP) {
             let (mut alive, large) = self.set_up_group(simd, entrants, batches, group, origin);
             if group == 0 {
-                let bounded = keeps_bounds(entrants.len(), batches, &alive);
+                let bounded = uses_hiz(entrants.len(), batches, &alive);
                 tiles.iter_mut().for_each(|tile| tile.clear(&self.rules, bounded));
             }
             for (number, batch) in batches.iter().enumerate() {
@@ -142,7 +160,7 @@ impl Frame<'_> {
                             self.draw_opaque(simd, (tile, lattice), (&moved, lane, slot), &owner);
                         } else {
                             let (triangle, seen) = (moved.triangle(lane, slot), (&*entrants, place));
-                            self.draw_cut_out(simd, planes, (tile, &triangle, lattice), seen, &owner);
+                            self.draw_alpha_tested_sample(simd, planes, (tile, &triangle, lattice), seen, &owner);
                         }
                     }
                 }

@@ -5,7 +5,7 @@
 use std::ops::{BitAnd, BitOr};
 
 use crate::math::lanes::*;
-use crate::pipeline::clip::{LEAST_W, Plane};
+use crate::pipeline::clip::{ClipPlane, MIN_W};
 
 /// Outcode of a vertex: a bit for each plane of the frustum that it is beyond.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -16,19 +16,19 @@ impl Outcode {
     const CROSSES: u16 = 1 << 15;
     /// Outcode with every bit: the neutral element of `&`.
     pub(super) const ALL: Self = Self(u16::MAX);
-    const PLANES: u16 = (1 << Plane::ALL.len()) - 1;
+    const PLANES: u16 = (1 << ClipPlane::ALL.len()) - 1;
 
     /// Returns the outcodes of eight vertices in clip space, by component, and whether any is nonzero. Triangles are
     /// clipped only beyond the sides of the frustum moved out by the factor `widening`, the guard band.
     #[inline(always)]
     pub(super) fn of_lanes<S: Simd>(simd: S, [x, y, z, w]: [F32<S>; 4], widening: f32) -> ([Self; LANES], bool) {
         let between_sides = w.simd_ge(x.abs()) & w.simd_ge(y.abs());
-        let in_depth = z.simd_ge(0.0) & w.simd_ge(z) & w.simd_ge(LEAST_W) & w.simd_le(f32::MAX);
+        let in_depth = z.simd_ge(0.0) & w.simd_ge(z) & w.simd_ge(MIN_W) & w.simd_le(f32::MAX);
         if (between_sides & in_depth).all_true() {
             return ([Self::default(); LANES], false);
         }
         // Distances are differences of floats, so their signs are those of comparisons.
-        let depth = each!(beyond in [z.simd_lt(0.0), w.simd_lt(LEAST_W), w.simd_lt(z)] => beyond.to_bitmask());
+        let depth = each!(beyond in [z.simd_lt(0.0), w.simd_lt(MIN_W), w.simd_lt(z)] => beyond.to_bitmask());
         let offsets = [-x, x, -y, y];
         let sides = each!(i in [0, 1, 2, 3] => w.simd_lt(offsets[i]).to_bitmask());
         // Products of floats are exact in doubles.
@@ -50,15 +50,15 @@ impl Outcode {
 
     /// Returns the clipping verdict of a triangle with these vertices.
     #[inline(always)]
-    pub(super) fn verdict(corners: [Self; 3]) -> Crossing {
+    pub(super) fn verdict(corners: [Self; 3]) -> ClipVerdict {
         let [a, b, c] = corners;
         let any = a | b | c;
         if any.0 & Self::NOT_FINITE != 0 || (a & b & c).is_beyond() {
-            Crossing::Gone
+            ClipVerdict::Rejected
         } else if any.0 & Self::CROSSES != 0 {
-            Crossing::Cut
+            ClipVerdict::Cut
         } else {
-            Crossing::Whole
+            ClipVerdict::Whole
         }
     }
 
@@ -93,9 +93,9 @@ impl BitOr for Outcode {
 
 /// Clipping verdict of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Crossing {
+pub(super) enum ClipVerdict {
     /// No part is visible, or a vertex is not finite: the triangle is dropped.
-    Gone,
+    Rejected,
     /// The triangle must be clipped.
     Cut,
     /// The triangle is drawn without clipping.
@@ -114,7 +114,7 @@ mod tests {
             return Outcode(Outcode::NOT_FINITE | Outcode::CROSSES);
         }
         let mut bits = 0;
-        for (bit, plane) in Plane::ALL.iter().enumerate() {
+        for (bit, plane) in ClipPlane::ALL.iter().enumerate() {
             if plane.distance(position, 1.0) < 0.0 {
                 bits |= 1 << bit;
                 if plane.distance(position, widening) < 0.0 {

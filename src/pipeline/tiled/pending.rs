@@ -4,26 +4,26 @@
 //! texels. Samples are therefore kept pending until there are four times sixteen. Each step is taken for all of them
 //! before the next one, so that their latencies overlap.
 
-use super::Frame;
+use super::TiledFrame;
 use super::few::Few;
 use super::gather::Taps;
-use super::kernel::{ALL, Patch, StoredWeights, Weights, corner_weights, exact_at, interpolate_pair};
-use super::locations::Locations;
+use super::kernel::{ALL, AttributeWeights, Patch, StoredWeights, corner_weights, exact_at, interpolate_pair};
 use super::mipmap::CoarseTaps;
 use super::queue::{Queue, QueuedPair, QueuedRow, make_room};
-use super::record::{Entrants, Source};
-use super::setup::Edges;
-use super::shader::{DrawShader, Plan};
-use super::target::Picture;
+use super::record::{TileBin, TriangleSource};
+use super::sample_positions::SamplePositions;
+use super::setup::EdgeFunctions;
+use super::shader::{DrawShader, ShadingPlan};
+use super::target::ColorRows;
 use crate::math::lanes::*;
 
 /// Positions of sixteen samples, and the destinations of their colours.
-pub(super) trait Spots: Copy {
+pub(super) trait SampleTargets: Copy {
     /// Returns the positions right of and below the centre of the tile's first pixel, in grid steps.
-    fn places<S: Simd>(self, simd: S) -> [i32x16<S>; 2];
+    fn positions<S: Simd>(self, simd: S) -> [i32x16<S>; 2];
 
     /// Returns the destinations of the samples selected by `mine`, eight at a time.
-    fn rows(self, mine: u32, picture: &Picture<'_>) -> [QueuedRow; 2];
+    fn rows(self, mine: u32, picture: &ColorRows<'_>) -> [QueuedRow; 2];
 }
 
 /// Eight samples of the first row of a patch, and eight of the row below it.
@@ -33,15 +33,15 @@ pub(super) struct RowPair<'a, L> {
     pub(super) locations: L,
 }
 
-impl<L: Locations> Spots for RowPair<'_, L> {
+impl<L: SamplePositions> SampleTargets for RowPair<'_, L> {
     #[inline(always)]
-    fn places<S: Simd>(self, simd: S) -> [i32x16<S>; 2] {
+    fn positions<S: Simd>(self, simd: S) -> [i32x16<S>; 2] {
         let Patch { column, first, .. } = *self.patch;
-        self.locations.places(simd, column, [first, first + 1])
+        self.locations.positions(simd, column, [first, first + 1])
     }
 
     #[inline(always)]
-    fn rows(self, mine: u32, picture: &Picture<'_>) -> [QueuedRow; 2] {
+    fn rows(self, mine: u32, picture: &ColorRows<'_>) -> [QueuedRow; 2] {
         let Self { patch, .. } = self;
         let [mine, below] = [mine & ALL, mine >> LANES];
         let start = picture.start(patch, patch.first);
@@ -58,37 +58,37 @@ pub(super) struct Scattered<'a> {
     pub(super) start: usize,
 }
 
-impl Spots for Scattered<'_> {
+impl SampleTargets for Scattered<'_> {
     #[inline(always)]
-    fn places<S: Simd>(self, simd: S) -> [i32x16<S>; 2] {
+    fn positions<S: Simd>(self, simd: S) -> [i32x16<S>; 2] {
         each!(axis in [0, 1] => i32x16::load_array_ref(simd, self.places[axis]))
     }
 
     #[inline(always)]
-    fn rows(self, mine: u32, _: &Picture<'_>) -> [QueuedRow; 2] {
+    fn rows(self, mine: u32, _: &ColorRows<'_>) -> [QueuedRow; 2] {
         [(self.start, mine & ALL), (self.start + LANES, mine >> LANES)]
             .map(|(start, mine)| QueuedRow::new(start, LANES, mine))
     }
 }
 
 /// Groups of sixteen samples that are shaded together.
-const MOST: usize = 4;
+const CAPACITY: usize = 4;
 
 /// Samples that are pending for shading, all by one shader. Memory is reused from tile to tile.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pending {
-    sixteens: [Sixteen; MOST],
+    sixteens: [SixteenSamples; CAPACITY],
     len: usize,
     /// Index of the shader.
     shader: usize,
     /// Edges of triangles whose edge values exceed 32 bits: index of the group, bit mask of its samples, edges.
-    large: Vec<(usize, u32, Edges)>,
+    large: Vec<(usize, u32, EdgeFunctions)>,
 }
 
 /// A group of sixteen samples.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(64))]
-struct Sixteen {
+struct SixteenSamples {
     /// Slots of the samples' triangles.
     slots: [u32; WIDE],
     /// Positions right of and below the centre of the tile's first pixel, in grid steps.
@@ -101,13 +101,13 @@ struct Sixteen {
 impl Pending {
     /// Returns the number of bytes held.
     pub(super) fn bytes(&self) -> usize {
-        size_of::<Self>() + self.large.capacity() * size_of::<(usize, u32, Edges)>()
+        size_of::<Self>() + self.large.capacity() * size_of::<(usize, u32, EdgeFunctions)>()
     }
 
     /// Whether there is no room for sixteen more samples of a shader.
     #[inline(always)]
     pub(super) fn is_full(&self, shader: usize) -> bool {
-        self.len == MOST || self.len > 0 && self.shader != shader
+        self.len == CAPACITY || self.len > 0 && self.shader != shader
     }
 
     /// Adds sixteen samples of a shader; `mine` selects those that are shaded. `large` has the edges of triangles whose
@@ -117,11 +117,11 @@ impl Pending {
         &mut self,
         simd: S,
         shader: usize,
-        (slots, large): (&[u32; WIDE], &[(u32, Edges)]),
-        (spots, mine): (impl Spots, u32),
-        picture: &Picture<'_>,
+        (slots, large): (&[u32; WIDE], &[(u32, EdgeFunctions)]),
+        (spots, mine): (impl SampleTargets, u32),
+        picture: &ColorRows<'_>,
     ) {
-        let places = spots.places(simd);
+        let places = spots.positions(simd);
         let sixteen = &mut self.sixteens[self.len];
         (sixteen.slots, sixteen.mine, sixteen.rows) = (*slots, mine, spots.rows(mine, picture));
         for (place, stored) in places.into_iter().zip(&mut sixteen.places) {
@@ -137,10 +137,10 @@ impl Pending {
     pub(super) fn shade<S: Simd>(
         &mut self,
         simd: S,
-        frame: &Frame<'_>,
-        entrants: &Entrants,
+        frame: &TiledFrame<'_>,
+        entrants: &TileBin,
         queue: &mut Queue,
-        picture: &mut Picture<'_>,
+        picture: &mut ColorRows<'_>,
     ) {
         simd.vectorize(
             #[inline(always)]
@@ -151,7 +151,7 @@ impl Pending {
                 let room = make_room(simd, frame, self.shader, self.len, queue, picture.values);
                 let shader = &frame.shaders[self.shader];
                 match shader.plan {
-                    Plan::COMMON => self.interpolate(simd, (shader, Plan::COMMON), entrants, room),
+                    ShadingPlan::COMMON => self.interpolate(simd, (shader, ShadingPlan::COMMON), entrants, room),
                     plan => self.interpolate(simd, (shader, plan), entrants, room),
                 }
                 self.len = 0;
@@ -165,11 +165,11 @@ impl Pending {
     fn interpolate<S: Simd>(
         &self,
         simd: S,
-        (shader, plan): (&DrawShader<'_>, Plan),
-        entrants: &Entrants,
+        (shader, plan): (&DrawShader<'_>, ShadingPlan),
+        entrants: &TileBin,
         (pairs, taps, coarse): (&mut [QueuedPair], &mut [Taps], &mut [CoarseTaps]),
     ) {
-        let (mut few, mut weights) = ([None; MOST], [StoredWeights::default(); MOST]);
+        let (mut few, mut weights) = ([None; CAPACITY], [StoredWeights::default(); CAPACITY]);
         for (i, (pair, sixteen)) in pairs.iter_mut().zip(&self.sixteens).enumerate() {
             pair.rows = sixteen.rows;
             few[i] = Few::find(simd, entrants, &sixteen.slots, sixteen.mine);
@@ -180,7 +180,7 @@ impl Pending {
             weights[i].store(plan, of_corners);
         }
         let mut coarse = coarse.iter_mut();
-        for (i, (pair, taps)) in pairs.iter_mut().zip(taps).enumerate().take(MOST) {
+        for (i, (pair, taps)) in pairs.iter_mut().zip(taps).enumerate().take(CAPACITY) {
             let weights = weights[i].load(simd);
             let out = (pair, (taps, if plan.mipmapped { coarse.next() } else { None }));
             match few[i] {
@@ -195,8 +195,8 @@ impl Pending {
 
     /// Returns the weights of one group.
     #[inline(always)]
-    fn weights<S: Simd>(&self, simd: S, number: usize, source: impl Source) -> Weights<S> {
-        let Sixteen { places, mine, .. } = &self.sixteens[number];
+    fn weights<S: Simd>(&self, simd: S, number: usize, source: impl TriangleSource) -> AttributeWeights<S> {
+        let SixteenSamples { places, mine, .. } = &self.sixteens[number];
         let places = each!(axis in [0, 1] => i32x16::load_array_ref(simd, &places[axis]));
         let e = source.edge_values(simd, places);
         let mut e = each!(i in [0, 1, 2] => e[i].to_float::<f32x16<S>>());

@@ -1,7 +1,7 @@
 //! Sampling modes: the number and the positions of a pixel's samples.
 
-use super::jitter::{Jittered, Jittering};
-use super::multisample::{Multisampling, Planes};
+use super::jitter::{Jittering, TileJitter};
+use super::multisample::{Multisampling, SamplePlanes};
 use crate::pipeline::grid::SampleGrid;
 
 /// Sampling mode of a frame's pixels.
@@ -27,18 +27,18 @@ impl PixelSamples<'_> {
 }
 
 /// Sampling mode, prepared for tiles.
-pub(super) enum Samples<'a> {
+pub(super) enum PreparedSamples<'a> {
     Centre,
-    Multisampled(Planes<'a>),
-    Jittered(Jittered<'a>),
+    Multisampled(SamplePlanes<'a>),
+    Jittered(TileJitter<'a>),
 }
 
-impl<'a> Samples<'a> {
+impl<'a> PreparedSamples<'a> {
     pub(super) fn new(samples: PixelSamples<'a>, grid: SampleGrid, keep_depth: bool) -> Self {
         match samples {
             PixelSamples::Centre => Self::Centre,
-            PixelSamples::Multisampled(samples) => Self::Multisampled(Planes::new(samples, grid, keep_depth)),
-            PixelSamples::Jittered(samples) => Self::Jittered(Jittered::new(samples, grid)),
+            PixelSamples::Multisampled(samples) => Self::Multisampled(SamplePlanes::new(samples, grid, keep_depth)),
+            PixelSamples::Jittered(samples) => Self::Jittered(TileJitter::new(samples, grid)),
         }
     }
 }

@@ -3,12 +3,12 @@
 
 use std::ops::Range;
 
-use super::Frame;
+use super::TiledFrame;
 use super::gather::Taps;
 use super::kernel::ALL;
 use super::lattice::BLOCK;
 use super::mipmap::CoarseTaps;
-use super::shader::{DrawShader, Light, Plan, TEXELS_AROUND};
+use super::shader::{DrawShader, LightSource, ShadingPlan, TEXELS_AROUND};
 use super::texture::{self, TextureReader};
 use crate::image::Rgba8;
 use crate::image::color::Tables;
@@ -101,7 +101,7 @@ impl QueuedRow {
 #[inline(always)]
 pub(super) fn make_room<'q, S: Simd>(
     simd: S,
-    frame: &Frame<'_>,
+    frame: &TiledFrame<'_>,
     shader: usize,
     pairs: usize,
     queue: &'q mut Queue,
@@ -124,7 +124,7 @@ pub(super) fn make_room<'q, S: Simd>(
 
 /// Reads the texels of all rows of the queue, finishes their colours and writes them.
 #[inline(never)]
-pub(super) fn flush<S: Simd>(simd: S, frame: &Frame<'_>, queue: &mut Queue, pixels: &mut [Rgba8]) {
+pub(super) fn flush<S: Simd>(simd: S, frame: &TiledFrame<'_>, queue: &mut Queue, pixels: &mut [Rgba8]) {
     simd.vectorize(
         #[inline(always)]
         || {
@@ -138,7 +138,7 @@ pub(super) fn flush<S: Simd>(simd: S, frame: &Frame<'_>, queue: &mut Queue, pixe
             // A loop, because the compiler may fail to compile a closure of `for_each` for the selected instruction
             // set.
             match shader.plan {
-                Plan::COMMON => {
+                ShadingPlan::COMMON => {
                     let Some(texture) = shader.texture else { return };
                     if texture.gathers {
                         finish_common(simd, shader, texture.that_gathers(true), (pairs, taps), pixels);
@@ -152,7 +152,7 @@ pub(super) fn flush<S: Simd>(simd: S, frame: &Frame<'_>, queue: &mut Queue, pixe
                 }
                 plan if plan.blended => finish_blended(simd, shader, (pairs, taps), pixels),
                 plan => {
-                    let plan = Plan { mipmapped: false, blended: false, ..plan };
+                    let plan = ShadingPlan { mipmapped: false, blended: false, ..plan };
                     for (pair, taps) in pairs.iter().zip(taps) {
                         finish_pair(simd, (shader, shader.texture.as_ref()), plan, (pair, (taps, None)), pixels);
                     }
@@ -174,7 +174,7 @@ fn finish_common<S: Simd>(
 ) {
     let shader = &{ *shader };
     for (pair, taps) in pairs.iter().zip(taps) {
-        finish_pair(simd, (shader, Some(&texture)), Plan::COMMON, (pair, (taps, None)), pixels);
+        finish_pair(simd, (shader, Some(&texture)), ShadingPlan::COMMON, (pair, (taps, None)), pixels);
     }
 }
 
@@ -189,7 +189,7 @@ fn finish_blended<S: Simd>(
     simd.vectorize(
         #[inline(always)]
         || {
-            let plan = Plan { mipmapped: false, blended: true, ..shader.plan };
+            let plan = ShadingPlan { mipmapped: false, blended: true, ..shader.plan };
             for (pair, taps) in pairs.iter().zip(taps) {
                 finish_pair(simd, (shader, shader.texture.as_ref()), plan, (pair, (taps, None)), pixels);
             }
@@ -208,7 +208,7 @@ fn finish_mipmapped<S: Simd>(
     simd.vectorize(
         #[inline(always)]
         || {
-            let plan = Plan { mipmapped: true, ..shader.plan };
+            let plan = ShadingPlan { mipmapped: true, ..shader.plan };
             let mut samples = 0;
             for ((pair, taps), coarse) in pairs.iter().zip(taps).zip(coarse) {
                 let [upper, lower] = &pair.rows;
@@ -225,7 +225,7 @@ fn finish_mipmapped<S: Simd>(
 fn finish_pair<S: Simd>(
     simd: S,
     (shader, texture): (&DrawShader<'_>, Option<&TextureReader<'_>>),
-    plan: Plan,
+    plan: ShadingPlan,
     (pair, (taps, coarse)): (&QueuedPair, (&Taps, Option<&CoarseTaps>)),
     pixels: &mut [Rgba8],
 ) {
@@ -290,7 +290,7 @@ fn finish_pair<S: Simd>(
 fn surface_color<S: Simd, F: SimdFloat<S, Element = f32>>(
     simd: S,
     shader: &DrawShader<'_>,
-    plan: Plan,
+    plan: ShadingPlan,
     pair: &QueuedPair,
     first: usize,
 ) -> [F; 4] {
@@ -306,7 +306,7 @@ fn surface_color<S: Simd, F: SimdFloat<S, Element = f32>>(
 
 /// Multiplies colours by the texture. Factors of one are skipped.
 #[inline(always)]
-fn textured<S: Simd, F: SimdFloat<S>>(plan: Plan, [r, g, b, alpha]: [F; 4], texel: [F; 4]) -> [F; 4] {
+fn textured<S: Simd, F: SimdFloat<S>>(plan: ShadingPlan, [r, g, b, alpha]: [F; 4], texel: [F; 4]) -> [F; 4] {
     let white = !plan.tinted && !plan.colored;
     let [red, green, blue] =
         if white { [texel[0], texel[1], texel[2]] } else { [r * texel[0], g * texel[1], b * texel[2]] };
@@ -317,12 +317,12 @@ fn textured<S: Simd, F: SimdFloat<S>>(plan: Plan, [r, g, b, alpha]: [F; 4], texe
 #[inline(always)]
 fn lit<S: Simd, F: SimdFloat<S, Element = f32>>(
     simd: S,
-    plan: Plan,
+    plan: ShadingPlan,
     color: [F; 4],
     pair: &QueuedPair,
     first: usize,
 ) -> [F; 4] {
-    if plan.light == Light::None {
+    if plan.light == LightSource::None {
         return color;
     }
     let ([r, g, b, alpha], light) = (color, F::from_slice(simd, &pair.light[first..first + F::LEN]));

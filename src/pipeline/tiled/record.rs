@@ -1,8 +1,8 @@
 //! Triangle data that tile shading reads, in the order in which lanes load it.
 
-use super::bins::Key;
-use super::geometry::Surface;
-use super::setup::Edges;
+use super::bins::TriangleKey;
+use super::geometry::PackedSurface;
+use super::setup::EdgeFunctions;
 use crate::math::fixed::SUBPIXELS;
 use crate::math::lanes::*;
 
@@ -103,12 +103,12 @@ impl SurfaceRecord {
     pub(super) fn fill_eight<S: Simd>(
         simd: S,
         records: &mut [Self; LANES],
-        triangles: &[[&Surface; 3]; LANES],
-        part: Part,
+        triangles: &[[&PackedSurface; 3]; LANES],
+        part: SurfacePart,
     ) {
         let (first_number, first_quad) = match part {
-            Part::Normal => (Surface::NORMAL[0], Self::NORMAL),
-            Part::Color => (Surface::COLOR[0], Self::COLOR),
+            SurfacePart::Normal => (PackedSurface::NORMAL[0], Self::NORMAL),
+            SurfacePart::Color => (PackedSurface::COLOR[0], Self::COLOR),
         };
         let corners = each!(corner in [0, 1, 2] => transpose_quads(each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => {
             f32x4::from_slice(simd, &triangles[lane][corner].numbers[first_number..][..LANES / 2])
@@ -125,20 +125,20 @@ impl SurfaceRecord {
 
 /// Part of a [`SurfaceRecord`].
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Part {
+pub(super) enum SurfacePart {
     Normal,
     Color,
 }
 
 /// One triangle for which samples are shaded.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Subject<'a> {
+pub(super) struct ShadedTriangle<'a> {
     pub(super) one: One<'a>,
-    pub(super) key: Key,
+    pub(super) key: TriangleKey,
     /// Index in the list of draws.
     pub(super) draw: usize,
     /// Edges as doubles, if edge values exceed 32 bits or the samples are not shaded on lanes.
-    pub(super) edges: Option<&'a Edges>,
+    pub(super) edges: Option<&'a EdgeFunctions>,
 }
 
 /// An attribute at the first vertex, and its changes to each of the others.
@@ -160,7 +160,7 @@ impl<S: Simd> Attribute<S> {
 }
 
 /// Source of the triangle data for 16 samples.
-pub(super) trait Source: Copy {
+pub(super) trait TriangleSource: Copy {
     /// Step between the samples whose texels are prefetched, from the first sample on, as texels may lie far apart.
     /// `None` if prefetches take longer than the cache misses that they avoid.
     const PREFETCH_STEP: Option<usize>;
@@ -250,7 +250,7 @@ pub(super) struct One<'a> {
     surface: &'a SurfaceRecord,
 }
 
-impl Source for One<'_> {
+impl TriangleSource for One<'_> {
     const PREFETCH_STEP: Option<usize> = None;
 
     #[inline(always)]
@@ -268,11 +268,11 @@ impl Source for One<'_> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Many<'a> {
     records: [&'a Record; WIDE],
-    entrants: &'a Entrants,
+    bin: &'a TileBin,
     slots: &'a [u32; WIDE],
 }
 
-impl Source for Many<'_> {
+impl TriangleSource for Many<'_> {
     const PREFETCH_STEP: Option<usize> = Some(1);
 
     #[inline(always)]
@@ -285,15 +285,15 @@ impl Source for Many<'_> {
     #[inline(always)]
     fn surface_quad<S: Simd>(self, simd: S, quad: usize) -> [f32x16<S>; 4] {
         transpose_wide(each!(i in [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15] => {
-            f32x4::load_array_ref(simd, &self.entrants.surface(Slot(self.slots[i])).quads[quad])
+            f32x4::load_array_ref(simd, &self.bin.surface(Slot(self.slots[i])).quads[quad])
         }))
     }
 }
 
 /// A triangle in a tile's bin.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Entrant {
-    pub(super) key: Key,
+pub(super) struct BinEntry {
+    pub(super) key: TriangleKey,
     /// Index in the list of draws.
     pub(super) draw: u32,
 }
@@ -328,15 +328,15 @@ impl Slot {
 
 /// A tile's bin: its triangles in order, with the data that shading reads.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Entrants {
-    list: Vec<Entrant>,
+pub(super) struct TileBin {
+    list: Vec<BinEntry>,
     /// Records, one per triangle, and some unused ones.
     records: Vec<Record>,
     /// Surface records, likewise, in frames that read them.
     surfaces: Vec<SurfaceRecord>,
 }
 
-impl Entrants {
+impl TileBin {
     /// Removes all triangles.
     pub(super) fn clear(&mut self) {
         self.list.clear();
@@ -344,15 +344,15 @@ impl Entrants {
 
     /// Returns the number of bytes held.
     pub(super) fn bytes(&self) -> usize {
-        self.list.capacity() * size_of::<Entrant>()
+        self.list.capacity() * size_of::<BinEntry>()
             + self.records.capacity() * size_of::<Record>()
             + self.surfaces.capacity() * size_of::<SurfaceRecord>()
     }
 
     /// Appends triangles of one draw.
     #[inline(always)]
-    pub(super) fn extend(&mut self, keys: &[Key], draw: usize) {
-        self.list.extend(keys.iter().map(|key| Entrant { key: *key, draw: draw as u32 }));
+    pub(super) fn extend(&mut self, keys: &[TriangleKey], draw: usize) {
+        self.list.extend(keys.iter().map(|key| BinEntry { key: *key, draw: draw as u32 }));
     }
 
     /// Returns the record of a triangle.
@@ -375,13 +375,13 @@ impl Entrants {
 
     /// Returns a triangle of the bin.
     #[inline(always)]
-    pub(super) fn get(&self, slot: Slot) -> Entrant {
+    pub(super) fn get(&self, slot: Slot) -> BinEntry {
         self.list[slot.place()]
     }
 
     /// Returns up to `most` triangles from `first` on.
     #[inline(always)]
-    pub(super) fn group(&self, first: usize, most: usize) -> &[Entrant] {
+    pub(super) fn group(&self, first: usize, most: usize) -> &[BinEntry] {
         &self.list[first..(first + most).min(self.list.len())]
     }
 
@@ -399,9 +399,9 @@ impl Entrants {
 
     /// Returns a triangle to shade samples for, without edges as doubles.
     #[inline(always)]
-    pub(super) fn subject(&self, slot: Slot) -> Subject<'_> {
-        let Entrant { key, draw } = self.get(slot);
-        Subject { one: self.one(slot), key, draw: draw as usize, edges: None }
+    pub(super) fn subject(&self, slot: Slot) -> ShadedTriangle<'_> {
+        let BinEntry { key, draw } = self.get(slot);
+        ShadedTriangle { one: self.one(slot), key, draw: draw as usize, edges: None }
     }
 
     /// Returns the source of samples of one triangle.
@@ -414,7 +414,7 @@ impl Entrants {
     #[inline(always)]
     pub(super) fn many<'a>(&'a self, slots: &'a [u32; WIDE]) -> Many<'a> {
         let records = each!(i in [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15] => self.record(Slot(slots[i])));
-        Many { records, entrants: self, slots }
+        Many { records, bin: self, slots }
     }
 }
 

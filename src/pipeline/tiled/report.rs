@@ -31,7 +31,7 @@ impl AddAssign for TiledTimes {
 
 /// Counts of triangles, vertices, samples and texels of a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct TiledCounts {
+pub struct TiledCounts {
     /// Triangles in the scene.
     pub(crate) triangles_in: u64,
     /// Triangles in draws that are not entirely outside the view.
@@ -45,22 +45,22 @@ pub(crate) struct TiledCounts {
     /// Samples tested individually.
     pub(crate) visited: u64,
     /// Samples accepted in whole blocks.
-    pub(crate) plain: u64,
+    pub(crate) uniform: u64,
     /// Vertices transformed.
     pub(crate) vertices: u64,
     /// Samples shaded.
-    pub(crate) shaded: u64,
+    pub shaded: u64,
     /// Texels read.
-    pub(crate) texels: u64,
+    pub texels: u64,
 }
 
 /// Report of a finished frame.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct TiledReport {
+pub struct TiledReport {
     /// One plan per instance.
     pub(crate) plans: Vec<DrawPlan>,
     /// Time of each stage.
     pub(crate) times: TiledTimes,
     /// Counts of the frame.
-    pub(crate) counts: TiledCounts,
+    pub counts: TiledCounts,
 }

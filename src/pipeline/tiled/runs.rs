@@ -17,7 +17,7 @@ const ROWS_PER_THREAD: usize = 8;
 const RUNS_PER_THREAD: usize = 16;
 
 /// Adjacent tiles that one thread draws in sequence, because they often share triangles.
-pub(super) struct Run {
+pub(super) struct TileRun {
     pub(super) row: usize,
     pub(super) columns: Range<usize>,
     /// Number of triangles in the bins of the tiles.
@@ -26,7 +26,7 @@ pub(super) struct Run {
 
 /// Divides all tiles, given as columns and rows, into runs: whole rows, or shorter ones. Runs with the most work come
 /// first, so that no thread starts one when the others are done.
-pub(super) fn share_out(chunks: &[Chunk], (columns, rows): (usize, usize), threads: usize) -> Vec<Run> {
+pub(super) fn split_into_runs(chunks: &[Chunk], (columns, rows): (usize, usize), threads: usize) -> Vec<TileRun> {
     let runs_per_row = if rows >= threads * ROWS_PER_THREAD || threads == 1 {
         1
     } else {
@@ -36,7 +36,7 @@ pub(super) fn share_out(chunks: &[Chunk], (columns, rows): (usize, usize), threa
     let run = |row: usize, columns_of_run: Range<usize>| {
         let tiles = columns_of_run.clone().map(|column| row * columns + column);
         let load = tiles.map(|number| load(chunks, number)).sum();
-        Run { row, columns: columns_of_run, load }
+        TileRun { row, columns: columns_of_run, load }
     };
     let firsts = |row| (0..columns).step_by(length).map(move |first| (row, first));
     let mut runs: Vec<_> =
@@ -56,8 +56,9 @@ mod tests {
 
     #[test]
     fn rows_are_cut_where_there_are_few_for_each_thread() {
-        let lengths =
-            |tiles, threads| share_out(&[], tiles, threads).iter().map(|run| run.columns.len()).collect::<Vec<_>>();
+        let lengths = |tiles, threads| {
+            split_into_runs(&[], tiles, threads).iter().map(|run| run.columns.len()).collect::<Vec<_>>()
+        };
         assert_eq!(lengths((30, 17), 1), [30; 17]);
         assert_eq!(lengths((30, 17), 2), [30; 17]);
         assert_eq!(lengths((30, 17), 8), [4, 4, 4, 4, 4, 4, 4, 2].repeat(17));

@@ -1,8 +1,8 @@
 //! Setup of a triangle in one tile: edge functions and depth, relative to the tile's first sample.
 
 use super::edge_number::EdgeNumber;
-use super::geometry::Vertex;
-use super::lattice::{Lattice, TILE};
+use super::geometry::PackedVertex;
+use super::lattice::{TILE, TileLattice};
 use super::record::Slot;
 use crate::math::fixed::SUBPIXELS;
 use crate::math::lanes::*;
@@ -13,7 +13,7 @@ use crate::pipeline::viewport::ScreenVertex;
 
 /// A vertex of a triangle.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Corner {
+pub(super) struct SnappedVertex {
     /// Snapped position in grid steps.
     pub(super) position: [f64; 2],
     /// Depth before quantisation.
@@ -22,7 +22,7 @@ pub(super) struct Corner {
     pub(super) inv_w: f32,
 }
 
-impl Corner {
+impl SnappedVertex {
     /// Returns the snapped position in pixels.
     #[inline(always)]
     pub(super) fn position_px(&self) -> [f64; 2] {
@@ -30,15 +30,15 @@ impl Corner {
     }
 }
 
-impl From<&Vertex> for Corner {
+impl From<&PackedVertex> for SnappedVertex {
     #[inline(always)]
-    fn from(vertex: &Vertex) -> Self {
+    fn from(vertex: &PackedVertex) -> Self {
         let [x, y] = vertex.position();
         Self { position: [x.into(), y.into()], depth: vertex.depth(), inv_w: vertex.inv_w() }
     }
 }
 
-impl From<&ScreenVertex> for Corner {
+impl From<&ScreenVertex> for SnappedVertex {
     fn from(vertex: &ScreenVertex) -> Self {
         Self { position: [vertex.x.into(), vertex.y.into()], depth: vertex.depth, inv_w: vertex.inv_w }
     }
@@ -52,16 +52,16 @@ pub(super) type Origin = ([f64; 2], [f32; 2]);
 /// so f64 holds them and their sums exactly. As integers they may begin with another vertex:
 /// [`EdgeNumber::LAST_IS_LEAST`].
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Edges<E = f64> {
+pub(super) struct EdgeFunctions<E = f64> {
     pub(super) a: [E; 3],
     pub(super) b: [E; 3],
     pub(super) c: [E; 3],
 }
 
-impl Edges {
+impl EdgeFunctions {
     /// Returns the edge functions of a triangle and its doubled area, > 0; `None` without area.
     #[inline(always)]
-    pub(super) fn new(corners: &[Corner; 3], origin: [f64; 2]) -> Option<(Self, f64)> {
+    pub(super) fn new(corners: &[SnappedVertex; 3], origin: [f64; 2]) -> Option<(Self, f64)> {
         let p = each!(i in [0, 1, 2] => [corners[i].position[0] - origin[0], corners[i].position[1] - origin[1]]);
         let area = (p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) - (p[2][0] - p[0][0]) * (p[1][1] - p[0][1]);
         if area == 0.0 {
@@ -108,15 +108,15 @@ impl Edges {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Setup<E = f64> {
     pub(super) slot: Slot,
-    pub(super) edges: Edges<E>,
+    pub(super) edges: EdgeFunctions<E>,
     /// Least edge value that is inside: 0 where the fill rule gives the edge to the triangle, else 1.
     pub(super) inside: [E; 3],
     /// Least depth of a vertex, with the depth bias. A depth is this plus the sum of edge values (or weights) times
     /// `rises`.
-    pub(super) least: f64,
+    pub(super) min_depth: f64,
     pub(super) rises: [f64; 3],
     /// Greatest depth of a vertex, with the depth bias.
-    pub(super) greatest: f64,
+    pub(super) max_depth: f64,
     /// 1/w of the vertices, for depths that are linear in space.
     pub(super) inv_w: [f64; 3],
     /// First and last column of samples that may be covered.
@@ -130,7 +130,7 @@ pub(super) struct Setup<E = f64> {
 impl<E: EdgeNumber> Setup<E> {
     /// Returns the least edge values that are inside, in all lanes.
     #[inline(always)]
-    pub(super) fn least_inside<S: Simd>(&self, simd: S) -> [E::Eight<S>; 3] {
+    pub(super) fn inside_thresholds<S: Simd>(&self, simd: S) -> [E::Eight<S>; 3] {
         each!(i in [0, 1, 2] => E::repeat(simd, self.inside[i]))
     }
 }
@@ -141,10 +141,10 @@ impl Setup {
     #[inline(always)]
     pub(super) fn new(
         slot: Slot,
-        corners: &[Corner; 3],
+        corners: &[SnappedVertex; 3],
         rule: FillRule,
         scale: &DepthScale,
-        lattice: &Lattice,
+        lattice: &TileLattice,
         (origin, first): Origin,
     ) -> Option<Self> {
         let [columns, rows] = each!(axis in [0, 1] => {
@@ -155,7 +155,7 @@ impl Setup {
         if columns[0] > columns[1] || rows[0] > rows[1] {
             return None;
         }
-        let (edges, doubled_area) = Edges::new(corners, origin)?;
+        let (edges, doubled_area) = EdgeFunctions::new(corners, origin)?;
         let inside = edges.inside(rule);
         let depths = each!(i in [0, 1, 2] => corners[i].depth);
         let (least, rises) = scale.terms(depths, doubled_area);
@@ -164,9 +164,9 @@ impl Setup {
             slot,
             edges,
             inside,
-            least: least + offset,
+            min_depth: least + offset,
             rises,
-            greatest: depths[0].max(depths[1]).max(depths[2]) + offset,
+            max_depth: depths[0].max(depths[1]).max(depths[2]) + offset,
             inv_w: each!(i in [0, 1, 2] => corners[i].inv_w.into()),
             columns: [columns[0] as usize, columns[1] as usize],
             rows: [rows[0] as usize, rows[1] as usize],
@@ -178,7 +178,7 @@ impl Setup {
 /// Returns zero where the rule gives the edge to the triangle, else one: [`Inward::owned`] for as many edges as there
 /// are lanes.
 #[inline(always)]
-pub(super) fn least_inside<S: Simd, V: SimdBase<S>>([zero, one]: [V; 2], a: V, b: V, rule: FillRule) -> V {
+pub(super) fn inside_thresholds<S: Simd, V: SimdBase<S>>([zero, one]: [V; 2], a: V, b: V, rule: FillRule) -> V {
     let upright = a.simd_eq(zero);
     let owned = match rule {
         FillRule::TopLeft => a.simd_gt(zero) | (upright & b.simd_gt(zero)),

@@ -5,29 +5,29 @@
 
 use std::ops::AddAssign;
 
-use super::Frame;
-use super::displaced::shade_displaced;
+use super::TiledFrame;
 use super::kernel::{ALL, Patch, shade_uniform};
 use super::lattice::{BLOCK, BLOCKS};
-use super::locations::Locations;
-use super::pending::{Pending, RowPair, Spots};
+use super::pending::{Pending, RowPair, SampleTargets};
 use super::queue::{Queue, flush};
-use super::record::{Entrant, Entrants, Slot, Subject};
-use super::setup::Edges;
+use super::record::{BinEntry, ShadedTriangle, Slot, TileBin};
+use super::sample_positions::SamplePositions;
+use super::setup::EdgeFunctions;
+use super::shade_jittered::shade_jittered;
 use super::shader::DrawShader;
-use super::target::Picture;
+use super::target::ColorRows;
 use super::tile::Tile;
 use crate::image::Rgba8;
 use crate::math::lanes::*;
 
 /// Amount of shading work.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Shaded {
+pub(super) struct ShadingWork {
     pub(super) samples: u64,
     pub(super) texels: u64,
 }
 
-impl Shaded {
+impl ShadingWork {
     #[inline(always)]
     pub(super) fn add(&mut self, shader: &DrawShader<'_>, samples: usize) {
         self.samples += samples as u64;
@@ -35,7 +35,7 @@ impl Shaded {
     }
 }
 
-impl AddAssign for Shaded {
+impl AddAssign for ShadingWork {
     fn add_assign(&mut self, more: Self) {
         self.samples += more.samples;
         self.texels += more.texels;
@@ -43,23 +43,27 @@ impl AddAssign for Shaded {
 }
 
 /// A tile of the picture to be shaded, and memory for it.
-pub(super) struct Canvas<'a, L> {
+pub(super) struct ShadingTarget<'a, L> {
     pub(super) tile: &'a Tile,
     pub(super) locations: L,
-    pub(super) entrants: &'a Entrants,
+    pub(super) bin: &'a TileBin,
     pub(super) pending: &'a mut Pending,
     pub(super) queue: &'a mut Queue,
     /// Column and row among the tiles.
     pub(super) place: (usize, usize),
-    pub(super) picture: Picture<'a>,
+    pub(super) picture: ColorRows<'a>,
 }
 
 /// Shades the samples of a tile.
 #[inline(always)]
-pub(super) fn shade_tile<S: Simd>(simd: S, frame: &Frame<'_>, canvas: Canvas<'_, impl Locations>) -> Shaded {
-    let Canvas { tile, locations, entrants, pending, queue, place, picture } = canvas;
+pub(super) fn shade_tile<S: Simd>(
+    simd: S,
+    frame: &TiledFrame<'_>,
+    canvas: ShadingTarget<'_, impl SamplePositions>,
+) -> ShadingWork {
+    let ShadingTarget { tile, locations, bin: entrants, pending, queue, place, picture } = canvas;
     let (columns, height) = picture.size;
-    let mut job = Job::new(frame, locations, (entrants, pending, queue), place, picture);
+    let mut job = ShadingJob::new(frame, locations, (entrants, pending, queue), place, picture);
     let blocks = columns.div_ceil(BLOCK);
     for by in 0..height.div_ceil(BLOCK) {
         let (first, end) = (by * BLOCK, ((by + 1) * BLOCK).min(height));
@@ -92,10 +96,10 @@ fn uniform_slot<S: Simd>(slots: u32x16<S>) -> Option<Slot> {
 }
 
 /// Shading job of one tile.
-pub(super) struct Job<'a, L> {
-    pub(super) frame: &'a Frame<'a>,
+pub(super) struct ShadingJob<'a, L> {
+    pub(super) frame: &'a TiledFrame<'a>,
     locations: L,
-    pub(super) entrants: &'a Entrants,
+    pub(super) bin: &'a TileBin,
     pending: &'a mut Pending,
     queue: &'a mut Queue,
     /// Column and row among the tiles.
@@ -103,26 +107,26 @@ pub(super) struct Job<'a, L> {
     /// Whether all samples are shaded together, whatever triangles they belong to.
     pub(super) alike: bool,
     /// Cache of edges as doubles, for triangles whose edge values exceed 32 bits or that are not shaded on lanes.
-    exact: Vec<(Slot, Edges)>,
+    exact: Vec<(Slot, EdgeFunctions)>,
     /// Triangles with edge values over 32 bits among the samples that are shaded together: bit mask of the samples,
     /// edges.
-    pub(super) large: Vec<(u32, Edges)>,
-    pub(super) picture: Picture<'a>,
-    pub(super) shaded: Shaded,
+    pub(super) large: Vec<(u32, EdgeFunctions)>,
+    pub(super) picture: ColorRows<'a>,
+    pub(super) shaded: ShadingWork,
 }
 
-impl<'a, L: Locations> Job<'a, L> {
+impl<'a, L: SamplePositions> ShadingJob<'a, L> {
     pub(super) fn new(
-        frame: &'a Frame<'a>,
+        frame: &'a TiledFrame<'a>,
         locations: L,
-        (entrants, pending, queue): (&'a Entrants, &'a mut Pending, &'a mut Queue),
+        (bin, pending, queue): (&'a TileBin, &'a mut Pending, &'a mut Queue),
         tile: (usize, usize),
-        picture: Picture<'a>,
+        picture: ColorRows<'a>,
     ) -> Self {
         Self {
             frame,
             locations,
-            entrants,
+            bin,
             pending,
             queue,
             tile,
@@ -130,14 +134,14 @@ impl<'a, L: Locations> Job<'a, L> {
             exact: Vec::new(),
             large: Vec::new(),
             picture,
-            shaded: Shaded::default(),
+            shaded: ShadingWork::default(),
         }
     }
 
     /// Shades the pending samples, and flushes the queue.
     #[inline(always)]
-    pub(super) fn finish<S: Simd>(mut self, simd: S) -> Shaded {
-        self.pending.shade(simd, self.frame, self.entrants, self.queue, &mut self.picture);
+    pub(super) fn finish<S: Simd>(mut self, simd: S) -> ShadingWork {
+        self.pending.shade(simd, self.frame, self.bin, self.queue, &mut self.picture);
         flush(simd, self.frame, self.queue, self.picture.values);
         self.shaded.texels += std::mem::take(&mut self.queue.coarse_texels);
         self.shaded
@@ -168,8 +172,8 @@ impl<'a, L: Locations> Job<'a, L> {
         if slot == Slot::NONE {
             return;
         }
-        let Entrant { key, draw } = self.entrants.get(slot);
-        let (draw, one) = (draw as usize, self.entrants.one(slot));
+        let BinEntry { key, draw } = self.bin.get(slot);
+        let (draw, one) = (draw as usize, self.bin.one(slot));
         let shader = self.frame.shader(draw);
         self.shaded.add(shader, patch.count * (patch.end - patch.first));
         if let Some(color) = shader.shader.flat_color(self.frame.id_of(key), self.frame.draws[draw].instance) {
@@ -177,22 +181,23 @@ impl<'a, L: Locations> Job<'a, L> {
             return;
         }
         let edges = (!shader.on_lanes || slot.is_large()).then(|| self.exact_edges(slot)).flatten();
-        let subject = Subject { one, key, draw, edges: edges.as_ref() };
+        let subject = ShadedTriangle { one, key, draw, edges: edges.as_ref() };
         if L::ON_LATTICE {
             shade_uniform(simd, self.frame, &subject, patch, self.queue, &mut self.picture);
         } else {
-            shade_displaced(simd, self.frame, &subject, (patch, self.locations), self.queue, &mut self.picture);
+            shade_jittered(simd, self.frame, &subject, (patch, self.locations), self.queue, &mut self.picture);
         }
     }
 
     /// Returns the edges of a triangle as doubles; `None` if it has no area, in which case it is never visible.
-    pub(super) fn exact_edges(&mut self, slot: Slot) -> Option<Edges> {
+    pub(super) fn exact_edges(&mut self, slot: Slot) -> Option<EdgeFunctions> {
         // Searched from the back, because most requests repeat the last one.
         if let Some((_, edges)) = self.exact.iter().rev().find(|(known, _)| *known == slot) {
             return Some(*edges);
         }
-        let Entrant { key, draw } = self.entrants.get(slot);
-        let (edges, _) = Edges::new(&self.frame.corners(key, draw as usize), self.frame.lattice.origin(self.tile))?;
+        let BinEntry { key, draw } = self.bin.get(slot);
+        let (edges, _) =
+            EdgeFunctions::new(&self.frame.corners(key, draw as usize), self.frame.lattice.origin(self.tile))?;
         self.exact.push((slot, edges));
         Some(edges)
     }
@@ -227,7 +232,7 @@ impl<'a, L: Locations> Job<'a, L> {
         }
         while open != 0 {
             let leader = Slot(slots[open.trailing_zeros() as usize]);
-            let draw = self.entrants.get(leader).draw as usize;
+            let draw = self.bin.get(leader).draw as usize;
             let (shader, number) = (self.frame.shader(draw), self.frame.shader_of_draw[draw]);
             let mine =
                 if shader.on_lanes { self.shaded_by(number, open, &slots) } else { open & same(simd, &slots, leader) };
@@ -253,12 +258,12 @@ impl<'a, L: Locations> Job<'a, L> {
         shader: usize,
         mine: u32,
         slots: &[u32; WIDE],
-        spots: impl Spots,
+        spots: impl SampleTargets,
     ) {
         self.shaded.add(&self.frame.shaders[shader], mine.count_ones() as usize);
         self.find_large(simd, mine, slots);
         if self.pending.is_full(shader) {
-            self.pending.shade(simd, self.frame, self.entrants, self.queue, &mut self.picture);
+            self.pending.shade(simd, self.frame, self.bin, self.queue, &mut self.picture);
         }
         self.pending.push(simd, shader, (slots, &self.large), (spots, mine), &self.picture);
     }
@@ -269,7 +274,7 @@ impl<'a, L: Locations> Job<'a, L> {
         while open != 0 {
             let lane = open.trailing_zeros() as usize;
             open &= open - 1;
-            let draw = self.entrants.get(Slot(slots[lane])).draw as usize;
+            let draw = self.bin.get(Slot(slots[lane])).draw as usize;
             mine |= u32::from(self.frame.shader_of_draw[draw] == shader) << lane;
         }
         mine

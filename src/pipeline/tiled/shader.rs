@@ -5,18 +5,18 @@ use std::collections::HashMap;
 use glam::Vec3;
 
 use super::texture::{Layout, TextureReader};
-use crate::pipeline::settings::{ColorSpace, Filter, Shading};
+use crate::pipeline::settings::{ColorSpace, Shading, TexelFilter};
 use crate::pipeline::shade::Shader;
 use crate::scene::{Texture, Transparency};
 
 /// Shading features of a draw, by which its kernel is selected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) struct Plan {
+pub(super) struct ShadingPlan {
     /// Layout of the texels, if any are read.
     pub(super) texture: Option<Layout>,
     /// Whether texels are read from two mip levels.
     pub(super) mipmapped: bool,
-    pub(super) light: Light,
+    pub(super) light: LightSource,
     /// Whether the material's own colour is not white.
     pub(super) tinted: bool,
     /// Whether vertices have colours.
@@ -28,7 +28,7 @@ pub(super) struct Plan {
 
 /// Source of the light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Light {
+pub(super) enum LightSource {
     /// No light.
     None,
     /// Interpolated from the vertices.
@@ -37,12 +37,12 @@ pub(super) enum Light {
     Normals,
 }
 
-impl Plan {
+impl ShadingPlan {
     /// Plan of most fast scenes. Has a branch-free kernel.
     pub(super) const COMMON: Self = Self {
         texture: Some(Layout::PowerOfTwoQuads),
         mipmapped: false,
-        light: Light::Vertices,
+        light: LightSource::Vertices,
         tinted: false,
         colored: false,
         space: ColorSpace::Bytes,
@@ -59,7 +59,7 @@ pub(super) struct DrawShader<'a> {
     pub(super) shader: Shader<'a>,
     pub(super) divides_by_w: bool,
     pub(super) texture: Option<TextureReader<'a>>,
-    pub(super) plan: Plan,
+    pub(super) plan: ShadingPlan,
     /// Whether there is lane code for the shading.
     pub(super) on_lanes: bool,
     /// Texels read per sample. For mip-mapped shading on lanes, only those of the finer level.
@@ -78,13 +78,13 @@ impl<'a> DrawShader<'a> {
             .filter(|_| shader.texture.is_some())
             .map(|texture| TextureReader::new(texture, shader.sampler(), settings.color_space));
         let light = match settings.shading {
-            Shading::Gouraud => Light::Vertices,
-            Shading::Lambert | Shading::BlinnPhong => Light::Normals,
-            _ => Light::None,
+            Shading::Gouraud => LightSource::Vertices,
+            Shading::Lambert | Shading::BlinnPhong => LightSource::Normals,
+            _ => LightSource::None,
         };
-        let plan = Plan {
+        let plan = ShadingPlan {
             texture: texture.map(|texture: TextureReader<'_>| texture.layout),
-            mipmapped: texture.is_some() && settings.filter == Filter::Trilinear,
+            mipmapped: texture.is_some() && settings.filter == TexelFilter::Trilinear,
             light,
             tinted: shader.diffuse != Vec3::ONE,
             colored: shader.attributes().color,
@@ -92,10 +92,10 @@ impl<'a> DrawShader<'a> {
             blended: shader.transparency() == Transparency::Blended,
         };
         let texels_per_texture = match settings.filter {
-            Filter::Point => 1,
-            Filter::Bilinear => TEXELS_AROUND,
-            Filter::Trilinear if on_lanes => TEXELS_AROUND,
-            Filter::Trilinear => 2 * TEXELS_AROUND,
+            TexelFilter::Point => 1,
+            TexelFilter::Bilinear => TEXELS_AROUND,
+            TexelFilter::Trilinear if on_lanes => TEXELS_AROUND,
+            TexelFilter::Trilinear => 2 * TEXELS_AROUND,
         };
         let texels_per_sample = shader.texture_count() * texels_per_texture;
         Self { shader, divides_by_w, texture, plan, on_lanes, texels_per_sample }

@@ -3,7 +3,7 @@
 use super::lattice::TILE;
 use super::tested::{TestedRows, TestedSample};
 use crate::pipeline::blending::nearness;
-use crate::pipeline::raster::Sample;
+use crate::pipeline::raster::RasterSample;
 use crate::pipeline::settings::Settings;
 use crate::pipeline::viewport::ScreenTriangle;
 
@@ -43,7 +43,7 @@ impl SortedFragments {
         let own = TestedRows { passed: shading.passed, ..*tested };
         for (TestedSample { place: (column, row), edges, .. }, shaded) in own.samples().zip(shading.samples()) {
             // Depth depends on the edge values alone.
-            let sample = Sample { column: 0, row: 0, x: 0, y: 0, edges };
+            let sample = RasterSample { column: 0, row: 0, x: 0, y: 0, edges };
             self.fragments.push(SortedFragment {
                 at: first + row * TILE + column,
                 nearness: nearness(settings, triangle, &sample),

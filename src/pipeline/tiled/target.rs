@@ -20,7 +20,7 @@ pub(super) struct TileRows<'a, T> {
 }
 
 /// Rows of colours.
-pub(super) type Picture<'a> = TileRows<'a, Rgba8>;
+pub(super) type ColorRows<'a> = TileRows<'a, Rgba8>;
 
 impl<T> TileRows<'_, T> {
     /// Borrows the rows for a shorter lifetime.
@@ -55,7 +55,7 @@ pub(super) struct Target<'a> {
     pub(super) place: (usize, usize),
     pub(super) number: usize,
     /// Colours, filled with the background beforehand.
-    pub(super) picture: Picture<'a>,
+    pub(super) picture: ColorRows<'a>,
     /// Stored depths, if they are kept.
     pub(super) depths: Option<TileRows<'a, f32>>,
 }
@@ -200,7 +200,7 @@ fn fill<S: Simd>(simd: S, pixels: &mut [Rgba8], color: Rgba8) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::runs::{Run, share_out};
+    use super::super::runs::{TileRun, split_into_runs};
     use super::*;
 
     /// Draws a tile: writes its number to every pixel and increments their third channel. Counts the tile in `drawn`.
@@ -226,7 +226,7 @@ mod tests {
                 let tiles = ((width as usize).div_ceil(TILE), (height as usize).div_ceil(TILE));
                 let rows = picture_rows(&mut colors, Some(&mut depths));
                 let (mut memory, mut drawn) = (TileMemory::new(), vec![0; tiles.0 * tiles.1]);
-                for Run { row, columns, .. } in share_out(&[], tiles, threads) {
+                for TileRun { row, columns, .. } in split_into_runs(&[], tiles, threads) {
                     let rows = &rows[row];
                     let places = columns.clone().map(|column| ((column, row), row * tiles.0 + column));
                     if columns.len() == tiles.0 {

@@ -1,18 +1,18 @@
 //! Samples of a triangle that passed the depth test, eight of a row and eight of the row below, before it is known
 //! which are stored.
 
-use super::Frame;
+use super::TiledFrame;
 use super::edge_number::EdgeNumber as _;
 use super::gather::Taps;
-use super::kernel::{ALL, Patch, Weights, corner_weights, interpolate_pair, locate_texels};
+use super::kernel::{ALL, AttributeWeights, Patch, corner_weights, interpolate_pair, locate_texels};
 use super::mipmap::CoarseTaps;
-use super::pending::{RowPair, Spots as _};
+use super::pending::{RowPair, SampleTargets as _};
 use super::queue::{Queue, make_room};
-use super::record::{Source as _, Subject};
-use super::setup::{Edges, Setup};
-use super::target::Picture;
+use super::record::{ShadedTriangle, TriangleSource as _};
+use super::setup::{EdgeFunctions, Setup};
+use super::target::ColorRows;
 use crate::math::lanes::*;
-use crate::scene::material::CUT_OUT_BELOW;
+use crate::scene::material::ALPHA_TEST_THRESHOLD;
 
 /// Returns the indices of the set bits among the lowest [`WIDE`].
 pub(super) fn set_bits(bits: u64) -> impl Iterator<Item = usize> {
@@ -77,8 +77,8 @@ impl TestedRows {
         simd.vectorize(
             #[inline(always)]
             || {
-                let (mut moved, Edges { a, b, .. }) = (*self, triangle.edges);
-                let least_inside = triangle.least_inside(simd);
+                let (mut moved, EdgeFunctions { a, b, .. }) = (*self, triangle.edges);
+                let least_inside = triangle.inside_thresholds(simd);
                 for (below, edges) in moved.edges.iter_mut().enumerate() {
                     let e = each!(i in [0, 1, 2] => F64::load_array_ref(simd, &edges[i]));
                     let (mut found, mut open) = (e, self.passed >> (below * LANES) & u64::from(ALL));
@@ -103,7 +103,7 @@ impl TestedRows {
     /// Computes interpolation weights. Samples that did not pass are moved to the first vertex, so that meaningless
     /// values there do no harm.
     #[inline(always)]
-    fn weights<S: Simd>(&self, simd: S, subject: &Subject<'_>) -> Weights<S> {
+    fn weights<S: Simd>(&self, simd: S, subject: &ShadedTriangle<'_>) -> AttributeWeights<S> {
         let e = each!(i in [0, 1, 2] => {
             let [upper, lower] = each!(row in [0, 1] => narrow(simd, F64::load_array_ref(simd, &self.edges[row][i])));
             upper.combine(lower)
@@ -116,11 +116,11 @@ impl TestedRows {
 #[inline(never)]
 pub(super) fn shade_tested<S: Simd>(
     simd: S,
-    frame: &Frame<'_>,
-    subject: &Subject<'_>,
+    frame: &TiledFrame<'_>,
+    subject: &ShadedTriangle<'_>,
     (tile, tested): ((usize, usize), &TestedRows),
     queue: &mut Queue,
-    picture: &mut Picture<'_>,
+    picture: &mut ColorRows<'_>,
 ) -> usize {
     simd.vectorize(
         #[inline(always)]
@@ -144,7 +144,12 @@ pub(super) fn shade_tested<S: Simd>(
 
 /// Returns the bit mask of the samples that passed and also pass the alpha test. Only for shaders with lane code.
 #[inline(never)]
-pub(super) fn keep_tested<S: Simd>(simd: S, frame: &Frame<'_>, subject: &Subject<'_>, tested: &TestedRows) -> u64 {
+pub(super) fn keep_tested<S: Simd>(
+    simd: S,
+    frame: &TiledFrame<'_>,
+    subject: &ShadedTriangle<'_>,
+    tested: &TestedRows,
+) -> u64 {
     simd.vectorize(
         #[inline(always)]
         || {
@@ -154,7 +159,7 @@ pub(super) fn keep_tested<S: Simd>(simd: S, frame: &Frame<'_>, subject: &Subject
             let weights = tested.weights(simd, subject);
             locate_texels(simd, shader, shader.plan, subject.one, weights, (&mut taps, coarse.as_mut()));
             let alpha = texture.read_levels_alpha(simd, layout, (&taps, coarse.as_ref())) * shader.shader.opacity();
-            let cut_out = alpha.simd_lt(CUT_OUT_BELOW).to_bitmask();
+            let cut_out = alpha.simd_lt(ALPHA_TEST_THRESHOLD).to_bitmask();
             tested.passed & !cut_out
         },
     )

@@ -1,12 +1,12 @@
 //! Texture reads for sixteen samples: [`crate::pipeline::sample::Sampler`] on lanes, bit for bit.
 
-use super::axis::{Axis, below_repeated, bring_into_unit, nearest, neighbours};
+use super::axis::{TexelAxis, apply_address_mode, below_repeated, nearest, neighbours};
 use super::gather::{Taps, gather, quads};
 use crate::math::lanes::*;
 use crate::math::prefetch::prefetch;
 use crate::pipeline::sample::{ALPHA_SCALE, Sampler};
-use crate::pipeline::settings::{Address, ColorSpace, Filter};
-use crate::scene::{Level, Texture};
+use crate::pipeline::settings::{AddressMode, ColorSpace, TexelFilter};
+use crate::scene::{LevelLocation, Texture};
 
 /// Arrangement of the texels of a sample in memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -26,11 +26,11 @@ pub(super) enum Layout {
 pub(super) struct TextureReader<'a> {
     pub(super) layout: Layout,
     /// Texels; of mip-mapped textures those of all levels. Empty if texels are mixed in linear light.
-    texels: Rows<'a, u32>,
+    texels: TexelRows<'a, u32>,
     /// Texels in linear light, likewise. Empty unless texels are mixed in linear light.
-    linear: Rows<'a, [f32; 4]>,
+    linear: TexelRows<'a, [f32; 4]>,
     /// Places of the mip levels among the texels; empty without mip-mapping.
-    pub(super) levels: &'a [Level],
+    pub(super) levels: &'a [LevelLocation],
     /// Texels from one row to the next.
     stride: i32,
     size: (u32, u32),
@@ -43,13 +43,13 @@ pub(super) struct TextureReader<'a> {
 
 /// Rows of texels, with one extra texel at the end of each, and one extra row after the last.
 #[derive(Clone, Copy, Debug)]
-struct Rows<'a, T> {
+struct TexelRows<'a, T> {
     all: &'a [T],
     /// Texels from the second row on: a texel's lower neighbour has the same index here.
     below: &'a [T],
 }
 
-impl<'a, T> Rows<'a, T> {
+impl<'a, T> TexelRows<'a, T> {
     fn new(all: &'a [T], stride: usize) -> Self {
         Self { all, below: all.get(stride..).unwrap_or_default() }
     }
@@ -60,33 +60,33 @@ pub(super) struct Images<S: Simd> {
     /// Index of each image's first texel.
     pub(super) first: i32x8<S>,
     /// Axes of columns and rows.
-    pub(super) axes: [Axis<S>; 2],
+    pub(super) axes: [TexelAxis<S>; 2],
 }
 
 impl<'a> TextureReader<'a> {
     pub(super) fn new(texture: &'a Texture, sampler: Sampler, space: ColorSpace) -> Self {
         let size @ (width, height) = texture.image().size();
         let layout = match (sampler.filter, sampler.address) {
-            (Filter::Point, _) => Layout::Single,
-            (Filter::Bilinear | Filter::Trilinear, Address::Clamp | Address::Mirror) => Layout::Four,
-            (Filter::Bilinear | Filter::Trilinear, Address::Repeat)
+            (TexelFilter::Point, _) => Layout::Single,
+            (TexelFilter::Bilinear | TexelFilter::Trilinear, AddressMode::Clamp | AddressMode::Mirror) => Layout::Four,
+            (TexelFilter::Bilinear | TexelFilter::Trilinear, AddressMode::Repeat)
                 if width.is_power_of_two() && height.is_power_of_two() =>
             {
                 Layout::PowerOfTwoQuads
             }
-            (Filter::Bilinear | Filter::Trilinear, Address::Repeat) => Layout::Quads,
+            (TexelFilter::Bilinear | TexelFilter::Trilinear, AddressMode::Repeat) => Layout::Quads,
         };
         let (texels, linear, levels): (&[_], &[_], &[_]) = match (sampler.filter, space) {
-            (Filter::Trilinear, ColorSpace::Bytes) => (&texture.levels().texels, &[], &texture.levels().places),
-            (Filter::Trilinear, ColorSpace::Linear) => {
-                (&[], &texture.levels_linear().texels, &texture.levels_linear().places)
+            (TexelFilter::Trilinear, ColorSpace::Bytes) => (&texture.levels().texels, &[], &texture.levels().locations),
+            (TexelFilter::Trilinear, ColorSpace::Linear) => {
+                (&[], &texture.levels_linear().texels, &texture.levels_linear().locations)
             }
             (_, ColorSpace::Bytes) => (texture.wrapped(), &[], &[]),
             (_, ColorSpace::Linear) => (&[], texture.wrapped_linear(), &[]),
         };
         let extent = [width as f32, height as f32];
         let stride = width as usize + 1;
-        let (texels, linear) = (Rows::new(texels, stride), Rows::new(linear, stride));
+        let (texels, linear) = (TexelRows::new(texels, stride), TexelRows::new(linear, stride));
         Self {
             layout,
             texels,
@@ -96,7 +96,7 @@ impl<'a> TextureReader<'a> {
             size,
             extent,
             sampler,
-            gathers: gathers_are_quick(),
+            gathers: gathers_are_fast(),
         }
     }
 
@@ -138,7 +138,7 @@ impl<'a> TextureReader<'a> {
             }
             let images = Images {
                 first: i32x8::splat(simd, 0),
-                axes: [Axis::splat(simd, self.size.0), Axis::splat(simd, self.size.1)],
+                axes: [TexelAxis::splat(simd, self.size.0), TexelAxis::splat(simd, self.size.1)],
             };
             self.locate_eight(simd, layout, &images, uv, taps, first);
         }
@@ -180,8 +180,8 @@ impl<'a> TextureReader<'a> {
     #[inline(always)]
     fn locate_nearest<S: Simd>(&self, simd: S, [u, v]: [F32<S>; 2], taps: &mut Taps, first: usize) {
         let Sampler { address, .. } = self.sampler;
-        let x = nearest(simd, bring_into_unit(simd, u, address), self.size.0);
-        let y = nearest(simd, bring_into_unit(simd, v, address), self.size.1);
+        let x = nearest(simd, apply_address_mode(simd, u, address), self.size.0);
+        let y = nearest(simd, apply_address_mode(simd, v, address), self.size.1);
         (y * self.stride + x).bitcast::<u32x8<S>>().store_slice(&mut taps.index[0][first..first + LANES]);
     }
 
@@ -198,8 +198,8 @@ impl<'a> TextureReader<'a> {
     ) {
         let Sampler { address, .. } = self.sampler;
         let eight = first..first + LANES;
-        let x = neighbours(simd, bring_into_unit(simd, u, address), images.axes[0], address);
-        let y = neighbours(simd, bring_into_unit(simd, v, address), images.axes[1], address);
+        let x = neighbours(simd, apply_address_mode(simd, u, address), images.axes[0], address);
+        let y = neighbours(simd, apply_address_mode(simd, v, address), images.axes[1], address);
         x.weight.store_slice(&mut taps.right[eight.clone()]);
         y.weight.store_slice(&mut taps.down[eight.clone()]);
         let [upper, lower] = each!(y in [y.first, y.second] => y * self.stride + images.first);
@@ -397,7 +397,7 @@ mod tests {
         let mut random = fastrand::Rng::with_seed(3);
         for size in [(1, 1), (2, 64), (1024, 16), (256, 512)] {
             let texture = Texture::new("", Image::from_fn(size.0, size.1, |_, _| [0; 4])).expect("it has texels");
-            let sampler = Sampler::new(Filter::Bilinear, Address::Repeat, ColorSpace::Bytes);
+            let sampler = Sampler::new(TexelFilter::Bilinear, AddressMode::Repeat, ColorSpace::Bytes);
             let reader = TextureReader::new(&texture, sampler, ColorSpace::Bytes);
             assert_eq!(reader.layout, Layout::PowerOfTwoQuads);
             for round in 0..2000 {

@@ -11,14 +11,14 @@ mod bounds;
 
 use std::ops::{AddAssign, Range};
 
-use bounds::Backdrop;
+use bounds::FullTileOccluder;
 
 use super::depths::{DepthPlane, DepthRules, compare_bounds, depth, passes};
 use super::edge_number::EdgeNumber;
 use super::lattice::{BLOCK, BLOCKS, TILE};
-use super::locations::{Locations, Rows, edge_values};
 use super::record::Slot;
-use super::setup::{Edges, Setup};
+use super::sample_positions::{EdgeValueRows, SamplePositions, edge_values};
+use super::setup::{EdgeFunctions, Setup};
 use super::tested::TestedRows;
 use crate::math::lanes::*;
 
@@ -35,13 +35,13 @@ pub(super) struct TileCounts {
     /// Samples tested individually.
     pub(super) visited: u64,
     /// Samples of blocks accepted as a whole.
-    pub(super) plain: u64,
+    pub(super) uniform: u64,
 }
 
 impl AddAssign for TileCounts {
     fn add_assign(&mut self, more: Self) {
         self.visited += more.visited;
-        self.plain += more.plain;
+        self.uniform += more.uniform;
     }
 }
 
@@ -55,12 +55,12 @@ pub(super) struct Tile {
     /// Triangle of each uniform block.
     owners: [u32; BLOCKS * BLOCKS],
     /// Least stored depth of each block; `greatest` is the greatest. Not valid while there is a full-tile occluder.
-    least: [f32; BLOCKS * BLOCKS],
-    greatest: [f32; BLOCKS * BLOCKS],
+    min_depths: [f32; BLOCKS * BLOCKS],
+    max_depths: [f32; BLOCKS * BLOCKS],
     /// Full-tile occluder. Depth bounds of blocks are computed only when a triangle is drawn into some of them.
-    backdrop: Option<Backdrop>,
+    occluder: Option<FullTileOccluder>,
     /// Bit mask of the uniform blocks.
-    plain: u64,
+    uniform: u64,
     /// Whether depth bounds are kept. They cost more than they save if triangles are as small as blocks.
     bounded: bool,
     pub(super) counts: TileCounts,
@@ -72,10 +72,10 @@ impl Tile {
             ids: vec![Slot::NONE.0; STRIDE * ROWS],
             depths: vec![0.0; STRIDE * ROWS],
             owners: [Slot::NONE.0; BLOCKS * BLOCKS],
-            least: [0.0; BLOCKS * BLOCKS],
-            greatest: [0.0; BLOCKS * BLOCKS],
-            backdrop: None,
-            plain: u64::MAX,
+            min_depths: [0.0; BLOCKS * BLOCKS],
+            max_depths: [0.0; BLOCKS * BLOCKS],
+            occluder: None,
+            uniform: u64::MAX,
             bounded: true,
             counts: TileCounts::default(),
         }
@@ -91,30 +91,30 @@ impl Tile {
         self.bounded = bounded;
         self.counts = TileCounts::default();
         if bounded {
-            self.plain = u64::MAX;
+            self.uniform = u64::MAX;
             self.owners = [Slot::NONE.0; BLOCKS * BLOCKS];
-            self.backdrop = Some(Backdrop { least: rules.clear, greatest: rules.clear, plane: None });
+            self.occluder = Some(FullTileOccluder { min_depth: rules.clear, max_depth: rules.clear, plane: None });
         } else {
-            self.plain = 0;
-            self.backdrop = None;
+            self.uniform = 0;
+            self.occluder = None;
             self.ids.fill(Slot::NONE.0);
             if rules.stored {
                 self.depths.fill(rules.clear);
             }
-            self.least = [f32::NEG_INFINITY; BLOCKS * BLOCKS];
-            self.greatest = [f32::INFINITY; BLOCKS * BLOCKS];
+            self.min_depths = [f32::NEG_INFINITY; BLOCKS * BLOCKS];
+            self.max_depths = [f32::INFINITY; BLOCKS * BLOCKS];
         }
     }
 
     /// Returns the triangle of a block; `None` if the block is not uniform.
     #[inline(always)]
     pub(super) fn owner(&self, block: usize) -> Option<Slot> {
-        (self.plain >> block & 1 != 0).then(|| Slot(self.owners[block]))
+        (self.uniform >> block & 1 != 0).then(|| Slot(self.owners[block]))
     }
 
     /// Returns the uniform blocks, whose samples are not yet written, with their triangles.
-    pub(super) fn plain_blocks(&self) -> impl Iterator<Item = (usize, Slot)> + use<> {
-        let (plain, owners) = (self.plain, self.owners);
+    pub(super) fn uniform_blocks(&self) -> impl Iterator<Item = (usize, Slot)> + use<> {
+        let (plain, owners) = (self.uniform, self.owners);
         (0..BLOCKS * BLOCKS).filter(move |block| plain >> block & 1 != 0).map(move |block| (block, Slot(owners[block])))
     }
 
@@ -133,7 +133,7 @@ impl Tile {
 
     /// Returns the triangles of eight samples of a row, written or not.
     #[inline(always)]
-    pub(super) fn seen<S: Simd>(&self, simd: S, column: usize, row: usize) -> u32x8<S> {
+    pub(super) fn visible_slots<S: Simd>(&self, simd: S, column: usize, row: usize) -> u32x8<S> {
         match self.owner(row / BLOCK * BLOCKS + column / BLOCK) {
             Some(slot) => u32x8::splat(simd, slot.0),
             None => u32x8::from_slice(simd, self.slots(column, row)),
@@ -144,10 +144,10 @@ impl Tile {
     pub(super) fn set_owner(&mut self, block: usize, owner: Option<Slot>) {
         match owner {
             Some(slot) => {
-                self.plain |= 1 << block;
+                self.uniform |= 1 << block;
                 self.owners[block] = slot.0;
             }
-            None => self.plain &= !(1 << block),
+            None => self.uniform &= !(1 << block),
         }
     }
 
@@ -170,7 +170,7 @@ impl Tile {
         &mut self,
         simd: S,
         triangle: &Setup<E>,
-        locations: impl Locations,
+        locations: impl SamplePositions,
         rules: &DepthRules,
         owner: &impl Fn(Slot) -> Option<Setup>,
     ) {
@@ -192,7 +192,7 @@ impl Tile {
         simd: S,
         triangle: &Setup<E>,
         start: usize,
-        locations: impl Locations,
+        locations: impl SamplePositions,
         rules: &DepthRules,
         owner: &impl Fn(Slot) -> Option<Setup>,
     ) {
@@ -203,7 +203,7 @@ impl Tile {
                 let ([top, bottom], last) = (triangle.rows, triangle.columns[1]);
                 let end = start + LANES * (1 + (last - start) / LANES);
                 if self.bounded {
-                    self.part_bounds(simd, locations.lattice(), rules);
+                    self.replace_occluder(simd, locations.lattice(), rules);
                     let columns = [start / BLOCK, last / BLOCK];
                     let mut in_sight = false;
                     for by in top / BLOCK..=bottom / BLOCK {
@@ -218,7 +218,7 @@ impl Tile {
                     for by in top / BLOCK..=bottom / BLOCK {
                         for bx in columns[0]..=((end - 1) / BLOCK).min(BLOCKS - 1) {
                             let block = by * BLOCKS + bx;
-                            self.write_out(simd, block, locations, rules, owner);
+                            self.expand_block(simd, block, locations, rules, owner);
                             self.widen_bounds(triangle, block, rules);
                         }
                     }
@@ -229,13 +229,13 @@ impl Tile {
                     self.draw_narrow(simd, triangle, start, locations, rules);
                     return;
                 }
-                let least_inside = triangle.least_inside(simd);
+                let least_inside = triangle.inside_thresholds(simd);
                 let mut column = start;
                 while column < end {
                     let x = E::load(simd, &steps.lanes) + steps.column(column);
-                    let mut rows = Rows::new(simd, edges, x, top, lattice);
+                    let mut rows = EdgeValueRows::new(simd, edges, x, top, lattice);
                     for row in top..bottom + 1 {
-                        let e = locations.displaced(simd, edges, rows.next(edges, row, lattice), (column, row));
+                        let e = locations.jittered(simd, edges, rows.next(edges, row, lattice), (column, row));
                         let covered = E::inside(e, least_inside);
                         if is_worth_storing(covered) {
                             self.write(simd, triangle, e, covered, (column, row), rules);
@@ -255,19 +255,19 @@ impl Tile {
         simd: S,
         triangle: &Setup<E>,
         start: usize,
-        locations: impl Locations,
+        locations: impl SamplePositions,
         rules: &DepthRules,
     ) {
-        let Setup { edges: edges @ Edges { a, b, c }, rows: [top, bottom], .. } = triangle;
+        let Setup { edges: edges @ EdgeFunctions { a, b, c }, rows: [top, bottom], .. } = triangle;
         let lattice = locations.lattice();
-        let (steps, least_inside) = (E::steps(lattice), triangle.least_inside(simd));
+        let (steps, least_inside) = (E::steps(lattice), triangle.inside_thresholds(simd));
         let x = E::load(simd, &steps.two_rows[0]) + steps.column(start);
         let y = E::load(simd, &steps.two_rows[1]) + steps.row(*top);
         let mut next = each!(i in [0, 1, 2] => x * a[i] + c[i] + y * b[i]);
         let step = each!(i in [0, 1, 2] => E::repeat(simd, b[i]) * E::load(simd, &steps.row_after_next));
         let mut row = *top;
         while row <= *bottom {
-            let e = locations.displaced_in_two_rows(simd, edges, next, (start, row));
+            let e = locations.jittered_in_two_rows(simd, edges, next, (start, row));
             let covered = E::inside(e, least_inside);
             if is_worth_storing(covered) {
                 self.write_two(simd, triangle, e, covered, (start, row), rules);
@@ -320,7 +320,7 @@ impl Tile {
         &mut self,
         simd: S,
         triangle: &Setup<E>,
-        locations: impl Locations,
+        locations: impl SamplePositions,
         rules: &DepthRules,
         owner: &impl Fn(Slot) -> Option<Setup>,
     ) {
@@ -330,13 +330,13 @@ impl Tile {
                 let rules = &rules.known::<COMMON>();
                 let lattice = locations.lattice();
                 let plane = DepthPlane::new(triangle, lattice.tile_extent(), rules);
-                if self.meets_backdrop(simd, triangle, &plane, lattice, rules)
+                if self.test_occluder(simd, triangle, &plane, lattice, rules)
                     || self.hides(simd, &plane, lattice, rules)
                 {
                     return;
                 }
                 let Setup { edges, columns, rows, .. } = triangle;
-                let (steps, least_inside) = (E::steps(lattice), triangle.least_inside(simd));
+                let (steps, least_inside) = (E::steps(lattice), triangle.inside_thresholds(simd));
                 let [across, down] = steps.block;
                 let reach = each!(i in [0, 1, 2] => E::reach(edges.a[i], edges.b[i], across, down));
                 let touched = (u64::MAX >> (63 - columns[1] / BLOCK)) & (u64::MAX << (columns[0] / BLOCK));
@@ -360,26 +360,26 @@ impl Tile {
                     let places = (block_places, lattice.doubles.row(by * BLOCK));
                     let [low, high] = plane.bounds(simd, places, lattice.doubles.block, rules);
                     let stored = [
-                        F32::from_slice(simd, &self.least[here.clone()]),
-                        F32::from_slice(simd, &self.greatest[here.clone()]),
+                        F32::from_slice(simd, &self.min_depths[here.clone()]),
+                        F32::from_slice(simd, &self.max_depths[here.clone()]),
                     ];
                     let (hidden, in_front) = compare_bounds([low, high], stored, rules.comparison);
                     candidates &= !hidden;
                     let whole = if self.bounded { candidates & accepted & in_front } else { 0 };
                     if whole != 0 {
                         let mask = mask32x8::from_bitmask(simd, whole);
-                        mask.select(low, stored[0]).store_slice(&mut self.least[here.clone()]);
-                        mask.select(high, stored[1]).store_slice(&mut self.greatest[here.clone()]);
+                        mask.select(low, stored[0]).store_slice(&mut self.min_depths[here.clone()]);
+                        mask.select(high, stored[1]).store_slice(&mut self.max_depths[here.clone()]);
                         let (slot, owners) = (u32x8::splat(simd, triangle.slot.0), &mut self.owners[here]);
                         mask.select(slot, u32x8::from_slice(simd, owners)).store_slice(owners);
-                        self.plain |= whole << (by * BLOCKS);
-                        self.counts.plain += u64::from(whole.count_ones()) * (BLOCK * BLOCK) as u64;
+                        self.uniform |= whole << (by * BLOCKS);
+                        self.counts.uniform += u64::from(whole.count_ones()) * (BLOCK * BLOCK) as u64;
                     }
                     let mut partial = candidates & !whole;
                     while partial != 0 {
                         let bx = partial.trailing_zeros() as usize;
                         partial &= partial - 1;
-                        self.write_out(simd, by * BLOCKS + bx, locations, rules, owner);
+                        self.expand_block(simd, by * BLOCKS + bx, locations, rules, owner);
                         self.draw_block(simd, triangle, (bx, by), locations, rules);
                     }
                 }
@@ -394,7 +394,7 @@ impl Tile {
         &mut self,
         simd: S,
         triangle: &Setup,
-        locations: impl Locations,
+        locations: impl SamplePositions,
         rules: &DepthRules,
         owner: &impl Fn(Slot) -> Option<Setup>,
         mut keep: impl FnMut(&TestedRows) -> u64,
@@ -402,13 +402,13 @@ impl Tile {
         simd.vectorize(
             #[inline(always)]
             || {
-                self.part_bounds(simd, locations.lattice(), rules);
+                self.replace_occluder(simd, locations.lattice(), rules);
                 for (bx, by) in blocks(triangle) {
                     let block = by * BLOCKS + bx;
                     if !self.may_show(triangle, block, rules) {
                         continue;
                     }
-                    self.write_out(simd, block, locations, rules, owner);
+                    self.expand_block(simd, block, locations, rules, owner);
                     let rows = rows_in(triangle, by);
                     for row in rows.clone().step_by(2) {
                         let mut tested = TestedRows { place: (bx * BLOCK, row), ..TestedRows::default() };
@@ -444,7 +444,7 @@ impl Tile {
         simd: S,
         triangle: &Setup,
         (column, row): (usize, usize),
-        locations: impl Locations,
+        locations: impl SamplePositions,
         rules: &DepthRules,
         edges: &mut [[f64; LANES]; 3],
     ) -> u64 {
@@ -452,7 +452,7 @@ impl Tile {
             #[inline(always)]
             || {
                 let e = edge_values(simd, &triangle.edges, (column, row), locations);
-                let mut passed = f64::inside_bits(e, triangle.least_inside(simd));
+                let mut passed = f64::inside_bits(e, triangle.inside_thresholds(simd));
                 if rules.stored {
                     let stored = F32::from_slice(simd, &self.depths[row * STRIDE + column..][..LANES]);
                     passed &= passes(depth(simd, triangle, e, rules), stored, rules.comparison).to_bitmask();
@@ -470,18 +470,18 @@ impl Tile {
         simd: S,
         triangle: &Setup<E>,
         (bx, by): (usize, usize),
-        locations: impl Locations,
+        locations: impl SamplePositions,
         rules: &DepthRules,
     ) {
         let (Setup { edges, .. }, lattice) = (triangle, locations.lattice());
-        let (steps, least_inside) = (E::steps(lattice), triangle.least_inside(simd));
+        let (steps, least_inside) = (E::steps(lattice), triangle.inside_thresholds(simd));
         let x = E::load(simd, &steps.lanes) + steps.blocks[bx];
         let touched = rows_in(triangle, by);
         self.counts.visited += (touched.len() * BLOCK) as u64;
-        let mut rows = Rows::new(simd, edges, x, touched.start, lattice);
+        let mut rows = EdgeValueRows::new(simd, edges, x, touched.start, lattice);
         let mut written = false;
         for row in touched {
-            let e = locations.displaced(simd, edges, rows.next(edges, row, lattice), (bx * BLOCK, row));
+            let e = locations.jittered(simd, edges, rows.next(edges, row, lattice), (bx * BLOCK, row));
             let covered = E::inside(e, least_inside);
             if is_worth_storing(covered) {
                 written |= self.write(simd, triangle, e, covered, (bx * BLOCK, row), rules);
@@ -523,21 +523,21 @@ impl Tile {
 
     /// Expands a uniform block: writes its samples. No-op for other blocks.
     #[inline(never)]
-    pub(super) fn write_out<S: Simd>(
+    pub(super) fn expand_block<S: Simd>(
         &mut self,
         simd: S,
         block: usize,
-        locations: impl Locations,
+        locations: impl SamplePositions,
         rules: &DepthRules,
         owner: &impl Fn(Slot) -> Option<Setup>,
     ) {
         simd.vectorize(
             #[inline(always)]
             || {
-                if self.plain >> block & 1 == 0 {
+                if self.uniform >> block & 1 == 0 {
                     return;
                 }
-                self.plain &= !(1 << block);
+                self.uniform &= !(1 << block);
                 let (bx, by) = (block % BLOCKS, block / BLOCKS);
                 let slot = Slot(self.owners[block]);
                 let triangle = if slot == Slot::NONE || !rules.stored { None } else { owner(slot) };

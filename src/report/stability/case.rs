@@ -14,7 +14,7 @@ use crate::pipeline::viewport::Viewport;
 
 /// A test case.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Case {
+pub struct StabilityCase {
     /// Unique id.
     pub id: String,
     /// Id of the class that the case belongs to.
@@ -24,7 +24,7 @@ pub struct Case {
     pub(crate) note: String,
     /// Kind of the case and its data.
     #[serde(flatten)]
-    pub(crate) body: Body,
+    pub body: Body,
 }
 
 /// Kind of a case and its data.
@@ -34,13 +34,13 @@ pub enum Body {
     /// Coverage of each of several screen-space triangles.
     TriCoverage(Coverage),
     /// Weights, depth and attributes at some pixels of a screen-space triangle.
-    TriAttr(Attributes),
+    TriAttr(AttributeCase),
     /// Depths of two coplanar triangles that cover the same pixels.
-    CoplanarPair(CoplanarPair),
+    CoplanarPair(CoplanarPairCase),
     /// Coverage of each of several clip-space triangles, with weights and depth.
     ClipTri(ClipSpace),
     /// Depth buffer values of ascending distances.
-    Depth(Depth),
+    Depth(DepthCase),
     /// Number of pairs of close distances whose order a depth buffer loses.
     DepthPairs(DepthPairs),
 }
@@ -49,37 +49,37 @@ pub enum Body {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Coverage {
     /// Image width, in pixels.
-    pub(crate) width: u32,
+    pub width: u32,
     /// Image height, in pixels.
-    pub(crate) height: u32,
+    pub height: u32,
     /// Fill rule for pixel centres on edges.
     #[serde(with = "crate::case::rule")]
-    pub(crate) rule: FillRule,
+    pub rule: FillRule,
     /// Vertices in pixels, x right and y down; every triangle is drawn separately.
     #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
-    pub(crate) triangles: Vec<[[f32; 2]; 3]>,
+    pub triangles: Vec<[[f32; 2]; 3]>,
     /// Whether the triangles together cover every pixel of the image exactly once.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub(crate) exactly_once: bool,
+    pub exactly_once: bool,
 }
 
 /// A screen-space triangle with attributes to interpolate.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Attributes {
+pub struct AttributeCase {
     /// Image width, in pixels.
     pub(crate) width: u32,
     /// Image height, in pixels.
     pub(crate) height: u32,
     /// Vertices of the triangle.
     #[serde(with = "wire::corners")]
-    pub(crate) vertices: [ScreenCorner; 3],
+    pub vertices: [ScreenCorner; 3],
     /// Columns and rows of the pixels to evaluate; their centres lie inside the triangle.
-    pub(crate) eval: Vec<[u32; 2]>,
+    pub eval: Vec<[u32; 2]>,
 }
 
 /// Two coplanar triangles.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct CoplanarPair {
+pub struct CoplanarPairCase {
     /// Image width, in pixels.
     pub(crate) width: u32,
     /// Image height, in pixels.
@@ -98,30 +98,30 @@ pub struct CoplanarPair {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ClipSpace {
     /// Image width, in pixels.
-    pub(crate) width: u32,
+    pub width: u32,
     /// Image height, in pixels.
-    pub(crate) height: u32,
+    pub height: u32,
     /// Clip-space vertices (x, y, z, w); every triangle is drawn separately.
     #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
-    pub(crate) triangles: Vec<[[f32; 4]; 3]>,
+    pub triangles: Vec<[[f32; 4]; 3]>,
 }
 
 /// View-space distances and the depth buffer that stores them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Depth {
+pub struct DepthCase {
     /// Mapping from a distance to a depth in [0, 1].
-    pub(crate) mapping: DepthMapping,
+    pub mapping: DepthMapping,
     /// Storage format of the depth buffer.
-    pub(crate) format: DepthStorage,
+    pub format: DepthStorage,
     /// Distance of the near plane.
     #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
-    pub(crate) near: f32,
+    pub near: f32,
     /// Distance of the far plane; `None` for infinity.
     #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
-    pub(crate) far: Option<f32>,
+    pub far: Option<f32>,
     /// Distances, in ascending order.
     #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
-    pub(crate) z: Vec<f32>,
+    pub z: Vec<f32>,
 }
 
 /// Random pairs of distances z and z · (1 + gap), with z log-uniform between the planes, seen through random views.
@@ -145,7 +145,7 @@ pub struct DepthPairs {
     pub(crate) seed: u64,
 }
 
-impl Case {
+impl StabilityCase {
     /// Returns the image size of the case; `None` for cases without an image.
     pub(crate) fn viewport(&self) -> Option<Viewport> {
         let (width, height) = match &self.body {
@@ -201,7 +201,7 @@ impl Case {
     }
 
     /// Serialises the case as JSON.
-    pub(crate) fn to_json(&self) -> String {
+    pub fn to_json(&self) -> String {
         // Serialisation of a case cannot fail: map keys are strings, and numbers are finite or written as strings.
         serde_json::to_string(self).unwrap_or_default()
     }
@@ -217,8 +217,8 @@ mod tests {
 
     use super::*;
 
-    fn coverage() -> Case {
-        Case {
+    fn coverage() -> StabilityCase {
+        StabilityCase {
             id: "a-0".into(),
             class: "a".into(),
             note: String::new(),
@@ -250,9 +250,9 @@ mod tests {
         let corner = ScreenCorner { x: 0.1, y: -7.5, z: 0.3, w: 1e30, uv: [1e6, -0.7] };
         let bodies = [
             coverage().body,
-            Body::TriAttr(Attributes { width: 8, height: 4, vertices: [corner; 3], eval: vec![[1, 2], [3, 3]] }),
+            Body::TriAttr(AttributeCase { width: 8, height: 4, vertices: [corner; 3], eval: vec![[1, 2], [3, 3]] }),
             Body::ClipTri(ClipSpace { width: 8, height: 4, triangles: vec![[[0.3, -0.0, f32::INFINITY, 1.0]; 3]] }),
-            Body::Depth(Depth {
+            Body::Depth(DepthCase {
                 mapping: DepthMapping::ReversedInf,
                 format: DepthStorage::Unorm24,
                 near: 0.1,
@@ -261,8 +261,8 @@ mod tests {
             }),
         ];
         for body in bodies {
-            let case = Case { id: "x".into(), class: "y".into(), note: "z".into(), body };
-            let read: Case = serde_json::from_str(&case.to_json()).unwrap();
+            let case = StabilityCase { id: "x".into(), class: "y".into(), note: "z".into(), body };
+            let read: StabilityCase = serde_json::from_str(&case.to_json()).unwrap();
             assert_eq!(format!("{read:?}"), format!("{case:?}"), "NaN is no reason to differ");
         }
     }
@@ -274,9 +274,9 @@ mod tests {
         let body = Body::ClipTri(ClipSpace { width: 8, height: 4, triangles: vec![corners] });
         let answer = |case: &FileCase| crate::case::answer(case, Options::default(), &Control::default());
         let bits = |corners: [[f32; 4]; 3]| corners.map(|corner| corner.map(f32::to_bits));
-        let read = |case: &Case| FileCase::parse(case.to_json().as_bytes(), "x.json".as_ref()).unwrap();
+        let read = |case: &StabilityCase| FileCase::parse(case.to_json().as_bytes(), "x.json".as_ref()).unwrap();
 
-        let clipped = read(&Case { body, ..coverage() });
+        let clipped = read(&StabilityCase { body, ..coverage() });
         let Task::ClipTri(task) = &clipped.task else { panic!("{clipped:?}") };
         assert_eq!(task.corners(0).map(bits), Some(bits(corners)));
         let Ok(Answer::ClipTri(drawn)) = answer(&clipped) else { panic!("not answered") };

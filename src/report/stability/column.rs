@@ -9,7 +9,7 @@ use crate::pipeline::settings::{Choice as _, DepthFormat};
 /// A configuration of the engine, one column of the report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(untagged)]
-pub enum Column {
+pub enum ReportColumn {
     /// A rasterizer and its arithmetic.
     Coverage(Configuration),
     /// An interpolation formula and its arithmetic.
@@ -22,7 +22,7 @@ fn depth_format<S: serde::Serializer>(format: &DepthFormat, to: S) -> Result<S::
     std::collections::BTreeMap::from([("depth_format", format)]).serialize(to)
 }
 
-impl Column {
+impl ReportColumn {
     /// Returns all columns for the classes of a family.
     pub(crate) fn of(family: Family) -> Vec<Self> {
         match family {
@@ -35,7 +35,7 @@ impl Column {
     }
 
     /// Returns the id of the rasterizer, formula or format.
-    pub(crate) fn method(self) -> &'static str {
+    pub fn method(self) -> &'static str {
         match self {
             Self::Coverage(by) => by.rasterizer.id(),
             Self::Weights(by) => by.interpolation.id(),
@@ -80,7 +80,7 @@ impl Column {
     }
 
     /// Returns the ids of the method and the arithmetic.
-    pub(crate) fn label(self) -> String {
+    pub fn label(self) -> String {
         self.arithmetic().map_or_else(|| self.method().to_owned(), |numbers| format!("{} · {numbers}", self.method()))
     }
 }

@@ -1,7 +1,7 @@
 //! Stability report as comma-separated values: one line per cell, one column per metric.
 
 use super::metric::Metric;
-use super::sweep::{Cell, ClassReport, Report};
+use super::sweep::{ClassReport, ReportCell, StabilityReport};
 use crate::pipeline::settings::Choice as _;
 use crate::report::PARTIAL;
 
@@ -13,7 +13,7 @@ const KEYS: [&str; 10] =
 const TIMES: [&str; 5] = ["ns_per_pixel", "ns_per_pixel_p10", "ns_per_pixel_p90", "ns_per_triangle", "rounds"];
 
 /// Formats the whole table with its header. Values that were not measured are left empty.
-pub(crate) fn csv(report: &Report) -> String {
+pub(crate) fn csv(report: &StabilityReport) -> String {
     let metrics = Metric::ALL.iter().map(|metric| metric.id().replace('-', "_"));
     let head: Vec<String> =
         KEYS.into_iter().map(str::to_owned).chain(metrics).chain(TIMES.into_iter().map(str::to_owned)).collect();
@@ -25,7 +25,7 @@ pub(crate) fn csv(report: &Report) -> String {
 
 /// Formats one line. Quoting is unnecessary: every field is a name or number from this program, without commas or
 /// quotation marks.
-fn line(report: &Report, class: &ClassReport, cell: &Cell) -> String {
+fn line(report: &StabilityReport, class: &ClassReport, cell: &ReportCell) -> String {
     let keys = [
         class.class.family.id().to_owned(),
         class.class.id.to_owned(),

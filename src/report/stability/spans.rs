@@ -48,19 +48,19 @@ pub(crate) fn difference(a: &[Span], b: &[Span]) -> Vec<Span> {
 
 /// Number of hits of each pixel in an image, in row-major order.
 #[derive(Clone, Debug)]
-pub struct Hits {
+pub struct HitCounts {
     viewport: Viewport,
     counts: Vec<u16>,
 }
 
-impl Hits {
+impl HitCounts {
     /// Creates counters without hits.
-    pub(crate) fn none(viewport: Viewport) -> Self {
+    pub fn none(viewport: Viewport) -> Self {
         Self { viewport, counts: vec![0; viewport.width as usize * viewport.height as usize] }
     }
 
     /// Adds spans; pixels outside the image are ignored.
-    pub(crate) fn add(&mut self, spans: &[Span]) {
+    pub fn add(&mut self, spans: &[Span]) {
         let width = self.viewport.width as usize;
         for span in spans.iter().filter(|s| s.row < self.viewport.height) {
             let (left, right) = (width.min(span.left as usize), width.min(span.right as usize));
@@ -72,12 +72,12 @@ impl Hits {
     }
 
     /// Returns the number of pixels that were never hit.
-    pub(crate) fn cracks(&self) -> u64 {
+    pub fn cracks(&self) -> u64 {
         self.counts.iter().filter(|count| **count == 0).count() as u64
     }
 
     /// Returns the number of pixels that were hit more than once.
-    pub(crate) fn doubles(&self) -> u64 {
+    pub fn doubles(&self) -> u64 {
         self.counts.iter().filter(|count| **count > 1).count() as u64
     }
 
@@ -124,9 +124,9 @@ mod tests {
 
     #[test]
     fn hits_are_counted_and_what_lies_outside_is_not() {
-        let mut hits = Hits::none(Viewport { width: 4, height: 2 });
+        let mut hits = HitCounts::none(Viewport { width: 4, height: 2 });
         hits.add(&[span(0, 0, 4), span(0, 1, 2), span(1, 0, 3), span(1, 2, 900), span(7, 0, 4)]);
         assert_eq!((hits.cracks(), hits.doubles(), hits.first_fault()), (0, 2, Some((1, 0))));
-        assert_eq!(Hits::none(Viewport { width: 4, height: 2 }).cracks(), 8);
+        assert_eq!(HitCounts::none(Viewport { width: 4, height: 2 }).cracks(), 8);
     }
 }

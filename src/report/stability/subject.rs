@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::oracle::{DepthMapping, DepthStorage, ScreenCorner, Snap};
 use crate::pipeline::depth::{DepthScale, depth_at};
 use crate::pipeline::from_clip_space;
-use crate::pipeline::interpolate::{Attributes, affine_weights, attribute_weights, interpolate};
+use crate::pipeline::interpolate::{AttributeSelection, affine_weights, attribute_weights, interpolate};
 use crate::pipeline::raster::{self, AnyTriangle, Span};
 use crate::pipeline::settings::{Arithmetic, Choice as _, DepthFormat, FillRule, Interpolation, Rasterizer};
 use crate::pipeline::vertex::{ClipVertex, Varyings};
@@ -31,7 +31,7 @@ impl Configuration {
     /// Returns all configurations, grouped by arithmetic. Published rasterizers have their own arithmetic and come
     /// last.
     pub(crate) fn all() -> Vec<Self> {
-        let of = |arithmetic: Arithmetic| Rasterizer::sound().map(move |rasterizer| Self { rasterizer, arithmetic });
+        let of = |arithmetic: Arithmetic| Rasterizer::correct().map(move |rasterizer| Self { rasterizer, arithmetic });
         let sound = Arithmetic::ALL.iter().copied().flat_map(of);
         let published = Rasterizer::ALL.iter().filter(|rasterizer| rasterizer.is_published());
         sound.chain(published.map(|rasterizer| Self { rasterizer: *rasterizer, arithmetic: Arithmetic::F64 })).collect()
@@ -125,7 +125,7 @@ impl Interpolator {
     /// Returns the engine's values at a pixel centre.
     pub(crate) fn at(&self, column: u32, row: u32) -> Sampled {
         let sample = self.edges.sample((column, row));
-        let fragment = interpolate(&self.triangle, sample, Attributes::all(self.interpolation));
+        let fragment = interpolate(&self.triangle, sample, AttributeSelection::all(self.interpolation));
         Sampled {
             affine: affine_weights(&self.triangle, &sample).map(f64::from),
             weights: fragment.weights.map(f64::from),
@@ -164,7 +164,7 @@ pub(crate) fn draw(by: Configuration, corners: [[f32; 4]; 3], viewport: Viewport
 impl Interpolator {
     fn clip_fragment(&self, column: u32, row: u32) -> ClipFragment {
         let sample = self.edges.sample((column, row));
-        let fragment = interpolate(&self.triangle, sample, Attributes::all(self.interpolation));
+        let fragment = interpolate(&self.triangle, sample, AttributeSelection::all(self.interpolation));
         ClipFragment {
             pixel: [column, row],
             weights: fragment.source_weights.to_array().map(f64::from),

@@ -10,10 +10,10 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::case::{Body, Case};
+use super::case::{Body, StabilityCase};
 use super::catalogue::{self, Class, Family};
-use super::column::Column;
-use super::measure::{Expected, Outcome, answer, only_pair};
+use super::column::ReportColumn;
+use super::measure::{Expected, MeasureOutcome, answer, only_pair};
 use super::metric::{Measures, Metric, Verdict};
 use super::timing::{Time, time_class};
 use crate::measure::machine::Machine;
@@ -22,23 +22,23 @@ use crate::pipeline::settings::{Arithmetic, Choice as _, Rasterizer};
 
 /// Selection of what to run.
 #[derive(Clone, Debug)]
-pub struct Plan {
+pub struct StabilityPlan {
     /// Classes to run, in this order.
-    pub(crate) classes: Vec<&'static Class>,
+    pub classes: Vec<&'static Class>,
     /// Rasterizers to run, in classes that vary them.
-    pub(crate) rasterizers: Vec<Rasterizer>,
+    pub rasterizers: Vec<Rasterizer>,
     /// Arithmetics to run, in classes that vary them.
-    pub(crate) arithmetics: Vec<Arithmetic>,
+    pub arithmetics: Vec<Arithmetic>,
     /// Seed of the random cases.
-    pub(crate) seed: u64,
+    pub seed: u64,
     /// Whether to measure times as well.
-    pub(crate) timed: bool,
+    pub timed: bool,
 }
 
 /// Default seed of the random cases.
 pub const DEFAULT_SEED: u64 = 1;
 
-impl Default for Plan {
+impl Default for StabilityPlan {
     fn default() -> Self {
         Self {
             classes: catalogue::all().collect(),
@@ -50,25 +50,25 @@ impl Default for Plan {
     }
 }
 
-impl Plan {
+impl StabilityPlan {
     /// Returns the selected columns of a class.
-    fn columns(&self, class: &Class) -> Vec<Column> {
-        let wanted = |column: &Column| match column {
-            Column::Coverage(by) => {
+    fn columns(&self, class: &Class) -> Vec<ReportColumn> {
+        let wanted = |column: &ReportColumn| match column {
+            ReportColumn::Coverage(by) => {
                 self.rasterizers.contains(&by.rasterizer) && self.arithmetics.contains(&by.arithmetic)
             }
-            Column::Weights(by) => self.arithmetics.contains(&by.arithmetic),
-            Column::Depth(_) => true,
+            ReportColumn::Weights(by) => self.arithmetics.contains(&by.arithmetic),
+            ReportColumn::Depth(_) => true,
         };
-        Column::of(class.family).into_iter().filter(wanted).collect()
+        ReportColumn::of(class.family).into_iter().filter(wanted).collect()
     }
 }
 
 /// Progress of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Progress {
+pub struct StabilityProgress {
     /// Current stage.
-    pub(crate) stage: Stage,
+    pub(crate) stage: SweepStage,
     /// Number of completed steps in this stage.
     pub(crate) done: usize,
     /// Total number of steps in this stage.
@@ -77,14 +77,14 @@ pub struct Progress {
 
 /// Stages of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Stage {
+pub(crate) enum SweepStage {
     /// Judging the cases.
     Judging,
     /// Timing the classes.
     Timing,
 }
 
-impl Stage {
+impl SweepStage {
     /// Returns the display name.
     pub(crate) fn name(self) -> &'static str {
         match self {
@@ -96,7 +96,7 @@ impl Stage {
 
 /// Complete stability report.
 #[derive(Clone, Debug, Serialize)]
-pub struct Report {
+pub struct StabilityReport {
     /// Seed of the random cases.
     pub(crate) seed: u64,
     /// Machine that ran the report.
@@ -107,7 +107,7 @@ pub struct Report {
     /// Noise floor, from timing the first configuration of each class against itself; `None` without times.
     pub(crate) timing_noise: Option<Noise>,
     /// Results per class.
-    pub(crate) classes: Vec<ClassReport>,
+    pub classes: Vec<ClassReport>,
     /// Whether the run was cancelled before all classes were judged and timed.
     pub(crate) partial: bool,
 }
@@ -118,10 +118,10 @@ fn seconds<S: serde::Serializer>(duration: &Duration, to: S) -> Result<S::Ok, S:
 
 /// Results of one class.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct ClassReport {
+pub struct ClassReport {
     /// Class of the cases.
     #[serde(flatten)]
-    pub(crate) class: &'static Class,
+    pub class: &'static Class,
     /// Number of cases.
     pub(crate) cases: usize,
     /// Total number of triangles in the cases.
@@ -129,17 +129,17 @@ pub(crate) struct ClassReport {
     /// Total number of pixels, samples or depths in the cases.
     pub(crate) units: u64,
     /// Results per column.
-    pub(crate) cells: Vec<Cell>,
+    pub cells: Vec<ReportCell>,
     /// Complete cases named by [`Worst::of`], without duplicates; the counts of the cells can be recomputed from them.
-    pub(crate) worst_cases: Vec<Case>,
+    pub(crate) worst_cases: Vec<StabilityCase>,
 }
 
 /// Results of one class in one configuration.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct Cell {
+pub struct ReportCell {
     /// Configuration of the engine.
     #[serde(flatten)]
-    pub(crate) column: Column,
+    pub column: ReportColumn,
     /// Summary as one word.
     pub(crate) verdict: Verdict,
     /// Number of cases without an answer.
@@ -149,7 +149,7 @@ pub(crate) struct Cell {
     /// Time measured for the cell; `None` without timing.
     pub(crate) time: Option<Time>,
     /// Worst case, if there was any fault.
-    pub(crate) worst: Option<Worst>,
+    pub worst: Option<Worst>,
     /// Results per case, for depth classes, whose cases are separate experiments.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) by_case: Vec<CaseMeasures>,
@@ -168,29 +168,33 @@ pub(crate) struct CaseMeasures {
 
 /// Worst case, reduced to the part that shows the fault.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct Worst {
+pub struct Worst {
     /// Id of the complete case.
     pub(crate) of: String,
     /// Measures of the complete case; `None` if it was not answered.
     pub(crate) measures: Option<Measures>,
     /// Reduced case to open.
-    pub(crate) case: Case,
+    pub case: StabilityCase,
 }
 
 /// Runs a plan. Calls `progress` after every step, from several threads. If `cancel` becomes `true`, returns the
 /// classes judged so far, or `None` if there are none.
-pub fn run(plan: &Plan, progress: &(dyn Fn(Progress) + Sync), cancel: &AtomicBool) -> Option<Report> {
+pub fn run(
+    plan: &StabilityPlan,
+    progress: &(dyn Fn(StabilityProgress) + Sync),
+    cancel: &AtomicBool,
+) -> Option<StabilityReport> {
     let start = Instant::now();
     let machine = Machine::at_start();
     let is_cancelled = || cancel.load(Ordering::Relaxed);
     let cases = plan.classes.iter().map(|class| (!is_cancelled()).then(|| class.cases(plan.seed)));
-    let cases = cases.collect::<Option<Vec<Vec<Case>>>>()?;
-    let judged = judge(plan, &cases, progress, cancel);
+    let cases = cases.collect::<Option<Vec<Vec<StabilityCase>>>>()?;
+    let judged = evaluate(plan, &cases, progress, cancel);
     let (mut classes, mut pairs) = (Vec::new(), Pairs::default());
     for (done, (judged, cases)) in judged.into_iter().zip(&cases).enumerate() {
         let Some((mut report, units)) = judged else { continue };
         if plan.timed && !report.cells.is_empty() {
-            progress(Progress { stage: Stage::Timing, done, of: plan.classes.len() });
+            progress(StabilityProgress { stage: SweepStage::Timing, done, of: plan.classes.len() });
             match time(&mut report, cases, &units, cancel) {
                 Some(of_class) => pairs.append(of_class),
                 None if cancel.load(Ordering::Relaxed) => {}
@@ -207,22 +211,22 @@ pub fn run(plan: &Plan, progress: &(dyn Fn(Progress) + Sync), cancel: &AtomicBoo
         return None;
     }
     let (machine, timing_noise) = (machine.at_end(), pairs.noise());
-    Some(Report { seed: plan.seed, machine, duration: start.elapsed(), timing_noise, classes, partial })
+    Some(StabilityReport { seed: plan.seed, machine, duration: start.elapsed(), timing_noise, classes, partial })
 }
 
 /// Judges all cases in all columns. Returns the report of each class, and the number of pixels, samples or depths of
 /// each of its cases. Classes that were incomplete on cancellation are `None`.
-fn judge(
-    plan: &Plan,
-    cases: &[Vec<Case>],
-    progress: &(dyn Fn(Progress) + Sync),
+fn evaluate(
+    plan: &StabilityPlan,
+    cases: &[Vec<StabilityCase>],
+    progress: &(dyn Fn(StabilityProgress) + Sync),
     cancel: &AtomicBool,
 ) -> Vec<Option<(ClassReport, Vec<u64>)>> {
-    let columns: Vec<Vec<Column>> = plan.classes.iter().map(|class| plan.columns(class)).collect();
+    let columns: Vec<Vec<ReportColumn>> = plan.classes.iter().map(|class| plan.columns(class)).collect();
     let of = cases.iter().map(Vec::len).sum();
     let done = AtomicUsize::new(0);
-    progress(Progress { stage: Stage::Judging, done: 0, of });
-    let judge_case = |(class, case): (usize, &Case)| {
+    progress(StabilityProgress { stage: SweepStage::Judging, done: 0, of });
+    let judge_case = |(class, case): (usize, &StabilityCase)| {
         if cancel.load(Ordering::Relaxed) {
             return None;
         }
@@ -231,29 +235,29 @@ fn judge(
             .iter()
             .map(|column| (!cancel.load(Ordering::Relaxed)).then(|| answer(case, &expected, *column)));
         let outcomes = answered.collect::<Option<Vec<_>>>()?;
-        progress(Progress { stage: Stage::Judging, done: done.fetch_add(1, Ordering::Relaxed) + 1, of });
+        progress(StabilityProgress { stage: SweepStage::Judging, done: done.fetch_add(1, Ordering::Relaxed) + 1, of });
         Some((expected.units(case), outcomes))
     };
-    let jobs: Vec<(usize, &Case)> =
+    let jobs: Vec<(usize, &StabilityCase)> =
         cases.iter().enumerate().flat_map(|(i, cases)| cases.iter().map(move |c| (i, c))).collect();
-    let judged: Vec<Option<(u64, Vec<Option<Outcome>>)>> = jobs.into_par_iter().map(judge_case).collect();
+    let judged: Vec<Option<(u64, Vec<Option<MeasureOutcome>>)>> = jobs.into_par_iter().map(judge_case).collect();
     let mut judged = judged.into_iter();
     let reports = plan.classes.iter().zip(cases).zip(columns).map(|((class, cases), columns)| {
         let judged: Vec<_> = judged.by_ref().take(cases.len()).collect();
         let judged = judged.into_iter().collect::<Option<Vec<_>>>()?;
-        let cell = |(index, column): (usize, Column)| {
+        let cell = |(index, column): (usize, ReportColumn)| {
             let outcomes =
                 cases.iter().zip(&judged).filter_map(|(case, (_, outcomes))| Some((case, outcomes[index].as_ref()?)));
             join(class, column, &outcomes.collect::<Vec<_>>())
         };
         let units: Vec<u64> = judged.iter().map(|(units, _)| *units).collect();
-        let cells: Vec<Cell> = columns.into_iter().enumerate().map(cell).collect();
+        let cells: Vec<ReportCell> = columns.into_iter().enumerate().map(cell).collect();
         let worst: HashSet<&str> = cells.iter().filter_map(|cell| Some(&*cell.worst.as_ref()?.of)).collect();
         let worst_cases = cases.iter().filter(|case| worst.contains(&*case.id)).cloned().collect();
         let report = ClassReport {
             class,
             cases: cases.len(),
-            triangles: cases.iter().map(Case::triangle_count).sum(),
+            triangles: cases.iter().map(StabilityCase::triangle_count).sum(),
             units: units.iter().sum(),
             cells,
             worst_cases,
@@ -264,7 +268,7 @@ fn judge(
 }
 
 /// Combines the outcomes of all cases of a class in one column.
-fn join(class: &Class, column: Column, outcomes: &[(&Case, &Outcome)]) -> Cell {
+fn join(class: &Class, column: ReportColumn, outcomes: &[(&StabilityCase, &MeasureOutcome)]) -> ReportCell {
     let mut measures = Measures::default();
     outcomes.iter().filter_map(|(_, outcome)| outcome.measures.as_ref()).for_each(|one| measures.join(one));
     let refused = outcomes.iter().filter(|(_, outcome)| outcome.measures.is_none()).count();
@@ -283,38 +287,38 @@ fn join(class: &Class, column: Column, outcomes: &[(&Case, &Outcome)]) -> Cell {
         measures: outcome.measures,
     });
     let by_case = by_case.collect();
-    Cell { column, verdict: Verdict::Measured, refused, measures, time: None, worst, by_case }
+    ReportCell { column, verdict: Verdict::Measured, refused, measures, time: None, worst, by_case }
 }
 
 /// Returns the severity of a case as numbers in order of importance.
-fn rank(class: &Class, outcome: &Outcome) -> [f64; 7] {
+fn rank(class: &Class, outcome: &MeasureOutcome) -> [f64; 7] {
     use Metric::{DepthUlp, Doubles, NotFinite, WeightError, Wrong, WrongUnsnapped};
     let value = |metric| outcome.measures.map_or(f64::INFINITY, |measures| measures.get(metric).unwrap_or(0.0));
     [class.headline, NotFinite, Wrong, Doubles, WrongUnsnapped, WeightError, DepthUlp].map(value)
 }
 
 /// Returns the part of a case that shows the fault, with the depth format of the column.
-fn shown(case: &Case, culprits: &[usize], column: Column) -> Case {
+fn shown(case: &StabilityCase, culprits: &[usize], column: ReportColumn) -> StabilityCase {
     let part = match (&case.body, culprits) {
         (_, []) => case.clone(),
         (Body::DepthPairs(pairs), [pair, ..]) => {
             let body = only_pair(pairs, *pair).map_or_else(|| case.body.clone(), Body::Depth);
-            Case { id: format!("{}-pair", case.id), body, ..case.clone() }
+            StabilityCase { id: format!("{}-pair", case.id), body, ..case.clone() }
         }
         (_, culprits) => case.only(culprits),
     };
     match column {
-        Column::Depth(format) => {
+        ReportColumn::Depth(format) => {
             let (mapping, storage) = super::subject::meaning(format);
             part.stored_as(mapping, storage)
         }
-        Column::Coverage(_) | Column::Weights(_) => part,
+        ReportColumn::Coverage(_) | ReportColumn::Weights(_) => part,
     }
 }
 
 /// Times all columns of a class, and returns its A/A pairs.
-fn time(report: &mut ClassReport, cases: &[Case], units: &[u64], cancel: &AtomicBool) -> Option<Pairs> {
-    let columns: Vec<Column> = report.cells.iter().map(|cell| cell.column).collect();
+fn time(report: &mut ClassReport, cases: &[StabilityCase], units: &[u64], cancel: &AtomicBool) -> Option<Pairs> {
+    let columns: Vec<ReportColumn> = report.cells.iter().map(|cell| cell.column).collect();
     let (times, pairs) = time_class(report.class, cases, units, &columns, cancel)?;
     for (cell, time) in report.cells.iter_mut().zip(times) {
         cell.time = Some(time);
@@ -325,7 +329,7 @@ fn time(report: &mut ClassReport, cases: &[Case], units: &[u64], cancel: &Atomic
     Some(pairs)
 }
 
-fn verdict(class: &Class, cell: &Cell) -> Verdict {
+fn verdict(class: &Class, cell: &ReportCell) -> Verdict {
     if cell.refused > 0 {
         Verdict::Refused
     } else if class.bounds.iter().all(|bound| bound.holds(&cell.measures)) {

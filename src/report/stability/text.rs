@@ -1,9 +1,9 @@
 //! Stability report as plain text: one table of classes per family and arithmetic.
 
 use super::catalogue::Family;
-use super::column::Column;
+use super::column::ReportColumn;
 use super::metric::{Verdict, short};
-use super::sweep::{Cell, ClassReport, Report};
+use super::sweep::{ClassReport, ReportCell, StabilityReport};
 use crate::report::PARTIAL;
 
 /// Width of the class column, in characters.
@@ -13,7 +13,7 @@ const CLASS_WIDTH: usize = 17;
 const CELL_WIDTH: usize = 22;
 
 /// Formats the whole report.
-pub(crate) fn text(report: &Report) -> String {
+pub(crate) fn text(report: &StabilityReport) -> String {
     let mut lines = vec![
         format!(
             "Stability report, seed {}, {:.1} s on {}",
@@ -38,8 +38,8 @@ pub(crate) fn text(report: &Report) -> String {
 }
 
 /// Groups columns by the heading of their table: the arithmetic, if there is a choice.
-fn groups(classes: &[&ClassReport]) -> Vec<(Option<&'static str>, Vec<Column>)> {
-    let mut groups: Vec<(Option<&'static str>, Vec<Column>)> = Vec::new();
+fn groups(classes: &[&ClassReport]) -> Vec<(Option<&'static str>, Vec<ReportColumn>)> {
+    let mut groups: Vec<(Option<&'static str>, Vec<ReportColumn>)> = Vec::new();
     for cell in classes.first().map(|class| &class.cells).into_iter().flatten() {
         let name = if cell.column.is_published() { Some("as published") } else { cell.column.arithmetic_name() };
         match groups.iter_mut().find(|(group, _)| *group == name) {
@@ -50,11 +50,11 @@ fn groups(classes: &[&ClassReport]) -> Vec<(Option<&'static str>, Vec<Column>)> 
     groups
 }
 
-fn table(classes: &[&ClassReport], columns: &[Column]) -> Vec<String> {
+fn table(classes: &[&ClassReport], columns: &[ReportColumn]) -> Vec<String> {
     let heads: String = columns.iter().map(|column| format!(" {:>CELL_WIDTH$}", column.method())).collect();
     let mut lines = vec![format!("  {:CLASS_WIDTH$}{heads}", "")];
     for class in classes {
-        let cell = |column: &Column| class.cells.iter().find(|cell| cell.column == *column);
+        let cell = |column: &ReportColumn| class.cells.iter().find(|cell| cell.column == *column);
         let cells = columns.iter().map(|column| cell(column).map(|cell| cell_text(class, cell)).unwrap_or_default());
         let cells: String = cells.map(|text| format!(" {text:>CELL_WIDTH$}")).collect();
         lines.push(format!("  {:CLASS_WIDTH$}{cells}", class.class.id));
@@ -62,7 +62,7 @@ fn table(classes: &[&ClassReport], columns: &[Column]) -> Vec<String> {
     lines
 }
 
-fn cell_text(class: &ClassReport, cell: &Cell) -> String {
+fn cell_text(class: &ClassReport, cell: &ReportCell) -> String {
     let metric = class.class.headline;
     let value = cell.measures.get(metric).map_or("–".to_owned(), |value| metric.format(value));
     let mark = match cell.verdict {
@@ -74,7 +74,7 @@ fn cell_text(class: &ClassReport, cell: &Cell) -> String {
     format!("{value}{mark}{}", time.unwrap_or_default())
 }
 
-fn totals(report: &Report) -> String {
+fn totals(report: &StabilityReport) -> String {
     let verdicts: Vec<Verdict> =
         report.classes.iter().flat_map(|class| &class.cells).map(|cell| cell.verdict).collect();
     let count = |verdict: Verdict| verdicts.iter().filter(|v| **v == verdict).count();

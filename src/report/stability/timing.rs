@@ -10,10 +10,10 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
-use super::case::{Body, Case};
+use super::case::{Body, StabilityCase};
 use super::catalogue::{Class, Family};
-use super::column::Column;
-use super::oracle::{Region, Snap};
+use super::column::ReportColumn;
+use super::oracle::{ExactRegion, Snap};
 use super::spans::pixel_count;
 use super::subject::{self, DepthBuffer, Interpolator};
 use crate::measure::noise::Pairs;
@@ -22,16 +22,16 @@ use crate::pipeline::settings::FillRule;
 use crate::pipeline::viewport::Viewport;
 
 /// Minimum time between two clock reads.
-const LEAST_SPELL: Duration = Duration::from_micros(100);
+const MIN_SPELL: Duration = Duration::from_micros(100);
 
 /// Time budget of a class for all its configurations.
 const CLASS_BUDGET: Duration = Duration::from_millis(900);
 
 /// Minimum number of rounds, however long they take.
-const FEWEST_ROUNDS: usize = 5;
+const MIN_ROUNDS: usize = 5;
 
 /// Maximum number of rounds.
-const MOST_ROUNDS: usize = 31;
+const MAX_ROUNDS: usize = 31;
 
 /// Number of distances timed in place of a case of random pairs.
 const DISTANCES: usize = 2000;
@@ -61,30 +61,30 @@ pub(crate) struct Time {
 }
 
 /// Timed work: runs all cases of a class once, or fewer if cancelled meanwhile.
-type Work<'a> = Box<dyn Fn(&AtomicBool) + 'a>;
+type ClassWork<'a> = Box<dyn Fn(&AtomicBool) + 'a>;
 
 /// Timed work of one case.
-type Part<'a> = Box<dyn Fn() + 'a>;
+type CaseWork<'a> = Box<dyn Fn() + 'a>;
 
 /// Times every column of a class with at least one column. `units` holds the number of pixels, samples or depths of
 /// each case. Also returns the A/A pairs of the first column. Returns `None` if cancelled.
 pub(super) fn time_class(
     class: &Class,
-    cases: &[Case],
+    cases: &[StabilityCase],
     units: &[u64],
-    columns: &[Column],
+    columns: &[ReportColumn],
     cancel: &AtomicBool,
 ) -> Option<(Vec<Time>, Pairs)> {
     let twins = twins(class, cases, units);
     let units = cases.iter().zip(units).map(|(case, units)| timed_units(case, *units)).sum();
     let twin_pixels: u64 = twins.iter().map(Twin::pixels).sum();
-    let mut works: Vec<Work<'_>> = columns.iter().map(|column| work(cases, *column)).collect();
+    let mut works: Vec<ClassWork<'_>> = columns.iter().map(|column| work(cases, *column)).collect();
     if twin_pixels > 0 {
         works.extend(columns.iter().map(|column| twin_work(&twins, *column)));
     }
     works.extend(columns.first().map(|first| work(cases, *first)));
     let seconds = interleaved(&works, cancel)?;
-    let triangles: usize = cases.iter().map(Case::triangle_count).sum();
+    let triangles: usize = cases.iter().map(StabilityCase::triangle_count).sum();
     let times = (0..columns.len()).map(|index| {
         let spent = &seconds[index];
         let ns_per_pixel = spread(spent, units);
@@ -112,7 +112,7 @@ fn spread(seconds: &[f64], units: u64) -> Option<Spread> {
 }
 
 /// Returns the seconds per run of each work, one entry per round, or `None` if cancelled.
-fn interleaved(works: &[Work<'_>], cancel: &AtomicBool) -> Option<Vec<Vec<f64>>> {
+fn interleaved(works: &[ClassWork<'_>], cancel: &AtomicBool) -> Option<Vec<Vec<f64>>> {
     // The first run warms up; the second determines the number of repetitions.
     let mut repeats = Vec::new();
     let mut round = Duration::ZERO;
@@ -122,12 +122,12 @@ fn interleaved(works: &[Work<'_>], cancel: &AtomicBool) -> Option<Vec<Vec<f64>>>
         }
         work(cancel);
         let once = timed(work, 1, cancel).max(Duration::from_nanos(1));
-        let times = (LEAST_SPELL.as_secs_f64() / once.as_secs_f64()).ceil().max(1.0);
+        let times = (MIN_SPELL.as_secs_f64() / once.as_secs_f64()).ceil().max(1.0);
         round += once.mul_f64(times);
         repeats.push(times as u32);
     }
     let affordable = CLASS_BUDGET.as_secs_f64() / round.as_secs_f64().max(1e-9);
-    let rounds = (affordable as usize).clamp(FEWEST_ROUNDS, MOST_ROUNDS);
+    let rounds = (affordable as usize).clamp(MIN_ROUNDS, MAX_ROUNDS);
     let mut random = fastrand::Rng::with_seed(0);
     let mut order: Vec<usize> = (0..works.len()).collect();
     let mut seconds = vec![Vec::with_capacity(rounds); works.len()];
@@ -145,7 +145,7 @@ fn interleaved(works: &[Work<'_>], cancel: &AtomicBool) -> Option<Vec<Vec<f64>>>
     (!cancel.load(Ordering::Relaxed)).then_some(seconds)
 }
 
-fn timed(work: &Work<'_>, repeats: u32, cancel: &AtomicBool) -> Duration {
+fn timed(work: &ClassWork<'_>, repeats: u32, cancel: &AtomicBool) -> Duration {
     let start = Instant::now();
     for _ in 0..repeats {
         work(cancel);
@@ -154,15 +154,15 @@ fn timed(work: &Work<'_>, repeats: u32, cancel: &AtomicBool) -> Duration {
 }
 
 /// Returns the work of running the engine on all cases.
-fn work(cases: &[Case], column: Column) -> Work<'_> {
-    let parts: Vec<Part<'_>> = cases.iter().filter_map(|case| case_work(case, column)).collect();
+fn work(cases: &[StabilityCase], column: ReportColumn) -> ClassWork<'_> {
+    let parts: Vec<CaseWork<'_>> = cases.iter().filter_map(|case| case_work(case, column)).collect();
     Box::new(move |cancel| parts.iter().take_while(|_| !cancel.load(Ordering::Relaxed)).for_each(|part| part()))
 }
 
-fn case_work(case: &Case, column: Column) -> Option<Part<'_>> {
+fn case_work(case: &StabilityCase, column: ReportColumn) -> Option<CaseWork<'_>> {
     let viewport = case.viewport();
     Some(match (&case.body, column) {
-        (Body::TriCoverage(body), Column::Coverage(by)) => {
+        (Body::TriCoverage(body), ReportColumn::Coverage(by)) => {
             let viewport = viewport?;
             Box::new(move || {
                 for triangle in &body.triangles {
@@ -170,7 +170,7 @@ fn case_work(case: &Case, column: Column) -> Option<Part<'_>> {
                 }
             })
         }
-        (Body::ClipTri(body), Column::Coverage(by)) => {
+        (Body::ClipTri(body), ReportColumn::Coverage(by)) => {
             let viewport = viewport?;
             Box::new(move || {
                 for triangle in &body.triangles {
@@ -178,15 +178,17 @@ fn case_work(case: &Case, column: Column) -> Option<Part<'_>> {
                 }
             })
         }
-        (Body::TriAttr(body), Column::Weights(by)) => sampling([Interpolator::new(by, &body.vertices)], &body.eval),
-        (Body::CoplanarPair(body), Column::Weights(by)) => {
+        (Body::TriAttr(body), ReportColumn::Weights(by)) => {
+            sampling([Interpolator::new(by, &body.vertices)], &body.eval)
+        }
+        (Body::CoplanarPair(body), ReportColumn::Weights(by)) => {
             sampling([Interpolator::new(by, &body.first), Interpolator::new(by, &body.second)], &body.eval)
         }
-        (Body::Depth(body), Column::Depth(format)) => {
+        (Body::Depth(body), ReportColumn::Depth(format)) => {
             let buffer = DepthBuffer::new(format, body.near, body.far.unwrap_or(f32::MAX));
             storing(buffer, body.z.clone())
         }
-        (Body::DepthPairs(body), Column::Depth(format)) => {
+        (Body::DepthPairs(body), ReportColumn::Depth(format)) => {
             let ratio = f64::from(body.far) / f64::from(body.near);
             let share = |i: usize| i as f64 / DISTANCES as f64;
             let distances = (0..DISTANCES).map(|i| body.near * ratio.powf(share(i)) as f32);
@@ -197,7 +199,7 @@ fn case_work(case: &Case, column: Column) -> Option<Part<'_>> {
 }
 
 /// Returns the work of computing weights at every pixel; triangle setup is not included.
-fn sampling<const N: usize>(triangles: [Option<Interpolator>; N], eval: &[[u32; 2]]) -> Part<'_> {
+fn sampling<const N: usize>(triangles: [Option<Interpolator>; N], eval: &[[u32; 2]]) -> CaseWork<'_> {
     Box::new(move || {
         for triangle in triangles.iter().flatten() {
             for [column, row] in eval {
@@ -207,7 +209,7 @@ fn sampling<const N: usize>(triangles: [Option<Interpolator>; N], eval: &[[u32; 
     })
 }
 
-fn storing<'a>(buffer: DepthBuffer, distances: Vec<f32>) -> Part<'a> {
+fn storing<'a>(buffer: DepthBuffer, distances: Vec<f32>) -> CaseWork<'a> {
     Box::new(move || {
         for z in &distances {
             black_box(buffer.stored(black_box(*z)));
@@ -217,7 +219,7 @@ fn storing<'a>(buffer: DepthBuffer, distances: Vec<f32>) -> Part<'a> {
 
 /// Returns the number of pixels, samples or depths in a run of [`work`], which differs from that of the case for random
 /// pairs.
-fn timed_units(case: &Case, units: u64) -> u64 {
+fn timed_units(case: &StabilityCase, units: u64) -> u64 {
     if matches!(case.body, Body::DepthPairs(_)) { DISTANCES as u64 } else { units }
 }
 
@@ -242,13 +244,13 @@ impl Twin {
     }
 
     fn pixels(&self) -> u64 {
-        let spans = Region::triangle(self.corners_px, Snap::Unsnapped, FillRule::TopLeft).spans(self.viewport);
+        let spans = ExactRegion::triangle(self.corners_px, Snap::Unsnapped, FillRule::TopLeft).spans(self.viewport);
         pixel_count(&spans) * u64::from(self.count)
     }
 }
 
 /// Returns one twin per case that covers any pixel, for families of screen-space triangles.
-fn twins(class: &Class, cases: &[Case], pixels: &[u64]) -> Vec<Twin> {
+fn twins(class: &Class, cases: &[StabilityCase], pixels: &[u64]) -> Vec<Twin> {
     if !matches!(class.family, Family::Coverage | Family::Mesh | Family::Throughput) {
         return Vec::new();
     }
@@ -256,9 +258,9 @@ fn twins(class: &Class, cases: &[Case], pixels: &[u64]) -> Vec<Twin> {
     visible.filter_map(|(case, pixels)| Some(Twin::new(*pixels, case.viewport()?))).collect()
 }
 
-fn twin_work(twins: &[Twin], column: Column) -> Work<'_> {
+fn twin_work(twins: &[Twin], column: ReportColumn) -> ClassWork<'_> {
     Box::new(move |cancel| {
-        let Column::Coverage(by) = column else { return };
+        let ReportColumn::Coverage(by) = column else { return };
         for twin in twins.iter().take_while(|_| !cancel.load(Ordering::Relaxed)) {
             for _ in 0..twin.count {
                 black_box(subject::cover(by, black_box(twin.corners_px), FillRule::TopLeft, twin.viewport));
@@ -287,10 +289,10 @@ mod tests {
     #[test]
     fn every_work_is_run_as_often_in_each_round_and_rounds_are_as_many_as_said() {
         let runs = [Cell::new(0), Cell::new(0)];
-        let works = runs.each_ref().map(|runs| -> Work<'_> { Box::new(move |_| runs.set(runs.get() + 1)) });
+        let works = runs.each_ref().map(|runs| -> ClassWork<'_> { Box::new(move |_| runs.set(runs.get() + 1)) });
         let seconds = interleaved(&works, &AtomicBool::new(false)).unwrap();
         let rounds = seconds[0].len();
-        assert!((FEWEST_ROUNDS..=MOST_ROUNDS).contains(&rounds));
+        assert!((MIN_ROUNDS..=MAX_ROUNDS).contains(&rounds));
         for (seconds, runs) in seconds.iter().zip(&runs) {
             assert_eq!(seconds.len(), rounds);
             // One warm-up run, and one to determine the repetitions.
@@ -304,7 +306,7 @@ mod tests {
     fn a_class_that_takes_long_is_cancelled_between_its_cases() {
         let viewport = Viewport { width: 64, height: 64 };
         let many = vec![Twin::new(1_000_000, viewport); 10_000];
-        let first = Column::of(Family::Coverage)[0];
+        let first = ReportColumn::of(Family::Coverage)[0];
         let begun = Instant::now();
         twin_work(&many, first)(&AtomicBool::new(true));
         let case = |id: &str| {
@@ -315,7 +317,7 @@ mod tests {
                 exactly_once: false,
                 triangles: vec![[[0.0, 0.0], [2_048.0, 1.0], [3.0, 2_048.0]]; 1_000],
             });
-            Case { id: id.to_owned(), class: String::new(), note: String::new(), body }
+            StabilityCase { id: id.to_owned(), class: String::new(), note: String::new(), body }
         };
         work(&vec![case("a"); 100], first)(&AtomicBool::new(true));
         // Running all of them would take minutes.

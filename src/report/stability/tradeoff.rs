@@ -5,18 +5,18 @@
 //! error of a weight.
 
 use super::catalogue::Family;
-use super::column::Column;
+use super::column::ReportColumn;
 use super::metric::Metric;
-use super::sweep::{Cell, ClassReport, Report};
+use super::sweep::{ClassReport, ReportCell, StabilityReport};
 use super::timing::Spread;
 use crate::measure::noise::Noise;
 use crate::report::upscaling::tradeoff::{Standing, standings};
 
 /// Time and error of a configuration.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Point {
+pub(crate) struct TradeoffPoint {
     /// Configuration of the engine.
-    pub(crate) column: Column,
+    pub(crate) column: ReportColumn,
     /// Nanoseconds per pixel or sample.
     pub(crate) ns: Spread,
     /// Error; 0 if every answer is correct.
@@ -31,8 +31,8 @@ pub(crate) struct Point {
 
 /// Returns the points of rasterizers × arithmetics. The error is the fraction of wrong pixels for unsnapped vertices,
 /// averaged over the classes of single triangles and meshes.
-pub(crate) fn coverage(report: &Report) -> Vec<Point> {
-    let share = |cell: &Cell| {
+pub(crate) fn coverage(report: &StabilityReport) -> Vec<TradeoffPoint> {
+    let share = |cell: &ReportCell| {
         let pixels = cell.measures.get(Metric::Pixels).filter(|pixels| *pixels > 0.0)?;
         Some(cell.measures.get(Metric::WrongUnsnapped)? / pixels)
     };
@@ -41,8 +41,8 @@ pub(crate) fn coverage(report: &Report) -> Vec<Point> {
 }
 
 /// Returns the points of interpolation formulas × arithmetics. The error is the largest error of a weight.
-pub(crate) fn weights(report: &Report) -> Vec<Point> {
-    let error = |cell: &Cell| cell.measures.get(Metric::WeightError);
+pub(crate) fn weights(report: &StabilityReport) -> Vec<TradeoffPoint> {
+    let error = |cell: &ReportCell| cell.measures.get(Metric::WeightError);
     let largest = |errors: &[f64]| errors.iter().copied().fold(0.0, f64::max);
     points(report, &[Family::Weights], error, largest)
 }
@@ -50,21 +50,21 @@ pub(crate) fn weights(report: &Report) -> Vec<Point> {
 /// Returns the points of all timed columns. `error` returns the error of a cell, `join` combines the errors of all
 /// classes.
 fn points(
-    report: &Report,
+    report: &StabilityReport,
     families: &[Family],
-    error: impl Fn(&Cell) -> Option<f64>,
+    error: impl Fn(&ReportCell) -> Option<f64>,
     join: impl Fn(&[f64]) -> f64,
-) -> Vec<Point> {
+) -> Vec<TradeoffPoint> {
     let classes: Vec<&ClassReport> = report.classes.iter().filter(|c| families.contains(&c.class.family)).collect();
     let columns = classes.first().map(|class| class.cells.iter().map(|cell| cell.column)).into_iter().flatten();
-    let point = |column: Column| {
+    let point = |column: ReportColumn| {
         let cells = classes.iter().filter_map(|class| Some((class, class.cells.iter().find(|c| c.column == column)?)));
         let complete: Vec<_> = cells
             .filter_map(|(class, cell)| Some((class.class.id, cell.time?.ns_per_pixel?, error(cell)?, cell)))
             .collect();
         let errors: Vec<f64> = complete.iter().map(|(_, _, error, _)| *error).collect();
         let middle = |of: fn(&Spread) -> f64| geometric_mean(complete.iter().map(|(_, spread, _, _)| of(spread)));
-        Some(Point {
+        Some(TradeoffPoint {
             column,
             ns: Spread { median: middle(|s| s.median)?, p10: middle(|s| s.p10)?, p90: middle(|s| s.p90)? },
             error: join(&errors),
@@ -73,14 +73,14 @@ fn points(
             by_class: complete.iter().map(|(id, spread, error, _)| (*id, spread.median, *error)).collect(),
         })
     };
-    let mut points: Vec<Point> = columns.filter_map(point).collect();
+    let mut points: Vec<TradeoffPoint> = columns.filter_map(point).collect();
     if let Some(noise) = &report.timing_noise {
         mark_optimal(&mut points, noise);
     }
     points
 }
 
-fn mark_optimal(points: &mut [Point], noise: &Noise) {
+fn mark_optimal(points: &mut [TradeoffPoint], noise: &Noise) {
     let places: Vec<(f64, f64)> = points.iter().map(|point| (point.ns.median, point.error)).collect();
     for (point, standing) in points.iter_mut().zip(standings(&places, noise)) {
         point.optimal = point.not_finite == 0.0 && standing == Standing::Front;
@@ -100,8 +100,8 @@ mod tests {
 
     #[test]
     fn points_on_the_pareto_front_are_optimal() {
-        let column = Column::of(Family::Depth)[0];
-        let point = |ns: f64, error: f64| Point {
+        let column = ReportColumn::of(Family::Depth)[0];
+        let point = |ns: f64, error: f64| TradeoffPoint {
             column,
             ns: Spread { median: ns, p10: ns, p90: ns },
             error,

@@ -73,7 +73,7 @@ pub(super) mod corners {
     use super::super::oracle::ScreenCorner;
 
     #[derive(Serialize, Deserialize)]
-    struct Corner {
+    struct WireCorner {
         #[serde(serialize_with = "super::serialize", deserialize_with = "super::deserialize")]
         x: f32,
         #[serde(serialize_with = "super::serialize", deserialize_with = "super::deserialize")]
@@ -89,12 +89,12 @@ pub(super) mod corners {
     }
 
     pub(in super::super) fn serialize<S: Serializer>(corners: &[ScreenCorner; 3], to: S) -> Result<S::Ok, S::Error> {
-        let written = |&ScreenCorner { x, y, z, w, uv: [u, v] }: &ScreenCorner| Corner { x, y, z, w, u, v };
+        let written = |&ScreenCorner { x, y, z, w, uv: [u, v] }: &ScreenCorner| WireCorner { x, y, z, w, u, v };
         corners.each_ref().map(written).serialize(to)
     }
 
     pub(in super::super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<[ScreenCorner; 3], D::Error> {
-        let read = <[Corner; 3]>::deserialize(from)?;
-        Ok(read.map(|Corner { x, y, z, w, u, v }| ScreenCorner { x, y, z, w, uv: [u, v] }))
+        let read = <[WireCorner; 3]>::deserialize(from)?;
+        Ok(read.map(|WireCorner { x, y, z, w, u, v }| ScreenCorner { x, y, z, w, uv: [u, v] }))
     }
 }

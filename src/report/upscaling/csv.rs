@@ -1,6 +1,6 @@
 //! Upscaling report as comma-separated values: one line per scene and recipe.
 
-use super::sweep::{Report, Row, SceneReport};
+use super::sweep::{SceneReport, UpscalingReport, UpscalingRow};
 use crate::pipeline::settings::Choice as _;
 use crate::report::PARTIAL;
 
@@ -11,14 +11,14 @@ const HEAD: &str = "scene,triangles,width,height,threads,reference,method,scale,
     native_within_noise,noise,noise_pairs";
 
 /// Formats the whole table with its header. Text is quoted; values that do not apply are left empty.
-pub(crate) fn csv(report: &Report) -> String {
+pub(crate) fn csv(report: &UpscalingReport) -> String {
     let rows = report.scenes.iter().flat_map(|scene| scene.rows.iter().map(move |row| (scene, row)));
     let lines = rows.map(|(scene, row)| line(report, scene, row));
     let mark = report.partial.then(|| PARTIAL.to_owned());
     std::iter::once(HEAD.to_owned()).chain(lines).chain(mark).map(|line| line + "\n").collect()
 }
 
-fn line(report: &Report, scene: &SceneReport, row: &Row) -> String {
+fn line(report: &UpscalingReport, scene: &SceneReport, row: &UpscalingRow) -> String {
     let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
     let [width, height] = report.size;
     let (codes, parts, ms) = (row.error.codes, row.parts_ms, row.frame_ms);

@@ -20,4 +20,4 @@ pub(crate) mod skipping;
 
 pub mod sweep;
 
-pub(crate) mod tradeoff;
+pub mod tradeoff;

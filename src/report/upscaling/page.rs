@@ -3,8 +3,8 @@
 use std::io;
 
 use super::plot;
-use super::skipping::Share;
-use super::sweep::{Report, Row, SceneReport};
+use super::skipping::PixelShareTimes;
+use super::sweep::{SceneReport, UpscalingReport, UpscalingRow};
 use crate::image::file::encode_png;
 use crate::image::{Image, Rgba8};
 use crate::measure::error::ImageError;
@@ -23,7 +23,7 @@ const STYLE: &str = include_str!("page.css");
 /// # Errors
 ///
 /// Fails if a crop cannot be encoded as PNG.
-pub(crate) fn page(report: &Report) -> io::Result<String> {
+pub(crate) fn page(report: &UpscalingReport) -> io::Result<String> {
     let mut body = head(report);
     for scene in &report.scenes {
         body += &section(report, scene)?;
@@ -32,7 +32,7 @@ pub(crate) fn page(report: &Report) -> io::Result<String> {
     Ok(document("Error against run time", STYLE, &body))
 }
 
-fn head(report: &Report) -> String {
+fn head(report: &UpscalingReport) -> String {
     let [width, height] = report.size;
     let methods = report.scenes.first().map_or(0, |scene| scene.rows.len());
     let figures = [
@@ -52,7 +52,7 @@ fn head(report: &Report) -> String {
     )
 }
 
-fn section(report: &Report, scene: &SceneReport) -> io::Result<String> {
+fn section(report: &UpscalingReport, scene: &SceneReport) -> io::Result<String> {
     let native = scene.rows.iter().find(|row| row.recipe.upscaler.is_native());
     let best = scene.rows.iter().filter(|row| row.is_on_front()).count();
     Ok(format!(
@@ -80,7 +80,7 @@ fn section(report: &Report, scene: &SceneReport) -> io::Result<String> {
 }
 
 /// Returns a sentence that lists the methods by anchor if their anchors differ; empty otherwise.
-fn anchors(rows: &[Row]) -> String {
+fn anchors(rows: &[UpscalingRow]) -> String {
     let names = |anchor: Anchor| {
         let mut names: Vec<_> = Vec::new();
         for row in rows.iter().filter(|row| !row.recipe.upscaler.is_native() && row.recipe.upscaler.anchor() == anchor)
@@ -99,7 +99,7 @@ fn anchors(rows: &[Row]) -> String {
     format!("Anchors differ: the position of the sample in its block depends on the method. {}.", parts.join("; "))
 }
 
-fn shares(shares: &[Share]) -> String {
+fn shares(shares: &[PixelShareTimes]) -> String {
     format!(
         "<figure>{}<div class=\"legend key\"><span class=\"skip\"><i></i>skipping pixels inside the loop</span><span \
          class=\"visit\"><i></i>visiting only the wanted pixels</span><span class=\"dashed\"><i></i>time of \
@@ -111,11 +111,11 @@ fn shares(shares: &[Share]) -> String {
 }
 
 /// Compares the rows that draw at most 1/16 of the pixels with native rendering; empty if there are none.
-fn sixteenth(rows: &[Row], native: &Row) -> String {
+fn sixteenth(rows: &[UpscalingRow], native: &UpscalingRow) -> String {
     /// Largest fraction of drawn pixels that counts as 1/16. The tolerance covers block sizes that do not divide the
     /// image and therefore draw slightly more.
     const AT_MOST: f64 = 1.05 / 16.0;
-    let mut few: Vec<&Row> = rows.iter().filter(|row| row.drawn <= AT_MOST).collect();
+    let mut few: Vec<&UpscalingRow> = rows.iter().filter(|row| row.drawn <= AT_MOST).collect();
     if few.is_empty() {
         return String::new();
     }
@@ -149,8 +149,8 @@ fn sixteenth(rows: &[Row], native: &Row) -> String {
     )
 }
 
-fn table(report: &Report, rows: &[Row], native: Option<&Row>) -> String {
-    let mut order: Vec<&Row> = rows.iter().collect();
+fn table(report: &UpscalingReport, rows: &[UpscalingRow], native: Option<&UpscalingRow>) -> String {
+    let mut order: Vec<&UpscalingRow> = rows.iter().collect();
     order.sort_by(|a, b| a.frame_ms.median.total_cmp(&b.frame_ms.median));
     let lines: String = order.into_iter().map(|row| line(row, native)).collect();
     format!(
@@ -165,7 +165,7 @@ fn table(report: &Report, rows: &[Row], native: Option<&Row>) -> String {
 }
 
 /// Describes the camera motion during the error measurement.
-fn motion(report: &Report) -> String {
+fn motion(report: &UpscalingReport) -> String {
     let Turn { degrees, frames } = report.turn;
     if report.turn.is_still() {
         return "The view is still: errors in motion equal those of the still view.".to_owned();
@@ -177,7 +177,7 @@ fn motion(report: &Report) -> String {
     )
 }
 
-fn line(row: &Row, native: Option<&Row>) -> String {
+fn line(row: &UpscalingRow, native: Option<&UpscalingRow>) -> String {
     let (ms, codes, parts) = (row.frame_ms, row.error.codes, row.parts_ms);
     let faster = native.map_or_else(|| "–".to_owned(), |native| faster(native, row));
     let psnr = |codes: ImageError| match codes.mse {
@@ -220,13 +220,13 @@ fn line(row: &Row, native: Option<&Row>) -> String {
 }
 
 /// Returns the speed-up relative to native; greyed out and labelled if the difference is within noise.
-fn faster(native: &Row, row: &Row) -> String {
+fn faster(native: &UpscalingRow, row: &UpscalingRow) -> String {
     let text = format!("{:.2}×", native.frame_ms.median / row.frame_ms.median.max(f64::MIN_POSITIVE));
     if row.native_within_noise { format!("<span class=\"noise\">{text} {WITHIN}</span>") } else { text }
 }
 
 /// Returns the crops of native and of every other method at its largest scale.
-fn crops(rows: &[Row]) -> io::Result<String> {
+fn crops(rows: &[UpscalingRow]) -> io::Result<String> {
     let mut figures = String::new();
     for family in rows.chunk_by(|a, b| a.recipe.upscaler.method() == b.recipe.upscaler.method()) {
         let Some(row) = family.last() else { continue };
@@ -261,7 +261,7 @@ fn base64(bytes: &[u8]) -> String {
     text
 }
 
-fn method(report: &Report) -> String {
+fn method(report: &UpscalingReport) -> String {
     format!(
         "<section>\n<h2>How it was measured</h2>\n<p>{}; {} threads draw.</p>\n<p>Each round draws one frame of the \
          sequence by every recipe, in a newly shuffled order, after {WARM_UP_ROUNDS} warm-up rounds; all in one \

@@ -2,17 +2,17 @@
 
 use std::fmt::Write as _;
 
-use super::skipping::{Share, Split};
-use super::sweep::{Row, SceneReport};
+use super::skipping::{PixelShareTimes, Split};
+use super::sweep::{SceneReport, UpscalingRow};
 use crate::measure::noise::WITHIN;
 use crate::report::html::escaped;
 use crate::report::plot::{
-    Axis, BOTTOM, HEIGHT, LEFT, LETTER, LINE, MARK, Plot, RIGHT, TOP, WIDTH, ZERO_LANE, svg, tick,
+    BOTTOM, HEIGHT, LEFT, LETTER, LINE, MARK, Plot, PlotAxis, RIGHT, TOP, WIDTH, ZERO_LANE, svg, tick,
 };
 use crate::upscale;
 
 /// Returns the colour index of a row's method.
-pub(super) fn color(row: &Row) -> usize {
+pub(super) fn color(row: &UpscalingRow) -> usize {
     let method = row.recipe.upscaler.method();
     upscale::ALL.iter().position(|upscaler| upscaler.id() == method).unwrap_or(0)
 }
@@ -20,9 +20,9 @@ pub(super) fn color(row: &Row) -> usize {
 /// Plots error against time; empty without rows.
 pub(super) fn tradeoff(scene: &SceneReport) -> String {
     let times = scene.rows.iter().flat_map(|row| [row.frame_ms.p10, row.frame_ms.median, row.frame_ms.p90]);
-    let Some(x) = Axis::log(times) else { return String::new() };
-    let y = Axis::log(scene.rows.iter().map(|row| row.motion.mean.flip));
-    let y = y.unwrap_or(Axis { low: -3.0, high: 0.0, is_log: true });
+    let Some(x) = PlotAxis::log(times) else { return String::new() };
+    let y = PlotAxis::log(scene.rows.iter().map(|row| row.motion.mean.flip));
+    let y = y.unwrap_or(PlotAxis { low: -3.0, high: 0.0, is_log: true });
     let plot = Plot { x, y, lane: ZERO_LANE };
     let y_name = "error in motion: mean FLIP";
     let mut content = plot.axes("median time of a frame, ms", y_name, tick);
@@ -37,13 +37,13 @@ pub(super) fn tradeoff(scene: &SceneReport) -> String {
     svg("Error against time", &content)
 }
 
-fn place(plot: &Plot, row: &Row) -> (f64, f64) {
+fn place(plot: &Plot, row: &UpscalingRow) -> (f64, f64) {
     (plot.x(row.frame_ms.median), plot.y(row.motion.mean.flip))
 }
 
 /// Returns the Pareto front as a step line.
-fn front(plot: &Plot, rows: &[Row]) -> String {
-    let mut best: Vec<&Row> = rows.iter().filter(|row| row.is_on_front()).collect();
+fn front(plot: &Plot, rows: &[UpscalingRow]) -> String {
+    let mut best: Vec<&UpscalingRow> = rows.iter().filter(|row| row.is_on_front()).collect();
     best.sort_by(|a, b| a.frame_ms.median.total_cmp(&b.frame_ms.median));
     let mut path = String::new();
     let mut last = None;
@@ -59,7 +59,7 @@ fn front(plot: &Plot, rows: &[Row]) -> String {
 }
 
 /// Returns a point with its bar from the 10th to the 90th percentile.
-fn drawn(plot: &Plot, row: &Row) -> String {
+fn drawn(plot: &Plot, row: &UpscalingRow) -> String {
     let ((x, y), color) = (place(plot, row), color(row));
     let style = if row.is_on_front() { "" } else { "beaten" };
     let by = match (&row.dominated_by, &row.within_noise_of) {
@@ -78,13 +78,13 @@ fn drawn(plot: &Plot, row: &Row) -> String {
 }
 
 /// Returns labels beside the markers where they fit; those on the Pareto front come first.
-fn labels(plot: &Plot, rows: &[Row]) -> String {
+fn labels(plot: &Plot, rows: &[UpscalingRow]) -> String {
     let mut taken: Vec<[f64; 4]> = Vec::new();
     for row in rows {
         let (x, y) = place(plot, row);
         taken.push([x - 6.0, y - 6.0, x + 6.0, y + 6.0]);
     }
-    let mut order: Vec<&Row> = rows.iter().collect();
+    let mut order: Vec<&UpscalingRow> = rows.iter().collect();
     order.sort_by_key(|row| !row.is_on_front());
     let mut svg = String::new();
     for row in order {
@@ -111,16 +111,16 @@ fn labels(plot: &Plot, rows: &[Row]) -> String {
 }
 
 /// A way to draw fewer pixels: CSS class and times.
-type Way = (&'static str, fn(&Share) -> Split);
+type SkippingVariant = (&'static str, fn(&PixelShareTimes) -> Split);
 
 /// Plots time against the fraction of pixels drawn, for both ways, split into rasterization and shading.
-pub(super) fn shares(shares: &[Share]) -> String {
-    let x = Axis { low: 0.0, high: 1.04, is_log: false };
-    let y = Axis::from_zero(shares.iter().flat_map(|share| [share.skipping.whole.p90, share.visiting.whole.p90]));
+pub(super) fn shares(shares: &[PixelShareTimes]) -> String {
+    let x = PlotAxis { low: 0.0, high: 1.04, is_log: false };
+    let y = PlotAxis::from_zero(shares.iter().flat_map(|share| [share.skipping.whole.p90, share.visiting.whole.p90]));
     let plot = Plot { x, y, lane: 0.0 };
     let percent = |value: f64| format!("{:.0} %", value * 100.0);
     let mut content = plot.axes("share of pixels drawn", "median time of a frame, ms", percent);
-    let ways: [Way; 2] = [("skip", |share| share.skipping), ("visit", |share| share.visiting)];
+    let ways: [SkippingVariant; 2] = [("skip", |share| share.skipping), ("visit", |share| share.visiting)];
     for (class, of) in ways {
         let line = |value: fn(Split) -> f64| {
             let points = shares.iter().map(|share| (plot.x(share.drawn), plot.y(value(of(share)))));

@@ -12,15 +12,15 @@ use serde::Serialize;
 
 use crate::chain::Recipe;
 use crate::measure::timing::{Summary, summarize};
-use crate::pipeline::depth::{Comparison, depth_at};
+use crate::pipeline::depth::{DepthComparison, depth_at};
 use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::interpolate::interpolate;
-use crate::pipeline::raster::{Fixed, Triangle};
+use crate::pipeline::raster::{Fixed, RasterTriangle};
 use crate::pipeline::settings::{Arithmetic, Rasterizer, Settings};
 use crate::pipeline::shade::Shader;
 use crate::pipeline::viewport::Viewport;
-use crate::pipeline::{Extent, Geometry, Until, draw, prepare};
+use crate::pipeline::{Extent, Geometry, LastStage, draw, prepare};
 use crate::scene::{Camera, Scene, Transparency};
 
 /// Sample grids to measure: every pixel, ½, ¼, 1/9 and 1/16 of the pixels.
@@ -34,7 +34,7 @@ const GRIDS: [SampleGrid; 5] = [
 
 /// Times at one fraction of the pixels, in milliseconds.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub(crate) struct Share {
+pub(crate) struct PixelShareTimes {
     /// Fraction of the pixels that are drawn, in (0, 1].
     pub(crate) drawn: f64,
     /// Times of skipping pixels inside the loop.
@@ -79,7 +79,7 @@ pub(crate) fn measure(
     viewport: Viewport,
     rounds: usize,
     cancelled: &dyn Fn() -> bool,
-) -> Option<Vec<Share>> {
+) -> Option<Vec<PixelShareTimes>> {
     let settings = settings(recipe);
     let geometry = prepare(scene, camera, &settings, viewport, &mut ());
     let runs = GRIDS.len() * 4;
@@ -90,7 +90,7 @@ pub(crate) fn measure(
                 return None;
             }
             let grid = GRIDS[place / 4];
-            let until = if place.is_multiple_of(2) { Until::Depth } else { Until::Shade };
+            let until = if place.is_multiple_of(2) { LastStage::Depth } else { LastStage::Shade };
             let start = Instant::now();
             black_box(if place % 4 < 2 {
                 draw_skipping(scene, &geometry, &settings, viewport, grid, until)
@@ -104,7 +104,7 @@ pub(crate) fn measure(
     }
     let pixels = f64::from(viewport.width) * f64::from(viewport.height);
     let summaries: Vec<Summary> = times.iter().filter_map(|times| summarize(times)).collect();
-    let shares = GRIDS.iter().zip(summaries.chunks_exact(4)).map(|(grid, s)| Share {
+    let shares = GRIDS.iter().zip(summaries.chunks_exact(4)).map(|(grid, s)| PixelShareTimes {
         drawn: grid.drawn_pixels(viewport.width, viewport.height) as f64 / pixels,
         skipping: Split { raster: s[0], whole: s[1] },
         visiting: Split { raster: s[2], whole: s[3] },
@@ -118,7 +118,7 @@ fn draw_visiting(
     settings: &Settings,
     viewport: Viewport,
     grid: SampleGrid,
-    until: Until,
+    until: LastStage,
 ) -> Framebuffer {
     let mut frame = Framebuffer::new(grid, viewport.width, viewport.height, scene.background, settings);
     draw(scene, geometry, settings, &Extent::all(geometry, viewport), until, &mut frame, &mut ());
@@ -132,10 +132,10 @@ fn draw_skipping(
     settings: &Settings,
     Viewport { width, height }: Viewport,
     grid: SampleGrid,
-    until: Until,
+    until: LastStage,
 ) -> Framebuffer {
     let mut frame = Framebuffer::new(SampleGrid::FULL, width, height, scene.background, settings);
-    let comparison = Comparison::of(settings);
+    let comparison = DepthComparison::of(settings);
     let shaders: Vec<Shader<'_>> = scene
         .instances
         .iter()
@@ -144,7 +144,7 @@ fn draw_skipping(
         .collect();
     for triangle in &geometry.triangles {
         let corners_px = triangle.corners_px();
-        let Some(edges) = Triangle::<Fixed>::new(corners_px, settings.fill_rule) else { continue };
+        let Some(edges) = RasterTriangle::<Fixed>::new(corners_px, settings.fill_rule) else { continue };
         let shader = &shaders[triangle.instance as usize];
         let attributes = shader.attributes();
         let range = |axis: usize, size: u32| {
@@ -165,7 +165,7 @@ fn draw_skipping(
                     }
                     depth.set(x, y, new);
                 }
-                if until == Until::Shade {
+                if until == LastStage::Shade {
                     let fragment = interpolate(triangle, sample, attributes);
                     frame.color.set(x, y, shader.shade(&fragment, triangle));
                 }
@@ -199,8 +199,8 @@ mod tests {
         let viewport = Viewport { width: 96, height: 64 };
         let geometry = prepare(&scene, &scene.home, &settings, viewport, &mut ());
         for grid in GRIDS {
-            let skipped = draw_skipping(&scene, &geometry, &settings, viewport, grid, Until::Shade);
-            let visited = draw_visiting(&scene, &geometry, &settings, viewport, grid, Until::Shade);
+            let skipped = draw_skipping(&scene, &geometry, &settings, viewport, grid, LastStage::Shade);
+            let visited = draw_visiting(&scene, &geometry, &settings, viewport, grid, LastStage::Shade);
             assert_eq!(packed(&skipped.color, grid), visited.color, "{grid:?}");
         }
     }

@@ -8,16 +8,16 @@ use std::time::Duration;
 
 use serde::Serialize;
 
-use super::skipping::{self, Share};
+use super::skipping::{self, PixelShareTimes};
 use super::tradeoff::{Standing, standings};
 use crate::chain::{Frame, FrameTimes, Recipe};
 use crate::image::{Image, Rgba8};
-use crate::measure::against::Figures;
+use crate::measure::against::ErrorMetrics;
 use crate::measure::machine::Machine;
-use crate::measure::motion::{Judge, MotionError, Shot, Turn};
+use crate::measure::motion::{ErrorMeasurement, FrameSequence, MotionError, Turn};
 use crate::measure::noise::Noise;
 use crate::measure::reference::Reference;
-use crate::measure::region::Region;
+use crate::measure::region::PixelRegion;
 use crate::measure::rounds::RoundTimer;
 use crate::measure::timing::{Summary, summarize};
 use crate::pipeline::settings::Choice as _;
@@ -27,40 +27,40 @@ use crate::upscale::Upscaling;
 
 /// A scene and its view.
 #[derive(Clone, Debug)]
-pub(crate) struct Subject {
+pub struct NamedView {
     /// Display name.
-    pub(crate) name: String,
+    pub name: String,
     /// Scene to draw.
-    pub(crate) scene: Arc<Scene>,
+    pub scene: Arc<Scene>,
     /// Camera of the view.
-    pub(crate) camera: Camera,
+    pub camera: Camera,
 }
 
 /// Scenes, recipes, image size and measurement parameters of a report.
 #[derive(Clone, Debug)]
-pub(crate) struct Plan {
+pub struct UpscalingPlan {
     /// Scenes to measure.
-    pub(crate) subjects: Vec<Subject>,
+    pub subjects: Vec<NamedView>,
     /// Recipes to measure.
-    pub(crate) recipes: Vec<Recipe>,
+    pub recipes: Vec<Recipe>,
     /// Size of the full image, in pixels.
-    pub(crate) viewport: Viewport,
+    pub viewport: Viewport,
     /// Number of measured rounds, at least 1.
-    pub(crate) rounds: usize,
+    pub rounds: usize,
     /// Reference that errors are computed against.
-    pub(crate) reference: Reference,
+    pub reference: Reference,
     /// Camera motion over the frames that are measured for error and time.
-    pub(crate) turn: Turn,
+    pub turn: Turn,
 }
 
 /// Returns the recipe with every upscaler at every scale.
-pub(crate) fn every_upscaler(recipe: Recipe) -> Vec<Recipe> {
+pub fn every_upscaler(recipe: Recipe) -> Vec<Recipe> {
     Upscaling::every().map(|upscaler| Recipe { upscaler, ..recipe }).collect()
 }
 
 /// Progress of a sweep.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Progress {
+pub struct UpscalingProgress {
     /// Name of the current scene.
     pub(crate) scene: String,
     /// Name of the current stage.
@@ -73,7 +73,7 @@ pub(crate) struct Progress {
 
 /// Complete upscaling report.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct Report {
+pub struct UpscalingReport {
     /// Machine and build, with the load at the start and at the end.
     pub(crate) machine: Machine,
     /// Number of render threads.
@@ -87,14 +87,14 @@ pub(crate) struct Report {
     /// Camera motion over the frames that are measured for error and time.
     pub(crate) turn: Turn,
     /// Results per scene.
-    pub(crate) scenes: Vec<SceneReport>,
+    pub scenes: Vec<SceneReport>,
     /// Whether the sweep was cancelled before all scenes and rounds were complete.
     pub(crate) partial: bool,
 }
 
 /// Results of one scene.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct SceneReport {
+pub struct SceneReport {
     /// Name of the scene.
     pub(crate) scene: String,
     /// Number of triangles.
@@ -102,20 +102,20 @@ pub(crate) struct SceneReport {
     /// Noise floor of the times.
     pub(crate) noise: Noise,
     /// Results per recipe.
-    pub(crate) rows: Vec<Row>,
+    pub rows: Vec<UpscalingRow>,
     /// Comparison of two ways to draw fewer pixels; `None` if the scene has transparency.
-    pub(crate) shares: Option<Vec<Share>>,
+    pub(crate) shares: Option<Vec<PixelShareTimes>>,
     /// Part of the image where the methods' errors are largest.
-    pub(crate) crop: Region,
+    pub(crate) crop: PixelRegion,
 }
 
 /// Results of one recipe on one scene.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct Row {
+pub struct UpscalingRow {
     /// Name of the upscaler with its options.
-    pub(crate) label: String,
+    pub label: String,
     /// Recipe of the frames.
-    pub(crate) recipe: Recipe,
+    pub recipe: Recipe,
     /// Fraction of the pixels that were drawn, in (0, 1].
     pub(crate) drawn: f64,
     /// Times of whole frames, in milliseconds.
@@ -123,7 +123,7 @@ pub(crate) struct Row {
     /// Median times of the parts of a frame, in milliseconds.
     pub(crate) parts_ms: Parts,
     /// Error of the still view.
-    pub(crate) error: Figures,
+    pub(crate) error: ErrorMetrics,
     /// Error over the frames of the moving view, by which methods are ranked. Equal to that of the still view if there
     /// is no motion.
     pub(crate) motion: MotionError,
@@ -137,10 +137,10 @@ pub(crate) struct Row {
     pub(crate) native_within_noise: bool,
     /// Cropped image.
     #[serde(skip)]
-    pub(crate) crop: Image<Rgba8>,
+    pub crop: Image<Rgba8>,
 }
 
-impl Row {
+impl UpscalingRow {
     /// Whether the row is on the Pareto front of time and FLIP in motion.
     pub(crate) fn is_on_front(&self) -> bool {
         self.dominated_by.is_none() && self.within_noise_of.is_none()
@@ -163,7 +163,11 @@ const CROP: (u32, u32) = (160, 110);
 
 /// Runs all measurements. If cancelled, returns the complete scenes, the last one with its complete rounds, or `None`
 /// if there are none.
-pub(crate) fn run(plan: &Plan, tell: &dyn Fn(Progress), cancelled: &dyn Fn() -> bool) -> Option<Report> {
+pub fn run(
+    plan: &UpscalingPlan,
+    tell: &dyn Fn(UpscalingProgress),
+    cancelled: &dyn Fn() -> bool,
+) -> Option<UpscalingReport> {
     let machine = Machine::at_start();
     let mut scenes = Vec::with_capacity(plan.subjects.len());
     for subject in &plan.subjects {
@@ -177,7 +181,7 @@ pub(crate) fn run(plan: &Plan, tell: &dyn Fn(Progress), cancelled: &dyn Fn() -> 
         }
     }
     let Viewport { width, height } = plan.viewport;
-    Some(Report {
+    Some(UpscalingReport {
         machine: machine.at_end(),
         threads: rayon::current_num_threads(),
         size: [width, height],
@@ -190,24 +194,24 @@ pub(crate) fn run(plan: &Plan, tell: &dyn Fn(Progress), cancelled: &dyn Fn() -> 
 }
 
 /// Image of one recipe at rest, with its FLIP error.
-struct Judged {
+struct MeasuredImage {
     picture: Image<Rgba8>,
     flip: Image<f32>,
     drawn: f64,
 }
 
 fn of_scene(
-    plan: &Plan,
-    subject: &Subject,
-    tell: &dyn Fn(Progress),
+    plan: &UpscalingPlan,
+    subject: &NamedView,
+    tell: &dyn Fn(UpscalingProgress),
     cancelled: &dyn Fn() -> bool,
 ) -> Option<SceneReport> {
-    let say = |stage, done, of| tell(Progress { scene: subject.name.clone(), stage, done, of });
-    let Subject { scene, camera, .. } = subject;
-    let shot = Shot { scene, camera, viewport: plan.viewport, turn: plan.turn };
-    let still = Shot { turn: Turn::STILL, ..shot };
+    let say = |stage, done, of| tell(UpscalingProgress { scene: subject.name.clone(), stage, done, of });
+    let NamedView { scene, camera, .. } = subject;
+    let shot = FrameSequence { scene, camera, viewport: plan.viewport, turn: plan.turn };
+    let still = FrameSequence { turn: Turn::STILL, ..shot };
     let mut judged = Vec::with_capacity(plan.recipes.len());
-    let at_rest = judge(
+    let at_rest = measure_errors(
         plan,
         &still,
         cancelled,
@@ -215,14 +219,14 @@ fn of_scene(
             say("errors at rest", done, judge.total(still.turn));
         },
         |frame, flip| {
-            judged.push(Judged { picture: frame.image().clone(), drawn: frame.drawn_share(), flip });
+            judged.push(MeasuredImage { picture: frame.image().clone(), drawn: frame.drawn_share(), flip });
         },
     )?;
     let in_motion = if plan.turn.is_still() {
         None
     } else {
-        let say = &mut |done, judge: &Judge| say("errors in motion", done, judge.total(plan.turn));
-        Some(judge(plan, &shot, cancelled, say, |_, _| ())?)
+        let say = &mut |done, judge: &ErrorMeasurement| say("errors in motion", done, judge.total(plan.turn));
+        Some(measure_errors(plan, &shot, cancelled, say, |_, _| ())?)
     };
     let timer = time(plan, &shot, &|done, of| say("times", done, of), cancelled)?;
     say("shares", 0, 1);
@@ -255,28 +259,33 @@ const SHARE_ROUNDS: usize = 9;
 
 /// Measures the error of all recipes over a sequence. `look` receives each frame with the FLIP error of every pixel.
 /// Returns `None` if cancelled.
-fn judge(
-    plan: &Plan,
-    shot: &Shot<'_>,
+fn measure_errors(
+    plan: &UpscalingPlan,
+    shot: &FrameSequence<'_>,
     cancelled: &dyn Fn() -> bool,
-    say: &mut dyn FnMut(usize, &Judge),
+    say: &mut dyn FnMut(usize, &ErrorMeasurement),
     mut look: impl FnMut(&Frame, Image<f32>),
-) -> Option<Judge> {
-    let mut judge = Judge::new(plan.reference, plan.recipes.iter().copied());
+) -> Option<ErrorMeasurement> {
+    let mut judge = ErrorMeasurement::new(plan.reference, plan.recipes.iter().copied());
     say(0, &judge);
     while !judge.is_complete(shot.turn) {
         if cancelled() {
             return None;
         }
         if judge.step(shot, |_, frame, flip| look(frame, flip)).is_some() {
-            say(judge.judged(), &judge);
+            say(judge.measured_frames(), &judge);
         }
     }
     Some(judge)
 }
 
 /// Times all recipes. If cancelled, returns the complete rounds, or `None` if there are none.
-fn time(plan: &Plan, shot: &Shot<'_>, say: &dyn Fn(usize, usize), cancelled: &dyn Fn() -> bool) -> Option<RoundTimer> {
+fn time(
+    plan: &UpscalingPlan,
+    shot: &FrameSequence<'_>,
+    say: &dyn Fn(usize, usize),
+    cancelled: &dyn Fn() -> bool,
+) -> Option<RoundTimer> {
     let mut timer = RoundTimer::new(&plan.recipes, plan.rounds);
     let mut told = None;
     while !timer.is_complete() {
@@ -294,11 +303,11 @@ fn time(plan: &Plan, shot: &Shot<'_>, say: &dyn Fn(usize, usize), cancelled: &dy
 
 fn row(
     recipe: Recipe,
-    judged: &Judged,
-    (error, motion): (Figures, MotionError),
+    judged: &MeasuredImage,
+    (error, motion): (ErrorMetrics, MotionError),
     times: &[FrameTimes],
-    crop: Region,
-) -> Option<Row> {
+    crop: PixelRegion,
+) -> Option<UpscalingRow> {
     let summary = |part: fn(&FrameTimes) -> Duration| {
         summarize(&times.iter().map(|times| part(times).as_secs_f64() * 1e3).collect::<Vec<_>>())
     };
@@ -307,7 +316,7 @@ fn row(
         pixels: summary(|times| times.pixels)?.median,
         upscale: summary(|times| times.upscale)?.median,
     };
-    Some(Row {
+    Some(UpscalingRow {
         label: recipe.upscaler.label(),
         recipe,
         drawn: judged.drawn,
@@ -323,7 +332,7 @@ fn row(
 }
 
 /// Determines which rows are dominated, and which time differences are within noise.
-fn rank(rows: &mut [Row], noise: &Noise) {
+fn rank(rows: &mut [UpscalingRow], noise: &Noise) {
     let points: Vec<_> = rows.iter().map(|row| (row.frame_ms.median, row.motion.mean.flip)).collect();
     let labels: Vec<_> = rows.iter().map(|row| row.label.clone()).collect();
     let native = rows.iter().find(|row| row.recipe.upscaler.is_native()).map(|row| row.frame_ms.median);
@@ -339,16 +348,16 @@ fn rank(rows: &mut [Row], noise: &Noise) {
 }
 
 /// Returns the rectangle with the largest total error over all recipes, among positions in steps of half its size.
-fn crop_of(judged: &[Judged]) -> Region {
+fn crop_of(judged: &[MeasuredImage]) -> PixelRegion {
     let (width, height) = judged.first().map_or((1, 1), |judged| judged.picture.size());
     let (across, down) = (CROP.0.min(width), CROP.1.min(height));
     let steps = |length: u32, part: u32| (0..=length - part).step_by((part as usize / 2).max(1));
     let regions = steps(height, down).flat_map(|top| steps(width, across).map(move |left| (left, top)));
-    let region = |(left, top)| Region { left, top, right: left + across, bottom: top + down };
-    let error = |region: &Region| judged.iter().filter_map(|judged| region.mean(&judged.flip)).sum::<f64>();
+    let region = |(left, top)| PixelRegion { left, top, right: left + across, bottom: top + down };
+    let error = |region: &PixelRegion| judged.iter().filter_map(|judged| region.mean(&judged.flip)).sum::<f64>();
     let regions = regions.map(region).map(|region| (region, error(&region)));
     let worst = regions.max_by(|(_, a), (_, b)| a.total_cmp(b));
-    worst.map_or(Region { left: 0, top: 0, right: across, bottom: down }, |(region, _)| region)
+    worst.map_or(PixelRegion { left: 0, top: 0, right: across, bottom: down }, |(region, _)| region)
 }
 
 #[cfg(test)]
@@ -356,10 +365,10 @@ mod tests {
     use super::*;
     use crate::scene::SceneSource;
 
-    fn plan(viewport: Viewport, rounds: usize) -> Plan {
+    fn plan(viewport: Viewport, rounds: usize) -> UpscalingPlan {
         let scene = SceneSource::named("triangle".into()).load().unwrap().scene;
-        let subject = Subject { name: scene.name.clone(), camera: scene.home, scene: Arc::new(scene) };
-        Plan {
+        let subject = NamedView { name: scene.name.clone(), camera: scene.home, scene: Arc::new(scene) };
+        UpscalingPlan {
             subjects: vec![subject],
             recipes: every_upscaler(Recipe::default()),
             viewport,
@@ -423,7 +432,7 @@ mod tests {
     #[test]
     fn a_sweep_cancelled_later_has_the_rounds_that_were_complete() {
         let rounds = std::cell::Cell::new(0);
-        let note = |progress: Progress| {
+        let note = |progress: UpscalingProgress| {
             if progress.stage == "times" {
                 rounds.set(progress.done);
             }

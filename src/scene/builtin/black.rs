@@ -8,7 +8,7 @@ use std::f32::consts::{FRAC_PI_2, PI};
 use glam::{Mat4, Quat, Vec3};
 
 use super::Builtin;
-use super::draft::Draft;
+use super::draft::SceneDraft;
 use super::{shapes, textures};
 use crate::scene::Camera;
 use textures::srgb;
@@ -59,8 +59,8 @@ const NIGHT: [u8; 3] = [0, 0, 0];
 /// Background of the other scenes; sRGB codes.
 const DUSK: [u8; 3] = [30, 32, 36];
 
-fn draft_back_facing() -> Draft {
-    let mut draft = Draft::new(NIGHT, Camera::look_at(Vec3::new(0.0, 0.15, 2.9), Vec3::ZERO));
+fn draft_back_facing() -> SceneDraft {
+    let mut draft = SceneDraft::new(NIGHT, Camera::look_at(Vec3::new(0.0, 0.15, 2.9), Vec3::ZERO));
     let panel = draft.mesh(shapes::grid(1));
     let bricks = draft.textured("bricks", textures::bricks(128, srgb(0xB8_6A_50), srgb(0xA8_A2_98)));
     let upright = Quat::from_rotation_x(FRAC_PI_2);
@@ -71,9 +71,9 @@ fn draft_back_facing() -> Draft {
     draft
 }
 
-fn draft_near_clipped() -> Draft {
+fn draft_near_clipped() -> SceneDraft {
     let home = Camera { near: 3.0, far: 60.0, ..Camera::look_at(Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, 0.2, -6.0)) };
-    let mut draft = Draft::new(NIGHT, home);
+    let mut draft = SceneDraft::new(NIGHT, home);
     let floor = draft.mesh(shapes::grid(4));
     let tiles = draft.textured("tiles", textures::chess(128, srgb(0xE8_E0_D0), srgb(0x6E_86_9A)));
     let place = Mat4::from_translation(Vec3::Z * -6.0) * Mat4::from_scale(Vec3::splat(14.0));
@@ -87,7 +87,7 @@ fn draft_near_clipped() -> Draft {
     draft
 }
 
-fn draft_z_fought() -> Draft {
+fn draft_z_fought() -> SceneDraft {
     const DISTANCE: f32 = 10.0;
     /// Near-plane distance, world units. It makes a step of the depth buffer, 2⁻²⁴ · distance² / near, 0.3 units wide
     /// at the poster, so that the stripes are wide enough to click.
@@ -96,7 +96,7 @@ fn draft_z_fought() -> Draft {
     /// half of the time.
     const GAP: f32 = 0.1;
     let home = Camera { near: NEAR, far: 1e5, ..Camera::look_at(Vec3::ZERO, Vec3::Z * -DISTANCE) };
-    let mut draft = Draft::new(DUSK, home);
+    let mut draft = SceneDraft::new(DUSK, home);
     let sheet = draft.mesh(shapes::grid(1));
     let paper = draft.plain("white paper", srgb(0xF4_F0_E6));
     let black = draft.plain("black paint", Vec3::ZERO);
@@ -111,8 +111,8 @@ fn draft_z_fought() -> Draft {
     draft
 }
 
-fn draft_nan_normal() -> Draft {
-    let mut draft = Draft::new(DUSK, Camera::look_at(Vec3::new(0.0, 0.3, 4.2), Vec3::ZERO));
+fn draft_nan_normal() -> SceneDraft {
+    let mut draft = SceneDraft::new(DUSK, Camera::look_at(Vec3::new(0.0, 0.3, 4.2), Vec3::ZERO));
     let mut broken = shapes::sphere(48);
     let patch = Vec3::new(0.3, 0.45, 0.85).normalize();
     for normal in broken.normals.iter_mut().filter(|normal| normal.dot(patch) > 0.94) {
@@ -127,8 +127,8 @@ fn draft_nan_normal() -> Draft {
     draft
 }
 
-fn draft_missing_texture() -> Draft {
-    let mut draft = Draft::new(DUSK, Camera::look_at(Vec3::new(0.0, 1.4, 4.6), Vec3::ZERO));
+fn draft_missing_texture() -> SceneDraft {
+    let mut draft = SceneDraft::new(DUSK, Camera::look_at(Vec3::new(0.0, 1.4, 4.6), Vec3::ZERO));
     let cube = draft.mesh(shapes::cube());
     let wood = draft.textured("wood", textures::crate_side(128, srgb(0xC0_90_58)));
     // Some exporters write a black colour because the texture is meant to replace it.

@@ -6,7 +6,7 @@ use std::f32::consts::FRAC_PI_2;
 use glam::{EulerRot, Mat4, Quat, Vec2, Vec3};
 
 use super::Builtin;
-use super::draft::Draft;
+use super::draft::SceneDraft;
 use super::revolve::Profile;
 use super::{shapes, textures};
 use crate::scene::{Camera, MaterialId, MeshData};
@@ -20,9 +20,9 @@ pub(super) const CEL: Builtin = Builtin {
     draft,
 };
 
-fn draft() -> Draft {
+fn draft() -> SceneDraft {
     let home = Camera { near: 0.5, far: 60.0, ..Camera::look_at(Vec3::new(-1.6, 3.6, 9.4), Vec3::new(0.0, 1.35, 0.0)) };
-    let mut draft = Draft::new([38, 46, 62], home);
+    let mut draft = SceneDraft::new([38, 46, 62], home);
     let snow = draft.cel("snow", cel_pair(16, |_| srgb(0xF4_F7_FB)));
     let coal = draft.cel("coal", cel_pair(16, |_| srgb(0x3A_3D_48)));
     add_ground(&mut draft, snow);
@@ -32,7 +32,7 @@ fn draft() -> Draft {
     draft
 }
 
-fn add_ground(draft: &mut Draft, snow: MaterialId) {
+fn add_ground(draft: &mut SceneDraft, snow: MaterialId) {
     let hill = draft.mesh(Profile::from(0.0, 0.0).arc_to(1.0, -0.12, 24.0, 6).line_to(0.0, -0.2).revolve("hill", 64));
     draft.place("hill", hill, snow, Mat4::from_scale(Vec3::new(3.9, 2.6, 3.9)));
     let fir = draft.mesh(fir());
@@ -41,7 +41,7 @@ fn add_ground(draft: &mut Draft, snow: MaterialId) {
     draft.place("right fir", fir, needles, at(Vec3::new(2.7, -0.15, -0.9), Vec3::splat(0.85)));
 }
 
-fn add_body(draft: &mut Draft, snow: MaterialId, coal: MaterialId) {
+fn add_body(draft: &mut SceneDraft, snow: MaterialId, coal: MaterialId) {
     let ball = draft.mesh(shapes::sphere(40));
     let small_ball = draft.mesh(shapes::sphere(12));
     for (name, y, radius) in [("bottom", 0.85, 1.0), ("middle", 2.05, 0.74), ("head", 3.0, 0.54)] {
@@ -67,7 +67,7 @@ fn add_body(draft: &mut Draft, snow: MaterialId, coal: MaterialId) {
     draft.place("nose", cone, carrot, forward * Mat4::from_scale(Vec3::new(0.1, 0.62, 0.1)));
 }
 
-fn add_clothes(draft: &mut Draft, coal: MaterialId) {
+fn add_clothes(draft: &mut SceneDraft, coal: MaterialId) {
     let red = srgb(0xD8_3A_42);
     let wool = draft.cel("scarf", cel_pair(64, |uv| stripes(uv.x * 12.0, red, srgb(0xF6_E7_D2), 0.35)));
     let ring = draft.mesh(shapes::torus(0.32, 40, 14));
@@ -89,7 +89,7 @@ fn add_clothes(draft: &mut Draft, coal: MaterialId) {
     draft.place("hat band", band, ribbon, tilted);
 }
 
-fn add_limbs(draft: &mut Draft) {
+fn add_limbs(draft: &mut SceneDraft) {
     let stick = draft.mesh(shapes::capsule(20.0, 12));
     let bark = draft.cel("bark", cel_pair(32, |uv| stripes(uv.y * 16.0, srgb(0x8A_5E_3C), srgb(0x74_4D_31), 0.4)));
     let mitten = draft.mesh(shapes::sphere(20));

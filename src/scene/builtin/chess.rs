@@ -8,7 +8,7 @@
 use glam::{Mat4, Quat, Vec2, Vec3, Vec3Swizzles as _};
 
 use super::Builtin;
-use super::draft::Draft;
+use super::draft::SceneDraft;
 use super::revolve::Profile;
 use super::{shapes, textures};
 use crate::scene::{Camera, MeshData};
@@ -38,16 +38,16 @@ const TILES_PER_TEXTURE: f32 = 4.0;
 /// Rotation of the rows of tiles relative to the picture, radians.
 const TILE_TURN: f32 = -0.2;
 
-fn draft() -> Draft {
+fn draft() -> SceneDraft {
     let home = Camera { near: 0.5, far: 200.0, ..Camera::look_at(Vec3::new(0.0, 3.3, 9.6), Vec3::new(0.0, 0.95, 0.0)) };
-    let mut draft = Draft::new(BACKGROUND, home);
+    let mut draft = SceneDraft::new(BACKGROUND, home);
     add_floor(&mut draft);
     add_solids(&mut draft);
     add_pawns(&mut draft);
     draft
 }
 
-fn add_floor(draft: &mut Draft) {
+fn add_floor(draft: &mut SceneDraft) {
     let center = Vec3::new(0.0, 0.0, FLOOR_FRONT_Z - FLOOR_SIZE.y * 0.5);
     let scale = Vec3::new(FLOOR_SIZE.x, 1.0, FLOOR_SIZE.y);
     let world_from_model = Mat4::from_scale_rotation_translation(scale, Quat::IDENTITY, center);
@@ -70,7 +70,7 @@ fn on_tile(column: i32, row: i32) -> Vec3 {
     Vec3::new(turned.x, 0.0, turned.y)
 }
 
-fn add_solids(draft: &mut Draft) {
+fn add_solids(draft: &mut SceneDraft) {
     let knot = draft.mesh(shapes::painted(shapes::trefoil(0.24, 160, 12), |uv| ribbon_color(uv.x)));
     let white = draft.plain("vertex colours", Vec3::ONE);
     let upright = Quat::from_rotation_y(0.25) * Quat::from_rotation_x(1.35);
@@ -101,7 +101,7 @@ fn ribbon_color(u: f32) -> Vec3 {
     colors[index % colors.len()].lerp(colors[(index + 1) % colors.len()], place.fract())
 }
 
-fn add_pawns(draft: &mut Draft) {
+fn add_pawns(draft: &mut SceneDraft) {
     let mesh = draft.mesh(pawn());
     let ivory = draft.plain("ivory", srgb(0xF3_E7_CF));
     let ebony = draft.plain("ebony", srgb(0x5C_4A_4C));

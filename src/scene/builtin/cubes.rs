@@ -3,7 +3,7 @@
 use glam::{EulerRot, Mat4, Quat, Vec3};
 
 use super::Builtin;
-use super::draft::Draft;
+use super::draft::SceneDraft;
 use super::{shapes, textures};
 use crate::scene::Camera;
 use textures::srgb;
@@ -21,10 +21,10 @@ const COUNT: [u32; 3] = [8, 4, 4];
 /// Distance between the centres of neighbours, world units; a cube's edge is 1.
 const SPACING: f32 = 1.75;
 
-fn draft() -> Draft {
+fn draft() -> SceneDraft {
     let home =
         Camera { near: 1.0, far: 100.0, ..Camera::look_at(Vec3::new(5.7, 6.3, 16.2), Vec3::new(0.3, -0.4, 0.0)) };
-    let mut draft = Draft::new([30, 32, 36], home);
+    let mut draft = SceneDraft::new([30, 32, 36], home);
     let mesh = draft.mesh(shapes::cube());
     let card = draft.textured("test card", textures::test_card(64));
     let [columns, rows, layers] = COUNT;

@@ -11,14 +11,14 @@ use crate::scene::{
 };
 
 /// Scene under construction, without its name.
-pub(super) struct Draft {
+pub(super) struct SceneDraft {
     library: Library,
     instances: Vec<Instance>,
     background: [u8; 3],
     home: Camera,
 }
 
-impl Draft {
+impl SceneDraft {
     /// Creates an empty scene with this background (sRGB codes) and the initial view `home`.
     pub(super) fn new(background: [u8; 3], home: Camera) -> Self {
         Self { library: Library::default(), instances: Vec::new(), background, home }

@@ -8,7 +8,7 @@ use std::f32::consts::{FRAC_PI_2, TAU};
 use glam::{EulerRot, Mat4, Quat, Vec2, Vec3};
 
 use super::Builtin;
-use super::draft::Draft;
+use super::draft::SceneDraft;
 use super::revolve::Profile;
 use super::{noise, shapes, textures};
 use crate::scene::{Camera, MeshData};
@@ -22,9 +22,9 @@ pub(super) const STAINED_GLASS: Builtin = Builtin {
     draft,
 };
 
-fn draft() -> Draft {
+fn draft() -> SceneDraft {
     let home = Camera { near: 0.5, far: 60.0, ..Camera::look_at(Vec3::new(0.8, 2.4, 7.2), Vec3::new(-0.05, 1.4, 0.0)) };
-    let mut draft = Draft::new([196, 208, 220], home);
+    let mut draft = SceneDraft::new([196, 208, 220], home);
     add_room(&mut draft);
     add_glass(&mut draft);
     add_wreath(&mut draft);
@@ -32,7 +32,7 @@ fn draft() -> Draft {
 }
 
 /// Adds the opaque objects.
-fn add_room(draft: &mut Draft) {
+fn add_room(draft: &mut SceneDraft) {
     let floor = draft.mesh(shapes::mapped(shapes::grid(4), |position, _| Vec2::new(position.x, position.z) * 3.0));
     let stone = draft.textured("floor tiles", textures::chess(256, srgb(0xE8_E0_D2), srgb(0x8C_7B_6E)));
     draft.place("floor", floor, stone, at(Vec3::NEG_Z * 4.0, Quat::IDENTITY, Vec3::splat(20.0)));
@@ -42,7 +42,7 @@ fn add_room(draft: &mut Draft) {
     draft.place("knot", knot, brass, at(Vec3::new(-0.5, 2.2, -2.4), upright, Vec3::splat(1.1)));
 }
 
-fn add_glass(draft: &mut Draft) {
+fn add_glass(draft: &mut SceneDraft) {
     let bottle = draft.mesh(bottle());
     let green = draft.translucent("bottle glass", srgb(0x2E_8B_57), 0.55);
     draft.place("bottle", bottle, green, at(Vec3::new(2.0, 0.0, 2.6), Quat::IDENTITY, Vec3::splat(1.0)));
@@ -61,7 +61,7 @@ fn add_glass(draft: &mut Draft) {
 }
 
 /// Adds leaves around a ring that leans against the panes.
-fn add_wreath(draft: &mut Draft) {
+fn add_wreath(draft: &mut SceneDraft) {
     const LEAVES: u32 = 22;
     let square = draft.mesh(shapes::two_sided(shapes::grid(1)));
     let green = draft.textured("leaf", textures::leaf(128));

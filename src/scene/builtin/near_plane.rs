@@ -9,7 +9,7 @@ use std::f32::consts::FRAC_PI_2;
 use glam::{Mat4, Quat, Vec2, Vec3};
 
 use super::Builtin;
-use super::draft::Draft;
+use super::draft::SceneDraft;
 use super::{shapes, textures};
 use crate::scene::Camera;
 use textures::srgb;
@@ -24,16 +24,16 @@ pub(super) const NEAR_PLANE: Builtin = Builtin {
 /// Half extents of the corridor, world units.
 const HALF_SIZE: Vec3 = Vec3::new(2.0, 1.6, 16.0);
 
-fn draft() -> Draft {
+fn draft() -> SceneDraft {
     let home =
         Camera { near: 0.6, far: 80.0, ..Camera::look_at(Vec3::new(0.2, 0.1, 0.0), Vec3::new(0.0, -0.05, -6.0)) };
-    let mut draft = Draft::new([30, 32, 36], home);
+    let mut draft = SceneDraft::new([30, 32, 36], home);
     add_corridor(&mut draft);
     add_obstacles(&mut draft);
     draft
 }
 
-fn add_corridor(draft: &mut Draft) {
+fn add_corridor(draft: &mut SceneDraft) {
     let walls =
         shapes::mapped(shapes::inside_out(shapes::cube()), |position, normal| wall_uv(position * HALF_SIZE, normal));
     let mesh = draft.mesh(walls);
@@ -50,7 +50,7 @@ fn wall_uv(position: Vec3, normal: Vec3) -> Vec2 {
     Vec2::new(along, across) / TEXTURE_SIZE
 }
 
-fn add_obstacles(draft: &mut Draft) {
+fn add_obstacles(draft: &mut SceneDraft) {
     let cube = draft.mesh(shapes::cube());
     let coral = draft.plain("coral", srgb(0xE8_6A_58));
     // The beam runs from ahead on the right past the eye; the near plane cuts it inside the picture.

@@ -5,7 +5,7 @@ use std::f32::consts::FRAC_PI_2;
 use glam::{Mat4, Quat, Vec2, Vec3};
 
 use super::Builtin;
-use super::draft::Draft;
+use super::draft::SceneDraft;
 use super::revolve::Profile;
 use super::{shapes, textures};
 use crate::image::{Image, Rgba8};
@@ -26,16 +26,16 @@ const STUDS: f32 = 4.0;
 /// Maximum slope of the studs.
 const STEEPNESS: f32 = 0.9;
 
-fn draft() -> Draft {
+fn draft() -> SceneDraft {
     let home = Camera { near: 0.5, far: 60.0, ..Camera::look_at(Vec3::new(0.6, 3.0, 7.4), Vec3::new(0.0, 0.75, 0.0)) };
-    let mut draft = Draft::new([18, 22, 34], home);
+    let mut draft = SceneDraft::new([18, 22, 34], home);
     add_floor(&mut draft);
     add_stones(&mut draft);
     add_lamp(&mut draft);
     draft
 }
 
-fn add_floor(draft: &mut Draft) {
+fn add_floor(draft: &mut SceneDraft) {
     let floor = draft.mesh(shapes::mapped(shapes::grid(8), |position, _| Vec2::new(position.x, position.z) * 3.0));
     let texture = draft.texture("tiles", textures::chess(256, srgb(0x9A_A4_B4), srgb(0x4C_56_68)));
     let normal_texture = Some(draft.texture("studs", studs(256)));
@@ -49,7 +49,7 @@ fn add_floor(draft: &mut Draft) {
 }
 
 /// Adds stones whose highlights shrink from left to right.
-fn add_stones(draft: &mut Draft) {
+fn add_stones(draft: &mut SceneDraft) {
     let ball = draft.mesh(shapes::sphere(40));
     let stones = [("jasper", 0xA8_3A32, 8.0, -2.3), ("jade", 0x3F_8F_68, 40.0, 0.2), ("lapis", 0x2F_55_A8, 400.0, 2.4)];
     for (name, color, shininess, x) in stones {
@@ -69,7 +69,7 @@ fn add_stones(draft: &mut Draft) {
 }
 
 /// Adds a lamp whose shade emits its own colour, with bands from a texture.
-fn add_lamp(draft: &mut Draft) {
+fn add_lamp(draft: &mut SceneDraft) {
     let post = draft.mesh(post());
     let iron = draft.material(Material {
         specular: srgb(0x70_70_78),

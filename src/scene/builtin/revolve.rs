@@ -13,7 +13,7 @@ use crate::scene::MeshData;
 
 /// Point of a profile, as (radius, height).
 #[derive(Clone, Copy)]
-struct Point {
+struct ProfilePoint {
     at: Vec2,
     /// Unit normal, pointing away from the solid.
     normal: Vec2,
@@ -22,7 +22,7 @@ struct Point {
 /// Profile path from the top down.
 pub(super) struct Profile {
     end: Vec2,
-    points: Vec<Point>,
+    points: Vec<ProfilePoint>,
 }
 
 impl Profile {
@@ -35,7 +35,7 @@ impl Profile {
     pub(super) fn line_to(mut self, radius: f32, height: f32) -> Self {
         let to = Vec2::new(radius, height);
         let normal = (to - self.end).perp().normalize();
-        self.points.extend([self.end, to].map(|at| Point { at, normal }));
+        self.points.extend([self.end, to].map(|at| ProfilePoint { at, normal }));
         self.end = to;
         self
     }
@@ -55,7 +55,7 @@ impl Profile {
                 _ if step == steps => to,
                 _ => center + spoke,
             };
-            self.points.push(Point { at, normal: spoke.normalize() * sweep.signum() });
+            self.points.push(ProfilePoint { at, normal: spoke.normalize() * sweep.signum() });
         }
         self.end = to;
         self
@@ -108,7 +108,7 @@ impl Profile {
 
 /// Adds a point of the profile, rotated to a segment. On the axis each slice has its own vertex, in the middle of the
 /// slice.
-fn push_vertex(mesh: &mut MeshData, point: &Point, segment: u32, segments: u32, v: f32) {
+fn push_vertex(mesh: &mut MeshData, point: &ProfilePoint, segment: u32, segments: u32, v: f32) {
     let on_axis = point.at.x == 0.0;
     let turn = segment as f32 + if on_axis { 0.5 } else { 0.0 };
     // The last column uses the angle of the first, so that the seam closes exactly.

@@ -4,7 +4,7 @@ use std::f32::consts::TAU;
 
 use glam::{Mat4, Quat, Vec2, Vec3};
 
-use super::draft::Draft;
+use super::draft::SceneDraft;
 use super::textures::{hue, srgb};
 use super::{Builtin, noise};
 use crate::scene::{Camera, MeshData};
@@ -43,17 +43,17 @@ pub(super) const SHARED_EDGES: Builtin = Builtin {
 
 const BACKGROUND: [u8; 3] = [30, 32, 36];
 
-fn draft_triangle() -> Draft {
-    let mut draft = Draft::new(BACKGROUND, Camera::look_at(Vec3::new(0.0, 0.12, 3.2), Vec3::Y * 0.12));
+fn draft_triangle() -> SceneDraft {
+    let mut draft = SceneDraft::new(BACKGROUND, Camera::look_at(Vec3::new(0.0, 0.12, 3.2), Vec3::Y * 0.12));
     let mesh = draft.mesh(MeshData { colors: vec![Vec3::X, Vec3::Y, Vec3::Z], ..triangle() });
     let white = draft.plain("vertex colours", Vec3::ONE);
     draft.place("triangle", mesh, white, Mat4::from_rotation_y(0.7) * Mat4::from_rotation_x(-0.25));
     draft
 }
 
-fn draft_interpenetrating() -> Draft {
+fn draft_interpenetrating() -> SceneDraft {
     let home = Camera::look_at(Vec3::new(0.0, 0.35, 3.6), Vec3::ZERO);
-    let mut draft = Draft::new(BACKGROUND, home);
+    let mut draft = SceneDraft::new(BACKGROUND, home);
     let mesh = draft.mesh(triangle());
     let placements = [
         ("amber", srgb(0xF0_A8_3C), Mat4::from_rotation_y(0.8) * Mat4::from_rotation_x(-0.45)),
@@ -81,8 +81,8 @@ fn triangle() -> MeshData {
 ///
 /// Some of these edges run through pixel centres for any picture size: the diagonals if width and height are both even,
 /// a centre line if one of them is odd.
-fn draft_shared_edges() -> Draft {
-    let mut draft = Draft::new(BACKGROUND, Camera::look_at(Vec3::Z * 3.0, Vec3::ZERO));
+fn draft_shared_edges() -> SceneDraft {
+    let mut draft = SceneDraft::new(BACKGROUND, Camera::look_at(Vec3::Z * 3.0, Vec3::ZERO));
     let rim = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1), (1, 0)];
     let corner = |(x, y): (i8, i8)| Vec2::new(f32::from(x), f32::from(y));
     let mesh = draft.mesh(flat("square", rim.windows(2).map(|pair| [Vec2::ZERO, corner(pair[0]), corner(pair[1])])));
@@ -91,8 +91,8 @@ fn draft_shared_edges() -> Draft {
     draft
 }
 
-fn draft_slivers() -> Draft {
-    let mut draft = Draft::new(BACKGROUND, Camera::look_at(Vec3::new(0.0, 0.0, 3.7), Vec3::ZERO));
+fn draft_slivers() -> SceneDraft {
+    let mut draft = SceneDraft::new(BACKGROUND, Camera::look_at(Vec3::new(0.0, 0.0, 3.7), Vec3::ZERO));
     let white = draft.plain("vertex colours", Vec3::ONE);
     let fan = draft.mesh(fan());
     let strip = draft.mesh(strip());

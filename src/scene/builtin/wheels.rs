@@ -8,7 +8,7 @@ use std::f32::consts::TAU;
 use glam::{Mat4, Vec2, Vec3};
 
 use super::Builtin;
-use super::draft::Draft;
+use super::draft::SceneDraft;
 use super::textures::srgb;
 use crate::scene::{Camera, MeshData};
 
@@ -32,8 +32,8 @@ const FRAMES: [u32; 2] = [4, 2];
 /// Distance between the centres of neighbours, world units; a wheel has radius 1.
 const SPACING: f32 = 2.3;
 
-fn draft() -> Draft {
-    let mut draft = Draft::new([30, 32, 36], Camera::look_at(Vec3::Z * 7.4, Vec3::ZERO));
+fn draft() -> SceneDraft {
+    let mut draft = SceneDraft::new([30, 32, 36], Camera::look_at(Vec3::Z * 7.4, Vec3::ZERO));
     let (rim, spokes, marked) = (draft.mesh(rim()), draft.mesh(spokes(1..SPOKES)), draft.mesh(spokes(0..1)));
     let wood = draft.plain("wood", srgb(0xD9_C2_9A));
     let paint = draft.plain("paint", srgb(0xE5_48_3B));

@@ -2,7 +2,7 @@
 
 use glam::{Mat4, Quat, Vec3};
 
-use super::draft::Draft;
+use super::draft::SceneDraft;
 use super::{shapes, textures};
 use crate::scene::{Camera, Scene};
 
@@ -23,7 +23,7 @@ fn upright() -> Quat {
 /// the nearest square number.
 pub(crate) fn sheet(triangles: usize) -> Scene {
     let cells = ((triangles as f64 / 2.0).sqrt().round() as u32).max(1);
-    let mut draft = Draft::new([30, 32, 36], camera());
+    let mut draft = SceneDraft::new([30, 32, 36], camera());
     let mesh = draft.mesh(shapes::grid(cells));
     let card = draft.textured("test card", textures::test_card(TEXTURE_PX));
     draft.place("sheet", mesh, card, Mat4::from_scale_rotation_translation(Vec3::splat(2.0), upright(), Vec3::ZERO));
@@ -37,7 +37,7 @@ pub(crate) fn layers(count: usize) -> Scene {
     const EDGE: f32 = 24.0;
     /// Distance from the farthest to the nearest square, world units.
     const DEPTH: f32 = 2.0;
-    let mut draft = Draft::new([30, 32, 36], camera());
+    let mut draft = SceneDraft::new([30, 32, 36], camera());
     let mesh = draft.mesh(shapes::grid(1));
     let card = draft.textured("test card", textures::test_card(TEXTURE_PX));
     for layer in 0..count {

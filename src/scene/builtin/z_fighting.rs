@@ -8,7 +8,7 @@
 use glam::{Mat4, Quat, Vec3};
 
 use super::Builtin;
-use super::draft::Draft;
+use super::draft::SceneDraft;
 use super::{shapes, textures};
 use crate::scene::{Camera, MaterialId, MeshId};
 use textures::srgb;
@@ -31,9 +31,9 @@ const DISTANCES: [f32; 3] = [10.0, 100.0, 1000.0];
 /// large.
 const PITCH: f32 = 0.2;
 
-fn draft() -> Draft {
+fn draft() -> SceneDraft {
     let home = Camera { near: 0.1, far: 1e5, ..Camera::look_at(Vec3::ZERO, Vec3::new(0.0, 0.0, -100.0)) };
-    let mut draft = Draft::new([30, 32, 36], home);
+    let mut draft = SceneDraft::new([30, 32, 36], home);
     let mesh = draft.mesh(shapes::grid(1));
     let back = draft.plain("back panel", srgb(0x2C_5F_8A));
     let front = draft.plain("front panel", srgb(0xF2_A6_3B));
@@ -49,7 +49,7 @@ fn draft() -> Draft {
 
 /// Adds two panels at `center` that lean away from the eye. The front panel is smaller, rotated in its plane and `gap`
 /// nearer.
-fn add_pair(draft: &mut Draft, mesh: MeshId, [back, front]: [MaterialId; 2], center: Vec3, gap: f32) {
+fn add_pair(draft: &mut SceneDraft, mesh: MeshId, [back, front]: [MaterialId; 2], center: Vec3, gap: f32) {
     let distance = -center.z;
     let lean = Quat::from_rotation_y(0.5) * Quat::from_rotation_x(1.2);
     let size = PITCH * distance;

@@ -19,7 +19,7 @@ const MAX_ENTRIES: usize = u32::MAX as usize;
 
 /// Lists of the file, in file order.
 #[derive(Debug, Default)]
-pub(super) struct Attributes {
+pub(super) struct AttributeLists {
     /// Positions (`v`), in file units.
     pub(super) positions: Vec<Vec3>,
     /// Vertex colours after the positions, in [0, 1]. Empty if no vertex has one; otherwise white for vertices without.
@@ -36,8 +36,8 @@ pub(super) fn read(
     text: &str,
     warnings: &mut Warnings,
     load: &mut Load<'_>,
-) -> Result<Attributes, SceneError> {
-    let mut lists = Attributes::default();
+) -> Result<AttributeLists, SceneError> {
+    let mut lists = AttributeLists::default();
     let mut statements = joined_lines(text);
     while let Some((line, statement)) = statements.next() {
         load.work(1, || statements.completed())?;
@@ -58,9 +58,9 @@ pub(super) fn read(
 }
 
 /// Result of a line: success, a warning, or an error.
-type Remark = Result<Option<&'static str>, String>;
+type LineOutcome = Result<Option<&'static str>, String>;
 
-impl Attributes {
+impl AttributeLists {
     /// Drops the lists and releases their memory.
     pub(super) fn free(self, load: &mut Load<'_>) {
         load.free(self.positions);
@@ -70,7 +70,7 @@ impl Attributes {
     }
 
     /// Reads `v x y z`, optionally followed by a weight, a colour, or a colour with alpha.
-    fn vertex<'a>(&mut self, words: impl Iterator<Item = &'a str>, load: &mut Load<'_>) -> Remark {
+    fn vertex<'a>(&mut self, words: impl Iterator<Item = &'a str>, load: &mut Load<'_>) -> LineOutcome {
         let words = Words::<7>::new(words);
         let count = words.count;
         if count < 3 {
@@ -104,7 +104,7 @@ impl Attributes {
     }
 
     /// Reads `vt u`, `vt u v` or `vt u v w`. A missing v is 0; w applies only to volume textures and is ignored.
-    fn uv<'a>(&mut self, words: impl Iterator<Item = &'a str>, load: &mut Load<'_>) -> Remark {
+    fn uv<'a>(&mut self, words: impl Iterator<Item = &'a str>, load: &mut Load<'_>) -> LineOutcome {
         let words = Words::<3>::new(words);
         if words.count == 0 || words.count > 3 {
             return Err(format!("a texture coordinate needs one to three numbers, this one has {}", words.count));
@@ -116,7 +116,7 @@ impl Attributes {
     }
 
     /// Reads `vn x y z`.
-    fn normal<'a>(&mut self, words: impl Iterator<Item = &'a str>, load: &mut Load<'_>) -> Remark {
+    fn normal<'a>(&mut self, words: impl Iterator<Item = &'a str>, load: &mut Load<'_>) -> LineOutcome {
         let words = Words::<3>::new(words);
         if words.count != 3 {
             return Err(format!("a normal needs three components, this one has {}", words.count));
@@ -196,8 +196,8 @@ pub(super) fn number(word: &str) -> Result<f32, String> {
 
 /// Returns a word of the file as messages show it: escaped, and shortened to at most 40 characters.
 pub(super) fn quoted(word: &str) -> String {
-    const LONGEST: usize = 40;
-    match word.char_indices().nth(LONGEST) {
+    const MAX_QUOTED_CHARS: usize = 40;
+    match word.char_indices().nth(MAX_QUOTED_CHARS) {
         Some((end, _)) => format!("{:?}…", &word[..end]),
         None => format!("{word:?}"),
     }
@@ -213,7 +213,7 @@ pub(super) mod tests {
         Load::new(path, LoadControl::quiet(MemoryLimit::default()))
     }
 
-    fn lists(text: &str) -> Attributes {
+    fn lists(text: &str) -> AttributeLists {
         let path = Path::new("a.obj");
         read(path, text, &mut Warnings::default(), &mut unlimited(path)).unwrap()
     }

@@ -26,7 +26,7 @@ pub(super) fn decode(mut bytes: Vec<u8>) -> Result<Decoded, String> {
     if let [0xFF, 0xFE, rest @ ..] = bytes.as_slice() {
         return Ok(Decoded { text: from_utf16(rest, u16::from_le_bytes), padded: false });
     }
-    if let Some(other) = something_else(&bytes) {
+    if let Some(other) = foreign_format(&bytes) {
         return Err(other.to_owned());
     }
     if bytes.starts_with(b"\xEF\xBB\xBF") {
@@ -59,7 +59,7 @@ fn is_binary(byte: u8) -> bool {
 
 /// Returns a message that names another file format, recognised by its first bytes; `None` for possible OBJ or MTL
 /// text.
-fn something_else(bytes: &[u8]) -> Option<&'static str> {
+fn foreign_format(bytes: &[u8]) -> Option<&'static str> {
     const KNOWN: [(&[u8], &str); 14] = [
         (b"\x89PNG", "this is a PNG image"),
         (b"\xFF\xD8\xFF", "this is a JPEG image"),

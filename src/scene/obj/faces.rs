@@ -10,9 +10,9 @@ use std::path::Path;
 
 use glam::Vec3;
 
-use super::attributes::{Attributes, quoted};
+use super::attributes::{AttributeLists, quoted};
 use super::decode::joined_lines;
-use super::polygon::{Crossing, Outcome, Triangulation, Triangulator};
+use super::polygon::{OutlineCrossing, Triangulation, TriangulationOutcome, Triangulator};
 use super::statements::{self, Format, Treatment};
 use super::warnings::Warnings;
 use crate::math::unit_or;
@@ -39,7 +39,7 @@ const CUTTING_BYTES: u64 = 256;
 
 /// Corner of a triangle: indices into the lists, from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) struct Corner {
+pub(super) struct FaceCorner {
     pub(super) position: u32,
     pub(super) uv: u32,
     pub(super) normal: u32,
@@ -47,7 +47,7 @@ pub(super) struct Corner {
 
 /// Triangles that become one mesh: one object, one material, and either all with texture coordinates or all without.
 #[derive(Debug)]
-pub(super) struct Part {
+pub(super) struct MeshPart {
     /// Name of the object or group; empty if the file has none.
     pub(super) name: String,
     /// Material name in the file; `None` before the first `usemtl`.
@@ -62,9 +62,9 @@ pub(super) struct Part {
 #[derive(Debug, Default)]
 pub(super) struct Faces {
     /// Triangles, in file order.
-    pub(super) triangles: Vec<[Corner; 3]>,
+    pub(super) triangles: Vec<[FaceCorner; 3]>,
     /// Parts, in order of first use; none is empty.
-    pub(super) parts: Vec<Part>,
+    pub(super) parts: Vec<MeshPart>,
     /// Text after each `mtllib`, and its line number.
     pub(super) libraries: Vec<(String, usize)>,
     /// Runs of equal smoothing, in ascending order of triangles; empty if the file has no `s`.
@@ -94,11 +94,11 @@ pub(super) enum Smoothing {
 pub(super) fn read(
     path: &Path,
     text: &str,
-    lists: &mut Attributes,
+    lists: &mut AttributeLists,
     warnings: &mut Warnings,
     load: &mut Load<'_>,
 ) -> Result<Faces, SceneError> {
-    let mut reader = Reader::new(lists, load);
+    let mut reader = FaceReader::new(lists, load);
     let mut statements = joined_lines(text);
     while let Some((line, statement)) = statements.next() {
         reader.load.work(1 + std::mem::take(&mut reader.cut_corners), || statements.completed())?;
@@ -108,16 +108,16 @@ pub(super) fn read(
             Err(reason) => return Err(SceneError::Line { path: path.to_owned(), line, reason }),
         }
     }
-    let Reader { corners, faces, load, .. } = reader;
+    let FaceReader { corners, faces, load, .. } = reader;
     load.free(corners);
     Ok(faces)
 }
 
 /// Result of a statement: success, a warning, or an error.
-type Remark = Result<Option<String>, String>;
+type StatementOutcome = Result<Option<String>, String>;
 
-struct Reader<'a, 'l> {
-    lists: &'a mut Attributes,
+struct FaceReader<'a, 'l> {
+    lists: &'a mut AttributeLists,
     load: &'a mut Load<'l>,
     /// Number of entries in the file's lists of `v`, `vt` and `vn`.
     totals: [usize; 3],
@@ -130,7 +130,7 @@ struct Reader<'a, 'l> {
     /// Indices of the parts of the current object and material, without and with texture coordinates.
     current: [Option<usize>; 2],
     known: HashMap<(String, Option<String>, bool), usize>,
-    corners: Vec<Corner>,
+    corners: Vec<FaceCorner>,
     outline: Vec<Vec3>,
     local: Triangulation,
     triangulator: Triangulator,
@@ -140,8 +140,8 @@ struct Reader<'a, 'l> {
     all_finite: bool,
 }
 
-impl<'a, 'l> Reader<'a, 'l> {
-    fn new(lists: &'a mut Attributes, load: &'a mut Load<'l>) -> Self {
+impl<'a, 'l> FaceReader<'a, 'l> {
+    fn new(lists: &'a mut AttributeLists, load: &'a mut Load<'l>) -> Self {
         Self {
             totals: [lists.positions.len(), lists.uvs.len(), lists.normals.len()],
             all_finite: lists.positions.iter().all(|position| position.is_finite()),
@@ -162,7 +162,7 @@ impl<'a, 'l> Reader<'a, 'l> {
         }
     }
 
-    fn statement(&mut self, line: usize, statement: &str) -> Remark {
+    fn statement(&mut self, line: usize, statement: &str) -> StatementOutcome {
         let (keyword, rest) = statement.split_once(char::is_whitespace).unwrap_or((statement, ""));
         match keyword {
             "v" => self.seen[0] += 1,
@@ -187,7 +187,7 @@ impl<'a, 'l> Reader<'a, 'l> {
     }
 
     /// Handles a comment, a statement in another case, or one that is not rendered.
-    fn other_statement(&mut self, line: usize, keyword: &str, rest: &str) -> Remark {
+    fn other_statement(&mut self, line: usize, keyword: &str, rest: &str) -> StatementOutcome {
         match statements::find(Format::Obj, keyword) {
             Some(known) if known.treatment == Treatment::Warned => Ok(Some(known.not_rendered())),
             // Comments without a space after `#` can also match keywords.
@@ -214,7 +214,7 @@ impl<'a, 'l> Reader<'a, 'l> {
         group.is_err().then(|| format!("smoothing group {} is not a number; treated as `off`", quoted(word)))
     }
 
-    fn face(&mut self, rest: &str) -> Remark {
+    fn face(&mut self, rest: &str) -> StatementOutcome {
         self.corners.clear();
         for word in rest.split_whitespace().take_while(|word| !word.starts_with('#')) {
             let corner = self.corner(word)?;
@@ -236,16 +236,18 @@ impl<'a, 'l> Reader<'a, 'l> {
         }
         Ok(match outcome {
             _ if is_broken => Some("face with a corner that is not finite; not drawn".to_owned()),
-            Outcome::NoArea => Some("face without area; skipped".to_owned()),
-            Outcome::Crossing => Some("face that crosses itself; drawn by its winding numbers".to_owned()),
-            Outcome::NotFlat => {
+            TriangulationOutcome::NoArea => Some("face without area; skipped".to_owned()),
+            TriangulationOutcome::Crossing => Some("face that crosses itself; drawn by its winding numbers".to_owned()),
+            TriangulationOutcome::NotFlat => {
                 Some("face that is not flat and crosses itself in its plane; drawn as a fan".to_owned())
             }
-            Outcome::TooManyCrossings => Some("face that crosses itself too often; drawn as a fan".to_owned()),
-            Outcome::Whole if with_uv > 0 && !has_uvs => {
+            TriangulationOutcome::TooManyCrossings => {
+                Some("face that crosses itself too often; drawn as a fan".to_owned())
+            }
+            TriangulationOutcome::Whole if with_uv > 0 && !has_uvs => {
                 Some("face with texture coordinates at some corners only; drawn without them".to_owned())
             }
-            Outcome::Whole => None,
+            TriangulationOutcome::Whole => None,
         })
     }
 
@@ -254,13 +256,13 @@ impl<'a, 'l> Reader<'a, 'l> {
     }
 
     /// Triangulates a face that has no plane as a fan.
-    fn fan(&mut self) -> Outcome {
+    fn fan(&mut self) -> TriangulationOutcome {
         self.local = Triangulation::default();
         self.local.triangles.extend((2..self.corners.len() as u32).map(|corner| [0, corner - 1, corner]));
-        Outcome::Whole
+        TriangulationOutcome::Whole
     }
 
-    fn triangulate(&mut self) -> Result<Outcome, String> {
+    fn triangulate(&mut self) -> Result<TriangulationOutcome, String> {
         let bytes = CUTTING_BYTES * self.corners.len() as u64;
         self.load.charge(bytes)?;
         self.outline.clear();
@@ -268,7 +270,7 @@ impl<'a, 'l> Reader<'a, 'l> {
         let load = &*self.load;
         let outcome = self.triangulator.triangulate(&self.outline, &mut self.local, &|| load.is_cancelled());
         self.load.release(bytes);
-        let crosses = matches!(outcome, Outcome::Crossing | Outcome::TooManyCrossings);
+        let crosses = matches!(outcome, TriangulationOutcome::Crossing | TriangulationOutcome::TooManyCrossings);
         self.cut_corners = self.corners.len() * if crosses { WORK_OF_CROSSING } else { 1 };
         Ok(outcome)
     }
@@ -276,7 +278,7 @@ impl<'a, 'l> Reader<'a, 'l> {
     /// Appends the self-intersection points of the current face to its corners.
     fn add_crossings(&mut self) -> Result<(), String> {
         let count = self.corners.len();
-        for Crossing { edge, place } in std::mem::take(&mut self.local.crossings) {
+        for OutlineCrossing { edge, place } in std::mem::take(&mut self.local.crossings) {
             let ends = [self.corners[edge as usize], self.corners[(edge as usize + 1) % count]];
             let corner = self.between(ends, place)?;
             self.load.push(&mut self.corners, corner)?;
@@ -285,7 +287,7 @@ impl<'a, 'l> Reader<'a, 'l> {
     }
 
     /// Creates a corner between two others, linearly interpolated; `place` runs from 0 at the first to 1 at the second.
-    fn between(&mut self, [a, b]: [Corner; 2], place: f64) -> Result<Corner, String> {
+    fn between(&mut self, [a, b]: [FaceCorner; 2], place: f64) -> Result<FaceCorner, String> {
         let number = |list_length: usize| {
             u32::try_from(list_length).ok().filter(|n| *n != NONE).ok_or("more vertices than 32-bit indices")
         };
@@ -308,7 +310,7 @@ impl<'a, 'l> Reader<'a, 'l> {
             let [from, to] = [a, b].map(|corner| lists.normals[corner.normal as usize]);
             load.push(&mut lists.normals, unit_or(from.as_dvec3().lerp(to.as_dvec3(), place), from))?;
         }
-        Ok(Corner { position, uv, normal })
+        Ok(FaceCorner { position, uv, normal })
     }
 
     /// Appends the triangles of the current face to its part.
@@ -341,14 +343,14 @@ impl<'a, 'l> Reader<'a, 'l> {
             let names = self.name.len() + self.material.as_ref().map_or(0, String::len);
             self.load.charge(PART_BYTES + NAME_COPIES * names as u64)?;
             let (name, material) = (self.name.clone(), self.material.clone());
-            self.faces.parts.push(Part { name, material, material_line: self.material_line, runs: Vec::new() });
+            self.faces.parts.push(MeshPart { name, material, material_line: self.material_line, runs: Vec::new() });
         }
         self.current[usize::from(has_uvs)] = Some(part);
         Ok(part)
     }
 
     /// Parses a corner: `v`, `v/vt`, `v//vn` or `v/vt/vn`.
-    fn corner(&self, word: &str) -> Result<Corner, String> {
+    fn corner(&self, word: &str) -> Result<FaceCorner, String> {
         let totals = self.totals;
         if word.bytes().filter(|b| *b == b'/').count() > 2 {
             return Err(format!("corner {} has more than three parts", quoted(word)));
@@ -358,12 +360,12 @@ impl<'a, 'l> Reader<'a, 'l> {
             // Some exporters number normals that they do not write. Computed normals replace them.
             let is_nowhere = which > 0 && totals[which] == 0;
             if which == 0 || !(index.is_empty() || is_nowhere) {
-                places[which] = place(index, KINDS[which], totals[which], self.seen[which])?;
+                places[which] = list_index(index, KINDS[which], totals[which], self.seen[which])?;
             }
         }
         let [position, uv, normal] = places;
         let has_length = normal != NONE && self.lists.normals[normal as usize] != Vec3::ZERO;
-        Ok(Corner { position, uv, normal: if has_length { normal } else { NONE } })
+        Ok(FaceCorner { position, uv, normal: if has_length { normal } else { NONE } })
     }
 }
 
@@ -371,7 +373,7 @@ const KINDS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
 
 /// Converts an index to a list position from 0. Positive indices start at 1; negative ones count back from the last of
 /// `seen` entries.
-fn place(index: &str, kind: &str, total: usize, seen: usize) -> Result<u32, String> {
+fn list_index(index: &str, kind: &str, total: usize, seen: usize) -> Result<u32, String> {
     let digits = index.strip_prefix(['-', '+']).unwrap_or(index);
     if digits.is_empty() || !digits.bytes().all(|b| b.is_ascii_digit()) {
         return Err(format!("{} is not the index of a {kind}", quoted(index)));

@@ -9,7 +9,7 @@ use unicode_normalization::UnicodeNormalization as _;
 
 /// Difference between the name of a file on disk and the requested name. Ordered by severity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Difference {
+pub(super) enum NameDifference {
     /// The names are equal.
     None,
     /// The names differ only in their Unicode normal form.
@@ -19,21 +19,21 @@ pub(super) enum Difference {
 }
 
 /// Returns the existing path that matches `path`, and the difference of its name; `None` if there is none.
-pub(super) fn existing(path: &Path) -> Option<(PathBuf, Difference)> {
+pub(super) fn existing(path: &Path) -> Option<(PathBuf, NameDifference)> {
     if path.exists() {
-        return Some((path.to_owned(), Difference::None));
+        return Some((path.to_owned(), NameDifference::None));
     }
     let (Some(folder), Some(name)) = (path.parent(), path.file_name()?.to_str()) else { return None };
     let (folder, outer) =
-        if folder == Path::new("") { (PathBuf::from("."), Difference::None) } else { existing(folder)? };
+        if folder == Path::new("") { (PathBuf::from("."), NameDifference::None) } else { existing(folder)? };
     let composed: String = name.nfc().collect();
     let folded = composed.to_lowercase();
     let alike = |found: &str| {
         let found: String = found.nfc().collect();
         if found == composed {
-            Some(Difference::NormalForm)
+            Some(NameDifference::NormalForm)
         } else {
-            (found.to_lowercase() == folded).then_some(Difference::Case)
+            (found.to_lowercase() == folded).then_some(NameDifference::Case)
         }
     };
     let names = std::fs::read_dir(&folder).ok()?.flatten().filter_map(|entry| entry.file_name().into_string().ok());
@@ -55,8 +55,8 @@ mod tests {
         std::fs::write(sub.join("Ångström.PNG"), "").unwrap();
         let find = |name: &str| existing(&folder.path().join(name));
         let found = sub.join("Ångström.PNG");
-        assert_eq!(find("Bücher/Ångström.PNG"), Some((found.clone(), Difference::NormalForm)));
-        assert_eq!(find("bücher/ångström.png"), Some((found, Difference::Case)));
+        assert_eq!(find("Bücher/Ångström.PNG"), Some((found.clone(), NameDifference::NormalForm)));
+        assert_eq!(find("bücher/ångström.png"), Some((found, NameDifference::Case)));
         assert_eq!(find("Bucher/Angstrom.png"), None);
     }
 }

@@ -9,8 +9,8 @@ use std::path::{Component, Path, PathBuf};
 
 use super::attributes::quoted;
 use super::decode::decode;
-use super::faces::{Faces, Part};
-use super::file_names::{self, Difference};
+use super::faces::{Faces, MeshPart};
+use super::file_names::{self, NameDifference};
 use super::mtl::{self, Description, Descriptions};
 use super::opacity::{self, TrMeaning};
 use super::warnings::Warnings;
@@ -39,7 +39,7 @@ pub(super) fn read(model: &Path, named: &[(String, usize)], warnings: &mut Warni
             match open(model, name) {
                 Ok(Opened { path, .. }) if done.contains(&path) => {}
                 Ok(Opened { path, text, difference }) => {
-                    if difference == Difference::Case {
+                    if difference == NameDifference::Case {
                         let found = quoted(&path.file_name().unwrap_or_default().to_string_lossy());
                         let text =
                             format!("material library {} is read from {found}: the names differ in case", quoted(name));
@@ -61,7 +61,7 @@ pub(super) fn read(model: &Path, named: &[(String, usize)], warnings: &mut Warni
 impl Libraries {
     /// Returns whether `Tr` means opacity in a model of these parts. The materials in use count only if every part has
     /// one.
-    pub(super) fn tr_is_opacity(&self, meaning: TrMeaning, parts: &[Part], warnings: &mut Warnings) -> bool {
+    pub(super) fn tr_is_opacity(&self, meaning: TrMeaning, parts: &[MeshPart], warnings: &mut Warnings) -> bool {
         let names = parts.iter().filter_map(|part| part.material.as_ref());
         let used: Vec<&Description> = names.filter_map(|name| self.descriptions.get(name)).collect();
         let has_plain = parts.iter().any(|part| part.material.is_none());
@@ -92,7 +92,7 @@ struct Opened {
     path: PathBuf,
     text: String,
     /// Difference between the name on disk and the name in the model.
-    difference: Difference,
+    difference: NameDifference,
 }
 
 /// Returns the file names in the text after one `mtllib`.
@@ -106,7 +106,7 @@ fn split<'a>(model: &Path, names: &'a str) -> Vec<&'a str> {
 /// Reads the library `name` of `model`. Errors: a path outside the model's folder, or an unreadable file.
 fn open(model: &Path, name: &str) -> Result<Opened, String> {
     let written = locate(model, name)?;
-    let (path, difference) = file_names::existing(&written).unwrap_or((written, Difference::None));
+    let (path, difference) = file_names::existing(&written).unwrap_or((written, NameDifference::None));
     let real = path.canonicalize().map_err(|e| e.to_string())?;
     let folder = folder_of(model).canonicalize().map_err(|e| e.to_string())?;
     if !real.starts_with(folder) {

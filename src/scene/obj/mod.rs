@@ -22,7 +22,7 @@ mod mtl;
 mod normals;
 mod opacity;
 mod polygon;
-pub(crate) mod statements;
+pub mod statements;
 mod textures;
 mod vertices;
 mod warnings;
@@ -33,9 +33,9 @@ use std::path::Path;
 use glam::{Mat4, Vec2, Vec3};
 
 use self::attributes::quoted;
-use self::faces::{Corner, Faces, Part};
+use self::faces::{FaceCorner, Faces, MeshPart};
 use self::libraries::Libraries;
-use self::mtl::{Description, Options, Picture};
+use self::mtl::{Description, PictureReference, TextureOptions};
 pub use self::opacity::TrMeaning;
 use self::textures::{Reading, Textures, Use, repeats_alpha};
 use self::vertices::Stopped;
@@ -66,7 +66,7 @@ pub struct Loaded {
     /// Warnings in order of first occurrence; repetitions are counted instead of listed.
     pub warnings: Vec<Warning>,
     /// Assumptions about properties that the file does not specify; they do not indicate a fault.
-    pub(crate) notes: Vec<Warning>,
+    pub notes: Vec<Warning>,
 }
 
 /// Loads a model with its materials and textures.
@@ -89,8 +89,9 @@ pub fn load_with(path: &Path, tr: TrMeaning, control: LoadControl<'_>) -> Result
     load.begin(share_of_faces);
     let mut faces = faces::read(path, &text, &mut lists, &mut warnings, &mut load)?;
     load.free(text.into_bytes());
-    let is_drawable =
-        |triangle: &[Corner; 3]| triangle.iter().all(|corner| lists.positions[corner.position as usize].is_finite());
+    let is_drawable = |triangle: &[FaceCorner; 3]| {
+        triangle.iter().all(|corner| lists.positions[corner.position as usize].is_finite())
+    };
     if !faces.triangles.iter().any(is_drawable) {
         return Err(nothing_to_draw(path, &warnings));
     }
@@ -233,7 +234,13 @@ enum Name<'a> {
 
 impl<'a> Materials<'a> {
     /// Returns the material of a part, creating it at its first use.
-    fn of(&mut self, part: &'a Part, has_colors: bool, library: &mut Library, warnings: &mut Warnings) -> MaterialId {
+    fn of(
+        &mut self,
+        part: &'a MeshPart,
+        has_colors: bool,
+        library: &mut Library,
+        warnings: &mut Warnings,
+    ) -> MaterialId {
         let name = match &part.material {
             Some(name) if self.libraries.descriptions.contains_key(name) => Name::Described(name),
             _ if has_colors => Name::DefaultUnderVertexColors,
@@ -266,7 +273,7 @@ impl<'a> Materials<'a> {
         let description = &self.libraries.descriptions[name];
         description.warn_if_invisible(self.tr_is_opacity, self.path, warnings);
         let mut reading = Reading { model: self.path, library, warnings };
-        let mut read = |picture: &Option<Picture>, purpose: Use, reading: &mut Reading<'_>| {
+        let mut read = |picture: &Option<PictureReference>, purpose: Use, reading: &mut Reading<'_>| {
             picture.as_ref().and_then(|picture| self.textures.get(picture, purpose, reading))
         };
         let picture = description.picture.as_ref();
@@ -309,12 +316,12 @@ impl<'a> Materials<'a> {
 
 impl Description {
     /// Returns the options that place the textures, taken from the first texture. Warns if others differ.
-    fn placement(&self, warnings: &mut Warnings) -> Options {
+    fn placement(&self, warnings: &mut Warnings) -> TextureOptions {
         let all =
             [&self.picture, &self.alpha_picture, &self.emission_picture, &self.normal_picture, &self.bump_picture];
         let mut pictures = all.into_iter().flatten();
-        let Some(first) = pictures.next() else { return Options::default() };
-        for other in pictures.filter(|other| !other.options.place_alike(&first.options)) {
+        let Some(first) = pictures.next() else { return TextureOptions::default() };
+        for other in pictures.filter(|other| !other.options.same_placement(&first.options)) {
             let text = "`-o`, `-s` and `-clamp` differ from those of the material's first texture, which are used";
             warnings.add(&other.library, Some(other.line), text);
         }

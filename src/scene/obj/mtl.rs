@@ -20,9 +20,9 @@ pub(super) struct Description {
     /// Diffuse colour (`Kd`) in [0, 1], if given.
     pub(super) diffuse: Option<Vec3>,
     /// Opacity (`d`) in [0, 1], if given.
-    pub(super) dissolve: Option<At<f32>>,
+    pub(super) dissolve: Option<Located<f32>>,
     /// Transparency or opacity (`Tr`) in [0, 1], if given.
-    pub(super) tr: Option<At<f32>>,
+    pub(super) tr: Option<Located<f32>>,
     /// Emitted colour (`Ke`) in [0, 1], if given.
     pub(super) emission: Option<Vec3>,
     /// Specular colour (`Ks`) in [0, 1], if given.
@@ -30,20 +30,20 @@ pub(super) struct Description {
     /// Specular exponent (`Ns`), at least 0, if given.
     pub(super) shininess: Option<f32>,
     /// Colour texture (`map_Kd`), if given.
-    pub(super) picture: Option<Picture>,
+    pub(super) picture: Option<PictureReference>,
     /// Emission texture (`map_Ke`), if given.
-    pub(super) emission_picture: Option<Picture>,
+    pub(super) emission_picture: Option<PictureReference>,
     /// Opacity texture (`map_d`), if given.
-    pub(super) alpha_picture: Option<Picture>,
+    pub(super) alpha_picture: Option<PictureReference>,
     /// Normal map (`norm`), if given.
-    pub(super) normal_picture: Option<Picture>,
+    pub(super) normal_picture: Option<PictureReference>,
     /// Height map or normal map (`map_Bump` or `bump`), if given.
-    pub(super) bump_picture: Option<Picture>,
+    pub(super) bump_picture: Option<PictureReference>,
 }
 
 /// Value with the library and line that define it.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct At<T> {
+pub(super) struct Located<T> {
     pub(super) value: T,
     pub(super) library: PathBuf,
     pub(super) line: usize,
@@ -51,19 +51,19 @@ pub(super) struct At<T> {
 
 /// Reference to a picture file.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Picture {
+pub(super) struct PictureReference {
     /// File name as written, with `/` between folders.
     pub(super) name: String,
     /// Path of the library that names the picture.
     pub(super) library: PathBuf,
     /// Line number in the library.
     pub(super) line: usize,
-    pub(super) options: Options,
+    pub(super) options: TextureOptions,
 }
 
 /// Rendered options of a texture statement.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Options {
+pub(super) struct TextureOptions {
     /// Scale of u and v (`-s`).
     pub(super) scale: Vec2,
     /// Offset of u and v, with v up (`-o`).
@@ -73,25 +73,25 @@ pub(super) struct Options {
     /// Bump factor (`-bm`).
     pub(super) bump: f32,
     /// Channel of the picture (`-imfchan`), if given.
-    pub(super) channel: Option<Channel>,
+    pub(super) channel: Option<PictureChannel>,
 }
 
-impl Default for Options {
+impl Default for TextureOptions {
     fn default() -> Self {
         Self { scale: Vec2::ONE, offset: Vec2::ZERO, clamp: false, bump: 1.0, channel: None }
     }
 }
 
-impl Options {
+impl TextureOptions {
     /// Whether both options place the texture identically.
-    pub(super) fn place_alike(&self, other: &Self) -> bool {
+    pub(super) fn same_placement(&self, other: &Self) -> bool {
         (self.scale, self.offset, self.clamp) == (other.scale, other.offset, other.clamp)
     }
 }
 
 /// Channel of a picture that provides one number per texel (`-imfchan`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Channel {
+pub(super) enum PictureChannel {
     Red,
     Green,
     Blue,
@@ -109,7 +109,7 @@ const MESHLAB: &str = "meshlab";
 /// Adds the materials of one library's `text` to `known`. If a name repeats, the last description wins. Returns whether
 /// a comment identifies MeshLab as the exporter.
 pub(super) fn read(library: &Path, text: &str, known: &mut Descriptions, warnings: &mut Warnings) -> bool {
-    let mut reader = Reader { library, warnings, material: None };
+    let mut reader = MtlReader { library, warnings, material: None };
     let mut is_meshlab = false;
     for (line, statement) in lines(text) {
         let statement = statement.trim();
@@ -129,14 +129,14 @@ pub(super) fn read(library: &Path, text: &str, known: &mut Descriptions, warning
     is_meshlab
 }
 
-struct Reader<'a> {
+struct MtlReader<'a> {
     library: &'a Path,
     warnings: &'a mut Warnings,
     /// Material that the statements belong to, with its name.
     material: Option<(String, Description)>,
 }
 
-impl Reader<'_> {
+impl MtlReader<'_> {
     fn warn(&mut self, line: usize, remark: impl Into<String>) {
         self.warnings.add(self.library, Some(line), remark);
     }
@@ -208,7 +208,7 @@ impl Reader<'_> {
         Some(value.max(0.0))
     }
 
-    fn opacity(&mut self, line: usize, keyword: &str, rest: &str) -> Option<At<f32>> {
+    fn opacity(&mut self, line: usize, keyword: &str, rest: &str) -> Option<Located<f32>> {
         let rest = match rest.trim().strip_prefix("-halo") {
             Some(rest) => {
                 self.option_not_rendered(line, "-halo");
@@ -217,7 +217,7 @@ impl Reader<'_> {
             None => rest,
         };
         let [value] = self.shares(line, keyword, rest)?;
-        Some(At { value, library: self.library.to_owned(), line })
+        Some(Located { value, library: self.library.to_owned(), line })
     }
 
     fn option_not_rendered(&mut self, line: usize, option: &str) {
@@ -227,12 +227,12 @@ impl Reader<'_> {
     }
 
     /// Parses the picture of a texture statement: options before or after the file name, with `/` between folders.
-    fn picture(&mut self, line: usize, keyword: &str, rest: &str) -> Option<Picture> {
-        let mut options = Options::default();
+    fn picture(&mut self, line: usize, keyword: &str, rest: &str) -> Option<PictureReference> {
+        let mut options = TextureOptions::default();
         let mut name = Vec::new();
         let mut words = rest.split_whitespace().peekable();
         while let Some(word) = words.next() {
-            let option = word.starts_with('-').then(|| most_values(word)).flatten();
+            let option = word.starts_with('-').then(|| max_values(word)).flatten();
             let Some((option, most)) = option else {
                 name.push(word);
                 continue;
@@ -253,10 +253,10 @@ impl Reader<'_> {
             self.warn(line, format!("`{keyword}` without a file name; ignored"));
             return None;
         }
-        Some(Picture { name, library: self.library.to_owned(), line, options })
+        Some(PictureReference { name, library: self.library.to_owned(), line, options })
     }
 
-    fn option(&mut self, line: usize, keyword: &str, option: &str, values: &[&str], options: &mut Options) {
+    fn option(&mut self, line: usize, keyword: &str, option: &str, values: &[&str], options: &mut TextureOptions) {
         let numbers: Result<Vec<f32>, String> = values.iter().map(|value| number(value)).collect();
         let at = |i: usize, missing: f32| match &numbers {
             Ok(numbers) => Ok(numbers.get(i).copied().unwrap_or(missing)),
@@ -294,19 +294,19 @@ fn switch(value: &str) -> Result<bool, String> {
     }
 }
 
-fn channel(name: &str) -> Option<Channel> {
+fn channel(name: &str) -> Option<PictureChannel> {
     Some(match name.to_ascii_lowercase().as_str() {
-        "r" => Channel::Red,
-        "g" => Channel::Green,
-        "b" => Channel::Blue,
-        "m" => Channel::Matte,
-        "l" => Channel::Luminance,
+        "r" => PictureChannel::Red,
+        "g" => PictureChannel::Green,
+        "b" => PictureChannel::Blue,
+        "m" => PictureChannel::Matte,
+        "l" => PictureChannel::Luminance,
         _ => return None,
     })
 }
 
 /// Returns the usual spelling of a texture option and the maximum number of its values.
-fn most_values(word: &str) -> Option<(&'static str, usize)> {
+fn max_values(word: &str) -> Option<(&'static str, usize)> {
     let option = statements::find(Format::Option, word)?.keyword;
     let most = match option {
         "-o" | "-s" | "-t" => 3,
@@ -357,7 +357,7 @@ mod tests {
         assert_eq!(picture.name, "my file.png");
         assert_eq!(picture.options.offset, Vec2::new(0.5, 0.0));
         assert_eq!((picture.options.scale, picture.options.clamp), (Vec2::new(2.0, 3.0), true));
-        assert_eq!(known["m"].alpha_picture.clone().unwrap().options.channel, Some(Channel::Green));
+        assert_eq!(known["m"].alpha_picture.clone().unwrap().options.channel, Some(PictureChannel::Green));
         assert_eq!(known["m"].bump_picture.clone().unwrap().options.bump, 2.0);
         assert!(warnings.is_empty(), "{warnings:?}");
     }

@@ -14,8 +14,8 @@ use std::collections::HashMap;
 
 use glam::{DVec3, Vec3};
 
-use super::attributes::Attributes;
-use super::faces::{Corner, Faces, NONE, Smoothing};
+use super::attributes::AttributeLists;
+use super::faces::{FaceCorner, Faces, NONE, Smoothing};
 use super::vertices::Stopped;
 use crate::math::unit_or;
 use crate::scene::load::{Load, bytes_of};
@@ -37,8 +37,8 @@ const CROWD_DEGREES: f64 = 15.0;
 ///
 /// # Errors
 /// Returns an error if the load is cancelled or memory does not suffice.
-pub(super) fn fill(lists: &mut Attributes, faces: &mut Faces, load: &mut Load<'_>) -> Result<bool, Stopped> {
-    let Attributes { positions, normals, .. } = lists;
+pub(super) fn fill(lists: &mut AttributeLists, faces: &mut Faces, load: &mut Load<'_>) -> Result<bool, Stopped> {
+    let AttributeLists { positions, normals, .. } = lists;
     let Faces { triangles, smoothing, .. } = faces;
     if triangles.as_flattened().iter().all(|corner| corner.normal != NONE) {
         return Ok(false);
@@ -70,9 +70,9 @@ pub(super) fn fill(lists: &mut Attributes, faces: &mut Faces, load: &mut Load<'_
             let weight = angle(positions, &triangles[triangle], k);
             Face { unit: faces[triangle].as_dvec3(), weight, smoothing: smoothing_of(triangle) }
         });
-        let (directions, membership) = gather(weighted, corners.len());
+        let (directions, membership) = merge_directions(weighted, corners.len());
         let first = normals.len();
-        let mut number = |direction: &Direction| match direction.smoothing {
+        let mut number = |direction: &MergedNormal| match direction.smoothing {
             Smoothing::Crease => number_of(direction.smooth(&directions), first, normals),
             Smoothing::Off | Smoothing::Group(_) => {
                 normals.push(unit_or(direction.weighted, direction.unit.as_vec3()));
@@ -95,7 +95,7 @@ pub(super) fn fill(lists: &mut Attributes, faces: &mut Faces, load: &mut Load<'_
 
 /// Assigns the face normal to all corners without a normal in the triangles for which `chosen` returns `true`.
 /// Consecutive triangles of one polygon share a normal.
-fn flat(faces: &[Vec3], triangles: &mut [[Corner; 3]], normals: &mut Vec<Vec3>, chosen: impl Fn(usize) -> bool) {
+fn flat(faces: &[Vec3], triangles: &mut [[FaceCorner; 3]], normals: &mut Vec<Vec3>, chosen: impl Fn(usize) -> bool) {
     for (place, triangle) in triangles.iter_mut().enumerate().filter(|(place, _)| chosen(*place)) {
         for corner in triangle.iter_mut().filter(|corner| corner.normal == NONE) {
             if normals.last() != Some(&faces[place]) {
@@ -106,14 +106,14 @@ fn flat(faces: &[Vec3], triangles: &mut [[Corner; 3]], normals: &mut Vec<Vec3>, 
     }
 }
 
-fn face_normal(positions: &[Vec3], triangle: &[Corner; 3]) -> Vec3 {
+fn face_normal(positions: &[Vec3], triangle: &[FaceCorner; 3]) -> Vec3 {
     let [a, b, c] = triangle.map(|corner| positions[corner.position as usize].as_dvec3());
     let normal = (b - a).cross(c - a);
     if normal.is_finite() { unit_or(normal, Vec3::Z) } else { Vec3::Z }
 }
 
 /// Returns the angle of the triangle at its corner `k`, radians.
-fn angle(positions: &[Vec3], triangle: &[Corner; 3], k: usize) -> f64 {
+fn angle(positions: &[Vec3], triangle: &[FaceCorner; 3], k: usize) -> f64 {
     let at = |i: usize| positions[triangle[i % 3].position as usize].as_dvec3();
     let angle = (at(k + 1) - at(k)).angle_between(at(k + 2) - at(k));
     // A triangle with a non-finite corner has no weight.
@@ -140,7 +140,7 @@ struct Face {
 }
 
 /// Merged faces around one vertex: of (nearly) equal direction, or of one smoothing group.
-struct Direction {
+struct MergedNormal {
     unit: DVec3,
     smoothing: Smoothing,
     /// Sum of the faces' unit normals, each weighted by its angle at the vertex in radians.
@@ -151,12 +151,12 @@ struct Direction {
 const FLAT: f64 = 1e-6;
 
 /// Returns whether the crease angle decides about an edge between these directions.
-fn has_crease(directions: &[Direction]) -> bool {
+fn has_crease(directions: &[MergedNormal]) -> bool {
     let mut creased = directions.iter().filter(|direction| direction.smoothing == Smoothing::Crease);
     creased.next().is_some_and(|first| creased.any(|other| other.unit.dot(first.unit) < 1.0 - FLAT))
 }
 
-impl Direction {
+impl MergedNormal {
     /// Returns the unit mean over all directions within the crease angle of this one.
     fn smooth(&self, all: &[Self]) -> Vec3 {
         let limit = CREASE_DEGREES.to_radians().cos();
@@ -167,9 +167,9 @@ impl Direction {
 }
 
 /// Merges `count` faces into directions. Also returns, for each face, the index of its direction.
-fn gather(faces: impl Iterator<Item = Face>, count: usize) -> (Vec<Direction>, Vec<usize>) {
+fn merge_directions(faces: impl Iterator<Item = Face>, count: usize) -> (Vec<MergedNormal>, Vec<usize>) {
     let limit = if count > CROWD { CROWD_DEGREES.to_radians().cos() } else { f64::INFINITY };
-    let mut directions: Vec<Direction> = Vec::new();
+    let mut directions: Vec<MergedNormal> = Vec::new();
     let mut groups: HashMap<i64, usize> = HashMap::new();
     let membership = faces
         .map(|Face { unit, weight, smoothing }| {
@@ -188,7 +188,7 @@ fn gather(faces: impl Iterator<Item = Face>, count: usize) -> (Vec<Direction>, V
             match directions.get_mut(place) {
                 Some(direction) => direction.weighted += unit * weight,
                 None => {
-                    directions.push(Direction { unit, smoothing, weighted: unit * weight });
+                    directions.push(MergedNormal { unit, smoothing, weighted: unit * weight });
                     if let Smoothing::Group(group) = smoothing {
                         groups.insert(group, place);
                     }
@@ -207,7 +207,7 @@ struct Incidence {
 }
 
 impl Incidence {
-    fn new(vertices: usize, corners: &[Corner]) -> Self {
+    fn new(vertices: usize, corners: &[FaceCorner]) -> Self {
         let mut ends = vec![0_u32; vertices + 1];
         for corner in corners {
             ends[corner.position as usize] += 1;
@@ -242,15 +242,19 @@ mod tests {
     use super::super::faces::SmoothingRun;
     use super::*;
 
-    fn filled(positions: &[Vec3], triangles: &[[u32; 3]]) -> (Vec<[Corner; 3]>, Vec<Vec3>) {
+    fn filled(positions: &[Vec3], triangles: &[[u32; 3]]) -> (Vec<[FaceCorner; 3]>, Vec<Vec3>) {
         smoothed(positions, triangles, &[])
     }
 
     /// Computes normals with the given smoothing of each triangle; without any, the crease angle decides.
-    fn smoothed(positions: &[Vec3], triangles: &[[u32; 3]], smoothing: &[Smoothing]) -> (Vec<[Corner; 3]>, Vec<Vec3>) {
-        let corner = |position| Corner { position, uv: NONE, normal: NONE };
+    fn smoothed(
+        positions: &[Vec3],
+        triangles: &[[u32; 3]],
+        smoothing: &[Smoothing],
+    ) -> (Vec<[FaceCorner; 3]>, Vec<Vec3>) {
+        let corner = |position| FaceCorner { position, uv: NONE, normal: NONE };
         let runs = smoothing.iter().enumerate().map(|(first, smoothing)| SmoothingRun { first, smoothing: *smoothing });
-        let mut lists = Attributes { positions: positions.to_vec(), ..Attributes::default() };
+        let mut lists = AttributeLists { positions: positions.to_vec(), ..AttributeLists::default() };
         let mut faces = Faces {
             triangles: triangles.iter().map(|t| t.map(corner)).collect(),
             smoothing: runs.collect(),
@@ -262,7 +266,7 @@ mod tests {
 
     /// Returns the corners and normals of two squares that share the edge x = 0, the second raised by `degrees` around
     /// it.
-    fn hinge(degrees: f32) -> (Vec<[Corner; 3]>, Vec<Vec3>) {
+    fn hinge(degrees: f32) -> (Vec<[FaceCorner; 3]>, Vec<Vec3>) {
         let (rise, run) = degrees.to_radians().sin_cos();
         let xz = [[-1.0, 0.0], [0.0, 0.0], [run, rise]];
         let positions: Vec<_> = xz.iter().flat_map(|[x, z]| [0.0, 1.0].map(|y| Vec3::new(*x, y, *z))).collect();
@@ -271,8 +275,8 @@ mod tests {
 
     #[test]
     fn a_gentle_bend_is_smooth_and_a_sharp_one_keeps_its_edge() {
-        let at_the_edge = |(triangles, normals): (Vec<[Corner; 3]>, Vec<Vec3>)| {
-            let of = |c: Corner| normals[c.normal as usize];
+        let at_the_edge = |(triangles, normals): (Vec<[FaceCorner; 3]>, Vec<Vec3>)| {
+            let of = |c: FaceCorner| normals[c.normal as usize];
             (of(triangles[0][1]), of(triangles[2][0]))
         };
         let (left, right) = at_the_edge(hinge(30.0));
@@ -290,11 +294,11 @@ mod tests {
     #[test]
     fn given_normals_are_left_alone() {
         for smoothing in [Smoothing::Crease, Smoothing::Off, Smoothing::Group(1)] {
-            let corner = |position, normal| Corner { position, uv: NONE, normal };
-            let mut lists = Attributes {
+            let corner = |position, normal| FaceCorner { position, uv: NONE, normal };
+            let mut lists = AttributeLists {
                 positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
                 normals: vec![Vec3::X],
-                ..Attributes::default()
+                ..AttributeLists::default()
             };
             let mut faces = Faces {
                 triangles: vec![[corner(0, 0), corner(1, NONE), corner(2, 0)]],

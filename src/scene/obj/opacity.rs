@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::libraries::Libraries;
-use super::mtl::{At, Description, Descriptions};
+use super::mtl::{Description, Descriptions, Located};
 use super::warnings::Warnings;
 
 /// Meaning of the `Tr` statement.
@@ -29,7 +29,7 @@ pub(super) fn tr_is_opacity(
     warnings: &mut Warnings,
 ) -> bool {
     let all = &libraries.descriptions;
-    let written: Vec<&At<f32>> = all.values().filter_map(|material| material.tr.as_ref()).collect();
+    let written: Vec<&Located<f32>> = all.values().filter_map(|material| material.tr.as_ref()).collect();
     let Some(first) = written.iter().min_by_key(|tr| tr.line) else { return false };
     match meaning {
         TrMeaning::Transparency => return false,
@@ -40,7 +40,7 @@ pub(super) fn tr_is_opacity(
         "the file was written by MeshLab"
     } else if agrees_with_dissolve(all) {
         "it equals `d` where both are given"
-    } else if !used.is_empty() && used.iter().all(|material| material.opacity(false) == 0.0) && alone(used) {
+    } else if !used.is_empty() && used.iter().all(|material| material.opacity(false) == 0.0) && tr_decides(used) {
         "every material would be invisible otherwise"
     } else {
         return false;
@@ -62,7 +62,7 @@ fn agrees_with_dissolve(all: &Descriptions) -> bool {
 }
 
 /// Returns whether `Tr` alone decides the opacity of one of the materials.
-fn alone(used: &[&Description]) -> bool {
+fn tr_decides(used: &[&Description]) -> bool {
     used.iter().any(|material| material.dissolve.is_none() && material.tr.is_some())
 }
 

@@ -20,7 +20,7 @@ mod winding;
 use earcut::Earcut;
 use glam::{DVec2, DVec3, Vec3};
 
-pub(super) use self::winding::Crossing;
+pub(super) use self::winding::OutlineCrossing;
 
 /// Number of corners tried as the apex of a fan. An apex may lie on a straight edge, where its fan would have a
 /// triangle without area.
@@ -44,7 +44,7 @@ const FLATNESS: f64 = 1e-4;
 
 /// Result of triangulating a face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Outcome {
+pub(super) enum TriangulationOutcome {
     /// The triangles cover exactly the area of the face.
     Whole,
     /// No triangles: the corners lie on a line or a point, or the windings cancel everywhere.
@@ -80,7 +80,7 @@ pub(super) struct Triangulation {
     /// Corner indices of each triangle. Indices from the number of corners on refer to `crossings`.
     pub(super) triangles: Vec<[u32; 3]>,
     /// Points where the outline crosses itself.
-    pub(super) crossings: Vec<Crossing>,
+    pub(super) crossings: Vec<OutlineCrossing>,
 }
 
 /// Triangulates polygons and reuses its buffers.
@@ -99,32 +99,32 @@ impl Triangulator {
         corners: &[Vec3],
         result: &mut Triangulation,
         is_cancelled: &dyn Fn() -> bool,
-    ) -> Outcome {
+    ) -> TriangulationOutcome {
         let Triangulation { triangles, crossings } = result;
         triangles.clear();
         crossings.clear();
-        let flat = self.lay_flat(corners);
+        let flat = self.project(corners);
         if flat.scale <= 0.0 {
-            return Outcome::NoArea;
+            return TriangulationOutcome::NoArea;
         }
         let count = corners.len();
         let least = SLIVER * flat.scale;
         if let Some(apex) = (0..count.min(FAN_APEXES)).find(|apex| self.is_fan(*apex, least)) {
             triangles.extend(fan(apex, count).map(|t| t.map(|corner| corner as u32)));
-            return Outcome::Whole;
+            return TriangulationOutcome::Whole;
         }
         let is_whole = self.cut(flat.doubled_area, least, triangles, is_cancelled);
         if is_whole && (triangles.len() == count - 2 || flat.is_flat()) {
-            return Outcome::Whole;
+            return TriangulationOutcome::Whole;
         }
         triangles.clear();
         if !flat.is_flat() {
             // A triangle without area on the plane may have an area in space and leave a hole.
             triangles.extend(solid_fan(corners));
-            return if is_whole { Outcome::Whole } else { Outcome::NotFlat };
+            return if is_whole { TriangulationOutcome::Whole } else { TriangulationOutcome::NotFlat };
         }
         match winding::triangulate(&grid::to_grid(&self.flat), crossings, is_cancelled) {
-            Some(regions) if regions.is_empty() => Outcome::NoArea,
+            Some(regions) if regions.is_empty() => TriangulationOutcome::NoArea,
             Some(regions) => {
                 triangles.extend(regions);
                 let only_touches = crossings.is_empty() && {
@@ -133,11 +133,11 @@ impl Triangulator {
                     let turns_alike = triangles.iter().all(|t| area(t) >= -least);
                     turns_alike && (covered - flat.doubled_area).abs() <= AREA_TOLERANCE * flat.doubled_area
                 };
-                if only_touches { Outcome::Whole } else { Outcome::Crossing }
+                if only_touches { TriangulationOutcome::Whole } else { TriangulationOutcome::Crossing }
             }
             None => {
                 triangles.extend(solid_fan(corners));
-                Outcome::TooManyCrossings
+                TriangulationOutcome::TooManyCrossings
             }
         }
     }
@@ -172,7 +172,7 @@ impl Triangulator {
     /// Projects the corners along their normal, counter-clockwise.
     ///
     /// Projecting along the nearest axis instead would fold corners over each other that are not coplanar.
-    fn lay_flat(&mut self, corners: &[Vec3]) -> Flat {
+    fn project(&mut self, corners: &[Vec3]) -> Flat {
         let origin = corners.first().map_or(DVec3::ZERO, |c| c.as_dvec3());
         let relative = |i: usize| corners[i % corners.len()].as_dvec3() - origin;
         let areas = || (0..corners.len()).map(|i| relative(i).cross(relative(i + 1)));
@@ -224,7 +224,7 @@ fn solid_fan(corners: &[Vec3]) -> impl Iterator<Item = [u32; 3]> {
 mod tests {
     use super::*;
 
-    fn triangulate(corners: &[Vec3]) -> (Vec<[u32; 3]>, Outcome) {
+    fn triangulate(corners: &[Vec3]) -> (Vec<[u32; 3]>, TriangulationOutcome) {
         let mut result = Triangulation::default();
         let outcome = Triangulator::default().triangulate(corners, &mut result, &|| false);
         assert!(result.crossings.is_empty());
@@ -232,10 +232,10 @@ mod tests {
     }
 
     /// Returns the triangles of a polygon in space, including those at points where it crosses itself.
-    fn triangles_in_space(corners: &[Vec3]) -> (Vec<[Vec3; 3]>, Outcome) {
+    fn triangles_in_space(corners: &[Vec3]) -> (Vec<[Vec3; 3]>, TriangulationOutcome) {
         let mut result = Triangulation::default();
         let outcome = Triangulator::default().triangulate(corners, &mut result, &|| false);
-        let crossing = |crossing: &Crossing| {
+        let crossing = |crossing: &OutlineCrossing| {
             let edge = crossing.edge as usize;
             corners[edge].lerp(corners[(edge + 1) % corners.len()], crossing.place as f32)
         };
@@ -287,7 +287,7 @@ mod tests {
             let rotation = glam::Quat::from_scaled_axis(Vec3::new(0.3, 0.5, 0.8) * turn as f32);
             let corners: Vec<_> = arrow.iter().map(|c| rotation * *c).collect();
             let (triangles, outcome) = triangulate(&corners);
-            assert_eq!((triangles.len(), outcome), (3, Outcome::Whole));
+            assert_eq!((triangles.len(), outcome), (3, TriangulationOutcome::Whole));
             assert!((area(&corners, &triangles) - 10.0).abs() < 1e-4);
             assert!((area_vector(&corners, &triangles) - rotation * Vec3::Z * 10.0).length() < 1e-4);
         }
@@ -303,13 +303,13 @@ mod tests {
     #[test]
     fn a_convex_polygon_is_a_fan_from_its_first_corner() {
         let square = flat(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]);
-        assert_eq!(triangulate(&square), (vec![[0, 1, 2], [0, 2, 3]], Outcome::Whole));
+        assert_eq!(triangulate(&square), (vec![[0, 1, 2], [0, 2, 3]], TriangulationOutcome::Whole));
     }
 
     #[test]
     fn corners_on_a_line_or_a_point_give_nothing() {
         for points in [[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]], [[1.0, 1.0]; 3], [[0.0, 0.0], [1.0, 0.0], [1.0, 0.0]]] {
-            assert_eq!(triangulate(&flat(&points)), (vec![], Outcome::NoArea));
+            assert_eq!(triangulate(&flat(&points)), (vec![], TriangulationOutcome::NoArea));
         }
     }
 
@@ -322,7 +322,7 @@ mod tests {
                 let rotation = glam::Quat::from_scaled_axis(Vec3::new(0.3, 0.5, 0.8) * turn as f32);
                 let corners: Vec<Vec3> = flat(&points).iter().map(|corner| rotation * *corner).collect();
                 let (triangles, outcome) = triangles_in_space(&corners);
-                assert_eq!((triangles.len(), outcome), (2, Outcome::Crossing), "{points:?} {turn}");
+                assert_eq!((triangles.len(), outcome), (2, TriangulationOutcome::Crossing), "{points:?} {turn}");
                 let [first, second] = [0, 1].map(|i| area_vector(&triangles[i], &[[0, 1, 2]]));
                 assert!(first.dot(second) < 0.0);
                 let newell: Vec3 = (0..4).map(|i| corners[i].cross(corners[(i + 1) % 4]) * 0.5).sum();
@@ -342,7 +342,7 @@ mod tests {
             let corners: Vec<Vec3> =
                 (0..count).map(|_| Vec3::new(random.i32(0..=size) as f32, random.i32(0..=size) as f32, 0.0)).collect();
             let (triangles, outcome) = triangles_in_space(&corners);
-            if outcome == Outcome::TooManyCrossings {
+            if outcome == TriangulationOutcome::TooManyCrossings {
                 continue;
             }
             // The polygon is projected with its larger part facing up, which may be either side of z = 0.
@@ -378,7 +378,7 @@ mod tests {
             .map(|(y, x)| Vec3::new(x, y, 0.0))
             .collect();
         let (triangles, outcome) = triangles_in_space(&star);
-        assert_eq!(outcome, Outcome::Crossing);
+        assert_eq!(outcome, TriangulationOutcome::Crossing);
         assert_eq!(covered(&triangles, Vec3::new(0.01, 0.02, 0.0)), [true, false]);
     }
 
@@ -412,7 +412,7 @@ mod tests {
         for (name, points) in large(20_000) {
             let corners = flat(&points);
             let (triangles, outcome) = triangulate(&corners);
-            assert_eq!(outcome, Outcome::Whole, "{name}");
+            assert_eq!(outcome, TriangulationOutcome::Whole, "{name}");
             let newell: Vec3 = (0..corners.len())
                 .map(|i| (corners[i].cross(corners[(i + 1) % corners.len()]) * 0.5).as_dvec3())
                 .sum::<DVec3>()
@@ -431,14 +431,14 @@ mod tests {
         let around = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::new(1.0, 1.5, 0.0)];
         let corners: Vec<Vec3> = (0..65_536).map(|i| around[i % 4]).collect();
         let (triangles, outcome) = triangles_in_space(&corners);
-        assert_eq!((triangles.len(), outcome), (2, Outcome::Crossing));
+        assert_eq!((triangles.len(), outcome), (2, TriangulationOutcome::Crossing));
     }
 
     #[test]
     fn an_outline_that_crosses_itself_a_million_times_becomes_a_fan() {
         let zigzag = (0..4_000_u64).map(|i| [(i * 7919 % 10_007) as f32, (i * 104_729 % 10_009) as f32]);
         let (triangles, outcome) = triangulate(&flat(&zigzag.collect::<Vec<_>>()));
-        assert_eq!(outcome, Outcome::TooManyCrossings);
+        assert_eq!(outcome, TriangulationOutcome::TooManyCrossings);
         assert!(triangles.len() > 3_900);
     }
 
@@ -454,7 +454,7 @@ mod tests {
             points.extend([outer[3], [0.0, 1.0 - wall], [1.0 - wall, 1.0 - wall], [1.0 - wall, wall], [0.0, wall]]);
             let corners = flat(&points);
             let (triangles, outcome) = triangulate(&corners);
-            assert_eq!((triangles.len(), outcome), (corners.len() - 2, Outcome::Whole));
+            assert_eq!((triangles.len(), outcome), (corners.len() - 2, TriangulationOutcome::Whole));
             assert!(area_vector(&corners, &triangles).z > 0.0);
         }
     }
@@ -462,7 +462,7 @@ mod tests {
     #[test]
     fn a_bent_outline_that_crosses_itself_is_a_fan_and_said_to_be() {
         let corners = [[0.0, 0.0, 0.0], [4.0, 4.0, 0.0], [4.0, 0.0, 0.5], [0.0, 2.0, 0.0]].map(Vec3::from_array);
-        assert_eq!(triangulate(&corners).1, Outcome::NotFlat);
+        assert_eq!(triangulate(&corners).1, TriangulationOutcome::NotFlat);
     }
 
     #[test]
@@ -473,7 +473,7 @@ mod tests {
         points.extend(square(1.0).iter().rev().cycle().skip(3).take(5));
         let ring = flat(&points);
         let (triangles, outcome) = triangulate(&ring);
-        assert_eq!(outcome, Outcome::Whole);
+        assert_eq!(outcome, TriangulationOutcome::Whole);
         assert!((area(&ring, &triangles) - 32.0).abs() < 1e-4);
     }
 
@@ -491,6 +491,6 @@ mod tests {
         let corners: Vec<_> = teeth.chain([[10_000.0, -1.0], [0.0, -1.0]]).collect::<Vec<_>>();
         let reversed: Vec<_> = flat(&corners).into_iter().rev().collect();
         let (triangles, outcome) = triangulate(&reversed);
-        assert_eq!((triangles.len(), outcome), (20_000, Outcome::Whole));
+        assert_eq!((triangles.len(), outcome), (20_000, TriangulationOutcome::Whole));
     }
 }

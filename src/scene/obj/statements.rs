@@ -5,7 +5,7 @@
 
 /// File format of a statement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Format {
+pub enum Format {
     /// Model file (OBJ).
     Obj,
     /// Material library (MTL).
@@ -25,11 +25,11 @@ pub(crate) enum Treatment {
 
 /// Statement that the loader recognises.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Statement {
+pub struct Statement {
     /// Keyword in its usual spelling; matching is case-insensitive.
-    pub(crate) keyword: &'static str,
+    pub keyword: &'static str,
     /// File format that the statement belongs to.
-    pub(crate) format: Format,
+    pub format: Format,
     /// Treatment by the loader.
     pub(crate) treatment: Treatment,
     /// Meaning; for a rendered statement also its effect.
@@ -48,7 +48,7 @@ macro_rules! table {
 }
 
 /// All recognised statements. Any other keyword is reported as unknown.
-pub(crate) const STATEMENTS: &[Statement] = table! {
+pub const STATEMENTS: &[Statement] = table! {
     Obj Rendered {
         "v": "position; a weight is ignored, three or four further numbers are a vertex colour",
         "vt": "texture coordinate; w is ignored",

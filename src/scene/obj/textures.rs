@@ -8,8 +8,8 @@ use std::collections::hash_map::Entry;
 use std::path::{Path, PathBuf};
 
 use super::attributes::quoted;
-use super::file_names::{self, Difference};
-use super::mtl::{Channel, Picture};
+use super::file_names::{self, NameDifference};
+use super::mtl::{PictureChannel, PictureReference};
 use super::warnings::Warnings;
 use crate::disk;
 use crate::image::file::PictureFile;
@@ -28,7 +28,7 @@ pub(super) enum Use {
     Color,
     /// One number per texel, moved to alpha. Without a channel, it is alpha if the picture has any, otherwise
     /// luminance.
-    Opacity(Option<Channel>),
+    Opacity(Option<PictureChannel>),
     /// Normal map named as such (`norm`).
     Normals,
     /// Normal map, or height map, which is not rendered (`map_Bump`).
@@ -65,10 +65,15 @@ impl<'a> Textures<'a> {
 
     /// Returns the texture of a picture, reading it at the first use. Returns `None` with a warning if it cannot be
     /// read or used.
-    pub(super) fn get(&mut self, picture: &Picture, purpose: Use, reading: &mut Reading<'_>) -> Option<TextureId> {
+    pub(super) fn get(
+        &mut self,
+        picture: &PictureReference,
+        purpose: Use,
+        reading: &mut Reading<'_>,
+    ) -> Option<TextureId> {
         let (path, difference) = locate(picture, reading.model);
         let mut warn = |text: String| reading.warnings.add(&picture.library, Some(picture.line), text);
-        if difference == Difference::Case {
+        if difference == NameDifference::Case {
             let found = quoted(&path.file_name().unwrap_or_default().to_string_lossy());
             warn(format!("texture {} is read from {found}: the names differ in case", quoted(&picture.name)));
         }
@@ -162,19 +167,21 @@ fn mapped(image: &Image<Rgba8>, map: impl Fn(Rgba8) -> Rgba8) -> Image<Rgba8> {
 }
 
 /// Returns alpha if any texel is not opaque, otherwise luminance.
-pub(super) fn default_channel(image: &Image<Rgba8>) -> Channel {
+pub(super) fn default_channel(image: &Image<Rgba8>) -> PictureChannel {
     let has_alpha = image.pixels().iter().any(|[.., alpha]| *alpha != u8::MAX);
-    if has_alpha { Channel::Matte } else { Channel::Luminance }
+    if has_alpha { PictureChannel::Matte } else { PictureChannel::Luminance }
 }
 
-fn value(channel: Channel, [r, g, b, alpha]: Rgba8) -> u8 {
+fn value(channel: PictureChannel, [r, g, b, alpha]: Rgba8) -> u8 {
     match channel {
-        Channel::Red => r,
-        Channel::Green => g,
-        Channel::Blue => b,
-        Channel::Matte => alpha,
+        PictureChannel::Red => r,
+        PictureChannel::Green => g,
+        PictureChannel::Blue => b,
+        PictureChannel::Matte => alpha,
         // Rec. 709 weights, which sum to 10 000.
-        Channel::Luminance => ((2126 * u32::from(r) + 7152 * u32::from(g) + 722 * u32::from(b) + 5000) / 10_000) as u8,
+        PictureChannel::Luminance => {
+            ((2126 * u32::from(r) + 7152 * u32::from(g) + 722 * u32::from(b) + 5000) / 10_000) as u8
+        }
     }
 }
 
@@ -186,7 +193,7 @@ fn may_lack_alpha(path: &Path) -> bool {
 }
 
 /// Minimum share of the texels of a normal map that are unit vectors out of the surface.
-const FEWEST_NORMALS: f64 = 0.9;
+const MIN_NORMAL_SHARE: f64 = 0.9;
 
 /// Returns whether nearly all texels decode to vectors of about unit length with z > 0. Grey texels, as in height maps,
 /// do not count.
@@ -197,18 +204,23 @@ fn looks_like_normals(image: &Image<Rgba8>) -> bool {
         !(r == g && g == b) && z > 0.0 && (0.8..=1.2).contains(&length)
     };
     let normals = image.pixels().iter().filter(|texel| is_normal(texel)).count();
-    normals as f64 >= FEWEST_NORMALS * image.pixels().len() as f64
+    normals as f64 >= MIN_NORMAL_SHARE * image.pixels().len() as f64
 }
 
 /// Returns whether `map_d` reads the alpha of the `map_Kd` file, which is already in use.
-pub(super) fn repeats_alpha(color: TextureId, opacity: &Picture, picture: &Picture, reading: &Reading<'_>) -> bool {
+pub(super) fn repeats_alpha(
+    color: TextureId,
+    opacity: &PictureReference,
+    picture: &PictureReference,
+    reading: &Reading<'_>,
+) -> bool {
     let same_file = locate(opacity, reading.model).0 == locate(picture, reading.model).0;
     let has_alpha = reading.library.texture(color).alpha() != Alpha::Opaque;
-    same_file && has_alpha && opacity.options.channel.is_none_or(|channel| channel == Channel::Matte)
+    same_file && has_alpha && opacity.options.channel.is_none_or(|channel| channel == PictureChannel::Matte)
 }
 
 /// Returns the best existing location of the picture, in order of preference; if there is none, the first candidate.
-fn locate(picture: &Picture, model: &Path) -> (PathBuf, Difference) {
+fn locate(picture: &PictureReference, model: &Path) -> (PathBuf, NameDifference) {
     let folder = |file: &Path| file.parent().map_or_else(PathBuf::new, Path::to_owned);
     let (beside_library, beside_model) = (folder(&picture.library), folder(model));
     let written = Path::new(&picture.name);
@@ -218,7 +230,7 @@ fn locate(picture: &Picture, model: &Path) -> (PathBuf, Difference) {
         if is_foreign { vec![bare] } else { vec![beside_library.join(written), beside_model.join(written), bare] };
     let found =
         candidates.iter().filter_map(|path| file_names::existing(path)).min_by_key(|(_, difference)| *difference);
-    found.unwrap_or_else(|| (candidates[0].clone(), Difference::None))
+    found.unwrap_or_else(|| (candidates[0].clone(), NameDifference::None))
 }
 
 #[cfg(test)]
@@ -246,10 +258,11 @@ mod tests {
             let mut warn = |text: String| panic!("{text}");
             adapt(image(&[texel]), Use::Opacity(channel), Path::new("a.png"), &mut warn).unwrap().pixels()[0][3]
         };
-        let channels = [Channel::Red, Channel::Green, Channel::Blue, Channel::Matte].map(|c| read(Some(c)));
+        let channels = [PictureChannel::Red, PictureChannel::Green, PictureChannel::Blue, PictureChannel::Matte]
+            .map(|c| read(Some(c)));
         assert_eq!(channels, [10, 20, 30, 40]);
         // 0.2126 · 10 + 0.7152 · 20 + 0.0722 · 30 = 18.596.
-        assert_eq!(read(Some(Channel::Luminance)), 19);
+        assert_eq!(read(Some(PictureChannel::Luminance)), 19);
         assert_eq!(read(None), 40);
     }
 }

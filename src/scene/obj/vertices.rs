@@ -8,8 +8,8 @@ use std::collections::HashMap;
 
 use glam::{Vec2, Vec3};
 
-use super::attributes::Attributes;
-use super::faces::{Corner, Faces, NONE, Part};
+use super::attributes::AttributeLists;
+use super::faces::{FaceCorner, Faces, MeshPart, NONE};
 use crate::scene::load::{Load, bytes_of};
 use crate::scene::{MeshData, SceneError};
 
@@ -23,7 +23,7 @@ const CROWD: usize = 16;
 ///
 /// # Errors
 /// Returns an error if the load is cancelled or memory does not suffice.
-pub(super) fn meshes(lists: &Attributes, faces: &Faces, load: &mut Load<'_>) -> Result<Vec<MeshData>, Stopped> {
+pub(super) fn meshes(lists: &AttributeLists, faces: &Faces, load: &mut Load<'_>) -> Result<Vec<MeshData>, Stopped> {
     let mut numbering = Numbering::default();
     load.reserve(&mut numbering.newest, lists.positions.len())?;
     numbering.newest.resize(lists.positions.len(), NONE);
@@ -66,15 +66,15 @@ impl From<SceneError> for Stopped {
 struct Numbering {
     /// Most recent vertex at each position; [`NONE`] if there is none.
     newest: Vec<u32>,
-    vertices: Vec<Vertex>,
+    vertices: Vec<NumberedVertex>,
     /// Vertices at crowded positions, by their corners.
-    crowded: HashMap<Corner, u32>,
+    crowded: HashMap<FaceCorner, u32>,
     crowded_bytes: u64,
 }
 
 #[derive(Clone, Copy)]
-struct Vertex {
-    corner: Corner,
+struct NumberedVertex {
+    corner: FaceCorner,
     /// Previous vertex at the same position; [`NONE`] if there is none.
     older: u32,
 }
@@ -82,9 +82,9 @@ struct Vertex {
 impl Numbering {
     fn mesh(
         &mut self,
-        lists: &Attributes,
+        lists: &AttributeLists,
         faces: &Faces,
-        part: &Part,
+        part: &MeshPart,
         done: &mut usize,
         load: &mut Load<'_>,
     ) -> Result<MeshData, Stopped> {
@@ -129,7 +129,7 @@ impl Numbering {
     }
 
     /// Returns the index of the vertex with this corner's attributes, adding the vertex if it is new.
-    fn number(&mut self, corner: Corner, load: &mut Load<'_>) -> Result<u32, String> {
+    fn number(&mut self, corner: FaceCorner, load: &mut Load<'_>) -> Result<u32, String> {
         let newest = self.newest[corner.position as usize];
         let (mut older, mut compared) = (newest, 0);
         while older != NONE && compared < CROWD {
@@ -148,12 +148,12 @@ impl Numbering {
             if let Some(known) = self.crowded.get(&corner) {
                 return Ok(*known);
             }
-            let bytes = bytes_of::<(Corner, u32)>(2);
+            let bytes = bytes_of::<(FaceCorner, u32)>(2);
             load.charge(bytes)?;
             self.crowded_bytes += bytes;
             self.crowded.insert(corner, new);
         }
-        load.push(&mut self.vertices, Vertex { corner, older: newest })?;
+        load.push(&mut self.vertices, NumberedVertex { corner, older: newest })?;
         self.newest[corner.position as usize] = new;
         Ok(new)
     }
@@ -162,7 +162,7 @@ impl Numbering {
     fn note_crowd(&mut self, newest: u32) {
         let mut number = newest;
         while number != NONE {
-            let Vertex { corner, older } = self.vertices[number as usize];
+            let NumberedVertex { corner, older } = self.vertices[number as usize];
             self.crowded.insert(corner, number);
             number = older;
         }

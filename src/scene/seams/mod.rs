@@ -68,7 +68,7 @@ impl JunctionKind {
 
 /// Corner of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-pub(crate) struct Corner {
+pub(crate) struct TriangleCorner {
     /// Identifier of the triangle.
     pub(crate) triangle: TriangleId,
     /// Index of the corner: 0, 1 or 2.
@@ -86,11 +86,11 @@ pub(crate) struct TriangleEdge {
 
 /// Vertex on an open edge of which it is not an end.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(crate) struct Junction {
+pub struct Junction {
     /// Kind of the fault.
-    pub(crate) kind: JunctionKind,
+    pub kind: JunctionKind,
     /// Vertex, as the corner of a triangle on the other side of the edge.
-    pub(crate) vertex: Corner,
+    pub(crate) vertex: TriangleCorner,
     /// Open edge on which the vertex lies.
     pub(crate) edge: TriangleEdge,
     /// Distance of the vertex from the edge in world units; from the end of the edge if it is unwelded.
@@ -129,9 +129,9 @@ pub(crate) struct Seam {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct SeamCounts {
     /// Number of vertices within open edges.
-    pub(crate) t_junctions: usize,
+    pub t_junctions: usize,
     /// Number of vertices that welding with the tolerance would remove.
-    pub(crate) unwelded: usize,
+    pub unwelded: usize,
 }
 
 /// Open seams of a scene.
@@ -139,7 +139,7 @@ pub struct SeamCounts {
 pub struct Seams {
     seams: Vec<Seam>,
     junctions: Vec<Junction>,
-    border: Vec<Corner>,
+    border: Vec<TriangleCorner>,
 }
 
 impl Seams {
@@ -149,11 +149,11 @@ impl Seams {
         if mesh.open.is_empty() {
             return Some(Self::default());
         }
-        Search::new(&mesh).run(stop)
+        OpenEdgeSearch::new(&mesh).run(stop)
     }
 
     /// Finds all open seams of a scene, without cancellation.
-    pub(crate) fn of(scene: &Scene) -> Self {
+    pub fn of(scene: &Scene) -> Self {
         Self::find(scene, &AtomicBool::new(false)).unwrap_or_default()
     }
 
@@ -168,12 +168,12 @@ impl Seams {
     }
 
     /// Returns one corner for each vertex that is the end of an open edge.
-    pub(crate) fn border(&self) -> &[Corner] {
+    pub(crate) fn border(&self) -> &[TriangleCorner] {
         &self.border
     }
 
     /// Returns the numbers of faults.
-    pub(crate) fn counts(&self) -> SeamCounts {
+    pub fn counts(&self) -> SeamCounts {
         let t_junctions = self.junctions.iter().filter(|j| j.kind == JunctionKind::TJunction).count();
         SeamCounts { t_junctions, unwelded: self.junctions.len() - t_junctions }
     }
@@ -201,7 +201,7 @@ struct Hit {
     kind: JunctionKind,
     /// Index of the welded vertex.
     vertex: u32,
-    corner: Corner,
+    corner: TriangleCorner,
     /// Indices of both edges among the open ones.
     edges: [u32; 2],
     /// Welded vertex to merge with.
@@ -210,7 +210,7 @@ struct Hit {
 }
 
 /// Search among the open edges of a mesh.
-struct Search<'a> {
+struct OpenEdgeSearch<'a> {
     mesh: &'a Welded,
     /// Welded vertices at the ends of open edges, ascending.
     vertices: Vec<u32>,
@@ -220,7 +220,7 @@ struct Search<'a> {
     incident: Vec<u32>,
 }
 
-impl<'a> Search<'a> {
+impl<'a> OpenEdgeSearch<'a> {
     fn new(mesh: &'a Welded) -> Self {
         let mut ends: Vec<(u32, u32)> =
             mesh.open.iter().zip(0..).flat_map(|(edge, place)| edge.ends.map(|end| (end, place))).collect();
@@ -280,11 +280,11 @@ impl<'a> Search<'a> {
                 _ if t > 0.0 && t < length => (JunctionKind::TJunction, vertex, at.distance(from + along * t)),
                 _ => return,
             };
-            let line = Line { from, along, length, reach };
+            let line = OpenEdgeLine { from, along, length, reach };
             for other_place in self.incident_to(found).iter().copied() {
                 let guest = &self.mesh.open[other_place as usize];
                 let far = self.mesh.positions[guest.other_end(vertex) as usize];
-                if !guest.joins(edge) && line.has_along_it([at, far]) {
+                if !guest.are_adjacent(edge) && line.has_along_it([at, far]) {
                     let corner = guest.corner_of(vertex);
                     hits.push(Hit { kind, vertex, corner, edges: [place, other_place], other, distance });
                 }
@@ -335,7 +335,7 @@ impl<'a> Search<'a> {
         junctions
     }
 
-    fn border(&self) -> Vec<Corner> {
+    fn border(&self) -> Vec<TriangleCorner> {
         let corner = |(place, vertex): (usize, &u32)| {
             self.mesh.open[self.incident[self.starts[place] as usize] as usize].corner_of(*vertex)
         };
@@ -344,14 +344,14 @@ impl<'a> Search<'a> {
 }
 
 /// Open edge as a line segment from one end in one direction.
-struct Line {
+struct OpenEdgeLine {
     from: DVec3,
     along: DVec3,
     length: f64,
     reach: f64,
 }
 
-impl Line {
+impl OpenEdgeLine {
     /// Returns whether an edge whose first end lies on the line runs along it from there.
     fn has_along_it(&self, [at, far]: [DVec3; 2]) -> bool {
         let run = far - at;

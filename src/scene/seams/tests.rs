@@ -72,7 +72,7 @@ fn the_corner_of_a_junction_is_the_vertex_on_the_edge() {
         .junctions()
         .iter()
         .map(|junction| {
-            let Corner { triangle, corner } = junction.vertex;
+            let TriangleCorner { triangle, corner } = junction.vertex;
             let at = positions[triangles[triangle.0 as usize][usize::from(corner)] as usize];
             assert_eq!((at.y, at.z), (0.0, 0.0));
             at.x

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{Corner, TriangleEdge};
+use super::{TriangleCorner, TriangleEdge};
 use crate::scene::{Scene, TriangleId};
 
 /// Represents a vertex whose position is not finite.
@@ -13,7 +13,7 @@ const NOT_FINITE: u32 = u32::MAX;
 
 /// Edge of a triangle, given by its welded vertices.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Edge {
+pub(super) struct WeldedEdge {
     /// Welded vertices at the ends, the lower index first.
     pub(super) ends: [u32; 2],
     /// Welded vertex of the triangle opposite the edge.
@@ -25,7 +25,7 @@ pub(super) struct Edge {
     is_flipped: bool,
 }
 
-impl Edge {
+impl WeldedEdge {
     /// Returns the edge of the triangle.
     pub(super) fn of_triangle(&self) -> TriangleEdge {
         TriangleEdge { triangle: self.triangle, opposite: self.corner }
@@ -37,14 +37,14 @@ impl Edge {
     }
 
     /// Returns the corner of the triangle at one end of the edge.
-    pub(super) fn corner_of(&self, end: u32) -> Corner {
+    pub(super) fn corner_of(&self, end: u32) -> TriangleCorner {
         let is_first = (self.ends[0] == end) != self.is_flipped;
-        Corner { triangle: self.triangle, corner: (self.corner + if is_first { 1 } else { 2 }) % 3 }
+        TriangleCorner { triangle: self.triangle, corner: (self.corner + if is_first { 1 } else { 2 }) % 3 }
     }
 
     /// Whether both edges belong to one triangle, or to triangles that share an edge. The borders of such a pair are no
     /// seam, however thin it is.
-    pub(super) fn joins(&self, other: &Self) -> bool {
+    pub(super) fn are_adjacent(&self, other: &Self) -> bool {
         let corners = |edge: &Self| [edge.ends[0], edge.ends[1], edge.opposite];
         corners(self).iter().filter(|corner| corners(other).contains(corner)).count() >= 2
     }
@@ -55,7 +55,7 @@ impl Edge {
 }
 
 /// Returns whether edges with the same ends belong to one triangle, or to copies of it.
-pub(super) fn is_open(twins: &[Edge]) -> bool {
+pub(super) fn is_open(twins: &[WeldedEdge]) -> bool {
     twins.iter().all(|edge| edge.opposite == twins[0].opposite)
 }
 
@@ -65,9 +65,9 @@ pub(super) struct Welded {
     /// Position of each vertex in world space.
     pub(super) positions: Vec<DVec3>,
     /// All edges, sorted so that those with the same ends are adjacent.
-    edges: Vec<Edge>,
+    edges: Vec<WeldedEdge>,
     /// Open edges, one for each pair of ends.
-    pub(super) open: Vec<Edge>,
+    pub(super) open: Vec<WeldedEdge>,
     /// Diagonal of the bounding box of all vertices, world units.
     pub(super) diagonal: f64,
     /// Largest magnitude of a coordinate, world units.
@@ -83,7 +83,7 @@ impl Welded {
         let mut edges = edges(scene, &numbers);
         drop(numbers);
         goes_on()?;
-        edges.par_sort_unstable_by_key(Edge::key);
+        edges.par_sort_unstable_by_key(WeldedEdge::key);
         goes_on()?;
         let open =
             edges.chunk_by(|a, b| a.ends == b.ends).filter(|twins| is_open(twins)).map(|twins| twins[0]).collect();
@@ -95,7 +95,7 @@ impl Welded {
     }
 
     /// Returns the edges between two vertices; `None` if there are none.
-    pub(super) fn edge(&self, a: u32, b: u32) -> Option<&[Edge]> {
+    pub(super) fn edge(&self, a: u32, b: u32) -> Option<&[WeldedEdge]> {
         let ends = [a.min(b), a.max(b)];
         let first = self.edges.partition_point(|edge| edge.ends < ends);
         let count = self.edges[first..].iter().take_while(|edge| edge.ends == ends).count();
@@ -133,7 +133,7 @@ fn welded(all: &[DVec3]) -> (Vec<u32>, Vec<DVec3>) {
 }
 
 /// Returns the edges of all triangles, in no particular order.
-fn edges(scene: &Scene, numbers: &[u32]) -> Vec<Edge> {
+fn edges(scene: &Scene, numbers: &[u32]) -> Vec<WeldedEdge> {
     let mut all = Vec::new();
     let mut first_vertex = 0;
     for (instance, first) in scene.instances.iter().zip(scene.first_triangles()) {
@@ -149,14 +149,14 @@ fn edges(scene: &Scene, numbers: &[u32]) -> Vec<Edge> {
 }
 
 /// Returns the three edges of a triangle; `None` if it is degenerate or not finite.
-fn edges_of(triangle: TriangleId, corners: [u32; 3]) -> Option<[Edge; 3]> {
+fn edges_of(triangle: TriangleId, corners: [u32; 3]) -> Option<[WeldedEdge; 3]> {
     let [a, b, c] = corners;
     if a == b || b == c || c == a || corners.contains(&NOT_FINITE) {
         return None;
     }
     Some([0_u8, 1, 2].map(|corner| {
         let [from, to] = [1, 2].map(|step| corners[(usize::from(corner) + step) % 3]);
-        Edge {
+        WeldedEdge {
             ends: [from.min(to), from.max(to)],
             opposite: corners[usize::from(corner)],
             triangle,

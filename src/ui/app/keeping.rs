@@ -3,22 +3,22 @@
 use eframe::egui::Ui;
 
 use super::Workbench;
-use crate::ui::session::Level;
+use crate::ui::session::Severity;
 use crate::ui::store::Store;
 
 impl Workbench {
     /// Enables saving preferences to `store`, and restores its window state.
-    pub(in crate::ui) fn keep_in(&mut self, store: Store) {
+    pub(in crate::ui) fn save_preferences_to(&mut self, store: Store) {
         self.window = store.window().clone();
         self.store = Some(store);
     }
 
     /// Passes changed preferences to the thread that writes them, and reports failed writes.
-    pub(in crate::ui) fn keep_preferences(&mut self) {
+    pub(in crate::ui) fn save_preferences(&mut self) {
         let Some(store) = &mut self.store else { return };
-        store.keep(self.session.preferences(&self.window));
+        store.enqueue(self.session.preferences(&self.window));
         for failure in store.failures().collect::<Vec<_>>() {
-            self.session.report(Level::Error, failure);
+            self.session.report(Severity::Error, failure);
         }
     }
 

@@ -13,10 +13,10 @@ use crate::pipeline::settings::Settings;
 use crate::scene::obj::Loaded;
 use crate::scene::{LoadControl, SceneError, SceneSource};
 use crate::ui::panels::bottom::Tab;
-use crate::ui::panels::case::{Evaluation, Question};
-use crate::ui::session::Level;
-use crate::ui::task::{Listening, Task};
-use crate::ui::worker::Job;
+use crate::ui::panels::case::{Evaluation, EvaluationRequest};
+use crate::ui::session::Severity;
+use crate::ui::task::{BackgroundTask, TaskStatus};
+use crate::ui::worker::WorkerRequest;
 
 /// Loading time after which progress is shown.
 pub(super) const SLOW_LOAD: Duration = Duration::from_millis(300);
@@ -25,7 +25,7 @@ pub(super) const SLOW_LOAD: Duration = Duration::from_millis(300);
 pub(super) struct Loading {
     source: SceneSource,
     /// Loading task; its progress is the completed share in [0, 1].
-    task: Task<f32, Result<Loaded, SceneError>>,
+    task: BackgroundTask<f32, Result<Loaded, SceneError>>,
     completed: Option<f32>,
     since: Instant,
 }
@@ -33,7 +33,7 @@ pub(super) struct Loading {
 /// Case being read and evaluated in a background thread.
 pub(super) struct OpeningCase {
     path: PathBuf,
-    task: Task<f32, Result<Evaluation, CaseError>>,
+    task: BackgroundTask<f32, Result<Evaluation, CaseError>>,
     /// Completed share of the evaluation, in [0, 1].
     progress: Option<f32>,
     since: Instant,
@@ -42,7 +42,7 @@ pub(super) struct OpeningCase {
 /// Reads a case and evaluates its first part. Returns `None` if cancelled.
 fn opened_case(path: &Path, options: Options, control: &Control<'_>) -> Option<Result<Evaluation, CaseError>> {
     match Case::read(path) {
-        Ok(case) => Evaluation::new(Question { case: Arc::new(case), part: 0, options }, control).map(Ok),
+        Ok(case) => Evaluation::new(EvaluationRequest { case: Arc::new(case), part: 0, options }, control).map(Ok),
         Err(error) => Some(Err(error)),
     }
 }
@@ -64,13 +64,13 @@ impl Workbench {
             self.session.offered_picture = Some(path.clone());
             return;
         }
-        if self.waits {
+        if self.is_synchronous {
             let result = source.load_with(LoadControl::quiet(self.session.memory_limit));
             self.loaded(source, result);
             return;
         }
         let (memory, wanted) = (self.session.memory_limit, source.clone());
-        let task = Task::start(ui.ctx().clone(), move |progress, cancel| {
+        let task = BackgroundTask::start(ui.ctx().clone(), move |progress, cancel| {
             Some(wanted.load_with(LoadControl { memory, progress, cancel }))
         });
         self.loading = Some(Loading { source, task, completed: None, since: Instant::now() });
@@ -78,21 +78,21 @@ impl Workbench {
     }
 
     /// Handles the progress and the result of the model being loaded.
-    pub(super) fn hear_loading(&mut self) {
+    pub(super) fn poll_loading(&mut self) {
         let Some(loading) = &mut self.loading else { return };
-        match loading.task.listen(&mut loading.completed) {
-            Listening::GoesOn => {}
-            Listening::Ended(result) => {
+        match loading.task.poll(&mut loading.completed) {
+            TaskStatus::Running => {}
+            TaskStatus::Ended(result) => {
                 let source = loading.source.clone();
                 self.loading = None;
                 if let Some(result) = result {
                     self.loaded(source, *result);
                 }
             }
-            Listening::BrokeOff => {
+            TaskStatus::Lost => {
                 let text = format!("Loading {} stopped: internal error", loading.source.title());
                 self.loading = None;
-                self.session.report(Level::Error, text);
+                self.session.report(Severity::Error, text);
             }
         }
     }
@@ -101,14 +101,14 @@ impl Workbench {
     fn open_case(&mut self, ui: &Ui, path: PathBuf) {
         let Settings { rasterizer, arithmetic, .. } = self.session.state.recipe.pipeline;
         let options = Options { rasterizer, arithmetic };
-        if self.waits {
+        if self.is_synchronous {
             if let Some(opened) = opened_case(&path, options, &Control::default()) {
                 self.case_opened(opened);
             }
             return;
         }
         let wanted = path.clone();
-        let task = Task::start(ui.ctx().clone(), move |tell: &(dyn Fn(f32) + Sync), stop| {
+        let task = BackgroundTask::start(ui.ctx().clone(), move |tell: &(dyn Fn(f32) + Sync), stop| {
             opened_case(&wanted, options, &Control::new(tell, stop))
         });
         self.loading = None;
@@ -119,28 +119,28 @@ impl Workbench {
     fn case_opened(&mut self, opened: Result<Evaluation, CaseError>) {
         match opened {
             Ok(evaluation) => {
-                self.session.show_case(evaluation.question.case.clone());
+                self.session.show_case(evaluation.request.case.clone());
                 self.case_view.adopt(evaluation);
             }
-            Err(error) => self.session.report(Level::Error, error.to_string()),
+            Err(error) => self.session.report(Severity::Error, error.to_string()),
         }
     }
 
     /// Handles the progress and the result of the case being opened.
-    pub(super) fn hear_case(&mut self) {
+    pub(super) fn poll_case(&mut self) {
         let Some(opening) = &mut self.opening_case else { return };
-        match opening.task.listen(&mut opening.progress) {
-            Listening::GoesOn => {}
-            Listening::Ended(opened) => {
+        match opening.task.poll(&mut opening.progress) {
+            TaskStatus::Running => {}
+            TaskStatus::Ended(opened) => {
                 self.opening_case = None;
                 if let Some(opened) = opened {
                     self.case_opened(*opened);
                 }
             }
-            Listening::BrokeOff => {
+            TaskStatus::Lost => {
                 let text = format!("Opening {} stopped: internal error", opening.path.display());
                 self.opening_case = None;
-                self.session.report(Level::Error, text);
+                self.session.report(Severity::Error, text);
             }
         }
     }
@@ -149,17 +149,17 @@ impl Workbench {
         match result {
             Ok(Loaded { scene, warnings, notes }) => {
                 self.session.show_scene(scene, source);
-                self.worker.send(Job::CancelMeasure);
+                self.worker.send(WorkerRequest::CancelMeasure);
                 self.drop_findings();
                 self.canvas.fit();
                 for note in notes {
-                    self.session.report(Level::Info, note.to_string());
+                    self.session.report(Severity::Info, note.to_string());
                 }
                 self.warn(&warnings);
             }
             Err(error) => {
                 self.session.places.pending = None;
-                self.session.report(Level::Error, error.to_string());
+                self.session.report(Severity::Error, error.to_string());
             }
         }
     }
@@ -167,14 +167,14 @@ impl Workbench {
     /// Cancels searches, checks and fate counts of the previous scene: their results would pick and select in the new
     /// one.
     fn drop_findings(&mut self) {
-        (self.finding, self.checks, self.fates) = Default::default();
+        (self.searching, self.checks, self.fates) = Default::default();
         self.session.checks.progress = None;
     }
 
     /// Writes the loader's warnings into the log.
     pub(crate) fn warn(&mut self, warnings: &[crate::scene::Warning]) {
         for warning in warnings {
-            self.session.report(Level::Warning, warning.to_string());
+            self.session.report(Severity::Warning, warning.to_string());
         }
         if !warnings.is_empty() {
             self.tab = Tab::Log;

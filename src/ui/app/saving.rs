@@ -15,19 +15,19 @@ use crate::lab::drawing::encode_recording;
 use crate::pipeline::settings::Choice as _;
 use crate::ui::engine::Request;
 use crate::ui::panels::bottom::Tab;
-use crate::ui::session::Level;
-use crate::ui::task::{Listening, Task};
+use crate::ui::session::Severity;
+use crate::ui::task::{BackgroundTask, TaskStatus};
 use crate::ui::what_if;
 use crate::{disk, drawing};
 
 /// File being written by a background thread.
-pub(super) struct Saving {
-    task: Task<f32, Result<PathBuf, String>>,
+pub(super) struct PendingExport {
+    task: BackgroundTask<f32, Result<PathBuf, String>>,
     /// Completed share in [0, 1]; `None` for exports without progress, which cannot be cancelled.
     completed: Option<f32>,
 }
 
-impl Saving {
+impl PendingExport {
     /// Cancels an export that reports its progress.
     pub(super) fn cancel(&self) {
         if self.completed.is_some() {
@@ -48,8 +48,10 @@ impl Workbench {
         let Some(view) = &self.session.view else { return };
         let visible = view.report.as_ref().and_then(|report| Some((report.drawn_at, report.visible()?.submission)));
         let Some(([x, y], submission)) = visible else {
-            self.session
-                .report(Level::Error, "Pick a pixel that shows a triangle first; that triangle is saved as the case");
+            self.session.report(
+                Severity::Error,
+                "Pick a pixel that shows a triangle first; that triangle is saved as the case",
+            );
             return;
         };
         let settings = &view.request.recipe.pipeline;
@@ -94,16 +96,16 @@ impl Workbench {
     pub(super) fn saved(&mut self, outcome: Result<PathBuf, String>) {
         match outcome {
             Ok(path) => {
-                self.session.report(Level::Info, format!("Saved {}", path.display()));
+                self.session.report(Severity::Info, format!("Saved {}", path.display()));
                 self.tab = Tab::Log;
             }
-            Err(error) => self.session.report(Level::Error, error),
+            Err(error) => self.session.report(Severity::Error, error),
         }
     }
 
     /// Returns the picture on the canvas, including what-if views and the probe's heat map.
     fn shown_picture(&self, ui: &Ui) -> Option<Arc<Image<Rgba8>>> {
-        let view = what_if::seen(ui, &self.session)?;
+        let view = what_if::visible_view(ui, &self.session)?;
         Some(self.session.probing.picture(view).unwrap_or(&view.picture).clone())
     }
 
@@ -112,7 +114,7 @@ impl Workbench {
             let (width, height) = picture.size();
             let size = [width as usize, height as usize];
             ui.ctx().copy_image(egui::ColorImage::from_rgba_premultiplied(size, picture.as_bytes()));
-            self.session.report(Level::Info, format!("Copied the picture, {width} × {height} px"));
+            self.session.report(Severity::Info, format!("Copied the picture, {width} × {height} px"));
         }
     }
 
@@ -141,24 +143,24 @@ impl Workbench {
             let unwritable = |error| format!("{}.{extension}: cannot write it: {error}", folder.join(&stem).display());
             Some(encoded.and_then(|bytes| written(bytes).map_err(unwritable)))
         };
-        if self.waits {
+        if self.is_synchronous {
             let outcome = save(&|_| {}, &AtomicBool::new(false));
             outcome.into_iter().for_each(|outcome| self.saved(outcome));
         } else {
-            self.saving.push(Saving { task: Task::start(ui.ctx().clone(), save), completed: None });
+            self.saving.push(PendingExport { task: BackgroundTask::start(ui.ctx().clone(), save), completed: None });
         }
     }
 
     /// Handles the progress and the results of all files being written.
-    pub(super) fn hear_saving(&mut self) {
+    pub(super) fn poll_saving(&mut self) {
         let mut outcomes = Vec::new();
-        self.saving.retain_mut(|saving| match saving.task.listen(&mut saving.completed) {
-            Listening::GoesOn => true,
-            Listening::Ended(outcome) => {
+        self.saving.retain_mut(|saving| match saving.task.poll(&mut saving.completed) {
+            TaskStatus::Running => true,
+            TaskStatus::Ended(outcome) => {
                 outcomes.extend(outcome.map(|outcome| *outcome));
                 false
             }
-            Listening::BrokeOff => {
+            TaskStatus::Lost => {
                 outcomes.push(Err("Saving stopped: internal error".to_owned()));
                 false
             }

@@ -10,22 +10,22 @@ use std::sync::atomic::AtomicBool;
 
 use eframe::egui::Context;
 
-use super::engine::View;
-use super::session::{Level, Session};
-use super::task::{Listening, Task};
+use super::engine::RenderedView;
+use super::session::{Session, Severity};
+use super::task::{BackgroundTask, TaskStatus};
 use crate::chain::Frame;
-use crate::inspect::assertions::{Assertion, Report, Violation, check};
+use crate::inspect::assertions::{Assertion, AssertionReport, Violation, check};
 use crate::pipeline::settings::Choice as _;
 
 /// State of assertion checking.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Checks {
+pub struct Checks {
     /// Last report, and the frame it describes.
-    pub(crate) found: Option<(Arc<Report>, Arc<Frame>)>,
+    pub found: Option<(Arc<AssertionReport>, Arc<Frame>)>,
     /// Completed share of the running check, in [0, 1].
     pub(crate) progress: Option<f32>,
     /// Whether each new frame is checked.
-    pub(crate) every_frame: bool,
+    pub every_frame: bool,
     /// Whether a check of the frame on screen was requested.
     wanted: bool,
     /// Whether cancelling the running check was requested.
@@ -34,7 +34,7 @@ pub(crate) struct Checks {
 
 /// Change of the assertion checks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Change {
+pub enum ChecksChange {
     /// Checks the frame on screen.
     Run,
     /// Stops checking.
@@ -45,11 +45,11 @@ pub enum Change {
 
 impl Checks {
     /// Applies a change.
-    pub(crate) fn apply(&mut self, change: Change) {
+    pub(crate) fn apply(&mut self, change: ChecksChange) {
         match change {
-            Change::Run => self.wanted = true,
-            Change::Cancel => (self.wanted, self.every_frame, self.cancelled) = (false, false, true),
-            Change::ToggleEveryFrame => self.every_frame ^= true,
+            ChecksChange::Run => self.wanted = true,
+            ChecksChange::Cancel => (self.wanted, self.every_frame, self.cancelled) = (false, false, true),
+            ChecksChange::ToggleEveryFrame => self.every_frame ^= true,
         }
     }
 
@@ -69,7 +69,7 @@ pub fn place(violation: &Violation, frame: &Frame) -> (u32, u32) {
 /// Runner of assertion checks.
 #[derive(Debug, Default)]
 pub(crate) struct Runner {
-    running: Option<(Task<f32, Report>, Arc<Frame>)>,
+    running: Option<(BackgroundTask<f32, AssertionReport>, Arc<Frame>)>,
 }
 
 impl Runner {
@@ -94,19 +94,20 @@ impl Runner {
         }
         (session.checks.progress, session.checks.cancelled) = (Some(0.0), false);
         let frame = view.frame.clone();
-        self.running = Some((Task::start(context.clone(), move |tell, stop| checked(&view, tell, stop)), frame));
+        self.running =
+            Some((BackgroundTask::start(context.clone(), move |tell, stop| checked(&view, tell, stop)), frame));
     }
 
     fn listen(&mut self, session: &mut Session) {
         let Some((task, frame)) = &self.running else { return };
         let frame = frame.clone();
-        match task.listen(&mut session.checks.progress) {
-            Listening::GoesOn => return,
-            Listening::Ended(Some(report)) => found(session, *report, frame),
-            Listening::Ended(None) => {}
-            Listening::BrokeOff => {
+        match task.poll(&mut session.checks.progress) {
+            TaskStatus::Running => return,
+            TaskStatus::Ended(Some(report)) => found(session, *report, frame),
+            TaskStatus::Ended(None) => {}
+            TaskStatus::Lost => {
                 session.checks.every_frame = false;
-                session.report(Level::Error, "Checking stopped: internal error");
+                session.report(Severity::Error, "Checking stopped: internal error");
             }
         }
         self.running = None;
@@ -114,18 +115,18 @@ impl Runner {
 }
 
 /// Checks all assertions on a view. Returns `None` if cancelled.
-fn checked(view: &View, tell: &dyn Fn(f32), stop: &AtomicBool) -> Option<Report> {
+fn checked(view: &RenderedView, tell: &dyn Fn(f32), stop: &AtomicBool) -> Option<AssertionReport> {
     check(&view.request.scene, &view.request.recipe, &view.frame, Assertion::ALL, tell, stop)
 }
 
 /// Stores a report. The first violation stops checking and picks its pixel.
-fn found(session: &mut Session, report: Report, frame: Arc<Frame>) {
+fn found(session: &mut Session, report: AssertionReport, frame: Arc<Frame>) {
     if let Some((assertion, violation)) = report.first_violation() {
         let (x, y) = place(violation, &frame);
         session.pick = Some((x, y));
         session.checks.every_frame = false;
         let text = format!("“{}” is violated at {x}, {y} by triangle {}", assertion.name(), violation.triangle.0);
-        session.report(Level::Warning, text);
+        session.report(Severity::Warning, text);
     }
     session.checks.found = Some((Arc::new(report), frame));
 }

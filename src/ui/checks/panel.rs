@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use eframe::egui::{Button, Grid, Label, ProgressBar, RichText, ScrollArea, Sense, Ui};
 
-use super::{Change, place};
+use super::{ChecksChange, place};
 use crate::inspect::assertions::{Assertion, Finding};
 use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
@@ -19,16 +19,16 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
     let help = "Draws this frame once more and checks every fragment";
     let run = Button::new((theme::icon(Icon::ListChecks), "Check this frame"));
     if ui.add_enabled(checks.progress.is_none(), run).on_hover_text(help).clicked() {
-        commands.push(Command::Checks(Change::Run));
+        commands.push(Command::Checks(ChecksChange::Run));
     }
     let help =
         "Checks each new frame until an assertion is violated, then picks that pixel. Frames take longer meanwhile";
     if ui.add(Button::selectable(checks.every_frame, "Every frame")).on_hover_text(help).clicked() {
-        commands.push(Command::Checks(Change::ToggleEveryFrame));
+        commands.push(Command::Checks(ChecksChange::ToggleEveryFrame));
     }
     if let Some(progress) = checks.progress {
         if ui.button("Cancel").on_hover_text("Stop checking").clicked() {
-            commands.push(Command::Checks(Change::Cancel));
+            commands.push(Command::Checks(ChecksChange::Cancel));
         }
         ui.add(ProgressBar::new(progress).desired_width(120.0).show_percentage());
     }

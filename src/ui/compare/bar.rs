@@ -2,7 +2,7 @@
 
 use eframe::egui::{self, Align, Button, Layout, Response, RichText, Ui, Vec2};
 
-use super::{Change, Mode};
+use super::{CompareChange, Mode};
 use crate::manual::Chapter;
 use crate::measure::difference::{Difference, GAINS};
 use crate::measure::reference::Reference;
@@ -26,7 +26,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &
     ui.horizontal_wrapped(|ui| {
         for (mode, name, help) in Mode::ALL {
             if ui.selectable_label(comparison.mode == mode, name).on_hover_text(help).clicked() {
-                changes.push(Change::Mode(mode));
+                changes.push(CompareChange::Mode(mode));
             }
         }
         ui.separator();
@@ -36,7 +36,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &
             Mode::Off | Mode::Wipe | Mode::Flip => {}
         }
         if icon_button(ui, Icon::ArrowLeftRight, "Swap A and B  (S)").clicked() {
-            changes.push(Change::Swap);
+            changes.push(CompareChange::Swap);
         }
         region(ui, session, &mut changes);
         ui.separator();
@@ -53,7 +53,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &
         }
         manual_button(ui, Chapter::ComparingUpscalers, commands);
         if icon_button(ui, Icon::X, "Stop comparing  (Esc)").clicked() {
-            changes.push(Change::Mode(Mode::Off));
+            changes.push(CompareChange::Mode(Mode::Off));
         }
     });
     commands.extend(changes.into_iter().map(Command::Compare));
@@ -65,26 +65,26 @@ fn icon_button(ui: &mut Ui, icon: Icon, name: &str) -> Response {
     ui.add(button).on_hover_text(name)
 }
 
-fn counts(ui: &mut Ui, session: &Session, changes: &mut Vec<Change>) {
+fn counts(ui: &mut Ui, session: &Session, changes: &mut Vec<CompareChange>) {
     let count = session.state.tiles.count();
     for wanted in COUNTS {
         let label = ui.selectable_label(count == wanted, wanted.to_string());
         let name = format!("{wanted} tiles");
         label.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, count == wanted, &name));
         if label.on_hover_text(name).clicked() {
-            changes.push(Change::Count(wanted));
+            changes.push(CompareChange::Count(wanted));
         }
     }
     if ui.button("All").on_hover_text("Every upscaler, each at its largest scale").clicked() {
-        changes.push(Change::Every);
+        changes.push(CompareChange::Every);
     }
-    if count < super::MOST_TILES && icon_button(ui, Icon::Plus, "Add a tile").clicked() {
-        changes.push(Change::Count(count + 1));
+    if count < super::MAX_TILES && icon_button(ui, Icon::Plus, "Add a tile").clicked() {
+        changes.push(CompareChange::Count(count + 1));
     }
     ui.separator();
 }
 
-fn difference(ui: &mut Ui, session: &Session, changes: &mut Vec<Change>) {
+fn difference(ui: &mut Ui, session: &Session, changes: &mut Vec<CompareChange>) {
     let mut kind = session.comparison.difference;
     ui.name_inputs("Shown difference", |ui| {
         combo("difference", kind.name(), 84.0).show_ui(ui, |ui| {
@@ -94,7 +94,7 @@ fn difference(ui: &mut Ui, session: &Session, changes: &mut Vec<Change>) {
         });
     });
     if kind != session.comparison.difference {
-        changes.push(Change::Difference(kind));
+        changes.push(CompareChange::Difference(kind));
     }
     let mut gain = session.comparison.gain;
     ui.name_inputs("Gain", |ui| {
@@ -105,17 +105,17 @@ fn difference(ui: &mut Ui, session: &Session, changes: &mut Vec<Change>) {
         });
     });
     if gain != session.comparison.gain {
-        changes.push(Change::Gain(gain));
+        changes.push(CompareChange::Gain(gain));
     }
     ui.separator();
 }
 
-fn region(ui: &mut Ui, session: &Session, changes: &mut Vec<Change>) {
+fn region(ui: &mut Ui, session: &Session, changes: &mut Vec<CompareChange>) {
     let comparison = &session.comparison;
     let help = "Drag a rectangle on a picture to measure only that region  (R)";
     let button = ui.selectable_label(comparison.draws_region, "Region");
     if button.on_hover_text(help).clicked() {
-        changes.push(Change::ToggleRegion);
+        changes.push(CompareChange::ToggleRegion);
     }
     if let Some(region) = comparison.region {
         let (width, height) = (region.right - region.left, region.bottom - region.top);
@@ -123,19 +123,19 @@ fn region(ui: &mut Ui, session: &Session, changes: &mut Vec<Change>) {
         let forget = ui.add(Button::new((text, theme::icon(Icon::X))));
         forget.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Clear the region"));
         if forget.on_hover_text("Clear the region").clicked() {
-            changes.push(Change::Region(None));
+            changes.push(CompareChange::Region(None));
         }
     }
 }
 
-fn reference(ui: &mut Ui, session: &Session, changes: &mut Vec<Change>) {
+fn reference(ui: &mut Ui, session: &Session, changes: &mut Vec<CompareChange>) {
     ui.label(RichText::new("against").color(tokens(ui).text_weak));
     changes.extend(reference_list(ui, "Reference", 124.0, session.comparison.reference));
 }
 
 /// Draws the list of references, `width` points wide. `name` is its accessible name. Returns the change if another
 /// reference was chosen.
-pub(crate) fn reference_list(ui: &mut Ui, name: &str, width: f32, present: Reference) -> Option<Change> {
+pub(crate) fn reference_list(ui: &mut Ui, name: &str, width: f32, present: Reference) -> Option<CompareChange> {
     let mut reference = present;
     let list = ui.name_inputs(name, |ui| {
         combo(name, present.name(), width).show_ui(ui, |ui| {
@@ -146,5 +146,5 @@ pub(crate) fn reference_list(ui: &mut Ui, name: &str, width: f32, present: Refer
     });
     // Attached after the list has its accessible name: an unnamed list would take the tooltip as its name.
     list.response.on_hover_text(format!("Reference for the errors. {}", present.help()));
-    (reference != present).then_some(Change::Reference(reference))
+    (reference != present).then_some(CompareChange::Reference(reference))
 }

@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use crate::chain::{Recipe, Renderer};
 use crate::image::{Image, Rgba8};
-use crate::measure::against::{Figures, figures, figures_within};
+use crate::measure::against::{ErrorMetrics, figures, figures_within};
 use crate::measure::difference::{self, Difference};
-use crate::measure::reference::{Gathering, Reference};
-use crate::measure::region::Region;
+use crate::measure::reference::{ProgressiveRender, Reference};
+use crate::measure::region::PixelRegion;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
 use crate::upscale::Upscaling;
@@ -16,19 +16,19 @@ use crate::upscale::Upscaling;
 #[derive(Clone, Debug)]
 pub struct CompareRequest {
     /// Scene; compared by pointer.
-    pub(crate) scene: Arc<Scene>,
+    pub scene: Arc<Scene>,
     /// Camera shared by all pictures.
-    pub(crate) camera: Camera,
+    pub camera: Camera,
     /// Size of every picture, in pixels.
-    pub(crate) viewport: Viewport,
+    pub viewport: Viewport,
     /// Recipe of each picture.
-    pub(crate) recipes: Vec<Recipe>,
+    pub recipes: Vec<Recipe>,
     /// Reference that errors are measured against.
-    pub(crate) reference: Reference,
+    pub reference: Reference,
     /// Region with separate figures.
-    pub(crate) region: Option<Region>,
+    pub region: Option<PixelRegion>,
     /// Difference of the first two pictures to show, and its gain.
-    pub(crate) difference: Option<(Difference, u32)>,
+    pub difference: Option<(Difference, u32)>,
 }
 
 impl CompareRequest {
@@ -48,37 +48,37 @@ impl CompareRequest {
 
 /// Picture of a tile and its figures so far.
 #[derive(Clone, Debug)]
-pub(crate) struct Tile {
+pub struct TileResult {
     /// Recipe of the tile.
-    pub(crate) recipe: Recipe,
+    pub recipe: Recipe,
     /// Finished picture.
-    pub(crate) picture: Arc<Image<Rgba8>>,
+    pub picture: Arc<Image<Rgba8>>,
     /// Share of its pixels that were rasterized and shaded, in [0, 1].
     pub(crate) drawn_share: f64,
     /// Figures against the reference, once measured.
-    pub(crate) measured: Option<Measured>,
+    pub measured: Option<TileMetrics>,
     /// Figures within the region, if there is one that contains pixels.
-    pub(crate) within: Option<Figures>,
+    pub region_figures: Option<ErrorMetrics>,
 }
 
 /// Measures of a picture against the reference.
 #[derive(Clone, Debug)]
-pub(crate) struct Measured {
+pub struct TileMetrics {
     /// All figures; `None` if the two pictures differ in size.
-    pub(crate) figures: Option<Figures>,
+    pub figures: Option<ErrorMetrics>,
     /// FLIP error of every pixel.
     flip: Option<Arc<Image<f32>>>,
 }
 
 /// Difference image of the first two tiles.
 #[derive(Clone, Debug)]
-pub(crate) struct Differing {
+pub struct DifferenceImage {
     /// Kind of difference, and its gain.
-    pub(crate) kind: (Difference, u32),
+    pub kind: (Difference, u32),
     /// Difference at every pixel.
-    pub(crate) values: Arc<Image<f32>>,
+    pub values: Arc<Image<f32>>,
     /// The values mapped to colours.
-    pub(crate) picture: Arc<Image<Rgba8>>,
+    pub picture: Arc<Image<Rgba8>>,
 }
 
 /// Results for a [`CompareRequest`] so far.
@@ -87,41 +87,41 @@ pub struct Compared {
     /// Request that is answered.
     pub(crate) request: CompareRequest,
     /// One tile for each recipe of the request.
-    pub(crate) tiles: Vec<Tile>,
+    pub tiles: Vec<TileResult>,
     /// Difference of the first two tiles, if requested.
-    pub(crate) difference: Option<Differing>,
+    pub difference: Option<DifferenceImage>,
     /// Whether all results are present.
-    pub(crate) complete: bool,
+    pub complete: bool,
 }
 
 /// Worker for the most recent request: draws all pictures at once, then measures them tile by tile.
 #[derive(Debug, Default)]
 pub struct Comparer {
-    known: Option<Compared>,
+    results: Option<Compared>,
     begun: bool,
     /// Finished references, keyed by [`reference_recipe`].
     references: Vec<(Recipe, Arc<Image<Rgba8>>)>,
-    gathering: Option<(Recipe, Gathering)>,
+    rendering_reference: Option<(Recipe, ProgressiveRender)>,
     renderer: Renderer,
 }
 
 impl Comparer {
     /// Starts a request: draws missing pictures and reuses those results of the last request that are still valid.
-    pub(crate) fn ask(&mut self, request: CompareRequest) -> &Compared {
+    pub fn start(&mut self, request: CompareRequest) -> &Compared {
         self.begun = false;
-        let same_view = self.known.as_ref().is_some_and(|known| known.request.same_view(&request));
+        let same_view = self.results.as_ref().is_some_and(|known| known.request.same_view(&request));
         let same_reference =
-            same_view && self.known.as_ref().is_some_and(|known| known.request.reference == request.reference);
+            same_view && self.results.as_ref().is_some_and(|known| known.request.reference == request.reference);
         if !same_reference {
             self.references.clear();
-            self.gathering = None;
+            self.rendering_reference = None;
         }
-        let old = self.known.take().filter(|_| same_view);
+        let old = self.results.take().filter(|_| same_view);
         let tiles = request.recipes.iter().map(|recipe| {
             let kept = old.iter().flat_map(|old| &old.tiles).find(|tile| tile.recipe == *recipe);
             let mut tile = kept.cloned().unwrap_or_else(|| self.drawn(&request, *recipe));
             tile.measured = tile.measured.filter(|_| same_reference);
-            tile.within = None;
+            tile.region_figures = None;
             tile
         });
         let tiles: Vec<_> = tiles.collect();
@@ -133,44 +133,44 @@ impl Comparer {
             });
             differing(kind, kept.and_then(|old| old.difference.as_ref()), a, b)
         });
-        self.known.insert(Compared { request, tiles, difference, complete: false })
+        self.results.insert(Compared { request, tiles, difference, complete: false })
     }
 
     /// Computes one more piece. Returns `None` if there is no new result yet or nothing left to compute.
     pub(crate) fn step(&mut self) -> Option<&Compared> {
         self.begun = true;
-        let known = self.known.as_ref().filter(|known| !known.complete)?;
+        let known = self.results.as_ref().filter(|known| !known.complete)?;
         let Some(place) = known.tiles.iter().position(|tile| tile.measured.is_none()) else {
             return self.complete();
         };
         let (recipe, picture) = (known.tiles[place].recipe, known.tiles[place].picture.clone());
         let Some(reference) = self.reference(recipe) else {
-            self.gather(recipe);
+            self.add_reference_sample(recipe);
             return None;
         };
         let (figures, flip) = figures(&picture, &reference).unzip();
-        let known = self.known.as_mut()?;
-        known.tiles[place].measured = Some(Measured { figures, flip: flip.map(Arc::new) });
-        self.known.as_ref()
+        let known = self.results.as_mut()?;
+        known.tiles[place].measured = Some(TileMetrics { figures, flip: flip.map(Arc::new) });
+        self.results.as_ref()
     }
 
     /// Measures the region in every tile, which is cheap, and marks the results complete.
     fn complete(&mut self) -> Option<&Compared> {
-        let known = self.known.clone()?;
+        let known = self.results.clone()?;
         let tiles = known.tiles.into_iter().map(|mut tile| {
             let flip = tile.measured.as_ref().and_then(|measured| measured.flip.clone());
-            tile.within = known.request.region.zip(flip).and_then(|(region, flip)| {
+            tile.region_figures = known.request.region.zip(flip).and_then(|(region, flip)| {
                 figures_within(region, &tile.picture, &*self.reference(tile.recipe)?, &flip)
             });
             tile
         });
         let tiles = tiles.collect();
-        Some(self.known.insert(Compared { tiles, complete: true, ..known }))
+        Some(self.results.insert(Compared { tiles, complete: true, ..known }))
     }
 
     /// Whether any result is missing.
     pub(crate) fn has_work(&self) -> bool {
-        self.known.as_ref().is_some_and(|known| !known.complete)
+        self.results.as_ref().is_some_and(|known| !known.complete)
     }
 
     /// Whether computing the missing results has begun.
@@ -183,15 +183,15 @@ impl Comparer {
         *self = Self::default();
     }
 
-    fn drawn(&mut self, request: &CompareRequest, recipe: Recipe) -> Tile {
+    fn drawn(&mut self, request: &CompareRequest, recipe: Recipe) -> TileResult {
         let CompareRequest { scene, camera, viewport, .. } = request;
-        let frame = self.renderer.render_settled(scene, camera, &recipe, *viewport);
-        let tile = Tile {
+        let frame = self.renderer.render_converged(scene, camera, &recipe, *viewport);
+        let tile = TileResult {
             recipe,
             picture: Arc::new(frame.image().clone()),
             drawn_share: frame.drawn_share(),
             measured: None,
-            within: None,
+            region_figures: None,
         };
         self.renderer.recycle(frame);
         tile
@@ -204,17 +204,17 @@ impl Comparer {
     }
 
     /// Draws one more sample of the reference for `recipe`.
-    fn gather(&mut self, recipe: Recipe) {
+    fn add_reference_sample(&mut self, recipe: Recipe) {
         let wanted = reference_recipe(recipe);
         let Some(CompareRequest { scene, camera, viewport, reference, .. }) =
-            self.known.as_ref().map(|known| &known.request)
+            self.results.as_ref().map(|known| &known.request)
         else {
             return;
         };
-        let same = self.gathering.take().filter(|(known, _)| *known == wanted);
+        let same = self.rendering_reference.take().filter(|(known, _)| *known == wanted);
         let (_, mut gathering) = same.unwrap_or_else(|| (wanted, reference.begin(scene, camera, &wanted, *viewport)));
         if gathering.step() {
-            self.gathering = Some((wanted, gathering));
+            self.rendering_reference = Some((wanted, gathering));
         } else {
             self.references.push((wanted, Arc::new(gathering.picture())));
         }
@@ -228,14 +228,19 @@ fn reference_recipe(recipe: Recipe) -> Recipe {
 
 /// Computes the difference of two tiles, reusing known values if only the gain has changed. Returns `None` if the
 /// pictures cannot be compared.
-fn differing(kind: (Difference, u32), old: Option<&Differing>, a: &Tile, b: &Tile) -> Option<Differing> {
+fn differing(
+    kind: (Difference, u32),
+    old: Option<&DifferenceImage>,
+    a: &TileResult,
+    b: &TileResult,
+) -> Option<DifferenceImage> {
     let values = match old.filter(|old| old.kind.0 == kind.0) {
         Some(old) if old.kind == kind => return Some(old.clone()),
         Some(old) => old.values.clone(),
         None => Arc::new(difference::values(kind.0, &a.picture, &b.picture)?),
     };
     let picture = Arc::new(difference::picture(kind.0, kind.1, &values));
-    Some(Differing { kind, values, picture })
+    Some(DifferenceImage { kind, values, picture })
 }
 
 #[cfg(test)]
@@ -262,11 +267,11 @@ mod tests {
     }
 
     fn finished(comparer: &mut Comparer, request: CompareRequest) -> Compared {
-        comparer.ask(request);
+        comparer.start(request);
         while comparer.has_work() {
             comparer.step();
         }
-        comparer.known.clone().unwrap()
+        comparer.results.clone().unwrap()
     }
 
     #[test]
@@ -289,11 +294,11 @@ mod tests {
         let first = finished(&mut comparer, request(&[("native", 1), ("nearest", 4)]));
         let mut next = first.request.clone();
         next.recipes[1].upscaler = Upscaling::new("bilinear", 4).unwrap();
-        next.region = Some(Region { left: 10, top: 10, right: 30, bottom: 25 });
+        next.region = Some(PixelRegion { left: 10, top: 10, right: 30, bottom: 25 });
         let second = finished(&mut comparer, next.clone());
         assert!(Arc::ptr_eq(&first.tiles[0].picture, &second.tiles[0].picture));
         assert!(!Arc::ptr_eq(&first.tiles[1].picture, &second.tiles[1].picture));
-        assert_eq!(second.tiles[0].within.map(|figures| figures.codes.differing_pixels), Some(0));
+        assert_eq!(second.tiles[0].region_figures.map(|figures| figures.codes.differing_pixels), Some(0));
         next.viewport.width = 50;
         let third = finished(&mut comparer, next);
         assert!(!Arc::ptr_eq(&third.tiles[0].picture, &second.tiles[0].picture));

@@ -13,12 +13,12 @@ pub(crate) mod tiles;
 use crate::chain::Recipe;
 use crate::measure::difference::Difference;
 use crate::measure::reference::Reference;
-use crate::measure::region::Region;
+use crate::measure::region::PixelRegion;
 use crate::pipeline::settings::Choice as _;
 use crate::upscale::{self, Upscaling};
 
 /// Maximum number of tiles.
-pub(crate) const MOST_TILES: usize = 16;
+pub(crate) const MAX_TILES: usize = 16;
 
 /// Comparison mode.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -52,14 +52,14 @@ impl Mode {
 
 /// Recipes of all tiles, and the index of the active one.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Tiles {
+pub struct TileSet {
     /// Recipe of each tile. The entry of the active tile may be out of date: the session owns its recipe.
     recipes: Vec<Recipe>,
     /// Index of the tile that shows the session's recipe.
-    pub(crate) active: usize,
+    pub active: usize,
 }
 
-impl Tiles {
+impl TileSet {
     /// Returns the number of tiles, visible or not; at least 1.
     pub(crate) fn count(&self) -> usize {
         self.recipes.len().max(1)
@@ -91,9 +91,9 @@ impl Tiles {
 
 /// Comparison mode and its settings.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Comparison {
+pub struct CompareSettings {
     /// Mode.
-    pub(crate) mode: Mode,
+    pub mode: Mode,
     /// Reference that figures are computed against.
     pub(crate) reference: Reference,
     /// Kind of difference image.
@@ -101,14 +101,14 @@ pub(crate) struct Comparison {
     /// Gain of the difference image.
     pub(crate) gain: u32,
     /// Position of the wipe line, as a share of the canvas width in [0, 1].
-    pub(crate) wipe: f32,
+    pub wipe: f32,
     /// Region of the picture with separate figures.
-    pub(crate) region: Option<Region>,
+    pub region: Option<PixelRegion>,
     /// Whether dragging draws the region.
     pub(crate) draws_region: bool,
 }
 
-impl Default for Comparison {
+impl Default for CompareSettings {
     fn default() -> Self {
         Self {
             mode: Mode::Off,
@@ -124,7 +124,7 @@ impl Default for Comparison {
 
 /// Change of the comparison.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Change {
+pub enum CompareChange {
     /// Sets the mode.
     Mode(Mode),
     /// Sets the mode, or stops comparing if it is already active.
@@ -148,7 +148,7 @@ pub enum Change {
     /// Moves the wipe line to this share of the canvas width.
     Wipe(f32),
     /// Sets or clears the region with separate figures.
-    Region(Option<Region>),
+    Region(Option<PixelRegion>),
     /// Sets whether dragging draws the region.
     DrawRegion(bool),
     /// Toggles whether dragging draws the region.
@@ -157,14 +157,14 @@ pub enum Change {
     Reference(Reference),
 }
 
-impl Comparison {
+impl CompareSettings {
     /// Whether a comparison is active.
-    pub(crate) fn is_on(&self) -> bool {
+    pub fn is_on(&self) -> bool {
         self.mode != Mode::Off
     }
 
     /// Returns the number of pictures to draw: all tiles, or A and B.
-    pub(crate) fn shown(&self, tiles: &Tiles) -> usize {
+    pub(crate) fn shown(&self, tiles: &TileSet) -> usize {
         match self.mode {
             Mode::Off => 0,
             Mode::Tiles => tiles.count(),
@@ -173,7 +173,7 @@ impl Comparison {
     }
 
     /// Whether the visible pictures place samples at different positions in their blocks.
-    pub(crate) fn anchors_differ(&self, tiles: &Tiles, of_active: Recipe) -> bool {
+    pub(crate) fn anchors_differ(&self, tiles: &TileSet, of_active: Recipe) -> bool {
         let recipes = (0..self.shown(tiles)).map(|tile| tiles.recipe(tile, of_active));
         let mut anchors = recipes.filter_map(|recipe| recipe.upscaler.block_anchor());
         let first = anchors.next();
@@ -181,47 +181,47 @@ impl Comparison {
     }
 
     /// Applies a change to the comparison, to the tiles and to the recipe of the active tile.
-    pub(crate) fn apply(&mut self, change: Change, tiles: &mut Tiles, recipe: &mut Recipe) {
+    pub(crate) fn apply(&mut self, change: CompareChange, tiles: &mut TileSet, recipe: &mut Recipe) {
         tiles.fill(1, *recipe);
         tiles.store(*recipe);
         match change {
-            Change::Mode(mode) => self.mode = mode,
-            Change::Toggle(mode) => self.mode = if self.mode == mode { Mode::Off } else { mode },
-            Change::Count(count) => {
+            CompareChange::Mode(mode) => self.mode = mode,
+            CompareChange::Toggle(mode) => self.mode = if self.mode == mode { Mode::Off } else { mode },
+            CompareChange::Count(count) => {
                 self.mode = Mode::Tiles;
                 tiles.recipes.truncate(count.max(1));
-                tiles.fill(count.min(MOST_TILES), *recipe);
+                tiles.fill(count.min(MAX_TILES), *recipe);
             }
-            Change::Every => {
+            CompareChange::Every => {
                 self.mode = Mode::Tiles;
-                let recipes = every_method().map(|upscaler| Recipe { upscaler, ..*recipe }).take(MOST_TILES);
-                *tiles = Tiles { recipes: recipes.collect(), active: 0 };
+                let recipes = every_method().map(|upscaler| Recipe { upscaler, ..*recipe }).take(MAX_TILES);
+                *tiles = TileSet { recipes: recipes.collect(), active: 0 };
             }
-            Change::Activate(tile) => tiles.active = tile,
-            Change::Recipe(tile, wanted) => {
-                tiles.fill((tile + 1).min(MOST_TILES), *recipe);
+            CompareChange::Activate(tile) => tiles.active = tile,
+            CompareChange::Recipe(tile, wanted) => {
+                tiles.fill((tile + 1).min(MAX_TILES), *recipe);
                 if let Some(place) = tiles.recipes.get_mut(tile) {
                     *place = *wanted;
                 }
             }
-            Change::Remove(tile) => {
+            CompareChange::Remove(tile) => {
                 if tiles.recipes.len() > 2 && tile < tiles.recipes.len() {
                     tiles.recipes.remove(tile);
                     tiles.active -= usize::from(tiles.active > tile);
                 }
             }
-            Change::Swap => {
+            CompareChange::Swap => {
                 if let [a, b, ..] = &mut tiles.recipes[..] {
                     std::mem::swap(a, b);
                 }
             }
-            Change::Difference(difference) => self.difference = difference,
-            Change::Gain(gain) => self.gain = gain,
-            Change::Wipe(share) => self.wipe = share.clamp(0.0, 1.0),
-            Change::Region(region) => self.region = region,
-            Change::DrawRegion(draws) => self.draws_region = draws,
-            Change::ToggleRegion => self.draws_region ^= self.is_on() || self.draws_region,
-            Change::Reference(reference) => self.reference = reference,
+            CompareChange::Difference(difference) => self.difference = difference,
+            CompareChange::Gain(gain) => self.gain = gain,
+            CompareChange::Wipe(share) => self.wipe = share.clamp(0.0, 1.0),
+            CompareChange::Region(region) => self.region = region,
+            CompareChange::DrawRegion(draws) => self.draws_region = draws,
+            CompareChange::ToggleRegion => self.draws_region ^= self.is_on() || self.draws_region,
+            CompareChange::Reference(reference) => self.reference = reference,
         }
         if self.is_on() {
             tiles.fill(2, *recipe);
@@ -254,14 +254,14 @@ mod tests {
 
     /// A comparison with the session state that it edits.
     #[derive(Default)]
-    struct Bench {
-        comparison: Comparison,
-        tiles: Tiles,
+    struct CompareBench {
+        comparison: CompareSettings,
+        tiles: TileSet,
         recipe: Recipe,
     }
 
-    impl Bench {
-        fn apply(&mut self, change: Change) {
+    impl CompareBench {
+        fn apply(&mut self, change: CompareChange) {
             self.comparison.apply(change, &mut self.tiles, &mut self.recipe);
         }
 
@@ -272,80 +272,80 @@ mod tests {
 
     #[test]
     fn comparing_starts_with_the_present_picture_and_another() {
-        let mut bench = Bench::default();
+        let mut bench = CompareBench::default();
         bench.recipe.wireframe = true;
         let before = bench.recipe;
-        bench.apply(Change::Toggle(Mode::Wipe));
+        bench.apply(CompareChange::Toggle(Mode::Wipe));
         let recipes = bench.recipes();
         assert_eq!((recipes.len(), recipes[0], bench.recipe), (2, before, before));
         assert_eq!(Recipe { upscaler: before.upscaler, ..recipes[1] }, before, "only the upscaler differs");
         assert_ne!(recipes[1].upscaler, recipes[0].upscaler);
-        bench.apply(Change::Toggle(Mode::Wipe));
+        bench.apply(CompareChange::Toggle(Mode::Wipe));
         assert!(!bench.comparison.is_on());
     }
 
     #[test]
     fn a_tile_keeps_what_was_changed_while_it_was_active() {
-        let mut bench = Bench::default();
-        bench.apply(Change::Count(4));
-        bench.apply(Change::Activate(2));
+        let mut bench = CompareBench::default();
+        bench.apply(CompareChange::Count(4));
+        bench.apply(CompareChange::Activate(2));
         bench.recipe.wireframe = true;
-        bench.apply(Change::Activate(0));
+        bench.apply(CompareChange::Activate(0));
         assert!(!bench.recipe.wireframe);
         assert_eq!(bench.recipes().iter().map(|r| r.wireframe).collect::<Vec<_>>(), [false, false, true, false]);
     }
 
     #[test]
     fn tiles_are_all_different_until_methods_run_out() {
-        let mut bench = Bench::default();
-        bench.apply(Change::Count(8));
+        let mut bench = CompareBench::default();
+        bench.apply(CompareChange::Count(8));
         let mut upscalers: Vec<_> = bench.recipes().iter().map(|recipe| recipe.upscaler).collect();
         upscalers.sort();
         upscalers.dedup();
         assert_eq!(upscalers.len(), 8);
-        bench.apply(Change::Every);
+        bench.apply(CompareChange::Every);
         let methods: Vec<_> = bench.recipes().iter().map(|recipe| recipe.upscaler.method()).collect();
         assert_eq!(methods, upscale::ALL.iter().map(|method| method.id()).collect::<Vec<_>>());
     }
 
     #[test]
     fn anchors_differ_only_among_enlarged_pictures_that_are_shown() {
-        let mut bench = Bench::default();
-        bench.apply(Change::Count(3));
-        let differ = |bench: &Bench| bench.comparison.anchors_differ(&bench.tiles, bench.recipe);
-        let labels = |bench: &Bench| bench.recipes().iter().map(|r| r.upscaler.label()).collect::<Vec<_>>();
+        let mut bench = CompareBench::default();
+        bench.apply(CompareChange::Count(3));
+        let differ = |bench: &CompareBench| bench.comparison.anchors_differ(&bench.tiles, bench.recipe);
+        let labels = |bench: &CompareBench| bench.recipes().iter().map(|r| r.upscaler.label()).collect::<Vec<_>>();
         assert_eq!(labels(&bench), ["Native", "Bicubic ×4", "Nearest ×4"]);
         assert!(!differ(&bench), "corners, and native has no blocks");
         let fsr = Recipe { upscaler: Upscaling::new("fsr1", 2).unwrap(), ..bench.recipe };
-        bench.apply(Change::Recipe(2, Box::new(fsr)));
+        bench.apply(CompareChange::Recipe(2, Box::new(fsr)));
         assert!(differ(&bench));
         let stated: Vec<_> = bench.recipes().iter().map(|recipe| recipe.upscaler.label_with_anchor()).collect();
         assert_eq!(stated, ["Native", "Bicubic ×4, corner", "FSR 1 ×2, centre"]);
-        bench.apply(Change::Mode(Mode::Wipe));
+        bench.apply(CompareChange::Mode(Mode::Wipe));
         assert!(!differ(&bench), "the third is not shown");
     }
 
     #[test]
     fn removing_keeps_the_active_tile_where_it_can_and_two_at_least() {
-        let mut bench = Bench::default();
-        bench.apply(Change::Count(4));
-        bench.apply(Change::Activate(2));
+        let mut bench = CompareBench::default();
+        bench.apply(CompareChange::Count(4));
+        bench.apply(CompareChange::Activate(2));
         let third = bench.recipe;
-        bench.apply(Change::Remove(0));
+        bench.apply(CompareChange::Remove(0));
         assert_eq!((bench.tiles.active, bench.recipe, bench.tiles.count()), (1, third, 3));
-        bench.apply(Change::Activate(2));
-        bench.apply(Change::Remove(2));
+        bench.apply(CompareChange::Activate(2));
+        bench.apply(CompareChange::Remove(2));
         assert_eq!((bench.tiles.active, bench.recipe), (1, third));
-        bench.apply(Change::Remove(0));
+        bench.apply(CompareChange::Remove(0));
         assert_eq!(bench.tiles.count(), 2);
     }
 
     #[test]
     fn swapping_changes_places_and_not_the_active_place() {
-        let mut bench = Bench::default();
-        bench.apply(Change::Mode(Mode::Difference));
+        let mut bench = CompareBench::default();
+        bench.apply(CompareChange::Mode(Mode::Difference));
         let [a, b] = bench.recipes()[..] else { panic!("two tiles") };
-        bench.apply(Change::Swap);
+        bench.apply(CompareChange::Swap);
         assert_eq!(bench.recipes(), [b, a]);
         assert_eq!(bench.recipe, b);
     }

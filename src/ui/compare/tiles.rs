@@ -15,14 +15,14 @@ use eframe::egui::{
 
 use figures::{figures_of, figures_of_both};
 use header::headers;
-use layout::{Place, places};
+use layout::{TileLayout, places};
 use legend::legend;
 
-use super::compute::{Compared, Differing, Tile};
-use super::{Change, Mode, letter};
+use super::compute::{Compared, DifferenceImage, TileResult};
+use super::{CompareChange, Mode, letter};
 use crate::image::{Image, Rgba8};
 use crate::inspect::view::Value;
-use crate::measure::region::Region;
+use crate::measure::region::PixelRegion;
 use crate::ui::canvas::{PictureTexture, grid, marker, numbers};
 use crate::ui::command::Command;
 use crate::ui::navigate::navigate;
@@ -35,7 +35,7 @@ const HOLD: f32 = 7.0;
 
 /// Drag operations other than panning.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Dragging {
+enum TileDrag {
     /// Drags a region between this pixel and the one under the pointer.
     Region((u32, u32), (u32, u32)),
     /// Moves the wipe line.
@@ -47,7 +47,7 @@ enum Dragging {
 pub(crate) struct TilesView {
     textures: Vec<PictureTexture>,
     difference: PictureTexture,
-    dragging: Option<Dragging>,
+    dragging: Option<TileDrag>,
 }
 
 impl TilesView {
@@ -119,35 +119,35 @@ impl TilesView {
         let near_line = |at: egui::Pos2| {
             comparison.mode == Mode::Wipe && (at.x - line_x(rect, comparison.wipe)).abs() <= HOLD && rect.contains(at)
         };
-        if response.hover_pos().is_some_and(near_line) || self.dragging == Some(Dragging::Wipe) {
+        if response.hover_pos().is_some_and(near_line) || self.dragging == Some(TileDrag::Wipe) {
             ui.set_cursor_icon(CursorIcon::ResizeHorizontal);
         }
         if response.drag_started_by(egui::PointerButton::Primary)
             && let Some(at) = ui.input(|i| i.pointer.press_origin())
         {
             self.dragging = match () {
-                () if near_line(at) => Some(Dragging::Wipe),
-                () if comparison.draws_region => Some(Dragging::Region(nearest(at), nearest(at))),
+                () if near_line(at) => Some(TileDrag::Wipe),
+                () if comparison.draws_region => Some(TileDrag::Region(nearest(at), nearest(at))),
                 () => None,
             };
         }
         let at = response.interact_pointer_pos().filter(|_| response.dragged() || response.drag_stopped());
         if let Some(at) = at {
             match &mut self.dragging {
-                Some(Dragging::Wipe) => {
-                    commands.push(Command::Compare(Change::Wipe((at.x - rect.left()) / rect.width().max(1.0))));
+                Some(TileDrag::Wipe) => {
+                    commands.push(Command::Compare(CompareChange::Wipe((at.x - rect.left()) / rect.width().max(1.0))));
                 }
-                Some(Dragging::Region(_, to)) => *to = nearest(at),
+                Some(TileDrag::Region(_, to)) => *to = nearest(at),
                 None => {}
             }
         }
         let is_free = self.dragging.is_none();
         if response.drag_stopped()
             && let Some(dragging) = self.dragging.take()
-            && let Dragging::Region(from, to) = dragging
+            && let TileDrag::Region(from, to) = dragging
         {
-            commands.push(Command::Compare(Change::Region(Some(between(from, to)))));
-            commands.push(Command::Compare(Change::DrawRegion(false)));
+            commands.push(Command::Compare(CompareChange::Region(Some(between(from, to)))));
+            commands.push(Command::Compare(CompareChange::DrawRegion(false)));
         }
         navigate(ui, (response, placement, size.1), is_free, zoom, session, commands);
     }
@@ -156,7 +156,7 @@ impl TilesView {
         &mut self,
         ui: &Ui,
         index: usize,
-        (place, placement, response): (Place, Placement, &Response),
+        (place, placement, response): (TileLayout, Placement, &Response),
         compared: &Compared,
         session: &Session,
     ) {
@@ -212,7 +212,7 @@ impl TilesView {
 
     /// Draws the picture of one tile, clipped to `clip`.
     fn tile(&mut self, ui: &Ui, tile: usize, placement: Placement, clip: Rect, compared: &Compared) {
-        let Some(Tile { picture, .. }) = compared.tiles.get(tile) else { return waiting(ui, clip) };
+        let Some(TileResult { picture, .. }) = compared.tiles.get(tile) else { return waiting(ui, clip) };
         while self.textures.len() <= tile {
             self.textures.push(PictureTexture::default());
         }
@@ -222,7 +222,7 @@ impl TilesView {
         numbers(&painter, placement, picture, ui.input(|i| i.modifiers.alt), |x, y| Value::Color(picture.at(x, y)));
     }
 
-    fn difference(&mut self, ui: &Ui, placement: Placement, clip: Rect, differing: &Differing) {
+    fn difference(&mut self, ui: &Ui, placement: Placement, clip: Rect, differing: &DifferenceImage) {
         let picture: &Image<Rgba8> = &differing.picture;
         let texture = self.difference.show(ui, &differing.picture);
         let painter = ui.painter().with_clip_rect(clip);
@@ -246,8 +246,8 @@ fn line_x(rect: Rect, share: f32) -> f32 {
 }
 
 /// Returns the smallest region that contains both pixels.
-fn between(a: (u32, u32), b: (u32, u32)) -> Region {
-    Region { left: a.0.min(b.0), top: a.1.min(b.1), right: a.0.max(b.0) + 1, bottom: a.1.max(b.1) + 1 }
+fn between(a: (u32, u32), b: (u32, u32)) -> PixelRegion {
+    PixelRegion { left: a.0.min(b.0), top: a.1.min(b.1), right: a.0.max(b.0) + 1, bottom: a.1.max(b.1) + 1 }
 }
 
 fn paint(painter: &Painter, texture: egui::TextureId, placement: Placement, size: (u32, u32)) {
@@ -278,7 +278,7 @@ fn pick(
         Mode::Off | Mode::Flip | Mode::Difference => session.state.tiles.active,
     };
     if tile != session.state.tiles.active {
-        commands.push(Command::Compare(Change::Activate(tile)));
+        commands.push(Command::Compare(CompareChange::Activate(tile)));
     }
     if let Some(pixel) = placement.pixel_at(at, size) {
         commands.push(Command::Pick(Some(pixel)));
@@ -291,7 +291,7 @@ fn marks(
     painter: &Painter,
     placement: Placement,
     (width, height): (u32, u32),
-    (session, dragging): (&Session, Option<Dragging>),
+    (session, dragging): (&Session, Option<TileDrag>),
     cross: Option<(u32, u32)>,
 ) {
     if let Some(pixel) = session.pick.filter(|(x, y)| *x < width && *y < height) {
@@ -309,10 +309,10 @@ fn marks(
         }
     }
     let drawn = match dragging {
-        Some(Dragging::Region(from, to)) => Some(between(from, to)),
+        Some(TileDrag::Region(from, to)) => Some(between(from, to)),
         _ => session.comparison.region,
     };
-    if let Some(Region { left, top, right, bottom }) = drawn {
+    if let Some(PixelRegion { left, top, right, bottom }) = drawn {
         let (first, last) = (placement.rect_of(left, top), placement.rect_of(right, bottom));
         let rect = Rect::from_min_max(first.min, last.min);
         painter.rect_stroke(rect, 0.0, Stroke::new(3.0, MARK_EDGE), StrokeKind::Outside);
@@ -330,7 +330,7 @@ fn color(ui: &Ui, tile: usize) -> Color32 {
 }
 
 /// Draws a line in the tile's colour along its top edge, and a frame around the active tile.
-fn frame(ui: &Ui, index: usize, place: Place, session: &Session) {
+fn frame(ui: &Ui, index: usize, place: TileLayout, session: &Session) {
     if session.comparison.mode != Mode::Tiles {
         return;
     }

@@ -16,13 +16,13 @@ use eframe::egui::{
     epaint::{ClippedPrimitive, Mesh, Primitive},
 };
 
-use self::{texture::Texture, triangle::Triangle};
+use self::{texture::UiTexture, triangle::PaintTriangle};
 use crate::image::{Image, Rgba8};
 
 /// Textures of one egui context, and a painter for its frames.
 #[derive(Default)]
 pub(crate) struct CpuPainter {
-    textures: HashMap<TextureId, Texture>,
+    textures: HashMap<TextureId, UiTexture>,
     /// Textures freed by the last pass. That pass may still draw them, so they live until the next change arrives.
     freed: Vec<TextureId>,
 }
@@ -78,10 +78,10 @@ impl CpuPainter {
     }
 }
 
-fn paint_mesh(mesh: &Mesh, texture: &Texture, pixels_per_point: f32, clip: PixelRect, picture: &mut Image<Rgba8>) {
+fn paint_mesh(mesh: &Mesh, texture: &UiTexture, pixels_per_point: f32, clip: PixelRect, picture: &mut Image<Rgba8>) {
     for indices in mesh.indices.as_chunks::<3>().0 {
         if let [Some(a), Some(b), Some(c)] = indices.map(|index| mesh.vertices.get(index as usize))
-            && let Some(triangle) = Triangle::new([*a, *b, *c], pixels_per_point, texture)
+            && let Some(triangle) = PaintTriangle::new([*a, *b, *c], pixels_per_point, texture)
         {
             triangle.paint(clip, picture);
         }

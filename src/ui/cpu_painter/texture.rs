@@ -5,13 +5,13 @@ use glam::{Vec2, Vec4, vec4};
 
 /// Premultiplied, gamma-encoded texels, row by row from the top. The default is empty and reads as transparent black.
 #[derive(Default)]
-pub(super) struct Texture {
+pub(super) struct UiTexture {
     size: [usize; 2],
     texels: Vec<Color32>,
     options: TextureOptions,
 }
 
-impl Texture {
+impl UiTexture {
     /// Replaces the texture or a part of it. Rows of the part outside the texture are dropped.
     pub(super) fn apply(&mut self, change: ImageDelta) {
         let ImageData::Color(image) = change.image;
@@ -120,6 +120,6 @@ mod tests {
 
     #[test]
     fn an_empty_texture_reads_as_transparent() {
-        assert_eq!(Texture::default().bilinear(Vec2::new(0.3, 0.7)), Vec4::ZERO);
+        assert_eq!(UiTexture::default().bilinear(Vec2::new(0.3, 0.7)), Vec4::ZERO);
     }
 }

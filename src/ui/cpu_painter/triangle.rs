@@ -11,7 +11,7 @@ use glam::{Vec2, Vec4, vec2};
 
 use super::{
     PixelRect,
-    texture::{Texture, channels},
+    texture::{UiTexture, channels},
 };
 use crate::{
     image::{Image, Rgba8},
@@ -24,7 +24,7 @@ const FARTHEST_PX: f32 = 1_048_576.0;
 
 /// Attributes interpolated over a triangle.
 #[derive(Clone, Copy, PartialEq)]
-struct Attributes {
+struct PaintAttributes {
     /// Red, green, blue and alpha in [0, 255], premultiplied.
     color: Vec4,
     /// Texture coordinates, in texels.
@@ -32,22 +32,22 @@ struct Attributes {
 }
 
 /// Triangle of positive area, set up for painting.
-pub(super) struct Triangle<'a> {
+pub(super) struct PaintTriangle<'a> {
     /// Edge functions. Edge `i` lies opposite vertex `i`, so its value is proportional to that vertex's weight.
-    edges: [Edge; 3],
-    attributes: [Attributes; 3],
+    edges: [EdgeFunction; 3],
+    attributes: [PaintAttributes; 3],
     /// Change of the attributes per pixel to the right.
-    attributes_dx: Attributes,
+    attributes_dx: PaintAttributes,
     doubled_area: f64,
     /// Minimum and maximum y of the snapped corners, in subpixels of 1/256 px.
     rows: (i64, i64),
-    texture: &'a Texture,
+    texture: &'a UiTexture,
     filter: TextureFilter,
 }
 
-impl<'a> Triangle<'a> {
+impl<'a> PaintTriangle<'a> {
     /// Sets up a triangle. Returns `None` if its area is zero or a coordinate is not finite.
-    pub(super) fn new(vertices: [Vertex; 3], pixels_per_point: f32, texture: &'a Texture) -> Option<Self> {
+    pub(super) fn new(vertices: [Vertex; 3], pixels_per_point: f32, texture: &'a UiTexture) -> Option<Self> {
         let [a, mut b, mut c] = vertices;
         if ![a, b, c].iter().all(|vertex| vertex.pos.is_finite() && vertex.uv.is_finite()) {
             return None;
@@ -65,7 +65,7 @@ impl<'a> Triangle<'a> {
         }
         let doubled_area = area.abs() as f64;
         let [pa, pb, pc] = [&a, &b, &c].map(position);
-        let edges = [Edge::new(pb, pc), Edge::new(pc, pa), Edge::new(pa, pb)];
+        let edges = [EdgeFunction::new(pb, pc), EdgeFunction::new(pc, pa), EdgeFunction::new(pa, pb)];
         let attributes = [a, b, c].map(|vertex| attributes_of(&vertex, texture.size()));
         let weights_dx = edges.map(|edge| (edge.dx as f64 / doubled_area) as f32);
         let [first, second, third] = attributes.map(|attributes| attributes.uv.as_dvec2());
@@ -146,7 +146,7 @@ impl<'a> Triangle<'a> {
 
 /// Edge function of a → b, positive inside.
 #[derive(Clone, Copy)]
-struct Edge {
+struct EdgeFunction {
     /// Value at the centre of pixel (0, 0).
     origin: i64,
     /// Change per pixel to the right; `dy` is the change per pixel down.
@@ -156,7 +156,7 @@ struct Edge {
     threshold: i64,
 }
 
-impl Edge {
+impl EdgeFunction {
     fn new(a: [i64; 2], b: [i64; 2]) -> Self {
         let [x, y] = [b[0] - a[0], b[1] - a[1]];
         let top_or_left = y < 0 || (y == 0 && x > 0);
@@ -178,12 +178,12 @@ fn doubled_area(a: [i64; 2], b: [i64; 2], c: [i64; 2]) -> i64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
-fn attributes_of(vertex: &Vertex, [width, height]: [f32; 2]) -> Attributes {
-    Attributes { color: channels(vertex.color.to_array()), uv: vec2(vertex.uv.x * width, vertex.uv.y * height) }
+fn attributes_of(vertex: &Vertex, [width, height]: [f32; 2]) -> PaintAttributes {
+    PaintAttributes { color: channels(vertex.color.to_array()), uv: vec2(vertex.uv.x * width, vertex.uv.y * height) }
 }
 
-fn weigh([a, b, c]: &[Attributes; 3], weights: [f32; 3]) -> Attributes {
-    Attributes {
+fn weigh([a, b, c]: &[PaintAttributes; 3], weights: [f32; 3]) -> PaintAttributes {
+    PaintAttributes {
         color: a.color * weights[0] + b.color * weights[1] + c.color * weights[2],
         uv: a.uv * weights[0] + b.uv * weights[1] + c.uv * weights[2],
     }
@@ -218,7 +218,7 @@ fn fill_row(pixels: &mut [Rgba8], source: Vec4) {
 }
 
 #[inline(always)]
-fn shade_pixels(pixels: &mut [Rgba8], first: &Attributes, dx: &Attributes, sample: impl Fn(Vec2) -> Vec4) {
+fn shade_pixels(pixels: &mut [Rgba8], first: &PaintAttributes, dx: &PaintAttributes, sample: impl Fn(Vec2) -> Vec4) {
     for (step, pixel) in pixels.iter_mut().enumerate() {
         let step = step as f32;
         let source = modulate(first.color + dx.color * step, sample(first.uv + dx.uv * step));

@@ -6,9 +6,9 @@ use std::time::{Duration, Instant};
 use eframe::egui::Ui;
 
 use crate::inspect::fates::Fates;
-use crate::ui::engine::{Request, View};
-use crate::ui::session::{Level, Session};
-use crate::ui::task::{Listening, Task};
+use crate::ui::engine::{RenderedView, Request};
+use crate::ui::session::{Session, Severity};
+use crate::ui::task::{BackgroundTask, TaskStatus};
 
 /// Time a frame must stay unchanged before its fates are counted; while the view moves, all time goes to new frames.
 const SETTLED: Duration = Duration::from_millis(150);
@@ -16,20 +16,20 @@ const SETTLED: Duration = Duration::from_millis(150);
 /// Background task, and its last request.
 #[derive(Debug, Default)]
 pub(crate) struct Finder {
-    task: Option<Task<(), Fates>>,
-    asked: Option<Request>,
+    task: Option<BackgroundTask<(), Fates>>,
+    last_request: Option<Request>,
     /// Request of the frame on screen, and the time since when it is unchanged.
-    stays: Option<(Request, Instant)>,
+    unchanged_since: Option<(Request, Instant)>,
 }
 
 impl Finder {
     /// Handles the result, and starts a new count if `wanted` and the frame on screen has changed. If `waits`, the
     /// count runs synchronously.
-    pub(crate) fn tend(&mut self, ui: &Ui, session: &mut Session, wanted: bool, waits: bool) {
+    pub(crate) fn update(&mut self, ui: &Ui, session: &mut Session, wanted: bool, waits: bool) {
         self.listen(session);
-        let wanted = wanted || session.fates.asks() || !session.selection.is_empty();
+        let wanted = wanted || session.fates.is_filtering() || !session.selection.is_empty();
         let Some(view) = session.view_of_scene().filter(|_| wanted && self.task.is_none()) else { return };
-        if self.asked.as_ref().is_some_and(|asked| asked.same_complete_frame(&view.request)) {
+        if self.last_request.as_ref().is_some_and(|asked| asked.same_complete_frame(&view.request)) {
             return;
         }
         let view = view.clone();
@@ -37,42 +37,42 @@ impl Finder {
             ui.request_repaint_after(SETTLED);
             return;
         }
-        self.asked = Some(view.request.clone());
+        self.last_request = Some(view.request.clone());
         if waits {
             found(session, find(&view));
             ui.request_repaint();
         } else {
-            self.task = Some(Task::start(ui.ctx().clone(), move |_, _| Some(find(&view))));
+            self.task = Some(BackgroundTask::start(ui.ctx().clone(), move |_, _| Some(find(&view))));
         }
     }
 
     fn has_settled(&mut self, request: &Request) -> bool {
-        self.stays.take_if(|(known, _)| !known.same_complete_frame(request));
-        self.stays.get_or_insert_with(|| (request.clone(), Instant::now())).1.elapsed() >= SETTLED
+        self.unchanged_since.take_if(|(known, _)| !known.same_complete_frame(request));
+        self.unchanged_since.get_or_insert_with(|| (request.clone(), Instant::now())).1.elapsed() >= SETTLED
     }
 
     fn listen(&mut self, session: &mut Session) {
         let Some(task) = &self.task else { return };
-        match task.listen(&mut None) {
-            Listening::GoesOn => return,
-            Listening::Ended(fates) => {
+        match task.poll(&mut None) {
+            TaskStatus::Running => return,
+            TaskStatus::Ended(fates) => {
                 if let Some(fates) = fates {
                     found(session, *fates);
                 }
             }
-            Listening::BrokeOff => session.report(Level::Error, "Counting fates stopped: internal error"),
+            TaskStatus::Lost => session.report(Severity::Error, "Counting fates stopped: internal error"),
         }
         self.task = None;
     }
 }
 
-fn find(View { request, frame, .. }: &View) -> Fates {
+fn find(RenderedView { request, frame, .. }: &RenderedView) -> Fates {
     Fates::of(&request.scene, &request.recipe, frame)
 }
 
 fn found(session: &mut Session, fates: Fates) {
     for complaint in fates.account.complaints() {
-        session.report(Level::Error, format!("Fates do not add up (internal error): {complaint}"));
+        session.report(Severity::Error, format!("Fates do not add up (internal error): {complaint}"));
     }
-    session.fates.take(Arc::new(fates), &mut session.selection);
+    session.fates.set_fates(Arc::new(fates), &mut session.selection);
 }

@@ -3,7 +3,7 @@
 
 use eframe::egui::{Align2, Color32, FontId, Rect, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 
-use super::Change;
+use super::FatesChange;
 use super::tab::elided;
 use crate::inspect::fates::{Bin, FragmentFate, TriangleFate};
 use crate::pipeline::settings::Choice;
@@ -21,7 +21,7 @@ const COUNT: f32 = 52.0;
 const SHARE: f32 = 58.0;
 
 /// Fate that has a bin and a bar colour.
-pub(crate) trait Ending: Choice {
+pub(crate) trait BinnedFate: Choice {
     /// Returns the bin of this fate.
     fn bin(self) -> Bin;
 
@@ -29,17 +29,17 @@ pub(crate) trait Ending: Choice {
     fn color(self, tokens: &Tokens) -> Color32;
 }
 
-impl Ending for TriangleFate {
+impl BinnedFate for TriangleFate {
     fn bin(self) -> Bin {
         Bin::Triangles(self)
     }
 
     fn color(self, tokens: &Tokens) -> Color32 {
         match self {
-            Self::Visible | Self::SeenThrough => tokens.passed,
+            Self::Visible | Self::BlendedOver => tokens.passed,
             Self::Overwritten => tokens.warning,
             Self::NotFinite | Self::Unaccounted => tokens.error,
-            Self::LostDepth | Self::CutOut | Self::NoCentre => tokens.rejected,
+            Self::LostDepth | Self::AlphaRejected | Self::NoCentre => tokens.rejected,
             Self::Outside | Self::ClippedAway | Self::ZeroArea | Self::BackFacing | Self::FrontFacing => {
                 tokens.text_weak
             }
@@ -47,22 +47,22 @@ impl Ending for TriangleFate {
     }
 }
 
-impl Ending for FragmentFate {
+impl BinnedFate for FragmentFate {
     fn bin(self) -> Bin {
         Bin::Fragments(self)
     }
 
     fn color(self, tokens: &Tokens) -> Color32 {
         match self {
-            Self::Visible | Self::SeenThrough => tokens.passed,
+            Self::Visible | Self::BlendedOver => tokens.passed,
             Self::Overwritten => tokens.warning,
-            Self::LostDepth | Self::CutOut => tokens.rejected,
+            Self::LostDepth | Self::AlphaRejected => tokens.rejected,
         }
     }
 }
 
 /// Draws the bars of all non-empty bins below their total.
-pub(crate) fn ui<E: Ending>(
+pub(crate) fn ui<E: BinnedFate>(
     ui: &mut Ui,
     (what, help): (&str, &str),
     chosen: Option<Bin>,
@@ -80,13 +80,13 @@ pub(crate) fn ui<E: Ending>(
     response.on_hover_text(help);
     for ending in E::ALL.iter().copied().filter(|ending| count(*ending) > 0) {
         if bar(ui, ending, (count(ending), sum), chosen == Some(ending.bin())) {
-            commands.push(Command::Fates(Change::Bin(ending.bin())));
+            commands.push(Command::Fates(FatesChange::Bin(ending.bin())));
         }
     }
 }
 
 /// Draws one bar behind its text. Returns whether it was clicked.
-fn bar<E: Ending>(ui: &mut Ui, ending: E, (count, sum): (u64, u64), chosen: bool) -> bool {
+fn bar<E: BinnedFate>(ui: &mut Ui, ending: E, (count, sum): (u64, u64), chosen: bool) -> bool {
     let (row, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
     let share = count as f64 / sum.max(1) as f64;
     let name = ending.name();
@@ -99,9 +99,9 @@ fn bar<E: Ending>(ui: &mut Ui, ending: E, (count, sum): (u64, u64), chosen: bool
     let painter = ui.painter_at(row);
     painter.rect_filled(row, RADIUS, fill);
     // A minimum width keeps every non-empty bin visible.
-    const LEAST_POINTS: f32 = 2.0;
+    const MIN_POINTS: f32 = 2.0;
     const OPACITY: f32 = 0.42;
-    let width = (row.width() * share as f32).max(LEAST_POINTS);
+    let width = (row.width() * share as f32).max(MIN_POINTS);
     let bar = Rect::from_min_size(row.min, vec2(width, row.height())).shrink2(vec2(0.0, 1.0));
     painter.rect_filled(bar, 2.0, ending.color(tokens(ui)).gamma_multiply(OPACITY));
     let text = tokens(ui).text_strong;

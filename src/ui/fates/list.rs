@@ -3,7 +3,7 @@
 use eframe::egui::{Align2, Color32, FontId, Rect, Role, ScrollArea, Sense, TextEdit, Ui, WidgetInfo, vec2};
 
 use super::tab::elided;
-use super::{Change, FatesView};
+use super::{FatesChange, FatesView};
 use crate::inspect::fates::{Fates, FragmentFate};
 use crate::pipeline::settings::Choice as _;
 use crate::scene::TriangleId;
@@ -49,11 +49,11 @@ fn filter(ui: &mut Ui, view: &FatesView, commands: &mut Vec<Command>) {
         );
         response.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Filter triangles"));
         if text != view.text {
-            commands.push(Command::Fates(Change::Text(text)));
+            commands.push(Command::Fates(FatesChange::Text(text)));
         }
         ui.weak(format!("{} triangles", format::count(view.members.len() as u64)));
-        if view.asks() && icon_button(ui, Icon::X, "Clear the selection and list all").clicked() {
-            commands.push(Command::Fates(Change::Clear));
+        if view.is_filtering() && icon_button(ui, Icon::X, "Clear the selection and list all").clicked() {
+            commands.push(Command::Fates(FatesChange::Clear));
         }
     });
 }
@@ -62,7 +62,7 @@ fn row(ui: &mut Ui, fates: &Fates, triangle: TriangleId, is_picked: bool, comman
     let (row, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
     let name = &fates.objects[fates.object_of(triangle)].name;
     let (fate, fragments) = (fates.triangles[triangle.0 as usize], fates.fragments[triangle.0 as usize]);
-    let seen = fragments.of(FragmentFate::Visible) + fragments.of(FragmentFate::SeenThrough);
+    let seen = fragments.of(FragmentFate::Visible) + fragments.of(FragmentFate::BlendedOver);
     let area = fates.area_px(triangle).map_or_else(|| "–".to_owned(), |area| format::fixed(area, 1));
     let label = format!("Triangle {} of {name}: {}", triangle.0, fate.name().to_lowercase());
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &label));
@@ -82,7 +82,7 @@ fn row(ui: &mut Ui, fates: &Fates, triangle: TriangleId, is_picked: bool, comman
     cells(ui, row, &texts, [text, text, weak, text, text], &FontId::monospace(font_size::BODY));
     let response = response.on_hover_text("Go to one of its pixels");
     if response.clicked() {
-        commands.extend(fates.place_of(triangle).map(|pixel| Command::Pick(Some(pixel))));
+        commands.extend(fates.representative_pixel(triangle).map(|pixel| Command::Pick(Some(pixel))));
     }
 }
 

@@ -14,15 +14,15 @@ pub(crate) mod tab;
 
 use std::sync::Arc;
 
-use crate::inspect::fates::{Bin, Fates, Filter};
+use crate::inspect::fates::{Bin, FateFilter, Fates};
 use crate::inspect::selection::TriangleSelection;
 use crate::scene::TriangleId;
 
 /// Fates of the frame on screen, and the filter that selects triangles by them.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct FatesView {
+pub struct FatesView {
     /// Fates, once computed. Those of an earlier view stay until the new ones are ready.
-    pub(crate) fates: Option<Arc<Fates>>,
+    pub fates: Option<Arc<Fates>>,
     /// Selected bin.
     pub(crate) bin: Option<Bin>,
     /// Index of the selected instance.
@@ -30,12 +30,12 @@ pub(crate) struct FatesView {
     /// Text of the list's filter, as typed.
     pub(crate) text: String,
     /// Triangles that match bin, object and text.
-    pub(crate) members: Arc<[TriangleId]>,
+    pub members: Arc<[TriangleId]>,
 }
 
 /// Change of the filter.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Change {
+pub enum FatesChange {
     /// Selects the members of this bin, or clears the bin if it is selected.
     Bin(Bin),
     /// Selects the triangles of this instance, or clears the instance if it is selected.
@@ -48,46 +48,48 @@ pub enum Change {
 
 impl FatesView {
     /// Applies a change to the filter and updates the selection.
-    pub(crate) fn apply(&mut self, change: Change, selection: &mut TriangleSelection) {
+    pub(crate) fn apply(&mut self, change: FatesChange, selection: &mut TriangleSelection) {
         match change {
-            Change::Bin(bin) => self.bin = (self.bin != Some(bin)).then_some(bin),
-            Change::Object(object) => self.object = (self.object != Some(object)).then_some(object),
-            Change::Text(text) => self.text = text,
-            Change::Clear => (self.bin, self.object, self.text) = (None, None, String::new()),
+            FatesChange::Bin(bin) => self.bin = (self.bin != Some(bin)).then_some(bin),
+            FatesChange::Object(object) => self.object = (self.object != Some(object)).then_some(object),
+            FatesChange::Text(text) => self.text = text,
+            FatesChange::Clear => (self.bin, self.object, self.text) = (None, None, String::new()),
         }
         self.find_members();
         *selection = self.selection();
     }
 
     /// Clears the filter and adopts a selection made elsewhere.
-    pub(crate) fn give_way(&mut self, others: TriangleSelection, selection: &mut TriangleSelection) {
-        self.apply(Change::Clear, selection);
+    pub(crate) fn adopt_selection(&mut self, others: TriangleSelection, selection: &mut TriangleSelection) {
+        self.apply(FatesChange::Clear, selection);
         *selection = others;
     }
 
     /// Stores the fates of a new view and reapplies the filter.
-    pub(crate) fn take(&mut self, fates: Arc<Fates>, selection: &mut TriangleSelection) {
+    pub(crate) fn set_fates(&mut self, fates: Arc<Fates>, selection: &mut TriangleSelection) {
         self.object = self.object.filter(|object| *object < fates.objects.len());
         self.fates = Some(fates);
         self.find_members();
-        if self.asks() {
+        if self.is_filtering() {
             *selection = self.selection();
         }
     }
 
     /// Whether any filter is active.
-    pub(crate) fn asks(&self) -> bool {
+    pub fn is_filtering(&self) -> bool {
         self.bin.is_some() || self.object.is_some() || !self.text.trim().is_empty()
     }
 
     fn find_members(&mut self) {
-        let filter = Filter::parse(&self.text);
+        let filter = FateFilter::parse(&self.text);
         self.members =
             self.fates.as_ref().map_or_else(Arc::default, |fates| fates.members(self.bin, self.object, &filter).into());
     }
 
     fn selection(&self) -> TriangleSelection {
-        let Some(fates) = self.fates.as_ref().filter(|_| self.asks()) else { return TriangleSelection::default() };
+        let Some(fates) = self.fates.as_ref().filter(|_| self.is_filtering()) else {
+            return TriangleSelection::default();
+        };
         let object =
             self.object.and_then(|object| fates.objects.get(object)).map(|object| format!("“{}”", object.name));
         let text = Some(self.text.trim().to_owned()).filter(|text| !text.is_empty());

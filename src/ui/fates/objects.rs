@@ -2,8 +2,8 @@
 
 use eframe::egui::{Align2, Color32, FontId, Rect, Role, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 
-use super::Change;
-use super::funnel::Ending as _;
+use super::FatesChange;
+use super::funnel::BinnedFate as _;
 use super::tab::elided;
 use crate::inspect::fates::{FragmentFate, ObjectFates, TriangleCounts, TriangleFate};
 use crate::pipeline::settings::Choice as _;
@@ -34,7 +34,7 @@ pub(crate) fn ui(ui: &mut Ui, objects: &[ObjectFates], chosen: Option<usize>, co
     ScrollArea::vertical().id_salt("objects").auto_shrink(false).show_rows(ui, ROW, objects.len(), |ui, rows| {
         for (place, object) in objects.iter().enumerate().skip(rows.start).take(rows.len()) {
             if row(ui, object, chosen == Some(place)) {
-                commands.push(Command::Fates(Change::Object(place)));
+                commands.push(Command::Fates(FatesChange::Object(place)));
             }
         }
     });
@@ -53,7 +53,7 @@ fn columns(row: Rect) -> [f32; 3] {
 fn row(ui: &mut Ui, object: &ObjectFates, chosen: bool) -> bool {
     let (row, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
     let (seen, all) = (seen(&object.triangles), object.triangles.sum());
-    let words = where_they_went(&object.triangles);
+    let words = fate_shares(&object.triangles);
     response.widget_info(|| {
         WidgetInfo::selected(Role::Button, true, chosen, format!("{}: {seen} of {all} visible; {words}", object.name))
     });
@@ -83,12 +83,12 @@ fn row(ui: &mut Ui, object: &ObjectFates, chosen: bool) -> bool {
 }
 
 fn seen(triangles: &TriangleCounts) -> u64 {
-    triangles.of(TriangleFate::Visible) + triangles.of(TriangleFate::SeenThrough)
+    triangles.of(TriangleFate::Visible) + triangles.of(TriangleFate::BlendedOver)
 }
 
 /// Lists the fates of the invisible triangles, the most frequent first.
-fn where_they_went(triangles: &TriangleCounts) -> String {
-    let is_seen = |fate: TriangleFate| matches!(fate, TriangleFate::Visible | TriangleFate::SeenThrough);
+fn fate_shares(triangles: &TriangleCounts) -> String {
+    let is_seen = |fate: TriangleFate| matches!(fate, TriangleFate::Visible | TriangleFate::BlendedOver);
     let mut bins: Vec<_> = TriangleFate::ALL.iter().copied().filter(|f| !is_seen(*f) && triangles.of(*f) > 0).collect();
     bins.sort_by_key(|fate| std::cmp::Reverse(triangles.of(*fate)));
     let words =
@@ -115,7 +115,7 @@ fn details(ui: &mut Ui, object: &ObjectFates) {
         ui.label(format!("{} {}", format::count(object.triangles.of(*fate)), fate.name().to_lowercase()));
     }
     let fragments = &object.fragments;
-    let seen = fragments.of(FragmentFate::Visible) + fragments.of(FragmentFate::SeenThrough);
+    let seen = fragments.of(FragmentFate::Visible) + fragments.of(FragmentFate::BlendedOver);
     ui.label(format!("{} of {} fragments visible", format::count(seen), format::count(fragments.sum())));
     ui.weak("Click to list its triangles and select them in the picture.");
 }

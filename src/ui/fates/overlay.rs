@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use eframe::egui::{self, Color32, Painter, Rect, RichText, Ui, UiBuilder, pos2, vec2};
 
-use super::Change;
+use super::FatesChange;
 use crate::image::{Image, Rgba8};
-use crate::inspect::fates::{Fates, Mark};
+use crate::inspect::fates::{Fates, SelectionVisibility};
 use crate::inspect::selection::TriangleSelection;
 use crate::ui::canvas::PictureTexture;
 use crate::ui::command::Command;
@@ -27,11 +27,11 @@ const TINT: f32 = 0.55;
 #[derive(Default)]
 pub(crate) struct SelectionLayer {
     texture: PictureTexture,
-    made: Option<Made>,
+    cached: Option<CachedOverlay>,
 }
 
 /// Overlay image and the inputs it was built from.
-struct Made {
+struct CachedOverlay {
     fates: Arc<Fates>,
     selection: TriangleSelection,
     tint: Color32,
@@ -43,18 +43,19 @@ impl SelectionLayer {
     pub(crate) fn paint(&mut self, ui: &Ui, painter: &Painter, placement: Placement, session: &Session) {
         let Some(fates) = session.fates.fates.as_ref().filter(|_| !session.selection.is_empty()) else { return };
         let tint = tokens(ui).accent.gamma_multiply(TINT);
-        let fits =
-            |made: &&Made| Arc::ptr_eq(&made.fates, fates) && made.selection == session.selection && made.tint == tint;
-        let picture = self.made.as_ref().filter(fits).map(|made| made.picture.clone()).unwrap_or_else(|| {
-            Arc::new(fates.marks(&session.selection).map(|mark| match mark {
-                Mark::None => [0, 0, 0, DIM_ALPHA],
-                Mark::Hidden => tint.to_array(),
-                Mark::Shown => [0; 4],
+        let fits = |made: &&CachedOverlay| {
+            Arc::ptr_eq(&made.fates, fates) && made.selection == session.selection && made.tint == tint
+        };
+        let picture = self.cached.as_ref().filter(fits).map(|made| made.picture.clone()).unwrap_or_else(|| {
+            Arc::new(fates.visibility_of(&session.selection).map(|mark| match mark {
+                SelectionVisibility::None => [0, 0, 0, DIM_ALPHA],
+                SelectionVisibility::Hidden => tint.to_array(),
+                SelectionVisibility::Shown => [0; 4],
             }))
         });
         let texture = self.texture.show(ui, &picture);
         let (fates, selection, size) = (fates.clone(), session.selection.clone(), picture.size());
-        self.made = Some(Made { fates, selection, tint, picture });
+        self.cached = Some(CachedOverlay { fates, selection, tint, picture });
         let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         painter.image(texture, placement.rect_of_all(size), uv, Color32::WHITE);
     }
@@ -79,7 +80,7 @@ pub(crate) fn badge(ui: &mut Ui, canvas: Rect, session: &Session, commands: &mut
     let layout = egui::Layout::right_to_left(egui::Align::Center);
     let mut row = ui.new_child(UiBuilder::new().max_rect(inner).layout(layout));
     if icon_button(&mut row, Icon::X, "Clear the selection  (Esc)").clicked() {
-        commands.push(Command::Fates(Change::Clear));
+        commands.push(Command::Fates(FatesChange::Clear));
     }
     let label = egui::Label::new(RichText::new(text).color(tokens(ui).text_strong)).truncate();
     row.add(label).on_hover_text(

@@ -6,7 +6,7 @@ use eframe::egui::{
 };
 use glam::DVec2;
 
-use super::{Change, Lab, palette, pointer};
+use super::{Lab, LabChange, palette, pointer};
 use crate::lab::recording::{Mark, Tone};
 use crate::ui::theme::{space, tokens};
 
@@ -23,14 +23,14 @@ pub(super) const HANDLE: f32 = 6.0;
 
 /// Transform from the grid to the screen.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct View {
+pub(super) struct GridView {
     /// Points per pixel.
     pub(super) scale: f32,
     /// Position of the upper left corner of pixel (0, 0), in points.
     pub(super) origin: Pos2,
 }
 
-impl View {
+impl GridView {
     /// Maps a position from the grid, in pixels, to the screen, in points.
     pub(super) fn screen(self, place: DVec2) -> Pos2 {
         self.origin + vec2(place.x as f32, place.y as f32) * self.scale
@@ -44,14 +44,14 @@ impl View {
 }
 
 /// Draws the grid and handles pointer input.
-pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<Change>) {
+pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<LabChange>) {
     let (area, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Grid of the lab"));
     let size = vec2(lab.recording.size.0 as f32, lab.recording.size.1 as f32).max(Vec2::splat(1.0));
     let fitted = ((area.size() - Vec2::splat(2.0 * space::L)) / size).min_elem().clamp(SCALES.0, SCALES.1);
     let (scale, center) = lab.view.unwrap_or((fitted, size / 2.0));
     let (scale, center) = moved(ui, &response, area, (scale, center), lab, changes);
-    let view = View { scale, origin: (area.center() - center * scale).round_to_pixels(ui.pixels_per_point()) };
+    let view = GridView { scale, origin: (area.center() - center * scale).round_to_pixels(ui.pixels_per_point()) };
     paint(ui, area, view, lab);
     pointer::ui(ui, &response, view, lab, changes);
 }
@@ -63,7 +63,7 @@ fn moved(
     area: Rect,
     (scale, center): (f32, Vec2),
     lab: &Lab,
-    changes: &mut Vec<Change>,
+    changes: &mut Vec<LabChange>,
 ) -> (f32, Vec2) {
     let before = (scale, center);
     let (mut scale, mut center) = before;
@@ -80,12 +80,12 @@ fn moved(
         center = below - (at - area.center()) / scale;
     }
     if (scale, center) != before {
-        changes.push(Change::View(Some((scale, center))));
+        changes.push(LabChange::View(Some((scale, center))));
     }
     (scale, center)
 }
 
-fn paint(ui: &Ui, area: Rect, view: View, lab: &Lab) {
+fn paint(ui: &Ui, area: Rect, view: GridView, lab: &Lab) {
     let (painter, tokens) = (ui.painter().with_clip_rect(area), tokens(ui));
     let (width, height) = lab.recording.size;
     let ppp = ui.pixels_per_point();
@@ -121,7 +121,7 @@ fn paint(ui: &Ui, area: Rect, view: View, lab: &Lab) {
 
 fn paint_mark(
     painter: &eframe::egui::Painter,
-    view: View,
+    view: GridView,
     mark: &Mark,
     color: impl Fn(Tone) -> Color32,
     behind: Color32,

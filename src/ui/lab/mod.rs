@@ -11,7 +11,7 @@ mod transport;
 
 mod readout;
 
-mod rivals;
+mod methods;
 
 mod pages;
 
@@ -26,7 +26,7 @@ use super::manual::manual_button;
 use super::scrub;
 use super::theme::{self, ROW_HEIGHT, space};
 use crate::image::{Image, Rgba8, file};
-use crate::lab::recording::{Comparison, Recording, time_of};
+use crate::lab::recording::{MethodComparison, Recording, time_of};
 use crate::lab::seed_fills::Paint;
 use crate::lab::{Lesson, Page};
 use crate::manual::Chapter;
@@ -40,17 +40,17 @@ const SPEED: f32 = 12.0;
 
 /// State of the lab.
 #[derive(Clone, Debug)]
-pub(crate) struct Lab {
+pub struct Lab {
     /// Whether the lab replaces the pipeline in the window.
-    pub(crate) open: bool,
+    pub open: bool,
     /// Current page.
-    pub(crate) page: Page,
+    pub page: Page,
     /// Lesson of each page, in the state in which it was left.
     lessons: Vec<Lesson>,
     /// Recorded run of the current page.
-    pub(crate) recording: Arc<Recording>,
+    pub recording: Arc<Recording>,
     /// Number of steps shown.
-    pub(crate) step: usize,
+    pub step: usize,
     /// Playback direction: 1 forwards, −1 backwards, 0 paused.
     pub(crate) playing: i64,
     /// Playback speed, in steps per second.
@@ -60,7 +60,7 @@ pub(crate) struct Lab {
     /// Time of one run without recording.
     pub(crate) run_time: Duration,
     /// Comparison of all methods for the same task, if requested.
-    pub(crate) comparison: Option<Comparison>,
+    pub comparison: Option<MethodComparison>,
     /// Paint of the brush on the seed fill page.
     pub(crate) brush: Paint,
     /// Points per pixel of the grid, and the grid position at its centre; `None` fits the grid.
@@ -69,7 +69,7 @@ pub(crate) struct Lab {
 
 /// Change of the lab.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Change {
+pub enum LabChange {
     /// Shows the lab, or the pipeline.
     Open(bool),
     /// Shows this page.
@@ -126,7 +126,7 @@ impl Default for Lab {
 
 impl Lab {
     /// Returns the lesson of the current page.
-    pub(crate) fn lesson(&self) -> &Lesson {
+    pub fn lesson(&self) -> &Lesson {
         &self.lessons[self.place()]
     }
 
@@ -141,13 +141,13 @@ impl Lab {
             return Some(command);
         }
         let change = match command {
-            Command::StepTriangle(step) | Command::NudgePick(step, 0) => Change::StepBy(step),
-            Command::LimitTriangles(Some(0)) => Change::Go(0),
-            Command::LimitTriangles(None) => Change::Go(usize::MAX),
-            Command::Scrub(scrub::Change::Play(_)) => Change::TogglePlay,
-            Command::ZoomFit => Change::View(None),
-            Command::SavePicture => Change::Save("png"),
-            Command::Escape => Change::Play(0),
+            Command::StepTriangle(step) | Command::NudgePick(step, 0) => LabChange::StepBy(step),
+            Command::LimitTriangles(Some(0)) => LabChange::Go(0),
+            Command::LimitTriangles(None) => LabChange::Go(usize::MAX),
+            Command::Scrub(scrub::ScrubChange::Play(_)) => LabChange::TogglePlay,
+            Command::ZoomFit => LabChange::View(None),
+            Command::SavePicture => LabChange::Save("png"),
+            Command::Escape => LabChange::Play(0),
             Command::NudgePick(..)
             | Command::ChooseUpscaler(_)
             | Command::StepStage(_)
@@ -155,7 +155,7 @@ impl Lab {
             | Command::StepFault(_)
             | Command::TogglePointerMode
             | Command::ResetCamera
-            | Command::AskForPixel
+            | Command::ShowPixelDialog
             | Command::CopyPicture
             | Command::WhatIf(_)
             | Command::Watch(_)
@@ -169,7 +169,7 @@ impl Lab {
             | Command::SaveData
             | Command::SaveOutline(..)
             | Command::ZoomOne => return None,
-            Command::Open(path) if file::is_named_picture(&path) => Change::Picture(path),
+            Command::Open(path) if file::is_named_picture(&path) => LabChange::Picture(path),
             Command::Open(_) | Command::OpenBuiltin(_) => {
                 self.open = false;
                 return Some(command);
@@ -180,46 +180,46 @@ impl Lab {
     }
 
     /// Applies a change. Returns it if it concerns the disk.
-    pub(crate) fn apply(&mut self, change: Change) -> Option<Change> {
+    pub(crate) fn apply(&mut self, change: LabChange) -> Option<LabChange> {
         match change {
-            Change::Open(open) => {
+            LabChange::Open(open) => {
                 self.open = open;
                 self.playing = 0;
                 if open && self.recording.steps.is_empty() {
                     self.run();
                 }
             }
-            Change::Page(page) => {
+            LabChange::Page(page) => {
                 self.page = page;
                 (self.step, self.playing, self.view, self.comparison) = (usize::MAX, 0, None, None);
                 self.run();
             }
-            Change::Set(lesson) => {
+            LabChange::Set(lesson) => {
                 let place = self.place();
                 self.lessons[place] = *lesson;
                 self.comparison = None;
                 self.run();
             }
-            Change::Reset => {
+            LabChange::Reset => {
                 let place = self.place();
                 self.lessons[place] = Lesson::new(self.page);
                 (self.step, self.view, self.comparison) = (usize::MAX, None, None);
                 self.run();
             }
-            Change::Go(step) => (self.step, self.playing) = (step.min(self.recording.steps.len()), 0),
-            Change::StepBy(step) => {
+            LabChange::Go(step) => (self.step, self.playing) = (step.min(self.recording.steps.len()), 0),
+            LabChange::StepBy(step) => {
                 self.playing = 0;
                 self.move_by(step);
             }
-            Change::Play(direction) => self.play(direction),
-            Change::TogglePlay => self.play(i64::from(self.playing == 0)),
-            Change::Tick(seconds) => self.tick(seconds),
-            Change::Speed(speed) => self.speed = speed,
-            Change::Brush(brush) => self.brush = brush,
-            Change::View(view) => self.view = view,
-            Change::Compare => self.comparison = self.lesson().compare(),
-            Change::CloseComparison => self.comparison = None,
-            disk @ (Change::Save(_) | Change::Picture(_)) => return Some(disk),
+            LabChange::Play(direction) => self.play(direction),
+            LabChange::TogglePlay => self.play(i64::from(self.playing == 0)),
+            LabChange::Tick(seconds) => self.tick(seconds),
+            LabChange::Speed(speed) => self.speed = speed,
+            LabChange::Brush(brush) => self.brush = brush,
+            LabChange::View(view) => self.view = view,
+            LabChange::Compare => self.comparison = self.lesson().compare(),
+            LabChange::CloseComparison => self.comparison = None,
+            disk @ (LabChange::Save(_) | LabChange::Picture(_)) => return Some(disk),
         }
         None
     }
@@ -235,7 +235,7 @@ impl Lab {
         for lesson in self.lessons.iter_mut().filter(|lesson| lesson.page() == Page::Sampling) {
             lesson.set_picture(picture);
         }
-        self.apply(Change::Page(Page::Sampling));
+        self.apply(LabChange::Page(Page::Sampling));
     }
 
     /// Runs and times the current page. All steps stay visible if all were; otherwise their number is kept.
@@ -294,7 +294,7 @@ pub(crate) fn ui(ui: &mut Ui, lab: &Lab, commands: &mut Vec<Command>) {
     let (left, right) = (share(264.0), share(316.0));
     if let Some(comparison) = &lab.comparison {
         Panel::bottom("lab rivals").frame(frame).resizable(true).default_size(230.0).min_size(120.0).show(ui, |ui| {
-            rivals::ui(ui, comparison, &mut changes);
+            methods::ui(ui, comparison, &mut changes);
         });
     }
     Panel::left("lab pages").frame(frame).resizable(true).default_size(left).min_size(200.0).show(ui, |ui| {
@@ -317,14 +317,14 @@ pub(crate) fn ui(ui: &mut Ui, lab: &Lab, commands: &mut Vec<Command>) {
     commands.extend(changes.into_iter().map(Command::Lab));
 }
 
-fn page_list(ui: &mut Ui, lab: &Lab, changes: &mut Vec<Change>) {
+fn page_list(ui: &mut Ui, lab: &Lab, changes: &mut Vec<LabChange>) {
     for page in Page::ALL {
         // A growing atom after the name left-aligns it.
         let name = (page.name(), egui::Atom::grow());
         let button = egui::Button::selectable(*page == lab.page, name)
             .min_size(egui::vec2(ui.available_width(), theme::CONTROL_HEIGHT));
         if ui.add(button).on_hover_text(page.help()).clicked() {
-            changes.push(Change::Page(*page));
+            changes.push(LabChange::Page(*page));
         }
     }
     ui.add_space(space::XS);

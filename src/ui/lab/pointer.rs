@@ -3,8 +3,8 @@
 use eframe::egui::{CursorIcon, Id, PointerButton, Pos2, Response, Ui};
 use glam::DVec2;
 
-use super::grid::{HANDLE, View};
-use super::{Change, Lab};
+use super::grid::{GridView, HANDLE};
+use super::{Lab, LabChange};
 use crate::flat2d::line::midpoint_line;
 use crate::lab::Lesson;
 use crate::lab::seed_fills::Paint;
@@ -29,7 +29,7 @@ pub(super) fn drags_view(ui: &Ui, response: &Response, lab: &Lab) -> bool {
 }
 
 /// Handles pointer input.
-pub(super) fn ui(ui: &Ui, response: &Response, view: View, lab: &Lab, changes: &mut Vec<Change>) {
+pub(super) fn ui(ui: &Ui, response: &Response, view: GridView, lab: &Lab, changes: &mut Vec<LabChange>) {
     let mut lesson = lab.lesson().clone();
     let under = |at: Pos2| nearest_handle(lab.lesson(), view, at);
     if response.drag_started_by(PointerButton::Primary)
@@ -47,7 +47,7 @@ pub(super) fn ui(ui: &Ui, response: &Response, view: View, lab: &Lab, changes: &
         ui.set_cursor_icon(CursorIcon::Grab);
     }
     if lesson != *lab.lesson() {
-        changes.push(Change::Set(Box::new(lesson)));
+        changes.push(LabChange::Set(Box::new(lesson)));
     }
 }
 
@@ -55,7 +55,7 @@ pub(super) fn ui(ui: &Ui, response: &Response, view: View, lab: &Lab, changes: &
 fn act(
     ui: &Ui,
     response: &Response,
-    (view, at): (View, Pos2),
+    (view, at): (GridView, Pos2),
     lesson: &mut Lesson,
     brush: Paint,
     under: Option<usize>,
@@ -109,7 +109,7 @@ fn pixel(place: DVec2) -> Option<(u32, u32)> {
     (place.x >= 0.0 && place.y >= 0.0).then_some((place.x as u32, place.y as u32))
 }
 
-fn nearest_handle(lesson: &Lesson, view: View, at: Pos2) -> Option<usize> {
+fn nearest_handle(lesson: &Lesson, view: GridView, at: Pos2) -> Option<usize> {
     let handles = lesson.handles().into_iter().enumerate();
     let near =
         handles.map(|(number, place)| (number, view.screen(place).distance(at))).filter(|(_, far)| *far <= REACH);

@@ -3,7 +3,7 @@
 
 use eframe::egui::{Label, RichText, Ui};
 
-use super::{Change, Lab};
+use super::{Lab, LabChange};
 use crate::drawing::file::EXTENSIONS;
 use crate::ui::format;
 use crate::ui::theme::{self, Icon, space, tokens};
@@ -13,13 +13,13 @@ use crate::ui::widgets::{icon_button, section_header, value_row};
 pub(super) fn sentence(ui: &mut Ui, lab: &Lab) {
     ui.horizontal_centered(|ui| {
         let step = lab.step.checked_sub(1).and_then(|last| lab.recording.steps.get(last));
-        let text = step.map_or("No step done yet: step forward or play.", |step| &step.says);
+        let text = step.map_or("No step done yet: step forward or play.", |step| &step.description);
         ui.add(Label::new(RichText::new(text).color(tokens(ui).text_strong)).truncate());
     });
 }
 
 /// Draws the panel beside the grid.
-pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<Change>) {
+pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<LabChange>) {
     section_header(ui, "Explanation", |_| {});
     theme::card_frame(ui).show(ui, |ui| {
         ui.add(Label::new(RichText::new(lab.lesson().explanation()).color(tokens(ui).text)).wrap());
@@ -57,16 +57,16 @@ pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<Change>) {
             )
             .clicked()
         {
-            changes.push(Change::Compare);
+            changes.push(LabChange::Compare);
         }
         ui.menu_button((theme::icon(Icon::Download), "Save drawing"), |ui| save_menu(ui, changes));
         if icon_button(ui, Icon::RotateCcw, "Reset this page").clicked() {
-            changes.push(Change::Reset);
+            changes.push(LabChange::Reset);
         }
     });
 }
 
-fn save_menu(ui: &mut Ui, changes: &mut Vec<Change>) {
+fn save_menu(ui: &mut Ui, changes: &mut Vec<LabChange>) {
     ui.label(RichText::new("Save to the current folder").color(tokens(ui).text_weak));
     for (end, _) in EXTENSIONS.iter().filter(|(end, _)| !matches!(*end, "jpeg" | "tif")) {
         let what = match *end {
@@ -79,7 +79,7 @@ fn save_menu(ui: &mut Ui, changes: &mut Vec<Change>) {
             _ => "TIFF",
         };
         if ui.button(what).clicked() {
-            changes.push(Change::Save(end));
+            changes.push(LabChange::Save(end));
             ui.close();
         }
     }

@@ -4,8 +4,8 @@ use super::*;
 
 fn open(page: Page) -> Lab {
     let mut lab = Lab::default();
-    lab.apply(Change::Open(true));
-    lab.apply(Change::Page(page));
+    lab.apply(LabChange::Open(true));
+    lab.apply(LabChange::Page(page));
     lab
 }
 
@@ -36,7 +36,7 @@ fn keys_of_the_pipeline_step_the_lab_while_it_is_open_and_no_other_time() {
     assert_eq!(give(&mut lab, Command::ChooseUpscaler(3)), None, "has no meaning here");
     assert_eq!(give(&mut lab, Command::Undo), None, "what it takes back is not seen");
     assert_eq!(give(&mut lab, Command::ToggleTheme), Some(Command::ToggleTheme));
-    assert_eq!(give(&mut lab, Command::SavePicture), Some(Command::Lab(Change::Save("png"))));
+    assert_eq!(give(&mut lab, Command::SavePicture), Some(Command::Lab(LabChange::Save("png"))));
     give(&mut lab, Command::OpenBuiltin("cubes".into()));
     assert!(!lab.open, "a scene is to be seen");
 }
@@ -46,10 +46,10 @@ fn a_picture_that_is_opened_becomes_the_canvas() {
     let path = PathBuf::from("drawn.PNG");
     let mut lab = open(Page::Lines);
     let asked = give(&mut lab, Command::Open(path.clone()));
-    assert_eq!(asked, Some(Command::Lab(Change::Picture(path.clone()))), "the disk is not the lab's");
+    assert_eq!(asked, Some(Command::Lab(LabChange::Picture(path.clone()))), "the disk is not the lab's");
     lab.show_picture(&Image::filled(8, 8, [0, 0, 0, 255]));
     assert_eq!(lab.page, Page::Sampling, "lines have no canvas");
-    lab.apply(Change::Page(Page::SeedFill));
+    lab.apply(LabChange::Page(Page::SeedFill));
     let before = lab.lesson().clone();
     lab.show_picture(&Image::filled(8, 8, [0, 0, 0, 255]));
     assert!(lab.page == Page::SeedFill && *lab.lesson() != before);
@@ -61,19 +61,19 @@ fn a_picture_that_is_opened_becomes_the_canvas() {
 fn playing_goes_to_the_end_and_back_and_stops_there() {
     let mut lab = open(Page::SeedFill);
     let all = lab.recording.steps.len();
-    lab.apply(Change::Speed(10.0));
-    lab.apply(Change::TogglePlay);
+    lab.apply(LabChange::Speed(10.0));
+    lab.apply(LabChange::TogglePlay);
     assert_eq!((lab.step, lab.playing), (0, 1), "from the end it begins again");
-    lab.apply(Change::Tick(0.05));
+    lab.apply(LabChange::Tick(0.05));
     assert_eq!(lab.step, 0, "half a step is none yet");
-    lab.apply(Change::Tick(0.05));
+    lab.apply(LabChange::Tick(0.05));
     assert_eq!(lab.step, 1);
-    (0..1_000).for_each(|_| drop(lab.apply(Change::Tick(0.2))));
+    (0..1_000).for_each(|_| drop(lab.apply(LabChange::Tick(0.2))));
     assert_eq!((lab.step, lab.playing), (all, 0));
-    lab.apply(Change::Play(-1));
-    lab.apply(Change::Tick(0.2));
+    lab.apply(LabChange::Play(-1));
+    lab.apply(LabChange::Tick(0.2));
     assert_eq!(lab.step, all - 2);
-    (0..1_000).for_each(|_| drop(lab.apply(Change::Tick(0.2))));
+    (0..1_000).for_each(|_| drop(lab.apply(LabChange::Tick(0.2))));
     assert_eq!((lab.step, lab.playing), (0, 0));
 }
 
@@ -83,13 +83,13 @@ fn pages_keep_what_was_changed_until_they_are_started_anew() {
     let first = lab.lesson().clone();
     let mut lesson = first.clone();
     lesson.move_handle(0, glam::DVec2::new(9.5, 9.5));
-    lab.apply(Change::Set(Box::new(lesson.clone())));
+    lab.apply(LabChange::Set(Box::new(lesson.clone())));
     assert_ne!(lesson, first);
-    lab.apply(Change::Page(Page::Circles));
+    lab.apply(LabChange::Page(Page::Circles));
     assert_eq!(lab.lesson().page(), Page::Circles);
-    lab.apply(Change::Page(Page::Lines));
+    lab.apply(LabChange::Page(Page::Lines));
     assert_eq!(*lab.lesson(), lesson);
     assert_eq!(*lab.recording, lesson.record());
-    lab.apply(Change::Reset);
+    lab.apply(LabChange::Reset);
     assert_eq!(*lab.lesson(), first);
 }

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use eframe::egui::{RichText, Slider, Ui, WidgetInfo};
 
-use super::{Change, Lab};
+use super::{Lab, LabChange};
 use crate::ui::format;
 use crate::ui::theme::{Icon, tokens};
 use crate::ui::widgets::icon_button;
@@ -19,7 +19,7 @@ const SHORTEST_FRAME: Duration = Duration::from_millis(16);
 const REST_POINTS: f32 = 300.0;
 
 /// Draws the bar and advances playback.
-pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<Change>) {
+pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<LabChange>) {
     ui.horizontal_centered(|ui| {
         let all = lab.recording.steps.len();
         let mut button = |ui: &mut Ui, icon, name: &str, change| {
@@ -27,20 +27,20 @@ pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<Change>) {
                 changes.push(change);
             }
         };
-        button(ui, Icon::ChevronFirst, "Before the first step  (Home)", Change::Go(0));
-        button(ui, Icon::StepBack, "One step back  (,)", Change::StepBy(-1));
+        button(ui, Icon::ChevronFirst, "Before the first step  (Home)", LabChange::Go(0));
+        button(ui, Icon::StepBack, "One step back  (,)", LabChange::StepBy(-1));
         let back = if lab.playing < 0 { (Icon::Pause, 0) } else { (Icon::Rewind, -1) };
-        button(ui, back.0, "Play backwards", Change::Play(back.1));
+        button(ui, back.0, "Play backwards", LabChange::Play(back.1));
         let on = if lab.playing > 0 { (Icon::Pause, 0) } else { (Icon::Play, 1) };
-        button(ui, on.0, "Play  (K)", Change::Play(on.1));
-        button(ui, Icon::StepForward, "One step forward  (.)", Change::StepBy(1));
-        button(ui, Icon::ChevronLast, "After the last step  (End)", Change::Go(usize::MAX));
+        button(ui, on.0, "Play  (K)", LabChange::Play(on.1));
+        button(ui, Icon::StepForward, "One step forward  (.)", LabChange::StepBy(1));
+        button(ui, Icon::ChevronLast, "After the last step  (End)", LabChange::Go(usize::MAX));
         let mut step = lab.step.min(all);
         ui.spacing_mut().slider_width = (ui.available_width() - REST_POINTS).max(60.0);
         let slider = ui.add_enabled(all > 0, Slider::new(&mut step, 0..=all).show_value(false));
         slider.widget_info(|| WidgetInfo::slider(true, step as f64, "Steps done"));
         if slider.on_hover_text("Steps done").changed() {
-            changes.push(Change::Go(step));
+            changes.push(LabChange::Go(step));
         }
         let more = if lab.recording.cut_off { " (first of more)" } else { "" };
         let text = format!("{} / {}{more}", format::count(step as u64), format::count(all as u64));
@@ -48,12 +48,12 @@ pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<Change>) {
         speed(ui, lab, changes);
     });
     if lab.playing != 0 {
-        changes.push(Change::Tick(ui.input(|i| i.stable_dt).min(LONGEST_TICK)));
+        changes.push(LabChange::Tick(ui.input(|i| i.stable_dt).min(LONGEST_TICK)));
         ui.request_repaint_after(SHORTEST_FRAME);
     }
 }
 
-fn speed(ui: &mut Ui, lab: &Lab, changes: &mut Vec<Change>) {
+fn speed(ui: &mut Ui, lab: &Lab, changes: &mut Vec<LabChange>) {
     /// Minimum free width for the speed slider, in points.
     const ROOM_POINTS: f32 = 150.0;
     if ui.available_width() < ROOM_POINTS {
@@ -65,6 +65,6 @@ fn speed(ui: &mut Ui, lab: &Lab, changes: &mut Vec<Change>) {
     let slider = ui.add(slider).on_hover_text("Playback speed in steps per second");
     slider.widget_info(|| WidgetInfo::slider(true, speed.into(), "Steps per second"));
     if slider.changed() {
-        changes.push(Change::Speed(speed));
+        changes.push(LabChange::Speed(speed));
     }
 }

@@ -2,12 +2,12 @@
 
 use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, Ui, pos2, vec2};
 
-use crate::inspect::mesh_view::{Kind, Mark};
+use crate::inspect::mesh_view::{MarkKind, MeshMark};
 use crate::ui::format;
 use crate::ui::theme::{MARK_EDGE, ON_PIXEL, font_size, tokens};
 
 /// Number of new vertices above which their parameter t is not labelled, to avoid overlapping numbers.
-const MOST_NUMBERS: usize = 16;
+const MAX_NUMBERS: usize = 16;
 
 /// Lengths of dashes and gaps of an outline, in points.
 const DASH: (f32, f32) = (5.0, 4.0);
@@ -19,26 +19,26 @@ const CUT: Color32 = Color32::from_rgb(240, 160, 48);
 const CULLED: Color32 = Color32::from_rgb(232, 96, 96);
 
 /// Draws all marks. `rect.min` is the picture's corner, and `points_per_px` the size of its pixels in points.
-pub(super) fn draw(ui: &Ui, painter: &Painter, rect: Rect, points_per_px: f32, marks: &[Mark]) {
-    let new = marks.iter().filter(|mark| matches!(mark.kind, Kind::NewVertex(_))).count();
+pub(super) fn draw(ui: &Ui, painter: &Painter, rect: Rect, points_per_px: f32, marks: &[MeshMark]) {
+    let new = marks.iter().filter(|mark| matches!(mark.kind, MarkKind::NewVertex(_))).count();
     for mark in marks {
         let points: Vec<Pos2> = mark.points.iter().map(|[x, y]| rect.min + vec2(*x, *y) * points_per_px).collect();
         match points[..] {
-            [at] => dot(ui, painter, mark.kind, at, new <= MOST_NUMBERS),
+            [at] => dot(ui, painter, mark.kind, at, new <= MAX_NUMBERS),
             [from, to] => line(ui, painter, mark.kind, rect, [from, to]),
             _ => polygon(ui, painter, mark.kind, rect, points),
         }
     }
 }
 
-fn dot(ui: &Ui, painter: &Painter, kind: Kind, at: Pos2, with_numbers: bool) {
+fn dot(ui: &Ui, painter: &Painter, kind: MarkKind, at: Pos2, with_numbers: bool) {
     let accent = tokens(ui).accent;
     let (color, radius, text) = match kind {
-        Kind::Eye => (accent, 5.0, Some("eye".to_owned())),
-        Kind::NewVertex(t) => {
+        MarkKind::Eye => (accent, 5.0, Some("eye".to_owned())),
+        MarkKind::NewVertex(t) => {
             (CUT, 3.0, t.filter(|_| with_numbers).map(|t| format!("t {}", format::fixed(t.into(), 3))))
         }
-        Kind::Vertex => (accent, 4.0, Some("vertex".to_owned())),
+        MarkKind::Vertex => (accent, 4.0, Some("vertex".to_owned())),
         _ => (tokens(ui).warning, 3.5, None),
     };
     painter.circle_filled(at, radius + 1.5, MARK_EDGE);
@@ -50,20 +50,20 @@ fn dot(ui: &Ui, painter: &Painter, kind: Kind, at: Pos2, with_numbers: bool) {
     painter.galley(place.min, galley, ON_PIXEL[0]);
 }
 
-fn line(ui: &Ui, painter: &Painter, kind: Kind, rect: Rect, ends: [Pos2; 2]) {
+fn line(ui: &Ui, painter: &Painter, kind: MarkKind, rect: Rect, ends: [Pos2; 2]) {
     // Clipped first, because the ends may lie far outside and every dash there would cost a shape.
     let Some(ends) = clipped(rect.expand(2.0), ends) else { return };
     let warning = tokens(ui).warning;
     match kind {
-        Kind::Ray => {
+        MarkKind::Ray => {
             painter.line_segment(ends, Stroke::new(3.5, tokens(ui).canvas));
             painter.line_segment(ends, Stroke::new(1.5, warning));
         }
-        Kind::RayBehind => dashed(painter, ends, Stroke::new(1.0, warning.gamma_multiply(0.7))),
-        Kind::CutAway => {
+        MarkKind::RayBehind => dashed(painter, ends, Stroke::new(1.0, warning.gamma_multiply(0.7))),
+        MarkKind::CutAway => {
             painter.line_segment(ends, Stroke::new(1.0, CUT.gamma_multiply(0.55)));
         }
-        Kind::Culled => dashed(painter, ends, Stroke::new(1.0, CULLED)),
+        MarkKind::Culled => dashed(painter, ends, Stroke::new(1.0, CULLED)),
         _ => {
             // The wider line in the background colour keeps the line visible over triangles.
             painter.line_segment(ends, Stroke::new(2.5, tokens(ui).canvas.gamma_multiply(0.6)));
@@ -76,17 +76,17 @@ fn dashed(painter: &Painter, ends: [Pos2; 2], stroke: Stroke) {
     painter.extend(Shape::dashed_line(&ends, stroke, DASH.0, DASH.1));
 }
 
-fn polygon(ui: &Ui, painter: &Painter, kind: Kind, rect: Rect, points: Vec<Pos2>) {
+fn polygon(ui: &Ui, painter: &Painter, kind: MarkKind, rect: Rect, points: Vec<Pos2>) {
     let accent = tokens(ui).accent;
-    if kind == Kind::Culled {
+    if kind == MarkKind::Culled {
         for (place, from) in points.iter().enumerate() {
             line(ui, painter, kind, rect, [*from, points[(place + 1) % points.len()]]);
         }
         return;
     }
     let (fill, stroke) = match kind {
-        Kind::NearPlane => (accent.gamma_multiply(0.18), Stroke::new(1.0, accent)),
-        Kind::Selected => (accent.gamma_multiply(0.3), Stroke::new(2.0, accent)),
+        MarkKind::NearPlane => (accent.gamma_multiply(0.18), Stroke::new(1.0, accent)),
+        MarkKind::Selected => (accent.gamma_multiply(0.3), Stroke::new(2.0, accent)),
         _ => (Color32::TRANSPARENT, Stroke::new(1.5, CUT)),
     };
     painter.add(Shape::convex_polygon(points, fill, stroke));

@@ -9,28 +9,28 @@ mod picture;
 use super::session::Session;
 use crate::chain::Frame;
 use crate::inspect::capture;
-use crate::inspect::mesh_view::{Inner, Look, MeshNormals, MeshStyle, fit, shown_at};
+use crate::inspect::mesh_view::{Inner, MeshNormals, MeshStyle, OverlayInputs, fit, shown_at};
 use crate::scene::{Camera, TriangleId};
-use crate::ui::engine::View;
+use crate::ui::engine::RenderedView;
 use crate::ui::vertices;
 
 pub(crate) use pane::MeshPane;
 
 /// Settings of the outside view.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct MeshView {
+pub struct MeshView {
     /// Whether the outside view is visible.
-    pub(crate) open: bool,
+    pub open: bool,
     /// Style of the triangles.
     pub(crate) style: MeshStyle,
     /// Displacement of triangles from the centre of their mesh, in multiples of their distance from it.
-    pub(crate) apart: f32,
+    pub(crate) explode: f32,
     /// Whether culled triangles are outlined.
     pub(crate) culled: bool,
     /// Kinds of normals that are drawn as lines.
-    pub(crate) normals: MeshNormals,
+    pub normals: MeshNormals,
     /// Second camera; `None` until a first view is computed.
-    pub(crate) camera: Option<Camera>,
+    pub camera: Option<Camera>,
     /// Triangle selected in the outside view, and the pixel picked with it. Picking another pixel ends the selection.
     pub(crate) selected: Option<(TriangleId, Option<(u32, u32)>)>,
 }
@@ -40,7 +40,7 @@ impl Default for MeshView {
         Self {
             open: false,
             style: MeshStyle::Fate,
-            apart: 0.0,
+            explode: 0.0,
             culled: true,
             normals: MeshNormals::default(),
             camera: None,
@@ -63,13 +63,13 @@ impl MeshView {
 
 /// Change of the outside view.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Change {
+pub enum MeshViewChange {
     /// Toggles the outside view.
     Toggle,
     /// Sets the style of the triangles.
     Style(MeshStyle),
     /// Sets the displacement of triangles from the centre of their mesh.
-    Apart(f32),
+    Explode(f32),
     /// Sets whether culled triangles are outlined.
     Culled(bool),
     /// Sets which normals are drawn.
@@ -86,22 +86,22 @@ pub enum Change {
 }
 
 /// Applies a change.
-pub(crate) fn apply(session: &mut Session, change: Change) {
+pub(crate) fn apply(session: &mut Session, change: MeshViewChange) {
     let mesh = &mut session.mesh_view;
     match change {
-        Change::Toggle => mesh.open ^= true,
-        Change::Style(style) => mesh.style = style,
-        Change::Apart(apart) => mesh.apart = apart,
-        Change::Culled(culled) => mesh.culled = culled,
-        Change::Normals(normals) => mesh.normals = normals,
-        Change::Look(camera) => mesh.camera = Some(camera),
-        Change::Reset => mesh.camera = None,
-        Change::Fit(aspect) => {
+        MeshViewChange::Toggle => mesh.open ^= true,
+        MeshViewChange::Style(style) => mesh.style = style,
+        MeshViewChange::Explode(apart) => mesh.explode = apart,
+        MeshViewChange::Culled(culled) => mesh.culled = culled,
+        MeshViewChange::Normals(normals) => mesh.normals = normals,
+        MeshViewChange::Look(camera) => mesh.camera = Some(camera),
+        MeshViewChange::Reset => mesh.camera = None,
+        MeshViewChange::Fit(aspect) => {
             if let Some(view) = &session.view {
                 mesh.camera = mesh.camera.map(|camera| fit(camera, &view.request.scene, &inner(view), aspect));
             }
         }
-        Change::Select(triangle) => {
+        MeshViewChange::Select(triangle) => {
             if let Some(view) = &session.view {
                 session.pick = pixel_of(view, triangle).or(session.pick);
                 session.mesh_view.selected = Some((triangle, session.pick));
@@ -111,7 +111,7 @@ pub(crate) fn apply(session: &mut Session, change: Change) {
 }
 
 /// Returns a drawn pixel of the frame on screen that shows the triangle, as column and row.
-fn pixel_of(view: &View, triangle: TriangleId) -> Option<(u32, u32)> {
+fn pixel_of(view: &RenderedView, triangle: TriangleId) -> Option<(u32, u32)> {
     let frame: &Frame = &view.frame;
     let at = match &view.buffers {
         Some(buffers) => shown_at(&buffers.triangle, triangle),
@@ -123,21 +123,21 @@ fn pixel_of(view: &View, triangle: TriangleId) -> Option<(u32, u32)> {
 }
 
 /// Returns the render camera and its settings.
-fn inner(view: &View) -> Inner {
+fn inner(view: &RenderedView) -> Inner {
     Inner { camera: view.request.camera, settings: view.request.recipe.pipeline, viewport: view.frame.viewport }
 }
 
 /// Returns the elements to mark in the outside view.
-fn look(session: &Session, view: &View) -> Look {
+fn overlay_inputs(session: &Session, view: &RenderedView) -> OverlayInputs {
     let report = view.report.as_ref();
     let visible = report.and_then(|report| report.visible());
-    Look {
+    OverlayInputs {
         pixel: report.map(|report| (report.x, report.y)),
         hit_distance: visible.map(|fragment| view.frame.depth_scale().distance_of(fragment.depth.value)),
         selected: vertices::picked_triangle(session),
         vertex: vertices::followed(session).map(|vertex| vertex.world),
         culled: session.mesh_view.culled,
-        apart: session.mesh_view.apart,
+        explode: session.mesh_view.explode,
     }
 }
 
@@ -162,7 +162,7 @@ mod tests {
         for id in (0..count).step_by(61).map(TriangleId) {
             session.pick = None;
             session.view = Some(engine.answer(session.request()));
-            apply(&mut session, Change::Select(id));
+            apply(&mut session, MeshViewChange::Select(id));
             assert_eq!(vertices::picked_triangle(&session), Some(id));
             session.view = Some(engine.answer(session.request()));
             let visible = session.view.as_ref().unwrap().report.as_ref().and_then(|r| Some(r.visible()?.triangle));

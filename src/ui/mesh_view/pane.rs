@@ -6,8 +6,8 @@ use eframe::egui::{
     WidgetInfo, pos2, vec2,
 };
 
-use super::picture::{Painter, Wish};
-use super::{Change, inner, look, marks};
+use super::picture::{Painter, PictureRequest};
+use super::{MeshViewChange, inner, marks, overlay_inputs};
 use crate::inspect::mesh_view::{MeshNormals, MeshStyle, Painting, first_view, key};
 use crate::inspect::selection::TriangleSelection;
 use crate::manual::Chapter;
@@ -16,7 +16,7 @@ use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, TriangleId};
 use crate::ui::canvas::PictureTexture;
 use crate::ui::command::Command;
-use crate::ui::engine::View;
+use crate::ui::engine::RenderedView;
 use crate::ui::manual::manual_button;
 use crate::ui::navigate::{FLY_RATE, ORBIT_RATE, WHEEL_RATE, flying};
 use crate::ui::overlays::card::length_slider;
@@ -25,7 +25,7 @@ use crate::ui::theme::{self, Icon, RADIUS, font_size, space, tokens};
 use crate::ui::widgets::{combo, icon_button};
 
 /// Maximum displacement of triangles, in multiples of their distance from the centre of their mesh.
-const MOST_APART: f32 = 2.0;
+const MAX_EXPLODE: f32 = 2.0;
 
 /// Minimum free width for the slider's label, in points.
 const NAME_FROM_POINTS: f32 = 56.0;
@@ -51,26 +51,26 @@ impl MeshPane {
         let Some(view) = &session.view else { return };
         let Some(camera) = session.mesh_view.camera else {
             let camera = first_view(&view.request.scene, &inner(view), rect.aspect_ratio());
-            commands.push(Command::MeshView(Change::Look(camera)));
+            commands.push(Command::MeshView(MeshViewChange::Look(camera)));
             ui.request_repaint();
             return;
         };
         navigate(ui, &response, camera, commands);
         let [r, g, b, _] = tokens(ui).canvas.to_array();
         let px = (rect.size() * ui.pixels_per_point()).max(Vec2::splat(1.0));
-        let wish = Wish {
+        let wish = PictureRequest {
             scene: view.request.scene.clone(),
             inner: inner(view),
             camera,
             size: Viewport { width: px.x as u32, height: px.y as u32 },
             painting: Painting {
                 style: session.mesh_view.style,
-                apart: session.mesh_view.apart,
+                explode: session.mesh_view.explode,
                 selection: session.selection.clone(),
                 backdrop: [r, g, b],
                 normals: session.mesh_view.normals,
             },
-            look: look(session, view),
+            look: overlay_inputs(session, view),
         };
         let Some(painted) = self.painter.picture(ui.ctx(), wish, waits) else { return };
         let Viewport { width, height } = painted.size();
@@ -89,7 +89,7 @@ impl MeshPane {
         if response.clicked()
             && let Some(triangle) = response.interact_pointer_pos().and_then(under)
         {
-            commands.push(Command::MeshView(Change::Select(triangle)));
+            commands.push(Command::MeshView(MeshViewChange::Select(triangle)));
             let one = TriangleSelection::new(format!("triangle {}", triangle.0), [triangle]);
             commands.push(Command::Select(one));
         }
@@ -114,26 +114,26 @@ fn bar(ui: &mut Ui, session: &Session, aspect: f32, commands: &mut Vec<Command>)
                 .on_hover_text(mesh.style.help())
                 .widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Mesh style"));
             if style != mesh.style {
-                push(Change::Style(style));
+                push(MeshViewChange::Style(style));
             }
             marks_menu(ui, (mesh.culled, mesh.normals), &mut push);
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 if icon_button(ui, Icon::X, "Hide the scene from outside  (M)").clicked() {
-                    push(Change::Toggle);
+                    push(MeshViewChange::Toggle);
                 }
                 manual_button(ui, Chapter::Stages, &mut manual);
                 if icon_button(ui, Icon::House, "Return to the position beside the render camera").clicked() {
-                    push(Change::Reset);
+                    push(MeshViewChange::Reset);
                 }
                 if icon_button(ui, Icon::Maximize, "Fit the scene and the camera").clicked() {
-                    push(Change::Fit(aspect));
+                    push(MeshViewChange::Fit(aspect));
                 }
-                let mut apart = mesh.apart;
+                let mut apart = mesh.explode;
                 ui.spacing_mut().slider_width = (ui.available_width() - NAME_FROM_POINTS).clamp(56.0, 120.0);
-                let slider = ui.add(Slider::new(&mut apart, 0.0..=MOST_APART).show_value(false));
+                let slider = ui.add(Slider::new(&mut apart, 0.0..=MAX_EXPLODE).show_value(false));
                 slider.widget_info(|| WidgetInfo::slider(true, apart.into(), "Exploded"));
                 if slider.on_hover_text("Explode: moves triangles away from the centre of their mesh").changed() {
-                    push(Change::Apart(apart));
+                    push(MeshViewChange::Explode(apart));
                 }
                 if ui.available_width() >= NAME_FROM_POINTS {
                     ui.label(egui::RichText::new("Explode").small().color(tokens(ui).text_weak));
@@ -145,7 +145,7 @@ fn bar(ui: &mut Ui, session: &Session, aspect: f32, commands: &mut Vec<Command>)
 }
 
 /// Draws the menu of marks: outlines of culled triangles, and normals with their length.
-fn marks_menu(ui: &mut Ui, now: (bool, MeshNormals), push: &mut impl FnMut(Change)) {
+fn marks_menu(ui: &mut Ui, now: (bool, MeshNormals), push: &mut impl FnMut(MeshViewChange)) {
     let (mut culled, mut normals) = now;
     // The menu holds several checkboxes and a slider, so clicks inside leave it open.
     let config = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
@@ -164,10 +164,10 @@ fn marks_menu(ui: &mut Ui, now: (bool, MeshNormals), push: &mut impl FnMut(Chang
     });
     button.on_hover_text("Outlines of culled triangles, and normals");
     if culled != now.0 {
-        push(Change::Culled(culled));
+        push(MeshViewChange::Culled(culled));
     }
     if normals != now.1 {
-        push(Change::Normals(normals));
+        push(MeshViewChange::Normals(normals));
     }
 }
 
@@ -196,7 +196,7 @@ fn navigate(ui: &Ui, response: &Response, camera: Camera, commands: &mut Vec<Com
         }
     }
     if moved != camera {
-        commands.push(Command::MeshView(Change::Look(moved)));
+        commands.push(Command::MeshView(MeshViewChange::Look(moved)));
     }
 }
 
@@ -222,7 +222,14 @@ fn legend(ui: &Ui, painter: &egui::Painter, rect: Rect, session: &Session) {
 }
 
 /// Draws a caption over the picture: the triangle under the pointer, else the selected one, else a hint.
-fn caption(ui: &Ui, painter: &egui::Painter, rect: Rect, session: &Session, view: &View, hovered: Option<TriangleId>) {
+fn caption(
+    ui: &Ui,
+    painter: &egui::Painter,
+    rect: Rect,
+    session: &Session,
+    view: &RenderedView,
+    hovered: Option<TriangleId>,
+) {
     let selected = session.mesh_view.selected(session.pick);
     let text = match (hovered, selected) {
         (Some(triangle), _) => format!("Triangle {}: click to select", triangle.0),

@@ -5,14 +5,14 @@ use std::sync::Arc;
 use eframe::egui::Context;
 
 use crate::image::{Image, Rgba8};
-use crate::inspect::mesh_view::{Inner, Look, Mark, Painting, drawn, paint, with_planes};
+use crate::inspect::mesh_view::{Inner, MeshMark, OverlayInputs, Painting, drawn, paint, with_planes};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene, TriangleId};
-use crate::ui::task::{Listening, Task};
+use crate::ui::task::{BackgroundTask, TaskStatus};
 
 /// Inputs of a picture of the outside view.
 #[derive(Clone, Debug)]
-pub(super) struct Wish {
+pub(super) struct PictureRequest {
     pub(super) scene: Arc<Scene>,
     pub(super) inner: Inner,
     /// Second camera; its near and far planes are computed later.
@@ -20,10 +20,10 @@ pub(super) struct Wish {
     /// Size of the picture, in pixels.
     pub(super) size: Viewport,
     pub(super) painting: Painting,
-    pub(super) look: Look,
+    pub(super) look: OverlayInputs,
 }
 
-impl Wish {
+impl PictureRequest {
     fn is_same(&self, other: &Self) -> bool {
         self.has_same_triangles(other) && self.look == other.look
     }
@@ -38,60 +38,61 @@ impl Wish {
 
 /// Picture of the outside view with its marks.
 #[derive(Clone, Debug)]
-pub(super) struct Painted {
-    wish: Wish,
+pub(super) struct PaintedMesh {
+    request: PictureRequest,
     pub(super) image: Arc<Image<Rgba8>>,
     pub(super) owner: Arc<Image<TriangleId>>,
-    pub(super) marks: Arc<Vec<Mark>>,
+    pub(super) marks: Arc<Vec<MeshMark>>,
 }
 
-impl Painted {
+impl PaintedMesh {
     /// Returns the requested size, in pixels.
     pub(super) fn size(&self) -> Viewport {
-        self.wish.size
+        self.request.size
     }
 
     /// Draws a picture. Reuses the image of `last` if only the marks differ.
-    fn new(wish: Wish, last: Option<Self>) -> Self {
-        let Wish { scene, inner, camera, size, painting, look } = &wish;
+    fn new(request: PictureRequest, last: Option<Self>) -> Self {
+        let PictureRequest { scene, inner, camera, size, painting, look } = &request;
         let seen = with_planes(*camera, scene, inner);
         let marks = Arc::new(drawn(scene, inner, look, &seen, *size));
-        if let Some(last) = last.filter(|last| last.wish.has_same_triangles(&wish)) {
-            return Self { wish, marks, ..last };
+        if let Some(last) = last.filter(|last| last.request.has_same_triangles(&request)) {
+            return Self { request, marks, ..last };
         }
         let picture = paint(scene, inner, seen, *size, painting);
-        Self { image: Arc::new(picture.image), owner: Arc::new(picture.owner), marks, wish }
+        Self { image: Arc::new(picture.image), owner: Arc::new(picture.owner), marks, request }
     }
 }
 
 /// Last finished picture, and the task that draws the next one.
 #[derive(Default)]
 pub(super) struct Painter {
-    last: Option<Painted>,
-    task: Option<Task<(), Painted>>,
+    last: Option<PaintedMesh>,
+    task: Option<BackgroundTask<(), PaintedMesh>>,
 }
 
 impl Painter {
     /// Returns the newest finished picture, and starts drawing `wish` if it differs. If `waits`, drawing is
     /// synchronous.
-    pub(super) fn picture(&mut self, context: &Context, wish: Wish, waits: bool) -> Option<&Painted> {
+    pub(super) fn picture(&mut self, context: &Context, wish: PictureRequest, waits: bool) -> Option<&PaintedMesh> {
         if let Some(task) = &self.task {
-            match task.listen(&mut None) {
-                Listening::GoesOn => {}
-                Listening::Ended(painted) => {
+            match task.poll(&mut None) {
+                TaskStatus::Running => {}
+                TaskStatus::Ended(painted) => {
                     self.last = painted.map(|painted| *painted).or(self.last.take());
                     self.task = None;
                 }
-                Listening::BrokeOff => self.task = None,
+                TaskStatus::Lost => self.task = None,
             }
         }
-        let is_there = self.last.as_ref().is_some_and(|last| last.wish.is_same(&wish));
+        let is_there = self.last.as_ref().is_some_and(|last| last.request.is_same(&wish));
         if !is_there && self.task.is_none() {
             let last = self.last.clone();
             if waits {
-                self.last = Some(Painted::new(wish, last));
+                self.last = Some(PaintedMesh::new(wish, last));
             } else {
-                self.task = Some(Task::start(context.clone(), move |_, _| Some(Painted::new(wish, last))));
+                self.task =
+                    Some(BackgroundTask::start(context.clone(), move |_, _| Some(PaintedMesh::new(wish, last))));
             }
         }
         self.last.as_ref()

@@ -2,12 +2,12 @@
 
 use eframe::egui::{Align, Button, Layout, Rect, RichText, ScrollArea, Sense, Slider, Ui, UiBuilder, WidgetInfo, vec2};
 
-use super::{Change, Layer, legend};
+use super::{OverlayChange, OverlayLayer, legend};
 use crate::inspect::overlays::Overlay;
 use crate::manual::Chapter;
 use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
-use crate::ui::engine::View;
+use crate::ui::engine::RenderedView;
 use crate::ui::manual::manual_button;
 use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, RADIUS, ROW_HEIGHT, space, tokens};
@@ -23,7 +23,7 @@ const LEGEND_WIDTH: f32 = 216.0;
 const TOP: f32 = 36.0;
 
 /// Draws the list of overlays, or while it is closed the legends of the active ones.
-pub(crate) fn ui(ui: &mut Ui, canvas: Rect, session: &Session, view: &View, commands: &mut Vec<Command>) {
+pub(crate) fn ui(ui: &mut Ui, canvas: Rect, session: &Session, view: &RenderedView, commands: &mut Vec<Command>) {
     let overlays = &session.overlays;
     if !overlays.open && overlays.layers.is_empty() {
         return;
@@ -50,7 +50,7 @@ pub(crate) fn ui(ui: &mut Ui, canvas: Rect, session: &Session, view: &View, comm
         if overlays.open {
             list(ui, session, view, &mut changes);
         } else {
-            for sheet in view.looked.sheets.iter().rev() {
+            for sheet in view.look_result.sheets.iter().rev() {
                 ui.label(RichText::new(sheet.overlay.name()).small().strong()).on_hover_text(sheet.overlay.help());
                 legend::ui(ui, sheet, 2);
                 ui.add_space(space::XS);
@@ -65,22 +65,22 @@ pub(crate) fn ui(ui: &mut Ui, canvas: Rect, session: &Session, view: &View, comm
     commands.extend(changes.into_iter().map(Command::Overlays));
 }
 
-fn title(ui: &mut Ui, session: &Session, changes: &mut Vec<Change>, commands: &mut Vec<Command>) {
+fn title(ui: &mut Ui, session: &Session, changes: &mut Vec<OverlayChange>, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         ui.set_height(ROW_HEIGHT);
         ui.label(RichText::new("Overlays").strong());
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.spacing_mut().item_spacing.x = space::XS;
             if icon_button(ui, Icon::X, "Hide this list; the overlays stay on  (O)").clicked() {
-                changes.push(Change::Open(false));
+                changes.push(OverlayChange::Open(false));
             }
             manual_button(ui, Chapter::Reference, commands);
             ui.add_enabled_ui(session.overlays.count() > 0, |ui| {
                 if icon_button(ui, Icon::Trash2, "Remove all overlays").clicked() {
-                    changes.push(Change::Clear);
+                    changes.push(OverlayChange::Clear);
                 }
                 if icon_button(ui, Icon::Download, "Save all totals as CSV into the current folder").clicked() {
-                    changes.push(Change::SaveTotals);
+                    changes.push(OverlayChange::SaveTotals);
                 }
             });
         });
@@ -88,7 +88,7 @@ fn title(ui: &mut Ui, session: &Session, changes: &mut Vec<Change>, commands: &m
 }
 
 /// Draws all overlays: active ones first, from the top layer down.
-fn list(ui: &mut Ui, session: &Session, view: &View, changes: &mut Vec<Change>) {
+fn list(ui: &mut Ui, session: &Session, view: &RenderedView, changes: &mut Vec<OverlayChange>) {
     let overlays = &session.overlays;
     let on = overlays.layers.iter().rev().map(|layer| layer.overlay);
     let off = Overlay::ALL.iter().copied().filter(|overlay| overlays.layer(*overlay).is_none());
@@ -99,20 +99,20 @@ fn list(ui: &mut Ui, session: &Session, view: &View, changes: &mut Vec<Change>) 
     let help = "When zoomed in: a point at every sample, and ticks on every edge into the triangle that owns samples \
                 exactly on it";
     if ui.checkbox(&mut marks, "Samples and owners of edges").on_hover_text(help).changed() {
-        changes.push(Change::Marks(marks));
+        changes.push(OverlayChange::Marks(marks));
     }
     if marks && !overlays.vectors {
         ui.label(RichText::new("Zoom in to see them.").small().color(tokens(ui).text_weak));
     }
 }
 
-fn entry(ui: &mut Ui, overlay: Overlay, session: &Session, view: &View, changes: &mut Vec<Change>) {
+fn entry(ui: &mut Ui, overlay: Overlay, session: &Session, view: &RenderedView, changes: &mut Vec<OverlayChange>) {
     let layer = session.overlays.layer(overlay);
     let mut on = layer.is_some();
     ui.horizontal(|ui| {
         ui.set_height(ROW_HEIGHT);
         if ui.checkbox(&mut on, overlay.name()).on_hover_text(overlay.help()).changed() {
-            changes.push(Change::Toggle(overlay));
+            changes.push(OverlayChange::Toggle(overlay));
         }
         let Some(layer) = layer else { return };
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -122,7 +122,7 @@ fn entry(ui: &mut Ui, overlay: Overlay, session: &Session, view: &View, changes:
                 let button = Button::new(theme::icon(Icon::ArrowUp)).frame_when_inactive(false);
                 let raise = ui.add(button).on_hover_text("Move it above the next overlay");
                 if raise.on_disabled_hover_text("It is the top overlay").clicked() {
-                    changes.push(Change::Raise(overlay));
+                    changes.push(OverlayChange::Raise(overlay));
                 }
             });
             let mut opacity = layer.opacity;
@@ -131,28 +131,28 @@ fn entry(ui: &mut Ui, overlay: Overlay, session: &Session, view: &View, changes:
             let name = format!("Opacity of “{}”", overlay.name());
             slider.widget_info(|| WidgetInfo::slider(true, f64::from(layer.opacity), &name));
             if slider.on_hover_text(format!("Opacity {:.0} %", 100.0 * layer.opacity)).changed() {
-                changes.push(Change::Opacity(overlay, opacity));
+                changes.push(OverlayChange::Opacity(overlay, opacity));
             }
         });
     });
     if let Some(layer) = layer.filter(|_| overlay.has_length()) {
         ui.indent("length", |ui| length(ui, layer, changes));
     }
-    if let Some(sheet) = view.looked.sheets.iter().find(|sheet| on && sheet.overlay == overlay) {
+    if let Some(sheet) = view.look_result.sheets.iter().find(|sheet| on && sheet.overlay == overlay) {
         ui.indent("legend", |ui| legend::ui(ui, sheet, usize::MAX));
         ui.add_space(space::XS);
     }
 }
 
 /// Draws the slider for the normal length of a layer.
-fn length(ui: &mut Ui, layer: Layer, changes: &mut Vec<Change>) {
+fn length(ui: &mut Ui, layer: OverlayLayer, changes: &mut Vec<OverlayChange>) {
     ui.horizontal(|ui| {
         ui.set_height(ROW_HEIGHT);
         ui.spacing_mut().slider_width = 96.0;
         let mut length = layer.length;
         let name = format!("Length of “{}”", layer.overlay.name());
         if length_slider(ui, &mut length, &name) {
-            changes.push(Change::Length(layer.overlay, length));
+            changes.push(OverlayChange::Length(layer.overlay, length));
         }
         let text = RichText::new(format!("Length {:.1} %", 100.0 * layer.length)).small();
         ui.label(text.color(tokens(ui).text_weak));

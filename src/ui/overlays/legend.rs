@@ -3,7 +3,7 @@
 use eframe::egui::{Align, Align2, Color32, FontId, Layout, Rect, RichText, Sense, Ui, vec2};
 
 use crate::image::Rgba8;
-use crate::inspect::overlays::{Key, Scale, Sheet, Total};
+use crate::inspect::overlays::{ColorScale, Sheet, SheetLegend, Total};
 use crate::ui::format;
 use crate::ui::theme::{font_size, space, tokens};
 
@@ -20,9 +20,9 @@ pub(crate) fn ui(ui: &mut Ui, sheet: &Sheet, most_totals: usize) {
         return;
     }
     match &sheet.key {
-        Key::Lines => {}
-        Key::Scale(scale) => strip(ui, scale),
-        Key::Kinds(kinds) => {
+        SheetLegend::Lines => {}
+        SheetLegend::Scale(scale) => strip(ui, scale),
+        SheetLegend::Kinds(kinds) => {
             for (kind, total) in kinds.iter().zip(&sheet.totals) {
                 ui.horizontal(|ui| {
                     ui.spacing_mut().item_spacing.x = space::XS;
@@ -38,8 +38,8 @@ pub(crate) fn ui(ui: &mut Ui, sheet: &Sheet, most_totals: usize) {
         }
     }
     let of_kinds = |total: &&Total| match &sheet.key {
-        Key::Kinds(kinds) => !kinds.iter().any(|kind| kind.name == total.name),
-        Key::Lines | Key::Scale(_) => true,
+        SheetLegend::Kinds(kinds) => !kinds.iter().any(|kind| kind.name == total.name),
+        SheetLegend::Lines | SheetLegend::Scale(_) => true,
     };
     for total in sheet.totals.iter().filter(of_kinds).take(most_totals) {
         let text = format!("{}: {}", total.name, amount(total));
@@ -65,7 +65,7 @@ fn square(ui: &mut Ui, [r, g, b, _]: Rgba8) {
 }
 
 /// Draws the colour scale as a strip, with numbers at both ends and in the middle.
-fn strip(ui: &mut Ui, scale: &Scale) {
+fn strip(ui: &mut Ui, scale: &ColorScale) {
     let width = ui.available_width();
     let (place, _) = ui.allocate_exact_size(vec2(width, STRIP + font_size::SMALL + space::XS), Sense::hover());
     for point in 0..width as u32 {

@@ -6,7 +6,7 @@ use eframe::egui::{Color32, Id, Painter, Pos2, Stroke, pos2, vec2};
 
 use crate::chain::{Frame, Recipe};
 use crate::inspect::overlays::{EdgeMarks, edge_marks};
-use crate::ui::engine::View;
+use crate::ui::engine::RenderedView;
 use crate::ui::session::Session;
 use crate::ui::theme::MARK_EDGE;
 use crate::ui::zoom::Placement;
@@ -19,23 +19,23 @@ pub(crate) const VECTORS_FROM: f32 = 4.0;
 const MARKS_FROM: f32 = 12.0;
 
 /// Maximum number of lines and edges drawn; more would be illegible.
-const MOST_LINES: usize = 20_000;
+const MAX_LINES: usize = 20_000;
 
 /// Colours of edges that own samples on them, and of edges that do not.
 const OWNED: Color32 = Color32::from_rgb(80, 220, 130);
 const NOT_OWNED: Color32 = Color32::from_rgb(240, 110, 110);
 
 /// Draws all vector lines and marks.
-pub(crate) fn paint(painter: &Painter, placement: Placement, session: &Session, view: &View) {
+pub(crate) fn paint(painter: &Painter, placement: Placement, session: &Session, view: &RenderedView) {
     if placement.points_per_px < VECTORS_FROM {
         return;
     }
     let at = |[x, y]: [f32; 2]| placement.corner + vec2(x, y) * placement.points_per_px;
-    for sheet in &view.looked.sheets {
+    for sheet in &view.look_result.sheets {
         let opacity = session.overlays.layer(sheet.overlay).map_or(1.0, |layer| layer.opacity);
         let color = sheet.line_color().map_or(Color32::WHITE, |[r, g, b, _]| Color32::from_rgb(r, g, b));
         let lines = sheet.lines.iter().map(|ends| ends.map(at)).filter(|[a, b]| meets(placement, *a, *b));
-        for ends in lines.take(MOST_LINES) {
+        for ends in lines.take(MAX_LINES) {
             two_tone(painter, ends, color, opacity);
         }
     }
@@ -60,7 +60,7 @@ fn two_tone(painter: &Painter, ends: [Pos2; 2], color: Color32, opacity: f32) {
 
 /// Cached edges of the visible part of a frame: finding them visits every triangle.
 #[derive(Clone)]
-struct Known {
+struct EdgeCache {
     /// Weak reference, so that the buffers of a frame that is no longer visible can be reused.
     frame: Weak<Frame>,
     recipe: Recipe,
@@ -70,20 +70,20 @@ struct Known {
 }
 
 /// Returns the edges in the visible part of the picture, from the cache if frame, recipe and part are unchanged.
-fn marks(painter: &Painter, placement: Placement, view: &View) -> Arc<Vec<EdgeMarks>> {
+fn marks(painter: &Painter, placement: Placement, view: &RenderedView) -> Arc<Vec<EdgeMarks>> {
     let (min, max) = (placement.to_picture(placement.canvas.min), placement.to_picture(placement.canvas.max));
     let (seen_px, recipe) = ([min.x, min.y, max.x, max.y], view.request.recipe);
     let id = Id::unique("marked edges");
-    let is_same = |known: &Known| {
+    let is_same = |known: &EdgeCache| {
         std::ptr::eq(known.frame.as_ptr(), Arc::as_ptr(&view.frame))
             && (known.recipe, known.seen_px) == (recipe, seen_px)
     };
-    let known: Option<Known> = painter.ctx().data(|data| data.get_temp(id));
+    let known: Option<EdgeCache> = painter.ctx().data(|data| data.get_temp(id));
     if let Some(known) = known.filter(is_same) {
         return known.edges;
     }
-    let edges = Arc::new(edge_marks(&view.frame, &recipe, seen_px, MOST_LINES));
-    let known = Known { frame: Arc::downgrade(&view.frame), recipe, seen_px, edges: edges.clone() };
+    let edges = Arc::new(edge_marks(&view.frame, &recipe, seen_px, MAX_LINES));
+    let known = EdgeCache { frame: Arc::downgrade(&view.frame), recipe, seen_px, edges: edges.clone() };
     painter.ctx().data_mut(|data| data.insert_temp(id, known));
     edges
 }
@@ -113,7 +113,7 @@ fn owner(painter: &Painter, edge: &EdgeMarks, at: impl Fn([f32; 2]) -> Pos2) {
 }
 
 /// Draws a point at the sample position of each drawn pixel.
-fn samples(painter: &Painter, placement: Placement, view: &View) {
+fn samples(painter: &Painter, placement: Placement, view: &RenderedView) {
     let Sampling::Grid(grid) = view.frame.sampling else { return };
     let (columns, rows) = placement.visible(view.picture.size());
     for (x, y) in rows.flat_map(|y| columns.clone().map(move |x| (x, y))) {

@@ -11,27 +11,27 @@ pub(crate) mod readout;
 
 pub(crate) mod save;
 
-use super::engine::View;
+use super::engine::RenderedView;
 use crate::inspect::overlays::Overlay;
 
-pub(crate) use crate::inspect::overlays::Layer;
+pub(crate) use crate::inspect::overlays::OverlayLayer;
 
 /// Active overlays, and the state of their card.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Overlays {
+pub struct Overlays {
     /// Stack of layers, from the bottom up.
-    pub(crate) layers: Vec<Layer>,
+    pub layers: Vec<OverlayLayer>,
     /// Whether the list of all overlays is open.
-    pub(crate) open: bool,
+    pub open: bool,
     /// Whether sample points and edge owners are drawn over enlarged pixels.
     pub(crate) marks: bool,
     /// Whether pixels are large enough to draw lines as vectors instead of pixels.
-    pub(crate) vectors: bool,
+    pub vectors: bool,
 }
 
 /// Change of the overlays.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Change {
+pub enum OverlayChange {
     /// Opens or closes the list.
     Open(bool),
     /// Toggles the list.
@@ -61,38 +61,40 @@ impl Overlays {
     }
 
     /// Returns the layer of an overlay if it is active.
-    pub(crate) fn layer(&self, overlay: Overlay) -> Option<Layer> {
+    pub(crate) fn layer(&self, overlay: Overlay) -> Option<OverlayLayer> {
         self.layers.iter().copied().find(|layer| layer.overlay == overlay)
     }
 
     /// Applies a change; returns it if it concerns the disk.
-    pub(crate) fn apply(&mut self, change: Change) -> Option<Change> {
+    pub(crate) fn apply(&mut self, change: OverlayChange) -> Option<OverlayChange> {
         match change {
-            Change::Open(open) => self.open = open,
-            Change::ToggleOpen => self.open ^= true,
-            Change::Toggle(overlay) if self.layer(overlay).is_some() => self.layers.retain(|l| l.overlay != overlay),
-            Change::Toggle(overlay) => self.layers.push(overlay.into()),
-            Change::Opacity(overlay, opacity) => {
+            OverlayChange::Open(open) => self.open = open,
+            OverlayChange::ToggleOpen => self.open ^= true,
+            OverlayChange::Toggle(overlay) if self.layer(overlay).is_some() => {
+                self.layers.retain(|l| l.overlay != overlay)
+            }
+            OverlayChange::Toggle(overlay) => self.layers.push(overlay.into()),
+            OverlayChange::Opacity(overlay, opacity) => {
                 if let Some(layer) = self.layers.iter_mut().find(|layer| layer.overlay == overlay) {
                     layer.opacity = opacity.clamp(0.0, 1.0);
                 }
             }
-            Change::Length(overlay, length) => {
+            OverlayChange::Length(overlay, length) => {
                 if let Some(layer) = self.layers.iter_mut().find(|layer| layer.overlay == overlay) {
                     layer.length = length.clamp(0.0, 1.0);
                 }
             }
-            Change::Raise(overlay) => {
+            OverlayChange::Raise(overlay) => {
                 if let Some(place) = self.layers.iter().position(|layer| layer.overlay == overlay)
                     && place + 1 < self.layers.len()
                 {
                     self.layers.swap(place, place + 1);
                 }
             }
-            Change::Clear => (self.layers, self.marks) = (Vec::new(), false),
-            Change::Marks(marks) => self.marks = marks,
-            Change::Vectors(vectors) => self.vectors = vectors,
-            Change::SaveTotals => return Some(change),
+            OverlayChange::Clear => (self.layers, self.marks) = (Vec::new(), false),
+            OverlayChange::Marks(marks) => self.marks = marks,
+            OverlayChange::Vectors(vectors) => self.vectors = vectors,
+            OverlayChange::SaveTotals => return Some(change),
         }
         None
     }
@@ -112,9 +114,9 @@ impl Overlays {
 
     /// Returns the next pixel marked by [`Overlays::stepped`] after `from`, or the previous one, wrapping around at the
     /// ends.
-    pub(crate) fn beside(&self, view: &View, from: Option<(u32, u32)>, forwards: bool) -> Option<(u32, u32)> {
+    pub(crate) fn beside(&self, view: &RenderedView, from: Option<(u32, u32)>, forwards: bool) -> Option<(u32, u32)> {
         let overlay = self.stepped()?;
-        view.looked.sheets.iter().find(|sheet| sheet.overlay == overlay)?.beside(from, forwards)
+        view.look_result.sheets.iter().find(|sheet| sheet.overlay == overlay)?.next_pixel(from, forwards)
     }
 }
 
@@ -130,18 +132,18 @@ mod tests {
     fn overlays_stack_in_the_order_in_which_they_are_laid() {
         let mut overlays = Overlays::default();
         for overlay in [Overlay::Facing, Overlay::Wireframe, Overlay::Clipped] {
-            assert_eq!(overlays.apply(Change::Toggle(overlay)), None);
+            assert_eq!(overlays.apply(OverlayChange::Toggle(overlay)), None);
         }
-        overlays.apply(Change::Raise(Overlay::Facing));
+        overlays.apply(OverlayChange::Raise(Overlay::Facing));
         assert_eq!(order(&overlays), [Overlay::Wireframe, Overlay::Facing, Overlay::Clipped]);
-        overlays.apply(Change::Raise(Overlay::Clipped));
-        overlays.apply(Change::Toggle(Overlay::Wireframe));
+        overlays.apply(OverlayChange::Raise(Overlay::Clipped));
+        overlays.apply(OverlayChange::Toggle(Overlay::Wireframe));
         assert_eq!(order(&overlays), [Overlay::Facing, Overlay::Clipped]);
-        overlays.apply(Change::Opacity(Overlay::Facing, 7.0));
+        overlays.apply(OverlayChange::Opacity(Overlay::Facing, 7.0));
         assert_eq!(overlays.layer(Overlay::Facing).map(|layer| layer.opacity), Some(1.0));
         assert_eq!(overlays.stepped(), Some(Overlay::Clipped));
-        overlays.apply(Change::Clear);
+        overlays.apply(OverlayChange::Clear);
         assert_eq!((overlays.count(), overlays.stepped()), (0, None));
-        assert_eq!(overlays.apply(Change::SaveTotals), Some(Change::SaveTotals));
+        assert_eq!(overlays.apply(OverlayChange::SaveTotals), Some(OverlayChange::SaveTotals));
     }
 }

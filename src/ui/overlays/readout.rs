@@ -9,7 +9,7 @@ use crate::ui::theme::{self, tokens};
 /// Draws a row for each active overlay.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, hovered: Option<(u32, u32)>) {
     let Some((view, (x, y))) = session.view.as_ref().zip(hovered.or(session.pick)) else { return };
-    for sheet in &view.looked.sheets {
+    for sheet in &view.look_result.sheets {
         ui.horizontal(|ui| {
             ui.set_height(theme::CONTROL_HEIGHT);
             ui.label(RichText::new(sheet.overlay.name()).color(tokens(ui).text_weak));

@@ -2,13 +2,13 @@
 //! tabs, upscalers, bookmarks and recent files. Each list comes from the table that the rest of the window uses.
 
 use crate::chain::Recipe;
-use crate::inspect::find::Wanted;
+use crate::inspect::find::SearchTarget;
 use crate::inspect::outline::OutlineKind;
 use crate::inspect::{Buffer, Intermediate, Stage, fields};
 use crate::pipeline::settings::Choice as _;
 use crate::scene::{SceneSource, builtin};
 use crate::ui::command::{BINDINGS, Command};
-use crate::ui::compare::{Change, Mode};
+use crate::ui::compare::{CompareChange, Mode};
 use crate::ui::engine::Shown;
 use crate::ui::key_sheet::key_name;
 use crate::ui::panels::bottom::TABS;
@@ -19,7 +19,7 @@ use crate::upscale;
 
 /// Category of an entry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub(crate) enum EntryKind {
     /// Command of the window.
     Command,
     /// Value of a setting.
@@ -38,7 +38,7 @@ pub(crate) enum Kind {
     Bookmark,
 }
 
-impl Kind {
+impl EntryKind {
     /// Returns the display name.
     pub(crate) fn name(self) -> &'static str {
         match self {
@@ -65,9 +65,9 @@ pub(crate) enum Action {
 
 /// Entry of the palette.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Entry {
+pub(crate) struct PaletteEntry {
     /// Category.
-    pub(crate) kind: Kind,
+    pub(crate) kind: EntryKind,
     /// Title, which the search matches.
     pub(crate) title: String,
     /// Help text for the tooltip.
@@ -75,67 +75,74 @@ pub(crate) struct Entry {
     /// Name of its key; empty if it has none.
     pub(crate) key: String,
     /// Whether the setting already has this value.
-    pub(crate) holds: bool,
+    pub(crate) is_current: bool,
     /// Effect of choosing it.
     pub(crate) action: Action,
 }
 
-fn entry(kind: Kind, title: impl Into<String>, command: Command) -> Entry {
+fn entry(kind: EntryKind, title: impl Into<String>, command: Command) -> PaletteEntry {
     let binding = BINDINGS.iter().find(|binding| (binding.command)() == command);
     let key = binding.map(key_name).unwrap_or_default();
-    Entry { kind, title: title.into(), help: String::new(), key, holds: false, action: Action::Run(Box::new(command)) }
+    PaletteEntry {
+        kind,
+        title: title.into(),
+        help: String::new(),
+        key,
+        is_current: false,
+        action: Action::Run(Box::new(command)),
+    }
 }
 
-impl Entry {
+impl PaletteEntry {
     fn with(self, help: impl Into<String>, holds: bool) -> Self {
-        Self { help: help.into(), holds, ..self }
+        Self { help: help.into(), is_current: holds, ..self }
     }
 }
 
 /// Returns all entries for the present state of `session`.
-pub(crate) fn all(session: &Session) -> Vec<Entry> {
+pub(crate) fn all(session: &Session) -> Vec<PaletteEntry> {
     let mut entries = commands();
     entries.extend(bookmarks(session));
     entries.extend(scenes(session));
     entries.extend(Buffer::ALL.iter().map(|buffer| {
         let shown = Shown::Buffer(*buffer);
         let title = format!("Show buffer: {}", buffer.name());
-        entry(Kind::Buffer, title, Command::Show(shown)).with(buffer.help(), session.shown == shown)
+        entry(EntryKind::Buffer, title, Command::Show(shown)).with(buffer.help(), session.shown == shown)
     }));
     entries.extend(Intermediate::ALL.iter().map(|number| {
         let shown = Shown::Intermediate(*number);
         let title = format!("Show intermediate value: {}", number.name());
-        entry(Kind::Buffer, title, Command::Show(shown)).with(number.help(), session.shown == shown)
+        entry(EntryKind::Buffer, title, Command::Show(shown)).with(number.help(), session.shown == shown)
     }));
     entries.extend(Stage::ALL.iter().map(|stage| {
         let shown = Shown::Stage(*stage);
         let title = format!("Show stage: {}", stage.name());
-        entry(Kind::Stage, title, Command::Show(shown)).with(stage.help(), session.shown == shown)
+        entry(EntryKind::Stage, title, Command::Show(shown)).with(stage.help(), session.shown == shown)
     }));
     entries.extend(TABS.iter().map(|(tab, name, help)| {
-        entry(Kind::Tab, format!("Open tab: {name}"), Command::OpenTab(*tab)).with(*help, false)
+        entry(EntryKind::Tab, format!("Open tab: {name}"), Command::OpenTab(*tab)).with(*help, false)
     }));
     entries.extend(upscale::ALL.iter().enumerate().map(|(place, upscaler)| {
         let chosen = session.state.recipe.upscaler.method() == upscaler.id();
         let title = format!("Upscaler: {}", upscaler.name());
-        entry(Kind::Upscaler, title, Command::ChooseUpscaler(place)).with("", chosen)
+        entry(EntryKind::Upscaler, title, Command::ChooseUpscaler(place)).with("", chosen)
     }));
     entries.extend(settings(session));
     entries
 }
 
 /// Returns all commands with a key, each once, and the menu commands without one.
-fn commands() -> Vec<Entry> {
-    let mut entries: Vec<Entry> = Vec::new();
+fn commands() -> Vec<PaletteEntry> {
+    let mut entries: Vec<PaletteEntry> = Vec::new();
     for binding in BINDINGS {
         let command = (binding.command)();
         // Upscalers have entries of their own, and opening the palette from itself is a no-op.
         let is_elsewhere = matches!(
             command,
-            Command::ChooseUpscaler(_) | Command::OpenPalette | Command::Place(place::Change::Jump(_))
+            Command::ChooseUpscaler(_) | Command::OpenPalette | Command::Place(place::PlaceChange::Jump(_))
         );
-        if !is_elsewhere && !entries.iter().any(|known| known.title == binding.what) {
-            entries.push(entry(Kind::Command, binding.what, command));
+        if !is_elsewhere && !entries.iter().any(|known| known.title == binding.description) {
+            entries.push(entry(EntryKind::Command, binding.description, command));
         }
     }
     let keyless = [
@@ -144,50 +151,50 @@ fn commands() -> Vec<Entry> {
         ("Reset all settings", Command::ResetRecipe),
         ("Save the picked triangle as a case", Command::SaveCase),
         ("Switch between dark and light", Command::ToggleTheme),
-        ("Manage bookmarks", Command::Place(place::Change::Manage)),
-        ("Compare all upscalers in tiles", Command::Compare(Change::Every)),
-        ("Pin the current settings as A and compare changes with them", Command::WhatIf(what_if::Change::PinNow)),
-        ("Restore the settings before the last change", Command::WhatIf(what_if::Change::Revert)),
-        ("Stop comparing", Command::Compare(Change::Mode(Mode::Off))),
+        ("Manage bookmarks", Command::Place(place::PlaceChange::Manage)),
+        ("Compare all upscalers in tiles", Command::Compare(CompareChange::Every)),
+        ("Pin the current settings as A and compare changes with them", Command::WhatIf(what_if::WhatIfChange::PinNow)),
+        ("Restore the settings before the last change", Command::WhatIf(what_if::WhatIfChange::Revert)),
+        ("Stop comparing", Command::Compare(CompareChange::Mode(Mode::Off))),
         ("Measure all upscalers", Command::Measure),
         ("Measure savings of the plan", Command::MeasurePlan),
-        ("Measure scaling", Command::MeasureGrowth),
+        ("Measure scaling", Command::MeasureScaling),
         ("Run the stability report", Command::RunStability),
         ("Save all frame times as CSV", Command::ExportTimings),
         ("Set the picture size to that of the canvas", Command::SetSize(PictureSize::Canvas)),
     ];
-    entries.extend(keyless.map(|(title, command)| entry(Kind::Command, title, command)));
+    entries.extend(keyless.map(|(title, command)| entry(EntryKind::Command, title, command)));
     for kind in OutlineKind::ALL {
         for end in ["svg", "pdf"] {
             let title = format!("Save as drawing: {}, {}", kind.name(), end.to_uppercase());
-            entries.push(entry(Kind::Command, title, Command::SaveOutline(*kind, end)).with(kind.help(), false));
+            entries.push(entry(EntryKind::Command, title, Command::SaveOutline(*kind, end)).with(kind.help(), false));
         }
     }
     entries
 }
 
-fn bookmarks(session: &Session) -> impl Iterator<Item = Entry> {
+fn bookmarks(session: &Session) -> impl Iterator<Item = PaletteEntry> {
     session.places.bookmarks.iter().enumerate().map(|(number, bookmark)| {
-        let jump = Command::Place(place::Change::Jump(number));
-        entry(Kind::Bookmark, format!("Go to {}", bookmark.name), jump)
+        let jump = Command::Place(place::PlaceChange::Jump(number));
+        entry(EntryKind::Bookmark, format!("Go to {}", bookmark.name), jump)
     })
 }
 
-fn scenes(session: &Session) -> impl Iterator<Item = Entry> {
+fn scenes(session: &Session) -> impl Iterator<Item = PaletteEntry> {
     let builtins = builtin::ALL.iter().map(|scene| {
         let holds = matches!(&session.source, SceneSource::Builtin(shown) if shown.id == scene.id);
         let open = Command::OpenBuiltin(scene.id.to_owned());
-        entry(Kind::Scene, format!("Open scene: {}", scene.title), open).with(scene.summary, holds)
+        entry(EntryKind::Scene, format!("Open scene: {}", scene.title), open).with(scene.summary, holds)
     });
     let files = session.recent.iter().map(|path| {
         let holds = matches!(&session.source, SceneSource::File(shown, _) if shown == path);
-        entry(Kind::Scene, format!("Open {}", path.display()), Command::Open(path.clone())).with("", holds)
+        entry(EntryKind::Scene, format!("Open {}", path.display()), Command::Open(path.clone())).with("", holds)
     });
     builtins.chain(files)
 }
 
 /// Returns an entry for every value of a setting with a finite set of values, and one entry for each other setting.
-fn settings(session: &Session) -> Vec<Entry> {
+fn settings(session: &Session) -> Vec<PaletteEntry> {
     let recipe = session.state.recipe;
     let now = fields::fields(&recipe);
     let mut entries = Vec::new();
@@ -197,7 +204,7 @@ fn settings(session: &Session) -> Vec<Entry> {
             let mut changed = recipe;
             // Skips values that the recipe rejects.
             if changed.set(&format!("{key}={choice}")).is_ok() {
-                let set = entry(Kind::Setting, format!("{key} = {choice}"), Command::SetRecipe(changed));
+                let set = entry(EntryKind::Setting, format!("{key} = {choice}"), Command::SetRecipe(changed));
                 entries.push(set.with("", *choice == present));
             }
         }
@@ -205,27 +212,34 @@ fn settings(session: &Session) -> Vec<Entry> {
             let action = Action::Type(format!("{key}="));
             let title = format!("{key} = …  (now {present})");
             let help = format!("{values}: type a value and press Enter");
-            entries.push(Entry { kind: Kind::Setting, title, help, key: String::new(), holds: false, action });
+            entries.push(PaletteEntry {
+                kind: EntryKind::Setting,
+                title,
+                help,
+                key: String::new(),
+                is_current: false,
+                action,
+            });
         }
     }
     entries
 }
 
 /// Returns an entry for a typed assignment such as `light.ambient=0.3`, if it is valid.
-pub(crate) fn assignment(session: &Session, typed: &str) -> Option<Entry> {
+pub(crate) fn assignment(session: &Session, typed: &str) -> Option<PaletteEntry> {
     let mut recipe = session.state.recipe;
     recipe.set(typed.trim()).ok()?;
     let (key, value) = typed.split_once('=')?;
     let title = format!("Set {} to {}", key.trim(), value.trim());
-    Some(entry(Kind::Setting, title, Command::SetRecipe(recipe)).with("", recipe == session.state.recipe))
+    Some(entry(EntryKind::Setting, title, Command::SetRecipe(recipe)).with("", recipe == session.state.recipe))
 }
 
 /// Returns an entry for a typed destination: a pixel, a triangle or a vertex. Object names are excluded, because other
 /// entries may have the same name.
-pub(crate) fn destination(session: &Session, typed: &str) -> Option<Entry> {
-    let wanted = session.wanted(typed).ok().filter(|wanted| !matches!(wanted, Wanted::Object(..)))?;
+pub(crate) fn destination(session: &Session, typed: &str) -> Option<PaletteEntry> {
+    let wanted = session.search_target(typed).ok().filter(|wanted| !matches!(wanted, SearchTarget::Object(..)))?;
     let title = format!("Go to {}", wanted.words().to_lowercase());
-    Some(entry(Kind::Command, title, place::go_to(wanted)))
+    Some(entry(EntryKind::Command, title, place::go_to(wanted)))
 }
 
 #[cfg(test)]
@@ -249,19 +263,23 @@ mod tests {
     #[test]
     fn everything_that_has_a_name_is_offered() {
         let entries = all(&session());
-        let offers = |kind: Kind, name: &str| entries.iter().any(|e| e.kind == kind && e.title.contains(name));
+        let offers = |kind: EntryKind, name: &str| entries.iter().any(|e| e.kind == kind && e.title.contains(name));
         for binding in BINDINGS {
             let elsewhere = ["Choose an upscaler", "Go to a bookmark", "Find anything"];
-            assert!(offers(Kind::Command, binding.what) || elsewhere.contains(&binding.what), "{}", binding.what);
+            assert!(
+                offers(EntryKind::Command, binding.description) || elsewhere.contains(&binding.description),
+                "{}",
+                binding.description
+            );
         }
         for scene in builtin::ALL {
-            assert!(offers(Kind::Scene, scene.title));
+            assert!(offers(EntryKind::Scene, scene.title));
         }
-        assert!(Buffer::ALL.iter().all(|buffer| offers(Kind::Buffer, buffer.name())));
-        assert!(Stage::ALL.iter().all(|stage| offers(Kind::Stage, stage.name())));
-        assert!(upscale::ALL.iter().all(|upscaler| offers(Kind::Upscaler, upscaler.name())));
-        assert!(TABS.iter().all(|(_, name, _)| offers(Kind::Tab, name)));
-        assert!(Recipe::keys().iter().all(|(key, _)| offers(Kind::Setting, &format!("{key} = "))));
+        assert!(Buffer::ALL.iter().all(|buffer| offers(EntryKind::Buffer, buffer.name())));
+        assert!(Stage::ALL.iter().all(|stage| offers(EntryKind::Stage, stage.name())));
+        assert!(upscale::ALL.iter().all(|upscaler| offers(EntryKind::Upscaler, upscaler.name())));
+        assert!(TABS.iter().all(|(_, name, _)| offers(EntryKind::Tab, name)));
+        assert!(Recipe::keys().iter().all(|(key, _)| offers(EntryKind::Setting, &format!("{key} = "))));
     }
 
     #[test]
@@ -272,10 +290,10 @@ mod tests {
         let mut wanted = session.state.recipe;
         wanted.set("fill_rule=inclusive").unwrap();
         assert_eq!(find("fill_rule = inclusive").action, run(Command::SetRecipe(wanted)));
-        assert!(find("fill_rule = top-left").holds && !find("fill_rule = inclusive").holds);
+        assert!(find("fill_rule = top-left").is_current && !find("fill_rule = inclusive").is_current);
         for (key, _) in Recipe::keys() {
             let of_key = entries.iter().filter(|entry| entry.title.starts_with(&format!("{key} = ")));
-            let holding = of_key.filter(|entry| entry.holds || matches!(entry.action, Action::Type(_)));
+            let holding = of_key.filter(|entry| entry.is_current || matches!(entry.action, Action::Type(_)));
             assert_eq!(holding.count(), 1, "{key} has exactly one value");
         }
     }
@@ -297,8 +315,8 @@ mod tests {
         session.canvas_px = (320, 200);
         let go = |typed: &str| destination(&session, typed).map(|entry| entry.action);
         assert_eq!(go("12,34"), Some(run(Command::Pick(Some((12, 34))))));
-        for (typed, wanted) in [("tri 0", Wanted::Triangle(TriangleId(0))), ("v 2", Wanted::Vertex(0, 2))] {
-            assert_eq!(go(typed), Some(run(Command::Place(place::Change::Find(wanted)))), "{typed}");
+        for (typed, wanted) in [("tri 0", SearchTarget::Triangle(TriangleId(0))), ("v 2", SearchTarget::Vertex(0, 2))] {
+            assert_eq!(go(typed), Some(run(Command::Place(place::PlaceChange::Find(wanted)))), "{typed}");
         }
         assert_eq!(go("320,0"), None);
         assert_eq!(go(&session.scene.instances[0].name.clone()), None);

@@ -3,7 +3,7 @@
 
 /// Match of a query in a title.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Fit {
+pub(crate) struct FuzzyMatch {
     /// Score; higher is better. Only comparable between titles for the same query.
     pub(crate) score: i32,
     /// Indices of the matched characters of the title.
@@ -23,9 +23,9 @@ const GAP: i32 = -1;
 const LENGTH_OF_ONE: i32 = 8;
 
 /// Matches all words of `typed` in `title`, in any order and ignoring case. An empty query matches everything.
-pub(crate) fn fit(typed: &str, title: &str) -> Option<Fit> {
+pub(crate) fn fit(typed: &str, title: &str) -> Option<FuzzyMatch> {
     let title: Vec<char> = title.chars().map(lower).collect();
-    let mut whole = Fit { score: 0, letters: Vec::new() };
+    let mut whole = FuzzyMatch { score: 0, letters: Vec::new() };
     for word in typed.split_whitespace() {
         let word: Vec<char> = word.chars().map(lower).collect();
         let fit = fit_word(&word, &title)?;
@@ -39,7 +39,7 @@ pub(crate) fn fit(typed: &str, title: &str) -> Option<Fit> {
 }
 
 /// Returns the best match of a word over all positions of its first letter.
-fn fit_word(word: &[char], title: &[char]) -> Option<Fit> {
+fn fit_word(word: &[char], title: &[char]) -> Option<FuzzyMatch> {
     let first = word.first()?;
     let starts = title.iter().enumerate().filter(|(_, letter)| *letter == first).map(|(place, _)| place);
     starts
@@ -49,7 +49,7 @@ fn fit_word(word: &[char], title: &[char]) -> Option<Fit> {
 
 /// Matches a word from `start`. Takes an adjacent letter if there is one, else the next one at the beginning of a word,
 /// else the next one.
-fn fit_from(start: usize, word: &[char], title: &[char]) -> Option<Fit> {
+fn fit_from(start: usize, word: &[char], title: &[char]) -> Option<FuzzyMatch> {
     let mut letters = vec![start];
     let mut score = if begins_word(title, start) { AT_WORD } else { 0 };
     for letter in &word[1..] {
@@ -64,7 +64,7 @@ fn fit_from(start: usize, word: &[char], title: &[char]) -> Option<Fit> {
         score += if begins_word(title, place) { AT_WORD } else { 0 };
         letters.push(place);
     }
-    Some(Fit { score, letters })
+    Some(FuzzyMatch { score, letters })
 }
 
 fn begins_word(title: &[char], place: usize) -> bool {

@@ -13,7 +13,7 @@ use eframe::egui::{Align2, Role};
 use super::command::Command;
 use super::session::Session;
 use super::theme::{self, ROW_HEIGHT, font_size, space, tokens};
-use entries::{Action, Entry, all, assignment, destination};
+use entries::{Action, PaletteEntry, all, assignment, destination};
 
 /// Width of the palette and height of its list, in points.
 const WIDTH: f32 = 620.0;
@@ -23,17 +23,17 @@ const LIST_HEIGHT: f32 = 15.0 * ROW_HEIGHT;
 const TOP: f32 = 90.0;
 
 /// Maximum number of entries shown; more letters narrow the list.
-const MOST_SHOWN: usize = 100;
+const MAX_SHOWN: usize = 100;
 
 /// State of the open palette.
 pub(crate) struct Palette {
     query: String,
-    entries: Vec<Entry>,
+    entries: Vec<PaletteEntry>,
     /// Indices of matching entries, best first, each with its matched letters.
     found: Vec<(usize, Vec<usize>)>,
     found_for: Option<String>,
     /// Entry for `query` as an assignment or a destination, if it is one.
-    typed: Option<Entry>,
+    typed: Option<PaletteEntry>,
     chosen: usize,
 }
 
@@ -124,7 +124,7 @@ impl Palette {
         });
         let mut found: Vec<_> = fits.collect();
         found.sort_by_key(|(score, place, _)| (std::cmp::Reverse(*score), *place));
-        found.truncate(MOST_SHOWN);
+        found.truncate(MAX_SHOWN);
         self.found = found.into_iter().map(|(_, place, letters)| (place, letters)).collect();
         self.typed = assignment(session, &self.query).or_else(|| destination(session, &self.query));
         self.found_for = Some(self.query.clone());
@@ -136,7 +136,7 @@ impl Palette {
     }
 
     /// Returns the entry at a position of the list; the typed entry comes first.
-    fn at(&self, place: usize) -> Option<(&Entry, &[usize])> {
+    fn at(&self, place: usize) -> Option<(&PaletteEntry, &[usize])> {
         let place = match &self.typed {
             Some(entry) if place == 0 => return Some((entry, &[])),
             Some(_) => place - 1,
@@ -156,7 +156,7 @@ fn to_the_end(ui: &Ui, field: Id, text: &str) {
 }
 
 /// Draws one entry: category, title with the matched letters highlighted, whether its value is already set, and key.
-fn row(ui: &mut Ui, entry: &Entry, letters: &[usize], chosen: bool) -> eframe::egui::Response {
+fn row(ui: &mut Ui, entry: &PaletteEntry, letters: &[usize], chosen: bool) -> eframe::egui::Response {
     /// Width of the column of kinds, in points.
     const KIND_POINTS: f32 = 84.0;
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW_HEIGHT), Sense::click());
@@ -175,7 +175,7 @@ fn row(ui: &mut Ui, entry: &Entry, letters: &[usize], chosen: bool) -> eframe::e
         if !entry.key.is_empty() {
             ui.label(RichText::new(&entry.key).monospace().color(tokens(ui).text_weak));
         }
-        if entry.holds {
+        if entry.is_current {
             ui.label(RichText::new("current").small().color(tokens(ui).accent));
         }
         ui.with_layout(Layout::left_to_right(Align::Center), |ui| {

@@ -25,7 +25,7 @@ fn a_list_may_empty_while_its_scroll_bar_is_pressed() {
         let mut pass = |events: Vec<Event>, app: &mut Workbench| {
             headless.pass(events, |ui| app.show(ui));
         };
-        app.ask_for(vec![Command::OpenPalette]);
+        app.queue(vec![Command::OpenPalette]);
         for _ in 0..3 {
             pass(Vec::new(), &mut app);
         }

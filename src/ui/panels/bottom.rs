@@ -50,7 +50,7 @@ pub enum Tab {
 }
 
 /// Minimum useful height of a tab's content, in points.
-pub(crate) const LEAST_HEIGHT: f32 = 90.0;
+pub(crate) const MIN_HEIGHT: f32 = 90.0;
 
 /// All tabs, each with its name and help text.
 pub(crate) const TABS: &[(Tab, &str, &str)] = &[
@@ -98,7 +98,7 @@ pub(crate) fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut V
         }
     }
     ui.add_space(4.0);
-    panel::tell(*tab == Tab::Histogram, session, commands);
+    panel::notify_open(*tab == Tab::Histogram, session, commands);
     // Clipped to the available space: a taller tab would resize the canvas, and with it a picture of canvas size.
     let room = ui.available_rect_before_wrap();
     let mut within = ui.new_child(UiBuilder::new().id_salt("tab").max_rect(room).layout(*ui.layout()));

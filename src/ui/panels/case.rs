@@ -12,14 +12,14 @@ use std::time::Duration;
 use eframe::egui::{Label, ProgressBar, RichText, Role, ScrollArea, TextStyle, Ui, WidgetInfo};
 
 use crate::case::{Case, Control, Options};
-use crate::report::comparison::{Shown, parts};
+use crate::report::comparison::{DisplayedResult, parts};
 use crate::ui::command::Command;
 use crate::ui::session::Session;
 use crate::ui::theme::{Icon, space, tokens};
 use crate::ui::widgets::{combo, icon_button};
 
 pub(crate) use evaluation::Evaluation;
-pub(crate) use evaluation::Question;
+pub(crate) use evaluation::EvaluationRequest;
 
 use evaluation::Running;
 use pictures::Pictures;
@@ -30,7 +30,7 @@ const SLOW_ANSWER: Duration = Duration::from_millis(200);
 /// View of the open case, and its last evaluation.
 #[derive(Default)]
 pub(crate) struct CaseView {
-    answered: Option<Evaluation>,
+    evaluation: Option<Evaluation>,
     /// Evaluation in progress.
     running: Option<Running>,
     pictures: Pictures,
@@ -41,14 +41,14 @@ pub(crate) struct CaseView {
 impl CaseView {
     /// Shows a finished evaluation instead of starting one.
     pub(crate) fn adopt(&mut self, answer: Evaluation) {
-        let is_about_the_same = self.answered.as_ref().is_some_and(|old| old.question.is_about(&answer.question.case));
+        let is_about_the_same = self.evaluation.as_ref().is_some_and(|old| old.request.is_about(&answer.request.case));
         if !is_about_the_same {
             self.pictures = Pictures::default();
         }
         self.pictures.invalidate();
         self.visited = None;
         self.running = None;
-        self.answered = Some(answer);
+        self.evaluation = Some(answer);
     }
 
     /// Draws the session's open case. If `waits`, the case is evaluated synchronously before drawing.
@@ -56,28 +56,28 @@ impl CaseView {
         let Some(open) = &session.case else { return };
         let settings = &session.state.recipe.pipeline;
         let options = Options { rasterizer: settings.rasterizer, arithmetic: settings.arithmetic };
-        self.ask(ui, Question { case: open.case.clone(), part: open.part, options }, waits);
+        self.request_evaluation(ui, EvaluationRequest { case: open.case.clone(), part: open.part, options }, waits);
         ui.add_space(space::XS);
         ui.horizontal_wrapped(|ui| {
             ui.add_space(space::S);
             self.bar(ui, session, &open.case, open.part, commands);
         });
-        match &self.answered {
-            Some(Evaluation { shown: Shown::Text(lines), .. }) => text(ui, lines),
-            Some(Evaluation { shown: Shown::Pixels(comparison), .. }) => self.pictures.ui(ui, comparison),
+        match &self.evaluation {
+            Some(Evaluation { shown: DisplayedResult::Text(lines), .. }) => text(ui, lines),
+            Some(Evaluation { shown: DisplayedResult::Pixels(comparison), .. }) => self.pictures.ui(ui, comparison),
             None => {}
         }
     }
 
     /// Stores a finished evaluation, and starts a new one if the question has changed.
-    fn ask(&mut self, ui: &Ui, question: Question, waits: bool) {
+    fn request_evaluation(&mut self, ui: &Ui, question: EvaluationRequest, waits: bool) {
         if let Some(answer) = self.running.as_mut().and_then(Running::poll) {
             self.adopt(answer);
         }
-        if self.answered.as_ref().is_some_and(|answered| !answered.question.is_about(&question.case)) {
-            self.answered = None;
+        if self.evaluation.as_ref().is_some_and(|answered| !answered.request.is_about(&question.case)) {
+            self.evaluation = None;
         }
-        if self.answered.as_ref().is_some_and(|answered| answered.question.is_same(&question)) {
+        if self.evaluation.as_ref().is_some_and(|answered| answered.request.is_same(&question)) {
             self.running = None;
         } else if self.running.as_ref().is_some_and(|running| running.question.is_same(&question)) {
             // The evaluation is already running.
@@ -128,8 +128,8 @@ impl CaseView {
         if !cancelled {
             return;
         }
-        match &self.answered {
-            Some(Evaluation { question: Question { part, options, .. }, .. }) => {
+        match &self.evaluation {
+            Some(Evaluation { request: EvaluationRequest { part, options, .. }, .. }) => {
                 let mut recipe = session.state.recipe;
                 (recipe.pipeline.rasterizer, recipe.pipeline.arithmetic) = (options.rasterizer, options.arithmetic);
                 commands.extend([Command::ShowPart(*part), Command::SetRecipe(recipe)]);
@@ -140,7 +140,9 @@ impl CaseView {
 
     /// Draws the differences between the engine and exact arithmetic.
     fn findings(&mut self, ui: &mut Ui) {
-        let Some(Evaluation { shown: Shown::Pixels(comparison), figures, .. }) = &self.answered else { return };
+        let Some(Evaluation { shown: DisplayedResult::Pixels(comparison), figures, .. }) = &self.evaluation else {
+            return;
+        };
         if comparison.exact.is_none() {
             let text = format!("{} pixels; no reference result for this kind of case", figures.covered);
             ui.add(Label::new(RichText::new(text).color(tokens(ui).text_weak)).truncate());

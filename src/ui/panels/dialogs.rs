@@ -189,7 +189,7 @@ fn go_to(ui: &mut Ui, text: &mut String, session: &Session, commands: &mut Vec<C
         let field =
             ui.add(TextEdit::singleline(text).hint_text("x,y  or  tri 12  or  v 12  or  name").desired_width(240.0));
         field.request_focus();
-        let wanted = session.wanted(text);
+        let wanted = session.search_target(text);
         let entered = ui.input(|i| i.key_pressed(Key::Enter));
         let go = ui.add_enabled(wanted.is_ok(), eframe::egui::Button::new("Go"));
         // Always laid out, so that the dialog does not jump during typing.

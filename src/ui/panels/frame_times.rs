@@ -22,7 +22,7 @@ use crate::upscale::Upscaling;
 const TABLE_POINTS: f32 = 520.0;
 
 /// Minimum length of the frame axis, in frames.
-const LEAST_FRAMES: f64 = 10.0;
+const MIN_FRAMES: f64 = 10.0;
 
 /// Width of a column of the table, in points.
 const FIGURE_POINTS: f32 = 56.0;
@@ -31,7 +31,7 @@ const FIGURE_POINTS: f32 = 56.0;
 const MEDIAN_COLUMN: usize = 1;
 
 /// Method with its frame times.
-struct Series {
+struct MethodTimes {
     upscaling: Upscaling,
     color: Color32,
     times_ms: Vec<f64>,
@@ -120,23 +120,23 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
     ui.add(egui::Label::new(RichText::new(text).color(tokens(ui).text_weak)).truncate());
 }
 
-fn collect(ui: &Ui, session: &Session) -> Vec<Series> {
+fn collect(ui: &Ui, session: &Session) -> Vec<MethodTimes> {
     let colors = tokens(ui).series;
     let color_of = |upscaling| Upscaling::every().position(|u| u == upscaling).map_or(0, |i| i % colors.len());
     let series = session.timings.series().into_iter().filter_map(|(upscaling, times_ms)| {
         let summary = summarize(&times_ms)?;
-        Some(Series { upscaling, color: colors[color_of(upscaling)], times_ms, summary })
+        Some(MethodTimes { upscaling, color: colors[color_of(upscaling)], times_ms, summary })
     });
     series.collect()
 }
 
-fn lines(ui: &mut Ui, series: &[Series], size: egui::Vec2) {
+fn lines(ui: &mut Ui, series: &[MethodTimes], size: egui::Vec2) {
     Plot::new("frame times")
         .width(size.x)
         .height(size.y)
         .x_axis_label("frame")
         .include_x(0.0)
-        .include_x(LEAST_FRAMES)
+        .include_x(MIN_FRAMES)
         .y_axis_label("ms")
         .include_y(0.0)
         .y_grid_spacer(uniform_grid_spacer(|input| round_steps(&input)))
@@ -168,7 +168,7 @@ fn lines(ui: &mut Ui, series: &[Series], size: egui::Vec2) {
 
 /// Draws the cumulative distribution: the share of frames that took at most a given time. A steep curve means steady
 /// times, a long tail to the right means spikes.
-fn distribution(ui: &mut Ui, series: &[Series], size: egui::Vec2) {
+fn distribution(ui: &mut Ui, series: &[MethodTimes], size: egui::Vec2) {
     Plot::new("distribution of frame times")
         .width(size.x)
         .height(size.y)
@@ -221,7 +221,7 @@ fn window(ui: &mut Ui, session: &Session) {
 }
 
 /// Draws one bar per method up to its median, with an error bar from the 10th to the 90th percentile.
-fn bars(ui: &mut Ui, series: &[Series], size: egui::Vec2) {
+fn bars(ui: &mut Ui, series: &[MethodTimes], size: egui::Vec2) {
     let names: Vec<String> = series.iter().map(|s| s.upscaling.label()).collect();
     Plot::new("medians")
         .width(size.x)
@@ -249,7 +249,7 @@ fn bars(ui: &mut Ui, series: &[Series], size: egui::Vec2) {
         });
 }
 
-fn bracket(x: f64, series: &Series) -> Line<'static> {
+fn bracket(x: f64, series: &MethodTimes) -> Line<'static> {
     const HALF_WIDTH: f64 = 0.16;
     let (low, high) = (series.summary.p10, series.summary.p90);
     let points = vec![
@@ -263,7 +263,7 @@ fn bracket(x: f64, series: &Series) -> Line<'static> {
     Line::new(series.upscaling.label(), PlotPoints::from(points)).color(series.color).width(1.5)
 }
 
-fn table(ui: &mut Ui, series: &[Series], session: &Session, commands: &mut Vec<Command>) {
+fn table(ui: &mut Ui, series: &[MethodTimes], session: &Session, commands: &mut Vec<Command>) {
     Grid::new("times").num_columns(7).striped(true).spacing([12.0, 4.0]).show(ui, |ui| {
         ui.label(RichText::new("Upscaler").small().color(tokens(ui).text_weak));
         for heading in ["n", "median", "p10", "p90", "p99", "max ms"] {

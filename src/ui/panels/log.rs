@@ -2,7 +2,7 @@
 
 use eframe::egui::{Label, RichText, Ui};
 
-use crate::ui::session::{Level, Session};
+use crate::ui::session::{Session, Severity};
 use crate::ui::theme::{Icon, tokens};
 use crate::ui::widgets::{Status, empty_state};
 
@@ -14,9 +14,9 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session) {
     }
     for line in &session.log {
         let (status, word) = match line.level {
-            Level::Info => (Status::Neutral, "info"),
-            Level::Warning => (Status::Warning, "warning"),
-            Level::Error => (Status::Error, "error"),
+            Severity::Info => (Status::Neutral, "info"),
+            Severity::Warning => (Status::Warning, "warning"),
+            Severity::Error => (Status::Error, "error"),
         };
         ui.horizontal(|ui| {
             ui.label(RichText::new(format!("{word:7}")).monospace().color(status.color(tokens(ui))));

@@ -8,7 +8,7 @@ use crate::inspect::{Buffer, lesson};
 use crate::pipeline::settings::Choice as _;
 use crate::scene::builtin;
 use crate::ui::command::{BINDINGS, Command};
-use crate::ui::compare::{Change, Mode};
+use crate::ui::compare::{CompareChange, Mode};
 use crate::ui::engine::Shown;
 use crate::ui::format;
 use crate::ui::key_sheet::key_name;
@@ -68,7 +68,7 @@ fn entry_if(ui: &mut Ui, enabled: bool, name: &str, command: Command, commands: 
 }
 
 fn file(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    entry(ui, "Open model …", Command::AskForFile, commands);
+    entry(ui, "Open model …", Command::ShowFileDialog, commands);
     ui.menu_button("Recent files", |ui| {
         if session.recent.is_empty() {
             ui.weak("No recent files");
@@ -97,7 +97,7 @@ fn file(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         }
     });
     entry(ui, "Copy picture", Command::CopyPicture, commands);
-    entry(ui, "Copy as command", Command::Place(place::Change::Copy), commands);
+    entry(ui, "Copy as command", Command::Place(place::PlaceChange::Copy), commands);
     entry(ui, "Save triangle as case", Command::SaveCase, commands);
     ui.separator();
     if ui.add(Button::new("Quit").shortcut_text("Ctrl+Q")).clicked() {
@@ -139,14 +139,14 @@ fn lessons(ui: &mut Ui, commands: &mut Vec<Command>) {
 
 fn compare(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     for (mode, name, _) in Mode::ALL {
-        entry(ui, name, Command::Compare(Change::Toggle(mode)), commands);
+        entry(ui, name, Command::Compare(CompareChange::Toggle(mode)), commands);
     }
     ui.separator();
-    entry(ui, "Show what the last change did", Command::WhatIf(what_if::Change::Toggle), commands);
-    entry(ui, "Compare all upscalers in tiles", Command::Compare(Change::Every), commands);
+    entry(ui, "Show what the last change did", Command::WhatIf(what_if::WhatIfChange::Toggle), commands);
+    entry(ui, "Compare all upscalers in tiles", Command::Compare(CompareChange::Every), commands);
     let is_on = session.comparison.is_on();
-    entry_if(ui, is_on, "Swap A and B", Command::Compare(Change::Swap), commands);
-    entry_if(ui, is_on, "Stop comparing", Command::Compare(Change::Mode(Mode::Off)), commands);
+    entry_if(ui, is_on, "Swap A and B", Command::Compare(CompareChange::Swap), commands);
+    entry_if(ui, is_on, "Stop comparing", Command::Compare(CompareChange::Mode(Mode::Off)), commands);
 }
 
 fn view(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
@@ -164,7 +164,7 @@ fn view(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     ui.separator();
     entry(ui, "Fit picture", Command::ZoomFit, commands);
     entry(ui, "Zoom to 100 %", Command::ZoomOne, commands);
-    entry(ui, "Go to …", Command::AskForPixel, commands);
+    entry(ui, "Go to …", Command::ShowPixelDialog, commands);
     ui.separator();
     entry(ui, "Reset view", Command::ResetCamera, commands);
     entry(ui, "Fit scene", Command::FitCamera, commands);

@@ -51,7 +51,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, loading: Option<(&Path, f32)>, 
             line(ui, Icon::Lightbulb, tokens(ui).accent, LAB_HINT, None, commands);
         } else if !session.hint_closed {
             line(ui, Icon::Lightbulb, tokens(ui).accent, HINT, Some(Command::CloseHint), commands);
-        } else if let Some(words) = session.what_if.unasked(&session.state.recipe) {
+        } else if let Some(words) = session.what_if.unseen_change(&session.state.recipe) {
             let text = format!("{words}.  Press X to show what that changed.");
             line(ui, Icon::Diff, tokens(ui).accent, &text, None, commands);
         } else {

@@ -13,7 +13,7 @@ use crate::manual::Chapter;
 use crate::measure::stages::StageTimes;
 use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
-use crate::ui::engine::{Shown, StageFigures, View};
+use crate::ui::engine::{RenderedView, Shown, StageFigures};
 use crate::ui::format;
 use crate::ui::manual::manual_button;
 use crate::ui::session::Session;
@@ -182,7 +182,7 @@ fn time_of(stage: Stage, times: &StageTimes) -> Option<Duration> {
     }
 }
 
-fn count_of(stage: Stage, session: &Session, view: &View) -> Option<(u64, &'static str)> {
+fn count_of(stage: Stage, session: &Session, view: &RenderedView) -> Option<(u64, &'static str)> {
     let (counters, geometry) = (session.stages?.counters, &view.frame.geometry);
     match stage {
         Stage::Assemble => Some((session.scene.triangle_count() as u64, "triangles in the scene")),

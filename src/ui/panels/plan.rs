@@ -7,11 +7,11 @@ use eframe::egui::{Button, Grid, ProgressBar, RichText, Ui};
 
 use crate::chain::KeepDepth;
 use crate::chain::whole::FramePart;
-use crate::measure::leaving_out::{Saving, Savings};
 use crate::measure::noise;
-use crate::pipeline::plan::{DrawPlan, Part, Step, Unseen};
+use crate::measure::skipped_work::{Saving, Savings};
+use crate::pipeline::plan::{CullStats, DrawPlan, PipelinePart, PlanStep};
 use crate::ui::command::Command;
-use crate::ui::engine::View;
+use crate::ui::engine::RenderedView;
 use crate::ui::format;
 use crate::ui::session::Session;
 use crate::ui::theme::{Icon, tokens};
@@ -56,7 +56,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session) {
             ui.label(RichText::new(heading).small().color(tokens(ui).text_weak));
         }
         ui.end_row();
-        for part in Part::ALL {
+        for part in PipelinePart::ALL {
             ui.label(part.name());
             let running = plans.iter().filter(|p| p.runs(part)).count();
             let color = if running > 0 { tokens(ui).text_strong } else { tokens(ui).text_weak };
@@ -74,9 +74,9 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session) {
             let color = if step.runs() { tokens(ui).text_strong } else { tokens(ui).text_weak };
             let drawn = format!("{:.2} % of pixels", frame.drawn_share() * 100.0);
             let text = match step {
-                Step::LeftOut(_) if part == FramePart::EveryPixel => &drawn,
-                Step::LeftOut(_) => "skipped",
-                Step::Run => "whole frame",
+                PlanStep::LeftOut(_) if part == FramePart::EveryPixel => &drawn,
+                PlanStep::LeftOut(_) => "skipped",
+                PlanStep::Run => "whole frame",
             };
             ui.label(RichText::new(text).monospace().color(color));
             ui.label(RichText::new("–").color(tokens(ui).text_weak));
@@ -87,7 +87,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session) {
 }
 
 /// Draws the time saved by skipping a part in this view, if it was measured.
-fn saved(ui: &mut Ui, session: &Session, view: &View, part: Part) {
+fn saved(ui: &mut Ui, session: &Session, view: &RenderedView, part: PipelinePart) {
     let found = session.savings.found.as_ref();
     let of_part = |saving: &&Saving| saving.part == Some(part);
     let measured = found.and_then(|(savings, of)| Some((savings.savings.iter().find(of_part)?, of)));
@@ -114,15 +114,17 @@ fn saved(ui: &mut Ui, session: &Session, view: &View, part: Part) {
 }
 
 /// Returns the reasons why draws skip a part, each with its number of draws.
-pub(crate) fn reasons(plans: &[DrawPlan], part: Part) -> String {
+pub(crate) fn reasons(plans: &[DrawPlan], part: PipelinePart) -> String {
     let mut counts = BTreeMap::new();
     for plan in plans {
-        if let Step::LeftOut(reason) = plan.step(part) {
+        if let PlanStep::LeftOut(reason) = plan.step(part) {
             *counts.entry(reason).or_insert(0_u64) += 1;
         }
     }
     let text = |(reason, n): (&&str, &u64)| match plans.iter().find(|plan| plan.step(part).reason() == Some(reason)) {
-        Some(plan) if part == Part::EveryCluster && plan.clusters().left_out() > 0 => Unseen::of(plans).told(),
+        Some(plan) if part == PipelinePart::EveryCluster && plan.clusters().culled() > 0 => {
+            CullStats::of(plans).describe()
+        }
         _ => format!("{} × {reason}", format::count(*n)),
     };
     counts.iter().map(text).collect::<Vec<_>>().join(", ")

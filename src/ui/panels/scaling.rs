@@ -16,9 +16,9 @@ const WORDS: f32 = 50.0;
 
 /// Draws the buttons beside the tabs.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    if let Some((quantity, share)) = session.growth.progress {
+    if let Some((quantity, share)) = session.scaling.progress {
         if ui.button("Cancel").on_hover_text("Stop measuring; the last result stays").clicked() {
-            commands.push(Command::CancelGrowth);
+            commands.push(Command::CancelScaling);
         }
         ui.add(ProgressBar::new(share).desired_width(240.0).text(quantity.name()));
         return;
@@ -27,9 +27,9 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
     let help = "Draws generated scenes with increasing numbers of triangles, pixels, layers and threads, with the \
                 current settings; takes about a minute";
     if ui.add(measure).on_hover_text(help).clicked() {
-        commands.push(Command::MeasureGrowth);
+        commands.push(Command::MeasureScaling);
     }
-    if let Some((scaling, recipe)) = &session.growth.found {
+    if let Some((scaling, recipe)) = &session.scaling.found {
         let [width, height] = scaling.size;
         let by = if *recipe == session.state.recipe { "" } else { ", measured with other settings" };
         let text =
@@ -40,7 +40,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
 
 /// Draws the four plots.
 pub(crate) fn ui(ui: &mut Ui, session: &Session) {
-    let Some((scaling, _)) = &session.growth.found else {
+    let Some((scaling, _)) = &session.scaling.found else {
         let how = "“Measure scaling” shows the fixed cost of a frame, the cost of each triangle, pixel and layer, and \
                    the speed-up by threads.";
         empty_state(ui, Icon::ChartScatter, "No measurement yet", how);

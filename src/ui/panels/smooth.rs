@@ -5,7 +5,7 @@ use eframe::egui::{DragValue, Grid, Ui};
 
 use super::pick;
 use super::switches::note;
-use crate::antialias::settings::{Antialiasing, Filter, Method, PostFilter};
+use crate::antialias::settings::{AntialiasMethod, Antialiasing, PostFilter, PostFilterKind};
 use crate::chain::Recipe;
 use crate::ui::widgets::{choice, row, slider};
 use crate::upscale::{self, Upscaling};
@@ -17,10 +17,10 @@ pub(super) fn antialias(ui: &mut Ui, antialias: &mut Antialiasing) {
     if antialias.is_off() {
         return;
     }
-    if antialias.method != Method::RotatedGrid {
+    if antialias.method != AntialiasMethod::RotatedGrid {
         row(ui, "Samples", "Samples of each drawn pixel", |ui| pick(ui, &mut antialias.samples));
     }
-    if antialias.method == Method::Jittered {
+    if antialias.method == AntialiasMethod::Jittered {
         row(ui, "Seed", "Different seeds give different sample positions", |ui| {
             ui.add(DragValue::new(&mut antialias.seed))
         });
@@ -93,23 +93,23 @@ pub(super) fn post(ui: &mut Ui, post: &mut PostFilter) {
     }
     note(ui, crate::pipeline::settings::Choice::help(post.filter));
     let strength = match post.filter {
-        Filter::Blur => Some(("Reach", "Pixels from the middle of the mask to its edge", " px", 0)),
-        Filter::Gaussian => Some(("Deviation", "Standard deviation of the bell", " px", 1)),
-        Filter::Sharpen => {
+        PostFilterKind::Blur => Some(("Reach", "Pixels from the middle of the mask to its edge", " px", 0)),
+        PostFilterKind::Gaussian => Some(("Deviation", "Standard deviation of the bell", " px", 1)),
+        PostFilterKind::Sharpen => {
             Some(("Amount", "Share of a pixel's difference from its surroundings that is added to it", "", 2))
         }
-        Filter::Motion => Some(("Distance", "Length of the motion", " px", 1)),
-        Filter::None | Filter::Fxaa | Filter::Own => None,
+        PostFilterKind::Motion => Some(("Distance", "Length of the motion", " px", 1)),
+        PostFilterKind::None | PostFilterKind::Fxaa | PostFilterKind::Custom => None,
     };
-    if let Some(((label, help, unit, decimals), most)) = strength.zip(post.filter.most_strength()) {
+    if let Some(((label, help, unit, decimals), most)) = strength.zip(post.filter.max_strength()) {
         row(ui, label, help, |ui| slider(ui, &mut post.strength, 0.0..=most, unit, decimals));
     }
-    if post.filter == Filter::Motion {
+    if post.filter == PostFilterKind::Motion {
         row(ui, "Direction", "Angle from right, clockwise", |ui| {
             slider(ui, &mut post.angle_degrees, -180.0..=180.0, "°", 0)
         });
     }
-    if post.filter == Filter::Own {
+    if post.filter == PostFilterKind::Custom {
         mask(ui, post);
     }
     row(ui, "Filtered in", "The values that are mixed", |ui| pick(ui, &mut post.light));

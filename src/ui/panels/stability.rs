@@ -8,12 +8,12 @@ use egui_plot::{HoverPosition, MarkerShape, Plot, PlotPoints, Points};
 
 use crate::pipeline::settings::Choice as _;
 use crate::report::stability::catalogue::Family;
-use crate::report::stability::column::Column;
+use crate::report::stability::column::ReportColumn;
 use crate::report::stability::metric::LEVELS;
-use crate::report::stability::sweep::{Cell, ClassReport, Report};
+use crate::report::stability::sweep::{ClassReport, ReportCell, StabilityReport};
 use crate::report::stability::tradeoff;
 use crate::ui::command::Command;
-use crate::ui::judging::StabilityView;
+use crate::ui::long_tasks::StabilityView;
 use crate::ui::session::Session;
 use crate::ui::theme::{Icon, font_size, tokens};
 use crate::ui::widgets::empty_state;
@@ -98,7 +98,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 }
 
 fn heat_map(ui: &mut Ui, family: Family, classes: &[&ClassReport], commands: &mut Vec<Command>) {
-    let columns: Vec<Column> = classes[0].cells.iter().map(|cell| cell.column).collect();
+    let columns: Vec<ReportColumn> = classes[0].cells.iter().map(|cell| cell.column).collect();
     let width = NAMES + columns.len() as f32 * CELL.x;
     let (header, _) = ui.allocate_exact_size(vec2(width, 30.0), Sense::hover());
     let small = FontId::proportional(font_size::SMALL);
@@ -134,7 +134,7 @@ fn heat_map(ui: &mut Ui, family: Family, classes: &[&ClassReport], commands: &mu
 }
 
 /// Returns a short label for a column.
-fn short(column: Column) -> &'static str {
+fn short(column: ReportColumn) -> &'static str {
     match column.method() {
         "bounding-box" => "box",
         "active-edge" => "edge list",
@@ -148,7 +148,7 @@ fn short(column: Column) -> &'static str {
     }
 }
 
-fn draw_cell(ui: &mut Ui, class: &ClassReport, cell: &Cell, commands: &mut Vec<Command>) {
+fn draw_cell(ui: &mut Ui, class: &ClassReport, cell: &ReportCell, commands: &mut Vec<Command>) {
     let (rect, response) = ui.allocate_exact_size(CELL, Sense::click());
     let headline = class.class.headline;
     let value = cell.measures.get(headline);
@@ -189,18 +189,18 @@ fn draw_cell(ui: &mut Ui, class: &ClassReport, cell: &Cell, commands: &mut Vec<C
 
 /// Draws the share of wrong pixels against time per pixel, over all classes of triangles on screen. Colours denote
 /// rasterizers, marker shapes denote arithmetics.
-fn scatter(ui: &mut Ui, report: &Report) {
+fn scatter(ui: &mut Ui, report: &StabilityReport) {
     /// Width of the key, in points.
     const KEY: f32 = 190.0;
     let points = tradeoff::coverage(report);
     let colors = tokens(ui).series;
-    let words = |word: fn(Column) -> Option<&'static str>| {
+    let words = |word: fn(ReportColumn) -> Option<&'static str>| {
         let mut all: Vec<_> = points.iter().filter_map(|point| word(point.column)).collect();
         let mut seen = std::collections::HashSet::new();
         all.retain(|word| seen.insert(*word));
         all
     };
-    let (methods, arithmetics) = (words(|column| Some(column.method_name())), words(Column::arithmetic));
+    let (methods, arithmetics) = (words(|column| Some(column.method_name())), words(ReportColumn::arithmetic));
     let place = |list: &[&str], word: Option<&str>| list.iter().position(|known| Some(*known) == word).unwrap_or(0);
     ui.horizontal_top(|ui| {
         let plot = Plot::new("error against time")

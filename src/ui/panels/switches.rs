@@ -11,12 +11,12 @@ use crate::inspect::Stage;
 use crate::measure::noise::WITHIN;
 use crate::pipeline::background::Background;
 use crate::pipeline::observe::Fate;
-use crate::pipeline::plan::Part;
+use crate::pipeline::plan::PipelinePart;
 use crate::pipeline::settings::{Choice as _, DepthTest, Execution, Shading};
 use crate::scene::obj::TrMeaning;
 use crate::scene::{Camera, DepthMapping, Projection, SceneSource, UpAxis, builtin};
 use crate::ui::command::Command;
-use crate::ui::engine::{StageFigures, View};
+use crate::ui::engine::{RenderedView, StageFigures};
 use crate::ui::format;
 use crate::ui::session::{PictureSize, Session};
 use crate::ui::theme::tokens;
@@ -186,7 +186,7 @@ fn clip(ui: &mut Ui, session: &Session) {
     for fate in [Fate::Outside, Fate::ClippedAway, Fate::NotFinite] {
         fate_row(ui, figures, fate);
     }
-    left_out(ui, view, Part::Clipping);
+    left_out(ui, view, PipelinePart::Clipping);
 }
 
 fn fate_row(ui: &mut Ui, figures: &StageFigures, fate: Fate) {
@@ -200,7 +200,7 @@ fn fate_row(ui: &mut Ui, figures: &StageFigures, fate: Fate) {
     );
 }
 
-fn left_out(ui: &mut Ui, view: &View, part: Part) {
+fn left_out(ui: &mut Ui, view: &RenderedView, part: PipelinePart) {
     let reasons = plan::reasons(&view.frame.plans, part);
     if !reasons.is_empty() {
         note(ui, format!("Skipped: {reasons}"));
@@ -294,7 +294,7 @@ fn interpolate(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
         pick(ui, &mut recipe.pipeline.interpolation)
     });
     if let Some(view) = &session.view {
-        left_out(ui, view, Part::PerspectiveDivision);
+        left_out(ui, view, PipelinePart::PerspectiveDivision);
     }
 }
 
@@ -323,22 +323,22 @@ fn shade(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
         }
     }
     let Some(view) = &session.view else { return };
-    if view.frame.plans.iter().any(|p| p.runs(Part::Texels)) {
+    if view.frame.plans.iter().any(|p| p.runs(PipelinePart::Texels)) {
         row(ui, "Filter", "How a texture is read between texel centres", |ui| pick(ui, &mut settings.filter));
         row(ui, "Address", "How texture coordinates outside 0…1 are addressed", |ui| pick(ui, &mut settings.address));
         row(ui, "Alpha", "How the filter mixes texels with alpha", |ui| pick(ui, &mut settings.alpha));
     } else {
-        left_out(ui, view, Part::Texels);
+        left_out(ui, view, PipelinePart::Texels);
     }
-    if view.frame.plans.iter().any(|p| p.runs(Part::Blending)) {
+    if view.frame.plans.iter().any(|p| p.runs(PipelinePart::Blending)) {
         row(ui, "Blending order", "Order in which the fragments of blended materials are blended", |ui| {
             pick(ui, &mut settings.blending.order)
         });
     } else {
-        left_out(ui, view, Part::Blending);
+        left_out(ui, view, PipelinePart::Blending);
     }
     background(ui, session, &mut settings.background);
-    for part in [Part::NormalMap, Part::Highlight, Part::Emission] {
+    for part in [PipelinePart::NormalMap, PipelinePart::Highlight, PipelinePart::Emission] {
         if settings.shading.reads_material() && !view.frame.plans.iter().any(|plan| plan.runs(part)) {
             left_out(ui, view, part);
         }

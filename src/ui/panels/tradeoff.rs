@@ -11,7 +11,7 @@ use crate::pipeline::settings::Choice as _;
 use crate::report::upscaling::tradeoff::Standing;
 use crate::ui::command::Command;
 use crate::ui::compare::bar::reference_list;
-use crate::ui::compare::{Change, Mode};
+use crate::ui::compare::{CompareChange, Mode};
 use crate::ui::format;
 use crate::ui::session::Session;
 use crate::ui::theme::{Icon, tokens};
@@ -62,7 +62,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
     }
     let viewport = session.viewport();
     let fits = session.timings.measurement_fits(&session.request());
-    let text = match (session.timings.measured_of(), fits) {
+    let text = match (session.timings.measurement_request(), fits) {
         (None, _) => "Click a point to show it as B; Shift+click: A".to_owned(),
         (Some(measured), true) => format!(
             "Reference: {} · {} · {} × {} px · {}{} · click a point: B; Shift+click: A",
@@ -108,7 +108,7 @@ fn motion(session: &Session, turn: Turn) -> String {
 /// Draws the plot and the table.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let points = session.timings.tradeoff();
-    let in_motion = session.timings.measured_of().is_some_and(|measured| !measured.turn.is_still());
+    let in_motion = session.timings.measurement_request().is_some_and(|measured| !measured.turn.is_still());
     if points.is_empty() {
         // Keeps the tab's height, so that a picture of canvas size does not change.
         ui.set_min_height(ui.available_height());
@@ -135,9 +135,9 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 fn choose(session: &Session, tile: usize, upscaling: Upscaling, commands: &mut Vec<Command>) {
     let recipe = session.state.tiles.recipe(tile, session.state.recipe);
     let recipe = Recipe { upscaler: upscaling, ..recipe };
-    commands.push(Command::Compare(Change::Recipe(tile, Box::new(recipe))));
+    commands.push(Command::Compare(CompareChange::Recipe(tile, Box::new(recipe))));
     if !session.comparison.is_on() {
-        commands.push(Command::Compare(Change::Mode(Mode::Wipe)));
+        commands.push(Command::Compare(CompareChange::Mode(Mode::Wipe)));
     }
 }
 

@@ -5,7 +5,7 @@ use eframe::egui::{self, Button, RichText, Ui, WidgetInfo};
 use crate::inspect::{Buffer, Intermediate, Stage};
 use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
-use crate::ui::compare::{Change, Mode};
+use crate::ui::compare::{CompareChange, Mode};
 use crate::ui::engine::Shown;
 use crate::ui::mesh_view;
 use crate::ui::overlays;
@@ -80,20 +80,20 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         commands.push(Command::StepStage(1));
     }
     if shows(Opener::Tiles) && icon_button(ui, Icon::Columns2, "Compare pictures side by side  (T)").clicked() {
-        commands.push(Command::Compare(Change::Toggle(Mode::Tiles)));
+        commands.push(Command::Compare(CompareChange::Toggle(Mode::Tiles)));
     }
     if shows(Opener::WhatIf) && icon_button(ui, Icon::Diff, "Show what the last change of a setting did  (X)").clicked()
     {
-        commands.push(Command::WhatIf(what_if::Change::Toggle));
+        commands.push(Command::WhatIf(what_if::WhatIfChange::Toggle));
     }
     if shows(Opener::Outside)
         && icon_button(ui, Icon::Box, "Show the scene from outside, with the view frustum  (M)").clicked()
     {
-        commands.push(Command::MeshView(mesh_view::Change::Toggle));
+        commands.push(Command::MeshView(mesh_view::MeshViewChange::Toggle));
     }
     let help = "Show range and histogram on the picture";
     if shows(Opener::Range) && icon_button(ui, Icon::ChartColumn, help).clicked() {
-        commands.push(Command::Range(range::Change::Open(!session.range.open)));
+        commands.push(Command::Range(range::RangeChange::Open(!session.range.open)));
     }
     if shows(Opener::Overlays) {
         overlays_button(ui, session, commands);
@@ -109,7 +109,7 @@ fn overlays_button(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) 
     let response = ui.add(button).on_hover_text(format!("{name}: {help}"));
     response.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, session.overlays.open, &name));
     if response.clicked() {
-        commands.push(Command::Overlays(overlays::Change::ToggleOpen));
+        commands.push(Command::Overlays(overlays::OverlayChange::ToggleOpen));
     }
 }
 

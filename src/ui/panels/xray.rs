@@ -13,16 +13,16 @@ use egui_plot::{HLine, Line, Plot, PlotPoints};
 use crate::chain::Frame;
 use crate::image::color::luma;
 use crate::image::{Image, Rgba8};
-use crate::inspect::feeds::{Mixture, Source, fed_by};
+use crate::inspect::feeds::{ContributingSample, Mixture, pixels_fed_by};
 use crate::inspect::view::magnitude_color;
 use crate::measure::response::Responses;
 use crate::ui::command::Command;
-use crate::ui::engine::View;
+use crate::ui::engine::RenderedView;
 use crate::ui::format;
 use crate::ui::session::Session;
 use crate::ui::theme::{Icon, ON_PIXEL, tokens};
 use crate::ui::widgets::{empty_state, figure};
-use crate::upscale::{Light, Upscaling};
+use crate::upscale::{FilterSpace, Upscaling};
 
 /// Minimum and maximum side of a grid cell, in points.
 const CELL: (f32, f32) = (16.0, 44.0);
@@ -69,7 +69,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 }
 
 fn heaviest(mixture: &Mixture) -> Option<(u32, u32)> {
-    let weight = |source: &&Source| source.tap.weight;
+    let weight = |source: &&ContributingSample| source.tap.weight;
     let heaviest = mixture.sources.iter().max_by(|a, b| weight(a).total_cmp(&weight(b)))?;
     Some((heaviest.tap.x, heaviest.tap.y))
 }
@@ -124,7 +124,7 @@ fn sources(ui: &mut Ui, how: Upscaling, at: (u32, u32), mixture: &Mixture, heigh
 /// Draws the full-resolution pixels that a sample contributes to; a click picks one.
 fn feeds(
     ui: &mut Ui,
-    view: &View,
+    view: &RenderedView,
     how: Upscaling,
     (sample, picked): ((u32, u32), (u32, u32)),
     height: f32,
@@ -170,7 +170,7 @@ fn feeds(
 /// Draws the weights, their sum, the weighted sum of colours, and the effect of clamping and rounding.
 fn sums(ui: &mut Ui, how: Upscaling, mixture: &Mixture, height: f32) {
     const COLUMN: f32 = 66.0;
-    let what = if how.light() == Light::Linear { "linear light" } else { "codes" };
+    let what = if how.light() == FilterSpace::Linear { "linear light" } else { "codes" };
     heading(ui, &format!("Weighted sum of {what}"), "Sum of red, green and blue of each sample times its weight");
     ScrollArea::vertical().id_salt("weights").max_height((height - 20.0).max(60.0)).show(ui, |ui| {
         egui::Grid::new("sums").num_columns(4).spacing([6.0, 1.0]).show(ui, |ui| {
@@ -192,7 +192,7 @@ fn sums(ui: &mut Ui, how: Upscaling, mixture: &Mixture, height: f32) {
         let clamps = mixture.sum != mixture.clamped();
         let far = mixture.clamped().iter().zip(mixture.pixel).any(|(sum, code)| (sum - f64::from(code)).abs() > 2.0);
         let note = match (clamps, far) {
-            _ if mixture.remembers => {
+            _ if mixture.uses_history => {
                 "These are the samples of the current frame. The rest of the pixel comes from the history of earlier \
                  frames."
             }
@@ -214,36 +214,36 @@ type FedPixels = Arc<[((u32, u32), f32)]>;
 
 /// Cached pixels that a sample contributes to: finding them visits all surrounding pixels, too many for every pass.
 #[derive(Clone)]
-struct KnownFed {
+struct FedPixelCache {
     frame: Weak<Frame>,
     how: Upscaling,
     sample: (u32, u32),
     fed: FedPixels,
 }
 
-fn known_fed(ui: &Ui, view: &View, how: Upscaling, sample: (u32, u32)) -> FedPixels {
+fn known_fed(ui: &Ui, view: &RenderedView, how: Upscaling, sample: (u32, u32)) -> FedPixels {
     let id = egui::Id::unique("pixels that the sample feeds");
     let frame = Arc::downgrade(&view.frame);
-    let is_same = |known: &KnownFed| known.frame.ptr_eq(&frame) && (known.how, known.sample) == (how, sample);
-    if let Some(known) = ui.data(|data| data.get_temp::<KnownFed>(id)).filter(is_same) {
+    let is_same = |known: &FedPixelCache| known.frame.ptr_eq(&frame) && (known.how, known.sample) == (how, sample);
+    if let Some(known) = ui.data(|data| data.get_temp::<FedPixelCache>(id)).filter(is_same) {
         return known.fed;
     }
-    let fed: FedPixels = fed_by(&view.frame, how, sample).into();
-    ui.data_mut(|data| data.insert_temp(id, KnownFed { frame, how, sample, fed: fed.clone() }));
+    let fed: FedPixels = pixels_fed_by(&view.frame, how, sample).into();
+    ui.data_mut(|data| data.insert_temp(id, FedPixelCache { frame, how, sample, fed: fed.clone() }));
     fed
 }
 
 /// Cached responses of a method, with its zone plates as textures.
 #[derive(Clone)]
-struct Known {
+struct ResponseCache {
     how: Upscaling,
     responses: Arc<Responses>,
     plates: [TextureHandle; 2],
 }
 
-fn known(ui: &Ui, how: Upscaling) -> Known {
+fn known(ui: &Ui, how: Upscaling) -> ResponseCache {
     let id = egui::Id::unique("responses of the upscaler");
-    if let Some(known) = ui.data(|data| data.get_temp::<Known>(id)).filter(|known| known.how == how) {
+    if let Some(known) = ui.data(|data| data.get_temp::<ResponseCache>(id)).filter(|known| known.how == how) {
         return known;
     }
     let responses = Responses::of(how);
@@ -254,13 +254,13 @@ fn known(ui: &Ui, how: Upscaling) -> Known {
     };
     let plates =
         [texture("zone plate", &responses.zone_plate), texture("native zone plate", &responses.zone_plate_native)];
-    let known = Known { how, responses: Arc::new(responses), plates };
+    let known = ResponseCache { how, responses: Arc::new(responses), plates };
     ui.data_mut(|data| data.insert_temp(id, known.clone()));
     known
 }
 
 fn responses(ui: &mut Ui, how: Upscaling, height: f32) {
-    let Known { responses, plates, .. } = known(ui, how);
+    let ResponseCache { responses, plates, .. } = known(ui, how);
     let (low, high) = responses.overshoot();
     let overshoot = format!("Step: {} under, {} over", format::percent(0.0 - low), format::percent(high - 1.0));
     curve(ui, "Impulse", "One bright sample among dark ones, along its row", &responses.impulse, height);

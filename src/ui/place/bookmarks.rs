@@ -2,7 +2,7 @@
 
 use eframe::egui::{self, Button, Grid, RichText, ScrollArea, TextEdit, Ui, WidgetInfo};
 
-use super::Change;
+use super::PlaceChange;
 use crate::ui::command::Command;
 use crate::ui::session::Session;
 use crate::ui::theme::{CONTROL_HEIGHT, Icon, tokens};
@@ -31,27 +31,27 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) ->
                     WidgetInfo::labeled(egui::Role::TextInput, true, format!("Name of bookmark {}", number + 1))
                 });
                 if field.changed() {
-                    changes.push(Change::Rename(number, name));
+                    changes.push(PlaceChange::Rename(number, name));
                 }
                 let go = ui.add(Button::new("Open"));
                 go.widget_info(|| {
                     WidgetInfo::labeled(egui::Role::Button, true, format!("Open bookmark {}", number + 1))
                 });
                 if go.on_hover_text(bookmark.place.command_line()).clicked() {
-                    changes.push(Change::Jump(number));
+                    changes.push(PlaceChange::Jump(number));
                 }
                 if icon_button(ui, Icon::Trash2, &format!("Delete bookmark {}", number + 1)).clicked() {
-                    changes.push(Change::Remove(number));
+                    changes.push(PlaceChange::Remove(number));
                 }
                 ui.end_row();
             }
         });
     });
     ui.add_space(8.0);
-    let mut done = changes.iter().any(|change| matches!(change, Change::Jump(_)));
+    let mut done = changes.iter().any(|change| matches!(change, PlaceChange::Jump(_)));
     ui.horizontal(|ui| {
         if ui.button("Bookmark this place").on_hover_text("Ctrl+B").clicked() {
-            changes.push(Change::Bookmark);
+            changes.push(PlaceChange::Bookmark);
         }
         done |= ui.button("Close").clicked();
     });

@@ -2,7 +2,7 @@
 
 use eframe::egui::{Button, Ui};
 
-use super::Change;
+use super::PlaceChange;
 use crate::ui::command::{BINDINGS, Command};
 use crate::ui::key_sheet::key_name;
 use crate::ui::session::Session;
@@ -24,15 +24,15 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     };
     let visits = &session.places.visits;
     entry(ui, true, "Find anything …", Command::OpenPalette);
-    entry(ui, true, "Go to …", Command::AskForPixel);
+    entry(ui, true, "Go to …", Command::ShowPixelDialog);
     ui.separator();
-    entry(ui, visits.can_go_back(), "Back to the previous place", Command::Place(Change::Back));
-    entry(ui, visits.can_go_forward(), "Forward to the next place", Command::Place(Change::Forward));
+    entry(ui, visits.can_go_back(), "Back to the previous place", Command::Place(PlaceChange::Back));
+    entry(ui, visits.can_go_forward(), "Forward to the next place", Command::Place(PlaceChange::Forward));
     ui.separator();
-    entry(ui, true, "Copy as command", Command::Place(Change::Copy));
-    entry(ui, true, "Bookmark this place", Command::Place(Change::Bookmark));
-    entry(ui, true, "Bookmarks …", Command::Place(Change::Manage));
+    entry(ui, true, "Copy as command", Command::Place(PlaceChange::Copy));
+    entry(ui, true, "Bookmark this place", Command::Place(PlaceChange::Bookmark));
+    entry(ui, true, "Bookmarks …", Command::Place(PlaceChange::Manage));
     for (number, bookmark) in session.places.bookmarks.iter().take(LISTED).enumerate() {
-        entry(ui, true, &bookmark.name, Command::Place(Change::Jump(number)));
+        entry(ui, true, &bookmark.name, Command::Place(PlaceChange::Jump(number)));
     }
 }

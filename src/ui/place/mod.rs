@@ -11,40 +11,40 @@ use serde::{Deserialize, Serialize};
 
 use super::command::Command;
 use super::engine::Shown;
-use super::session::{Level, PictureSize, Session};
+use super::session::{PictureSize, Session, Severity};
 use super::vertices;
-use crate::inspect::find::{Found, Wanted};
+use crate::inspect::find::{SearchResult, SearchTarget};
 use crate::inspect::scrub::Moment;
-use crate::inspect::{Buffer, Place};
+use crate::inspect::{Buffer, InspectionState};
 use crate::scene::SceneSource;
 use visits::Visits;
 
 /// Maximum number of bookmarks.
-const MOST_BOOKMARKS: usize = 200;
+const MAX_BOOKMARKS: usize = 200;
 
 /// Named place.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Bookmark {
+pub struct Bookmark {
     /// Display name.
-    pub(crate) name: String,
+    pub name: String,
     /// Place that the bookmark opens.
-    pub(crate) place: Place,
+    pub place: InspectionState,
 }
 
 /// Bookmarks, history, and a place being opened.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Places {
+pub struct Places {
     /// Bookmarks, in the order of their keys.
-    pub(crate) bookmarks: Vec<Bookmark>,
+    pub bookmarks: Vec<Bookmark>,
     /// History of visited places.
     pub(crate) visits: Visits,
     /// Place to open once its scene is loaded.
-    pub(crate) pending: Option<Place>,
+    pub(crate) pending: Option<InspectionState>,
 }
 
 /// Change of places.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Change {
+pub enum PlaceChange {
     /// Copies the command line that opens this place to the clipboard.
     Copy,
     /// Bookmarks the current place.
@@ -62,33 +62,33 @@ pub enum Change {
     /// Goes one visit forward.
     Forward,
     /// Opens a place.
-    Go(Box<Place>),
+    Go(Box<InspectionState>),
     /// Searches the frame for something, and picks a pixel that shows it.
-    Find(Wanted),
+    Find(SearchTarget),
 }
 
 /// Returns the command that goes to something.
-pub(crate) fn go_to(wanted: Wanted) -> Command {
+pub(crate) fn go_to(wanted: SearchTarget) -> Command {
     match wanted {
-        Wanted::Pixel(x, y) => Command::Pick(Some((x, y))),
-        wanted => Command::Place(Change::Find(wanted)),
+        SearchTarget::Pixel(x, y) => Command::Pick(Some((x, y))),
+        wanted => Command::Place(PlaceChange::Find(wanted)),
     }
 }
 
 impl Session {
     /// Parses a typed destination. Returns a message if it does not exist.
-    pub(crate) fn wanted(&self, text: &str) -> Result<Wanted, String> {
-        Wanted::parse(text, &self.scene, self.viewport(), vertices::picked_object(self))
+    pub(crate) fn search_target(&self, text: &str) -> Result<SearchTarget, String> {
+        SearchTarget::parse(text, &self.scene, self.viewport(), vertices::picked_object(self))
     }
 
     /// Returns the current place.
-    pub(crate) fn place(&self) -> Place {
+    pub fn place(&self) -> InspectionState {
         let (buffer, stage, number) = match self.shown {
             Shown::Buffer(buffer) => (buffer, None, None),
             Shown::Stage(stage) => (Buffer::Color, Some(stage), None),
             Shown::Intermediate(number) => (Buffer::Color, None, Some(number)),
         };
-        Place {
+        InspectionState {
             scene: match &self.source {
                 SceneSource::Builtin(_) => self.source.name(),
                 SceneSource::File(path, _) => std::path::absolute(path).unwrap_or_else(|_| path.clone()),
@@ -113,61 +113,63 @@ impl Session {
 
     /// Returns the command line that opens the current place from anywhere. It always states the picture size, because
     /// a pixel is meaningless without it.
-    pub(crate) fn command_line(&self) -> String {
+    pub fn command_line(&self) -> String {
         let viewport = self.viewport();
-        Place { picture: Some((viewport.width, viewport.height)), ..self.place() }.command_line()
+        InspectionState { picture: Some((viewport.width, viewport.height)), ..self.place() }.command_line()
     }
 
     /// Applies a change of places. Returns a command for what concerns the window or the disk.
-    pub(crate) fn change_places(&mut self, change: Change) -> Option<Command> {
+    pub(crate) fn change_places(&mut self, change: PlaceChange) -> Option<Command> {
         let bookmarks = &mut self.places.bookmarks;
         match change {
-            Change::Bookmark => self.bookmark(),
-            Change::Rename(number, name) => {
+            PlaceChange::Bookmark => self.bookmark(),
+            PlaceChange::Rename(number, name) => {
                 if let Some(bookmark) = bookmarks.get_mut(number) {
                     bookmark.name = name;
                 }
             }
-            Change::Remove(number) if number < bookmarks.len() => drop(bookmarks.remove(number)),
-            Change::Jump(number) => match bookmarks.get(number).cloned() {
+            PlaceChange::Remove(number) if number < bookmarks.len() => drop(bookmarks.remove(number)),
+            PlaceChange::Jump(number) => match bookmarks.get(number).cloned() {
                 Some(bookmark) => return self.go(bookmark.place),
                 None => {
-                    self.report(Level::Info, format!("There is no bookmark {}. Press Ctrl+B to add one", number + 1))
+                    self.report(Severity::Info, format!("There is no bookmark {}. Press Ctrl+B to add one", number + 1))
                 }
             },
-            Change::Go(place) => return self.go(*place),
-            Change::Back | Change::Forward => {
-                if let Some(visit) = self.places.visits.travel(change == Change::Back) {
+            PlaceChange::Go(place) => return self.go(*place),
+            PlaceChange::Back | PlaceChange::Forward => {
+                if let Some(visit) = self.places.visits.travel(change == PlaceChange::Back) {
                     // Going back restores only what was inspected: settings have their own undo.
                     let here = self.place();
                     let display = self.range.setting(shown_at(&visit)).display;
-                    let Place { recipe, picture, overlays, .. } = here;
-                    return self.go(Place { recipe, picture, overlays, display, ..visit });
+                    let InspectionState { recipe, picture, overlays, .. } = here;
+                    return self.go(InspectionState { recipe, picture, overlays, display, ..visit });
                 }
             }
-            Change::Copy | Change::Manage | Change::Find(_) => return Some(Command::Place(change)),
-            Change::Remove(_) => {}
+            PlaceChange::Copy | PlaceChange::Manage | PlaceChange::Find(_) => return Some(Command::Place(change)),
+            PlaceChange::Remove(_) => {}
         }
         None
     }
 
     /// Picks the pixel that was found and reports the result. Returns the pixel to bring into view.
-    pub(crate) fn take_found(&mut self, wanted: &Wanted, found: &Found) -> Option<(u32, u32)> {
+    pub(crate) fn apply_search_result(&mut self, wanted: &SearchTarget, found: &SearchResult) -> Option<(u32, u32)> {
         let words = wanted.words();
         let (level, text, pixel) = match found {
-            Found::Seen(pixel, count) => {
-                (Level::Info, format!("{words} is visible at {count} drawn pixels"), Some(*pixel))
+            SearchResult::Visible(pixel, count) => {
+                (Severity::Info, format!("{words} is visible at {count} drawn pixels"), Some(*pixel))
             }
-            Found::Hidden(pixel, count) => {
-                (Level::Error, format!("{words} is hidden: it covers {count} drawn pixels and wins none"), Some(*pixel))
-            }
-            Found::At(pixel, told) => (Level::Info, told.clone(), Some(*pixel)),
-            Found::Nowhere(reason) => (Level::Error, reason.clone(), None),
+            SearchResult::Hidden(pixel, count) => (
+                Severity::Error,
+                format!("{words} is hidden: it covers {count} drawn pixels and wins none"),
+                Some(*pixel),
+            ),
+            SearchResult::At(pixel, told) => (Severity::Info, told.clone(), Some(*pixel)),
+            SearchResult::Nowhere(reason) => (Severity::Error, reason.clone(), None),
         };
         self.report(level, text);
         self.pick = pixel.or(self.pick);
-        if let Wanted::Vertex(object, number) = wanted {
-            self.vertices.apply(vertices::Change::Select(Some((*object as usize, *number))));
+        if let SearchTarget::Vertex(object, number) = wanted {
+            self.vertices.apply(vertices::VerticesChange::Select(Some((*object as usize, *number))));
         }
         pixel
     }
@@ -193,20 +195,20 @@ impl Session {
     fn bookmark(&mut self) {
         let place = self.place();
         let name = format!("{}: {}", self.scene.name, place.words());
-        if self.places.bookmarks.len() == MOST_BOOKMARKS {
-            self.report(Level::Error, format!("Cannot keep more than {MOST_BOOKMARKS} bookmarks: delete some first"));
+        if self.places.bookmarks.len() == MAX_BOOKMARKS {
+            self.report(Severity::Error, format!("Cannot keep more than {MAX_BOOKMARKS} bookmarks: delete some first"));
             return;
         }
         self.places.bookmarks.push(Bookmark { name: name.clone(), place });
         let number = self.places.bookmarks.len();
         let key = if number <= 9 { format!(", Ctrl+{number} opens it") } else { String::new() };
-        self.report(Level::Info, format!("Bookmarked {name}{key}"));
+        self.report(Severity::Info, format!("Bookmarked {name}{key}"));
     }
 
     /// Opens a place, at once if its scene is loaded, else once it is.
-    fn go(&mut self, place: Place) -> Option<Command> {
+    fn go(&mut self, place: InspectionState) -> Option<Command> {
         if let Err(reason) = place.check() {
-            self.report(Level::Error, format!("Cannot show this place: {reason}"));
+            self.report(Severity::Error, format!("Cannot show this place: {reason}"));
             return None;
         }
         self.close_case();
@@ -223,7 +225,7 @@ impl Session {
         Some(open)
     }
 
-    fn stand_at(&mut self, place: &Place) {
+    fn stand_at(&mut self, place: &InspectionState) {
         if place.mirrored != self.mirrored {
             self.apply(Command::MirrorZ);
         }
@@ -245,7 +247,7 @@ impl Session {
 }
 
 /// Returns the buffer, stage or intermediate value shown at a place.
-fn shown_at(place: &Place) -> Shown {
+fn shown_at(place: &InspectionState) -> Shown {
     let number = || place.number.map(Shown::Intermediate);
     place.stage.map(Shown::Stage).or_else(number).unwrap_or(Shown::Buffer(place.buffer))
 }

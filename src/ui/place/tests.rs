@@ -31,11 +31,11 @@ fn a_number_on_the_way_its_colours_and_overlays_are_part_of_a_place() {
     session.range.show_by("range=most,map=diverging".parse().unwrap(), session.shown);
     let there = session.place();
     let look = session.request().look;
-    session.apply(Command::Place(Change::Bookmark));
+    session.apply(Command::Place(PlaceChange::Bookmark));
     session.apply(Command::Show(Shown::Buffer(Buffer::Color)));
     session.range.show_by(Display::default(), Shown::Intermediate(Intermediate::Cosine));
     session.overlays.layers.clear();
-    assert_eq!(session.apply(Command::Place(Change::Jump(0))), None);
+    assert_eq!(session.apply(Command::Place(PlaceChange::Jump(0))), None);
     assert_eq!(session.place(), there);
     assert_eq!((session.shown, session.request().look), (Shown::Intermediate(Intermediate::Cosine), look));
     // The place survives a round trip through the preferences, and a file without these fields is accepted.
@@ -62,10 +62,10 @@ fn going_back_looks_at_what_was_seen_and_leaves_colours_and_overlays() {
     session.overlays.layers = vec!["facing".parse().unwrap()];
     session.range.show_by("map=grey".parse().unwrap(), session.shown);
     session.note_visit(20.0);
-    session.apply(Command::Place(Change::Back));
+    session.apply(Command::Place(PlaceChange::Back));
     assert_eq!(session.shown, Shown::Buffer(Buffer::Color), "colours and overlays are no visit");
     assert_eq!(session.overlays.layers.len(), 1);
-    session.apply(Command::Place(Change::Forward));
+    session.apply(Command::Place(PlaceChange::Forward));
     assert_eq!(session.place().display, "map=grey".parse().unwrap());
 }
 
@@ -74,13 +74,13 @@ fn a_bookmark_leads_back_to_everything_that_was_there() {
     let mut session = session("triangle");
     wander(&mut session);
     let (there, request) = (session.place(), session.request());
-    session.apply(Command::Place(Change::Bookmark));
+    session.apply(Command::Place(PlaceChange::Bookmark));
     session.apply(Command::ResetRecipe);
     session.apply(Command::ResetCamera);
     session.apply(Command::MirrorZ);
     session.apply(Command::Pick(None));
     assert_ne!(session.place(), there);
-    assert_eq!(session.apply(Command::Place(Change::Jump(0))), None);
+    assert_eq!(session.apply(Command::Place(PlaceChange::Jump(0))), None);
     assert_eq!(session.place(), there);
     assert_eq!((session.request().recipe, session.request().camera), (request.recipe, request.camera));
 }
@@ -90,10 +90,10 @@ fn a_bookmark_of_another_scene_opens_it_first() {
     let mut session = session("triangle");
     wander(&mut session);
     let there = session.place();
-    session.apply(Command::Place(Change::Bookmark));
+    session.apply(Command::Place(PlaceChange::Bookmark));
     let chess = SceneSource::named("cubes".into());
     session.show_scene(chess.load().unwrap().scene, chess);
-    let open = session.apply(Command::Place(Change::Jump(0)));
+    let open = session.apply(Command::Place(PlaceChange::Jump(0)));
     assert_eq!(open, Some(Command::OpenBuiltin("triangle".to_owned())));
     let triangle = SceneSource::named("triangle".into());
     session.show_scene(triangle.load().unwrap().scene, triangle);
@@ -105,7 +105,12 @@ fn a_bookmark_of_another_scene_opens_it_first() {
 fn bookmarks_are_kept_between_runs_renamed_and_forgotten() {
     let mut session = session("triangle");
     wander(&mut session);
-    for change in [Change::Bookmark, Change::Bookmark, Change::Rename(1, "second".to_owned()), Change::Remove(0)] {
+    for change in [
+        PlaceChange::Bookmark,
+        PlaceChange::Bookmark,
+        PlaceChange::Rename(1, "second".to_owned()),
+        PlaceChange::Remove(0),
+    ] {
         session.apply(Command::Place(change));
     }
     let kept = session.preferences(&WindowState::default());
@@ -113,7 +118,7 @@ fn bookmarks_are_kept_between_runs_renamed_and_forgotten() {
     let again: crate::ui::session::Preferences = serde_json::from_str(&text).unwrap();
     assert_eq!(again.bookmarks, session.places.bookmarks);
     assert_eq!(again.bookmarks.iter().map(|b| b.name.as_str()).collect::<Vec<_>>(), ["second"]);
-    session.apply(Command::Place(Change::Remove(7)));
+    session.apply(Command::Place(PlaceChange::Remove(7)));
     assert_eq!(session.places.bookmarks.len(), 1, "there is no eighth");
 }
 
@@ -123,7 +128,7 @@ fn what_is_damaged_is_told_and_not_gone_to() {
     let mut place = session.place();
     place.camera.near = -1.0;
     let before = session.place();
-    session.apply(Command::Place(Change::Go(Box::new(place))));
+    session.apply(Command::Place(PlaceChange::Go(Box::new(place))));
     assert_eq!(session.place(), before);
     assert!(session.error.as_ref().is_some_and(|error| error.contains("near")));
 }

@@ -1,9 +1,9 @@
 //! History of inspection: visits in order, with steps back and forward.
 
-use crate::inspect::Place;
+use crate::inspect::InspectionState;
 
 /// Maximum number of visits.
-const MOST: usize = 200;
+const MAX_VISITS: usize = 200;
 
 /// Maximum time between changes of camera or pixel that count as one visit, such as dragging, wheel notches or held
 /// arrow keys.
@@ -12,9 +12,9 @@ const ONE_MOVE_SECONDS: f64 = 0.6;
 /// Past, current and future visits.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Visits {
-    past: Vec<Place>,
-    here: Option<Place>,
-    future: Vec<Place>,
+    past: Vec<InspectionState>,
+    here: Option<InspectionState>,
+    future: Vec<InspectionState>,
     /// Time of the last change of the current visit, in seconds.
     changed_at: f64,
 }
@@ -31,7 +31,7 @@ impl Visits {
     }
 
     /// Records the current place; `now` in seconds. Changing settings or clearing the pick is no visit.
-    pub(crate) fn note(&mut self, place: Place, now: f64) {
+    pub(crate) fn note(&mut self, place: InspectionState, now: f64) {
         let Some(here) = &self.here else {
             self.here = Some(place);
             return;
@@ -39,19 +39,20 @@ impl Visits {
         if same_sight(here, &place) {
             return;
         }
-        let no_pixel = Place { pixel: None, ..here.clone() };
+        let no_pixel = InspectionState { pixel: None, ..here.clone() };
         if same_sight(&no_pixel, &place) {
             return;
         }
         let moves_on = now - self.changed_at < ONE_MOVE_SECONDS
-            && same_sight(&Place { camera: place.camera, pixel: place.pixel, ..here.clone() }, &place);
-        let picks_first = here.pixel.is_none() && same_sight(&Place { pixel: place.pixel, ..here.clone() }, &place);
+            && same_sight(&InspectionState { camera: place.camera, pixel: place.pixel, ..here.clone() }, &place);
+        let picks_first =
+            here.pixel.is_none() && same_sight(&InspectionState { pixel: place.pixel, ..here.clone() }, &place);
         let before = self.here.replace(place);
         self.changed_at = now;
         if moves_on || picks_first {
             return;
         }
-        if self.past.len() == MOST {
+        if self.past.len() == MAX_VISITS {
             self.past.remove(0);
         }
         self.past.extend(before);
@@ -59,7 +60,7 @@ impl Visits {
     }
 
     /// Goes one visit back, or forward. Returns its place.
-    pub(crate) fn travel(&mut self, back: bool) -> Option<Place> {
+    pub(crate) fn travel(&mut self, back: bool) -> Option<InspectionState> {
         let (from, to) = if back { (&mut self.past, &mut self.future) } else { (&mut self.future, &mut self.past) };
         let place = from.pop()?;
         to.extend(self.here.replace(place.clone()));
@@ -70,7 +71,7 @@ impl Visits {
 
     /// Replaces the place returned by [`Self::travel`] by the one actually reached, so that it does not count as a new
     /// visit.
-    pub(crate) fn arrived(&mut self, place: Place) {
+    pub(crate) fn arrived(&mut self, place: InspectionState) {
         let is_expected = self.here.as_ref().is_some_and(|here| same_sight(here, &place));
         if is_expected {
             self.here = Some(place);
@@ -79,8 +80,14 @@ impl Visits {
 }
 
 /// Whether both places show the same thing, ignoring recipe, picture size, display and overlays.
-fn same_sight(a: &Place, b: &Place) -> bool {
-    Place { recipe: b.recipe, picture: b.picture, display: b.display, overlays: b.overlays.clone(), ..a.clone() } == *b
+fn same_sight(a: &InspectionState, b: &InspectionState) -> bool {
+    InspectionState {
+        recipe: b.recipe,
+        picture: b.picture,
+        display: b.display,
+        overlays: b.overlays.clone(),
+        ..a.clone()
+    } == *b
 }
 
 #[cfg(test)]
@@ -90,8 +97,8 @@ mod tests {
     use crate::inspect::{Buffer, Stage};
     use crate::scene::builtin;
 
-    fn place(pixel: u32) -> Place {
-        Place {
+    fn place(pixel: u32) -> InspectionState {
+        InspectionState {
             scene: "triangle".into(),
             mirrored: false,
             camera: builtin::by_id("triangle").map(|scene| scene.build().home).unwrap(),
@@ -130,7 +137,7 @@ mod tests {
         for (step, seconds) in [(0, 10.0), (1, 20.0), (2, 20.1), (3, 20.2)] {
             visits.note(place(step), seconds);
         }
-        visits.note(Place { stage: Some(Stage::Clip), ..place(3) }, 20.3);
+        visits.note(InspectionState { stage: Some(Stage::Clip), ..place(3) }, 20.3);
         assert_eq!(visits.travel(true), Some(place(3)));
         assert_eq!(visits.travel(true), Some(place(0)));
     }
@@ -142,7 +149,7 @@ mod tests {
         let mut other = place(0);
         other.recipe.wireframe = true;
         visits.note(other, 10.0);
-        visits.note(Place { pixel: None, ..place(0) }, 20.0);
+        visits.note(InspectionState { pixel: None, ..place(0) }, 20.0);
         assert!(!visits.can_go_back());
         visits.note(place(1), 30.0);
         visits.travel(true);

@@ -2,7 +2,7 @@
 
 use eframe::egui::{Align2, Color32, FontId, Rect, Ui, Vec2, vec2};
 
-use super::Probing;
+use super::ProbeState;
 use crate::inspect::probe::map_color;
 use crate::pipeline::settings::Choice as _;
 use crate::ui::theme::{RADIUS, font_size, space, tokens};
@@ -14,7 +14,7 @@ const WIDTH: f32 = 220.0;
 const BAR: f32 = 8.0;
 
 /// Draws the legend into the lower left corner of the canvas.
-pub(crate) fn legend(ui: &Ui, canvas: Rect, probing: &Probing) {
+pub(crate) fn legend(ui: &Ui, canvas: Rect, probing: &ProbeState) {
     let (Some(found), Some(heat), Some((_, most))) = (&probing.found, probing.heat, &probing.picture) else { return };
     let painter = ui.painter().with_clip_rect(canvas);
     let words = if *most == 0 {

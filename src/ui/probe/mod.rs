@@ -9,13 +9,13 @@ use std::sync::Arc;
 use eframe::egui::Context;
 
 use super::command::Command;
-use super::engine::{Request, Shown, View};
-use super::session::{Level, PictureSize, Session};
-use super::task::{Listening, Task};
+use super::engine::{RenderedView, Request, Shown};
+use super::session::{PictureSize, Session, Severity};
+use super::task::{BackgroundTask, TaskStatus};
 use crate::case::MinimalCase;
 use crate::image::{Image, Rgba8};
 use crate::inspect::Buffer;
-use crate::inspect::probe::{self, Fragile, Heat, Probe, ProbeResult, Subject};
+use crate::inspect::probe::{self, Fragile, Heat, Probe, ProbeResult, ProbedView};
 
 pub(crate) use canvas::legend;
 pub(crate) use panel::controls;
@@ -23,23 +23,23 @@ pub(crate) use panel::ui;
 
 /// State of the stability probe.
 #[derive(Debug, Default)]
-pub(crate) struct Probing {
+pub struct ProbeState {
     /// Settings of the next probe.
-    pub(crate) probe: Probe,
+    pub probe: Probe,
     /// Last result.
-    pub(crate) found: Option<Arc<ProbeResult>>,
+    pub found: Option<Arc<ProbeResult>>,
     /// Completed share of the running probe, in [0, 1].
     pub(crate) progress: Option<f32>,
     /// Heat map shown over the picture, if any.
     pub(crate) heat: Option<Heat>,
     /// Heat map as an image, and the number of runs denoted by its brightest colour.
     picture: Option<(Arc<Image<Rgba8>>, u16)>,
-    task: Option<Task<f32, ProbeResult>>,
+    task: Option<BackgroundTask<f32, ProbeResult>>,
 }
 
 /// Change of the stability probe.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Change {
+pub enum ProbeChange {
     /// Sets the settings of the next probe.
     Set(Probe),
     /// Starts the probe.
@@ -58,7 +58,7 @@ pub enum Change {
 
 /// Action left to the window after a change.
 #[derive(Debug, PartialEq)]
-pub(crate) enum Rest {
+pub(crate) enum WindowAction {
     /// No action.
     Nothing,
     /// Scrolls a pixel into view.
@@ -68,22 +68,22 @@ pub(crate) enum Rest {
 }
 
 /// Applies a change. Returns the action left to the window.
-pub(crate) fn apply(session: &mut Session, context: &Context, change: Change) -> Rest {
+pub(crate) fn apply(session: &mut Session, context: &Context, change: ProbeChange) -> WindowAction {
     match change {
-        Change::Set(probe) => session.probing.probe = probe,
-        Change::Start => start(session, context),
-        Change::Cancel => {
+        ProbeChange::Set(probe) => session.probing.probe = probe,
+        ProbeChange::Start => start(session, context),
+        ProbeChange::Cancel => {
             if let Some(task) = &session.probing.task {
                 task.cancel();
             }
         }
-        Change::Show(heat) => {
+        ProbeChange::Show(heat) => {
             session.probing.show(heat);
             session.shown = Shown::Buffer(Buffer::Color);
         }
-        Change::GoBack => {
+        ProbeChange::GoBack => {
             if let Some(found) = session.probing.found.clone() {
-                let Subject { camera, settings, viewport, .. } = found.subject;
+                let ProbedView { camera, settings, viewport, .. } = found.subject;
                 session.state.camera = camera;
                 session.state.recipe.pipeline = settings;
                 if session.viewport() != viewport {
@@ -92,28 +92,28 @@ pub(crate) fn apply(session: &mut Session, context: &Context, change: Change) ->
                 session.apply(Command::LimitTriangles(None));
             }
         }
-        Change::GoTo(fragile) => {
+        ProbeChange::GoTo(fragile) => {
             session.pick = Some(fragile.worst_pixel);
-            return Rest::BringIntoView(fragile.worst_pixel);
+            return WindowAction::BringIntoView(fragile.worst_pixel);
         }
-        Change::SaveCase(fragile) => return case_of(session, &fragile),
+        ProbeChange::SaveCase(fragile) => return case_of(session, &fragile),
     }
-    Rest::Nothing
+    WindowAction::Nothing
 }
 
 /// Handles the progress and the result of the task.
 pub(crate) fn listen(session: &mut Session) {
-    let Probing { task, progress, .. } = &mut session.probing;
+    let ProbeState { task, progress, .. } = &mut session.probing;
     let Some(running) = task else { return };
-    match running.listen(progress) {
-        Listening::GoesOn => return,
-        Listening::Ended(found) => {
+    match running.poll(progress) {
+        TaskStatus::Running => return,
+        TaskStatus::Ended(found) => {
             if let Some(found) = found {
-                session.probing.take(*found);
+                session.probing.set_result(*found);
                 session.shown = Shown::Buffer(Buffer::Color);
             }
         }
-        Listening::BrokeOff => session.report(Level::Error, "The probe stopped: internal error"),
+        TaskStatus::Lost => session.report(Severity::Error, "The probe stopped: internal error"),
     }
     session.probing.task = None;
 }
@@ -123,39 +123,39 @@ pub(crate) fn probe_now(session: &mut Session) {
     let subject = subject_of(&session.request());
     let never = std::sync::atomic::AtomicBool::new(false);
     if let Some(found) = probe::run(&subject, session.probing.probe, &|_| {}, &never) {
-        session.probing.take(found);
+        session.probing.set_result(found);
     }
 }
 
 fn start(session: &mut Session, context: &Context) {
     let (subject, probe) = (subject_of(&session.request()), session.probing.probe);
     session.probing.progress = Some(0.0);
-    let work = Task::start(context.clone(), move |tell: &(dyn Fn(f32) + Sync), stop| {
+    let work = BackgroundTask::start(context.clone(), move |tell: &(dyn Fn(f32) + Sync), stop| {
         probe::run(&subject, probe, &|share| tell(share), stop)
     });
     session.probing.task = Some(work);
 }
 
-fn case_of(session: &mut Session, fragile: &Fragile) -> Rest {
-    let Some(found) = &session.probing.found else { return Rest::Nothing };
+fn case_of(session: &mut Session, fragile: &Fragile) -> WindowAction {
+    let Some(found) = &session.probing.found else { return WindowAction::Nothing };
     let Some(triangle) = found.triangle_of(fragile) else {
         let text =
             format!("Triangle {} is not rasterized without jitter, so there is no case to save", fragile.triangle.0);
-        session.report(Level::Error, text);
-        return Rest::Nothing;
+        session.report(Severity::Error, text);
+        return WindowAction::Nothing;
     };
-    let Subject { scene, settings, viewport, .. } = &found.subject;
-    Rest::Write(Box::new(MinimalCase::new(&triangle, fragile.worst_pixel, *viewport, settings, &scene.name)))
+    let ProbedView { scene, settings, viewport, .. } = &found.subject;
+    WindowAction::Write(Box::new(MinimalCase::new(&triangle, fragile.worst_pixel, *viewport, settings, &scene.name)))
 }
 
 /// Returns the pipeline inputs of a request.
-fn subject_of(request: &Request) -> Subject {
+fn subject_of(request: &Request) -> ProbedView {
     let Request { scene, camera, recipe, viewport, .. } = request;
-    Subject { scene: scene.clone(), camera: *camera, settings: recipe.pipeline, viewport: *viewport }
+    ProbedView { scene: scene.clone(), camera: *camera, settings: recipe.pipeline, viewport: *viewport }
 }
 
-impl Probing {
-    fn take(&mut self, found: ProbeResult) {
+impl ProbeState {
+    fn set_result(&mut self, found: ProbeResult) {
         self.found = Some(Arc::new(found));
         self.show(Some(self.heat.unwrap_or(Heat::Owner)));
     }
@@ -173,13 +173,13 @@ impl Probing {
     }
 
     /// Whether the result describes the frame of a view.
-    fn is_of(&self, view: &View) -> bool {
+    fn is_of(&self, view: &RenderedView) -> bool {
         let is_whole = view.request.triangle_limit.is_none();
         is_whole && self.found.as_ref().is_some_and(|found| found.subject.is_same(&subject_of(&view.request)))
     }
 
     /// Returns the heat map that replaces the picture of a view, if it is visible and describes that view.
-    pub(crate) fn picture(&self, view: &View) -> Option<&Arc<Image<Rgba8>>> {
+    pub fn picture(&self, view: &RenderedView) -> Option<&Arc<Image<Rgba8>>> {
         let is_finished = view.request.shown == Shown::Buffer(Buffer::Color);
         self.picture.as_ref().filter(|_| is_finished && self.is_of(view)).map(|(image, _)| image)
     }
@@ -210,18 +210,21 @@ mod tests {
         assert_eq!(session.probing.picture(&view).map(|picture| picture.size()), Some((64, 48)));
         let context = Context::default();
         let worst = session.probing.found.as_ref().unwrap().ranking[0];
-        assert_eq!(apply(&mut session, &context, Change::GoTo(worst)), Rest::BringIntoView(worst.worst_pixel));
+        assert_eq!(
+            apply(&mut session, &context, ProbeChange::GoTo(worst)),
+            WindowAction::BringIntoView(worst.worst_pixel)
+        );
         assert_eq!(session.pick, Some(worst.worst_pixel));
-        assert!(matches!(apply(&mut session, &context, Change::SaveCase(worst)), Rest::Write(_)));
+        assert!(matches!(apply(&mut session, &context, ProbeChange::SaveCase(worst)), WindowAction::Write(_)));
 
         session.state.camera.dolly(2.0);
         (session.canvas_px, session.triangle_limit) = ((80, 48), Some(1));
         let other = engine.answer(session.request());
         assert!(session.probing.picture(&other).is_none());
-        apply(&mut session, &context, Change::GoBack);
+        apply(&mut session, &context, ProbeChange::GoBack);
         let back = engine.answer(session.request());
         assert!(session.probing.picture(&back).is_some());
-        apply(&mut session, &context, Change::Show(None));
+        apply(&mut session, &context, ProbeChange::Show(None));
         assert!(session.probing.picture(&back).is_none());
     }
 }

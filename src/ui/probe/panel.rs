@@ -2,7 +2,7 @@
 
 use eframe::egui::{self, Button, DragValue, ProgressBar, RichText, ScrollArea, Ui};
 
-use super::Change;
+use super::ProbeChange;
 use crate::inspect::probe::{Changed, Fragile, Heat, ProbeResult};
 use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
@@ -19,14 +19,14 @@ const SETTINGS_POINTS: f32 = 270.0;
 const FIGURE_POINTS: f32 = 104.0;
 
 /// Maximum units in the last place and maximum number of runs selectable in the window.
-const MOST: (u32, u16) = (65_536, 4096);
+const MAX_SETTINGS: (u32, u16) = (65_536, 4096);
 
 /// Draws the buttons beside the tabs.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let probing = &session.probing;
     if let Some(progress) = probing.progress {
         if ui.button("Cancel").on_hover_text("Stop; the last result stays").clicked() {
-            commands.push(Command::Probe(Change::Cancel));
+            commands.push(Command::Probe(ProbeChange::Cancel));
         }
         ui.add(ProgressBar::new(progress).desired_width(200.0).show_percentage());
         return;
@@ -34,7 +34,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
     let help = "Draws the view repeatedly with tiny displacements and counts the pixels that change";
     let run = Button::new((theme::icon(Icon::Play), "Run the probe"));
     if ui.add(run).on_hover_text(help).clicked() {
-        commands.push(Command::Probe(Change::Start));
+        commands.push(Command::Probe(ProbeChange::Start));
     }
     let Some(found) = &probing.found else { return };
     ui.separator();
@@ -42,13 +42,13 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
     let nothing =
         ui.selectable_label(probing.heat.is_none(), "Nothing").on_hover_text("The picture without the heat map");
     if nothing.clicked() {
-        commands.push(Command::Probe(Change::Show(None)));
+        commands.push(Command::Probe(ProbeChange::Show(None)));
     }
     for heat in Heat::ALL {
         let label = Button::selectable(probing.heat == Some(*heat), heat.name());
         let response = ui.add_enabled(found.counts(*heat).is_some(), label).on_hover_text(heat.help());
         if response.on_disabled_hover_text("Without a depth test there is no depth").clicked() {
-            commands.push(Command::Probe(Change::Show(Some(*heat))));
+            commands.push(Command::Probe(ProbeChange::Show(Some(*heat))));
         }
     }
 }
@@ -74,12 +74,12 @@ fn settings(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let mut probe = session.probing.probe;
     row(ui, "Moved", "What is displaced in every run", |ui| pick(ui, &mut probe.what));
     let help = "Maximum displacement, in units in the last place; 1 is the smallest step of a float";
-    row(ui, "By k ulp", help, |ui| ui.add(DragValue::new(&mut probe.ulps).range(0..=MOST.0).speed(0.1)));
+    row(ui, "By k ulp", help, |ui| ui.add(DragValue::new(&mut probe.ulps).range(0..=MAX_SETTINGS.0).speed(0.1)));
     let help = "Number of times the view is drawn; more runs give finer shares but take longer";
-    row(ui, "Runs", help, |ui| ui.add(DragValue::new(&mut probe.runs).range(1..=MOST.1).speed(0.5)));
+    row(ui, "Runs", help, |ui| ui.add(DragValue::new(&mut probe.runs).range(1..=MAX_SETTINGS.1).speed(0.5)));
     row(ui, "Seed", "Equal seeds give equal jitter", |ui| ui.add(DragValue::new(&mut probe.seed).speed(0.1)));
     if probe != session.probing.probe {
-        commands.push(Command::Probe(Change::Set(probe)));
+        commands.push(Command::Probe(ProbeChange::Set(probe)));
     }
 }
 
@@ -114,7 +114,7 @@ fn finding(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
             let back = ui.add_enabled(is_there, Button::new("Restore that view"));
             let back = back.on_hover_text("The view has changed since the probe: restores the probed view");
             if back.on_disabled_hover_text("That scene is no longer open").clicked() {
-                commands.push(Command::Probe(Change::GoBack));
+                commands.push(Command::Probe(ProbeChange::GoBack));
             }
         }
     });
@@ -168,10 +168,10 @@ fn triangle(ui: &mut Ui, session: &Session, found: &ProbeResult, fragile: &Fragi
             ui.painter().rect_filled(row, theme::RADIUS, tokens(ui).text_weak.gamma_multiply(0.15));
         }
         if response.on_hover_text(name).on_hover_cursor(egui::CursorIcon::PointingHand).clicked() {
-            commands.push(Command::Probe(Change::GoTo(*fragile)));
+            commands.push(Command::Probe(ProbeChange::GoTo(*fragile)));
         }
         if icon_button(ui, Icon::Save, "Save this triangle as a case").clicked() {
-            commands.push(Command::Probe(Change::SaveCase(*fragile)));
+            commands.push(Command::Probe(ProbeChange::SaveCase(*fragile)));
         }
     });
 }

@@ -5,15 +5,15 @@ use eframe::egui::{
     self, Align, Button, DragValue, Label, Layout, Rect, Response, RichText, Ui, UiBuilder, Vec2, WidgetInfo, vec2,
 };
 
-use super::plot::Plot;
-use super::{Change, figures};
-use crate::inspect::display::{ColorMap, Kind};
-use crate::inspect::range::{Fit, Rule};
+use super::plot::HistogramPlot;
+use super::{RangeChange, figures};
+use crate::inspect::display::{ColorMap, ValueKind};
+use crate::inspect::range::{RangeFit, Rule};
 use crate::inspect::view::{Range, absence};
 use crate::manual::Chapter;
 use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
-use crate::ui::engine::{Shown, View};
+use crate::ui::engine::{RenderedView, Shown};
 use crate::ui::look::kind;
 use crate::ui::manual::manual_button;
 use crate::ui::session::Session;
@@ -30,16 +30,22 @@ const PLOT_HEIGHT: f32 = 78.0;
 const FIELD: f32 = 84.0;
 
 /// Draws the card. Returns its rectangle, in points.
-pub(crate) fn ui(ui: &mut Ui, canvas: Rect, session: &Session, view: &View, commands: &mut Vec<Command>) -> Rect {
+pub(crate) fn ui(
+    ui: &mut Ui,
+    canvas: Rect,
+    session: &Session,
+    view: &RenderedView,
+    commands: &mut Vec<Command>,
+) -> Rect {
     let control = &session.range;
     let shown = view.request.shown;
     let kind = kind(shown);
-    let part_rows = match view.looked.measured.as_deref().and_then(|measured| measured.part.as_ref()) {
+    let part_rows = match view.look_result.measured.as_deref().and_then(|measured| measured.part.as_ref()) {
         Some((_, channels)) => 1 + channels.len(),
         None => 0,
     };
-    let rows = if kind == Kind::Names { 2.0 } else { 3.0 } + part_rows as f32;
-    let plot = if kind == Kind::Names { 0.0 } else { PLOT_HEIGHT + space::XS };
+    let rows = if kind == ValueKind::Names { 2.0 } else { 3.0 } + part_rows as f32;
+    let plot = if kind == ValueKind::Names { 0.0 } else { PLOT_HEIGHT + space::XS };
     let size = vec2(WIDTH.min(canvas.width() - 2.0 * space::S), rows * ROW_HEIGHT + plot + 2.0 * space::S);
     let card = Rect::from_min_size(canvas.left_bottom() + vec2(space::S, -space::S - size.y), size);
     ui.painter().rect_filled(card, RADIUS, tokens(ui).panel.gamma_multiply(0.94));
@@ -50,17 +56,17 @@ pub(crate) fn ui(ui: &mut Ui, canvas: Rect, session: &Session, view: &View, comm
     column.spacing_mut().item_spacing.y = 0.0;
     let mut changes = Vec::new();
     row(&mut column, |ui| title(ui, view, &mut changes, commands));
-    if kind == Kind::Names {
+    if kind == ValueKind::Names {
         column.weak("These values are identifiers, not quantities: they have no range.");
     } else {
         let setting = control.setting(shown);
         let size = vec2(column.available_width(), PLOT_HEIGHT);
-        let plot = Plot { view, setting, log_counts: control.log_counts };
-        changes.extend(plot.ui(&mut column, size).map(|range| Change::Rule(Rule::Fixed(range))));
+        let plot = HistogramPlot { view, setting, log_counts: control.log_counts };
+        changes.extend(plot.ui(&mut column, size).map(|range| RangeChange::Rule(Rule::Fixed(range))));
         column.add_space(space::XS);
         row(&mut column, |ui| ends(ui, session, view, &mut changes));
         row(&mut column, |ui| colors(ui, session, kind, shown, &mut changes));
-        if let Some((region, channels)) = view.looked.measured.as_deref().and_then(|m| m.part.as_ref()) {
+        if let Some((region, channels)) = view.look_result.measured.as_deref().and_then(|m| m.part.as_ref()) {
             figures::part(&mut column, *region, kind, channels, &mut changes);
         }
     }
@@ -77,7 +83,7 @@ pub(super) fn row(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
     });
 }
 
-fn title(ui: &mut Ui, view: &View, changes: &mut Vec<Change>, commands: &mut Vec<Command>) {
+fn title(ui: &mut Ui, view: &RenderedView, changes: &mut Vec<RangeChange>, commands: &mut Vec<Command>) {
     let (name, help) = match view.request.shown {
         Shown::Buffer(buffer) => (buffer.name(), absence(buffer, &view.frame).unwrap_or(buffer.help())),
         Shown::Stage(stage) => (stage.name(), stage.help()),
@@ -86,7 +92,7 @@ fn title(ui: &mut Ui, view: &View, changes: &mut Vec<Change>, commands: &mut Vec
     ui.label(RichText::new(name).strong());
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
         if icon_button(ui, Icon::ChevronDown, "Hide the range control").clicked() {
-            changes.push(Change::Open(false));
+            changes.push(RangeChange::Open(false));
         }
         manual_button(ui, Chapter::ReadingPlots, commands);
         ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
@@ -96,16 +102,16 @@ fn title(ui: &mut Ui, view: &View, changes: &mut Vec<Change>, commands: &mut Vec
 }
 
 /// Draws number fields for both ends, and between them the buttons that fit the range.
-fn ends(ui: &mut Ui, session: &Session, view: &View, changes: &mut Vec<Change>) {
+fn ends(ui: &mut Ui, session: &Session, view: &RenderedView, changes: &mut Vec<RangeChange>) {
     let Some(range) = view.range else { return };
     let rule = session.range.setting(view.request.shown).display.rule;
     if let Some(low) = field(ui, "Low end of the range", range.low, range) {
-        changes.push(Change::Rule(Rule::Fixed(Range { low, high: range.high.max(low) })));
+        changes.push(RangeChange::Rule(Rule::Fixed(Range { low, high: range.high.max(low) })));
     }
     fits(ui, session, rule, changes);
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
         if let Some(high) = field(ui, "High end of the range", range.high, range) {
-            changes.push(Change::Rule(Rule::Fixed(Range { low: range.low.min(high), high })));
+            changes.push(RangeChange::Rule(Rule::Fixed(Range { low: range.low.min(high), high })));
         }
     });
 }
@@ -124,42 +130,42 @@ fn field(ui: &mut Ui, name: &str, value: f32, range: Range) -> Option<f32> {
     (changed && (number as f32).is_finite()).then_some(number as f32)
 }
 
-fn fits(ui: &mut Ui, session: &Session, rule: Rule, changes: &mut Vec<Change>) {
+fn fits(ui: &mut Ui, session: &Session, rule: Rule, changes: &mut Vec<RangeChange>) {
     ui.spacing_mut().item_spacing.x = 1.0;
     let sticky = matches!(rule, Rule::Sticky(_));
     let help = "Fit to the smallest and largest value  (N). Right-click: refit to every picture";
     let fit = toggle(ui, Icon::WandSparkles, sticky, help);
     if fit.clicked() {
-        changes.push(Change::Fit(Fit::All));
+        changes.push(RangeChange::Fit(RangeFit::All));
     } else if fit.secondary_clicked() {
-        changes.push(Change::ToggleSticky);
+        changes.push(RangeChange::ToggleSticky);
     }
     if icon_button(ui, Icon::Scan, "Fit to the visible part  (Shift+N)").clicked() {
-        changes.push(Change::FitVisible);
+        changes.push(RangeChange::FitVisible);
     }
     let most = toggle(
         ui,
         Icon::Percent,
-        rule == Rule::Sticky(Fit::Most),
+        rule == Rule::Sticky(RangeFit::Most),
         "Fit to the 1st to 99th percentile. Right-click: refit to every picture",
     );
     if most.clicked() {
-        changes.push(Change::Fit(Fit::Most));
+        changes.push(RangeChange::Fit(RangeFit::Most));
     } else if most.secondary_clicked() {
-        changes.push(Change::Rule(Rule::Sticky(Fit::Most)));
+        changes.push(RangeChange::Rule(Rule::Sticky(RangeFit::Most)));
     }
     let region = session.range.region;
     ui.add_enabled_ui(region.is_some(), |ui| {
         let fit = icon_button(ui, Icon::Focus, "Fit to the dragged box");
         if let Some(region) = region.filter(|_| fit.on_disabled_hover_text("Drag a box first").clicked()) {
-            changes.push(Change::Fit(Fit::Within(region)));
+            changes.push(RangeChange::Fit(RangeFit::Within(region)));
         }
     });
     if icon_button(ui, Icon::ZoomIn, "Zoom the histogram to the range").clicked() {
-        changes.push(Change::ZoomAxis);
+        changes.push(RangeChange::ZoomAxis);
     }
     if icon_button(ui, Icon::RotateCcw, "Reset to the default range of the quantity  (R)").clicked() {
-        changes.push(Change::Reset);
+        changes.push(RangeChange::Reset);
     }
 }
 
@@ -180,13 +186,13 @@ fn toggle(ui: &mut Ui, icon: Icon, on: bool, name: &str) -> Response {
 }
 
 /// Draws the colour map, or the channel switches, and then the histogram settings.
-fn colors(ui: &mut Ui, session: &Session, kind: Kind, shown: Shown, changes: &mut Vec<Change>) {
+fn colors(ui: &mut Ui, session: &Session, kind: ValueKind, shown: Shown, changes: &mut Vec<RangeChange>) {
     let control = &session.range;
     let display = control.setting(shown).display;
-    if kind == Kind::Numbers {
+    if kind == ValueKind::Numbers {
         maps(ui, display.map, changes);
         if toggle(ui, Icon::ArrowLeftRight, display.reversed, "Reverse the colour map").clicked() {
-            changes.push(Change::Reverse(!display.reversed));
+            changes.push(RangeChange::Reverse(!display.reversed));
         }
     } else {
         for (channel, name) in kind.channels().iter().enumerate() {
@@ -197,25 +203,25 @@ fn colors(ui: &mut Ui, session: &Session, kind: Kind, shown: Shown, changes: &mu
             if button.clicked() {
                 let mut channels = display.channels;
                 channels[channel] ^= true;
-                changes.push(Change::Channels(channels));
+                changes.push(RangeChange::Channels(channels));
             } else if button.secondary_clicked() {
-                changes.push(Change::Solo(channel));
+                changes.push(RangeChange::Solo(channel));
             }
         }
     }
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
         let box_help = "Then drag a box on the picture to show its figures here. Shift+drag works at any time";
         if toggle(ui, Icon::SquareDashed, control.draws_region, box_help).clicked() {
-            changes.push(Change::DrawRegion(!control.draws_region));
+            changes.push(RangeChange::DrawRegion(!control.draws_region));
         }
         let log = ui.selectable_label(control.log_counts, "log");
         if log.on_hover_text("Logarithmic bars: rare values become visible, too").clicked() {
-            changes.push(Change::LogCounts(!control.log_counts));
+            changes.push(RangeChange::LogCounts(!control.log_counts));
         }
     });
 }
 
-fn maps(ui: &mut Ui, chosen: Option<ColorMap>, changes: &mut Vec<Change>) {
+fn maps(ui: &mut Ui, chosen: Option<ColorMap>, changes: &mut Vec<RangeChange>) {
     let mut map = chosen;
     let name = map.map_or("Default colours", ColorMap::name);
     ui.name_inputs("Colour map", |ui| {
@@ -227,6 +233,6 @@ fn maps(ui: &mut Ui, chosen: Option<ColorMap>, changes: &mut Vec<Change>) {
         });
     });
     if map != chosen {
-        changes.push(Change::Map(map));
+        changes.push(RangeChange::Map(map));
     }
 }

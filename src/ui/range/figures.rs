@@ -3,12 +3,12 @@
 
 use eframe::egui::{Align, Label, Layout, RichText, Ui};
 
-use super::Change;
+use super::RangeChange;
 use super::card::row;
 use super::plot::short;
-use crate::inspect::display::Kind;
+use crate::inspect::display::ValueKind;
 use crate::inspect::statistics::Statistics;
-use crate::measure::region::Region;
+use crate::measure::region::PixelRegion;
 use crate::ui::format;
 use crate::ui::theme::{Icon, tokens};
 use crate::ui::widgets::icon_button;
@@ -52,14 +52,20 @@ fn rounded(value: f64) -> String {
 }
 
 /// Draws the rows of a dragged region: its rectangle, and the statistics of each channel.
-pub(crate) fn part(ui: &mut Ui, region: Region, kind: Kind, channels: &[Statistics], changes: &mut Vec<Change>) {
+pub(crate) fn part(
+    ui: &mut Ui,
+    region: PixelRegion,
+    kind: ValueKind,
+    channels: &[Statistics],
+    changes: &mut Vec<RangeChange>,
+) {
     row(ui, |ui| {
-        let Region { left, top, right, bottom } = region;
+        let PixelRegion { left, top, right, bottom } = region;
         let text = format!("Box {left}, {top} · {} × {} px", right.saturating_sub(left), bottom.saturating_sub(top));
         ui.label(RichText::new(text).color(tokens(ui).text));
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if icon_button(ui, Icon::X, "Clear the box").clicked() {
-                changes.push(Change::Region(None));
+                changes.push(RangeChange::Region(None));
             }
         });
     });

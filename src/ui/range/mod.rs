@@ -13,25 +13,25 @@ pub(crate) mod region;
 
 pub(crate) mod save;
 
-use super::engine::{Shown, View};
-use super::look::{Measures, kind};
-use crate::inspect::display::{ColorMap, Display, Kind};
-use crate::inspect::range::{Fit, Rule};
+use super::engine::{RenderedView, Shown};
+use super::look::{StatisticsRequest, kind};
+use crate::inspect::display::{ColorMap, Display, ValueKind};
+use crate::inspect::range::{RangeFit, Rule};
 use crate::inspect::view::Range;
-use crate::measure::region::Region;
+use crate::measure::region::PixelRegion;
 
 /// Display settings of one buffer or stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Setting {
+pub struct Setting {
     /// Range, colour map and channels.
-    pub(crate) display: Display,
+    pub display: Display,
     /// Range of the histogram's axis; `None` spans all values.
     pub(crate) axis: Option<Range>,
 }
 
 /// State of the range control.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct RangeControl {
+pub struct RangeControl {
     /// Whether the card with the histogram is open on the canvas.
     pub(crate) open: bool,
     /// Whether the tab with the histogram is open.
@@ -39,17 +39,17 @@ pub(crate) struct RangeControl {
     /// Whether histograms show the logarithm of their counts.
     pub(crate) log_counts: bool,
     /// Region with separate statistics.
-    pub(crate) region: Option<Region>,
+    pub region: Option<PixelRegion>,
     /// Whether dragging draws the region.
     pub(crate) draws_region: bool,
     /// Part of the picture that is visible on the canvas.
-    pub(crate) visible: Option<Region>,
+    pub visible: Option<PixelRegion>,
     settings: Vec<(Shown, Setting)>,
 }
 
 /// Change of the range control.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Change {
+pub enum RangeChange {
     /// Opens or closes the card.
     Open(bool),
     /// Notes that the tab with the histogram was opened or closed.
@@ -59,7 +59,7 @@ pub enum Change {
     /// Sets the rule that determines the range.
     Rule(Rule),
     /// Fits the range once.
-    Fit(Fit),
+    Fit(RangeFit),
     /// Fits the range once to the visible part of the picture.
     FitVisible,
     /// Toggles fitting the range to every new picture.
@@ -79,61 +79,61 @@ pub enum Change {
     /// Shows one channel alone, or all channels if it is already alone.
     Solo(usize),
     /// Sets or clears the region with separate statistics.
-    Region(Option<Region>),
+    Region(Option<PixelRegion>),
     /// Sets whether dragging draws the region.
     DrawRegion(bool),
     /// Notes which part of the picture is visible on the canvas.
-    Visible(Option<Region>),
+    Visible(Option<PixelRegion>),
 }
 
 impl RangeControl {
     /// Returns the settings of a buffer or stage.
-    pub(crate) fn setting(&self, shown: Shown) -> Setting {
+    pub fn setting(&self, shown: Shown) -> Setting {
         self.settings.iter().find(|(of, _)| *of == shown).map_or(Setting::default(), |(_, setting)| *setting)
     }
 
     /// Returns the statistics to compute for `shown`; `None` if none are needed.
-    pub(crate) fn measures(&self, shown: Shown) -> Option<Measures> {
-        let wanted = (self.open || self.tab) && kind(shown) != Kind::Names;
+    pub(crate) fn measures(&self, shown: Shown) -> Option<StatisticsRequest> {
+        let wanted = (self.open || self.tab) && kind(shown) != ValueKind::Names;
         // sRGB codes have the same range in every picture.
         let codes = Range { low: 0.0, high: 255.0 };
-        let whole = (kind(shown) == Kind::Colors).then_some(codes);
-        wanted.then(|| Measures { axis: self.setting(shown).axis.or(whole), region: self.region })
+        let whole = (kind(shown) == ValueKind::Colors).then_some(codes);
+        wanted.then(|| StatisticsRequest { axis: self.setting(shown).axis.or(whole), region: self.region })
     }
 
     /// Applies a change to the settings of `shown`. `view` is the view on screen, which ranges are fitted to.
-    pub(crate) fn apply(&mut self, change: Change, shown: Shown, view: Option<&View>) {
+    pub(crate) fn apply(&mut self, change: RangeChange, shown: Shown, view: Option<&RenderedView>) {
         let mut setting = self.setting(shown);
         let display = &mut setting.display;
         match change {
-            Change::Open(open) => self.open = open,
-            Change::Tab(open) => self.tab = open,
-            Change::LogCounts(log) => self.log_counts = log,
-            Change::Visible(region) => self.visible = region,
-            Change::DrawRegion(draws) => self.draws_region = draws,
-            Change::Region(region) => {
+            RangeChange::Open(open) => self.open = open,
+            RangeChange::Tab(open) => self.tab = open,
+            RangeChange::LogCounts(log) => self.log_counts = log,
+            RangeChange::Visible(region) => self.visible = region,
+            RangeChange::DrawRegion(draws) => self.draws_region = draws,
+            RangeChange::Region(region) => {
                 (self.region, self.draws_region) = (region, false);
                 // The region's statistics are shown on the card.
                 self.open |= region.is_some();
             }
-            Change::Rule(Rule::Fixed(range)) => display.rule = ordered(range).map_or(display.rule, Rule::Fixed),
-            Change::Rule(rule) => display.rule = rule,
-            Change::Fit(fit) => display.rule = fitted(fit, display, view).unwrap_or(display.rule),
-            Change::FitVisible => {
-                let fit = self.visible.map_or(Fit::All, Fit::Within);
+            RangeChange::Rule(Rule::Fixed(range)) => display.rule = ordered(range).map_or(display.rule, Rule::Fixed),
+            RangeChange::Rule(rule) => display.rule = rule,
+            RangeChange::Fit(fit) => display.rule = fitted(fit, display, view).unwrap_or(display.rule),
+            RangeChange::FitVisible => {
+                let fit = self.visible.map_or(RangeFit::All, RangeFit::Within);
                 display.rule = fitted(fit, display, view).unwrap_or(display.rule);
             }
-            Change::ToggleSticky => {
+            RangeChange::ToggleSticky => {
                 let is_sticky = matches!(display.rule, Rule::Sticky(_));
-                display.rule = if is_sticky { Rule::Natural } else { Rule::Sticky(Fit::All) };
+                display.rule = if is_sticky { Rule::Natural } else { Rule::Sticky(RangeFit::All) };
             }
-            Change::Axis(axis) => setting.axis = axis,
-            Change::ZoomAxis => setting.axis = view.and_then(|view| view.range).or(setting.axis),
-            Change::Reset => (display.rule, setting.axis) = (Rule::Natural, None),
-            Change::Map(map) => display.map = map,
-            Change::Reverse(reversed) => display.reversed = reversed,
-            Change::Channels(channels) => display.channels = channels,
-            Change::Solo(channel) => {
+            RangeChange::Axis(axis) => setting.axis = axis,
+            RangeChange::ZoomAxis => setting.axis = view.and_then(|view| view.range).or(setting.axis),
+            RangeChange::Reset => (display.rule, setting.axis) = (Rule::Natural, None),
+            RangeChange::Map(map) => display.map = map,
+            RangeChange::Reverse(reversed) => display.reversed = reversed,
+            RangeChange::Channels(channels) => display.channels = channels,
+            RangeChange::Solo(channel) => {
                 let alone = [0, 1, 2].map(|i| i == channel);
                 display.channels = if display.channels == alone { [true; 3] } else { alone };
             }
@@ -161,7 +161,7 @@ fn ordered(Range { low, high }: Range) -> Option<Range> {
 }
 
 /// Returns a fixed range fitted to the view on screen.
-fn fitted(fit: Fit, display: &Display, view: Option<&View>) -> Option<Rule> {
+fn fitted(fit: RangeFit, display: &Display, view: Option<&RenderedView>) -> Option<Rule> {
     let view = view?;
     let range = fit.range(view.picture.size(), display.channels, |x, y| view.value(x, y))?;
     Some(Rule::Fixed(range))
@@ -178,13 +178,13 @@ mod tests {
     fn every_buffer_keeps_its_own_settings() {
         let mut control = RangeControl::default();
         let range = Range { low: 0.25, high: 0.5 };
-        control.apply(Change::Rule(Rule::Fixed(range)), DEPTH, None);
-        control.apply(Change::Solo(1), Shown::Buffer(Buffer::Color), None);
+        control.apply(RangeChange::Rule(Rule::Fixed(range)), DEPTH, None);
+        control.apply(RangeChange::Solo(1), Shown::Buffer(Buffer::Color), None);
         assert_eq!(control.setting(DEPTH).display.rule, Rule::Fixed(range));
         assert_eq!(control.setting(DEPTH).display.channels, [true; 3]);
         assert_eq!(control.setting(Shown::Buffer(Buffer::Color)).display.channels, [false, true, false]);
-        control.apply(Change::Reset, DEPTH, None);
-        control.apply(Change::Solo(1), Shown::Buffer(Buffer::Color), None);
+        control.apply(RangeChange::Reset, DEPTH, None);
+        control.apply(RangeChange::Solo(1), Shown::Buffer(Buffer::Color), None);
         assert!(control.settings.is_empty(), "defaults need no memory");
     }
 
@@ -192,29 +192,29 @@ mod tests {
     fn figures_are_wanted_only_where_they_are_seen() {
         let mut control = RangeControl::default();
         assert_eq!(control.measures(DEPTH), None);
-        control.apply(Change::Open(true), DEPTH, None);
+        control.apply(RangeChange::Open(true), DEPTH, None);
         assert!(control.measures(DEPTH).is_some());
         assert_eq!(control.measures(Shown::Buffer(Buffer::TriangleId)), None, "names have no range");
-        control.apply(Change::Open(false), DEPTH, None);
-        control.apply(Change::Tab(true), DEPTH, None);
+        control.apply(RangeChange::Open(false), DEPTH, None);
+        control.apply(RangeChange::Tab(true), DEPTH, None);
         assert!(control.measures(DEPTH).is_some());
     }
 
     #[test]
     fn a_range_is_finite_and_in_order() {
         let mut control = RangeControl::default();
-        control.apply(Change::Rule(Rule::Fixed(Range { low: 2.0, high: 1.0 })), DEPTH, None);
+        control.apply(RangeChange::Rule(Rule::Fixed(Range { low: 2.0, high: 1.0 })), DEPTH, None);
         let ordered = Rule::Fixed(Range { low: 1.0, high: 2.0 });
         assert_eq!(control.setting(DEPTH).display.rule, ordered);
-        control.apply(Change::Rule(Rule::Fixed(Range { low: f32::NAN, high: 1.0 })), DEPTH, None);
+        control.apply(RangeChange::Rule(Rule::Fixed(Range { low: f32::NAN, high: 1.0 })), DEPTH, None);
         assert_eq!(control.setting(DEPTH).display.rule, ordered);
     }
 
     #[test]
     fn a_drawn_rectangle_ends_the_drawing() {
         let mut control = RangeControl { draws_region: true, ..RangeControl::default() };
-        let region = Region { left: 1, top: 2, right: 3, bottom: 4 };
-        control.apply(Change::Region(Some(region)), DEPTH, None);
+        let region = PixelRegion { left: 1, top: 2, right: 3, bottom: 4 };
+        control.apply(RangeChange::Region(Some(region)), DEPTH, None);
         assert_eq!((control.region, control.draws_region, control.open), (Some(region), false, true));
     }
 }

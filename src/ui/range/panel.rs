@@ -2,9 +2,9 @@
 
 use eframe::egui::{Grid, RichText, ScrollArea, Ui, vec2};
 
-use super::Change;
+use super::RangeChange;
 use super::figures::{COLUMNS, texts};
-use super::plot::Plot;
+use super::plot::HistogramPlot;
 use crate::inspect::range::Rule;
 use crate::inspect::statistics::Statistics;
 use crate::ui::command::Command;
@@ -18,7 +18,8 @@ const TABLE: f32 = 700.0;
 
 /// Draws the content of the tab.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    let Some((view, measured)) = session.view.as_ref().and_then(|view| Some((view, view.looked.measured.as_deref()?)))
+    let Some((view, measured)) =
+        session.view.as_ref().and_then(|view| Some((view, view.look_result.measured.as_deref()?)))
     else {
         let how = "Choose a buffer that holds quantities, such as Depth, in the bar above the picture.";
         empty_state(ui, Icon::ChartColumn, "Identifiers have no histogram", how);
@@ -27,9 +28,9 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let shown = view.request.shown;
     ui.horizontal_top(|ui| {
         let size = vec2((ui.available_width() - TABLE).max(240.0), (ui.available_height() - space::S).max(60.0));
-        let plot = Plot { view, setting: session.range.setting(shown), log_counts: session.range.log_counts };
+        let plot = HistogramPlot { view, setting: session.range.setting(shown), log_counts: session.range.log_counts };
         let dragged = plot.ui(ui, size);
-        commands.extend(dragged.map(|range| Command::Range(Change::Rule(Rule::Fixed(range)))));
+        commands.extend(dragged.map(|range| Command::Range(RangeChange::Rule(Rule::Fixed(range)))));
         ui.add_space(space::M);
         ScrollArea::both().id_salt("figures").auto_shrink(false).show(ui, |ui| {
             Grid::new("figures").num_columns(9).spacing([12.0, 4.0]).striped(true).show(ui, |ui| {
@@ -52,19 +53,19 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
     let mut log = session.range.log_counts;
     if ui.checkbox(&mut log, "log counts").on_hover_text("Logarithmic bars: rare values become visible, too").changed()
     {
-        commands.push(Command::Range(Change::LogCounts(log)));
+        commands.push(Command::Range(RangeChange::LogCounts(log)));
     }
     let mut open = session.range.open;
     let help = "Shows the same histogram on the picture, with the range controls";
     if ui.checkbox(&mut open, "on the picture").on_hover_text(help).changed() {
-        commands.push(Command::Range(Change::Open(open)));
+        commands.push(Command::Range(RangeChange::Open(open)));
     }
 }
 
 /// Notifies the range control when the tab opens or closes: statistics are computed only while it is open.
-pub(crate) fn tell(is_open: bool, session: &Session, commands: &mut Vec<Command>) {
+pub(crate) fn notify_open(is_open: bool, session: &Session, commands: &mut Vec<Command>) {
     if session.range.tab != is_open {
-        commands.push(Command::Range(Change::Tab(is_open)));
+        commands.push(Command::Range(RangeChange::Tab(is_open)));
     }
 }
 

@@ -8,10 +8,10 @@ use eframe::egui::{
 use super::Setting;
 use crate::image::Rgba8;
 use crate::inspect::Buffer;
-use crate::inspect::display::Kind;
+use crate::inspect::display::ValueKind;
 use crate::inspect::histogram::Histogram;
 use crate::inspect::view::Range;
-use crate::ui::engine::{Shown, View};
+use crate::ui::engine::{RenderedView, Shown};
 use crate::ui::format;
 use crate::ui::look::kind;
 use crate::ui::theme::{self, RADIUS, font_size, space, tokens};
@@ -27,23 +27,23 @@ const GRIP: f32 = 5.0;
 
 /// Inputs of a histogram plot.
 #[derive(Clone, Copy)]
-pub(crate) struct Plot<'a> {
+pub(crate) struct HistogramPlot<'a> {
     /// View on screen, with its histograms.
-    pub(crate) view: &'a View,
+    pub(crate) view: &'a RenderedView,
     /// Display settings of the quantity.
     pub(crate) setting: Setting,
     /// Whether bar heights are logarithms of the counts.
     pub(crate) log_counts: bool,
 }
 
-impl Plot<'_> {
+impl HistogramPlot<'_> {
     /// Draws the plot with `size` in points. Returns the new range if a handle was dragged.
     pub(crate) fn ui(self, ui: &mut Ui, size: egui::Vec2) -> Option<Range> {
         let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Histogram"));
         let bars = Rect::from_min_max(rect.min, rect.max - vec2(0.0, STRIP + NUMBERS));
         ui.painter().rect_filled(bars, RADIUS, tokens(ui).field);
-        let measured = self.view.looked.measured.as_deref()?;
+        let measured = self.view.look_result.measured.as_deref()?;
         let Some(axis) = measured.histograms.first().map(|histogram| histogram.range) else {
             let font = FontId::proportional(font_size::SMALL);
             let text = "No finite values to count";
@@ -51,7 +51,7 @@ impl Plot<'_> {
             return None;
         };
         let range = self.view.range?;
-        let most = measured.histograms.iter().map(Histogram::most).max().unwrap_or(0);
+        let most = measured.histograms.iter().map(Histogram::max_count).max().unwrap_or(0);
         for (channel, histogram) in measured.histograms.iter().enumerate() {
             self.bars(ui, bars, channel, histogram, most);
         }
@@ -94,7 +94,7 @@ impl Plot<'_> {
 
 /// Returns the colour of a number; for colour channels, a grey of the brightness displayed.
 pub(crate) fn color_of(shown: Shown, setting: &Setting, range: Range, number: f32) -> Rgba8 {
-    if kind(shown) == Kind::Numbers {
+    if kind(shown) == ValueKind::Numbers {
         return setting.display.number_color(buffer_of(shown), range, number);
     }
     let grey = (range.position(number) * 255.0).round() as u8;
@@ -181,7 +181,7 @@ fn handles(ui: &Ui, response: &Response, bars: Rect, axis: Range, range: Range) 
 }
 
 /// Draws the tooltip with the counts of the bins under the pointer.
-fn tooltip(response: Response, bars: Rect, histograms: &[Histogram], kind: Kind) {
+fn tooltip(response: Response, bars: Rect, histograms: &[Histogram], kind: ValueKind) {
     let Some(pointer) = response.hover_pos().filter(|pointer| bars.contains(*pointer)) else { return };
     let share = ((pointer.x - bars.left()) / bars.width()).clamp(0.0, 1.0);
     response.on_hover_ui_at_pointer(|ui| {

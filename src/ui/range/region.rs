@@ -2,8 +2,8 @@
 
 use eframe::egui::{CursorIcon, Painter, PointerButton, Pos2, Rect, Response, Stroke, StrokeKind, Ui};
 
-use super::Change;
-use crate::measure::region::Region;
+use super::RangeChange;
+use crate::measure::region::PixelRegion;
 use crate::ui::command::Command;
 use crate::ui::session::{PointerMode, Session};
 use crate::ui::theme::{MARK_EDGE, tokens};
@@ -11,11 +11,11 @@ use crate::ui::zoom::Placement;
 
 /// Region being dragged, as the pixels at two opposite corners.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Dragging {
+pub(crate) struct RegionDrag {
     corners: Option<[(u32, u32); 2]>,
 }
 
-impl Dragging {
+impl RegionDrag {
     /// Handles pointer input. Returns whether dragging draws a region now. `size` is that of the picture, in pixels.
     pub(crate) fn follow(
         &mut self,
@@ -48,7 +48,7 @@ impl Dragging {
         if response.drag_stopped()
             && let Some(corners) = self.corners.take()
         {
-            commands.push(Command::Range(Change::Region(Some(between(corners)))));
+            commands.push(Command::Range(RangeChange::Region(Some(between(corners)))));
             return true;
         }
         wanted || self.corners.is_some()
@@ -73,14 +73,14 @@ fn nearest(placement: Placement, pointer: Pos2, (width, height): (u32, u32)) -> 
 }
 
 /// Returns the smallest region that contains both pixels.
-fn between([a, b]: [(u32, u32); 2]) -> Region {
-    Region { left: a.0.min(b.0), top: a.1.min(b.1), right: a.0.max(b.0) + 1, bottom: a.1.max(b.1) + 1 }
+fn between([a, b]: [(u32, u32); 2]) -> PixelRegion {
+    PixelRegion { left: a.0.min(b.0), top: a.1.min(b.1), right: a.0.max(b.0) + 1, bottom: a.1.max(b.1) + 1 }
 }
 
 /// Returns the part of the picture that is visible on the canvas.
-pub(crate) fn visible(placement: Placement, size: (u32, u32)) -> Option<Region> {
+pub(crate) fn visible(placement: Placement, size: (u32, u32)) -> Option<PixelRegion> {
     let (columns, rows) = placement.visible(size);
-    let region = Region { left: columns.start, top: rows.start, right: columns.end, bottom: rows.end };
+    let region = PixelRegion { left: columns.start, top: rows.start, right: columns.end, bottom: rows.end };
     (!columns.is_empty() && !rows.is_empty()).then_some(region)
 }
 
@@ -90,9 +90,9 @@ mod tests {
 
     #[test]
     fn both_corners_belong_to_the_rectangle_whichever_came_first() {
-        let region = Region { left: 2, top: 3, right: 6, bottom: 10 };
+        let region = PixelRegion { left: 2, top: 3, right: 6, bottom: 10 };
         assert_eq!(between([(2, 9), (5, 3)]), region);
         assert_eq!(between([(5, 3), (2, 9)]), region);
-        assert_eq!(between([(7, 7); 2]), Region { left: 7, top: 7, right: 8, bottom: 8 });
+        assert_eq!(between([(7, 7); 2]), PixelRegion { left: 7, top: 7, right: 8, bottom: 8 });
     }
 }

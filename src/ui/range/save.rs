@@ -2,10 +2,10 @@
 
 use crate::inspect::planes::planes;
 use crate::pipeline::settings::Choice as _;
-use crate::ui::engine::{Shown, View};
+use crate::ui::engine::{RenderedView, Shown};
 
 /// Returns the file stem for the quantity of a view, and an encoder of its exact values.
-pub(crate) fn data(view: View) -> (&'static str, impl FnOnce() -> Result<Vec<u8>, String> + Send + 'static) {
+pub(crate) fn data(view: RenderedView) -> (&'static str, impl FnOnce() -> Result<Vec<u8>, String> + Send + 'static) {
     let stem = match view.request.shown {
         Shown::Buffer(buffer) => buffer.id(),
         Shown::Stage(stage) => stage.id(),

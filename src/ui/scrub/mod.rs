@@ -19,30 +19,30 @@ const FASTEST_STAGES: f32 = 2.0;
 
 /// Playback state.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Scrub {
+pub struct Scrub {
     /// Last requested moment within a triangle. Valid as long as the triangle limit is unchanged.
     partial: Option<Moment>,
     /// Unit of a step, both for the buttons and for playback.
-    pub(crate) unit: Unit,
+    pub unit: Unit,
     /// Playback direction: 1 forwards, −1 backwards, 0 paused.
-    pub(crate) playing: i64,
+    pub playing: i64,
     /// Playback speed, in steps per second.
     pub(crate) speed: f32,
     /// Whether steps skip moments that do not touch the picked pixel.
-    pub(crate) touching: bool,
+    pub only_touches: bool,
     /// Fraction of steps accumulated from elapsed time.
     due: f32,
 }
 
 impl Default for Scrub {
     fn default() -> Self {
-        Self { partial: None, unit: Unit::Triangle, playing: 0, speed: 60.0, touching: false, due: 0.0 }
+        Self { partial: None, unit: Unit::Triangle, playing: 0, speed: 60.0, only_touches: false, due: 0.0 }
     }
 }
 
 /// Change of the playback.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Change {
+pub enum ScrubChange {
     /// Steps one unit, forwards if `true`.
     Step(Unit, bool),
     /// Steps one selected unit, forwards if `true`.
@@ -70,7 +70,7 @@ impl Scrub {
 
 impl Session {
     /// Returns the requested moment.
-    pub(crate) fn moment(&self) -> Moment {
+    pub fn moment(&self) -> Moment {
         let all = self.triangle_count();
         let triangles = self.triangle_limit.map_or(all, |limit| limit.min(all));
         Moment { triangles, fragments: self.scrub.fragment_limit(self.triangle_limit) }
@@ -97,19 +97,19 @@ impl Session {
     }
 
     /// Applies a change. Returns a command if there is more to do.
-    pub(super) fn scrub(&mut self, change: Change) -> Option<Command> {
+    pub(super) fn scrub(&mut self, change: ScrubChange) -> Option<Command> {
         match change {
-            Change::Step(unit, forwards) => return self.step(unit, if forwards { 1 } else { -1 }),
-            Change::StepUnit(forwards) => return self.step(self.scrub.unit, if forwards { 1 } else { -1 }),
-            Change::Go(moment) => {
+            ScrubChange::Step(unit, forwards) => return self.step(unit, if forwards { 1 } else { -1 }),
+            ScrubChange::StepUnit(forwards) => return self.step(self.scrub.unit, if forwards { 1 } else { -1 }),
+            ScrubChange::Go(moment) => {
                 self.scrub.playing = 0;
                 self.go_to(moment);
             }
-            Change::Unit(unit) => self.scrub.unit = unit,
-            Change::Play(forwards) => self.play(if forwards { 1 } else { -1 }),
-            Change::Speed(speed) => self.scrub.speed = speed,
-            Change::Touching(touching) => self.scrub.touching = touching.unwrap_or(!self.scrub.touching),
-            Change::Tick(seconds) => return self.tick(seconds),
+            ScrubChange::Unit(unit) => self.scrub.unit = unit,
+            ScrubChange::Play(forwards) => self.play(if forwards { 1 } else { -1 }),
+            ScrubChange::Speed(speed) => self.scrub.speed = speed,
+            ScrubChange::Touching(touching) => self.scrub.only_touches = touching.unwrap_or(!self.scrub.only_touches),
+            ScrubChange::Tick(seconds) => return self.tick(seconds),
         }
         None
     }
@@ -118,7 +118,7 @@ impl Session {
         if unit == Unit::Stage {
             return Some(Command::StepStage(steps));
         }
-        let touching = self.scrub.touching && self.pick.is_some();
+        let touching = self.scrub.only_touches && self.pick.is_some();
         let next = self.timeline()?.steps(self.moment(), unit, steps, touching);
         self.go_to(next);
         None

@@ -3,15 +3,15 @@
 use std::sync::Arc;
 
 use crate::chain::{Frame, run};
-use crate::inspect::scrub::{BUDGET, Count, Moment, Scrubber, Timeline, touches};
+use crate::inspect::scrub::{BUDGET, Moment, Scrubber, Timeline, TouchPrecision, touches};
 use crate::pipeline::partial;
 use crate::ui::engine::Request;
 
 /// One frame with its state at every moment, from the first triangle to the last.
 #[derive(Debug)]
 pub(crate) struct Reel {
-    of: Request,
-    whole: Arc<Frame>,
+    request: Request,
+    complete_frame: Arc<Frame>,
     scrubber: Scrubber,
     /// Timeline of the frame, without fragments, which belong to a single moment.
     timeline: Timeline,
@@ -29,17 +29,17 @@ impl Reel {
 
     /// Whether a request shows this frame, complete or at a moment.
     pub(crate) fn is_of(&self, request: &Request) -> bool {
-        self.of.same_complete_frame(request)
+        self.request.same_complete_frame(request)
     }
 
     fn new(request: &Request, whole: Option<Arc<Frame>>) -> Self {
         let Request { scene, camera, recipe, viewport, .. } = request;
         // An upscaler's history would show triangles that are not drawn yet at earlier moments.
-        let whole = whole.filter(|frame| frame.past.is_none());
-        let whole = whole.unwrap_or_else(|| Arc::new(run(scene, camera, recipe, *viewport, &mut ())));
-        let scrubber = Scrubber::new(scene, recipe, &whole, BUDGET);
+        let whole = whole.filter(|frame| frame.history.is_none());
+        let complete_frame = whole.unwrap_or_else(|| Arc::new(run(scene, camera, recipe, *viewport, &mut ())));
+        let scrubber = Scrubber::new(scene, recipe, &complete_frame, BUDGET);
         let timeline = Timeline::new(scrubber.geometry());
-        Self { of: request.clone(), whole, scrubber, timeline, touched: None }
+        Self { request: request.clone(), complete_frame, scrubber, timeline, touched: None }
     }
 
     /// Returns the number of triangles of the complete frame.
@@ -49,16 +49,17 @@ impl Reel {
 
     /// Returns the frame at a moment.
     pub(crate) fn frame(&mut self, moment: Moment) -> Frame {
-        let drawn = self.scrubber.go(moment);
-        self.whole.at_moment(&self.of.recipe, drawn, self.scrubber.geometry_at(moment))
+        let drawn = self.scrubber.frame_at(moment);
+        self.complete_frame.at_moment(&self.request.recipe, drawn, self.scrubber.geometry_at(moment))
     }
 
     /// Returns the timeline around a moment, with all touches of a drawn pixel.
     pub(crate) fn timeline(&mut self, moment: Moment, pixel: Option<(u32, u32)>) -> Timeline {
-        let Self { of, whole, scrubber, timeline, touched } = self;
+        let Self { request: of, complete_frame: whole, scrubber, timeline, touched } = self;
         if *touched != pixel {
             let area = (whole.sampling.grid(), whole.raster);
-            let of_pixel = |pixel| touches(&of.scene, &of.recipe, scrubber.geometry(), area, pixel, Count::Fragments);
+            let of_pixel =
+                |pixel| touches(&of.scene, &of.recipe, scrubber.geometry(), area, pixel, TouchPrecision::Fragments);
             (*touched, timeline.touches) = (pixel, pixel.map_or_else(Vec::new, of_pixel));
         }
         let fragments = |place: Option<usize>| place.map_or(0, |place| scrubber.fragments_of(place));
@@ -75,8 +76,9 @@ pub(crate) fn timeline_of(request: &Request, frame: &Frame, pixel: Option<(u32, 
     let samples = last.map_or_else(Vec::new, |triangle| partial::samples_of(triangle, &recipe.pipeline, area));
     Timeline {
         fragments: [partial::count(&samples), 0],
-        touches: pixel
-            .map_or_else(Vec::new, |pixel| touches(scene, recipe, &frame.geometry, area, pixel, Count::Triangles)),
+        touches: pixel.map_or_else(Vec::new, |pixel| {
+            touches(scene, recipe, &frame.geometry, area, pixel, TouchPrecision::Triangles)
+        }),
         ..Timeline::new(&frame.geometry)
     }
 }

@@ -1,9 +1,9 @@
 use super::*;
-use crate::antialias::settings::Method;
+use crate::antialias::settings::AntialiasMethod;
 use crate::chain::Recipe;
 use crate::inspect::inspect;
 use crate::scene::SceneSource;
-use crate::ui::engine::{Engine, View};
+use crate::ui::engine::{Engine, RenderedView};
 use crate::ui::session::PictureSize;
 use crate::upscale::Upscaling;
 
@@ -30,13 +30,13 @@ impl Desk {
         self.session.view = Some(self.engine.answer(request));
     }
 
-    fn give(&mut self, change: Change) -> Moment {
+    fn give(&mut self, change: ScrubChange) -> Moment {
         assert_eq!(self.session.apply(Command::Scrub(change)), None);
         self.show();
         self.session.moment()
     }
 
-    fn view(&self) -> &View {
+    fn view(&self) -> &RenderedView {
         self.session.view.as_ref().unwrap()
     }
 }
@@ -47,14 +47,14 @@ fn a_step_back_and_one_on_lead_to_the_same_picture() {
     let whole = desk.view().frame.image().clone();
     let all = desk.session.triangle_count();
     for unit in [Unit::Draw, Unit::Triangle, Unit::Fragment] {
-        let before = desk.give(Change::Step(unit, false));
+        let before = desk.give(ScrubChange::Step(unit, false));
         assert!(before.key() < Moment::after(all).key(), "{unit:?}");
         assert_eq!(desk.view().request.moment(), Some(before));
-        assert_eq!(desk.give(Change::Step(unit, true)), Moment::after(all), "{unit:?}");
+        assert_eq!(desk.give(ScrubChange::Step(unit, true)), Moment::after(all), "{unit:?}");
         assert_eq!((desk.session.triangle_limit, desk.session.request().moment()), (None, None));
         assert_eq!(*desk.view().frame.image(), whole, "{unit:?}");
     }
-    let by_object = desk.give(Change::Step(Unit::Draw, false));
+    let by_object = desk.give(ScrubChange::Step(Unit::Draw, false));
     let last = desk.view().frame.geometry.triangles.last().unwrap().instance;
     assert_eq!(desk.session.timeline().unwrap().instance_at(by_object), Some(last));
     assert!(desk.session.timeline().unwrap().draws.iter().any(|(start, _)| *start == by_object.triangles));
@@ -63,7 +63,7 @@ fn a_step_back_and_one_on_lead_to_the_same_picture() {
 #[test]
 fn a_limit_of_triangles_drops_that_of_fragments() {
     let mut desk = Desk::new("interpenetrating", Recipe::default());
-    let partial = desk.give(Change::Go(Moment { triangles: 1, fragments: Some(3) }));
+    let partial = desk.give(ScrubChange::Go(Moment { triangles: 1, fragments: Some(3) }));
     assert_eq!(partial.fragments, Some(3));
     assert_eq!(
         desk.view().frame.geometry.partial.as_ref().map(|samples| crate::pipeline::partial::count(samples)),
@@ -74,7 +74,7 @@ fn a_limit_of_triangles_drops_that_of_fragments() {
     assert_eq!(desk.session.moment(), Moment::after(2));
     assert_eq!(desk.view().frame.geometry.partial, None);
     // Setting the triangle limit directly drops the fragment limit, too.
-    desk.give(Change::Go(Moment { triangles: 1, fragments: Some(3) }));
+    desk.give(ScrubChange::Go(Moment { triangles: 1, fragments: Some(3) }));
     desk.session.triangle_limit = Some(2);
     assert_eq!(desk.session.moment(), Moment::after(2));
 }
@@ -86,16 +86,16 @@ fn steps_of_the_picked_pixel_bring_one_fragment_each() {
     desk.show();
     let all = desk.view().report.as_ref().unwrap().fragments.len();
     assert!(all > 1);
-    desk.give(Change::Touching(Some(true)));
+    desk.give(ScrubChange::Touching(Some(true)));
     for unit in [Unit::Triangle, Unit::Fragment] {
-        desk.give(Change::Go(Moment::after(0)));
+        desk.give(ScrubChange::Go(Moment::after(0)));
         assert_eq!(desk.view().timeline.as_ref().unwrap().touches.len(), all, "ticks are those of the whole frame");
         for fragments in 1..=all {
-            desk.give(Change::Step(unit, true));
+            desk.give(ScrubChange::Step(unit, true));
             assert_eq!(desk.view().report.as_ref().unwrap().fragments.len(), fragments, "{unit:?}");
         }
         for fragments in (0..all).rev() {
-            desk.give(Change::Step(unit, false));
+            desk.give(ScrubChange::Step(unit, false));
             assert_eq!(desk.view().report.as_ref().unwrap().fragments.len(), fragments, "{unit:?}");
         }
     }
@@ -105,38 +105,38 @@ fn steps_of_the_picked_pixel_bring_one_fragment_each() {
 fn playing_ends_at_the_end_and_begins_anew_there() {
     let mut desk = Desk::new("interpenetrating", Recipe::default());
     let all = desk.session.triangle_count();
-    desk.give(Change::Speed(2.0));
-    desk.give(Change::Play(true));
+    desk.give(ScrubChange::Speed(2.0));
+    desk.give(ScrubChange::Play(true));
     assert_eq!(desk.session.moment(), Moment::after(0), "from the end it begins anew");
     let mut seen = vec![0];
     for _ in 0..100 {
-        desk.give(Change::Tick(0.25));
+        desk.give(ScrubChange::Tick(0.25));
         seen.push(desk.session.moment().triangles);
     }
     seen.dedup();
     assert_eq!(seen, (0..=all).collect::<Vec<_>>(), "each triangle was shown");
     assert_eq!(desk.session.scrub.playing, 0);
-    desk.give(Change::Play(false));
-    desk.give(Change::Tick(0.5));
+    desk.give(ScrubChange::Play(false));
+    desk.give(ScrubChange::Tick(0.5));
     assert_eq!(desk.session.moment(), Moment::after(all - 1));
-    desk.give(Change::Play(false));
+    desk.give(ScrubChange::Play(false));
     assert_eq!(desk.session.scrub.playing, 0, "a second time it stops");
 }
 
 #[test]
 fn time_waits_for_the_picture() {
     let mut desk = Desk::new("interpenetrating", Recipe::default());
-    desk.give(Change::Play(true));
-    desk.session.scrub(Change::Tick(1.0 / 60.0));
+    desk.give(ScrubChange::Play(true));
+    desk.session.scrub(ScrubChange::Tick(1.0 / 60.0));
     let asked = desk.session.moment();
-    desk.session.scrub(Change::Tick(9.0));
+    desk.session.scrub(ScrubChange::Tick(9.0));
     assert_eq!(desk.session.moment(), asked, "it is not on screen yet");
 }
 
 #[test]
 fn smooth_and_enlarged_frames_are_gone_through_too() {
     let mut smooth = Recipe::default();
-    smooth.antialias.method = Method::RotatedGrid;
+    smooth.antialias.method = AntialiasMethod::RotatedGrid;
     let of = |method, scale| Recipe { upscaler: Upscaling::new(method, scale).unwrap(), ..Recipe::default() };
     for recipe in
         [smooth, of("bilinear", 2), of("checkerboard", 1), of("checkerboard-temporal", 1), of("accumulation", 2)]
@@ -144,7 +144,7 @@ fn smooth_and_enlarged_frames_are_gone_through_too() {
         let mut desk = Desk::new("cubes", recipe);
         let all = desk.session.triangle_count();
         for triangles in [all / 2, all - 1, 0] {
-            desk.give(Change::Go(Moment::after(triangles)));
+            desk.give(ScrubChange::Go(Moment::after(triangles)));
             let view = desk.view();
             assert_eq!(view.frame.geometry.triangles.len(), triangles);
             for pixel in [(24, 16), (10, 20), (33, 9)] {

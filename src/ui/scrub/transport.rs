@@ -6,7 +6,7 @@ use eframe::egui::{
     self, Align, Button, Color32, Layout, Rect, Response, RichText, Slider, Stroke, Ui, WidgetInfo, pos2, vec2,
 };
 
-use super::{Change, SPEEDS, Scrub};
+use super::{SPEEDS, Scrub, ScrubChange};
 use crate::inspect::scrub::{Moment, Timeline, Unit};
 use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
@@ -22,7 +22,7 @@ pub(crate) const HEIGHT: f32 = 2.0 * theme::ROW_HEIGHT + 16.0;
 const TRIANGLES_SHARE: f32 = 0.66;
 
 /// Maximum number of ticks on the slider; more would merge into a band.
-const MOST_TICKS: usize = 400;
+const MAX_TICKS: usize = 400;
 
 /// Draws the bar.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
@@ -43,7 +43,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     });
     let is_untouched = commands.len() == before;
     if session.scrub.playing != 0 && is_untouched {
-        commands.push(Command::Scrub(Change::Tick(ui.input(|i| i.stable_dt))));
+        commands.push(Command::Scrub(ScrubChange::Tick(ui.input(|i| i.stable_dt))));
         ui.request_repaint();
     }
 }
@@ -60,17 +60,17 @@ fn buttons(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         Unit::Fragment => ("Draw one fragment less  (Shift+,)", "Draw one fragment more  (Shift+.)"),
     };
     if icon_button(ui, Icon::StepBack, less).clicked() {
-        commands.push(Command::Scrub(Change::StepUnit(false)));
+        commands.push(Command::Scrub(ScrubChange::StepUnit(false)));
     }
     let (icon, name) = match playing {
         0 => (Icon::Play, "Play  (Space; Shift+Space backwards)"),
         _ => (Icon::Pause, "Pause  (Space)"),
     };
     if icon_button(ui, icon, name).clicked() {
-        commands.push(Command::Scrub(Change::Play(playing >= 0)));
+        commands.push(Command::Scrub(ScrubChange::Play(playing >= 0)));
     }
     if icon_button(ui, Icon::StepForward, more).clicked() {
-        commands.push(Command::Scrub(Change::StepUnit(true)));
+        commands.push(Command::Scrub(ScrubChange::StepUnit(true)));
     }
     if icon_button(ui, Icon::ChevronLast, "After the last triangle  (End)").clicked() {
         commands.push(Command::LimitTriangles(None));
@@ -102,23 +102,23 @@ fn choices(ui: &mut Ui, Scrub { mut unit, mut speed, .. }: Scrub, commands: &mut
             .on_hover_text("Playback speed in steps per second; steps are skipped if drawing cannot keep up");
     }
     if unit != unit_before {
-        commands.push(Command::Scrub(Change::Unit(unit)));
+        commands.push(Command::Scrub(ScrubChange::Unit(unit)));
     }
     if speed != speed_before {
-        commands.push(Command::Scrub(Change::Speed(speed)));
+        commands.push(Command::Scrub(ScrubChange::Speed(speed)));
     }
 }
 
 fn touching(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    let button = Button::new(theme::icon(Icon::Crosshair)).selected(session.scrub.touching);
+    let button = Button::new(theme::icon(Icon::Crosshair)).selected(session.scrub.only_touches);
     let name = "Only steps at the picked pixel";
     let response =
         ui.add_enabled(session.pick.is_some(), button).on_disabled_hover_text("Pick a pixel first").on_hover_text(
             format!("{name}: stepping and playback visit only the triangles or fragments at the picked pixel  (Y)"),
         );
-    response.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, session.scrub.touching, name));
+    response.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, session.scrub.only_touches, name));
     if response.clicked() {
-        commands.push(Command::Scrub(Change::Touching(None)));
+        commands.push(Command::Scrub(ScrubChange::Touching(None)));
     }
 }
 
@@ -155,7 +155,7 @@ fn triangles(ui: &mut Ui, session: &Session, known: Option<&Arc<Timeline>>, widt
     );
     slider.widget_info(|| WidgetInfo::slider(true, drawn as f64, "Triangles drawn"));
     if slider.changed() {
-        commands.push(Command::Scrub(Change::Go(Moment::after(drawn))));
+        commands.push(Command::Scrub(ScrubChange::Go(Moment::after(drawn))));
     }
     if let Some(known) = known {
         ticks(ui, &slider, known);
@@ -181,7 +181,7 @@ fn fragments(ui: &mut Ui, session: &Session, known: Option<&Timeline>, width: f3
     slider.widget_info(|| WidgetInfo::slider(is_known, drawn as f64, "Fragments drawn"));
     if slider.changed() {
         let fragments = (drawn < all).then_some(drawn);
-        commands.push(Command::Scrub(Change::Go(Moment { fragments, ..moment })));
+        commands.push(Command::Scrub(ScrubChange::Go(Moment { fragments, ..moment })));
     }
     if has_numbers {
         let color = if is_known { tokens(ui).text } else { tokens(ui).text_weak };
@@ -203,7 +203,7 @@ fn ticks(ui: &Ui, slider: &Response, timeline: &Timeline) {
     let rect = slider.rect;
     let range = rect.x_range().shrink(rect.height() * HANDLE_RADIUS);
     let all = timeline.triangles.max(1) as f32;
-    let each = timeline.touches.len().div_ceil(MOST_TICKS).max(1);
+    let each = timeline.touches.len().div_ceil(MAX_TICKS).max(1);
     for touch in timeline.touches.iter().step_by(each) {
         let x = range.min + range.span() * touch.moment.triangles as f32 / all;
         let color: Color32 = if touch.written { tokens(ui).passed } else { tokens(ui).rejected };

@@ -8,16 +8,16 @@ const LOG_LINES: usize = 500;
 
 /// Line of the log.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct LogLine {
+pub struct LogLine {
     /// Severity.
-    pub(crate) level: Level,
+    pub level: Severity,
     /// Message text, one line.
-    pub(crate) text: String,
+    pub text: String,
 }
 
 /// Severity of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Level {
+pub enum Severity {
     /// Information.
     Info,
     /// Warning: something was skipped or repaired.
@@ -28,9 +28,9 @@ pub enum Level {
 
 impl Session {
     /// Appends a line to the log; errors also appear in the bar above the canvas.
-    pub(crate) fn report(&mut self, level: Level, text: impl Into<String>) {
+    pub(crate) fn report(&mut self, level: Severity, text: impl Into<String>) {
         let text = text::one_line(&text.into());
-        if level == Level::Error {
+        if level == Severity::Error {
             self.error = Some(text.clone());
         }
         if self.log.len() == LOG_LINES {

@@ -9,7 +9,7 @@ use serde_json::{Map, Value, json};
 use super::{RECENT_FILES, Session};
 use crate::chain::Recipe;
 use crate::disk::stored_path::StoredPath;
-use crate::inspect::Place;
+use crate::inspect::InspectionState;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::Camera;
 use crate::ui::place::Bookmark;
@@ -62,16 +62,16 @@ impl PointerMode {
 #[serde(default)]
 pub struct WindowState {
     /// Whether the theme is light rather than dark.
-    pub(crate) light_theme: bool,
+    pub light_theme: bool,
     /// Interface scale; 0 means 1.
-    pub(crate) scale: f32,
+    pub scale: f32,
     /// Width and height of the window while it is not maximized, in points of interface scale 1; `None` means the
     /// default size.
-    pub(crate) window_size: Option<[f32; 2]>,
+    pub window_size: Option<[f32; 2]>,
     /// Whether the window is maximized.
-    pub(crate) maximized: bool,
+    pub maximized: bool,
     /// State of panels and headings, as RON of [`eframe::egui::Memory`]; empty at first.
-    pub(crate) layout: String,
+    pub layout: String,
 }
 
 impl WindowState {
@@ -90,7 +90,7 @@ impl WindowState {
 /// one by one.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub(crate) struct Preferences {
+pub struct Preferences {
     /// Last scene: the id of a built-in scene, or a path.
     #[serde(serialize_with = "stored", deserialize_with = "restored")]
     pub(crate) source: Option<PathBuf>,
@@ -104,13 +104,13 @@ pub(crate) struct Preferences {
     #[serde(serialize_with = "all_stored", deserialize_with = "all_restored")]
     pub(crate) recent: Vec<PathBuf>,
     /// Whether the first hint has been closed.
-    pub(crate) hint_closed: bool,
+    pub hint_closed: bool,
     /// State of the window itself.
     #[serde(flatten)]
-    pub(crate) window: WindowState,
+    pub window: WindowState,
     /// Bookmarked places.
     #[serde(deserialize_with = "the_readable")]
-    pub(crate) bookmarks: Vec<Bookmark>,
+    pub bookmarks: Vec<Bookmark>,
     /// Watched pixels, as column and row.
     #[serde(deserialize_with = "the_readable")]
     pub(crate) watched: Vec<(u32, u32)>,
@@ -123,7 +123,7 @@ impl Preferences {
     }
 
     /// Like [`Self::read`]; also returns whether everything was read.
-    pub(crate) fn read_checked(stored: &str) -> (Self, bool) {
+    pub fn read_checked(stored: &str) -> (Self, bool) {
         let Ok(fields) = serde_json::from_str::<Map<String, Value>>(stored) else { return Default::default() };
         // A number too large for its type is read as infinity, which cannot be written.
         let can_be_read = |(key, value): &(String, Value)| {
@@ -150,7 +150,7 @@ impl Preferences {
         recent.extend(others.cloned());
         recent.truncate(RECENT_FILES);
         let mut watched = merged_list(&self.watched, &base.watched, &theirs.watched);
-        watched.truncate(watch::MOST);
+        watched.truncate(watch::MAX_PIXELS);
         Self {
             source: latest(&self.source, &base.source, &theirs.source),
             recipe: latest(&self.recipe, &base.recipe, &theirs.recipe),
@@ -165,7 +165,7 @@ impl Preferences {
     }
 
     /// Serializes the preferences as JSON.
-    pub(crate) fn write(&self) -> String {
+    pub fn write(&self) -> String {
         // Serialization cannot fail: map keys are strings, and non-finite numbers become null.
         serde_json::to_string(self).unwrap_or_default()
     }
@@ -215,9 +215,10 @@ fn the_readable<'de, D: Deserializer<'de>, T: DeserializeOwned + Serialize>(from
 
 impl Session {
     /// Returns the preferences to store.
-    pub(crate) fn preferences(&self, window: &WindowState) -> Preferences {
+    pub fn preferences(&self, window: &WindowState) -> Preferences {
         // A scene that is still loading is the one to restore.
-        let Place { scene, camera, mirrored, .. } = self.places.pending.clone().unwrap_or_else(|| self.place());
+        let InspectionState { scene, camera, mirrored, .. } =
+            self.places.pending.clone().unwrap_or_else(|| self.place());
         Preferences {
             source: Some(scene),
             recipe: self.state.recipe,
@@ -246,7 +247,7 @@ mod tests {
         let home = scene.home;
         let mut session = Session::new(Arc::new(scene), source, Recipe::default(), home);
         let camera = Camera { far: 77.0, ..home };
-        session.places.pending = Some(Place { scene: "/models/large.obj".into(), camera, ..session.place() });
+        session.places.pending = Some(InspectionState { scene: "/models/large.obj".into(), camera, ..session.place() });
         let kept = session.preferences(&WindowState::default());
         assert_eq!((kept.source, kept.camera), (Some("/models/large.obj".into()), Some(camera)));
     }

@@ -1,7 +1,7 @@
 use super::*;
 use crate::case::Case;
 use crate::pipeline::settings::DepthFormat;
-use crate::report::stability::column::Column;
+use crate::report::stability::column::ReportColumn;
 use crate::ui::engine::Engine;
 use crate::ui::place::Bookmark;
 
@@ -40,7 +40,7 @@ fn compared_are_finished_pictures_and_they_give_way_to_anything_else() {
     let color = Shown::Buffer(Buffer::Color);
     for other in [Command::Show(Shown::Buffer(Buffer::Depth)), Command::StepStage(-1)] {
         session.apply(other.clone());
-        session.apply(Command::Compare(Change::Toggle(Mode::Wipe)));
+        session.apply(Command::Compare(CompareChange::Toggle(Mode::Wipe)));
         assert_eq!((session.comparison.is_on(), session.shown), (true, color));
         session.apply(Command::Show(color));
         assert!(session.comparison.is_on());
@@ -54,7 +54,7 @@ fn settings_of_a_case_go_with_it_whatever_it_gives_way_to() {
     let mut session = session();
     let before = session.state.recipe;
     let json = r#"{"id":"d","kind":"depth","mapping":"standard","format":"f32","near":1,"far":3,"z":[1,2]}"#;
-    let open = |format| Command::OpenWorst(Column::Depth(format), json.to_owned());
+    let open = |format| Command::OpenWorst(ReportColumn::Depth(format), json.to_owned());
     session.apply(open(DepthFormat::Unorm16));
     session.apply(open(DepthFormat::WBuffer));
     assert_eq!(session.state.recipe.pipeline.depth_format, DepthFormat::WBuffer);

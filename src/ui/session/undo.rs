@@ -3,7 +3,7 @@
 use super::{PictureSize, Session};
 use crate::chain::Recipe;
 use crate::scene::Camera;
-use crate::ui::compare::Tiles;
+use crate::ui::compare::TileSet;
 
 /// Maximum number of undo steps.
 const UNDO_STEPS: usize = 200;
@@ -13,15 +13,15 @@ const ONE_MOVE_SECONDS: f64 = 0.6;
 
 /// State covered by undo.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Undoable {
+pub struct Undoable {
     /// Recipe of the picture.
-    pub(crate) recipe: Recipe,
+    pub recipe: Recipe,
     /// Camera of the picture.
-    pub(crate) camera: Camera,
+    pub camera: Camera,
     /// Size of the picture.
-    pub(crate) size: PictureSize,
+    pub size: PictureSize,
     /// Tiles that are compared with the picture drawn by `recipe`.
-    pub(crate) tiles: Tiles,
+    pub tiles: TileSet,
 }
 
 impl Session {
@@ -49,17 +49,17 @@ impl Session {
     }
 
     /// Adopts the current state without adding an undo step.
-    pub(crate) fn settle_silently(&mut self) {
+    pub fn settle_silently(&mut self) {
         self.settled = self.state.clone();
     }
 
     /// Whether there is a step to undo.
-    pub(crate) fn can_undo(&self) -> bool {
+    pub fn can_undo(&self) -> bool {
         !self.undo.is_empty()
     }
 
     /// Whether there is a step to redo.
-    pub(crate) fn can_redo(&self) -> bool {
+    pub fn can_redo(&self) -> bool {
         !self.redo.is_empty()
     }
 

@@ -8,23 +8,23 @@ mod table;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::engine::View;
+use super::engine::RenderedView;
 use crate::chain::Frame;
-use crate::inspect::trace::{Direction, Notable, Trace, TraceStage};
+use crate::inspect::trace::{Notable, StepDirection, Trace, TraceStage};
 use crate::inspect::{PixelReport, trace};
 
 /// State of the table.
 #[derive(Debug, Default)]
-pub(crate) struct TraceView {
+pub struct TraceView {
     /// Trace, and the inputs it was made from.
-    made: Option<Made>,
+    cached: Option<CachedTrace>,
     /// Whether each line of the trace has another value than in the previous trace, made for another pixel, recipe or
     /// view.
     changed: Vec<bool>,
     /// Index of the selected fragment; `None` means the visible one.
     fragment: Option<usize>,
     /// Index of the current line.
-    pub(crate) line: usize,
+    pub line: usize,
     /// Filter: only lines that contain this text are listed.
     pub(crate) filter: String,
     /// Number of steps so far; lets the table scroll after a step.
@@ -33,15 +33,15 @@ pub(crate) struct TraceView {
 
 /// Trace, and the inputs it was made from.
 #[derive(Debug)]
-struct Made {
+struct CachedTrace {
     frame: Arc<Frame>,
     report: Arc<PixelReport>,
     trace: Arc<Trace>,
 }
 
-impl Made {
+impl CachedTrace {
     /// Whether the trace describes the picked pixel of a view. Showing another buffer of the same frame keeps it valid.
-    fn is_of(&self, view: &View) -> bool {
+    fn is_of(&self, view: &RenderedView) -> bool {
         let same = |report: &Arc<PixelReport>| Arc::ptr_eq(report, &self.report) || **report == *self.report;
         Arc::ptr_eq(&self.frame, &view.frame) && view.report.as_ref().is_some_and(same)
     }
@@ -49,7 +49,7 @@ impl Made {
 
 /// Change of the table.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Change {
+pub enum TraceChange {
     /// Traces the picked pixel.
     Renew,
     /// Goes to this line.
@@ -57,9 +57,9 @@ pub enum Change {
     /// Moves by this many lines, backwards if negative.
     Step(i64),
     /// Goes to the next line with this flag, or with any flag, in a direction.
-    Run(Option<Notable>, Direction),
+    Run(Option<Notable>, StepDirection),
     /// Goes to the next stage in a direction.
-    Stage(Direction),
+    Stage(StepDirection),
     /// Traces this fragment.
     Fragment(usize),
     /// Sets the filter of the listed lines.
@@ -68,59 +68,59 @@ pub enum Change {
 
 impl TraceView {
     /// Returns the trace if it describes the picked pixel of `view`.
-    pub(crate) fn trace(&self, view: Option<&View>) -> Option<&Arc<Trace>> {
+    pub fn trace(&self, view: Option<&RenderedView>) -> Option<&Arc<Trace>> {
         let view = view?;
-        self.made.as_ref().filter(|made| made.is_of(view)).map(|made| &made.trace)
+        self.cached.as_ref().filter(|made| made.is_of(view)).map(|made| &made.trace)
     }
 
     /// Returns the last trace, even if it is outdated: it stays on screen until the next one is ready.
     pub(crate) fn latest(&self) -> Option<&Arc<Trace>> {
-        self.made.as_ref().map(|made| &made.trace)
+        self.cached.as_ref().map(|made| &made.trace)
     }
 
     /// Whether the value of a line differs from that in the previous trace.
-    pub(crate) fn is_changed(&self, line: usize) -> bool {
+    pub fn is_changed(&self, line: usize) -> bool {
         self.changed.get(line).copied().unwrap_or(false)
     }
 
     /// Applies a change. Returns it if it stepped through the table or selected a fragment; the table should then be
     /// visible.
-    pub(crate) fn apply(&mut self, change: Change, view: Option<&View>) -> Option<Change> {
+    pub(crate) fn apply(&mut self, change: TraceChange, view: Option<&RenderedView>) -> Option<TraceChange> {
         if self.trace(view).is_none() {
-            self.renew(view);
+            self.retrace(view);
         }
         let trace = self.trace(view)?.clone();
         let before = self.line;
         match &change {
-            Change::Renew => return None,
-            Change::Filter(text) => {
+            TraceChange::Renew => return None,
+            TraceChange::Filter(text) => {
                 self.filter.clone_from(text);
                 return None;
             }
-            Change::Fragment(fragment) => {
+            TraceChange::Fragment(fragment) => {
                 self.fragment = Some(*fragment);
-                self.renew(view);
+                self.retrace(view);
                 return Some(change);
             }
-            Change::Line(line) => {
+            TraceChange::Line(line) => {
                 self.line = (*line).min(trace.lines.len().saturating_sub(1));
                 return None;
             }
-            Change::Step(step) => {
+            TraceChange::Step(step) => {
                 let last = trace.lines.len().saturating_sub(1) as i64;
                 self.line = (self.line as i64 + step).clamp(0, last) as usize;
             }
-            Change::Run(kind, direction) => self.line = trace.next(before, *kind, *direction).unwrap_or(before),
-            Change::Stage(direction) => self.line = trace.next_stage(before, *direction).unwrap_or(before),
+            TraceChange::Run(kind, direction) => self.line = trace.next(before, *kind, *direction).unwrap_or(before),
+            TraceChange::Stage(direction) => self.line = trace.next_stage(before, *direction).unwrap_or(before),
         }
         self.steps += 1;
         Some(change)
     }
 
     /// Traces the picked pixel of a view. The current line stays the same if the new trace has it.
-    fn renew(&mut self, view: Option<&View>) {
+    fn retrace(&mut self, view: Option<&RenderedView>) {
         let Some((view, report)) = view.and_then(|view| Some((view, view.report.as_ref()?))) else { return };
-        let last = self.made.take();
+        let last = self.cached.take();
         let same_pixel = last.as_ref().is_some_and(|last| (last.report.x, last.report.y) == (report.x, report.y));
         if !same_pixel {
             self.fragment = None;
@@ -130,7 +130,7 @@ impl TraceView {
             self.changed = changes(&last.trace, &trace);
             self.line = counterpart(&last.trace, self.line, &trace);
         }
-        self.made = Some(Made { frame: view.frame.clone(), report: report.clone(), trace: Arc::new(trace) });
+        self.cached = Some(CachedTrace { frame: view.frame.clone(), report: report.clone(), trace: Arc::new(trace) });
     }
 }
 
@@ -174,7 +174,7 @@ mod tests {
     use crate::scene::builtin;
     use crate::ui::engine::{Engine, Request, Shown};
 
-    fn views(pixels: &[(u32, u32)]) -> Vec<View> {
+    fn views(pixels: &[(u32, u32)]) -> Vec<RenderedView> {
         let scene = Arc::new(builtin::by_id("cubes").unwrap().build());
         let mut engine = Engine::default();
         let request = |pick| Request {
@@ -196,17 +196,17 @@ mod tests {
         let [first, second] = &views(&[(20, 14), (21, 14)])[..] else { panic!("two views") };
         let mut table = TraceView::default();
         assert!(table.trace(Some(first)).is_none());
-        assert_eq!(table.apply(Change::Step(3), Some(first)), Some(Change::Step(3)));
+        assert_eq!(table.apply(TraceChange::Step(3), Some(first)), Some(TraceChange::Step(3)));
         let count = table.trace(Some(first)).unwrap().lines.len();
         assert!(table.line == 3 && count > 60, "{count}");
-        table.apply(Change::Step(-9), Some(first));
+        table.apply(TraceChange::Step(-9), Some(first));
         assert_eq!(table.line, 0);
-        table.apply(Change::Step(i64::from(i32::MAX)), Some(first));
+        table.apply(TraceChange::Step(i64::from(i32::MAX)), Some(first));
         assert_eq!(table.line, count - 1);
         let place = table.trace(Some(first)).unwrap().lines.iter().position(|l| l.what == "λ1 on the screen").unwrap();
-        table.apply(Change::Line(place), Some(first));
+        table.apply(TraceChange::Line(place), Some(first));
         assert!(table.trace(Some(second)).is_none(), "it is of another pixel");
-        table.apply(Change::Renew, Some(second));
+        table.apply(TraceChange::Renew, Some(second));
         let trace = table.trace(Some(second)).unwrap();
         assert_eq!(trace.lines[table.line].what, "λ1 on the screen");
         assert!(table.is_changed(table.line), "a weight differs from pixel to pixel");
@@ -230,7 +230,7 @@ mod tests {
         };
         let mut table = TraceView::default();
         let first = engine.answer(request.clone());
-        table.apply(Change::Renew, Some(&first));
+        table.apply(TraceChange::Renew, Some(&first));
         request.shown = Shown::Intermediate(crate::inspect::Intermediate::Lambda0);
         let second = engine.answer(request.clone());
         assert!(table.trace(Some(&second)).is_some());
@@ -244,12 +244,12 @@ mod tests {
     fn running_stops_at_a_flag_or_stays() {
         let [view] = &views(&[(20, 14)])[..] else { panic!("one view") };
         let mut table = TraceView::default();
-        table.apply(Change::Run(None, Direction::Forward), Some(view));
+        table.apply(TraceChange::Run(None, StepDirection::Forward), Some(view));
         let lines = &table.trace(Some(view)).unwrap().lines;
         assert!(table.line == 0 || !lines[table.line].flags.is_empty());
-        table.apply(Change::Stage(Direction::Forward), Some(view));
+        table.apply(TraceChange::Stage(StepDirection::Forward), Some(view));
         let at = table.line;
-        table.apply(Change::Run(Some(Notable::NotFinite), Direction::Forward), Some(view));
+        table.apply(TraceChange::Run(Some(Notable::NotFinite), StepDirection::Forward), Some(view));
         assert_eq!(table.line, at, "there is none");
     }
 }

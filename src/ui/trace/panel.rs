@@ -3,9 +3,9 @@
 use eframe::egui::style::ScrollAnimation;
 use eframe::egui::{self, Align, Color32, Rect, RichText, ScrollArea, TextEdit, Ui, vec2};
 
-use super::table::{Columns, headings, table_row};
-use super::{Change, TraceView};
-use crate::inspect::trace::{Direction, Notable, Trace, TraceLine};
+use super::table::{TraceColumns, headings, table_row};
+use super::{TraceChange, TraceView};
+use crate::inspect::trace::{Notable, StepDirection, Trace, TraceLine};
 use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
 use crate::ui::session::Session;
@@ -19,10 +19,10 @@ pub(super) const ROW: f32 = 19.0;
 fn controls(ui: &mut Ui, trace: &Trace, session: &Session, commands: &mut Vec<Command>) {
     let mut push = |change| commands.push(Command::Trace(change));
     for (icon, name, change) in [
-        (Icon::ChevronFirst, "Previous stage  (Shift+F11)", Change::Stage(Direction::Back)),
-        (Icon::StepBack, "Previous line  (Shift+F10)", Change::Step(-1)),
-        (Icon::StepForward, "Next line  (F10)", Change::Step(1)),
-        (Icon::ChevronLast, "Next stage  (F11)", Change::Stage(Direction::Forward)),
+        (Icon::ChevronFirst, "Previous stage  (Shift+F11)", TraceChange::Stage(StepDirection::Back)),
+        (Icon::StepBack, "Previous line  (Shift+F10)", TraceChange::Step(-1)),
+        (Icon::StepForward, "Next line  (F10)", TraceChange::Step(1)),
+        (Icon::ChevronLast, "Next stage  (F11)", TraceChange::Stage(StepDirection::Forward)),
     ] {
         if icon_button(ui, icon, name).clicked() {
             push(change);
@@ -35,24 +35,24 @@ fn controls(ui: &mut Ui, trace: &Trace, session: &Session, commands: &mut Vec<Co
         (Some(Notable::DepthEqual), "Equal depth"),
         (Some(Notable::Cancellation), "Cancellation"),
     ] {
-        let place = trace.next(session.trace.line, kind, Direction::Forward);
+        let place = trace.next(session.trace.line, kind, StepDirection::Forward);
         let help = kind.map_or("Goes to the next line with any flag  (F5; previous: Shift+F5)", Notable::help);
         let button = egui::Button::new(word);
         let response = ui.add_enabled(place.is_some(), button).on_hover_text(help);
         if response.on_disabled_hover_text("No later line has this flag").clicked() {
-            push(Change::Run(kind, Direction::Forward));
+            push(TraceChange::Run(kind, StepDirection::Forward));
         }
     }
     fragments(ui, trace, &mut push);
     let mut filter = session.trace.filter.clone();
     let field = TextEdit::singleline(&mut filter).hint_text("Filter").desired_width(90.0);
     if ui.add(field).on_hover_text("Lists only lines whose name, formula, stage or flag contains this text").changed() {
-        push(Change::Filter(filter));
+        push(TraceChange::Filter(filter));
     }
     copy_button(ui, "the trace as text", || trace.to_string());
 }
 
-fn fragments(ui: &mut Ui, trace: &Trace, push: &mut impl FnMut(Change)) {
+fn fragments(ui: &mut Ui, trace: &Trace, push: &mut impl FnMut(TraceChange)) {
     let Some(now) = trace.fragment.filter(|_| trace.fragments > 1) else { return };
     let name = |index: usize| format!("Fragment {} of {}", index + 1, trace.fragments);
     let mut chosen = now;
@@ -65,7 +65,7 @@ fn fragments(ui: &mut Ui, trace: &Trace, push: &mut impl FnMut(Change)) {
         .response
         .on_hover_text("The fragment to trace, in drawing order");
     if chosen != now {
-        push(Change::Fragment(chosen));
+        push(TraceChange::Fragment(chosen));
     }
 }
 
@@ -77,7 +77,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         return;
     }
     if session.trace.trace(session.view.as_ref()).is_none() {
-        commands.push(Command::Trace(Change::Renew));
+        commands.push(Command::Trace(TraceChange::Renew));
         ui.request_repaint();
     }
     let Some(trace) = session.trace.latest() else { return };
@@ -88,7 +88,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     });
     current_formula(ui, trace, &session.trace);
     let listed = listed(trace, &session.trace.filter);
-    let columns = Columns::of(ui.available_width());
+    let columns = TraceColumns::of(ui.available_width());
     headings(ui, &columns);
     let stepped_to = row_after_step(ui, &session.trace, &listed);
     ui.spacing_mut().item_spacing.y = 0.0;

@@ -3,7 +3,7 @@
 use eframe::egui::{Align2, Color32, FontId, Rect, RichText, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::panel::ROW;
-use super::{Change, TraceView};
+use super::{TraceChange, TraceView};
 use crate::inspect::trace::{Trace, TraceLine};
 use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
@@ -20,10 +20,10 @@ const ROUNDING: f32 = 104.0;
 const SHOW: f32 = 26.0;
 
 /// Minimum width of the formula, in points; the columns of bits and exact values are dropped to keep it.
-const LEAST_FORMULA: f32 = 170.0;
+const MIN_FORMULA_POINTS: f32 = 170.0;
 
 /// Positions of the columns, in points from the left edge of the table.
-pub(super) struct Columns {
+pub(super) struct TraceColumns {
     formula: f32,
     value: f32,
     bits: Option<f32>,
@@ -32,17 +32,17 @@ pub(super) struct Columns {
     show: f32,
 }
 
-impl Columns {
+impl TraceColumns {
     /// Computes the columns of a table of `width` points. In a narrow table bits are dropped first, then exact values.
     pub(super) fn of(width: f32) -> Self {
         /// Width of the scroll bar, in points, which covers the end of the rows.
         const BAR: f32 = 12.0;
         let fixed = STAGE + WHAT + VALUE + ROUNDING + SHOW + BAR;
         let (mut bits, mut exact) = (BITS, EXACT);
-        if width - fixed - bits - exact < LEAST_FORMULA {
+        if width - fixed - bits - exact < MIN_FORMULA_POINTS {
             bits = 0.0;
         }
-        if width - fixed - bits - exact < LEAST_FORMULA {
+        if width - fixed - bits - exact < MIN_FORMULA_POINTS {
             exact = 0.0;
         }
         let formula = STAGE + WHAT;
@@ -60,7 +60,7 @@ impl Columns {
 }
 
 /// Draws the column names.
-pub(super) fn headings(ui: &mut Ui, columns: &Columns) {
+pub(super) fn headings(ui: &mut Ui, columns: &TraceColumns) {
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
     let color = tokens(ui).text_weak;
     let font = FontId::proportional(font_size::SMALL);
@@ -88,7 +88,7 @@ pub(super) fn table_row(
     ui: &mut Ui,
     (trace, place): (&Trace, usize),
     table: &TraceView,
-    columns: &Columns,
+    columns: &TraceColumns,
     shown: Shown,
     commands: &mut Vec<Command>,
 ) {
@@ -103,7 +103,7 @@ pub(super) fn table_row(
     }
     let show = Rect::from_min_size(rect.min + vec2(columns.show, 0.0), vec2(SHOW, ROW));
     if response.clicked() {
-        commands.push(Command::Trace(Change::Line(place)));
+        commands.push(Command::Trace(TraceChange::Line(place)));
     }
     cells(ui, line, (rect, columns), table.is_changed(place));
     let is_changed = table.is_changed(place);
@@ -114,7 +114,7 @@ pub(super) fn table_row(
 }
 
 /// Draws the texts of a row, each clipped to its column.
-fn cells(ui: &Ui, line: &TraceLine, (rect, columns): (Rect, &Columns), is_changed: bool) {
+fn cells(ui: &Ui, line: &TraceLine, (rect, columns): (Rect, &TraceColumns), is_changed: bool) {
     let tokens = tokens(ui);
     let quiet = if line.aside { tokens.text_weak } else { tokens.text };
     let mono = FontId::monospace(font_size::SMALL);

@@ -16,28 +16,28 @@ pub(crate) use panel::ui;
 
 /// Settings of the vertex table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Vertices {
+pub struct VertexTable {
     /// Whether the table lists all vertices of the object, rather than those of the triangle.
     pub(crate) whole_object: bool,
     /// Followed vertex: index of the object, and of the vertex in its mesh.
-    pub(crate) selected: Option<(usize, u32)>,
+    pub selected: Option<(usize, u32)>,
 }
 
 /// Change of the vertex table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Change {
+pub enum VerticesChange {
     /// Sets whether the table lists the whole object or the triangle alone.
     WholeObject(bool),
     /// Follows this vertex of this object, or none.
     Select(Option<(usize, u32)>),
 }
 
-impl Vertices {
+impl VertexTable {
     /// Applies a change.
-    pub(crate) fn apply(&mut self, change: Change) {
+    pub(crate) fn apply(&mut self, change: VerticesChange) {
         match change {
-            Change::WholeObject(whole) => self.whole_object = whole,
-            Change::Select(selected) => self.selected = selected,
+            VerticesChange::WholeObject(whole) => self.whole_object = whole,
+            VerticesChange::Select(selected) => self.selected = selected,
         }
     }
 }

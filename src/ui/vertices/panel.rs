@@ -4,7 +4,7 @@ use eframe::egui::{
     Align2, Color32, FontId, Rect, Response, RichText, Role, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2,
 };
 
-use super::{Change, object, picked};
+use super::{VerticesChange, object, picked};
 use crate::inspect::vertices::{ObjectVertices, VertexStages, plane_name};
 use crate::ui::command::Command;
 use crate::ui::format;
@@ -13,7 +13,7 @@ use crate::ui::theme::{Icon, RADIUS, ROW_HEIGHT, font_size, tokens};
 use crate::ui::widgets::{copy_button, empty_state};
 
 /// Group of columns.
-struct Group {
+struct ColumnGroup {
     name: &'static str,
     help: &'static str,
     columns: &'static [&'static str],
@@ -24,51 +24,51 @@ struct Group {
 /// Width of a number with all its digits, in points.
 const FULL: f32 = 96.0;
 
-const GROUPS: [Group; 11] = [
-    Group { name: "Vertex", help: "Number of the vertex in the mesh", columns: &["number"], width: 58.0 },
-    Group { name: "Model", help: "Position in the mesh", columns: &["x", "y", "z"], width: FULL },
-    Group {
+const GROUPS: [ColumnGroup; 11] = [
+    ColumnGroup { name: "Vertex", help: "Number of the vertex in the mesh", columns: &["number"], width: 58.0 },
+    ColumnGroup { name: "Model", help: "Position in the mesh", columns: &["x", "y", "z"], width: FULL },
+    ColumnGroup {
         name: "Clip",
         help: "After the combined matrix of model, view and projection, bit for bit as the pipeline computes it",
         columns: &["x", "y", "z", "w"],
         width: FULL,
     },
-    Group {
+    ColumnGroup {
         name: "Outcode",
         help: "The planes of the view frustum that the vertex lies beyond; “inside” if none. Side planes clip only \
                where coordinates become too large for the rasterizer",
         columns: &["beyond"],
         width: 92.0,
     },
-    Group {
+    ColumnGroup {
         name: "NDC",
         help: "Divided by w: −1 … 1 across the picture, z is depth. Empty where w is not positive: triangles are \
                clipped before the division",
         columns: &["x", "y", "z"],
         width: FULL,
     },
-    Group { name: "Screen", help: "In pixels, y down, before snapping", columns: &["x px", "y px"], width: FULL },
-    Group {
+    ColumnGroup { name: "Screen", help: "In pixels, y down, before snapping", columns: &["x px", "y px"], width: FULL },
+    ColumnGroup {
         name: "Snapped",
         help: "On the grid of 1/256 px on which coverage is decided, in whole grid steps",
         columns: &["x /256", "y /256"],
         width: 74.0,
     },
-    Group {
+    ColumnGroup {
         name: "World",
         help: "World-space position. Shown as an aid: the pipeline multiplies the matrices first",
         columns: &["x", "y", "z"],
         width: FULL,
     },
-    Group {
+    ColumnGroup {
         name: "View",
         help: "View-space position: the eye looks along −z. Shown as an aid: the pipeline multiplies the matrices \
                first",
         columns: &["x", "y", "z"],
         width: FULL,
     },
-    Group { name: "Normal", help: "Normal in the mesh", columns: &["x", "y", "z"], width: FULL },
-    Group {
+    ColumnGroup { name: "Normal", help: "Normal in the mesh", columns: &["x", "y", "z"], width: FULL },
+    ColumnGroup {
         name: "Attributes",
         help: "Texture coordinates (v down) and vertex colour (sRGB, 0 … 1), if the mesh has any",
         columns: &["u", "v", "red", "green", "blue"],
@@ -90,7 +90,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
         (true, "Whole object", "All vertices of the object that this triangle belongs to"),
     ] {
         if ui.selectable_label(whole == value, name).on_hover_text(help).clicked() {
-            commands.push(Command::Vertices(Change::WholeObject(value)));
+            commands.push(Command::Vertices(VerticesChange::WholeObject(value)));
         }
     }
     let Some((triangle, instance, corners)) = picked(session) else { return };
@@ -128,7 +128,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
                 };
                 if row(ui, width, &stages, marks).clicked() {
                     let selected = (!marks.is_selected).then_some((instance, index));
-                    commands.push(Command::Vertices(Change::Select(selected)));
+                    commands.push(Command::Vertices(VerticesChange::Select(selected)));
                 }
             }
         });
@@ -197,13 +197,13 @@ fn row(ui: &mut Ui, width: f32, stages: &VertexStages, marks: Marks) -> Response
 }
 
 /// Cell of the table.
-struct Cell {
+struct TableCell {
     text: String,
-    kind: Kind,
+    kind: CellKind,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Kind {
+enum CellKind {
     Plain,
     /// NaN or infinite number.
     NotFinite,
@@ -213,46 +213,48 @@ enum Kind {
     Beyond,
 }
 
-impl Cell {
+impl TableCell {
     fn number(value: f64, text: String) -> Self {
-        Self { text, kind: if value.is_finite() { Kind::Plain } else { Kind::NotFinite } }
+        Self { text, kind: if value.is_finite() { CellKind::Plain } else { CellKind::NotFinite } }
     }
 
     fn absent() -> Self {
-        Self { text: "–".to_owned(), kind: Kind::Absent }
+        Self { text: "–".to_owned(), kind: CellKind::Absent }
     }
 
     fn color(&self, ui: &Ui) -> Color32 {
         match self.kind {
-            Kind::Plain => tokens(ui).text,
-            Kind::NotFinite => tokens(ui).error,
-            Kind::Absent => tokens(ui).text_weak,
-            Kind::Beyond => tokens(ui).warning,
+            CellKind::Plain => tokens(ui).text,
+            CellKind::NotFinite => tokens(ui).error,
+            CellKind::Absent => tokens(ui).text_weak,
+            CellKind::Beyond => tokens(ui).warning,
         }
     }
 }
 
 /// Returns all cells of a row, in the order of [`GROUPS`].
-fn cells(v: &VertexStages) -> Vec<Cell> {
-    let f32s = |values: &[f32]| -> Vec<Cell> {
-        values.iter().map(|value| Cell::number((*value).into(), format::f32_full(*value))).collect()
+fn cells(v: &VertexStages) -> Vec<TableCell> {
+    let f32s = |values: &[f32]| -> Vec<TableCell> {
+        values.iter().map(|value| TableCell::number((*value).into(), format::f32_full(*value))).collect()
     };
     // `f32` digits suffice; more would suggest that the pipeline computes these values.
-    let f64s = |values: [f64; 3]| values.map(|value| Cell::number(value, format::f32_full(value as f32)));
-    let absent = |count: usize| (0..count).map(|_| Cell::absent()).collect::<Vec<_>>();
-    let mut cells = vec![Cell { text: v.index.to_string(), kind: Kind::Plain }];
+    let f64s = |values: [f64; 3]| values.map(|value| TableCell::number(value, format::f32_full(value as f32)));
+    let absent = |count: usize| (0..count).map(|_| TableCell::absent()).collect::<Vec<_>>();
+    let mut cells = vec![TableCell { text: v.index.to_string(), kind: CellKind::Plain }];
     cells.extend(f32s(&v.model.to_array()));
     cells.extend(f32s(&v.clip.to_array()));
     let planes: Vec<_> = v.outcode.planes().map(plane_name).collect();
     cells.push(match planes.is_empty() {
-        true => Cell { text: "inside".to_owned(), kind: Kind::Plain },
-        false => Cell { text: planes.join(" "), kind: Kind::Beyond },
+        true => TableCell { text: "inside".to_owned(), kind: CellKind::Plain },
+        false => TableCell { text: planes.join(" "), kind: CellKind::Beyond },
     });
     match &v.screen {
         Some(screen) => {
             cells.extend(f32s(&screen.ndc.to_array()));
             cells.extend(f32s(&screen.px));
-            cells.extend(screen.snapped.map(|steps| Cell { text: format::fixed(steps.into(), 0), kind: Kind::Plain }));
+            cells.extend(
+                screen.snapped.map(|steps| TableCell { text: format::fixed(steps.into(), 0), kind: CellKind::Plain }),
+            );
         }
         None => cells.extend(absent(7)),
     }

@@ -6,28 +6,28 @@ pub(crate) mod watcher;
 
 use eframe::egui::{Align2, FontId, Painter, Stroke, StrokeKind, Vec2, vec2};
 
-use super::session::{Level, Session};
+use super::session::{Session, Severity};
 use super::theme::{MARK_EDGE, Tokens, font_size};
 use super::zoom::Placement;
-use crate::inspect::watch::Watched;
+use crate::inspect::watch::WatchedPixel;
 
 /// Maximum number of watched pixels; each costs a replay after every frame.
-pub(crate) const MOST: usize = 24;
+pub(crate) const MAX_PIXELS: usize = 24;
 
 /// Watched pixels and their values.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Watch {
+pub struct WatchList {
     /// Column and row of each pixel, in the order in which they were added.
-    pub(crate) pixels: Vec<(u32, u32)>,
+    pub pixels: Vec<(u32, u32)>,
     /// Values in the newest frame.
-    pub(crate) rows: Vec<Watched>,
+    pub(crate) rows: Vec<WatchedPixel>,
     /// Values in the last frame that differed.
-    pub(crate) before: Vec<Watched>,
+    pub(crate) before: Vec<WatchedPixel>,
 }
 
 /// Change of the watched pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Change {
+pub enum WatchChange {
     /// Watches the picked pixel.
     AddPick,
     /// Watches this pixel.
@@ -38,10 +38,11 @@ pub enum Change {
     Clear,
 }
 
-impl Watch {
+impl WatchList {
     /// Stores the values of a frame. Adding or removing a pixel does not count as a change of the others.
-    pub(crate) fn hear(&mut self, rows: Vec<Watched>) {
-        let differs = |known: &Watched| rows.iter().any(|row| (row.x, row.y) == (known.x, known.y) && row != known);
+    pub(crate) fn store_values(&mut self, rows: Vec<WatchedPixel>) {
+        let differs =
+            |known: &WatchedPixel| rows.iter().any(|row| (row.x, row.y) == (known.x, known.y) && row != known);
         if self.rows.iter().any(differs) {
             self.before = std::mem::take(&mut self.rows);
         }
@@ -49,29 +50,29 @@ impl Watch {
     }
 
     /// Returns the values of a pixel before its last change, if it was watched then.
-    fn before(&self, row: &Watched) -> Option<&Watched> {
+    fn before(&self, row: &WatchedPixel) -> Option<&WatchedPixel> {
         self.before.iter().find(|before| (before.x, before.y) == (row.x, row.y))
     }
 }
 
 impl Session {
     /// Applies a change of the watched pixels.
-    pub(crate) fn change_watch(&mut self, change: Change) {
+    pub(crate) fn change_watch(&mut self, change: WatchChange) {
         let pixel = match change {
-            Change::AddPick => self.pick,
-            Change::Add(x, y) => Some((x, y)),
-            Change::Remove(x, y) => {
+            WatchChange::AddPick => self.pick,
+            WatchChange::Add(x, y) => Some((x, y)),
+            WatchChange::Remove(x, y) => {
                 self.watch.pixels.retain(|pixel| *pixel != (x, y));
                 None
             }
-            Change::Clear => {
+            WatchChange::Clear => {
                 self.watch.pixels.clear();
                 None
             }
         };
         let Some(pixel) = pixel.filter(|pixel| !self.watch.pixels.contains(pixel)) else { return };
-        if self.watch.pixels.len() == MOST {
-            self.report(Level::Error, format!("Cannot watch more than {MOST} pixels: remove one first"));
+        if self.watch.pixels.len() == MAX_PIXELS {
+            self.report(Severity::Error, format!("Cannot watch more than {MAX_PIXELS} pixels: remove one first"));
         } else {
             self.watch.pixels.push(pixel);
         }
@@ -87,13 +88,13 @@ pub(super) fn markers(
     tokens: &Tokens,
 ) {
     /// Minimum side of a frame, in points, so that it is visible however small the pixels are.
-    const LEAST_POINTS: f32 = 5.0;
+    const MIN_POINTS: f32 = 5.0;
     for (number, (x, y)) in session.watch.pixels.iter().copied().enumerate() {
         if x >= width || y >= height {
             continue;
         }
         let pixel = placement.rect_of(x, y);
-        let frame = eframe::egui::Rect::from_center_size(pixel.center(), pixel.size().max(Vec2::splat(LEAST_POINTS)));
+        let frame = eframe::egui::Rect::from_center_size(pixel.center(), pixel.size().max(Vec2::splat(MIN_POINTS)));
         painter.rect_stroke(frame.expand(1.0), 0.0, Stroke::new(3.0, MARK_EDGE), StrokeKind::Outside);
         painter.rect_stroke(frame.expand(2.0), 0.0, Stroke::new(1.0, tokens.warning), StrokeKind::Outside);
         let text = (number + 1).to_string();

@@ -2,8 +2,8 @@
 
 use eframe::egui::{self, Button, Color32, Grid, RichText, ScrollArea, Sense, Ui, WidgetInfo};
 
-use super::Change;
-use crate::inspect::watch::{Values, Watched};
+use super::WatchChange;
+use crate::inspect::watch::{PixelValues, WatchedPixel};
 use crate::ui::command::Command;
 use crate::ui::format;
 use crate::ui::session::Session;
@@ -29,11 +29,11 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
     let addable = session.pick.is_some_and(|pixel| !watched(pixel));
     let add = ui.add_enabled(addable, Button::new((theme::icon(Icon::Pin), "Watch the picked pixel")));
     if add.on_hover_text("Adds it to the list  (Enter)").clicked() {
-        commands.push(Command::Watch(Change::AddPick));
+        commands.push(Command::Watch(WatchChange::AddPick));
     }
     let clear = ui.add_enabled(!session.watch.pixels.is_empty(), Button::new("Clear"));
     if clear.on_hover_text("Removes all pixels from the list").clicked() {
-        commands.push(Command::Watch(Change::Clear));
+        commands.push(Command::Watch(WatchChange::Clear));
     }
 }
 
@@ -61,7 +61,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
                 }
                 row(ui, session, (x, y));
                 if icon_button(ui, Icon::X, &format!("Stop watching {x}, {y}")).clicked() {
-                    commands.push(Command::Watch(Change::Remove(x, y)));
+                    commands.push(Command::Watch(WatchChange::Remove(x, y)));
                 }
                 ui.end_row();
             }
@@ -78,11 +78,11 @@ fn row(ui: &mut Ui, session: &Session, (x, y): (u32, u32)) {
         (2..COLUMNS.len()).for_each(|_| drop(ui.label("")));
         return;
     };
-    let before = row.and_then(|row| session.watch.before(row)).and_then(|before: &Watched| before.values.as_ref());
+    let before = row.and_then(|row| session.watch.before(row)).and_then(|before: &WatchedPixel| before.values.as_ref());
     let [r, g, b, _] = values.color;
     ui.horizontal(|ui| {
         swatch(ui, Color32::from_rgb(r, g, b));
-        let codes = |values: &Values| format!("{} {} {}", values.color[0], values.color[1], values.color[2]);
+        let codes = |values: &PixelValues| format!("{} {} {}", values.color[0], values.color[1], values.color[2]);
         cell(ui, values, before, codes);
     });
     cell(ui, values, before, |values| values.depth.map_or_else(nothing, format::f32_full));
@@ -103,7 +103,7 @@ fn weights(weights: [f32; 3]) -> String {
 }
 
 /// Draws a value. One that the last change of the picture changed is highlighted, with its former value in the tooltip.
-fn cell(ui: &mut Ui, values: &Values, before: Option<&Values>, text: impl Fn(&Values) -> String) {
+fn cell(ui: &mut Ui, values: &PixelValues, before: Option<&PixelValues>, text: impl Fn(&PixelValues) -> String) {
     let (now, was) = (text(values), before.map(text));
     let changed = was.as_ref().is_some_and(|was| *was != now);
     let weak = !values.is_drawn;

@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use super::watcher::Watcher;
+use super::watcher::PixelWatcher;
 use super::*;
 use crate::chain::Recipe;
 use crate::scene::SceneSource;
@@ -20,34 +20,34 @@ fn session() -> Session {
 #[test]
 fn a_pixel_is_watched_once_and_no_more_than_there_is_room_for() {
     let mut session = session();
-    session.apply(Command::Watch(Change::AddPick));
+    session.apply(Command::Watch(WatchChange::AddPick));
     assert!(session.watch.pixels.is_empty(), "none is picked");
     session.pick = Some((3, 4));
-    session.apply(Command::Watch(Change::AddPick));
-    session.apply(Command::Watch(Change::Add(3, 4)));
+    session.apply(Command::Watch(WatchChange::AddPick));
+    session.apply(Command::Watch(WatchChange::Add(3, 4)));
     assert_eq!(session.watch.pixels, [(3, 4)]);
     for x in 0..100 {
-        session.apply(Command::Watch(Change::Add(x, 0)));
+        session.apply(Command::Watch(WatchChange::Add(x, 0)));
     }
-    assert_eq!(session.watch.pixels.len(), MOST);
+    assert_eq!(session.watch.pixels.len(), MAX_PIXELS);
     assert!(session.error.is_some());
-    session.apply(Command::Watch(Change::Remove(3, 4)));
+    session.apply(Command::Watch(WatchChange::Remove(3, 4)));
     assert_eq!(session.watch.pixels[0], (0, 0));
-    session.apply(Command::Watch(Change::Clear));
+    session.apply(Command::Watch(WatchChange::Clear));
     assert!(session.watch.pixels.is_empty());
 }
 
 #[test]
 fn rows_follow_the_frames_and_what_was_stays_until_the_next_change() {
     let mut session = session();
-    let (mut engine, mut watcher) = (Engine::default(), Watcher::default());
+    let (mut engine, mut watcher) = (Engine::default(), PixelWatcher::default());
     watcher.set(vec![(32, 24), (0, 0)]);
     assert!(!watcher.has_work(), "there is no frame yet");
     let mut follow = |session: &mut Session| {
-        watcher.look_at(&engine.answer(session.request()));
+        watcher.set_view(&engine.answer(session.request()));
         let due = watcher.has_work();
         if due {
-            session.watch.hear(watcher.step().unwrap());
+            session.watch.store_values(watcher.step().unwrap());
         }
         due
     };
@@ -64,7 +64,7 @@ fn rows_follow_the_frames_and_what_was_stays_until_the_next_change() {
     follow(&mut session);
     assert_eq!(session.watch.before(&session.watch.rows[0]), Some(&first[0]), "the same values are no change");
     watcher.set(vec![(32, 24), (0, 0), (5, 5)]);
-    session.watch.hear(watcher.step().unwrap());
+    session.watch.store_values(watcher.step().unwrap());
     assert_eq!(session.watch.rows.len(), 3);
     assert_eq!(session.watch.before(&session.watch.rows[0]), Some(&first[0]), "nor is another pixel");
 }

@@ -1,17 +1,17 @@
 //! Renderer side of watching: replays the watched pixels of every new frame.
 
-use crate::inspect::watch::{Watched, watch};
-use crate::ui::engine::{Request, View};
+use crate::inspect::watch::{WatchedPixel, watch};
+use crate::ui::engine::{RenderedView, Request};
 
 /// Watched pixels, and the view to replay.
 #[derive(Debug, Default)]
-pub(crate) struct Watcher {
+pub(crate) struct PixelWatcher {
     pixels: Vec<(u32, u32)>,
-    view: Option<View>,
+    view: Option<RenderedView>,
     is_due: bool,
 }
 
-impl Watcher {
+impl PixelWatcher {
     /// Sets the watched pixels.
     pub(crate) fn set(&mut self, pixels: Vec<(u32, u32)>) {
         self.is_due = self.is_due || pixels != self.pixels;
@@ -19,7 +19,7 @@ impl Watcher {
     }
 
     /// Stores the view on screen.
-    pub(crate) fn look_at(&mut self, view: &View) {
+    pub(crate) fn set_view(&mut self, view: &RenderedView) {
         self.is_due |= view.fresh && !self.pixels.is_empty();
         self.view = Some(view.clone());
     }
@@ -30,9 +30,9 @@ impl Watcher {
     }
 
     /// Replays all watched pixels. Returns `None` before the first view.
-    pub(crate) fn step(&mut self) -> Option<Vec<Watched>> {
+    pub(crate) fn step(&mut self) -> Option<Vec<WatchedPixel>> {
         self.is_due = false;
-        let View { request, frame, .. } = self.view.as_ref()?;
+        let RenderedView { request, frame, .. } = self.view.as_ref()?;
         let Request { scene, recipe, .. } = request;
         Some(watch(scene, recipe, frame, &self.pixels))
     }

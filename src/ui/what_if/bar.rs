@@ -2,8 +2,8 @@
 
 use eframe::egui::{self, Align2, Button, FontId, Label, Rect, RichText, Ui, vec2};
 
-use super::drawer::Found;
-use super::{Change, Show};
+use super::drawer::WhatIfResults;
+use super::{Show, WhatIfChange};
 use crate::inspect::fields::{FieldChange, changes};
 use crate::manual::Chapter;
 use crate::measure::noise;
@@ -34,7 +34,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         return;
     };
     let fields = changes(&before, &session.state.recipe);
-    as_high_as_before(ui, |ui| {
+    keep_height(ui, |ui| {
         ui.horizontal_wrapped(|ui| {
             ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
             fields_in_words(ui, &fields);
@@ -48,7 +48,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
             ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
             for (show, name, help) in Show::ALL {
                 if ui.selectable_label(session.what_if.show == show, name).on_hover_text(help).clicked() {
-                    chosen.push(Change::Show(show));
+                    chosen.push(WhatIfChange::Show(show));
                 }
             }
             ui.separator();
@@ -61,7 +61,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 
 /// Keeps the bar at least as high as it was at this width. Results make it higher. If it shrank again, the canvas would
 /// grow, and all results would have to be recomputed for its new size, without end.
-fn as_high_as_before(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
+fn keep_height(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
     let (id, width) = (egui::Id::unique("height of the bar of changes"), ui.available_width());
     let before: Option<(f32, f32)> = ui.data(|data| data.get_temp(id));
     let height = ui.vertical(|ui| {
@@ -92,29 +92,29 @@ fn palette_button(ui: &mut Ui, commands: &mut Vec<Command>) {
     }
 }
 
-fn buttons(ui: &mut Ui, session: &Session, differs: bool, chosen: &mut Vec<Change>) {
+fn buttons(ui: &mut Ui, session: &Session, differs: bool, chosen: &mut Vec<WhatIfChange>) {
     let pinned = session.what_if.pinned;
     let help = "Keeps A while several settings change; otherwise every change sets a new A";
     if ui.add(Button::new((theme::icon(Icon::Pin), "Pin A")).selected(pinned)).on_hover_text(help).clicked() {
-        chosen.push(Change::Pin(!pinned));
+        chosen.push(WhatIfChange::Pin(!pinned));
     }
-    let mut button = |ui: &mut Ui, icon: Icon, name: &str, help: &str, change: Change| {
+    let mut button = |ui: &mut Ui, icon: Icon, name: &str, help: &str, change: WhatIfChange| {
         if ui.add_enabled(differs, Button::new((theme::icon(icon), name))).on_hover_text(help).clicked() {
             chosen.push(change);
         }
     };
-    button(ui, Icon::Undo2, "Revert", "Restores the settings of A", Change::Revert);
-    button(ui, Icon::ArrowLeftRight, "Swap", "Exchanges A and B", Change::Swap);
+    button(ui, Icon::Undo2, "Revert", "Restores the settings of A", WhatIfChange::Revert);
+    button(ui, Icon::ArrowLeftRight, "Swap", "Exchanges A and B", WhatIfChange::Swap);
 }
 
-fn close(ui: &mut Ui, chosen: &mut Vec<Change>) {
+fn close(ui: &mut Ui, chosen: &mut Vec<WhatIfChange>) {
     if ui.add(Button::new(theme::icon(Icon::X)).frame_when_inactive(false)).on_hover_text("Close  (X)").clicked() {
-        chosen.push(Change::Toggle);
+        chosen.push(WhatIfChange::Toggle);
     }
 }
 
 /// Draws the number of changed pixels, the error and the time difference, once known.
-fn figures(ui: &mut Ui, session: &Session, chosen: &mut Vec<Change>) {
+fn figures(ui: &mut Ui, session: &Session, chosen: &mut Vec<WhatIfChange>) {
     let Some(found) = session.view.as_ref().and_then(|view| session.what_if.current(view)) else {
         ui.spinner();
         ui.label(RichText::new("Drawing A and B …").color(tokens(ui).text_weak));
@@ -133,7 +133,7 @@ fn figures(ui: &mut Ui, session: &Session, chosen: &mut Vec<Change>) {
     {
         let button = Button::new(theme::icon(icon)).min_size(egui::Vec2::splat(theme::CONTROL_HEIGHT));
         if ui.add_enabled(count > 0, button).on_hover_text(name).clicked() {
-            chosen.push(Change::Step(step));
+            chosen.push(WhatIfChange::Step(step));
         }
     }
     ui.separator();
@@ -158,7 +158,7 @@ fn share(share: f64) -> String {
     }
 }
 
-fn error(ui: &mut Ui, found: &Found) {
+fn error(ui: &mut Ui, found: &WhatIfResults) {
     let text = match found.error {
         None => "error: …".to_owned(),
         Some(error) if error.differing_pixels == 0 => "pictures identical".to_owned(),

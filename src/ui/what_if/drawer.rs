@@ -5,9 +5,9 @@ use std::sync::Arc;
 use crate::image::{Image, Rgba8};
 use crate::inspect::what_if::Changes;
 use crate::measure::error::{ImageError, compare};
-use crate::measure::motion::{Shot, Turn};
+use crate::measure::motion::{FrameSequence, Turn};
 use crate::measure::pair::{PairTimer, PairTimes};
-use crate::ui::engine::{Engine, Request, Shown, View};
+use crate::ui::engine::{Engine, RenderedView, Request, Shown};
 
 /// Number of measured timing rounds.
 pub(crate) const ROUNDS: usize = 15;
@@ -30,15 +30,15 @@ impl WhatIfRequest {
 
 /// Results of a what-if request so far.
 #[derive(Clone, Debug)]
-pub struct Found {
+pub struct WhatIfResults {
     /// Request that is answered.
     pub(crate) request: WhatIfRequest,
     /// Picture A, with the colour range of B.
-    pub(crate) before: View,
+    pub(crate) before: RenderedView,
     /// Picture B, with unchanged pixels dimmed.
-    pub(crate) marked: View,
+    pub(crate) marked: RenderedView,
     /// Changed pixels of the shown quantity.
-    pub(crate) changes: Arc<Changes>,
+    pub changes: Arc<Changes>,
     /// Error between the finished pictures, once computed.
     pub(crate) error: Option<ImageError>,
     /// Frame times with and without the change, once measured.
@@ -49,18 +49,19 @@ pub struct Found {
 #[derive(Debug, Default)]
 pub(crate) struct Drawer {
     engines: [Engine; 2],
-    known: Option<Found>,
+    results: Option<WhatIfResults>,
     timer: Option<PairTimer>,
     begun: bool,
 }
 
 impl Drawer {
     /// Draws A and B, reusing what is known, and finds their differences. Returns `None` if they cannot be compared.
-    pub(crate) fn ask(&mut self, request: WhatIfRequest) -> Option<&Found> {
+    pub(crate) fn start(&mut self, request: WhatIfRequest) -> Option<&WhatIfResults> {
         self.begun = false;
         let [a, b] = &mut self.engines;
-        let (mut before, after) = (settled(a, request.before.clone()), settled(b, request.after.clone()));
-        let old = self.known.take();
+        let (mut before, after) =
+            (render_converged(a, request.before.clone()), render_converged(b, request.after.clone()));
+        let old = self.results.take();
         let kept = old.filter(|old| {
             Arc::ptr_eq(&old.before.frame, &before.frame)
                 && Arc::ptr_eq(&old.marked.frame, &after.frame)
@@ -68,37 +69,46 @@ impl Drawer {
         });
         if let Some(old) = kept {
             // Only the picked pixel has changed.
-            let (before, marked) =
-                (View { picture: old.before.picture, ..before }, View { picture: old.marked.picture, ..after });
-            return Some(self.known.insert(Found { request, before, marked, ..old }));
+            let (before, marked) = (
+                RenderedView { picture: old.before.picture, ..before },
+                RenderedView { picture: old.marked.picture, ..after },
+            );
+            return Some(self.results.insert(WhatIfResults { request, before, marked, ..old }));
         }
         let changes = changes(&before, &after)?;
-        if let Some(picture) = like(&before, &after) {
+        if let Some(picture) = with_range_of(&before, &after) {
             (before.picture, before.range) = (picture, after.range);
         }
-        let marked = View { picture: Arc::new(changes.marked(&after.picture)), ..after };
+        let marked = RenderedView { picture: Arc::new(changes.with_unchanged_dimmed(&after.picture)), ..after };
         self.timer = Some(PairTimer::new(request.before.recipe, request.after.recipe, ROUNDS));
-        Some(self.known.insert(Found { request, before, marked, changes: Arc::new(changes), error: None, times: None }))
+        Some(self.results.insert(WhatIfResults {
+            request,
+            before,
+            marked,
+            changes: Arc::new(changes),
+            error: None,
+            times: None,
+        }))
     }
 
     /// Computes one more piece. Returns `None` if there is no new result yet.
-    pub(crate) fn step(&mut self) -> Option<&Found> {
+    pub(crate) fn step(&mut self) -> Option<&WhatIfResults> {
         self.begun = true;
-        let known = self.known.as_mut()?;
+        let known = self.results.as_mut()?;
         if known.error.is_none() {
             known.error = compare(known.before.frame.image(), known.marked.frame.image());
         } else {
             let Request { scene, camera, viewport, .. } = &known.request.after;
-            let shot = Shot { scene, camera, viewport: *viewport, turn: Turn::STILL };
+            let shot = FrameSequence { scene, camera, viewport: *viewport, turn: Turn::STILL };
             known.times = Some(self.timer.as_mut()?.step(&shot)?);
             self.timer = None;
         }
-        self.known.as_ref()
+        self.results.as_ref()
     }
 
     /// Whether any result is missing.
     pub(crate) fn has_work(&self) -> bool {
-        self.known.is_some() && self.timer.is_some()
+        self.results.is_some() && self.timer.is_some()
     }
 
     /// Whether computing the missing results has begun.
@@ -113,17 +123,17 @@ impl Drawer {
 }
 
 /// Draws frames until further ones would not improve the view, and returns it.
-fn settled(engine: &mut Engine, request: Request) -> View {
+fn render_converged(engine: &mut Engine, request: Request) -> RenderedView {
     let mut view = engine.answer(request);
-    while view.wants_another() {
+    while view.is_unconverged() {
         view = engine.answer(view.request);
     }
     view
 }
 
-fn changes(before: &View, after: &View) -> Option<Changes> {
+fn changes(before: &RenderedView, after: &RenderedView) -> Option<Changes> {
     match after.request.shown {
-        Shown::Stage(_) => match (&before.looked.stage, &after.looked.stage) {
+        Shown::Stage(_) => match (&before.look_result.stage, &after.look_result.stage) {
             (Some(before), Some(after)) => Changes::of_pictures(before, after),
             _ => Changes::of_pictures(&before.picture, &after.picture),
         },
@@ -136,7 +146,7 @@ fn changes(before: &View, after: &View) -> Option<Changes> {
 
 /// Returns A with the colour range of B if their ranges differ, so that equal values have equal colours. With an
 /// overlay, A keeps its own picture and range.
-fn like(before: &View, after: &View) -> Option<Arc<Image<Rgba8>>> {
+fn with_range_of(before: &RenderedView, after: &RenderedView) -> Option<Arc<Image<Rgba8>>> {
     let look = &after.request.look;
     if before.range == after.range || !look.layers.is_empty() {
         return None;

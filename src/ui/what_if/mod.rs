@@ -11,11 +11,11 @@ pub(crate) mod drawer;
 use eframe::egui::Ui;
 
 use super::command::Command;
-use super::engine::{Request, View};
+use super::engine::{RenderedView, Request};
 use super::session::Session;
 use crate::chain::Recipe;
 use crate::inspect::fields;
-use drawer::{Found, WhatIfRequest};
+use drawer::{WhatIfRequest, WhatIfResults};
 
 /// Picture that the canvas shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -40,24 +40,24 @@ impl Show {
 
 /// State of the what-if comparison.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct WhatIf {
+pub struct WhatIf {
     /// Whether the bar is open.
     pub(crate) open: bool,
     /// Recipe of A: the one before the last change, or the pinned one.
-    pub(crate) before: Option<Recipe>,
+    pub before: Option<Recipe>,
     /// Whether A is pinned while B changes.
     pub(crate) pinned: bool,
     /// Picture that the canvas shows.
     pub(crate) show: Show,
     /// Results so far.
-    pub(crate) found: Option<Found>,
+    pub found: Option<WhatIfResults>,
     /// Last request sent to the renderer.
-    asked: Option<WhatIfRequest>,
+    last_request: Option<WhatIfRequest>,
 }
 
 /// Change of the what-if comparison.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Change {
+pub enum WhatIfChange {
     /// Opens or closes the bar.
     Toggle,
     /// Sets which picture the canvas shows.
@@ -85,7 +85,7 @@ impl WhatIf {
     }
 
     /// Describes the last change if the bar is closed and the settings still differ from A.
-    pub(crate) fn unasked(&self, after: &Recipe) -> Option<String> {
+    pub(crate) fn unseen_change(&self, after: &Recipe) -> Option<String> {
         let before = self.before.as_ref().filter(|before| !self.open && *before != after)?;
         let changed = fields::changes(before, after);
         let first = changed.first()?.words();
@@ -93,14 +93,14 @@ impl WhatIf {
     }
 
     /// Whether a request differs from the last one; stores it as the last one.
-    pub(crate) fn asks_anew(&mut self, request: Option<&WhatIfRequest>) -> bool {
-        let same = match (&self.asked, request) {
+    pub(crate) fn update_request(&mut self, request: Option<&WhatIfRequest>) -> bool {
+        let same = match (&self.last_request, request) {
             (Some(asked), Some(request)) => asked.same_as(request),
             (None, None) => true,
             _ => false,
         };
         if !same {
-            self.asked = request.cloned();
+            self.last_request = request.cloned();
         }
         if request.is_none() {
             self.found = None;
@@ -109,13 +109,13 @@ impl WhatIf {
     }
 
     /// Returns the results if they describe the view on screen and the bar is open.
-    fn current(&self, view: &View) -> Option<&Found> {
-        let same = |found: &&Found| found.request.after.same_picture(&view.request);
+    fn current(&self, view: &RenderedView) -> Option<&WhatIfResults> {
+        let same = |found: &&WhatIfResults| found.request.after.same_picture(&view.request);
         self.found.as_ref().filter(|_| self.open).filter(same)
     }
 
     /// Returns the view that the canvas shows: A, B, or B with unchanged pixels dimmed. A while `held`.
-    pub(crate) fn seen<'a>(&'a self, view: &'a View, held: bool) -> &'a View {
+    pub(crate) fn visible_view<'a>(&'a self, view: &'a RenderedView, held: bool) -> &'a RenderedView {
         let Some(found) = self.current(view) else { return view };
         match self.show {
             _ if held => &found.before,
@@ -127,17 +127,17 @@ impl WhatIf {
 }
 
 /// Returns the view that the canvas shows, as [`WhatIf::seen`] does; A while Shift is held.
-pub(crate) fn seen<'a>(ui: &Ui, session: &'a Session) -> Option<&'a View> {
+pub(crate) fn visible_view<'a>(ui: &Ui, session: &'a Session) -> Option<&'a RenderedView> {
     let view = session.view.as_ref()?;
     if session.comparison.is_on() {
         return Some(view);
     }
-    Some(session.what_if.seen(view, ui.input(|input| input.modifiers.shift)))
+    Some(session.what_if.visible_view(view, ui.input(|input| input.modifiers.shift)))
 }
 
 impl Session {
     /// Returns the request for the renderer if the bar is open and there is an A.
-    pub(crate) fn what_if_request(&self) -> Option<WhatIfRequest> {
+    pub fn what_if_request(&self) -> Option<WhatIfRequest> {
         let shown = self.what_if.open && !self.comparison.is_on() && self.case.is_none();
         let recipe = self.what_if.before.filter(|_| shown)?;
         let after = self.request();
@@ -145,21 +145,23 @@ impl Session {
     }
 
     /// Applies a change. Returns a command for what concerns the canvas.
-    pub(crate) fn change_what_if(&mut self, change: Change) -> Option<Command> {
+    pub(crate) fn change_what_if(&mut self, change: WhatIfChange) -> Option<Command> {
         let what_if = &mut self.what_if;
         match change {
-            Change::Toggle => what_if.open ^= true,
-            Change::Show(show) => what_if.show = show,
-            Change::Pin(pinned) => what_if.pinned = pinned,
-            Change::Against(recipe) => (what_if.before, what_if.pinned, what_if.open) = (Some(*recipe), true, true),
-            Change::PinNow => (what_if.before, what_if.pinned) = (Some(self.state.recipe), true),
-            Change::Revert => self.state.recipe = what_if.before.unwrap_or(self.state.recipe),
-            Change::Swap => {
+            WhatIfChange::Toggle => what_if.open ^= true,
+            WhatIfChange::Show(show) => what_if.show = show,
+            WhatIfChange::Pin(pinned) => what_if.pinned = pinned,
+            WhatIfChange::Against(recipe) => {
+                (what_if.before, what_if.pinned, what_if.open) = (Some(*recipe), true, true)
+            }
+            WhatIfChange::PinNow => (what_if.before, what_if.pinned) = (Some(self.state.recipe), true),
+            WhatIfChange::Revert => self.state.recipe = what_if.before.unwrap_or(self.state.recipe),
+            WhatIfChange::Swap => {
                 if let Some(before) = &mut what_if.before {
                     std::mem::swap(before, &mut self.state.recipe);
                 }
             }
-            Change::Step(_) => return Some(Command::WhatIf(change)),
+            WhatIfChange::Step(_) => return Some(Command::WhatIf(change)),
         }
         None
     }
@@ -167,7 +169,7 @@ impl Session {
     /// Returns the changed pixel after or before the picked one.
     pub(crate) fn change_beside_pick(&self, forwards: bool) -> Option<(u32, u32)> {
         let found = self.what_if.current(self.view.as_ref()?)?;
-        found.changes.beside(self.pick, forwards)
+        found.changes.next_changed(self.pick, forwards)
     }
 }
 

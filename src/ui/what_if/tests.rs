@@ -14,7 +14,7 @@ fn session(scene: &str) -> Session {
     let mut session = Session::new(Arc::new(scene), source, Recipe::default(), home);
     session.state.size = PictureSize::Fixed(64, 48);
     session.settle_silently();
-    session.apply(Command::WhatIf(Change::Toggle));
+    session.apply(Command::WhatIf(WhatIfChange::Toggle));
     session
 }
 
@@ -29,7 +29,7 @@ fn set(session: &mut Session, assignment: &str) {
 fn find(session: &mut Session) {
     session.view = Some(Engine::default().answer(session.request()));
     let request = session.what_if_request().unwrap();
-    session.what_if.found = Drawer::default().ask(request).cloned();
+    session.what_if.found = Drawer::default().start(request).cloned();
 }
 
 #[test]
@@ -42,14 +42,14 @@ fn what_was_before_every_change_is_kept_and_a_pinned_a_stays() {
     let second = session.state.recipe;
     set(&mut session, "culling=none");
     assert_eq!(session.what_if.before, Some(second));
-    session.apply(Command::WhatIf(Change::Pin(true)));
+    session.apply(Command::WhatIf(WhatIfChange::Pin(true)));
     set(&mut session, "wireframe=true");
     assert_eq!(session.what_if.before, Some(second));
     let third = session.state.recipe;
-    session.apply(Command::WhatIf(Change::Swap));
+    session.apply(Command::WhatIf(WhatIfChange::Swap));
     session.settle(1.0);
     assert_eq!((session.what_if.before, session.state.recipe), (Some(third), second));
-    session.apply(Command::WhatIf(Change::Revert));
+    session.apply(Command::WhatIf(WhatIfChange::Revert));
     session.settle(2.0);
     assert_eq!(session.state.recipe, third);
     session.apply(Command::Undo);
@@ -59,12 +59,12 @@ fn what_was_before_every_change_is_kept_and_a_pinned_a_stays() {
 #[test]
 fn a_change_is_said_in_words_until_it_is_asked_about() {
     let mut session = session("triangle");
-    session.apply(Command::WhatIf(Change::Toggle));
-    assert_eq!(session.what_if.unasked(&session.state.recipe), None);
+    session.apply(Command::WhatIf(WhatIfChange::Toggle));
+    assert_eq!(session.what_if.unseen_change(&session.state.recipe), None);
     set(&mut session, "culling=none");
-    assert_eq!(session.what_if.unasked(&session.state.recipe).as_deref(), Some("culling: back → none"));
-    session.apply(Command::WhatIf(Change::Toggle));
-    assert_eq!(session.what_if.unasked(&session.state.recipe), None);
+    assert_eq!(session.what_if.unseen_change(&session.state.recipe).as_deref(), Some("culling: back → none"));
+    session.apply(Command::WhatIf(WhatIfChange::Toggle));
+    assert_eq!(session.what_if.unseen_change(&session.state.recipe), None);
 }
 
 #[test]
@@ -85,7 +85,7 @@ fn the_canvas_shows_a_b_or_what_changed_of_what_is_asked_for_and_of_nothing_else
     let view = session.view.clone().unwrap();
     let found = session.what_if.found.clone().unwrap();
     assert!(found.changes.count > 0);
-    let shown = |session: &Session, held| session.what_if.seen(&view, held).picture.clone();
+    let shown = |session: &Session, held| session.what_if.visible_view(&view, held).picture.clone();
     assert_eq!(*shown(&session, true), *found.before.picture);
     let mut plain = session.request();
     plain.recipe = Recipe::default();
@@ -93,14 +93,17 @@ fn the_canvas_shows_a_b_or_what_changed_of_what_is_asked_for_and_of_nothing_else
     for (show, picture) in [
         (Show::After, &view.picture),
         (Show::Before, &found.before.picture),
-        (Show::Changed, &Arc::new(found.changes.marked(&view.picture))),
+        (Show::Changed, &Arc::new(found.changes.with_unchanged_dimmed(&view.picture))),
     ] {
-        session.apply(Command::WhatIf(Change::Show(show)));
+        session.apply(Command::WhatIf(WhatIfChange::Show(show)));
         assert_eq!(*shown(&session, false), **picture, "{show:?}");
     }
     let mut later = view.clone();
     later.request.recipe.wireframe = true;
-    assert!(Arc::ptr_eq(&session.what_if.seen(&later, true).picture, &later.picture), "that is of another view");
+    assert!(
+        Arc::ptr_eq(&session.what_if.visible_view(&later, true).picture, &later.picture),
+        "that is of another view"
+    );
 }
 
 #[test]
@@ -123,13 +126,13 @@ fn a_pick_draws_nothing_again_and_a_buffer_is_compared_by_its_values() {
     let mut session = session("interpenetrating");
     set(&mut session, "depth_format=unorm16");
     let mut drawer = Drawer::default();
-    let first = drawer.ask(session.what_if_request().unwrap()).unwrap().clone();
+    let first = drawer.start(session.what_if_request().unwrap()).unwrap().clone();
     session.pick = Some((30, 20));
-    let second = drawer.ask(session.what_if_request().unwrap()).unwrap().clone();
+    let second = drawer.start(session.what_if_request().unwrap()).unwrap().clone();
     assert!(Arc::ptr_eq(&first.before.frame, &second.before.frame) && Arc::ptr_eq(&first.changes, &second.changes));
     assert!(first.before.report.is_none() && second.before.report.is_some());
     session.shown = Shown::Buffer(Buffer::Depth);
-    let depth = drawer.ask(session.what_if_request().unwrap()).unwrap();
+    let depth = drawer.start(session.what_if_request().unwrap()).unwrap();
     assert!(depth.changes.count > first.changes.count);
     assert_eq!(depth.before.range, depth.marked.range, "equal values have equal colours");
 }
@@ -139,9 +142,9 @@ fn error_comes_first_and_time_when_all_rounds_are_done() {
     let mut session = session("shared-edges");
     set(&mut session, "fill_rule=inclusive");
     let mut drawer = Drawer::default();
-    drawer.ask(session.what_if_request().unwrap());
+    drawer.start(session.what_if_request().unwrap());
     let error = drawer.step().unwrap().error.unwrap();
-    let found = drawer.ask(session.what_if_request().unwrap()).unwrap();
+    let found = drawer.start(session.what_if_request().unwrap()).unwrap();
     assert_eq!((error.differing_pixels, found.error), (found.changes.count, Some(error)));
     let mut pieces = 0;
     while drawer.has_work() {

@@ -1,10 +1,10 @@
 //! Measurement of all upscalers, piece by piece: frame times in rounds, and errors at rest and over the same frames in
 //! motion.
 
-use super::Answer;
+use super::WorkerResponse;
 use crate::chain::Recipe;
-use crate::measure::against::Figures;
-use crate::measure::motion::{Judge, MotionError, Shot, Turn};
+use crate::measure::against::ErrorMetrics;
+use crate::measure::motion::{ErrorMeasurement, FrameSequence, MotionError, Turn};
 use crate::measure::reference::Reference;
 use crate::measure::rounds::RoundTimer;
 use crate::ui::engine::Request;
@@ -17,22 +17,22 @@ pub const MEASURE_ROUNDS: usize = 25;
 #[derive(Clone, Debug)]
 pub struct MeasureRequest {
     /// Number that identifies the answers.
-    pub(crate) number: u64,
+    pub number: u64,
     /// Scene, view and recipe; only the upscaler varies.
-    pub(crate) of: Request,
+    pub of: Request,
     /// Reference that errors are computed against.
-    pub(crate) reference: Reference,
+    pub reference: Reference,
     /// Motion of the camera over the frames that are judged and timed.
-    pub(crate) turn: Turn,
+    pub turn: Turn,
 }
 
 /// Error of a method so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MethodError {
     /// Figures of the settled still view.
-    pub(crate) still: Figures,
+    pub still: ErrorMetrics,
     /// Error over the frames judged so far; without motion that of the still view.
-    pub(crate) motion: MotionError,
+    pub motion: MotionError,
 }
 
 /// Measurement in progress.
@@ -41,9 +41,9 @@ pub(super) struct Measurement {
     request: Box<MeasureRequest>,
     methods: Vec<Upscaling>,
     timer: RoundTimer,
-    at_rest: Judge,
+    at_rest: ErrorMeasurement,
     /// Judge of the frames in motion; `None` for a still camera.
-    in_motion: Option<Judge>,
+    in_motion: Option<ErrorMeasurement>,
     /// Number of rounds whose noise floor has been reported.
     reported: usize,
 }
@@ -53,7 +53,9 @@ impl Measurement {
         let methods: Vec<_> = Upscaling::every().collect();
         let recipe = request.of.recipe;
         let timed: Vec<_> = methods.iter().map(|upscaler| Recipe { upscaler: *upscaler, ..recipe }).collect();
-        let judge = || Judge::new(request.reference, timed.iter().map(|recipe| Recipe { wireframe: false, ..*recipe }));
+        let judge = || {
+            ErrorMeasurement::new(request.reference, timed.iter().map(|recipe| Recipe { wireframe: false, ..*recipe }))
+        };
         Self {
             timer: RoundTimer::new(&timed, MEASURE_ROUNDS),
             at_rest: judge(),
@@ -70,37 +72,38 @@ impl Measurement {
     }
 
     pub(super) fn is_complete(&self) -> bool {
-        let (timed, judged) = (self.timer.progress(), self.judged());
+        let (timed, judged) = (self.timer.progress(), self.measured_frames());
         timed.0 >= timed.1 && judged.0 >= judged.1 && self.reported >= self.timer.rounds()
     }
 
     /// Returns the number of frames judged, and of all frames to judge.
-    fn judged(&self) -> (usize, usize) {
-        let moving = self.in_motion.as_ref().map_or((0, 0), |judge| (judge.judged(), judge.total(self.request.turn)));
-        (self.at_rest.judged() + moving.0, self.at_rest.total(Turn::STILL) + moving.1)
+    fn measured_frames(&self) -> (usize, usize) {
+        let moving =
+            self.in_motion.as_ref().map_or((0, 0), |judge| (judge.measured_frames(), judge.total(self.request.turn)));
+        (self.at_rest.measured_frames() + moving.0, self.at_rest.total(Turn::STILL) + moving.1)
     }
 
     /// Returns the completed share of all frames to time or judge, in [0, 1].
     fn progress(&self) -> f32 {
-        let (timed, judged) = (self.timer.progress(), self.judged());
+        let (timed, judged) = (self.timer.progress(), self.measured_frames());
         (timed.0 + judged.0) as f32 / (timed.1 + judged.1).max(1) as f32
     }
 
     /// Draws at most one frame, timing or judging it, whichever lags behind, so that both advance evenly.
-    pub(super) fn step(&mut self) -> Option<Answer> {
+    pub(super) fn step(&mut self) -> Option<WorkerResponse> {
         if self.reported < self.timer.rounds() {
             self.reported = self.timer.rounds();
             let noise = self.timer.noise()?;
-            return Some(Answer::Noise { of: self.number(), noise });
+            return Some(WorkerResponse::Noise { of: self.number(), noise });
         }
-        let (timed, judged) = (self.timer.progress(), self.judged());
+        let (timed, judged) = (self.timer.progress(), self.measured_frames());
         if judged.0 * timed.1 < timed.0 * judged.1 || timed.0 >= timed.1 {
-            return self.judge();
+            return self.measure_error();
         }
         let Request { scene, camera, viewport, .. } = &self.request.of;
-        let shot = Shot { scene, camera, viewport: *viewport, turn: self.request.turn };
+        let shot = FrameSequence { scene, camera, viewport: *viewport, turn: self.request.turn };
         let timed = self.timer.step(&shot)?;
-        Some(Answer::Sample {
+        Some(WorkerResponse::Sample {
             of: self.number(),
             upscaling: self.methods[timed.recipe],
             milliseconds: timed.times.total.as_secs_f64() * 1e3,
@@ -109,17 +112,17 @@ impl Measurement {
     }
 
     /// Draws at most one frame, of a method to be judged or of its reference.
-    fn judge(&mut self) -> Option<Answer> {
+    fn measure_error(&mut self) -> Option<WorkerResponse> {
         let Request { scene, camera, viewport, .. } = &self.request.of;
-        let shot = Shot { scene, camera, viewport: *viewport, turn: self.request.turn };
-        let still = Shot { turn: Turn::STILL, ..shot };
+        let shot = FrameSequence { scene, camera, viewport: *viewport, turn: self.request.turn };
+        let still = FrameSequence { turn: Turn::STILL, ..shot };
         let method = match &mut self.in_motion {
             Some(judge) if self.at_rest.is_complete(Turn::STILL) => judge.step(&shot, |_, _, _| ())?,
             _ => self.at_rest.step(&still, |_, _, _| ())?,
         };
         let at_rest = self.at_rest.error(method)?;
         let motion = self.in_motion.as_ref().map_or(Some(at_rest), |judge| judge.error(method))?;
-        Some(Answer::Judged {
+        Some(WorkerResponse::MethodError {
             of: self.number(),
             upscaling: self.methods[method],
             error: Box::new(MethodError { still: at_rest.mean, motion }),

@@ -3,22 +3,22 @@
 //! A row is processed in blocks of 16 pixels. The samples of this frame are decoded once each. In a still view, history
 //! is read at the same pixel; otherwise it is gathered at the reprojected positions.
 
-use super::{INTERPOLATED, Now, PLACES, among};
+use super::{FrameContext, INTERPOLATED, JITTER_POSITIONS, sample_coordinate};
 use crate::image::color::Tables;
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
-use crate::upscale::history::NOWHERE;
-use crate::upscale::{Light, Motion, Scale, bands};
+use crate::upscale::history::NOT_VISIBLE;
+use crate::upscale::{FilterSpace, Motion, Scale, bands};
 
 /// RGB in the working colour space and a fourth component: alpha as an 8-bit value, or the sample count of a mean.
-type Quad = [f32; 4];
+type ColorQuad = [f32; 4];
 
 /// History of a pixel without history, marked by a negative sample count.
-const FORGOTTEN: Quad = [0.0, 0.0, 0.0, -1.0];
+const NO_HISTORY: ColorQuad = [0.0, 0.0, 0.0, -1.0];
 
 /// Position of an output column among the samples of this frame.
 #[derive(Clone, Copy)]
-struct Column {
+struct AxisPosition {
     /// Indices of the samples before and after the column, clamped to the image.
     between: [u32; 2],
     /// Interpolation weight of the second sample, in [0, 1).
@@ -30,18 +30,18 @@ struct Column {
 }
 
 /// Computes the image and its new history.
-pub(super) fn fill(lanes: Lanes, now: &Now<'_>, full: &mut Image<Rgba8>, memory: &mut Image<Quad>) {
+pub(super) fn fill(lanes: Lanes, now: &FrameContext<'_>, full: &mut Image<Rgba8>, memory: &mut Image<ColorQuad>) {
     let (width, height) = full.size();
     let samples = now.drawn.color.size();
-    let across = now.past.as_ref().map_or_else(Vec::new, |(motion, _)| motion.across(0..width));
-    let frame = Frame {
+    let across = now.history.as_ref().map_or_else(Vec::new, |(motion, _)| motion.across(0..width));
+    let frame = RowContext {
         now,
         columns: (0..width).map(|x| now.axis(0, x, samples.0)).collect(),
         rows: (0..height).map(|y| now.axis(1, y, samples.1)).collect(),
         across,
     };
     bands::fill_both(full, memory, |first, full, memory| {
-        let mut scratch = Scratch::new(width as usize, samples.0 as usize);
+        let mut scratch = RowScratch::new(width as usize, samples.0 as usize);
         let rows = full.chunks_exact_mut(width as usize).zip(memory.chunks_exact_mut(width as usize));
         for (y, (row, memory)) in (first..).zip(rows) {
             on_lanes!(lanes, simd => frame.row(simd, y, &mut scratch, row, memory));
@@ -49,13 +49,13 @@ pub(super) fn fill(lanes: Lanes, now: &Now<'_>, full: &mut Image<Rgba8>, memory:
     });
 }
 
-impl Now<'_> {
+impl FrameContext<'_> {
     /// Returns the position of output column or row `at` among `samples` samples.
-    fn axis(&self, axis: usize, at: u32, samples: u32) -> Column {
-        let (cell, on) = among(self.lattice, self.place[axis], at);
+    fn axis(&self, axis: usize, at: u32, samples: u32) -> AxisPosition {
+        let (cell, on) = sample_coordinate(self.lattice, self.place[axis], at);
         let inside = |index: i64| index.clamp(0, i64::from(samples) - 1) as u32;
         let nearest = cell + i64::from(on > 0.5);
-        Column {
+        AxisPosition {
             between: [inside(cell), inside(cell + 1)],
             on,
             own: self.own(cell, on, samples),
@@ -86,29 +86,29 @@ fn store_bytes<S: Simd>(codes: u8x64<S>, to: &mut [u8], at: usize) {
 }
 
 /// State shared by all rows of an image.
-struct Frame<'a> {
-    now: &'a Now<'a>,
-    columns: Vec<Column>,
-    rows: Vec<Column>,
+struct RowContext<'a> {
+    now: &'a FrameContext<'a>,
+    columns: Vec<AxisPosition>,
+    rows: Vec<AxisPosition>,
     /// Result of [`Motion::across`] for all columns.
     across: Vec<f64>,
 }
 
 /// Scratch buffers for a row.
-struct Scratch {
+struct RowScratch {
     /// This frame's colour of each output pixel, and its weight in the accumulation.
-    present: Vec<Quad>,
+    present: Vec<ColorQuad>,
     counts_for: Vec<f32>,
     /// Decoded sample rows above and below the output row, and the indices of these rows.
-    light: [Vec<Quad>; 2],
+    light: [Vec<ColorQuad>; 2],
     light_of: [Option<u32>; 2],
     /// Per-channel minimum and maximum of three vertically adjacent samples, with the border columns repeated.
     codes: [Vec<u8>; 2],
     /// Decoded minimum and maximum of the 3 × 3 neighbourhood, indexed by [`Column::nearest`].
-    bounds: [Vec<Quad>; 2],
+    bounds: [Vec<ColorQuad>; 2],
 }
 
-impl Scratch {
+impl RowScratch {
     fn new(width: usize, samples: usize) -> Self {
         let width = width.next_multiple_of(WIDE);
         Self {
@@ -123,13 +123,13 @@ impl Scratch {
 }
 
 /// Output colours and history of 16 pixels.
-type Block<'a> = (&'a mut [Rgba8; WIDE], &'a mut [Quad; WIDE]);
+type HistoryBlock<'a> = (&'a mut [Rgba8; WIDE], &'a mut [ColorQuad; WIDE]);
 
-impl Frame<'_> {
+impl RowContext<'_> {
     #[inline(always)]
-    fn row<S: Simd>(&self, simd: S, y: u32, scratch: &mut Scratch, row: &mut [Rgba8], memory: &mut [Quad]) {
+    fn row<S: Simd>(&self, simd: S, y: u32, scratch: &mut RowScratch, row: &mut [Rgba8], memory: &mut [ColorQuad]) {
         self.present(simd, y, scratch);
-        let past = self.now.past.as_ref();
+        let past = self.now.history.as_ref();
         if past.is_some_and(|(motion, _)| !motion.is_still()) {
             self.bounds(simd, y, scratch);
         }
@@ -150,9 +150,9 @@ impl Frame<'_> {
 
     /// Computes this frame's colours for a row: the means of [`Now::present`].
     #[inline(always)]
-    fn present<S: Simd>(&self, simd: S, y: u32, scratch: &mut Scratch) {
+    fn present<S: Simd>(&self, simd: S, y: u32, scratch: &mut RowScratch) {
         let color = self.now.drawn.color;
-        let Scratch { present, counts_for, light, light_of, .. } = scratch;
+        let RowScratch { present, counts_for, light, light_of, .. } = scratch;
         if self.now.lattice.scale == Scale::ONE {
             self.now.decode(simd, color.row(y), present);
             return;
@@ -194,7 +194,7 @@ impl Frame<'_> {
 
     /// Computes the minimum and maximum of the 3 × 3 samples around every possible nearest sample.
     #[inline(always)]
-    fn bounds<S: Simd>(&self, simd: S, y: u32, scratch: &mut Scratch) {
+    fn bounds<S: Simd>(&self, simd: S, y: u32, scratch: &mut RowScratch) {
         let color = self.now.drawn.color;
         let (width, height) = (color.width() as usize, color.height() as usize);
         let nearest = self.rows[y as usize].nearest;
@@ -232,10 +232,10 @@ impl Frame<'_> {
     }
 
     #[inline(always)]
-    fn block<S: Simd>(&self, simd: S, (from, y): (usize, u32), scratch: &Scratch, (row, memory): Block<'_>) {
+    fn block<S: Simd>(&self, simd: S, (from, y): (usize, u32), scratch: &RowScratch, (row, memory): HistoryBlock<'_>) {
         let present = columns(simd, &scratch.present.as_chunks().0[from / WIDE]);
         let counts_for = f32x16::load_array_ref(simd, &scratch.counts_for.as_chunks().0[from / WIDE]);
-        let Some((motion, past)) = &self.now.past else {
+        let Some((motion, past)) = &self.now.history else {
             let [red, green, blue, alpha] = present;
             store(simd, [red, green, blue, counts_for], memory);
             return self.now.encode(simd, present, alpha, row);
@@ -245,20 +245,20 @@ impl Frame<'_> {
             match past.first_chunk::<WIDE>() {
                 Some(block) => columns(simd, block),
                 None => {
-                    let mut block = [FORGOTTEN; WIDE];
+                    let mut block = [NO_HISTORY; WIDE];
                     block[..past.len()].copy_from_slice(past);
                     columns(simd, &block)
                 }
             }
         } else {
-            let mut block = [FORGOTTEN; WIDE];
+            let mut block = [NO_HISTORY; WIDE];
             self.gather(simd, motion, past, (from, y), scratch, &mut block);
             columns(simd, &block)
         };
         let alpha = present[3];
         let count = past[3];
         let known = count.simd_ge(f32x16::splat(simd, 0.0));
-        let count = count.min((PLACES - 1) as f32);
+        let count = count.min((JITTER_POSITIONS - 1) as f32);
         let share = if self.now.is_settled { f32x16::splat(simd, 0.0) } else { counts_for / (count + counts_for) };
         let [red, green, blue] = each!(channel in [0, 1, 2] => {
             let (past, now) = (past[channel], present[channel]);
@@ -275,10 +275,10 @@ impl Frame<'_> {
         &self,
         simd: S,
         motion: &Motion<'_>,
-        past: &Image<Quad>,
+        past: &Image<ColorQuad>,
         (from, y): (usize, u32),
-        scratch: &Scratch,
-        block: &mut [Quad; WIDE],
+        scratch: &RowScratch,
+        block: &mut [ColorQuad; WIDE],
     ) {
         let past = past.pixels();
         let width = self.columns.len();
@@ -291,7 +291,7 @@ impl Frame<'_> {
             let (upper, lower, step) = (found.upper.to_array(), found.lower.to_array(), found.step.to_array());
             let (right, down) = (found.right.to_array(), found.down.to_array());
             for lane in 0..end.saturating_sub(from) {
-                if upper[lane] == NOWHERE {
+                if upper[lane] == NOT_VISIBLE {
                     continue;
                 }
                 let (upper, lower, step) = (upper[lane] as usize, lower[lane] as usize, step[lane] as usize);
@@ -311,13 +311,13 @@ impl Frame<'_> {
     }
 }
 
-impl Now<'_> {
+impl FrameContext<'_> {
     /// Decodes samples to the working colour space; alpha stays an 8-bit value.
     #[inline(always)]
-    fn decode<S: Simd>(&self, simd: S, samples: &[Rgba8], light: &mut [Quad]) {
+    fn decode<S: Simd>(&self, simd: S, samples: &[Rgba8], light: &mut [ColorQuad]) {
         let table = match self.light {
-            Light::Linear => &self.tables.linear_of_code,
-            Light::Bytes => &self.tables.code,
+            FilterSpace::Linear => &self.tables.linear_of_code,
+            FilterSpace::Bytes => &self.tables.code,
         };
         let (runs, rest) = samples.as_chunks::<WIDE>();
         let (wide, narrow) = light.split_at_mut((runs.len() * WIDE).min(light.len()));
@@ -336,8 +336,8 @@ impl Now<'_> {
     #[inline(always)]
     fn encode<S: Simd>(&self, simd: S, light: [f32x16<S>; 4], alpha: f32x16<S>, pixels: &mut [Rgba8; WIDE]) {
         let [red, green, blue] = each!(channel in [0, 1, 2] => match self.light {
-            Light::Bytes => whole_part(light[channel] + 0.5),
-            Light::Linear => self.tables.encode_lanes(simd, light[channel]),
+            FilterSpace::Bytes => whole_part(light[channel] + 0.5),
+            FilterSpace::Linear => self.tables.encode_lanes(simd, light[channel]),
         });
         let alpha = whole_part(alpha + 0.5);
         let words = red | green << 8 | blue << 16 | alpha << 24;
@@ -347,7 +347,7 @@ impl Now<'_> {
 
 /// Transposes 16 quads into one vector per component.
 #[inline(always)]
-fn columns<S: Simd>(simd: S, quads: &[Quad; WIDE]) -> [f32x16<S>; 4] {
+fn columns<S: Simd>(simd: S, quads: &[ColorQuad; WIDE]) -> [f32x16<S>; 4] {
     let numbers = quads.as_flattened();
     let [a, b, c, d] = each!(run in [0, 1, 2, 3] => f32x16::from_slice(simd, &numbers[run * WIDE..][..WIDE]));
     let ((wy, xz), (wy_end, xz_end)) = (a.deinterleave(b), c.deinterleave(d));
@@ -357,7 +357,7 @@ fn columns<S: Simd>(simd: S, quads: &[Quad; WIDE]) -> [f32x16<S>; 4] {
 
 /// Inverse of [`columns`].
 #[inline(always)]
-fn store<S: Simd>(_simd: S, [w, x, y, z]: [f32x16<S>; 4], quads: &mut [Quad; WIDE]) {
+fn store<S: Simd>(_simd: S, [w, x, y, z]: [f32x16<S>; 4], quads: &mut [ColorQuad; WIDE]) {
     let ((wy, wy_end), (xz, xz_end)) = (w.interleave(y), x.interleave(z));
     let ((a, b), (c, d)) = (wy.interleave(xz), wy_end.interleave(xz_end));
     let numbers = quads.as_flattened_mut();
@@ -370,20 +370,21 @@ fn store<S: Simd>(_simd: S, [w, x, y, z]: [f32x16<S>; 4], quads: &mut [Quad; WID
 mod tests {
     use super::*;
     use crate::upscale::history::tests::frames;
-    use crate::upscale::{Drawn, Upscaling};
+    use crate::upscale::{UpscaleInputs, Upscaling};
 
     #[test]
     fn rows_are_what_pixels_are_alone_bit_for_bit() {
         let mut random = fastrand::Rng::with_seed(8);
-        let chosen = [(Scale::ONE, Light::Linear), (Scale::TWO, Light::Linear), (Scale::TWO, Light::Bytes)];
+        let chosen =
+            [(Scale::ONE, FilterSpace::Linear), (Scale::TWO, FilterSpace::Linear), (Scale::TWO, FilterSpace::Bytes)];
         for (scale, light) in chosen {
             let how = Upscaling::new("accumulation", scale).unwrap().with_light(light);
             for (size, number) in [((1, 1), 0), ((5, 3), 4), ((75, 9), 0), ((75, 9), 7), ((64, 6), 13), ((140, 5), 2)] {
                 let (columns, rows) = (how.lattice().samples(size.0), how.lattice().samples(size.1));
                 let color = Image::from_fn(columns, rows, |_, _| std::array::from_fn(|_| random.u8(..)));
                 for frames in frames(size, number) {
-                    let drawn = Drawn { color: &color, seen: Some(frames.seen()) };
-                    let now = Now::new(how, &drawn, size);
+                    let drawn = UpscaleInputs { color: &color, frame: Some(frames.seen()) };
+                    let now = FrameContext::new(how, &drawn, size);
                     for lanes in Lanes::all() {
                         let mut full = Image::filled(size.0, size.1, [1, 2, 3, 4]);
                         let mut memory = Image::filled(size.0, size.1, [-7.0; 4]);
@@ -391,7 +392,7 @@ mod tests {
                         for at in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y))) {
                             let context = || format!("{} {size:?} {number} {at:?} {}", how.label(), lanes.name());
                             assert_eq!(full.at(at.0, at.1), now.pixel(at), "{}", context());
-                            assert_eq!(memory.at(at.0, at.1), now.mixed(at, &now.present(at)), "{}", context());
+                            assert_eq!(memory.at(at.0, at.1), now.blend_history(at, &now.present(at)), "{}", context());
                         }
                     }
                 }

@@ -6,12 +6,12 @@
 //! incomplete, the plain mean of `checkerboard` is used.
 
 use super::mean::{CHECKERBOARD, mean_of_sources};
-use super::squares::{Around, Fill, Run, channel, fill, pixels};
-use super::{At, BEHIND, OFFERS, TOUCHING, neighbours, packed_column};
+use super::squares::{DrawnNeighbours, Fill, MissingRun, channel, fill, pixels};
+use super::{BEHIND, OFFERS, PixelPosition, TOUCHING, neighbours, packed_column};
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 use crate::pipeline::grid::SampleGrid;
-use crate::upscale::{Drawn, Offers, Sampling, Tap, Upscaler, Upscaling};
+use crate::upscale::{Offers, Sampling, Tap, UpscaleInputs, Upscaler, Upscaling};
 
 /// Checkerboard rendering with edge-directed interpolation.
 pub(crate) static CHECKERBOARD_EDGES: CheckerboardEdges = CheckerboardEdges;
@@ -44,16 +44,16 @@ impl Upscaler for CheckerboardEdges {
         Sampling::Grid(SampleGrid::Checkerboard)
     }
 
-    fn upscale(&self, _how: Upscaling, drawn: &Drawn<'_>, full: &mut Image<Rgba8>) {
+    fn upscale(&self, _how: Upscaling, drawn: &UpscaleInputs<'_>, full: &mut Image<Rgba8>) {
         let by = AlongEdges { drawn: drawn.color, size: full.size() };
         fill(Lanes::best(), SampleGrid::Checkerboard, drawn.color, full, &by);
     }
 
-    fn pixel(&self, _how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
+    fn pixel(&self, _how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
         mixed(drawn.color, size, at)
     }
 
-    fn taps(&self, how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Vec<Tap> {
+    fn taps(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Vec<Tap> {
         let Some(pairs) = pairs(size, at) else {
             return CHECKERBOARD.taps(how, drawn, size, at);
         };
@@ -65,7 +65,7 @@ impl Upscaler for CheckerboardEdges {
 
 /// Returns the four drawn pixels around a missing pixel: near and far in its row, then near and far in its column.
 /// Returns `None` if one lies outside the image.
-fn pairs(size: (u32, u32), at: At) -> Option<[At; 4]> {
+fn pairs(size: (u32, u32), at: PixelPosition) -> Option<[PixelPosition; 4]> {
     if SampleGrid::Checkerboard.sample_at(at.0, at.1).is_some() {
         return None;
     }
@@ -108,14 +108,14 @@ pub(super) struct AlongEdges<'a> {
 }
 
 impl Fill for AlongEdges<'_> {
-    fn pixel(&self, at: At) -> Rgba8 {
+    fn pixel(&self, at: PixelPosition) -> Rgba8 {
         mixed(self.drawn, self.size, at)
     }
 
     /// Computes [`mixed`] in lanes.
     #[inline(always)]
-    fn missing<S: Simd>(&self, simd: S, _run: &Run, around: Around<S>) -> u32x16<S> {
-        let Around { beside, across, far_beside, far_across } = around;
+    fn missing<S: Simd>(&self, simd: S, _run: &MissingRun, around: DrawnNeighbours<S>) -> u32x16<S> {
+        let DrawnNeighbours { beside, across, far_beside, far_across } = around;
         let [r, g, b, a] = each!(index in [0, 1, 2, 3] => {
             each!(words in [beside, far_beside, across, far_across] => channel(words, index))
         });
@@ -146,7 +146,7 @@ mod tests {
             picture.get(x, y).unwrap_or([9; 4])
         });
         let how = Upscaling::new("checkerboard-edges", Scale::ONE).unwrap();
-        how.upscale(&Drawn::from(&drawn), width, height)
+        how.upscale(&UpscaleInputs::from(&drawn), width, height)
     }
 
     #[test]

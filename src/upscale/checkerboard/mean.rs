@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use super::{BEHIND, OFFERS, TOUCHING, neighbours, packed_column, step};
 use crate::image::{Image, Rgba8};
 use crate::pipeline::grid::SampleGrid;
-use crate::upscale::{Drawn, Offers, Sampling, Tap, Upscaler, Upscaling};
+use crate::upscale::{Offers, Sampling, Tap, UpscaleInputs, Upscaler, Upscaling};
 
 /// Checkerboard rendering with missing pixels as means of their neighbours.
 pub(crate) static CHECKERBOARD: Checkerboard = Checkerboard;
@@ -50,17 +50,23 @@ impl Upscaler for Checkerboard {
         Sampling::Grid(SampleGrid::Checkerboard)
     }
 
-    fn upscale(&self, _how: Upscaling, drawn: &Drawn<'_>, full: &mut Image<Rgba8>) {
+    fn upscale(&self, _how: Upscaling, drawn: &UpscaleInputs<'_>, full: &mut Image<Rgba8>) {
         let (width, height) = full.size();
         let rows = full.pixels_mut().par_chunks_mut((width as usize).max(1));
         rows.zip(0..height).for_each(|(row, y)| fill_row(drawn.color, y, width, height, row));
     }
 
-    fn pixel(&self, _how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
+    fn pixel(&self, _how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
         mean_of_sources(drawn.color, size, at)
     }
 
-    fn taps(&self, _how: Upscaling, _drawn: &Drawn<'_>, (width, height): (u32, u32), (x, y): (u32, u32)) -> Vec<Tap> {
+    fn taps(
+        &self,
+        _how: Upscaling,
+        _drawn: &UpscaleInputs<'_>,
+        (width, height): (u32, u32),
+        (x, y): (u32, u32),
+    ) -> Vec<Tap> {
         let [a, b] = sources(x, y, width, height);
         if a == b {
             vec![Tap { x: a.0, y: a.1, weight: 1.0 }]

@@ -21,19 +21,19 @@ pub(crate) use mean::CHECKERBOARD;
 pub(crate) use surfaces::CHECKERBOARD_SURFACES;
 pub(crate) use temporal::CHECKERBOARD_TEMPORAL;
 
-use super::{Anchor, Light, Offers, Scale};
+use super::{Anchor, FilterSpace, Offers, Scale};
 
 /// Options of the checkerboard upscalers: none to choose.
 const OFFERS: Offers = Offers {
     scales: &[Scale::ONE],
     anchors: &[Anchor::Corner],
-    lights: &[Light::Bytes],
+    lights: &[FilterSpace::Bytes],
     deringing: false,
     sharpening: false,
 };
 
 /// Column and row of a pixel in the full image.
-type At = (u32, u32);
+type PixelPosition = (u32, u32);
 
 /// Step from a pixel of a missing square to the drawn square it touches; see [`step`].
 const TOUCHING: i32 = -1;
@@ -50,12 +50,12 @@ fn step(at: u32, by: i32, length: u32) -> Option<u32> {
 
 /// Returns the drawn pixels in the row and the column of a missing pixel, at the distance `by` of a [`step`]. Pixels
 /// outside the image are `None`.
-fn neighbours(by: i32, (width, height): (u32, u32), (x, y): At) -> [Option<At>; 2] {
+fn neighbours(by: i32, (width, height): (u32, u32), (x, y): PixelPosition) -> [Option<PixelPosition>; 2] {
     [step(x, by, width).map(|x| (x, y)), step(y, by, height).map(|y| (x, y))]
 }
 
 /// Returns the drawn pixels in the row and the column of a missing pixel that lie inside the image, at most four.
-fn around(size: (u32, u32), at: At) -> impl Iterator<Item = At> {
+fn around(size: (u32, u32), at: PixelPosition) -> impl Iterator<Item = PixelPosition> {
     [TOUCHING, BEHIND].into_iter().flat_map(move |by| neighbours(by, size, at)).flatten()
 }
 

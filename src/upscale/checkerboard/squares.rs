@@ -4,24 +4,24 @@
 //! the row are drawn. The drawn pixels around 16 missing ones are therefore contiguous in the packed image: in the same
 //! row, and, because rows come in pairs, in one row above and one below.
 
-use super::{At, BEHIND, TOUCHING, step};
+use super::{BEHIND, PixelPosition, TOUCHING, step};
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 use crate::pipeline::grid::SampleGrid;
 use crate::upscale::history::same_surface;
-use crate::upscale::{Scale, Surfaces, bands};
+use crate::upscale::{GBuffer, Scale, bands};
 
 /// Kernel that computes missing pixels of a checkerboard.
 pub(super) trait Fill: Sync {
     /// Computes one pixel, drawn or missing.
-    fn pixel(&self, at: At) -> Rgba8;
+    fn pixel(&self, at: PixelPosition) -> Rgba8;
 
     /// Computes 16 missing pixels in packed RGBA, with red in the lowest byte; bit-identical to [`Self::pixel`].
-    fn missing<S: Simd>(&self, simd: S, run: &Run, around: Around<S>) -> u32x16<S>;
+    fn missing<S: Simd>(&self, simd: S, run: &MissingRun, around: DrawnNeighbours<S>) -> u32x16<S>;
 }
 
 /// Position of 16 missing pixels of a row.
-pub(super) struct Run {
+pub(super) struct MissingRun {
     /// Row of the pixels, the row they touch, and the row behind them.
     pub(crate) y: u32,
     pub(crate) across: u32,
@@ -32,12 +32,12 @@ pub(super) struct Run {
     pub(crate) before: usize,
 }
 
-impl Run {
+impl MissingRun {
     /// Returns masks of the missing pixels that show the same surface as each of the four drawn pixels around: beside,
     /// across, far beside, far across.
     #[inline(always)]
-    pub(super) fn are_one<S: Simd>(&self, simd: S, surfaces: &Surfaces) -> [mask32x16<S>; 4] {
-        let Surfaces { object, distance } = surfaces;
+    pub(super) fn same_surface_masks<S: Simd>(&self, simd: S, surfaces: &GBuffer) -> [mask32x16<S>; 4] {
+        let GBuffer { object, distance } = surfaces;
         let [own, near, far] = each!(y in [self.y, self.across, self.far_across] => {
             let objects = &object.row(y).as_flattened()[4 * self.before..];
             let (even, odd) = words(simd, objects).deinterleave(words(simd, &objects[4 * WIDE..]));
@@ -68,7 +68,7 @@ impl Run {
 
     /// Loads the objects and distances of the 16 missing pixels.
     #[inline(always)]
-    pub(super) fn shown<S: Simd>(&self, simd: S, surfaces: &Surfaces) -> (u32x16<S>, f32x16<S>) {
+    pub(super) fn shown<S: Simd>(&self, simd: S, surfaces: &GBuffer) -> (u32x16<S>, f32x16<S>) {
         let distances = &surfaces.distance.row(self.y)[self.before..];
         let [a, b] = each!(at in [0, WIDE] => f32x16::from_slice(simd, &distances[at..at + WIDE]));
         let (even, odd) = a.deinterleave(b);
@@ -78,7 +78,7 @@ impl Run {
 
 /// Drawn pixels around 16 missing ones: touching (`beside`, `across`) and behind (`far_beside`, `far_across`).
 #[derive(Clone, Copy)]
-pub(super) struct Around<S: Simd> {
+pub(super) struct DrawnNeighbours<S: Simd> {
     pub(crate) beside: u32x16<S>,
     pub(crate) across: u32x16<S>,
     pub(crate) far_beside: u32x16<S>,
@@ -122,14 +122,14 @@ fn fill_row<S: Simd>(
     let mut first = from;
     loop {
         let touching = words(simd, &own[4 * beside(first)..]);
-        let around = Around {
+        let around = DrawnNeighbours {
             beside: touching,
             across: words(simd, &near[4 * first..]),
             far_beside: swap_pairs(touching),
             far_across: words(simd, &far[4 * first..]),
         };
         let before = 2 * (first + usize::from(drawn_first)) - 1;
-        let run = Run { y, across, far_across, first, before };
+        let run = MissingRun { y, across, far_across, first, before };
         let missing = by.missing(simd, &run, around).bitcast::<u64x8<S>>();
         let drawn = words(simd, &own[4 * first..]).bitcast::<u64x8<S>>();
         let (left, right) = if drawn_first { drawn.interleave(missing) } else { missing.interleave(drawn) };
@@ -179,10 +179,10 @@ pub(super) fn pixels<S: Simd>([r, g, b, a]: [f32x16<S>; 4]) -> u32x16<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::upscale::Drawn;
+    use crate::upscale::UpscaleInputs;
     use crate::upscale::checkerboard::edges::AlongEdges;
-    use crate::upscale::checkerboard::surfaces::BySurface;
-    use crate::upscale::checkerboard::temporal::{OfPast, grid_of};
+    use crate::upscale::checkerboard::surfaces::SurfaceFill;
+    use crate::upscale::checkerboard::temporal::{TemporalFill, grid_of};
     use crate::upscale::history::tests::frames;
 
     fn check(grid: SampleGrid, drawn: &Image<Rgba8>, (width, height): (u32, u32), by: &impl Fill) {
@@ -204,14 +204,14 @@ mod tests {
                 // Few distinct values, so that differences of zero occur.
                 let color = Image::from_fn(columns, rows, |_, _| std::array::from_fn(|_| random.u8(..) & 0xf1));
                 for frames in frames(size, number) {
-                    let drawn = Drawn { color: &color, seen: Some(frames.seen()) };
-                    check(grid, &color, size, &BySurface { grid, drawn: &drawn, size });
+                    let drawn = UpscaleInputs { color: &color, frame: Some(frames.seen()) };
+                    check(grid, &color, size, &SurfaceFill { grid, drawn: &drawn, size });
                     if grid_of(&drawn) == grid {
-                        check(grid, &color, size, &OfPast::new(&drawn, size));
+                        check(grid, &color, size, &TemporalFill::new(&drawn, size));
                     }
                 }
-                let drawn = Drawn::from(&color);
-                check(grid, &color, size, &BySurface { grid, drawn: &drawn, size });
+                let drawn = UpscaleInputs::from(&color);
+                check(grid, &color, size, &SurfaceFill { grid, drawn: &drawn, size });
                 if grid == SampleGrid::Checkerboard {
                     check(grid, &color, size, &AlongEdges { drawn: &color, size });
                 }

@@ -6,12 +6,12 @@
 
 use arrayvec::ArrayVec;
 
-use super::squares::{Around, Fill, Run, channel, fill, pixels};
-use super::{At, BEHIND, OFFERS, TOUCHING, neighbours};
+use super::squares::{DrawnNeighbours, Fill, MissingRun, channel, fill, pixels};
+use super::{BEHIND, OFFERS, PixelPosition, TOUCHING, neighbours};
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 use crate::pipeline::grid::SampleGrid;
-use crate::upscale::{Drawn, Offers, Reads, Sampling, Tap, Upscaler, Upscaling};
+use crate::upscale::{Offers, Reads, Sampling, Tap, UpscaleInputs, Upscaler, Upscaling};
 
 /// Checkerboard rendering with missing pixels filled from the same surface.
 pub(crate) static CHECKERBOARD_SURFACES: CheckerboardSurfaces = CheckerboardSurfaces;
@@ -41,23 +41,23 @@ impl Upscaler for CheckerboardSurfaces {
     }
 
     fn reads(&self) -> Reads {
-        Reads { surfaces: true, past: false }
+        Reads { gbuffer: true, history: false }
     }
 
     fn sampling(&self, _how: Upscaling) -> Sampling {
         Sampling::Grid(SampleGrid::Checkerboard)
     }
 
-    fn upscale(&self, _how: Upscaling, drawn: &Drawn<'_>, full: &mut Image<Rgba8>) {
-        let by = BySurface { grid: SampleGrid::Checkerboard, drawn, size: full.size() };
+    fn upscale(&self, _how: Upscaling, drawn: &UpscaleInputs<'_>, full: &mut Image<Rgba8>) {
+        let by = SurfaceFill { grid: SampleGrid::Checkerboard, drawn, size: full.size() };
         fill(Lanes::best(), SampleGrid::Checkerboard, drawn.color, full, &by);
     }
 
-    fn pixel(&self, _how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
+    fn pixel(&self, _how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
         filled(SampleGrid::Checkerboard, drawn, size, at)
     }
 
-    fn taps(&self, _how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Vec<Tap> {
+    fn taps(&self, _how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Vec<Tap> {
         taps(SampleGrid::Checkerboard, drawn, size, at).to_vec()
     }
 }
@@ -66,25 +66,25 @@ impl Upscaler for CheckerboardSurfaces {
 const NEAR_AND_FAR: [f32; 2] = [2.0, 1.0];
 
 /// Kernel that fills missing pixels from the same surface.
-pub(super) struct BySurface<'a> {
+pub(super) struct SurfaceFill<'a> {
     pub(crate) grid: SampleGrid,
-    pub(crate) drawn: &'a Drawn<'a>,
+    pub(crate) drawn: &'a UpscaleInputs<'a>,
     pub(crate) size: (u32, u32),
 }
 
-impl Fill for BySurface<'_> {
-    fn pixel(&self, at: At) -> Rgba8 {
+impl Fill for SurfaceFill<'_> {
+    fn pixel(&self, at: PixelPosition) -> Rgba8 {
         filled(self.grid, self.drawn, self.size, at)
     }
 
     #[inline(always)]
-    fn missing<S: Simd>(&self, simd: S, run: &Run, around: Around<S>) -> u32x16<S> {
+    fn missing<S: Simd>(&self, simd: S, run: &MissingRun, around: DrawnNeighbours<S>) -> u32x16<S> {
         let zero = f32x16::splat(simd, 0.0);
         let [near, far] = each!(place in [0, 1] => f32x16::splat(simd, NEAR_AND_FAR[place]));
-        let Around { beside, across, far_beside, far_across } = around;
+        let DrawnNeighbours { beside, across, far_beside, far_across } = around;
         let mut weights = [zero; 4];
-        if let Some(seen) = self.drawn.seen {
-            let same = run.are_one(simd, seen.surfaces);
+        if let Some(seen) = self.drawn.frame {
+            let same = run.same_surface_masks(simd, seen.gbuffer);
             weights = each!((place, weight) in [(0, near), (1, near), (2, far), (3, far)] => same[place].select(weight, zero));
         }
         let sum = ((weights[0] + weights[1]) + weights[2]) + weights[3];
@@ -101,7 +101,7 @@ impl Fill for BySurface<'_> {
 }
 
 /// Computes one pixel of an image whose checkerboard half `grid` was drawn.
-pub(super) fn filled(grid: SampleGrid, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
+pub(super) fn filled(grid: SampleGrid, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
     let color = |tap: &Tap| grid.sample_at(tap.x, tap.y).map_or([0; 4], |(column, row)| drawn.color.at(column, row));
     let taps = taps(grid, drawn, size, at);
     if let [only] = taps.as_slice() {
@@ -117,16 +117,21 @@ pub(super) fn filled(grid: SampleGrid, drawn: &Drawn<'_>, size: (u32, u32), at: 
 }
 
 /// Returns the drawn pixels that contribute to a pixel, with weights that sum to 1.
-pub(super) fn taps(grid: SampleGrid, drawn: &Drawn<'_>, size: (u32, u32), (x, y): At) -> ArrayVec<Tap, 4> {
+pub(super) fn taps(
+    grid: SampleGrid,
+    drawn: &UpscaleInputs<'_>,
+    size: (u32, u32),
+    (x, y): PixelPosition,
+) -> ArrayVec<Tap, 4> {
     if grid.sample_at(x, y).is_some() {
         return ArrayVec::from_iter([Tap { x, y, weight: 1.0 }]);
     }
-    let surfaces = drawn.seen.map(|seen| seen.surfaces);
-    let (mut all, mut used) = (ArrayVec::<(At, f32), 4>::new(), ArrayVec::<(At, f32), 4>::new());
+    let surfaces = drawn.frame.map(|seen| seen.gbuffer);
+    let (mut all, mut used) = (ArrayVec::<(PixelPosition, f32), 4>::new(), ArrayVec::<(PixelPosition, f32), 4>::new());
     for (by, weight) in [TOUCHING, BEHIND].into_iter().zip(NEAR_AND_FAR) {
         for at in neighbours(by, size, (x, y)).into_iter().flatten() {
             all.push((at, weight));
-            if surfaces.is_some_and(|surfaces| surfaces.are_one(at, (x, y))) {
+            if surfaces.is_some_and(|surfaces| surfaces.same_surface(at, (x, y))) {
                 used.push((at, weight));
             }
         }

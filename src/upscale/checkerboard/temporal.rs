@@ -6,14 +6,14 @@
 //! to the minimum and maximum of the surrounding drawn pixels. Otherwise the pixel is filled from the same surface of
 //! this frame.
 
-use super::squares::{self, Around, Fill, Run, channel, pixels};
-use super::surfaces::BySurface;
-use super::{At, OFFERS, around, surfaces};
+use super::squares::{self, DrawnNeighbours, Fill, MissingRun, channel, pixels};
+use super::surfaces::SurfaceFill;
+use super::{OFFERS, PixelPosition, around, surfaces};
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 use crate::pipeline::grid::SampleGrid;
-use crate::upscale::history::NOWHERE;
-use crate::upscale::{Before, CENTRE, Drawn, Motion, Offers, Reads, Sampling, Tap, Upscaler, Upscaling};
+use crate::upscale::history::NOT_VISIBLE;
+use crate::upscale::{CENTRE, Motion, Offers, Reads, Reprojected, Sampling, Tap, UpscaleInputs, Upscaler, Upscaling};
 
 /// Checkerboard rendering with missing pixels reprojected from the previous frame.
 pub(crate) static CHECKERBOARD_TEMPORAL: CheckerboardTemporal = CheckerboardTemporal;
@@ -42,10 +42,10 @@ impl Upscaler for CheckerboardTemporal {
     }
 
     fn reads(&self) -> Reads {
-        Reads { surfaces: true, past: true }
+        Reads { gbuffer: true, history: true }
     }
 
-    fn settles_after(&self, _how: Upscaling) -> u32 {
+    fn converges_after(&self, _how: Upscaling) -> u32 {
         2
     }
 
@@ -53,21 +53,21 @@ impl Upscaler for CheckerboardTemporal {
         Sampling::Grid(grid(0))
     }
 
-    fn sampling_of(&self, _how: Upscaling, frames: u32) -> (Sampling, [f64; 2]) {
+    fn frame_sampling(&self, _how: Upscaling, frames: u32) -> (Sampling, [f64; 2]) {
         (Sampling::Grid(grid(frames)), CENTRE)
     }
 
-    fn upscale(&self, _how: Upscaling, drawn: &Drawn<'_>, full: &mut Image<Rgba8>) {
-        let by = OfPast::new(drawn, full.size());
+    fn upscale(&self, _how: Upscaling, drawn: &UpscaleInputs<'_>, full: &mut Image<Rgba8>) {
+        let by = TemporalFill::new(drawn, full.size());
         squares::fill(Lanes::best(), grid_of(drawn), drawn.color, full, &by);
     }
 
-    fn pixel(&self, _how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
+    fn pixel(&self, _how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
         filled(drawn, motion(drawn, size).as_ref(), size, at)
     }
 
     /// Returns the samples of this frame only; history contributes no taps.
-    fn taps(&self, _how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Vec<Tap> {
+    fn taps(&self, _how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Vec<Tap> {
         let mut taps = surfaces::taps(grid_of(drawn), drawn, size, at).to_vec();
         // Surrounding samples clamp the history, so they are listed with zero weight.
         for (x, y) in around(size, at).filter(|_| grid_of(drawn).sample_at(at.0, at.1).is_none()) {
@@ -78,9 +78,15 @@ impl Upscaler for CheckerboardTemporal {
         taps
     }
 
-    fn remembers(&self, _how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Option<Before> {
+    fn history_position(
+        &self,
+        _how: Upscaling,
+        drawn: &UpscaleInputs<'_>,
+        size: (u32, u32),
+        at: (u32, u32),
+    ) -> Option<Reprojected> {
         let missing = grid_of(drawn).sample_at(at.0, at.1).is_none();
-        drawn.seen.filter(|_| missing).and_then(|seen| seen.before(size, at))
+        drawn.frame.filter(|_| missing).and_then(|seen| seen.reproject(size, at))
     }
 }
 
@@ -89,84 +95,84 @@ fn grid(frames: u32) -> SampleGrid {
     if frames.is_multiple_of(2) { SampleGrid::Checkerboard } else { SampleGrid::OddCheckerboard }
 }
 
-pub(super) fn grid_of(drawn: &Drawn<'_>) -> SampleGrid {
-    grid(drawn.seen.map_or(0, |seen| seen.frames()))
+pub(super) fn grid_of(drawn: &UpscaleInputs<'_>) -> SampleGrid {
+    grid(drawn.frame.map_or(0, |seen| seen.frames()))
 }
 
-fn motion<'a>(drawn: &Drawn<'a>, size: (u32, u32)) -> Option<Motion<'a>> {
-    drawn.seen.and_then(|seen| seen.motion(size))
+fn motion<'a>(drawn: &UpscaleInputs<'a>, size: (u32, u32)) -> Option<Motion<'a>> {
+    drawn.frame.and_then(|seen| seen.motion(size))
 }
 
-fn filled(drawn: &Drawn<'_>, motion: Option<&Motion<'_>>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
+fn filled(drawn: &UpscaleInputs<'_>, motion: Option<&Motion<'_>>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
     let grid = grid_of(drawn);
     if let Some((column, row)) = grid.sample_at(at.0, at.1) {
         return drawn.color.at(column, row);
     }
     motion
-        .and_then(|motion| remembered(drawn, motion, size, at))
+        .and_then(|motion| reproject_pixel(drawn, motion, size, at))
         .unwrap_or_else(|| surfaces::filled(grid, drawn, size, at))
 }
 
 /// Kernel that reprojects missing pixels from the previous frame, with the same surface of this frame as fallback.
-pub(super) struct OfPast<'a> {
-    otherwise: BySurface<'a>,
+pub(super) struct TemporalFill<'a> {
+    fallback: SurfaceFill<'a>,
     motion: Option<Motion<'a>>,
     /// Results of [`Motion::across`] for the missing pixels: of rows that start with a missing pixel, and of the other
     /// rows.
     across: [Vec<f64>; 2],
 }
 
-impl Fill for OfPast<'_> {
-    fn pixel(&self, at: At) -> Rgba8 {
-        filled(self.otherwise.drawn, self.motion.as_ref(), self.otherwise.size, at)
+impl Fill for TemporalFill<'_> {
+    fn pixel(&self, at: PixelPosition) -> Rgba8 {
+        filled(self.fallback.drawn, self.motion.as_ref(), self.fallback.size, at)
     }
 
     #[inline(always)]
-    fn missing<S: Simd>(&self, simd: S, run: &Run, around: Around<S>) -> u32x16<S> {
-        let past = self.motion.as_ref().and_then(|motion| Some((motion, motion.past.picture.as_ref()?)));
-        let Some((motion, picture)) = past else { return self.otherwise.missing(simd, run, around) };
+    fn missing<S: Simd>(&self, simd: S, run: &MissingRun, around: DrawnNeighbours<S>) -> u32x16<S> {
+        let past = self.motion.as_ref().and_then(|motion| Some((motion, motion.history.picture.as_ref()?)));
+        let Some((motion, picture)) = past else { return self.fallback.missing(simd, run, around) };
         if motion.is_still() {
             return run.own(simd, picture.row(run.y));
         }
-        let (known, remembered) = self.remembered(simd, (motion, picture), run, around);
+        let (known, remembered) = self.reproject_pixels(simd, (motion, picture), run, around);
         if known.all_true() {
             return remembered;
         }
-        known.select(remembered, self.otherwise.missing(simd, run, around))
+        known.select(remembered, self.fallback.missing(simd, run, around))
     }
 }
 
-impl<'a> OfPast<'a> {
-    pub(super) fn new(drawn: &'a Drawn<'a>, size: (u32, u32)) -> Self {
+impl<'a> TemporalFill<'a> {
+    pub(super) fn new(drawn: &'a UpscaleInputs<'a>, size: (u32, u32)) -> Self {
         let motion = motion(drawn, size);
         let missing = |first: u32| {
             let columns = (first..size.0).filter(move |x| (x - first) % 4 < 2);
             motion.map_or_else(Vec::new, |motion| motion.across(columns))
         };
-        Self { otherwise: BySurface { grid: grid_of(drawn), drawn, size }, motion, across: [missing(0), missing(2)] }
+        Self { fallback: SurfaceFill { grid: grid_of(drawn), drawn, size }, motion, across: [missing(0), missing(2)] }
     }
 
     /// Computes [`remembered`] for 16 pixels. Returns a mask of the pixels with valid history, and their colours.
     #[inline(always)]
-    fn remembered<S: Simd>(
+    fn reproject_pixels<S: Simd>(
         &self,
         simd: S,
         (motion, picture): (&Motion<'_>, &Image<Rgba8>),
-        run: &Run,
-        around: Around<S>,
+        run: &MissingRun,
+        around: DrawnNeighbours<S>,
     ) -> (mask32x16<S>, u32x16<S>) {
         let none = (mask32x16::splat(simd, false), u32x16::splat(simd, 0));
-        let Some(seen) = self.otherwise.drawn.seen else { return none };
+        let Some(seen) = self.fallback.drawn.frame else { return none };
         // The column before a run is 3 modulo 4 in rows that start with missing pixels, and 1 modulo 4 in the others.
         let columns = &self.across[usize::from(run.before % 4 == 1)];
         let Some(columns) = columns.get(run.first..).and_then(<[f64]>::first_chunk::<WIDE>) else { return none };
-        let (objects, distances) = run.shown(simd, seen.surfaces);
+        let (objects, distances) = run.shown(simd, seen.gbuffer);
         let ((object, next_object), (distance, next_distance)) = (objects.split(), distances.split());
         let [first, last] = columns.as_chunks::<LANES>().0 else { return none };
         let a = motion.find(simd, run.y, first, (object, distance));
         let b = motion.find(simd, run.y, last, (next_object, next_distance));
         let upper = a.upper.combine(b.upper);
-        let known = upper.simd_ne(u32x16::splat(simd, NOWHERE));
+        let known = upper.simd_ne(u32x16::splat(simd, NOT_VISIBLE));
         let upper = known.select(upper, u32x16::splat(simd, 0));
         let lower = known.select(a.lower.combine(b.lower), u32x16::splat(simd, 0));
         let step = known.select(a.step.combine(b.step), u32x16::splat(simd, 0));
@@ -174,7 +180,7 @@ impl<'a> OfPast<'a> {
         let [a, b, c, d] = each!(at in [upper, upper + step, lower, lower + step] => {
             gathered(simd, picture.pixels(), at)
         });
-        let Around { beside, across, far_beside, far_across } = around;
+        let DrawnNeighbours { beside, across, far_beside, far_across } = around;
         let [beside, across, far_beside, far_across] =
             each!(words in [beside, across, far_beside, far_across] => words.bitcast::<u8x64<S>>());
         let least = beside.min(across).min(far_beside.min(far_across));
@@ -199,9 +205,9 @@ fn gathered<S: Simd>(simd: S, of: &[Rgba8], at: u32x16<S>) -> u32x16<S> {
 }
 
 /// Returns the reprojected colour of a missing pixel, if the previous frame shows the same surface.
-fn remembered(drawn: &Drawn<'_>, motion: &Motion<'_>, size: (u32, u32), at: (u32, u32)) -> Option<Rgba8> {
-    let picture = motion.past.picture.as_ref()?;
-    let before = motion.before(at)?;
+fn reproject_pixel(drawn: &UpscaleInputs<'_>, motion: &Motion<'_>, size: (u32, u32), at: (u32, u32)) -> Option<Rgba8> {
+    let picture = motion.history.picture.as_ref()?;
+    let before = motion.reproject(at)?;
     if before.is_still {
         return Some(picture.at(at.0, at.1));
     }

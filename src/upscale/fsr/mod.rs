@@ -10,8 +10,8 @@ mod words;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 
-use super::choice::MOST_SHARPENING;
-use super::{Anchor, Drawn, Light, Offers, Sampling, Scale, Tap, Upscaler, Upscaling, bands};
+use super::choice::MAX_SHARPENING;
+use super::{Anchor, FilterSpace, Offers, Sampling, Scale, Tap, UpscaleInputs, Upscaler, Upscaling, bands};
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::Lanes;
 
@@ -26,7 +26,7 @@ const CROSS: [(i64, i64); 5] = [(0, -1), (-1, 0), (0, 0), (1, 0), (0, 1)];
 
 /// Returns the sharpening strength in [0, 1].
 fn strength(how: Upscaling) -> f32 {
-    how.sharpening() as f32 / MOST_SHARPENING as f32
+    how.sharpening() as f32 / MAX_SHARPENING as f32
 }
 
 impl Upscaler for Fsr1 {
@@ -48,7 +48,7 @@ impl Upscaler for Fsr1 {
         Offers {
             scales: &[Scale::ONE_AND_A_HALF, Scale::TWO],
             anchors: &[Anchor::Centre, Anchor::Corner],
-            lights: &[Light::Bytes],
+            lights: &[FilterSpace::Bytes],
             deringing: false,
             sharpening: true,
         }
@@ -58,11 +58,17 @@ impl Upscaler for Fsr1 {
         Sampling::of_lattice(how.lattice())
     }
 
-    fn upscale(&self, how: Upscaling, drawn: &Drawn<'_>, full: &mut Image<Rgba8>) {
+    fn upscale(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, full: &mut Image<Rgba8>) {
         fill(Lanes::best(), how, drawn.color, full);
     }
 
-    fn pixel(&self, how: Upscaling, drawn: &Drawn<'_>, (width, height): (u32, u32), (x, y): (u32, u32)) -> Rgba8 {
+    fn pixel(
+        &self,
+        how: Upscaling,
+        drawn: &UpscaleInputs<'_>,
+        (width, height): (u32, u32),
+        (x, y): (u32, u32),
+    ) -> Rgba8 {
         let enlarged = |x: i64, y: i64| {
             let x = x.clamp(0, i64::from(width) - 1) as u32;
             let y = y.clamp(0, i64::from(height) - 1) as u32;
@@ -75,7 +81,13 @@ impl Upscaler for Fsr1 {
         rcas::pixel(cross, strength(how))
     }
 
-    fn taps(&self, how: Upscaling, drawn: &Drawn<'_>, (width, height): (u32, u32), (x, y): (u32, u32)) -> Vec<Tap> {
+    fn taps(
+        &self,
+        how: Upscaling,
+        drawn: &UpscaleInputs<'_>,
+        (width, height): (u32, u32),
+        (x, y): (u32, u32),
+    ) -> Vec<Tap> {
         let at = |(dx, dy): (i64, i64)| {
             let x = (i64::from(x) + dx).clamp(0, i64::from(width) - 1) as u32;
             let y = (i64::from(y) + dy).clamp(0, i64::from(height) - 1) as u32;
@@ -109,15 +121,15 @@ const STRIP: usize = 32;
 
 /// Scratch buffers of a strip.
 #[derive(Default)]
-struct Scratch {
-    easu: easu::Scratch,
+struct StripScratch {
+    easu: easu::EasuScratch,
     /// Rows before sharpening.
     enlarged: Vec<Rgba8>,
 }
 
 thread_local! {
     /// Scratch buffers kept between images: allocating them each time takes a tenth of the time of all other work.
-    static SCRATCH: RefCell<Scratch> = RefCell::default();
+    static SCRATCH: RefCell<StripScratch> = RefCell::default();
 }
 
 fn fill(lanes: Lanes, how: Upscaling, drawn: &Image<Rgba8>, full: &mut Image<Rgba8>) {
@@ -135,7 +147,7 @@ fn fill_band(
     drawn: &Image<Rgba8>,
     (band, width, height): (usize, usize, usize),
     pixels: &mut [Rgba8],
-    Scratch { easu, enlarged }: &mut Scratch,
+    StripScratch { easu, enlarged }: &mut StripScratch,
 ) {
     if how.sharpening() == 0 {
         for (strip, rows) in pixels.chunks_mut(STRIP * width).enumerate() {

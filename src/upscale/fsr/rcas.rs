@@ -14,7 +14,7 @@ use crate::image::Rgba8;
 use crate::math::lanes::*;
 
 /// Largest value of −4 l.
-const MOST: f32 = 0.75;
+const MAX_LOBE: f32 = 0.75;
 
 /// Fractional bits of a sharpened 8-bit value.
 const POINT: u32 = 5;
@@ -50,7 +50,7 @@ impl Quotient<u16> {
     /// Returns q for a strength in [0, 1], in units of 2⁻¹⁵.
     fn weight(self, strength: f32) -> i16 {
         let [numerator, denominator] = [self.numerator, self.denominator].map(f32::from);
-        let numerator = numerator.min(denominator * MOST) * strength;
+        let numerator = numerator.min(denominator * MAX_LOBE) * strength;
         (numerator * 8192.0 / (denominator - numerator) + 0.5) as i16
     }
 }
@@ -191,7 +191,7 @@ fn wide_weight<S: Simd>(
     let limit = red_or_green.min(blue);
     let [numerator, denominator] =
         each!(of in [limit.numerator, limit.denominator] => float_of(of.bitcast::<u32x16<S>>() & 0xffff));
-    let numerator = numerator.min(denominator * MOST) * strength;
+    let numerator = numerator.min(denominator * MAX_LOBE) * strength;
     whole_part(numerator * 8192.0 / (denominator - numerator) + 0.5)
 }
 

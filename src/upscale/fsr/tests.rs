@@ -148,7 +148,7 @@ fn sharpened_pictures_are_those_of_their_pixels_whatever_strips_and_lanes_they_a
         let how = how(scale, Anchor::Centre, 80);
         let full = filled(Lanes::best(), how, &drawn, size);
         for (x, y) in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y))) {
-            let alone = FSR1.pixel(how, &Drawn::from(&drawn), size, (x, y));
+            let alone = FSR1.pixel(how, &UpscaleInputs::from(&drawn), size, (x, y));
             assert_eq!(full.at(x, y), alone, "×{scale} ({x}, {y})");
         }
     }
@@ -171,7 +171,7 @@ fn rows_of_many_tiles_and_what_a_wider_picture_left_behind_are_those_of_single_p
             for lanes in Lanes::all() {
                 let full = filled(lanes, how, &drawn, (width, height));
                 for (x, y) in rows.clone().flat_map(|y| (0..width).map(move |x| (x, y))) {
-                    let alone = FSR1.pixel(how, &Drawn::from(&drawn), (width, height), (x, y));
+                    let alone = FSR1.pixel(how, &UpscaleInputs::from(&drawn), (width, height), (x, y));
                     assert_eq!(full.at(x, y), alone, "{} ({x}, {y}) {}", how.label(), lanes.name());
                 }
             }

@@ -2,14 +2,14 @@
 
 use std::ops::Range;
 
-use super::{Lens, Motion, Path, SAME_DISTANCE};
+use super::{Lens, Motion, SAME_DISTANCE, ViewChange};
 use crate::math::lanes::*;
 
 /// Index that marks a pixel that was not visible in the previous frame.
-pub(in crate::upscale) const NOWHERE: u32 = u32::MAX;
+pub(in crate::upscale) const NOT_VISIBLE: u32 = u32::MAX;
 
 /// Reprojected positions of eight pixels: indices of the four pixels around each, and bilinear weights.
-pub(in crate::upscale) struct Found<S: Simd> {
+pub(in crate::upscale) struct ReprojectedLanes<S: Simd> {
     /// Index of the upper left pixel, or [`NOWHERE`].
     pub(crate) upper: u32x8<S>,
     /// Index of the lower left pixel.
@@ -39,7 +39,7 @@ impl Motion<'_> {
 
     /// Returns the per-column input of [`Self::find`], padded to whole vectors; empty if the camera is unchanged.
     pub(in crate::upscale) fn across(&self, columns: impl Iterator<Item = u32>) -> Vec<f64> {
-        let Some(Path { lenses: [from, _], .. }) = &self.path else { return Vec::new() };
+        let Some(ViewChange { lenses: [from, _], .. }) = &self.path else { return Vec::new() };
         let mut across: Vec<f64> = columns.map(|x| from.right_of(f64::from(x) + 0.5)).collect();
         across.resize(across.len().next_multiple_of(WIDE), 0.0);
         across
@@ -52,9 +52,9 @@ impl Motion<'_> {
         simd: S,
         (columns, y): (Range<usize>, u32),
         across: &[f64; LANES],
-    ) -> Found<S> {
+    ) -> ReprojectedLanes<S> {
         let (objects, distances) =
-            (&self.surfaces.object.row(y)[columns.clone()], &self.surfaces.distance.row(y)[columns]);
+            (&self.gbuffer.object.row(y)[columns.clone()], &self.gbuffer.distance.row(y)[columns]);
         // Unused lanes hold NaN, which is found nowhere.
         let (mut object, mut distance) = ([[0; 4]; LANES], [f32::NAN; LANES]);
         let (objects, distances) = match (objects.first_chunk(), distances.first_chunk()) {
@@ -78,11 +78,11 @@ impl Motion<'_> {
         y: u32,
         across: &[f64; LANES],
         (object, distance): (u32x8<S>, F32<S>),
-    ) -> Found<S> {
-        let nowhere = u32x8::splat(simd, NOWHERE);
+    ) -> ReprojectedLanes<S> {
+        let nowhere = u32x8::splat(simd, NOT_VISIBLE);
         let nought = F32::splat(simd, 0.0);
         let Some(path) = &self.path else {
-            return Found { upper: nowhere, lower: nowhere, step: nowhere, right: nought, down: nought };
+            return ReprojectedLanes { upper: nowhere, lower: nowhere, step: nowhere, right: nought, down: nought };
         };
         let ([x, y], expected) = path.moved_lanes(simd, y, across, widen(simd, distance));
         let (width, height) = (f64::from(self.size.0), f64::from(self.size.1));
@@ -96,7 +96,7 @@ impl Motion<'_> {
         let (x, y) = (inside.select(x, zero), inside.select(y, zero));
         let pixel = (whole(simd, y.floor()) * self.size.0 + whole(simd, x.floor())).to_array();
         let (mut objects, mut distances) = ([0; LANES], [0.0; LANES]);
-        let surfaces = &self.past.surfaces;
+        let surfaces = &self.history.surfaces;
         let (all_objects, all_distances) = (surfaces.object.pixels(), surfaces.distance.pixels());
         for lane in 0..LANES {
             let at = pixel[lane] as usize;
@@ -108,7 +108,7 @@ impl Motion<'_> {
         let same = u32x8::load_array(simd, objects).simd_eq(object) & near & is_inside;
 
         let ((left, next, right), (top, bottom, down)) = (between(simd, x, width), between(simd, y, height));
-        Found {
+        ReprojectedLanes {
             upper: same.select(top * self.size.0 + left, nowhere),
             lower: bottom * self.size.0 + left,
             step: next - left,
@@ -134,7 +134,7 @@ fn between<S: Simd>(simd: S, place: F64<S>, length: f64) -> (u32x8<S>, u32x8<S>,
     (first, second, narrow(simd, from - floor))
 }
 
-impl Path {
+impl ViewChange {
     /// Computes [`Path::moved`] in lanes; the caller must reject points behind the eye and non-finite results.
     #[inline(always)]
     fn moved_lanes<S: Simd>(

@@ -5,17 +5,17 @@
 
 use super::cells::Pass;
 use crate::image::Rgba8;
-use crate::upscale::lattice::Place;
+use crate::upscale::lattice::LatticePosition;
 
 /// Scalar version of the passes.
-pub(super) struct Exact {
+pub(super) struct ExactScalar {
     /// Phase steps between samples.
     pub(super) steps: u16,
     /// Positions of the output columns.
-    pub(super) columns: Vec<Place>,
+    pub(super) columns: Vec<LatticePosition>,
 }
 
-impl Pass for Exact {
+impl Pass for ExactScalar {
     type Row = Vec<[u16; 4]>;
 
     const TAPS: usize = 2;
@@ -24,7 +24,7 @@ impl Pass for Exact {
         let last = samples.len() as i32 - 1;
         let sample = |at: i32| samples[at.clamp(0, last) as usize].map(u16::from);
         wide.clear();
-        wide.extend(self.columns.iter().map(|Place { cell, phase }| {
+        wide.extend(self.columns.iter().map(|LatticePosition { cell, phase }| {
             let (a, b, phase) = (sample(*cell), sample(cell + 1), *phase as u16);
             std::array::from_fn(|channel| a[channel] * (self.steps - phase) + b[channel] * phase)
         }));

@@ -18,13 +18,13 @@ use crate::image::Rgba8;
 use crate::upscale::lanes::{
     Blocks, MAX_ROWS, SplitRows, load, load_codes, load_words, of_one_length, store, store_codes, window,
 };
-use crate::upscale::lattice::{Lattice, Place};
+use crate::upscale::lattice::{Lattice, LatticePosition};
 
 /// Number of pixels in a block.
 const BLOCK: usize = 8;
 
 /// Eight pixels: red and blue, then green and alpha.
-type Block = [[i16; 16]; 2];
+type ExactBlock = [[i16; 16]; 2];
 
 /// Passes for images of a fixed width.
 pub(super) struct ExactAvx2 {
@@ -67,7 +67,7 @@ impl Gather {
             weights: [0; 32],
         };
         for at in 0..8 {
-            let Place { cell, phase } = lattice.place_beyond(first + at);
+            let LatticePosition { cell, phase } = lattice.place_beyond(first + at);
             // A sample beyond the run has weight zero, so any index will do.
             let from = (cell - starts[at as usize / 4]) as u8;
             let [one, next] = [from, (from + 1).min(3)];
@@ -85,9 +85,9 @@ impl Gather {
 
 /// A widened row, and the padded samples it was computed from.
 #[derive(Default)]
-pub(super) struct Row {
+pub(super) struct ExactRow {
     padded: Vec<Rgba8>,
-    wide: Vec<Block>,
+    wide: Vec<ExactBlock>,
 }
 
 impl ExactAvx2 {
@@ -113,11 +113,11 @@ impl ExactAvx2 {
 }
 
 impl Pass for ExactAvx2 {
-    type Row = Row;
+    type Row = ExactRow;
 
     const TAPS: usize = 2;
 
-    fn widen(&self, samples: &[Rgba8], row: &mut Row) {
+    fn widen(&self, samples: &[Rgba8], row: &mut ExactRow) {
         let periods = (self.skipped + self.width).div_ceil(BLOCK * self.period.len());
         let padded = &mut row.padded;
         padded.clear();
@@ -126,18 +126,18 @@ impl Pass for ExactAvx2 {
         // In the block at the right border, a run of four samples may start past the last one.
         let length = padded.len().max((periods + 1) * self.samples_per_period) + 8;
         padded.resize(length, samples[samples.len() - 1]);
-        row.wide.resize(periods * self.period.len(), Block::default());
+        row.wide.resize(periods * self.period.len(), ExactBlock::default());
         gather(self.avx2, &row.padded, self, &mut row.wide);
     }
 
-    fn mix(&self, around: &[&Row], phases: &[u32], rows: &mut [Rgba8]) {
+    fn mix(&self, around: &[&ExactRow], phases: &[u32], rows: &mut [Rgba8]) {
         mix(self.avx2, self, [&around[0].wide, &around[1].wide], phases, rows);
     }
 }
 
 kernel! {
     /// Widens a row.
-    fn gather(avx2: Avx2, padded: &[Rgba8], pass: &ExactAvx2, wide: &mut [Block]) {
+    fn gather(avx2: Avx2, padded: &[Rgba8], pass: &ExactAvx2, wide: &mut [ExactBlock]) {
         let shift = _mm_cvtsi32_si128(pass.shift());
         let blocks = pass.period.len();
         for (index, gather) in pass.period.iter().enumerate() {
@@ -182,7 +182,7 @@ macro_rules! with_rows {
 
 /// Phase steps: per cell, of the first row, and between two rows.
 #[derive(Clone, Copy)]
-struct Steps {
+struct PhaseSteps {
     of_cell: u32,
     first: u32,
     each: u32,
@@ -190,13 +190,13 @@ struct Steps {
 
 kernel! {
     /// Computes the rows of a cell.
-    fn mix(avx2: Avx2, pass: &ExactAvx2, around: [&[Block]; 2], phases: &[u32], rows: &mut [Rgba8]) {
+    fn mix(avx2: Avx2, pass: &ExactAvx2, around: [&[ExactBlock]; 2], phases: &[u32], rows: &mut [Rgba8]) {
         let count = phases.len();
         let divide = !pass.steps.is_power_of_two();
         let one = if divide { pass.steps * pass.steps } else { 1 << 8 };
         let rounding = Rounding { half: _mm256_set1_epi16((one / 2) as i16), shift: (one / 9).trailing_zeros() as i32 };
         let each = phases.get(1).map_or(0, |second| second - phases[0]);
-        let steps = Steps { of_cell: pass.steps, first: phases[0], each };
+        let steps = PhaseSteps { of_cell: pass.steps, first: phases[0], each };
         let head = ((BLOCK - pass.skipped) % BLOCK).min(pass.width);
         let (first, blocks) = (usize::from(head > 0), (pass.width - head) / BLOCK);
         let SplitRows { heads, blocks: middles, tails } = SplitRows::new(rows, pass.width, head);
@@ -223,9 +223,9 @@ kernel! {
 #[inline(never)]
 fn sweep<const ROWS: usize, const DIVIDE: bool>(
     avx2: Avx2,
-    above: &[Block],
-    below: &[Block],
-    steps: Steps,
+    above: &[ExactBlock],
+    below: &[ExactBlock],
+    steps: PhaseSteps,
     rounding: Rounding,
     rows: [Blocks<'_>; MAX_ROWS],
 ) {

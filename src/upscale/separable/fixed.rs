@@ -15,7 +15,7 @@
 
 use super::cells::Pass;
 use crate::image::Rgba8;
-use crate::upscale::lattice::Place;
+use crate::upscale::lattice::LatticePosition;
 
 /// Number of fractional bits of a value.
 pub(super) const POINT: u32 = 6;
@@ -49,7 +49,7 @@ pub(super) fn times(weight: i16, value: i16) -> i16 {
 
 /// Weights at one position between samples, outermost pair first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::upscale) struct Phase<const H: usize> {
+pub(in crate::upscale) struct PhaseWeights<const H: usize> {
     /// Mean weight of each pair, in units of 2⁻¹⁵; they sum to exactly ½.
     pub(super) even: [i16; H],
     /// Half the difference of each pair's weights, in units of 2⁻¹⁵. Products are subtracted if the position is
@@ -59,7 +59,7 @@ pub(in crate::upscale) struct Phase<const H: usize> {
     pub(super) mirrored: bool,
 }
 
-impl<const H: usize> Phase<H> {
+impl<const H: usize> PhaseWeights<H> {
     /// Creates fixed-point weights from the weights of the 2 · `H` surrounding samples, which must sum to 1.
     pub(in crate::upscale) fn new(weights: &[f64]) -> Self {
         let pair = |k: usize| (weights[k], weights[2 * H - 1 - k]);
@@ -105,16 +105,16 @@ impl<const H: usize> Phase<H> {
 }
 
 /// Scalar passes over 8-bit values, with `H` pairs of taps along each axis.
-pub(super) struct Fixed<'a, const H: usize> {
+pub(super) struct FixedScalar<'a, const H: usize> {
     /// Weights at each phase of the lattice.
-    pub(super) phases: &'a [Phase<H>],
+    pub(super) phases: &'a [PhaseWeights<H>],
     /// Positions of the output columns.
-    pub(super) columns: Vec<Place>,
+    pub(super) columns: Vec<LatticePosition>,
     /// Whether values are clamped to the range of the inner two samples.
     pub(super) deringing: bool,
 }
 
-impl<const H: usize> Pass for Fixed<'_, H> {
+impl<const H: usize> Pass for FixedScalar<'_, H> {
     type Row = Vec<[i16; 4]>;
 
     const TAPS: usize = 2 * H;
@@ -123,7 +123,7 @@ impl<const H: usize> Pass for Fixed<'_, H> {
         let last = samples.len() as i32 - 1;
         let value = |at: i32, channel: usize| value_of(samples[at.clamp(0, last) as usize][channel]);
         wide.clear();
-        wide.extend(self.columns.iter().map(|Place { cell, phase }| {
+        wide.extend(self.columns.iter().map(|LatticePosition { cell, phase }| {
             let first = cell - (H as i32 - 1);
             let phase = &self.phases[*phase as usize];
             std::array::from_fn(|channel| phase.apply(|tap| value(first + tap as i32, channel), self.deringing))

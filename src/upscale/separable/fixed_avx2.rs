@@ -17,7 +17,7 @@ use std::array;
 use fearless_simd::{Avx2, kernel};
 
 use super::cells::Pass;
-use super::fixed::{BIAS, POINT, Phase, value_of};
+use super::fixed::{BIAS, POINT, PhaseWeights, value_of};
 use crate::image::Rgba8;
 use crate::upscale::Upscaling;
 use crate::upscale::lanes::{Blocks, MAX_ROWS, SplitRows, load, load_bytes, of_one_length, store, store_codes, window};
@@ -38,7 +38,7 @@ type Block = [[i16; 16]; 2];
 /// Passes for images on a lattice, with `H` pairs of taps along each axis.
 pub(super) struct FixedAvx2<'a, const H: usize> {
     avx2: Avx2,
-    phases: &'a [Phase<H>],
+    phases: &'a [PhaseWeights<H>],
     lattice: Lattice,
     deringing: bool,
     width: usize,
@@ -61,7 +61,7 @@ impl<'a, const H: usize> FixedAvx2<'a, H> {
     /// row before the first aligned address.
     pub(super) fn new(
         avx2: Avx2,
-        phases: &'a [Phase<H>],
+        phases: &'a [PhaseWeights<H>],
         how: Upscaling,
         width: u32,
         pixels_to_alignment: usize,
@@ -121,7 +121,7 @@ kernel! {
 /// Structure of the positions in a cell, in order: an optional unpaired one, then mirrored pairs around an optional
 /// middle.
 #[derive(Clone, Copy)]
-struct Shape {
+struct CellStructure {
     first: First,
     pairs: usize,
     middle: bool,
@@ -145,8 +145,8 @@ struct CellWeights<const H: usize> {
 }
 
 /// Returns the structure of a cell with these positions, or `None` if there is no kernel for it.
-fn shape_of<const H: usize>(phases: &[&Phase<H>]) -> Option<Shape> {
-    let mirrored = |rest: &[&Phase<H>]| {
+fn shape_of<const H: usize>(phases: &[&PhaseWeights<H>]) -> Option<CellStructure> {
+    let mirrored = |rest: &[&PhaseWeights<H>]| {
         let count = rest.len();
         (0..count / 2).all(|i| rest[i].mirrors(rest[count - 1 - i]))
             && (count.is_multiple_of(2) || rest[count / 2].is_middle())
@@ -156,7 +156,7 @@ fn shape_of<const H: usize>(phases: &[&Phase<H>]) -> Option<Shape> {
     } else {
         (if phases[0].is_copy() { First::Copy } else { First::Weighted }, &phases[1..])
     };
-    mirrored(rest).then_some(Shape { first, pairs: rest.len() / 2, middle: rest.len() % 2 == 1 })
+    mirrored(rest).then_some(CellStructure { first, pairs: rest.len() / 2, middle: rest.len() % 2 == 1 })
 }
 
 #[target_feature(enable = "avx2")]
@@ -172,10 +172,10 @@ fn spread<const H: usize>(weights: [i16; H]) -> [__m256i; H] {
 impl<const H: usize> CellWeights<H> {
     #[target_feature(enable = "avx2")]
     #[inline]
-    fn new(phases: &[&Phase<H>], shape: Shape, deringing: bool) -> Self {
+    fn new(phases: &[&PhaseWeights<H>], shape: CellStructure, deringing: bool) -> Self {
         let zero = [_mm256_setzero_si256(); H];
         let rest = &phases[usize::from(shape.first != First::None)..];
-        let both = |phase: &Phase<H>| [spread(phase.even), spread(phase.odd)];
+        let both = |phase: &PhaseWeights<H>| [spread(phase.even), spread(phase.odd)];
         Self {
             first: both(phases[0]),
             first_mirrored: phases[0].mirrored,
@@ -196,13 +196,13 @@ fn dot<const H: usize>(weights: &[__m256i; H], values: &[__m256i; H]) -> __m256i
 }
 
 /// Samples around a position: sums and differences of symmetric pairs, outermost first, and the inner two samples.
-struct Around<const H: usize> {
+struct TapPairs<const H: usize> {
     sums: [__m256i; H],
     differences: [__m256i; H],
     inner: (__m256i, __m256i),
 }
 
-impl<const H: usize> Around<H> {
+impl<const H: usize> TapPairs<H> {
     /// Combines the samples before (`low`) and after (`high`) a position, outermost first.
     #[target_feature(enable = "avx2")]
     #[inline]
@@ -244,7 +244,7 @@ impl<const H: usize> Around<H> {
 #[target_feature(enable = "avx2")]
 #[inline]
 fn places<const H: usize, const FIRST: u8, const PAIRS: usize, const MIDDLE: bool>(
-    around: &Around<H>,
+    around: &TapPairs<H>,
     weights: &CellWeights<H>,
     bias: __m256i,
 ) -> [__m256i; MAX_ROWS] {
@@ -321,7 +321,7 @@ fn sweep<const H: usize, const FIRST: u8, const PAIRS: usize, const MIDDLE: bool
                 before[k] = load(avx2, &low[k][block][half]);
                 after[k] = load(avx2, &high[k][block][half]);
             }
-            values[half] = places::<H, FIRST, PAIRS, MIDDLE>(&Around::new(before, after), weights, bias);
+            values[half] = places::<H, FIRST, PAIRS, MIDDLE>(&TapPairs::new(before, after), weights, bias);
         }
         let [[a0, a1, a2, a3], [b0, b1, b2, b3]] = values;
         store_codes(avx2, codes(a0, b0), &mut first[block]);
@@ -354,7 +354,7 @@ fn widen_cells<const H: usize, const FIRST: u8, const PAIRS: usize, const MIDDLE
     let count = lead + 2 * PAIRS + usize::from(MIDDLE);
     for (group, blocks) in wide.chunks_exact_mut(count / 2).enumerate() {
         let around: &[i16; WINDOW] = window(padded, 4 * GROUP * group);
-        let of = places::<H, FIRST, PAIRS, MIDDLE>(&Around::group(avx2, around, 0), weights, zero);
+        let of = places::<H, FIRST, PAIRS, MIDDLE>(&TapPairs::group(avx2, around, 0), weights, zero);
         // In each half: the first two positions of one sample, and of the next one.
         let (one, next) = (_mm256_unpacklo_epi64(of[0], of[1]), _mm256_unpackhi_epi64(of[0], of[1]));
         if let [block] = blocks {
@@ -373,7 +373,7 @@ fn widen_cells<const H: usize, const FIRST: u8, const PAIRS: usize, const MIDDLE
 /// Returns the value at one position.
 #[target_feature(enable = "avx2")]
 #[inline]
-fn place<const H: usize>(phase: &Phase<H>, around: &Around<H>, deringing: bool) -> __m256i {
+fn place<const H: usize>(phase: &PhaseWeights<H>, around: &TapPairs<H>, deringing: bool) -> __m256i {
     if phase.is_copy() {
         return around.inner.0;
     }
@@ -397,7 +397,7 @@ fn widen_any<const H: usize>(avx2: Avx2, padded: &[i16], widening: &Widening<'_,
         let around: &[i16; WINDOW] = window(padded, 4 * GROUP * group);
         for (index, (cell, phase)) in period.iter().enumerate() {
             let mut values = [0; 16];
-            store(avx2, place(phase, &Around::group(avx2, around, *cell), deringing), &mut values);
+            store(avx2, place(phase, &TapPairs::group(avx2, around, *cell), deringing), &mut values);
             for (repeat, of_sample) in values.chunks_exact(4 * samples_per_period).enumerate() {
                 let (block, register, first) = slot(group * pixels_per_group + repeat * period.len() + index);
                 wide[block][register][first..first + 4].copy_from_slice(&of_sample[..4]);
@@ -408,7 +408,7 @@ fn widen_any<const H: usize>(avx2: Avx2, padded: &[i16], widening: &Widening<'_,
 
 /// Parameters of widening a row.
 struct Widening<'a, const H: usize> {
-    period: &'a [(usize, &'a Phase<H>)],
+    period: &'a [(usize, &'a PhaseWeights<H>)],
     samples_per_period: usize,
     deringing: bool,
 }
@@ -416,7 +416,7 @@ struct Widening<'a, const H: usize> {
 #[target_feature(enable = "avx2")]
 fn widen<const H: usize>(avx2: Avx2, padded: &[i16], widening: &Widening<'_, H>, wide: &mut [Block]) {
     let Widening { period, samples_per_period, deringing } = *widening;
-    let phases: [&Phase<H>; MAX_ROWS] = array::from_fn(|at| period[at.min(period.len() - 1)].1);
+    let phases: [&PhaseWeights<H>; MAX_ROWS] = array::from_fn(|at| period[at.min(period.len() - 1)].1);
     let phases = &phases[..period.len()];
     match shape_of(phases).filter(|_| samples_per_period == 1 && matches!(period.len(), 2 | 4)) {
         Some(shape) => {
@@ -443,7 +443,7 @@ kernel! {
 struct Cell<'a, const H: usize> {
     low: [&'a [Block]; H],
     high: [&'a [Block]; H],
-    phases: &'a [&'a Phase<H>],
+    phases: &'a [&'a PhaseWeights<H>],
     /// Number of pixels left of the image.
     skipped: usize,
     deringing: bool,
@@ -459,7 +459,7 @@ fn mix<const H: usize>(avx2: Avx2, cell: &Cell<'_, H>, rows: &mut [Rgba8]) {
     }
     for (phase, row) in cell.phases.chunks_exact(1).zip(rows.chunks_exact_mut(width)) {
         let first = if phase[0].is_copy() { First::Copy } else { First::Weighted };
-        let shape = Shape { first, pairs: 0, middle: false };
+        let shape = CellStructure { first, pairs: 0, middle: false };
         mix_shape(avx2, &Cell { phases: phase, ..*cell }, shape, row);
     }
 }
@@ -467,7 +467,7 @@ fn mix<const H: usize>(avx2: Avx2, cell: &Cell<'_, H>, rows: &mut [Rgba8]) {
 /// Computes rows of a supported structure: blocks inside the image directly, blocks at its borders in a temporary.
 #[target_feature(enable = "avx2")]
 #[inline(never)]
-fn mix_shape<const H: usize>(avx2: Avx2, cell: &Cell<'_, H>, shape: Shape, rows: &mut [Rgba8]) {
+fn mix_shape<const H: usize>(avx2: Avx2, cell: &Cell<'_, H>, shape: CellStructure, rows: &mut [Rgba8]) {
     let weights = &CellWeights::new(cell.phases, shape, cell.deringing);
     let count = cell.phases.len();
     let width = rows.len() / count;

@@ -11,13 +11,13 @@ use crate::image::Rgba8;
 use crate::image::color::Tables;
 use crate::math::lanes::*;
 use crate::upscale::Scale;
-use crate::upscale::lattice::Place;
+use crate::upscale::lattice::LatticePosition;
 
 /// Passes with `N` taps along each axis.
 pub(super) struct Linear<const N: usize> {
     /// Weights at each phase of the lattice.
     weights: Vec<[f32; N]>,
-    columns: Vec<Place>,
+    columns: Vec<LatticePosition>,
     /// Numbers of pixels and of samples between two pixels of equal phase.
     period: (usize, usize),
     decode: &'static [f32; 256],
@@ -27,14 +27,14 @@ pub(super) struct Linear<const N: usize> {
 
 /// A widened row, split by channel, and the samples it was computed from, with the border samples repeated.
 #[derive(Default)]
-pub(super) struct Row {
+pub(super) struct LinearRow {
     samples: [Vec<f32>; 4],
     wide: [Vec<f32>; 4],
     /// Whether alpha is 255 in every sample, so that it needs no filtering.
     is_opaque: bool,
 }
 
-impl Row {
+impl LinearRow {
     /// Returns the number of channels to filter.
     fn channels(&self) -> usize {
         if self.is_opaque { 3 } else { 4 }
@@ -53,7 +53,13 @@ fn lanes_of(level: Level) -> Lanes {
 
 impl<const N: usize> Linear<N> {
     /// Prepares passes for consecutive output columns at these positions.
-    pub(super) fn new(level: Level, weights: &[[f64; N]], scale: Scale, columns: Vec<Place>, deringing: bool) -> Self {
+    pub(super) fn new(
+        level: Level,
+        weights: &[[f64; N]],
+        scale: Scale,
+        columns: Vec<LatticePosition>,
+        deringing: bool,
+    ) -> Self {
         let (pixels, samples) = scale.ratio();
         Self {
             period: (pixels as usize, samples as usize),
@@ -66,7 +72,7 @@ impl<const N: usize> Linear<N> {
     }
 
     /// Decodes samples and splits them by channel.
-    fn read(&self, samples: &[Rgba8], row: &mut Row) {
+    fn read(&self, samples: &[Rgba8], row: &mut LinearRow) {
         row.is_opaque = samples.iter().fold(255, |least, sample| least & sample[3]) == 255;
         let (Some(first), Some(last)) = (samples.first(), samples.last()) else { return };
         let channels = row.channels();
@@ -162,11 +168,11 @@ fn interleave<S: Simd>(_simd: S, phases: &[f32x16<S>], to: &mut [f32]) {
 }
 
 impl<const N: usize> Pass for Linear<N> {
-    type Row = Row;
+    type Row = LinearRow;
 
     const TAPS: usize = N;
 
-    fn widen(&self, samples: &[Rgba8], row: &mut Row) {
+    fn widen(&self, samples: &[Rgba8], row: &mut LinearRow) {
         self.read(samples, row);
         let width = self.columns.len();
         for channel in 0..row.channels() {
@@ -186,7 +192,7 @@ impl<const N: usize> Pass for Linear<N> {
         }
     }
 
-    fn mix(&self, around: &[&Row], phases: &[u32], rows: &mut [Rgba8]) {
+    fn mix(&self, around: &[&LinearRow], phases: &[u32], rows: &mut [Rgba8]) {
         let Some(around) = around.first_chunk::<N>() else { return };
         for (row, phase) in rows.chunks_exact_mut(self.columns.len()).zip(phases) {
             let weights = &self.weights[*phase as usize];
@@ -210,7 +216,13 @@ fn weigh_one<const N: usize>(weights: &[f32; N], around: &[f32], deringing: bool
 
 /// Computes a row from the surrounding widened rows.
 #[inline(always)]
-fn blend<S: Simd, const N: usize>(simd: S, weights: &[f32; N], around: &[&Row; N], deringing: bool, row: &mut [Rgba8]) {
+fn blend<S: Simd, const N: usize>(
+    simd: S,
+    weights: &[f32; N],
+    around: &[&LinearRow; N],
+    deringing: bool,
+    row: &mut [Rgba8],
+) {
     let mut opaque = true;
     for of in around {
         opaque &= of.is_opaque;
@@ -235,7 +247,7 @@ fn blend<S: Simd, const N: usize>(simd: S, weights: &[f32; N], around: &[&Row; N
 fn codes<S: Simd, const N: usize>(
     simd: S,
     weights: &[f32; N],
-    around: &[&Row; N],
+    around: &[&LinearRow; N],
     (deringing, opaque): (bool, bool),
     at: usize,
 ) -> u32x16<S> {
@@ -247,12 +259,12 @@ fn codes<S: Simd, const N: usize>(
         return color | 0xff00_0000;
     }
     let alpha = weigh(simd, weights, deringing, alphas(simd, around, at));
-    let alpha = whole(alpha.max(0.0).min(MOST) * 255.0);
+    let alpha = whole(alpha.max(0.0).min(BELOW_ONE) * 255.0);
     (color & 0x00ff_ffff) | alpha << 24
 }
 
 #[inline(always)]
-fn values<S: Simd, const N: usize>(simd: S, around: &[&Row; N], channel: usize, at: usize) -> [f32x16<S>; N] {
+fn values<S: Simd, const N: usize>(simd: S, around: &[&LinearRow; N], channel: usize, at: usize) -> [f32x16<S>; N] {
     let mut taps = [f32x16::splat(simd, 0.0); N];
     for tap in 0..N {
         taps[tap] = f32x16::from_slice(simd, &around[tap].wide[channel][at..at + WIDE]);
@@ -262,7 +274,7 @@ fn values<S: Simd, const N: usize>(simd: S, around: &[&Row; N], channel: usize, 
 
 /// Loads alpha like [`values`]; some rows may be opaque and store none.
 #[inline(always)]
-fn alphas<S: Simd, const N: usize>(simd: S, around: &[&Row; N], at: usize) -> [f32x16<S>; N] {
+fn alphas<S: Simd, const N: usize>(simd: S, around: &[&LinearRow; N], at: usize) -> [f32x16<S>; N] {
     let mut taps = [f32x16::splat(simd, 1.0); N];
     for tap in 0..N {
         if !around[tap].is_opaque {
@@ -276,10 +288,10 @@ fn alphas<S: Simd, const N: usize>(simd: S, around: &[&Row; N], at: usize) -> [f
 const PER_LIGHT: f32 = 255.0 * 12.92;
 
 /// Linear light above which the sRGB transfer function is a power.
-const LEAST_OF_POWER: f32 = 0.003_130_8;
+const POWER_THRESHOLD: f32 = 0.003_130_8;
 
 /// Largest float below 1, which encodes like 1: keeps all exponents negative.
-const MOST: f32 = 1.0_f32.next_down();
+const BELOW_ONE: f32 = 1.0_f32.next_down();
 
 /// Biased float exponent of the octave that starts at 2⁻⁸. Smaller values use this octave, too.
 const FIRST_OCTAVE: u32 = 119;
@@ -288,7 +300,7 @@ const FIRST_OCTAVE: u32 = 119;
 const EXPONENTS: u32 = 254;
 
 /// 255 · 1.055 · 2^(5 e / 12) for octaves e from −7 to −1, then −8: indexed by the lowest three bits of the exponent.
-const OF_OCTAVE: [f32; 8] =
+const OCTAVE_SCALE: [f32; 8] =
     [35.627_758, 47.557_35, 63.481_445, 84.737_564, 113.111_08, 150.985_18, 201.541_03, 26.690_66];
 
 /// Minimax polynomial for m^(5/12) with m in [1, 2]: maximum error 1.1 · 10⁻⁵, and 7 · 10⁻⁴ for m down to 0.8.
@@ -312,8 +324,8 @@ fn whole<S: Simd>(number: f32x16<S>) -> u32x16<S> {
 /// Below the threshold the linear part is the smaller of the two, and above it the power is.
 #[inline(always)]
 fn encode<S: Simd>(simd: S, light: f32x16<S>) -> u32x16<S> {
-    let light = light.max(0.0).min(MOST);
-    let from = light.max(LEAST_OF_POWER);
+    let light = light.max(0.0).min(BELOW_ONE);
+    let from = light.max(POWER_THRESHOLD);
     let octave = (from.bitcast::<u32x16<S>>() >> 23).max(FIRST_OCTAVE);
     let m = from * ((u32x16::splat(simd, EXPONENTS) - octave) << 23).bitcast::<f32x16<S>>();
     let mut power = f32x16::splat(simd, POWER[4]);
@@ -344,7 +356,7 @@ fn of_octave<S: Simd>(simd: S, octave: u32x16<S>) -> f32x16<S> {
     }
     let (octaves, mut factors) = (octave.to_array(), [0.0; WIDE]);
     for lane in 0..WIDE {
-        factors[lane] = OF_OCTAVE[octaves[lane] as usize % OF_OCTAVE.len()];
+        factors[lane] = OCTAVE_SCALE[octaves[lane] as usize % OCTAVE_SCALE.len()];
     }
     f32x16::load_array(simd, factors)
 }
@@ -356,13 +368,13 @@ mod x86 {
     use fearless_simd::prelude::*;
     use fearless_simd::{f32x8, f32x16, kernel};
 
-    use super::OF_OCTAVE;
+    use super::OCTAVE_SCALE;
 
     kernel! {
         /// The instruction uses the lowest four bits of each index.
         #[inline]
         pub(super) fn of_octave_wide(avx512: Avx512, octave: __m512i) -> __m512 {
-            let [a, b, c, d, e, f, g, h] = OF_OCTAVE;
+            let [a, b, c, d, e, f, g, h] = OCTAVE_SCALE;
             let table = f32x16::load_array(avx512, [a, b, c, d, e, f, g, h, a, b, c, d, e, f, g, h]);
             _mm512_permutexvar_ps(octave, table.into())
         }
@@ -372,7 +384,7 @@ mod x86 {
         /// The instruction uses the lowest three bits of each index.
         #[inline]
         pub(super) fn of_octave(avx2: Avx2, octave: __m256i) -> __m256 {
-            _mm256_permutevar8x32_ps(f32x8::load_array(avx2, OF_OCTAVE).into(), octave)
+            _mm256_permutevar8x32_ps(f32x8::load_array(avx2, OCTAVE_SCALE).into(), octave)
         }
     }
 }

@@ -16,15 +16,15 @@ mod light;
 mod tests;
 
 use cells::{fill, pixel};
-use exact::Exact;
+use exact::ExactScalar;
 use fearless_simd::Level;
-use fixed::{Fixed, Phase};
+use fixed::{FixedScalar, PhaseWeights};
 use light::Linear;
 
 #[cfg(target_arch = "x86_64")]
 use super::lanes::pixels_to_alignment;
-use super::lattice::{Anchor, Lattice, Place};
-use super::{Drawn, Light, Offers, Sampling, Scale, Tap, Upscaler, Upscaling};
+use super::lattice::{Anchor, Lattice, LatticePosition};
+use super::{FilterSpace, Offers, Sampling, Scale, Tap, UpscaleInputs, Upscaler, Upscaling};
 use crate::image::{Image, Rgba8};
 use crate::pipeline::settings::Choice as _;
 
@@ -37,7 +37,7 @@ pub(crate) struct Separable {
     /// Description; see [`Upscaler::help`].
     pub(super) help: &'static str,
     /// Weights of the surrounding samples.
-    pub(super) weights: Weights,
+    pub(super) weights: KernelWeights,
     /// Whether de-ringing is available: only for interpolating kernels, where overshoot can be distinguished from
     /// smoothing.
     pub(super) deringing: bool,
@@ -45,7 +45,7 @@ pub(crate) struct Separable {
 
 /// Weights of the surrounding samples, in order, at t in [0, 1) between the inner two; they sum to 1.
 #[derive(Clone, Copy)]
-pub(super) enum Weights {
+pub(super) enum KernelWeights {
     /// One sample on each side.
     Two(fn(f64) -> [f64; 2]),
     /// Two samples on each side.
@@ -61,24 +61,24 @@ fn table<const N: usize>(weights: fn(f64) -> [f64; N], lattice: Lattice) -> Vec<
 }
 
 /// Returns the positions of the columns of an image.
-fn columns(lattice: Lattice, width: u32) -> Vec<Place> {
+fn columns(lattice: Lattice, width: u32) -> Vec<LatticePosition> {
     lattice.places_from(0).take(width as usize).collect()
 }
 
 /// Returns the weights at all phases in fixed point.
-fn phases<const N: usize, const H: usize>(weights: fn(f64) -> [f64; N], lattice: Lattice) -> Vec<Phase<H>> {
-    table(weights, lattice).iter().map(|weights| Phase::new(weights)).collect()
+fn phases<const N: usize, const H: usize>(weights: fn(f64) -> [f64; N], lattice: Lattice) -> Vec<PhaseWeights<H>> {
+    table(weights, lattice).iter().map(|weights| PhaseWeights::new(weights)).collect()
 }
 
 impl Separable {
     /// Fills an image. `level` selects the instruction set, which does not affect the result.
     fn fill(&self, level: Level, how: Upscaling, drawn: &Image<Rgba8>, full: &mut Image<Rgba8>) {
         match (how.light(), self.weights) {
-            (Light::Linear, Weights::Two(weights)) => fill_linear(level, weights, how, drawn, full),
-            (Light::Linear, Weights::Four(weights)) => fill_linear(level, weights, how, drawn, full),
-            (Light::Linear, Weights::Six(weights)) => fill_linear(level, weights, how, drawn, full),
-            (Light::Bytes, Weights::Two(_)) => fill_exact(level, how.lattice(), drawn, full),
-            (Light::Bytes, Weights::Four(weights)) => {
+            (FilterSpace::Linear, KernelWeights::Two(weights)) => fill_linear(level, weights, how, drawn, full),
+            (FilterSpace::Linear, KernelWeights::Four(weights)) => fill_linear(level, weights, how, drawn, full),
+            (FilterSpace::Linear, KernelWeights::Six(weights)) => fill_linear(level, weights, how, drawn, full),
+            (FilterSpace::Bytes, KernelWeights::Two(_)) => fill_exact(level, how.lattice(), drawn, full),
+            (FilterSpace::Bytes, KernelWeights::Four(weights)) => {
                 let phases = phases::<4, 2>(weights, how.lattice());
                 #[cfg(target_arch = "x86_64")]
                 if let Some(avx2) = level.as_avx2() {
@@ -93,7 +93,7 @@ impl Separable {
                 }
                 fill_fixed(&phases, how, drawn, full);
             }
-            (Light::Bytes, Weights::Six(weights)) => {
+            (FilterSpace::Bytes, KernelWeights::Six(weights)) => {
                 let phases = phases::<6, 3>(weights, how.lattice());
                 #[cfg(target_arch = "x86_64")]
                 if let Some(avx2) = level.as_avx2() {
@@ -131,34 +131,46 @@ fn fill_exact(level: Level, lattice: Lattice, drawn: &Image<Rgba8>, full: &mut I
         let pass = exact_avx2::ExactAvx2::new(avx2, lattice, full.width(), pixels_to_alignment(full.pixels()));
         return fill(&pass, drawn, lattice, full);
     }
-    fill(&Exact { steps: lattice.phases() as u16, columns: columns(lattice, full.width()) }, drawn, lattice, full);
+    fill(
+        &ExactScalar { steps: lattice.phases() as u16, columns: columns(lattice, full.width()) },
+        drawn,
+        lattice,
+        full,
+    );
 }
 
-fn fill_fixed<const H: usize>(phases: &[Phase<H>], how: Upscaling, drawn: &Image<Rgba8>, full: &mut Image<Rgba8>) {
+fn fill_fixed<const H: usize>(
+    phases: &[PhaseWeights<H>],
+    how: Upscaling,
+    drawn: &Image<Rgba8>,
+    full: &mut Image<Rgba8>,
+) {
     let columns = columns(how.lattice(), full.width());
-    fill(&Fixed { phases, columns, deringing: how.deringing() }, drawn, how.lattice(), full);
+    fill(&FixedScalar { phases, columns, deringing: how.deringing() }, drawn, how.lattice(), full);
 }
 
 /// Computes one pixel, bit-identical to the whole-image kernel.
-fn pixel_of(weights: Weights, how: Upscaling, drawn: &Image<Rgba8>, (x, y): (u32, u32)) -> Rgba8 {
+fn pixel_of(weights: KernelWeights, how: Upscaling, drawn: &Image<Rgba8>, (x, y): (u32, u32)) -> Rgba8 {
     let (lattice, deringing) = (how.lattice(), how.deringing());
     let columns = vec![lattice.place(x)];
     match (how.light(), weights) {
-        (Light::Linear, Weights::Two(w)) => {
+        (FilterSpace::Linear, KernelWeights::Two(w)) => {
             pixel(&Linear::new(Level::new(), &table(w, lattice), lattice.scale, columns, deringing), drawn, lattice, y)
         }
-        (Light::Linear, Weights::Four(w)) => {
+        (FilterSpace::Linear, KernelWeights::Four(w)) => {
             pixel(&Linear::new(Level::new(), &table(w, lattice), lattice.scale, columns, deringing), drawn, lattice, y)
         }
-        (Light::Linear, Weights::Six(w)) => {
+        (FilterSpace::Linear, KernelWeights::Six(w)) => {
             pixel(&Linear::new(Level::new(), &table(w, lattice), lattice.scale, columns, deringing), drawn, lattice, y)
         }
-        (Light::Bytes, Weights::Two(_)) => pixel(&Exact { steps: lattice.phases() as u16, columns }, drawn, lattice, y),
-        (Light::Bytes, Weights::Four(w)) => {
-            pixel(&Fixed { phases: &phases::<4, 2>(w, lattice), columns, deringing }, drawn, lattice, y)
+        (FilterSpace::Bytes, KernelWeights::Two(_)) => {
+            pixel(&ExactScalar { steps: lattice.phases() as u16, columns }, drawn, lattice, y)
         }
-        (Light::Bytes, Weights::Six(w)) => {
-            pixel(&Fixed { phases: &phases::<6, 3>(w, lattice), columns, deringing }, drawn, lattice, y)
+        (FilterSpace::Bytes, KernelWeights::Four(w)) => {
+            pixel(&FixedScalar { phases: &phases::<4, 2>(w, lattice), columns, deringing }, drawn, lattice, y)
+        }
+        (FilterSpace::Bytes, KernelWeights::Six(w)) => {
+            pixel(&FixedScalar { phases: &phases::<6, 3>(w, lattice), columns, deringing }, drawn, lattice, y)
         }
     }
 }
@@ -180,7 +192,7 @@ impl Upscaler for Separable {
         Offers {
             scales: SCALES,
             anchors: Anchor::ALL,
-            lights: Light::ALL,
+            lights: FilterSpace::ALL,
             deringing: self.deringing,
             sharpening: false,
         }
@@ -190,15 +202,15 @@ impl Upscaler for Separable {
         Sampling::of_lattice(how.lattice())
     }
 
-    fn upscale(&self, how: Upscaling, drawn: &Drawn<'_>, full: &mut Image<Rgba8>) {
+    fn upscale(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, full: &mut Image<Rgba8>) {
         self.fill(Level::new(), how, drawn.color, full);
     }
 
-    fn pixel(&self, how: Upscaling, drawn: &Drawn<'_>, _size: (u32, u32), at: (u32, u32)) -> Rgba8 {
+    fn pixel(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, _size: (u32, u32), at: (u32, u32)) -> Rgba8 {
         pixel_of(self.weights, how, drawn.color, at)
     }
 
-    fn taps(&self, how: Upscaling, drawn: &Drawn<'_>, _size: (u32, u32), (x, y): (u32, u32)) -> Vec<Tap> {
+    fn taps(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, _size: (u32, u32), (x, y): (u32, u32)) -> Vec<Tap> {
         let (columns, rows) = drawn.color.size();
         let across = axis_taps(self.weights, how.lattice(), x, columns);
         let down = axis_taps(self.weights, how.lattice(), y, rows);
@@ -215,13 +227,13 @@ impl Upscaler for Separable {
 pub(super) const SCALES: &[Scale] = &[Scale::ONE_AND_A_HALF, Scale::TWO, Scale::THREE, Scale::FOUR];
 
 /// Returns the distinct samples and weights along one axis for output pixel `at`.
-fn axis_taps(weights: Weights, lattice: Lattice, at: u32, samples: u32) -> Vec<(u32, f64)> {
-    let Place { cell, phase } = lattice.place(at);
+fn axis_taps(weights: KernelWeights, lattice: Lattice, at: u32, samples: u32) -> Vec<(u32, f64)> {
+    let LatticePosition { cell, phase } = lattice.place(at);
     let t = f64::from(phase) / f64::from(lattice.phases());
     let weights = match weights {
-        Weights::Two(weights) => weights(t).to_vec(),
-        Weights::Four(weights) => weights(t).to_vec(),
-        Weights::Six(weights) => weights(t).to_vec(),
+        KernelWeights::Two(weights) => weights(t).to_vec(),
+        KernelWeights::Four(weights) => weights(t).to_vec(),
+        KernelWeights::Six(weights) => weights(t).to_vec(),
     };
     if weights[weights.len() / 2 - 1] == 1.0 {
         return vec![(cell.clamp(0, samples as i32 - 1) as u32, 1.0)];

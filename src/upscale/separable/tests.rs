@@ -169,7 +169,7 @@ fn linear_light_is_within_one_code_of_exact_arithmetic() {
         255.0 * if channel == 3 { v } else { code }
     };
     for_all(|method, kernel, how, drawn, size| {
-        let how = how.with_light(Light::Linear);
+        let how = how.with_light(FilterSpace::Linear);
         let full = filled(method, Level::new(), how, drawn, size);
         let exact = reference(kernel, how, drawn, size, decode);
         for (pixel, exact) in full.pixels().iter().zip(exact.pixels()) {
@@ -185,7 +185,7 @@ fn linear_light_is_within_one_code_of_exact_arithmetic() {
 #[test]
 fn wide_lanes_agree_with_plain_code_bit_for_bit() {
     for_all(|method, _, how, drawn, size| {
-        for light in Light::ALL {
+        for light in FilterSpace::ALL {
             for deringing in [false, true] {
                 let how = how.with_light(*light).with_deringing(deringing);
                 let wide = filled(method, Level::new(), how, drawn, size);
@@ -209,7 +209,7 @@ fn linear_light_of_wide_rows_is_that_of_pixels_alone_whatever_is_opaque() {
                 [r, g, b, if opaque(y) { 255 } else { a }]
             });
             for deringing in [false, true] {
-                let how = how.with_light(Light::Linear).with_deringing(deringing);
+                let how = how.with_light(FilterSpace::Linear).with_deringing(deringing);
                 let [width, height] = [43.0, 5.0].map(|samples: f64| (samples * how.scale().value()) as u32);
                 let alone = Image::from_fn(width, height, |x, y| pixel_of(method.weights, how, &drawn, (x, y)));
                 for level in &levels {
@@ -231,15 +231,15 @@ fn where_rows_lie_in_memory_changes_nothing() {
             let mut wide = Image::filled(size.0, size.1, [77, 1, 2, 3]);
             let lattice = how.lattice();
             match method.weights {
-                Weights::Two(_) => {
+                KernelWeights::Two(_) => {
                     fill(&exact_avx2::ExactAvx2::new(avx2, lattice, size.0, before), drawn, lattice, &mut wide);
                 }
-                Weights::Four(weights) => {
+                KernelWeights::Four(weights) => {
                     let phases = phases::<4, 2>(weights, lattice);
                     let pass = fixed_avx2::FixedAvx2::new(avx2, &phases, how, size.0, before);
                     fill(&pass, drawn, lattice, &mut wide);
                 }
-                Weights::Six(weights) => {
+                KernelWeights::Six(weights) => {
                     let phases = phases::<6, 3>(weights, lattice);
                     let pass = fixed_avx2::FixedAvx2::new(avx2, &phases, how, size.0, before);
                     fill(&pass, drawn, lattice, &mut wide);

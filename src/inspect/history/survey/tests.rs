@@ -66,12 +66,12 @@ fn what_is_kept_is_what_the_frame_rasterizes_to_the_bit() {
         for recipe in recipes.iter().chain(&others) {
             let mut frame = frame(&scene, recipe, &scene.home);
             let whole = Survey::of(&scene, recipe, &frame);
-            assert!(whole.found.dropped.iter().all(|d| d.cause != Cause::NotDrawnYet), "{id}");
+            assert!(whole.triangles.dropped.iter().all(|d| d.cause != Cause::NotDrawnYet), "{id}");
             let bits = |corners: [[f32; 2]; 3]| corners.map(|corner| corner.map(f32::to_bits));
             let mut drawn: Vec<_> = frame.geometry.triangles.iter().map(|t| (t.id, bits(t.corners_px()))).collect();
             frame.geometry.triangles.clear();
             let survey = Survey::of(&scene, recipe, &frame);
-            let mut kept: Vec<_> = survey.found.rasterized.iter().map(|d| (d.id, bits(d.corners_px))).collect();
+            let mut kept: Vec<_> = survey.triangles.rasterized.iter().map(|d| (d.id, bits(d.corners_px))).collect();
             drawn.sort_unstable();
             kept.sort_unstable();
             count += kept.len();

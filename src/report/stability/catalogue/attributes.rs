@@ -1,13 +1,13 @@
 //! Cases for weights, attributes and depth inside a triangle. Vertices lie on the 1/256 px grid, so snapping does not
 //! move them.
 
-use super::dice::{Dice, to_f32};
-use super::{Class, Draft, Family};
+use super::rng::{Rng, to_f32};
+use super::{CaseDraft, Class, Family};
 use crate::pipeline::settings::FillRule;
 use crate::pipeline::viewport::Viewport;
-use crate::report::stability::case::{Attributes, Body, CoplanarPair};
+use crate::report::stability::case::{AttributeCase, Body, CoplanarPairCase};
 use crate::report::stability::metric::{Bound, Metric};
-use crate::report::stability::oracle::{Region, ScreenCorner, Snap};
+use crate::report::stability::oracle::{ExactRegion, ScreenCorner, Snap};
 
 /// Number of pixels evaluated per triangle.
 const SAMPLES: usize = 24;
@@ -104,11 +104,11 @@ pub(super) const CLASSES: &[Class] = &[
 ];
 
 /// Returns up to [`SAMPLES`] pixels whose centres lie inside all triangles.
-fn samples(dice: &mut Dice, side: u32, triangles: &[&[ScreenCorner; 3]]) -> Vec<[u32; 2]> {
+fn samples(dice: &mut Rng, side: u32, triangles: &[&[ScreenCorner; 3]]) -> Vec<[u32; 2]> {
     let viewport = Viewport { width: side, height: side };
     let regions: Vec<_> = triangles
         .iter()
-        .map(|corners| Region::triangle(corners.map(|c| [c.x, c.y]), Snap::Unsnapped, FillRule::TopLeft))
+        .map(|corners| ExactRegion::triangle(corners.map(|c| [c.x, c.y]), Snap::Unsnapped, FillRule::TopLeft))
         .collect();
     let spans = regions.first().map(|region| region.spans(viewport)).unwrap_or_default();
     let mut pixels: Vec<[u32; 2]> = Vec::new();
@@ -126,21 +126,21 @@ fn samples(dice: &mut Dice, side: u32, triangles: &[&[ScreenCorner; 3]]) -> Vec<
 }
 
 /// Creates a draft of one triangle, or `None` if it contains no pixel centre.
-fn draft(dice: &mut Dice, note: impl Into<String>, side: u32, vertices: [ScreenCorner; 3]) -> Option<Draft> {
+fn draft(dice: &mut Rng, note: impl Into<String>, side: u32, vertices: [ScreenCorner; 3]) -> Option<CaseDraft> {
     let eval = samples(dice, side, &[&vertices]);
-    let body = Body::TriAttr(Attributes { width: side, height: side, vertices, eval: eval.clone() });
-    (!eval.is_empty()).then(|| Draft::new(note, body))
+    let body = Body::TriAttr(AttributeCase { width: side, height: side, vertices, eval: eval.clone() });
+    (!eval.is_empty()).then(|| CaseDraft::new(note, body))
 }
 
 /// Returns a vertex at a random position in the image, with random attributes.
-fn corner(dice: &mut Dice, side: u32, w: f64) -> ScreenCorner {
+fn corner(dice: &mut Rng, side: u32, w: f64) -> ScreenCorner {
     let [x, y] = [(); 2].map(|()| dice.on_grid(0, side as i32));
     let [z, u, v] = to_f32([(); 3].map(|()| dice.uniform(0.0, 1.0)));
     ScreenCorner { x, y, z, w: w as f32, uv: [u, v] }
 }
 
 /// Creates eight triangles; `w` returns the w of each vertex.
-fn eight(dice: &mut Dice, side: u32, note: &str, mut w: impl FnMut(&mut Dice) -> f64) -> Vec<Draft> {
+fn eight(dice: &mut Rng, side: u32, note: &str, mut w: impl FnMut(&mut Rng) -> f64) -> Vec<CaseDraft> {
     let mut drafts = Vec::new();
     while drafts.len() < 8 {
         let corners = [(); 3].map(|()| {
@@ -152,17 +152,17 @@ fn eight(dice: &mut Dice, side: u32, note: &str, mut w: impl FnMut(&mut Dice) ->
     drafts
 }
 
-fn affine(dice: &mut Dice) -> Vec<Draft> {
+fn affine(dice: &mut Rng) -> Vec<CaseDraft> {
     eight(dice, SIDE, "w = 1", |_| 1.0)
 }
 
-fn perspective(dice: &mut Dice) -> Vec<Draft> {
+fn perspective(dice: &mut Rng) -> Vec<CaseDraft> {
     let mut drafts = eight(dice, SIDE, "w from 0.1 to 10", |dice| dice.log_uniform(0.1, 10.0));
     drafts.extend(eight(dice, LARGE, "w from 0.1 to 10, 4096 px", |dice| dice.log_uniform(0.1, 10.0)));
     drafts
 }
 
-fn w_ratio(dice: &mut Dice) -> Vec<Draft> {
+fn w_ratio(dice: &mut Rng) -> Vec<CaseDraft> {
     let mut exponents = [3.0, 6.0, 9.0, 12.0, 15.0].into_iter().cycle();
     let mut drafts = Vec::new();
     while drafts.len() < 10 {
@@ -177,7 +177,7 @@ fn w_ratio(dice: &mut Dice) -> Vec<Draft> {
 
 /// Creates a sliver from a pixel centre on the left to one on the right of the image. At its start, it extends `half`
 /// px to both sides. Its axis rises by whole pixels over whole pixels, so it passes through pixel centres.
-fn sliver(dice: &mut Dice, side: u32, half: f32) -> Option<Draft> {
+fn sliver(dice: &mut Rng, side: u32, half: f32) -> Option<CaseDraft> {
     let rises = dice.integer(3..(side as i32 / 8).min(100));
     let run = (side as i32 - 4) / rises * rises;
     let start = [dice.centre(1, 4), dice.centre(1, side as i32 - rises - 1)];
@@ -194,15 +194,15 @@ fn sliver(dice: &mut Dice, side: u32, half: f32) -> Option<Draft> {
 /// Half heights of the slivers in pixels, all on the snapping grid.
 const HALF_HEIGHTS: [f32; 5] = [0.5, 0.125, 0.031_25, 0.007_812_5, 0.003_906_25];
 
-fn thin(dice: &mut Dice) -> Vec<Draft> {
+fn thin(dice: &mut Rng) -> Vec<CaseDraft> {
     HALF_HEIGHTS.into_iter().cycle().take(10).filter_map(|half| sliver(dice, SIDE, half)).collect()
 }
 
-fn wide_thin(dice: &mut Dice) -> Vec<Draft> {
+fn wide_thin(dice: &mut Rng) -> Vec<CaseDraft> {
     HALF_HEIGHTS.into_iter().cycle().take(10).filter_map(|half| sliver(dice, LARGE, half)).collect()
 }
 
-fn huge_uv(dice: &mut Dice) -> Vec<Draft> {
+fn huge_uv(dice: &mut Rng) -> Vec<CaseDraft> {
     let mut drafts = Vec::new();
     for offset in [1e2, 1e3, 1e4, 1e5, 1e6] {
         let mut corners = [(); 3].map(|()| {
@@ -218,7 +218,7 @@ fn huge_uv(dice: &mut Dice) -> Vec<Draft> {
     drafts
 }
 
-fn coplanar(dice: &mut Dice) -> Vec<Draft> {
+fn coplanar(dice: &mut Rng) -> Vec<CaseDraft> {
     let mut drafts = Vec::new();
     while drafts.len() < 8 {
         // A parallelogram is always planar, and f32 represents all its vertices exactly: positions are multiples of
@@ -237,8 +237,8 @@ fn coplanar(dice: &mut Dice) -> Vec<Draft> {
         let (first, second) = (dice.shuffled(first), dice.shuffled(second));
         let eval = samples(dice, SIDE, &[&first, &second]);
         if eval.len() >= SAMPLES / 2 {
-            let body = Body::CoplanarPair(CoplanarPair { width: SIDE, height: SIDE, first, second, eval });
-            drafts.push(Draft::new("two triangles in one plane", body));
+            let body = Body::CoplanarPair(CoplanarPairCase { width: SIDE, height: SIDE, first, second, eval });
+            drafts.push(CaseDraft::new("two triangles in one plane", body));
         }
     }
     drafts

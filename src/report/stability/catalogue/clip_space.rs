@@ -1,8 +1,8 @@
 //! Cases of triangles that extend beyond what can be projected: behind the eye, to infinity, and to non-finite
 //! coordinates.
 
-use super::dice::{Dice, to_f32};
-use super::{Class, Draft, Family};
+use super::rng::{Rng, to_f32};
+use super::{CaseDraft, Class, Family};
 use crate::report::stability::case::{Body, ClipSpace};
 use crate::report::stability::metric::{Bound, Metric};
 
@@ -74,8 +74,8 @@ pub(super) const CLASSES: &[Class] = &[
     },
 ];
 
-fn clip_space(note: impl Into<String>, triangles: Vec<[[f32; 4]; 3]>) -> Draft {
-    Draft::new(note, Body::ClipTri(ClipSpace { width: SIDE, height: SIDE, triangles }))
+fn clip_space(note: impl Into<String>, triangles: Vec<[[f32; 4]; 3]>) -> CaseDraft {
+    CaseDraft::new(note, Body::ClipTri(ClipSpace { width: SIDE, height: SIDE, triangles }))
 }
 
 /// Projects a view-space point, given by x, y and distance, to clip space. z/w ranges from 0 at [`NEAR`] to 1 at
@@ -84,8 +84,8 @@ fn project([x, y, distance]: [f64; 3]) -> [f32; 4] {
     to_f32([x, y, (distance - NEAR) * FAR / (FAR - NEAR), distance])
 }
 
-fn near_crossing(dice: &mut Dice) -> Vec<Draft> {
-    let random = |dice: &mut Dice| {
+fn near_crossing(dice: &mut Rng) -> Vec<CaseDraft> {
+    let random = |dice: &mut Rng| {
         [(); 3].map(|()| project([dice.uniform(-4.0, 4.0), dice.uniform(-4.0, 4.0), dice.uniform(-3.0, 5.0)]))
     };
     let mut drafts: Vec<_> =
@@ -97,12 +97,12 @@ fn near_crossing(dice: &mut Dice) -> Vec<Draft> {
     drafts
 }
 
-fn zero_w(dice: &mut Dice) -> Vec<Draft> {
+fn zero_w(dice: &mut Rng) -> Vec<CaseDraft> {
     let mut with_w = |w: f32| {
         // z on or in front of the near plane, as a projection would give it for such a w.
         let odd = [dice.uniform(-2.0, 2.0) as f32, dice.uniform(-2.0, 2.0) as f32, w - NEAR as f32, w];
         let other =
-            |dice: &mut Dice| project([dice.uniform(-2.0, 2.0), dice.uniform(-2.0, 2.0), dice.uniform(0.5, 4.0)]);
+            |dice: &mut Rng| project([dice.uniform(-2.0, 2.0), dice.uniform(-2.0, 2.0), dice.uniform(0.5, 4.0)]);
         let corners = [odd, other(dice), other(dice)];
         dice.shuffled(corners)
     };
@@ -121,8 +121,8 @@ fn zero_w(dice: &mut Dice) -> Vec<Draft> {
     drafts
 }
 
-fn eye_inside(dice: &mut Dice) -> Vec<Draft> {
-    let around = |dice: &mut Dice, height: f64| {
+fn eye_inside(dice: &mut Rng) -> Vec<CaseDraft> {
+    let around = |dice: &mut Rng, height: f64| {
         let start = dice.uniform(0.0, 1.0);
         let tilt = dice.direction();
         [0.0, 1.0, 2.0].map(|third| {
@@ -137,8 +137,8 @@ fn eye_inside(dice: &mut Dice) -> Vec<Draft> {
     heights.map(|height| clip_space(format!("a plane {height:e} from the eye"), vec![around(dice, height)])).collect()
 }
 
-fn huge(dice: &mut Dice) -> Vec<Draft> {
-    let far = |dice: &mut Dice| dice.sign() * dice.log_uniform(1e6, 3.4e38);
+fn huge(dice: &mut Rng) -> Vec<CaseDraft> {
+    let far = |dice: &mut Rng| dice.sign() * dice.log_uniform(1e6, 3.4e38);
     let mut drafts = Vec::new();
     for _ in 0..6 {
         // x and y up to the limits of f32, in front of the eye.
@@ -157,7 +157,7 @@ fn huge(dice: &mut Dice) -> Vec<Draft> {
     drafts
 }
 
-fn not_finite(dice: &mut Dice) -> Vec<Draft> {
+fn not_finite(dice: &mut Rng) -> Vec<CaseDraft> {
     let mut drafts = Vec::new();
     for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
         for axis in 0..4 {

@@ -1,8 +1,8 @@
 //! Cases for the resolution of the depth buffer.
 
-use super::dice::Dice;
-use super::{Class, Draft, Family};
-use crate::report::stability::case::{Body, Depth, DepthPairs};
+use super::rng::Rng;
+use super::{CaseDraft, Class, Family};
+use crate::report::stability::case::{Body, DepthCase, DepthPairs};
 use crate::report::stability::metric::{Bound, Metric};
 use crate::report::stability::oracle::{DepthMapping, DepthStorage};
 
@@ -49,15 +49,18 @@ pub(super) const CLASSES: &[Class] = &[
     },
 ];
 
-fn draft(near: f64, far: f64, z: Vec<f32>) -> Draft {
+fn draft(near: f64, far: f64, z: Vec<f32>) -> CaseDraft {
     // Placeholder values; the measured buffer replaces mapping and format.
     let (mapping, format) = (DepthMapping::Standard, DepthStorage::F32);
     let (near, far) = (near as f32, far as f32);
-    Draft::new(format!("near {near:e}, far {far:e}"), Body::Depth(Depth { mapping, format, near, far: Some(far), z }))
+    CaseDraft::new(
+        format!("near {near:e}, far {far:e}"),
+        Body::Depth(DepthCase { mapping, format, near, far: Some(far), z }),
+    )
 }
 
 /// Returns ascending distances between two planes, log-uniform, each with a close neighbour.
-fn distances(dice: &mut Dice, near: f64, far: f64) -> Vec<f32> {
+fn distances(dice: &mut Rng, near: f64, far: f64) -> Vec<f32> {
     let mut distances: Vec<f32> = (0..PAIRS)
         .flat_map(|_| {
             let z = dice.log_uniform(near, far);
@@ -72,19 +75,19 @@ fn distances(dice: &mut Dice, near: f64, far: f64) -> Vec<f32> {
     distances
 }
 
-fn between(dice: &mut Dice, planes: &[(f64, f64)]) -> Vec<Draft> {
+fn between(dice: &mut Rng, planes: &[(f64, f64)]) -> Vec<CaseDraft> {
     planes.iter().map(|(near, far)| draft(*near, *far, distances(dice, *near, *far))).collect()
 }
 
-fn ranges(dice: &mut Dice) -> Vec<Draft> {
+fn ranges(dice: &mut Rng) -> Vec<CaseDraft> {
     between(dice, &[(0.1, 1e3), (0.01, 1e4), (1e-3, 1e6), (1.0, 1e9), (1e-6, 1.0), (1e-6, 1e9)])
 }
 
-fn thin(dice: &mut Dice) -> Vec<Draft> {
+fn thin(dice: &mut Rng) -> Vec<CaseDraft> {
     between(dice, &[(10.0, 10.5), (1.0, 1.01), (1000.0, 1001.0)])
 }
 
-fn published(dice: &mut Dice) -> Vec<Draft> {
+fn published(dice: &mut Rng) -> Vec<CaseDraft> {
     let settings = [(0.1, 1e4, 1e-3), (0.1, 1e4, 1e-4), (0.1, 1e4, 1e-5), (0.1, 1e4, 1e-6), (1e-3, 1e6, 1e-4)];
     let draft = |(near, far, gap): (f64, f64, f64)| {
         let pairs = DepthPairs {
@@ -96,7 +99,7 @@ fn published(dice: &mut Dice) -> Vec<Draft> {
             pairs: PUBLISHED_PAIRS,
             seed: dice.seed(),
         };
-        Draft::new(format!("near {near:e}, far {far:e}, gap {gap:e}"), Body::DepthPairs(pairs))
+        CaseDraft::new(format!("near {near:e}, far {far:e}, gap {gap:e}"), Body::DepthPairs(pairs))
     };
     settings.map(draft).into()
 }

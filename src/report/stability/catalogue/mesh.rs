@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use super::dice::{Dice, to_f32};
-use super::{Class, Draft, Family};
+use super::rng::{Rng, to_f32};
+use super::{CaseDraft, Class, Family};
 use crate::pipeline::settings::FillRule;
 use crate::report::stability::case::{Body, Coverage};
 use crate::report::stability::metric::{Bound, Metric};
@@ -66,15 +66,15 @@ pub(super) const CLASSES: &[Class] = &[
     },
 ];
 
-fn mesh(dice: &mut Dice, note: impl Into<String>, [width, height]: Size, triangles: Vec<[[f32; 2]; 3]>) -> Draft {
+fn mesh(dice: &mut Rng, note: impl Into<String>, [width, height]: Size, triangles: Vec<[[f32; 2]; 3]>) -> CaseDraft {
     let mut triangles: Vec<_> = triangles.into_iter().map(|t| dice.shuffled(t)).collect();
     dice.shuffle(&mut triangles);
     let rule = FillRule::TopLeft;
-    Draft::new(note, Body::TriCoverage(Coverage { width, height, rule, triangles, exactly_once: true }))
+    CaseDraft::new(note, Body::TriCoverage(Coverage { width, height, rule, triangles, exactly_once: true }))
 }
 
 /// Creates `spokes` triangles around `hub`, whose rim lies outside the image.
-fn fan(dice: &mut Dice, size: Size, hub: [f32; 2], spokes: usize, reach: f64) -> Draft {
+fn fan(dice: &mut Rng, size: Size, hub: [f32; 2], spokes: usize, reach: f64) -> CaseDraft {
     let start = dice.uniform(0.0, TAU);
     let rim: Vec<[f32; 2]> = (0..spokes)
         .map(|i| {
@@ -88,7 +88,7 @@ fn fan(dice: &mut Dice, size: Size, hub: [f32; 2], spokes: usize, reach: f64) ->
     mesh(dice, format!("{spokes} triangles around ({}, {})", hub[0], hub[1]), size, triangles)
 }
 
-fn fans(dice: &mut Dice) -> Vec<Draft> {
+fn fans(dice: &mut Rng) -> Vec<CaseDraft> {
     let mut drafts = Vec::new();
     for spokes in [3, 8, 17, 64, 200] {
         let anywhere = to_f32([dice.uniform(2.0, 30.0), dice.uniform(2.0, 30.0)]);
@@ -103,12 +103,12 @@ fn fans(dice: &mut Dice) -> Vec<Draft> {
 
 /// Creates a grid of cells over the image and its margin. Inner vertices are jittered by a fraction of a cell, then
 /// rounded to multiples of 1/`lattice` px if `lattice` is set.
-fn grid(dice: &mut Dice, cells: usize, jitter: f64, lattice: Option<f64>) -> Draft {
+fn grid(dice: &mut Rng, cells: usize, jitter: f64, lattice: Option<f64>) -> CaseDraft {
     let size = SMALL;
     let step = (f64::from(size[0]) + 2.0 * MARGIN) / cells as f64;
     let corners: Vec<Vec<[f32; 2]>> = (0..=cells)
         .map(|row| {
-            let place = |column: usize, dice: &mut Dice| {
+            let place = |column: usize, dice: &mut Rng| {
                 let inner = row > 0 && row < cells && column > 0 && column < cells;
                 let mut along = |n: usize| {
                     let at = -MARGIN + (n as f64 + if inner { dice.uniform(-jitter, jitter) } else { 0.0 }) * step;
@@ -131,14 +131,14 @@ fn grid(dice: &mut Dice, cells: usize, jitter: f64, lattice: Option<f64>) -> Dra
     mesh(dice, format!("{cells} × {cells} cells, corners at {lattice}"), size, triangles)
 }
 
-fn grids(dice: &mut Dice) -> Vec<Draft> {
+fn grids(dice: &mut Rng) -> Vec<CaseDraft> {
     let kinds = [(4, 0.3, None), (16, 0.3, None), (33, 0.3, None), (20, 0.0, Some(2.0)), (20, 0.3, Some(2.0))];
     let large = [(50, 0.3, Some(256.0)), (60, 0.25, None), (80, 0.0, Some(2.0))];
     kinds.into_iter().chain(large).map(|(cells, jitter, lattice)| grid(dice, cells, jitter, lattice)).collect()
 }
 
 /// Creates adjacent quads between two lines of vertices, each split into two triangles.
-fn strip(dice: &mut Dice, note: String, size: Size, sides: &[[[f32; 2]; 2]]) -> Draft {
+fn strip(dice: &mut Rng, note: String, size: Size, sides: &[[[f32; 2]; 2]]) -> CaseDraft {
     let quads = sides.windows(2).flat_map(|pair| {
         let ([a, b], [d, c]) = (pair[0], pair[1]);
         [[a, b, c], [a, c, d]]
@@ -148,7 +148,7 @@ fn strip(dice: &mut Dice, note: String, size: Size, sides: &[[[f32; 2]; 2]]) -> 
 }
 
 /// Creates strips from left to right with roughly horizontal borders at random heights.
-fn level(dice: &mut Dice, size: Size, count: usize, tilt: f64) -> Draft {
+fn level(dice: &mut Rng, size: Size, count: usize, tilt: f64) -> CaseDraft {
     let [width, height] = size.map(f64::from);
     let mut heights: Vec<f64> = (1..count).map(|_| dice.uniform(-MARGIN, height + MARGIN)).collect();
     heights.extend([-MARGIN - tilt, height + MARGIN + tilt]);
@@ -169,7 +169,7 @@ fn level(dice: &mut Dice, size: Size, count: usize, tilt: f64) -> Draft {
 }
 
 /// Creates slanted strips of equal width, from above the image to below it.
-fn slanted(dice: &mut Dice, count: usize) -> Draft {
+fn slanted(dice: &mut Rng, count: usize) -> CaseDraft {
     let [width, height] = SMALL.map(f64::from);
     let slant = dice.uniform(5.0, 15.0);
     let step = (width + 2.0 * MARGIN + slant) / count as f64;
@@ -182,13 +182,13 @@ fn slanted(dice: &mut Dice, count: usize) -> Draft {
     strip(dice, format!("{count} slanted strips, {step:.3} px wide"), SMALL, &sides)
 }
 
-fn strips(dice: &mut Dice) -> Vec<Draft> {
+fn strips(dice: &mut Rng) -> Vec<CaseDraft> {
     let mut drafts: Vec<_> = [3, 12, 60].map(|count| level(dice, SMALL, count, 0.0)).into();
     drafts.extend([40, 300].map(|count| slanted(dice, count)));
     drafts
 }
 
-fn wide(dice: &mut Dice) -> Vec<Draft> {
+fn wide(dice: &mut Rng) -> Vec<CaseDraft> {
     let anywhere = to_f32([dice.uniform(300.0, 700.0), dice.uniform(60.0, 200.0)]);
     let hubs = [(9, [512.5, 128.5]), (40, anywhere), (160, [1000.25, 3.5])];
     let mut drafts: Vec<_> = hubs.map(|(spokes, hub)| fan(dice, LARGE, hub, spokes, 1.0)).into();

@@ -10,7 +10,7 @@ mod clip_space;
 
 mod depth;
 
-mod dice;
+mod rng;
 
 mod mesh;
 
@@ -20,9 +20,9 @@ mod throughput;
 
 use serde::Serialize;
 
-use super::case::{Body, Case};
+use super::case::{Body, StabilityCase};
 use super::metric::{Bound, Metric};
-use dice::Dice;
+use rng::Rng;
 
 /// Subject of a class, which determines what is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
@@ -78,7 +78,7 @@ pub struct Class {
     /// Id used on the command line and in files.
     pub id: &'static str,
     /// Display name.
-    pub(crate) name: &'static str,
+    pub name: &'static str,
     /// Family of the class, which determines what is measured.
     pub(crate) family: Family,
     /// One-sentence description of the difficulty and the typical failure.
@@ -89,17 +89,17 @@ pub struct Class {
     pub(crate) bounds: &'static [Bound],
     /// Generator of the cases.
     #[serde(skip)]
-    draft: fn(&mut Dice) -> Vec<Draft>,
+    draft: fn(&mut Rng) -> Vec<CaseDraft>,
 }
 
 /// A case without its id and class.
 #[derive(Clone, Debug)]
-struct Draft {
+struct CaseDraft {
     note: String,
     body: Body,
 }
 
-impl Draft {
+impl CaseDraft {
     fn new(note: impl Into<String>, body: Body) -> Self {
         Self { note: note.into(), body }
     }
@@ -107,10 +107,10 @@ impl Draft {
 
 impl Class {
     /// Generates the cases for a seed.
-    pub fn cases(&self, seed: u64) -> Vec<Case> {
-        let mut dice = Dice::new(seed, self.id);
+    pub fn cases(&self, seed: u64) -> Vec<StabilityCase> {
+        let mut dice = Rng::new(seed, self.id);
         let drafts = (self.draft)(&mut dice);
-        let named = |(index, Draft { note, body })| Case {
+        let named = |(index, CaseDraft { note, body })| StabilityCase {
             id: format!("{}-{index:02}-seed-{seed}", self.id),
             class: self.id.to_owned(),
             note,

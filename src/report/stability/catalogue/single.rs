@@ -1,7 +1,7 @@
 //! Cases for the coverage of individual triangles.
 
-use super::dice::{Dice, to_f32};
-use super::{Class, Draft, Family};
+use super::rng::{Rng, to_f32};
+use super::{CaseDraft, Class, Family};
 use crate::pipeline::settings::FillRule;
 use crate::report::stability::case::{Body, Coverage};
 use crate::report::stability::metric::{Bound, Metric};
@@ -128,26 +128,26 @@ pub(super) const CLASSES: &[Class] = &[
 ];
 
 /// Creates a draft of triangles in a square image under the top-left rule.
-fn square(note: impl Into<String>, triangles: Vec<[[f32; 2]; 3]>) -> Draft {
+fn square(note: impl Into<String>, triangles: Vec<[[f32; 2]; 3]>) -> CaseDraft {
     coverage(note, [SIDE; 2], triangles)
 }
 
-pub(super) fn coverage(note: impl Into<String>, [width, height]: [u32; 2], triangles: Vec<[[f32; 2]; 3]>) -> Draft {
+pub(super) fn coverage(note: impl Into<String>, [width, height]: [u32; 2], triangles: Vec<[[f32; 2]; 3]>) -> CaseDraft {
     let rule = FillRule::TopLeft;
-    Draft::new(note, Body::TriCoverage(Coverage { width, height, rule, triangles, exactly_once: false }))
+    CaseDraft::new(note, Body::TriCoverage(Coverage { width, height, rule, triangles, exactly_once: false }))
 }
 
 /// Creates `drafts` drafts of `triangles` triangles each.
 fn several(
-    dice: &mut Dice,
+    dice: &mut Rng,
     drafts: usize,
     triangles: usize,
-    mut one: impl FnMut(&mut Dice) -> [[f32; 2]; 3],
-) -> Vec<Draft> {
+    mut one: impl FnMut(&mut Rng) -> [[f32; 2]; 3],
+) -> Vec<CaseDraft> {
     (0..drafts).map(|_| square("", (0..triangles).map(|_| one(dice)).collect())).collect()
 }
 
-fn benign(dice: &mut Dice) -> Vec<Draft> {
+fn benign(dice: &mut Rng) -> Vec<CaseDraft> {
     several(dice, 4, 12, |dice| {
         let ([x, y], radius) = ([0, 1].map(|_| dice.uniform(8.0, 24.0)), dice.uniform(4.0, 20.0));
         let start = dice.direction();
@@ -162,7 +162,7 @@ fn benign(dice: &mut Dice) -> Vec<Draft> {
     })
 }
 
-fn on_centres(dice: &mut Dice) -> Vec<Draft> {
+fn on_centres(dice: &mut Rng) -> Vec<CaseDraft> {
     let mut drafts = several(dice, 4, 12, |dice| [(); 3].map(|()| [(); 2].map(|()| dice.centre(-2, 34))));
     // Vertices on a half-pixel lattice: edges pass through pixel centres and pixel corners alike.
     drafts.extend(several(dice, 3, 12, |dice| [(); 3].map(|()| [(); 2].map(|()| dice.integer(-4..68) as f32 * 0.5))));
@@ -171,15 +171,15 @@ fn on_centres(dice: &mut Dice) -> Vec<Draft> {
     drafts
 }
 
-fn slivers(dice: &mut Dice) -> Vec<Draft> {
-    let anywhere = |dice: &mut Dice| {
+fn slivers(dice: &mut Rng) -> Vec<CaseDraft> {
+    let anywhere = |dice: &mut Rng| {
         let (start, along) = ([dice.uniform(0.0, SIDE_PX), dice.uniform(0.0, SIDE_PX)], dice.direction());
         let (length, width) = (dice.uniform(10.0, 60.0), dice.log_uniform(1e-6, 0.5));
         let end = [start[0] + along[0] * length, start[1] + along[1] * length];
         [to_f32(start), to_f32(end), to_f32([end[0] - along[1] * width, end[1] + along[0] * width])]
     };
     // Starts on both sides of a pixel centre and ends exactly on one, so that the sliver contains the centres between.
-    let between_centres = |dice: &mut Dice| {
+    let between_centres = |dice: &mut Rng| {
         let (from, to) = ([dice.centre(0, 4), dice.centre(0, 31)], [dice.centre(28, 32), dice.centre(0, 31)]);
         let half = dice.log_uniform(1e-6, 0.1) as f32;
         [to, [from[0], from[1] - half], [from[0], from[1] + half]]
@@ -189,8 +189,8 @@ fn slivers(dice: &mut Dice) -> Vec<Draft> {
     drafts
 }
 
-fn needles(dice: &mut Dice) -> Vec<Draft> {
-    let strip = |dice: &mut Dice| {
+fn needles(dice: &mut Rng) -> Vec<CaseDraft> {
+    let strip = |dice: &mut Rng| {
         let (middle, half) = (dice.centre(2, 30), dice.log_uniform(1e-6, 4e-3) as f32);
         let upright = dice.bool();
         let at = |along: f32, across: f32| if upright { [across, along] } else { [along, across] };
@@ -201,14 +201,14 @@ fn needles(dice: &mut Dice) -> Vec<Draft> {
     (0..12).map(|_| square("a strip of two triangles around a centre line", strip(dice).to_vec())).collect()
 }
 
-fn near_ties(dice: &mut Dice) -> Vec<Draft> {
+fn near_ties(dice: &mut Rng) -> Vec<CaseDraft> {
     // An edge from the origin to an odd multiple of (odd, odd) passes through a pixel centre in the middle of each
     // step. Its start is moved by less than f64 can add to the coordinates of its end.
     const STEPS: [[f32; 2]; 6] = [[1.0, 1.0], [3.0, 1.0], [1.0, 3.0], [3.0, 5.0], [5.0, 3.0], [7.0, 5.0]];
-    let one = |dice: &mut Dice, [dx, dy]: [f32; 2]| {
+    let one = |dice: &mut Rng, [dx, dy]: [f32; 2]| {
         let parts = ((SIDE as f32 / dx.max(dy)) as i32 - 1) | 1;
         let end = [dx * parts as f32, dy * parts as f32];
-        let tiny = |dice: &mut Dice| (dice.sign() * 2.0_f64.powi(-dice.integer(62..100))) as f32;
+        let tiny = |dice: &mut Rng| (dice.sign() * 2.0_f64.powi(-dice.integer(62..100))) as f32;
         let start = [tiny(dice), tiny(dice)];
         let third = if dice.bool() { [end[0], -3.0] } else { [-3.0, end[1]] };
         dice.shuffled([start, end, third])
@@ -218,14 +218,14 @@ fn near_ties(dice: &mut Dice) -> Vec<Draft> {
         .collect()
 }
 
-fn tiny(dice: &mut Dice) -> Vec<Draft> {
+fn tiny(dice: &mut Rng) -> Vec<CaseDraft> {
     several(dice, 4, 64, |dice| {
         let ([x, y], size) = ([0, 1].map(|_| dice.uniform(0.0, SIDE_PX)), dice.log_uniform(1e-3, 1.0));
         [(); 3].map(|()| to_f32([x + dice.uniform(-size, size), y + dice.uniform(-size, size)]))
     })
 }
 
-fn degenerate(dice: &mut Dice) -> Vec<Draft> {
+fn degenerate(dice: &mut Rng) -> Vec<CaseDraft> {
     let point = [dice.centre(4, 28), dice.centre(4, 28)];
     let [x, y] = point;
     let ulp = 2.0_f32.powi(-19);
@@ -242,8 +242,8 @@ fn degenerate(dice: &mut Dice) -> Vec<Draft> {
     ]
 }
 
-fn huge(dice: &mut Dice) -> Vec<Draft> {
-    let far = |dice: &mut Dice| dice.log_uniform(1e7, 3.4e38);
+fn huge(dice: &mut Rng) -> Vec<CaseDraft> {
+    let far = |dice: &mut Rng| dice.log_uniform(1e7, 3.4e38);
     // Vertices in three directions around the image, so that most triangles contain or cross it.
     let mut drafts: Vec<_> = (0..12)
         .map(|_| {
@@ -272,8 +272,8 @@ fn largest(corners: &[[f32; 2]; 3]) -> f32 {
     corners.iter().flatten().fold(0.0, |most, c| c.abs().max(most))
 }
 
-fn guard_band(dice: &mut Dice) -> Vec<Draft> {
-    let through_picture = |dice: &mut Dice, length: f64| {
+fn guard_band(dice: &mut Rng) -> Vec<CaseDraft> {
+    let through_picture = |dice: &mut Rng, length: f64| {
         let (at, along) = ([dice.uniform(4.0, 28.0), dice.uniform(4.0, 28.0)], dice.direction());
         let (before, after) = (length * dice.uniform(0.2, 0.8), length * dice.uniform(0.2, 0.8));
         let start = [at[0] - along[0] * before, at[1] - along[1] * before];
@@ -285,8 +285,8 @@ fn guard_band(dice: &mut Dice) -> Vec<Draft> {
     lengths.map(|length| square(format!("an edge of {length:.0e} px"), vec![through_picture(dice, length)])).collect()
 }
 
-fn subnormal(dice: &mut Dice) -> Vec<Draft> {
-    let tiny = |dice: &mut Dice| f32::from_bits(dice.integer(1..1 << 23) as u32) * dice.sign() as f32;
+fn subnormal(dice: &mut Rng) -> Vec<CaseDraft> {
+    let tiny = |dice: &mut Rng| f32::from_bits(dice.integer(1..1 << 23) as u32) * dice.sign() as f32;
     let least = f32::from_bits(1);
     let mut drafts = vec![
         square("a corner one subnormal right of the border", vec![[[0.0, 0.0], [least, 16.0], [16.0, 0.0]]]),
@@ -301,9 +301,9 @@ fn subnormal(dice: &mut Dice) -> Vec<Draft> {
     drafts
 }
 
-fn wide(dice: &mut Dice) -> Vec<Draft> {
+fn wide(dice: &mut Rng) -> Vec<CaseDraft> {
     const WIDE: [u32; 2] = [4096, 48];
-    let through_centres = |dice: &mut Dice| {
+    let through_centres = |dice: &mut Rng| {
         let corners = [[0.5, 0.5], [dice.centre(1000, 3000), dice.centre(20, 48)], [4095.5, dice.centre(0, 48)]];
         dice.shuffled(corners)
     };

@@ -6,13 +6,13 @@ use num_traits::Zero as _;
 use super::*;
 use crate::pipeline::settings::FillRule;
 use crate::report::stability::case::Coverage;
-use crate::report::stability::oracle::{ClipTriangle, Region, ScreenCorner, Snap, exact};
-use crate::report::stability::spans::{Hits, pixel_count};
+use crate::report::stability::oracle::{ClipTriangle, ExactRegion, ScreenCorner, Snap, exact};
+use crate::report::stability::spans::{HitCounts, pixel_count};
 
 const SEED: u64 = 1;
 
 /// Returns all cases of a family.
-fn cases_of(family: Family) -> Vec<Case> {
+fn cases_of(family: Family) -> Vec<StabilityCase> {
     all().filter(|class| class.family == family).flat_map(|class| class.cases(SEED)).collect()
 }
 
@@ -32,7 +32,7 @@ fn triangles_of(id: &str) -> Vec<[[f32; 2]; 3]> {
 
 fn covered(corners: [[f32; 2]; 3], snap: Snap) -> u64 {
     pixel_count(
-        &Region::triangle(corners, snap, FillRule::TopLeft)
+        &ExactRegion::triangle(corners, snap, FillRule::TopLeft)
             .spans(crate::pipeline::viewport::Viewport { width: 32, height: 32 }),
     )
 }
@@ -57,7 +57,7 @@ fn classes_have_names_of_their_own_and_a_sentence_each() {
 fn every_class_has_several_cases_that_depend_on_the_seed_alone() {
     for class in all() {
         let cases = class.cases(SEED);
-        let parts: usize = cases.iter().map(Case::triangle_count).sum::<usize>().max(cases.len());
+        let parts: usize = cases.iter().map(StabilityCase::triangle_count).sum::<usize>().max(cases.len());
         assert!(cases.len() >= 3 || parts > 10, "{}: {} cases", class.id, cases.len());
         let again = class.cases(SEED);
         assert_eq!(format!("{again:?}"), format!("{cases:?}"), "{}", class.id);
@@ -76,7 +76,7 @@ fn every_class_has_several_cases_that_depend_on_the_seed_alone() {
 #[test]
 fn every_case_can_be_written_down_and_opened_again() {
     for case in all().flat_map(|class| class.cases(SEED)) {
-        let read: Case = serde_json::from_str(&case.to_json()).unwrap_or_else(|e| panic!("{}: {e}", case.id));
+        let read: StabilityCase = serde_json::from_str(&case.to_json()).unwrap_or_else(|e| panic!("{}: {e}", case.id));
         assert_eq!(format!("{read:?}"), format!("{case:?}"));
     }
 }
@@ -86,9 +86,9 @@ fn meshes_cover_every_pixel_exactly_once() {
     for (id, coverage) in coverage_cases().filter(|(_, coverage)| coverage.exactly_once) {
         let viewport = crate::pipeline::viewport::Viewport { width: coverage.width, height: coverage.height };
         for snap in [Snap::Unsnapped, Snap::Grid256] {
-            let mut hits = Hits::none(viewport);
+            let mut hits = HitCounts::none(viewport);
             for triangle in &coverage.triangles {
-                hits.add(&Region::triangle(*triangle, snap, coverage.rule).spans(viewport));
+                hits.add(&ExactRegion::triangle(*triangle, snap, coverage.rule).spans(viewport));
             }
             assert_eq!((hits.cracks(), hits.doubles()), (0, 0), "{id} {snap:?}");
         }
@@ -100,7 +100,7 @@ fn near_ties_are_near_and_no_ties() {
     let misses = |corners: &[[f32; 2]; 3]| {
         let [open, closed] = [FillRule::Exclusive, FillRule::Inclusive].map(|rule| {
             let view = crate::pipeline::viewport::Viewport { width: 32, height: 32 };
-            pixel_count(&Region::triangle(*corners, Snap::Unsnapped, rule).spans(view))
+            pixel_count(&ExactRegion::triangle(*corners, Snap::Unsnapped, rule).spans(view))
         });
         // Without the tiny offsets there are ties; with them there are none.
         let flattened = corners.map(|corner| corner.map(|c| if c.abs() < 1e-12 { 0.0 } else { c }));
@@ -150,7 +150,9 @@ fn triangles_in_clip_space_show_what_their_class_promises() {
 fn samples_lie_inside_and_corners_on_the_grid() {
     let inside = |corners: &[ScreenCorner; 3], [column, row]: [u32; 2]| {
         let on_grid = corners.iter().flat_map(|c| [c.x, c.y]).all(|c| (c * 256.0).fract() == 0.0);
-        on_grid && Region::triangle(corners.map(|c| [c.x, c.y]), Snap::Grid256, FillRule::TopLeft).contains(column, row)
+        on_grid
+            && ExactRegion::triangle(corners.map(|c| [c.x, c.y]), Snap::Grid256, FillRule::TopLeft)
+                .contains(column, row)
     };
     for case in cases_of(Family::Weights) {
         let (all_inside, samples) = match &case.body {

@@ -1,9 +1,9 @@
 //! Cases of triangles that cost more than their pixel count suggests: each is timed against a compact triangle with as
 //! many pixels.
 
-use super::dice::{Dice, to_f32};
+use super::rng::{Rng, to_f32};
 use super::single::{EXACT, coverage};
-use super::{Class, Draft, Family};
+use super::{CaseDraft, Class, Family};
 use crate::report::stability::metric::Metric;
 
 pub(super) const CLASSES: &[Class] = &[
@@ -51,9 +51,9 @@ pub(super) const CLASSES: &[Class] = &[
 /// Side of the image of the slivers, in pixels.
 const SIDE: u32 = 512;
 
-fn long_slivers(dice: &mut Dice) -> Vec<Draft> {
+fn long_slivers(dice: &mut Rng) -> Vec<CaseDraft> {
     let side = f64::from(SIDE);
-    let sliver = |dice: &mut Dice| {
+    let sliver = |dice: &mut Rng| {
         let (from, to) = (dice.uniform(2.0, side * 0.2), dice.uniform(side * 0.8, side - 2.0));
         let start = [from, dice.uniform(2.0, side * 0.2)];
         let end = [to, dice.uniform(side * 0.8, side - 2.0)];
@@ -64,9 +64,9 @@ fn long_slivers(dice: &mut Dice) -> Vec<Draft> {
     (0..2).map(|_| coverage("", [SIDE; 2], (0..8).map(|_| sliver(dice)).collect())).collect()
 }
 
-fn small_triangles(dice: &mut Dice) -> Vec<Draft> {
+fn small_triangles(dice: &mut Rng) -> Vec<CaseDraft> {
     const SIZE: u32 = 128;
-    let small = |dice: &mut Dice| {
+    let small = |dice: &mut Rng| {
         let [x, y] = [(); 2].map(|()| dice.uniform(1.0, f64::from(SIZE) - 2.0));
         let corners = [[x, y], [x + dice.uniform(1.0, 1.8), y], [x, y + dice.uniform(1.0, 1.8)]];
         dice.shuffled(corners.map(to_f32))
@@ -74,9 +74,9 @@ fn small_triangles(dice: &mut Dice) -> Vec<Draft> {
     vec![coverage("2000 triangles", [SIZE; 2], (0..2000).map(|_| small(dice)).collect())]
 }
 
-fn columns(dice: &mut Dice) -> Vec<Draft> {
+fn columns(dice: &mut Rng) -> Vec<CaseDraft> {
     let side = f64::from(SIDE);
-    let column = |dice: &mut Dice| {
+    let column = |dice: &mut Rng| {
         let x = dice.uniform(4.0, side - 8.0);
         let corners = [[x, 1.0], [x + 1.0, 1.0], [x + dice.uniform(0.0, 1.0), side - 1.0]];
         dice.shuffled(corners.map(to_f32))
@@ -84,8 +84,8 @@ fn columns(dice: &mut Dice) -> Vec<Draft> {
     (0..2).map(|_| coverage("", [SIDE; 2], (0..16).map(|_| column(dice)).collect())).collect()
 }
 
-fn full_screen(dice: &mut Dice) -> Vec<Draft> {
-    let around = |dice: &mut Dice, distance: f64| {
+fn full_screen(dice: &mut Rng) -> Vec<CaseDraft> {
+    let around = |dice: &mut Rng, distance: f64| {
         let start = dice.uniform(0.0, 1.0);
         [0.0, 1.0, 2.0].map(|third| {
             let (sin, cos) = ((start + third / 3.0) * std::f64::consts::TAU).sin_cos();

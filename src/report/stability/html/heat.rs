@@ -4,12 +4,12 @@ use super::worst::anchor;
 use crate::pipeline::settings::Choice as _;
 use crate::report::html::escaped;
 use crate::report::stability::catalogue::Family;
-use crate::report::stability::column::Column;
+use crate::report::stability::column::ReportColumn;
 use crate::report::stability::metric::{LEVELS, Metric, Verdict, short};
-use crate::report::stability::sweep::{Cell, ClassReport, Report};
+use crate::report::stability::sweep::{ClassReport, ReportCell, StabilityReport};
 
 /// Returns the heat map of rasterizers × arithmetics.
-pub(super) fn coverage(report: &Report) -> String {
+pub(super) fn coverage(report: &StabilityReport) -> String {
     let families = [Family::Coverage, Family::Mesh, Family::ClipSpace, Family::Throughput];
     let text = "Single triangles count wrong pixels relative to the corners that the configuration declares (snapped \
         or not); below, relative to the corners as given (raw), or the time per pixel if the two counts agree. Meshes \
@@ -19,7 +19,7 @@ pub(super) fn coverage(report: &Report) -> String {
 }
 
 /// Returns the heat map of interpolation formulas × arithmetics.
-pub(super) fn weights(report: &Report) -> String {
+pub(super) fn weights(report: &StabilityReport) -> String {
     let text = "Largest error of a weight relative to perspective-correct weights; for huge texture coordinates, in \
         texels of a texture 1024 wide; for coplanar triangles, samples where two triangles in one plane have different \
         depths. Below, the largest error of the interpolated depth in units in the last place, and answers that are \
@@ -28,7 +28,7 @@ pub(super) fn weights(report: &Report) -> String {
 }
 
 /// Returns the heat map of depth formats, and the published experiment in detail.
-pub(super) fn depth(report: &Report) -> String {
+pub(super) fn depth(report: &StabilityReport) -> String {
     let text = "Share of neighbouring distances that get the same stored depth or swap their order; below, the largest \
         error in units in the last place of the stored format.";
     let table = section(report, &[Family::Depth], "Depth buffer", text);
@@ -40,10 +40,10 @@ pub(super) fn depth(report: &Report) -> String {
 }
 
 /// Returns one heat map; empty if none of its classes ran.
-fn section(report: &Report, families: &[Family], title: &str, text: &str) -> String {
+fn section(report: &StabilityReport, families: &[Family], title: &str, text: &str) -> String {
     let classes: Vec<&ClassReport> = report.classes.iter().filter(|c| families.contains(&c.class.family)).collect();
     let Some(first) = classes.first().filter(|class| !class.cells.is_empty()) else { return String::new() };
-    let columns: Vec<Column> = first.cells.iter().map(|cell| cell.column).collect();
+    let columns: Vec<ReportColumn> = first.cells.iter().map(|cell| cell.column).collect();
     let bodies = families.iter().map(|family| {
         let classes: Vec<_> = classes.iter().filter(|class| class.class.family == *family).collect();
         let rows: String = classes.iter().map(|class| row(class, &columns)).collect();
@@ -71,24 +71,24 @@ fn legend() -> String {
 }
 
 /// Returns the heading of a column's group: its arithmetic, or "As published"; empty for depth formats.
-fn group(column: Column) -> &'static str {
+fn group(column: ReportColumn) -> &'static str {
     if column.is_published() { "As published" } else { column.arithmetic_name().unwrap_or_default() }
 }
 
 /// Whether the column at this index starts a new group.
-fn starts_group(columns: &[Column], index: usize) -> bool {
+fn starts_group(columns: &[ReportColumn], index: usize) -> bool {
     index > 0 && group_key(columns, index) != group_key(columns, index - 1)
 }
 
 /// Returns the grouping key of a column: the formula for interpolation weights, otherwise the arithmetic.
-fn group_key(columns: &[Column], index: usize) -> &'static str {
+fn group_key(columns: &[ReportColumn], index: usize) -> &'static str {
     match columns[index] {
-        column @ Column::Weights(_) => column.method_name(),
+        column @ ReportColumn::Weights(_) => column.method_name(),
         column => group(column),
     }
 }
 
-fn header(columns: &[Column]) -> String {
+fn header(columns: &[ReportColumn]) -> String {
     let mut groups: Vec<(&str, usize)> = Vec::new();
     for index in 0..columns.len() {
         let name = group_key(columns, index);
@@ -104,8 +104,8 @@ fn header(columns: &[Column]) -> String {
         .collect();
     let methods = columns.iter().enumerate().map(|(index, column)| {
         let name = match column {
-            Column::Weights(_) => column.arithmetic_name().unwrap_or_default(),
-            Column::Coverage(_) | Column::Depth(_) => column.method_name(),
+            ReportColumn::Weights(_) => column.arithmetic_name().unwrap_or_default(),
+            ReportColumn::Coverage(_) | ReportColumn::Depth(_) => column.method_name(),
         };
         let before = if starts_group(columns, index) { gap } else { "" };
         format!("{before}<th class=\"method\">{}</th>", escaped(name.trim_end_matches(" (as published)")))
@@ -115,7 +115,7 @@ fn header(columns: &[Column]) -> String {
     format!("<thead>\n{groups}<tr><th></th>{methods}</tr>\n</thead>\n")
 }
 
-fn row(class: &ClassReport, columns: &[Column]) -> String {
+fn row(class: &ClassReport, columns: &[ReportColumn]) -> String {
     let cells = columns.iter().enumerate().map(|(index, column)| {
         let before = if starts_group(columns, index) { "<td class=\"gap\"></td>" } else { "" };
         let cell = class.cells.iter().find(|cell| cell.column == *column);
@@ -132,7 +132,7 @@ fn row(class: &ClassReport, columns: &[Column]) -> String {
     )
 }
 
-fn cell(class: &ClassReport, cell: &Cell) -> String {
+fn cell(class: &ClassReport, cell: &ReportCell) -> String {
     let headline = class.class.headline;
     let level = cell.measures.severity(headline);
     let style = match (cell.verdict, level) {
@@ -155,7 +155,7 @@ fn cell(class: &ClassReport, cell: &Cell) -> String {
 }
 
 /// Returns the small second line of a cell: the next most informative metric, or the time per pixel.
-fn second_line(class: &ClassReport, cell: &Cell) -> String {
+fn second_line(class: &ClassReport, cell: &ReportCell) -> String {
     let value = |metric: Metric| cell.measures.get(metric).filter(|value| *value > 0.0);
     let time = || cell.time.and_then(|time| time.ns_per_pixel).map(|spread| format!("{} ns", short(spread.median)));
     let second = match class.class.family {
@@ -180,7 +180,7 @@ fn brief(count: f64) -> String {
 }
 
 /// Returns all measurements of a cell, one per line.
-fn tooltip(class: &ClassReport, cell: &Cell) -> String {
+fn tooltip(class: &ClassReport, cell: &ReportCell) -> String {
     let mut lines = vec![format!("{} · {}: {}", class.class.name, cell.column.label(), cell.verdict.name())];
     lines.extend(cell.measures.iter().map(|(metric, value)| format!("{}: {}", metric.name(), metric.format(value))));
     if let Some(time) = cell.time {
@@ -194,8 +194,8 @@ fn tooltip(class: &ClassReport, cell: &Cell) -> String {
 }
 
 /// Returns the last row: the time per pixel over all classes, as a geometric mean.
-fn footer(classes: &[&ClassReport], columns: &[Column]) -> String {
-    let mean = |column: &Column| {
+fn footer(classes: &[&ClassReport], columns: &[ReportColumn]) -> String {
+    let mean = |column: &ReportColumn| {
         let times = classes.iter().filter_map(|class| {
             let cell = class.cells.iter().find(|cell| cell.column == *column)?;
             Some(cell.time?.ns_per_pixel?.median.ln())

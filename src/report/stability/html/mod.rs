@@ -7,12 +7,12 @@ mod scatter;
 mod worst;
 
 use super::metric::{Metric, Verdict};
-use super::sweep::Report;
+use super::sweep::StabilityReport;
 use crate::pipeline::settings::Choice as _;
 use crate::report::html::{document, escaped, partial, tiles};
 
 /// Returns the whole page.
-pub(crate) fn html(report: &Report) -> String {
+pub(crate) fn html(report: &StabilityReport) -> String {
     let body = [
         head(report),
         heat::coverage(report),
@@ -25,7 +25,7 @@ pub(crate) fn html(report: &Report) -> String {
     document("Stability report", "", &body.concat())
 }
 
-fn head(report: &Report) -> String {
+fn head(report: &StabilityReport) -> String {
     let verdicts = || report.classes.iter().flat_map(|class| &class.cells).map(|cell| cell.verdict);
     let count = |verdict: Verdict| verdicts().filter(|v| *v == verdict).count();
     let total = |of: fn(&super::sweep::ClassReport) -> usize| report.classes.iter().map(of).sum::<usize>();
@@ -48,7 +48,7 @@ fn head(report: &Report) -> String {
     )
 }
 
-fn method(report: &Report) -> String {
+fn method(report: &StabilityReport) -> String {
     let bounds = report.classes.iter().map(|class| {
         let bounds: Vec<String> = class.class.bounds.iter().map(ToString::to_string).collect();
         format!("<dt>{}</dt><dd>{}</dd>", escaped(class.class.name), escaped(&bounds.join(", ")))

@@ -4,10 +4,10 @@ use std::fmt::Write as _;
 
 use crate::pipeline::settings::{Arithmetic, Choice as _, Interpolation, Rasterizer};
 use crate::report::html::escaped;
-use crate::report::stability::column::Column;
+use crate::report::stability::column::ReportColumn;
 use crate::report::stability::metric::short;
-use crate::report::stability::sweep::Report;
-use crate::report::stability::tradeoff::{self, Point};
+use crate::report::stability::sweep::StabilityReport;
+use crate::report::stability::tradeoff::{self, TradeoffPoint};
 
 /// Width and height of a plot, in SVG units.
 const WIDTH: f64 = 640.0;
@@ -29,7 +29,7 @@ const LETTER: f64 = 5.7;
 const LINE: f64 = 13.0;
 
 /// Returns both plots; empty if no times were measured.
-pub(super) fn section(report: &Report) -> String {
+pub(super) fn section(report: &StabilityReport) -> String {
     let coverage = panel(&tradeoff::coverage(report), false, "mean share of wrong pixels, corners as given");
     let weights = panel(&tradeoff::weights(report), true, "largest error of a weight");
     if coverage.is_empty() && weights.is_empty() {
@@ -50,22 +50,22 @@ pub(super) fn section(report: &Report) -> String {
 }
 
 /// Returns the colour index of the arithmetic of a column. Published methods have their own colour.
-fn color(column: Column) -> usize {
+fn color(column: ReportColumn) -> usize {
     let place = |arithmetic: Arithmetic| Arithmetic::ALL.iter().position(|a| *a == arithmetic).unwrap_or(0);
     match column {
-        Column::Coverage(by) if by.rasterizer.is_published() => Arithmetic::ALL.len(),
-        Column::Coverage(by) => place(by.arithmetic),
-        Column::Weights(by) => place(by.arithmetic),
-        Column::Depth(_) => 0,
+        ReportColumn::Coverage(by) if by.rasterizer.is_published() => Arithmetic::ALL.len(),
+        ReportColumn::Coverage(by) => place(by.arithmetic),
+        ReportColumn::Weights(by) => place(by.arithmetic),
+        ReportColumn::Depth(_) => 0,
     }
 }
 
 /// Returns the marker index of the method of a column.
-fn shape(column: Column) -> usize {
+fn shape(column: ReportColumn) -> usize {
     match column {
-        Column::Coverage(by) => Rasterizer::ALL.iter().position(|r| *r == by.rasterizer).unwrap_or(0),
-        Column::Weights(by) => Interpolation::ALL.iter().position(|i| *i == by.interpolation).unwrap_or(0),
-        Column::Depth(_) => 0,
+        ReportColumn::Coverage(by) => Rasterizer::ALL.iter().position(|r| *r == by.rasterizer).unwrap_or(0),
+        ReportColumn::Weights(by) => Interpolation::ALL.iter().position(|i| *i == by.interpolation).unwrap_or(0),
+        ReportColumn::Depth(_) => 0,
     }
 }
 
@@ -88,12 +88,12 @@ fn legend() -> String {
 
 /// Range of a logarithmic axis, in powers of ten.
 #[derive(Clone, Copy, Debug)]
-struct Axis {
+struct LogAxis {
     low: f64,
     high: f64,
 }
 
-impl Axis {
+impl LogAxis {
     /// Creates an axis around all positive values, with some margin on both sides. Returns `None` if there are none.
     fn around(values: impl Iterator<Item = f64>) -> Option<Self> {
         /// Margin on each side, as a fraction of the range.
@@ -124,12 +124,12 @@ impl Axis {
 }
 
 /// Mapping from values to positions in a plot.
-struct Plot {
-    ns: Axis,
-    error: Axis,
+struct ScatterPlot {
+    ns: LogAxis,
+    error: LogAxis,
 }
 
-impl Plot {
+impl ScatterPlot {
     fn x(&self, ns: f64) -> f64 {
         LEFT + self.ns.share(ns).clamp(0.0, 1.0) * (WIDTH - LEFT - RIGHT)
     }
@@ -145,14 +145,14 @@ impl Plot {
 }
 
 /// Returns one plot; empty without points.
-fn panel(points: &[Point], with_classes: bool, y_axis: &str) -> String {
+fn panel(points: &[TradeoffPoint], with_classes: bool, y_axis: &str) -> String {
     let times = points.iter().flat_map(|p| [p.ns.p10, p.ns.p90, p.ns.median]);
     let class_times = points.iter().filter(|_| with_classes).flat_map(|p| p.by_class.iter().map(|(_, ns, _)| *ns));
     let errors = points.iter().map(|p| p.error);
     let class_errors = points.iter().filter(|_| with_classes).flat_map(|p| p.by_class.iter().map(|(_, _, e)| *e));
-    let Some(ns) = Axis::around(times.chain(class_times)) else { return String::new() };
-    let error = Axis::around(errors.chain(class_errors)).unwrap_or(Axis { low: -6.0, high: 0.0 });
-    let plot = Plot { ns, error };
+    let Some(ns) = LogAxis::around(times.chain(class_times)) else { return String::new() };
+    let error = LogAxis::around(errors.chain(class_errors)).unwrap_or(LogAxis { low: -6.0, high: 0.0 });
+    let plot = ScatterPlot { ns, error };
     let mut svg = axes(&plot, y_axis);
     svg.push_str(&front(&plot, points));
     if with_classes {
@@ -170,7 +170,7 @@ fn panel(points: &[Point], with_classes: bool, y_axis: &str) -> String {
     format!("<svg viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"Error against time\">{svg}</svg>")
 }
 
-fn axes(plot: &Plot, y_axis: &str) -> String {
+fn axes(plot: &ScatterPlot, y_axis: &str) -> String {
     let (floor, right) = (HEIGHT - BOTTOM, WIDTH - RIGHT);
     let mut svg = format!(
         "<rect class=\"lane\" x=\"{LEFT}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{ZERO_LANE}\"/>",
@@ -235,8 +235,8 @@ fn tick(value: f64) -> String {
 }
 
 /// Returns the Pareto front as a step line.
-fn front(plot: &Plot, points: &[Point]) -> String {
-    let mut best: Vec<&Point> = points.iter().filter(|point| point.optimal).collect();
+fn front(plot: &ScatterPlot, points: &[TradeoffPoint]) -> String {
+    let mut best: Vec<&TradeoffPoint> = points.iter().filter(|point| point.optimal).collect();
     best.sort_by(|a, b| a.ns.median.total_cmp(&b.ns.median));
     let mut path = String::new();
     let mut last_y = None;
@@ -256,7 +256,7 @@ fn front(plot: &Plot, points: &[Point]) -> String {
 }
 
 /// Returns a point with its bar from the 10th to the 90th percentile.
-fn drawn(plot: &Plot, point: &Point) -> String {
+fn drawn(plot: &ScatterPlot, point: &TradeoffPoint) -> String {
     let (x, y, color) = (plot.x(point.ns.median), plot.y(point.error), color(point.column));
     let style = if point.optimal { "" } else { "dominated" };
     let broken = if point.not_finite > 0.0 {
@@ -306,13 +306,13 @@ fn marker((x, y): (f64, f64), shape: usize, color: usize, r: f64, style: &str) -
 type Rectangle = [f64; 4];
 
 /// Returns labels beside the markers where they fit without covering others.
-fn labels(plot: &Plot, points: &[Point]) -> String {
+fn labels(plot: &ScatterPlot, points: &[TradeoffPoint]) -> String {
     let around = |x: f64, y: f64, r: f64| [x - r, y - r, x + r, y + r];
     let mut taken: Vec<Rectangle> = points.iter().map(|p| around(plot.x(p.ns.median), plot.y(p.error), 6.0)).collect();
-    let bar = |p: &Point| [plot.x(p.ns.p10), plot.y(p.error) - 1.0, plot.x(p.ns.p90), plot.y(p.error) + 1.0];
+    let bar = |p: &TradeoffPoint| [plot.x(p.ns.p10), plot.y(p.error) - 1.0, plot.x(p.ns.p90), plot.y(p.error) + 1.0];
     taken.extend(points.iter().map(bar));
     // Points on the Pareto front first, because their labels matter most.
-    let mut order: Vec<&Point> = points.iter().collect();
+    let mut order: Vec<&TradeoffPoint> = points.iter().collect();
     order.sort_by_key(|point| !point.optimal);
     let mut svg = String::new();
     for point in order {
@@ -343,6 +343,6 @@ fn overlap(a: &Rectangle, b: &Rectangle) -> bool {
 }
 
 /// Returns a short label: the method, and the arithmetic if there is a choice.
-fn name(column: Column) -> String {
+fn name(column: ReportColumn) -> String {
     if column.is_published() { column.method().to_owned() } else { column.label() }
 }

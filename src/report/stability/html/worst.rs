@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 use crate::pipeline::settings::Choice as _;
 use crate::report::html::escaped;
 use crate::report::stability::metric::Measures;
-use crate::report::stability::sweep::{ClassReport, Report, Worst};
+use crate::report::stability::sweep::{ClassReport, StabilityReport, Worst};
 
 /// A case, and the labels of the cells for which it was the worst.
-type Entry<'a> = (&'a Worst, Vec<String>);
+type WorstCase<'a> = (&'a Worst, Vec<String>);
 
 /// Maximum length of a printed case in bytes; longer ones are available from the command line.
 const LONGEST_JSON: usize = 20_000;
@@ -23,7 +23,7 @@ pub(super) fn anchor(class: &ClassReport, worst: &Worst) -> String {
 }
 
 /// Returns the worst cases of all classes.
-pub(super) fn section(report: &Report) -> String {
+pub(super) fn section(report: &StabilityReport) -> String {
     let classes: String = report.classes.iter().map(class_details).collect();
     if classes.is_empty() {
         return String::new();
@@ -36,7 +36,7 @@ pub(super) fn section(report: &Report) -> String {
 }
 
 fn class_details(class: &ClassReport) -> String {
-    let mut entries: BTreeMap<String, Entry<'_>> = BTreeMap::new();
+    let mut entries: BTreeMap<String, WorstCase<'_>> = BTreeMap::new();
     for cell in &class.cells {
         if let Some(worst) = &cell.worst {
             entries.entry(anchor(class, worst)).or_insert((worst, Vec::new())).1.push(cell.column.label());
@@ -54,7 +54,7 @@ fn class_details(class: &ClassReport) -> String {
     )
 }
 
-fn case_details(anchor: &str, (worst, cells): &Entry<'_>) -> String {
+fn case_details(anchor: &str, (worst, cells): &WorstCase<'_>) -> String {
     let json = worst.case.to_json();
     let shown = if json.len() > LONGEST_JSON {
         format!("<p class=\"soft\">{} characters: run `rasterscope stability --json` to get it.</p>", json.len())

@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use super::Outcome;
+use super::MeasureOutcome;
 use crate::pipeline::raster::Span;
 use crate::pipeline::settings::FillRule;
 use crate::pipeline::viewport::Viewport;
 use crate::report::stability::case::ClipSpace;
 use crate::report::stability::metric::{Measures, Metric};
-use crate::report::stability::oracle::{ClipTriangle, Region, error};
+use crate::report::stability::oracle::{ClipTriangle, ExactRegion, error};
 use crate::report::stability::spans::{difference, pixel_count};
 use crate::report::stability::subject::ClipFragment;
 
@@ -19,7 +19,7 @@ const COMPARED: usize = 48;
 #[derive(Clone, Debug)]
 pub(crate) struct ExpectedTriangle {
     triangle: Option<ClipTriangle>,
-    region: Region,
+    region: ExactRegion,
     spans: Vec<Span>,
 }
 
@@ -42,20 +42,24 @@ pub(super) fn expected(case: &ClipSpace) -> Vec<ExpectedTriangle> {
 }
 
 /// Compares the fragments of each triangle with the expected ones.
-pub(super) fn judge(expected: &[ExpectedTriangle], viewport: Viewport, answers: &[Vec<ClipFragment>]) -> Outcome {
+pub(super) fn evaluate(
+    expected: &[ExpectedTriangle],
+    viewport: Viewport,
+    answers: &[Vec<ClipFragment>],
+) -> MeasureOutcome {
     let mut measures = Measures::default();
     let mut culprits = Vec::new();
     for (index, (right, fragments)) in expected.iter().zip(answers).enumerate() {
-        let one = judge_one(right, viewport, fragments);
+        let one = evaluate_one(right, viewport, fragments);
         if one.get(Metric::WrongStrict) > Some(0.0) || one.get(Metric::NotFinite) > Some(0.0) {
             culprits.push(index);
         }
         measures.join(&one);
     }
-    Outcome::new(measures, culprits)
+    MeasureOutcome::new(measures, culprits)
 }
 
-fn judge_one(right: &ExpectedTriangle, viewport: Viewport, fragments: &[ClipFragment]) -> Measures {
+fn evaluate_one(right: &ExpectedTriangle, viewport: Viewport, fragments: &[ClipFragment]) -> Measures {
     let mut hits: BTreeMap<[u32; 2], u32> = BTreeMap::new();
     for fragment in fragments {
         *hits.entry(fragment.pixel).or_default() += 1;
@@ -82,7 +86,7 @@ fn judge_one(right: &ExpectedTriangle, viewport: Viewport, fragments: &[ClipFrag
 }
 
 /// Compares weights and depth of a fragment, unless it is outside or borderline.
-fn compare(triangle: &ClipTriangle, region: &Region, fragment: &ClipFragment, measures: &mut Measures) {
+fn compare(triangle: &ClipTriangle, region: &ExactRegion, fragment: &ClipFragment, measures: &mut Measures) {
     let [x, y] = fragment.pixel;
     if !region.contains(x, y) || region.is_borderline(x, y) {
         return;
@@ -129,7 +133,7 @@ mod tests {
     fn the_right_answer_has_no_fault_but_rounding() {
         let right = expected(&case());
         let answers: Vec<_> = right.iter().map(fragments).collect();
-        let outcome = judge(&right, VIEW, &answers);
+        let outcome = evaluate(&right, VIEW, &answers);
         let measures = outcome.measures.unwrap();
         assert!(measures.get(Metric::Pixels) > Some(50.0), "{measures:?}");
         for metric in [Metric::WrongUnsnapped, Metric::WrongStrict, Metric::Doubles, Metric::NotFinite] {
@@ -151,7 +155,7 @@ mod tests {
             fragment.depth = f64::NAN;
         }
         answers[1].push(ClipFragment { pixel: [9, 9], ..first });
-        let outcome = judge(&right, VIEW, &answers);
+        let outcome = evaluate(&right, VIEW, &answers);
         let measures = outcome.measures.unwrap();
         assert_eq!(measures.get(Metric::Doubles), Some(1.0));
         assert!(

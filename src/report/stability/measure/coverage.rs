@@ -1,15 +1,15 @@
 //! Measurement of covered pixels against the expected ones.
 
-use super::Outcome;
+use super::MeasureOutcome;
 use crate::pipeline::raster::Span;
 use crate::pipeline::viewport::Viewport;
 use crate::report::stability::case::Coverage;
 use crate::report::stability::metric::{Measures, Metric};
-use crate::report::stability::oracle::{Region, Snap};
-use crate::report::stability::spans::{Hits, difference, pixel_count};
+use crate::report::stability::oracle::{ExactRegion, Snap};
+use crate::report::stability::spans::{HitCounts, difference, pixel_count};
 
 /// Maximum number of triangles reported as the culprits of a case.
-const MOST_CULPRITS: usize = 4;
+const MAX_CULPRITS: usize = 4;
 
 /// Expected pixels of each triangle.
 #[derive(Clone, Debug)]
@@ -21,7 +21,8 @@ pub(crate) struct ExpectedCoverage {
 impl ExpectedCoverage {
     pub(super) fn new(case: &Coverage) -> Self {
         let viewport = Viewport { width: case.width, height: case.height };
-        let of = |snap| case.triangles.iter().map(|t| Region::triangle(*t, snap, case.rule).spans(viewport)).collect();
+        let of =
+            |snap| case.triangles.iter().map(|t| ExactRegion::triangle(*t, snap, case.rule).spans(viewport)).collect();
         Self { unsnapped: of(Snap::Unsnapped), snapped: of(Snap::Grid256) }
     }
 
@@ -40,7 +41,12 @@ impl ExpectedCoverage {
 }
 
 /// Compares the spans of each triangle with the expected ones, for vertices declared to be at `snap`.
-pub(super) fn judge(case: &Coverage, expected: &ExpectedCoverage, snap: Snap, answers: &[Vec<Span>]) -> Outcome {
+pub(super) fn evaluate(
+    case: &Coverage,
+    expected: &ExpectedCoverage,
+    snap: Snap,
+    answers: &[Vec<Span>],
+) -> MeasureOutcome {
     let wrong_pixels = |snap: Snap| -> Vec<u64> {
         let pairs = expected.at(snap).iter().zip(answers);
         pairs.map(|(right, given)| pixel_count(&difference(right, given))).collect()
@@ -52,7 +58,7 @@ pub(super) fn judge(case: &Coverage, expected: &ExpectedCoverage, snap: Snap, an
         .with(Metric::WrongUnsnapped, wrong_unsnapped.iter().sum::<u64>() as f64);
     let mut culprits = worst(&wrong);
     if case.exactly_once {
-        let mut hits = Hits::none(Viewport { width: case.width, height: case.height });
+        let mut hits = HitCounts::none(Viewport { width: case.width, height: case.height });
         answers.iter().for_each(|spans| hits.add(spans));
         let (cracks, doubles) = (hits.cracks() as f64, hits.doubles() as f64);
         measures.note(Metric::Cracks, cracks);
@@ -65,14 +71,14 @@ pub(super) fn judge(case: &Coverage, expected: &ExpectedCoverage, snap: Snap, an
     if culprits.is_empty() {
         culprits = worst(&wrong_unsnapped);
     }
-    Outcome::new(measures, culprits)
+    MeasureOutcome::new(measures, culprits)
 }
 
 /// Returns the triangles with the most wrong pixels.
 fn worst(wrong: &[u64]) -> Vec<usize> {
     let mut indices: Vec<usize> = (0..wrong.len()).filter(|index| wrong[*index] > 0).collect();
     indices.sort_by_key(|index| std::cmp::Reverse(wrong[*index]));
-    indices.truncate(MOST_CULPRITS);
+    indices.truncate(MAX_CULPRITS);
     indices
 }
 
@@ -81,7 +87,7 @@ fn around((column, row): (u32, u32), expected: &[Vec<Span>], answers: &[Vec<Span
     let holds = |spans: &Vec<Span>| spans.iter().any(|s| s.row == row && (s.left..s.right).contains(&column));
     let touching =
         (0..expected.len()).filter(|index| holds(&expected[*index]) || answers.get(*index).is_some_and(holds));
-    touching.take(MOST_CULPRITS).collect()
+    touching.take(MAX_CULPRITS).collect()
 }
 
 #[cfg(test)]
@@ -100,7 +106,7 @@ mod tests {
     }
 
     fn judged(case: &Coverage, snap: Snap, answers: &[Vec<Span>]) -> (Measures, Vec<usize>) {
-        let outcome = judge(case, &ExpectedCoverage::new(case), snap, answers);
+        let outcome = evaluate(case, &ExpectedCoverage::new(case), snap, answers);
         (outcome.measures.unwrap(), outcome.culprits)
     }
 

@@ -2,9 +2,9 @@
 
 use std::cmp::Ordering;
 
-use super::Outcome;
+use super::MeasureOutcome;
 use crate::pipeline::settings::DepthFormat;
-use crate::report::stability::case::{Depth, DepthPairs};
+use crate::report::stability::case::{DepthCase, DepthPairs};
 use crate::report::stability::metric::{Measures, Metric};
 use crate::report::stability::oracle::{exact_depth, ideal_code};
 use crate::report::stability::subject::{DepthBuffer, distance, meaning};
@@ -22,13 +22,13 @@ fn note_order(first: f64, second: f64, reversed: bool, measures: &mut Measures) 
 }
 
 /// Stores every distance of a case, and compares neighbours.
-pub(super) fn distances(case: &Depth, format: DepthFormat) -> Outcome {
+pub(super) fn distances(case: &DepthCase, format: DepthFormat) -> MeasureOutcome {
     let buffer = DepthBuffer::new(format, case.near, case.far.unwrap_or(f32::MAX));
-    judge(case, format, &case.z.iter().map(|z| buffer.stored(*z)).collect::<Vec<_>>())
+    evaluate(case, format, &case.z.iter().map(|z| buffer.stored(*z)).collect::<Vec<_>>())
 }
 
 /// Compares stored values with the exact ones, and neighbours with each other.
-fn judge(case: &Depth, format: DepthFormat, stored: &[f64]) -> Outcome {
+fn evaluate(case: &DepthCase, format: DepthFormat, stored: &[f64]) -> MeasureOutcome {
     let (mapping, storage) = meaning(format);
     let right: Vec<_> = case.z.iter().map(|z| exact_depth(mapping, case.near, case.far, *z)).collect();
     let mut measures = Measures::default();
@@ -53,11 +53,11 @@ fn judge(case: &Depth, format: DepthFormat, stored: &[f64]) -> Outcome {
     }
     let ideal: Vec<_> = right.iter().map(|right| right.as_ref().map(|right| ideal_code(storage, right))).collect();
     measures.note(Metric::IdealTies, ideal.windows(2).filter(|pair| pair[0] == pair[1]).count() as f64);
-    Outcome::new(measures, confused.unwrap_or(worst.1))
+    MeasureOutcome::new(measures, confused.unwrap_or(worst.1))
 }
 
 /// Stores random pairs of points and counts lost orders.
-pub(super) fn pairs(case: &DepthPairs, format: DepthFormat) -> Outcome {
+pub(super) fn pairs(case: &DepthPairs, format: DepthFormat) -> MeasureOutcome {
     let buffer = DepthBuffer::new(format, case.near, case.far);
     let reversed = meaning(format).0.is_reversed();
     let mut measures = Measures::default();
@@ -73,14 +73,14 @@ pub(super) fn pairs(case: &DepthPairs, format: DepthFormat) -> Outcome {
             culprit = Some((badness, index));
         }
     }
-    Outcome::new(measures, culprit.map(|(_, index)| index).into_iter().collect())
+    MeasureOutcome::new(measures, culprit.map(|(_, index)| index).into_iter().collect())
 }
 
 /// Returns pair number `index` as a case of two distances.
-pub(crate) fn only_pair(case: &DepthPairs, index: usize) -> Option<Depth> {
+pub(crate) fn only_pair(case: &DepthPairs, index: usize) -> Option<DepthCase> {
     let DepthPairs { mapping, format, near, far, .. } = *case;
     let pair = pair_distances(case).nth(index)?;
-    Some(Depth { mapping, format, near, far: Some(far), z: pair.to_vec() })
+    Some(DepthCase { mapping, format, near, far: Some(far), z: pair.to_vec() })
 }
 
 /// Returns the distances of all pairs, computed by the matrices of their views.
@@ -124,8 +124,8 @@ mod tests {
     use super::*;
     use crate::report::stability::oracle::{DepthMapping, DepthStorage, approximate};
 
-    fn case(z: Vec<f32>) -> Depth {
-        Depth { mapping: DepthMapping::Standard, format: DepthStorage::F32, near: 1.0, far: Some(100.0), z }
+    fn case(z: Vec<f32>) -> DepthCase {
+        DepthCase { mapping: DepthMapping::Standard, format: DepthStorage::F32, near: 1.0, far: Some(100.0), z }
     }
 
     #[test]
@@ -133,7 +133,7 @@ mod tests {
         let case = case(vec![1.5, 2.0, 70.0, 99.0]);
         let right = case.z.iter().map(|z| exact_depth(DepthMapping::Standard, 1.0, Some(100.0), *z).unwrap());
         let stored: Vec<f64> = right.map(|right| f64::from(approximate(&right) as f32)).collect();
-        let measures = judge(&case, DepthFormat::F32, &stored).measures.unwrap();
+        let measures = evaluate(&case, DepthFormat::F32, &stored).measures.unwrap();
         assert!(measures.get(Metric::DepthUlp).unwrap() <= 0.5);
         assert_eq!(
             [Metric::Pairs, Metric::Lost, Metric::OutOfRange].map(|m| measures.get(m)),
@@ -144,7 +144,7 @@ mod tests {
     #[test]
     fn ties_inversions_and_strays_are_counted() {
         let case = case(vec![1.5, 2.0, 70.0, 99.0]);
-        let outcome = judge(&case, DepthFormat::F32, &[0.25, 0.25, 0.125, 1.5]);
+        let outcome = evaluate(&case, DepthFormat::F32, &[0.25, 0.25, 0.125, 1.5]);
         let measures = outcome.measures.unwrap();
         let expected =
             [(Metric::Ties, 1.0), (Metric::Inversions, 1.0), (Metric::OutOfRange, 1.0), (Metric::IdealTies, 0.0)];
@@ -152,7 +152,7 @@ mod tests {
             assert_eq!(measures.get(metric), Some(value), "{metric:?}");
         }
         assert_eq!(outcome.culprits, [1, 2], "the inversion");
-        let reversed = judge(&case, DepthFormat::ReversedF32, &[0.5, 0.25, 0.125, f64::NAN]).measures.unwrap();
+        let reversed = evaluate(&case, DepthFormat::ReversedF32, &[0.5, 0.25, 0.125, f64::NAN]).measures.unwrap();
         assert_eq!((reversed.get(Metric::NotFinite), reversed.get(Metric::Ties)), (Some(1.0), Some(0.0)));
     }
 

@@ -14,8 +14,8 @@ mod samples;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use super::case::{Body, Case};
-use super::column::Column;
+use super::case::{Body, StabilityCase};
+use super::column::ReportColumn;
 use super::metric::Measures;
 use super::oracle::Snap;
 use super::subject::{self, Interpolator};
@@ -38,14 +38,14 @@ pub(crate) enum Expected {
 
 /// Result of one case.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Outcome {
+pub(crate) struct MeasureOutcome {
     /// Measured errors; `None` if the engine refused to answer.
     pub(crate) measures: Option<Measures>,
     /// Indices of the parts of the case (see [`Case::only`]) that show the fault; empty for the whole case.
     pub(crate) culprits: Vec<usize>,
 }
 
-impl Outcome {
+impl MeasureOutcome {
     fn new(measures: Measures, culprits: Vec<usize>) -> Self {
         // Joining to empty measures computes the derived metrics.
         let mut complete = Measures::default();
@@ -60,7 +60,7 @@ impl Outcome {
 
 impl Expected {
     /// Computes the correct answer to a case.
-    pub(crate) fn new(case: &Case) -> Self {
+    pub(crate) fn new(case: &StabilityCase) -> Self {
         match &case.body {
             Body::TriCoverage(body) => Self::Coverage(ExpectedCoverage::new(body)),
             Body::ClipTri(body) => Self::ClipSpace(clip_space::expected(body)),
@@ -73,7 +73,7 @@ impl Expected {
     }
 
     /// Returns the number of pixels, samples or values in a complete answer.
-    pub(crate) fn units(&self, case: &Case) -> u64 {
+    pub(crate) fn units(&self, case: &StabilityCase) -> u64 {
         match (self, &case.body) {
             (Self::Coverage(expected), _) => expected.pixels(Snap::Unsnapped),
             (Self::ClipSpace(triangles), _) => triangles.iter().map(ExpectedTriangle::pixels).sum(),
@@ -86,33 +86,33 @@ impl Expected {
 }
 
 /// Runs the engine on a case and compares. Returns `None` if the column does not apply to such cases.
-pub(crate) fn answer(case: &Case, expected: &Expected, column: Column) -> Option<Outcome> {
+pub(crate) fn answer(case: &StabilityCase, expected: &Expected, column: ReportColumn) -> Option<MeasureOutcome> {
     let measured = match (&case.body, expected, column) {
-        (Body::TriCoverage(body), Expected::Coverage(expected), Column::Coverage(by)) => attempt(|| {
+        (Body::TriCoverage(body), Expected::Coverage(expected), ReportColumn::Coverage(by)) => attempt(|| {
             let viewport = case.viewport()?;
             let answers: Vec<_> = body.triangles.iter().map(|t| subject::cover(by, *t, body.rule, viewport)).collect();
-            Some(coverage::judge(body, expected, by.declared_snap(), &answers))
+            Some(coverage::evaluate(body, expected, by.declared_snap(), &answers))
         }),
-        (Body::ClipTri(body), Expected::ClipSpace(expected), Column::Coverage(by)) => attempt(|| {
+        (Body::ClipTri(body), Expected::ClipSpace(expected), ReportColumn::Coverage(by)) => attempt(|| {
             let viewport = case.viewport()?;
             let answers: Vec<_> = body.triangles.iter().map(|t| subject::draw(by, *t, viewport)).collect();
-            Some(clip_space::judge(expected, viewport, &answers))
+            Some(clip_space::evaluate(expected, viewport, &answers))
         }),
-        (Body::TriAttr(body), Expected::Samples(expected), Column::Weights(by)) => attempt(|| {
+        (Body::TriAttr(body), Expected::Samples(expected), ReportColumn::Weights(by)) => attempt(|| {
             let triangle = Interpolator::new(by, &body.vertices)?;
             let answers = body.eval.iter().map(|[x, y]| triangle.at(*x, *y)).collect();
-            Some(samples::judge(expected, &[answers]))
+            Some(samples::evaluate(expected, &[answers]))
         }),
-        (Body::CoplanarPair(body), Expected::Samples(expected), Column::Weights(by)) => attempt(|| {
+        (Body::CoplanarPair(body), Expected::Samples(expected), ReportColumn::Weights(by)) => attempt(|| {
             let triangles = [Interpolator::new(by, &body.first)?, Interpolator::new(by, &body.second)?];
             let answers = triangles.map(|t| body.eval.iter().map(|[x, y]| t.at(*x, *y)).collect());
-            Some(samples::judge(expected, &answers))
+            Some(samples::evaluate(expected, &answers))
         }),
-        (Body::Depth(body), _, Column::Depth(format)) => attempt(|| Some(depth::distances(body, format))),
-        (Body::DepthPairs(body), _, Column::Depth(format)) => attempt(|| Some(depth::pairs(body, format))),
+        (Body::Depth(body), _, ReportColumn::Depth(format)) => attempt(|| Some(depth::distances(body, format))),
+        (Body::DepthPairs(body), _, ReportColumn::Depth(format)) => attempt(|| Some(depth::pairs(body, format))),
         _ => return None,
     };
-    Some(measured.unwrap_or_else(Outcome::refused))
+    Some(measured.unwrap_or_else(MeasureOutcome::refused))
 }
 
 /// Returns the engine's answer, or `None` if it panics: a report on stiff cases must survive the stiffest.

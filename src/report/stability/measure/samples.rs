@@ -1,6 +1,6 @@
 //! Measurement of weights, depth and attributes at pixel centres.
 
-use super::Outcome;
+use super::MeasureOutcome;
 use crate::report::stability::metric::{Measures, Metric};
 use crate::report::stability::oracle::{ExactSample, ScreenCorner, error, exact_sample, ulps};
 use crate::report::stability::subject::Sampled;
@@ -17,7 +17,7 @@ pub(super) fn expected(corners: &[ScreenCorner; 3], eval: &[[u32; 2]]) -> Expect
 
 /// Compares the samples of one or two triangles with the expected ones. Two triangles are coplanar and should agree in
 /// depth.
-pub(super) fn judge(expected: &[ExpectedSamples], answers: &[Vec<Sampled>]) -> Outcome {
+pub(super) fn evaluate(expected: &[ExpectedSamples], answers: &[Vec<Sampled>]) -> MeasureOutcome {
     let mut all = Measures::default();
     let mut worst = (0.0, None);
     let count = answers.first().map_or(0, Vec::len);
@@ -38,7 +38,7 @@ pub(super) fn judge(expected: &[ExpectedSamples], answers: &[Vec<Sampled>]) -> O
         }
         all.join(&here);
     }
-    Outcome::new(all, worst.1.into_iter().collect())
+    MeasureOutcome::new(all, worst.1.into_iter().collect())
 }
 
 /// Returns a sort key for the worst fault of a sample: non-finite values first, then differing depths, then weights,
@@ -109,7 +109,7 @@ mod tests {
     #[test]
     fn the_right_answer_has_no_fault_but_rounding() {
         let (right, given) = right_and_rounded();
-        let measures = judge(&[right], &[given]).measures.unwrap();
+        let measures = evaluate(&[right], &[given]).measures.unwrap();
         assert_eq!(measures.get(Metric::Samples), Some(3.0));
         assert!(measures.get(Metric::WeightError).unwrap() < 1e-15);
         assert!(measures.get(Metric::UvTexels).unwrap() < 1e-10);
@@ -123,13 +123,13 @@ mod tests {
         let mut wrong = given.clone();
         wrong[1].weights[2] -= 2.0;
         wrong[1].uv[0] += 0.5;
-        let outcome = judge(std::slice::from_ref(&right), std::slice::from_ref(&wrong));
+        let outcome = evaluate(std::slice::from_ref(&right), std::slice::from_ref(&wrong));
         let measures = outcome.measures.unwrap();
         let near = |metric, value: f64| (measures.get(metric).unwrap() - value).abs() < 1e-9;
         assert!(near(Metric::WeightError, 2.0) && near(Metric::SumError, 2.0) && near(Metric::UvTexels, 512.0));
         assert_eq!((measures.get(Metric::NegativeWeights), outcome.culprits), (Some(1.0), vec![1]));
         wrong[2].affine = [f64::NAN; 3];
-        let outcome = judge(&[right], &[wrong]);
+        let outcome = evaluate(&[right], &[wrong]);
         assert_eq!((outcome.measures.unwrap().get(Metric::NotFinite), outcome.culprits), (Some(3.0), vec![2]));
     }
 
@@ -139,7 +139,7 @@ mod tests {
         let mut other = given.clone();
         other[0].depth += 1e-12;
         let both = [right.clone(), right];
-        let outcome = judge(&both, &[given, other]);
+        let outcome = evaluate(&both, &[given, other]);
         let measures = outcome.measures.unwrap();
         assert_eq!((measures.get(Metric::Flips), measures.get(Metric::Samples)), (Some(1.0), Some(6.0)));
         assert_eq!(outcome.culprits, [0], "the sample that shows it");

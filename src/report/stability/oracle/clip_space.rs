@@ -11,7 +11,7 @@ use num_rational::BigRational;
 use num_traits::{Signed as _, Zero as _};
 
 use super::number::{places, scaled};
-use super::region::{HalfPlane, Region};
+use super::region::{ExactHalfPlane, ExactRegion};
 use crate::pipeline::settings::FillRule;
 use crate::pipeline::viewport::Viewport;
 
@@ -19,9 +19,9 @@ use crate::pipeline::viewport::Viewport;
 #[derive(Clone, Debug)]
 pub struct ClipTriangle {
     /// λ₀, λ₁ and λ₂ as functions of the pixel, multiplied by `unit`.
-    weights: [HalfPlane; 3],
+    weights: [ExactHalfPlane; 3],
     /// z/w as a function of the pixel, multiplied by `unit`.
-    depth: HalfPlane,
+    depth: ExactHalfPlane,
     /// Common denominator of the other fields, > 0.
     unit: BigInt,
 }
@@ -30,7 +30,7 @@ impl ClipTriangle {
     /// Creates a triangle from vertices (x, y, z, w), with 0 ≤ z ≤ w inside, x = y = 0 in the centre and y up. Returns
     /// `None` if a coordinate is not finite, or if the eye lies in the plane of the triangle, so that it is seen
     /// edge-on.
-    pub(crate) fn new(corners: [[f32; 4]; 3], viewport: Viewport) -> Option<Self> {
+    pub fn new(corners: [[f32; 4]; 3], viewport: Viewport) -> Option<Self> {
         if corners.iter().flatten().any(|c| !c.is_finite()) {
             return None;
         }
@@ -49,21 +49,21 @@ impl ClipTriangle {
     }
 
     /// Returns the visible region of the triangle between the near and far planes, inclusive.
-    pub(crate) fn region(&self, rule: FillRule) -> Region {
-        let edges = self.weights.iter().map(|w| HalfPlane { closed: w.owns_its_line(rule), ..w.clone() });
-        let near = HalfPlane { closed: true, ..self.depth.clone() };
-        let far = HalfPlane {
+    pub fn region(&self, rule: FillRule) -> ExactRegion {
+        let edges = self.weights.iter().map(|w| ExactHalfPlane { closed: w.owns_its_line(rule), ..w.clone() });
+        let near = ExactHalfPlane { closed: true, ..self.depth.clone() };
+        let far = ExactHalfPlane {
             by_column: -&self.depth.by_column,
             by_row: -&self.depth.by_row,
             origin: &self.unit - &self.depth.origin,
             closed: true,
         };
-        Region::new(edges.chain([near, far]).collect())
+        ExactRegion::new(edges.chain([near, far]).collect())
     }
 
     /// Returns the perspective-correct weights of the three vertices, and z/w, at a pixel centre. Returns `None` where
     /// the plane of the triangle is not in front of the eye.
-    pub(crate) fn at(&self, column: u32, row: u32) -> Option<([BigRational; 3], BigRational)> {
+    pub fn at(&self, column: u32, row: u32) -> Option<([BigRational; 3], BigRational)> {
         let [a, b, c] = [0, 1, 2].map(|i| self.weights[i].at(column, row));
         let sum = &a + &b + &c;
         if !sum.is_positive() {
@@ -81,9 +81,9 @@ fn cross(p: &[BigInt; 4], q: &[BigInt; 4]) -> [BigInt; 3] {
 
 /// Converts a·x + b·y + c in device coordinates to a function of the pixel, multiplied by width · height: x
 /// = (2·column + 1 − width) / width and y = (height − 2·row − 1) / height.
-fn over_pixels([a, b, c]: [BigInt; 3], viewport: Viewport) -> HalfPlane {
+fn over_pixels([a, b, c]: [BigInt; 3], viewport: Viewport) -> ExactHalfPlane {
     let (width, height) = (BigInt::from(viewport.width), BigInt::from(viewport.height));
-    HalfPlane {
+    ExactHalfPlane {
         origin: &a * &height * (1 - &width) + &b * &width * (&height - 1) + c * &width * &height,
         by_column: a * height * 2,
         by_row: b * width * -2,
@@ -92,10 +92,16 @@ fn over_pixels([a, b, c]: [BigInt; 3], viewport: Viewport) -> HalfPlane {
 }
 
 /// Computes Σ `forms`ᵢ · `factors`ᵢ.
-fn combined(forms: &[HalfPlane; 3], factors: [&BigInt; 3]) -> HalfPlane {
-    let sum =
-        |part: fn(&HalfPlane) -> &BigInt| forms.iter().zip(factors).map(|(form, factor)| part(form) * factor).sum();
-    HalfPlane { by_column: sum(|f| &f.by_column), by_row: sum(|f| &f.by_row), origin: sum(|f| &f.origin), closed: true }
+fn combined(forms: &[ExactHalfPlane; 3], factors: [&BigInt; 3]) -> ExactHalfPlane {
+    let sum = |part: fn(&ExactHalfPlane) -> &BigInt| {
+        forms.iter().zip(factors).map(|(form, factor)| part(form) * factor).sum()
+    };
+    ExactHalfPlane {
+        by_column: sum(|f| &f.by_column),
+        by_row: sum(|f| &f.by_row),
+        origin: sum(|f| &f.origin),
+        closed: true,
+    }
 }
 
 #[cfg(test)]
@@ -107,10 +113,10 @@ mod tests {
 
     const VIEW: Viewport = Viewport { width: 9, height: 7 };
 
-    type Corner = [BigRational; 4];
+    type ClipCorner = [BigRational; 4];
 
     /// Clips a polygon to the half-space where a linear function of its vertices is not negative.
-    fn cut(polygon: &[Corner], side: impl Fn(&Corner) -> BigRational) -> Vec<Corner> {
+    fn cut(polygon: &[ClipCorner], side: impl Fn(&ClipCorner) -> BigRational) -> Vec<ClipCorner> {
         let mut left = Vec::new();
         for (index, p) in polygon.iter().enumerate() {
             let q = &polygon[(index + 1) % polygon.len()];
@@ -136,7 +142,7 @@ mod tests {
         }
         let rational = |n: u32| BigRational::from_integer(n.into());
         let half = BigRational::new(1.into(), 2.into());
-        let to_pixels = |p: &Corner| {
+        let to_pixels = |p: &ClipCorner| {
             let one = BigRational::one();
             let x = (&p[0] / &p[3] + &one) * rational(VIEW.width) * &half;
             [x, (one - &p[1] / &p[3]) * rational(VIEW.height) * &half]
@@ -182,7 +188,7 @@ mod tests {
     fn at_equal_w_it_is_the_triangle_on_the_screen() {
         let corners = [[-1.5, 0.5, 1.0, 2.0], [1.0, 1.75, 1.0, 2.0], [0.25, -1.5, 1.0, 2.0]];
         let on_screen = corners.map(|[x, y, _, w]| [(x / w + 1.0) * 4.5, (1.0 - y / w) * 3.5]);
-        let expected = Region::triangle(on_screen, Snap::Unsnapped, FillRule::TopLeft).spans(VIEW);
+        let expected = ExactRegion::triangle(on_screen, Snap::Unsnapped, FillRule::TopLeft).spans(VIEW);
         let triangle = ClipTriangle::new(corners, VIEW).unwrap();
         assert_eq!(triangle.region(FillRule::TopLeft).spans(VIEW), expected);
         assert!(!expected.is_empty());

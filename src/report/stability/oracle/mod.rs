@@ -29,9 +29,10 @@ pub use depth::exact_depth;
 pub use depth::ideal_code;
 pub use number::approximate;
 pub(crate) use number::error;
+#[cfg(test)]
 pub(crate) use number::exact;
 pub(crate) use number::ulps;
-pub use region::Region;
+pub use region::ExactRegion;
 pub use region::Snap;
 pub(crate) use weights::ExactSample;
 pub(crate) use weights::ScreenCorner;

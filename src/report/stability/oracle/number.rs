@@ -8,7 +8,7 @@ use num_traits::{One as _, Pow as _, Signed as _, ToPrimitive as _, Zero as _};
 const FRACTION_BITS: u32 = 23;
 
 /// Exponent of the smallest positive f32, 2⁻¹⁴⁹.
-const LEAST_EXPONENT: i32 = -149;
+const MIN_EXPONENT: i32 = -149;
 
 /// Returns the exact value of a finite f32; `None` for NaN and infinities.
 pub(crate) fn exact(value: f32) -> Option<BigRational> {
@@ -41,12 +41,12 @@ pub(crate) fn ulps(answer: f64, right: &BigRational) -> f64 {
 fn last_place(value: &BigRational) -> BigRational {
     let bits = |n: &BigInt| n.magnitude().bits() as i32;
     if value.is_zero() {
-        return power_of_two(LEAST_EXPONENT);
+        return power_of_two(MIN_EXPONENT);
     }
     // The quotient of an n-bit and a d-bit number lies between 2^(n − d − 1) and 2^(n − d + 1).
     let guess = bits(value.numer()) - bits(value.denom());
     let exponent = if value.abs() < power_of_two(guess) { guess - 1 } else { guess };
-    power_of_two((exponent - FRACTION_BITS as i32).max(LEAST_EXPONENT))
+    power_of_two((exponent - FRACTION_BITS as i32).max(MIN_EXPONENT))
 }
 
 /// Returns 2^`exponent`.
@@ -59,8 +59,8 @@ fn parts(value: f32) -> (i64, i32) {
     let bits = value.to_bits();
     let (field, fraction) = (bits >> FRACTION_BITS & 0xff, i64::from(bits & ((1 << FRACTION_BITS) - 1)));
     let (magnitude, exponent) = match field {
-        0 => (fraction, LEAST_EXPONENT),
-        _ => (fraction | 1 << FRACTION_BITS, field as i32 - 1 + LEAST_EXPONENT),
+        0 => (fraction, MIN_EXPONENT),
+        _ => (fraction | 1 << FRACTION_BITS, field as i32 - 1 + MIN_EXPONENT),
     };
     if magnitude == 0 {
         return (0, 0);

@@ -27,14 +27,14 @@ const BORDERLINE: i32 = 128;
 /// Half-plane where `by_column` · column + `by_row` · row + `origin` is positive at pixel centres, including the line
 /// itself if it is `closed`.
 #[derive(Clone, Debug)]
-pub(super) struct HalfPlane {
+pub(super) struct ExactHalfPlane {
     pub(super) by_column: BigInt,
     pub(super) by_row: BigInt,
     pub(super) origin: BigInt,
     pub(super) closed: bool,
 }
 
-impl HalfPlane {
+impl ExactHalfPlane {
     /// Returns the value at a pixel centre.
     pub(super) fn at(&self, column: u32, row: u32) -> BigInt {
         &self.by_column * column + &self.by_row * row + &self.origin
@@ -78,21 +78,21 @@ impl HalfPlane {
 
 /// Intersection of half-planes. Empty if there are none: a triangle without area covers nothing.
 #[derive(Clone, Debug, Default)]
-pub struct Region {
-    pub(super) bounds: Vec<HalfPlane>,
+pub struct ExactRegion {
+    pub(super) bounds: Vec<ExactHalfPlane>,
     /// First and last rows that may be covered; `None` if unbounded.
     rows: Option<(u32, u32)>,
 }
 
-impl Region {
+impl ExactRegion {
     /// Creates the intersection of half-planes.
-    pub(super) fn new(bounds: Vec<HalfPlane>) -> Self {
+    pub(super) fn new(bounds: Vec<ExactHalfPlane>) -> Self {
         Self { bounds, rows: None }
     }
 
     /// Creates a screen-space triangle of either winding, with vertices in pixels. It is empty if it has no area or a
     /// coordinate is not finite.
-    pub(crate) fn triangle(corners_px: [[f32; 2]; 3], snap: Snap, rule: FillRule) -> Self {
+    pub fn triangle(corners_px: [[f32; 2]; 3], snap: Snap, rule: FillRule) -> Self {
         if corners_px.iter().flatten().any(|c| !c.is_finite()) {
             return Self::default();
         }
@@ -105,7 +105,7 @@ impl Region {
         }
         let bounds = bounds.into_iter().map(|bound| {
             let inside = if doubled_area.is_negative() { negated(bound) } else { bound };
-            HalfPlane { closed: inside.owns_its_line(rule), ..inside }
+            ExactHalfPlane { closed: inside.owns_its_line(rule), ..inside }
         });
         Self { bounds: bounds.collect(), rows: Some(rows_around(corners_px)) }
     }
@@ -116,7 +116,7 @@ impl Region {
     }
 
     /// Returns the pixels whose centres lie in the region: at most one span per row, from top to bottom.
-    pub(crate) fn spans(&self, viewport: Viewport) -> Vec<Span> {
+    pub fn spans(&self, viewport: Viewport) -> Vec<Span> {
         if self.is_empty() {
             return Vec::new();
         }
@@ -138,7 +138,7 @@ impl Region {
 
     /// Whether the region contains a pixel centre.
     pub(crate) fn contains(&self, column: u32, row: u32) -> bool {
-        let inside = |bound: &HalfPlane| {
+        let inside = |bound: &ExactHalfPlane| {
             let value = bound.at(column, row);
             value.is_positive() || (bound.closed && value.is_zero())
         };
@@ -147,9 +147,10 @@ impl Region {
 
     /// Whether a pixel centre is within 1/128 px of a line that bounds the region, and not clearly outside another
     /// line.
-    pub(crate) fn is_borderline(&self, column: u32, row: u32) -> bool {
+    pub fn is_borderline(&self, column: u32, row: u32) -> bool {
         let lines = || self.bounds.iter().filter(|b| !b.by_column.is_zero() || !b.by_row.is_zero());
-        let clearly_outside = |bound: &HalfPlane| bound.at(column, row).is_negative() && !bound.is_close(column, row);
+        let clearly_outside =
+            |bound: &ExactHalfPlane| bound.at(column, row).is_negative() && !bound.is_close(column, row);
         lines().any(|bound| bound.is_close(column, row)) && !lines().any(clearly_outside)
     }
 }
@@ -167,17 +168,17 @@ fn integer_corners(corners_px: [[f32; 2]; 3], snap: Snap) -> ([[BigInt; 2]; 3], 
 }
 
 /// Returns the half-plane clockwise of the line `from` → `to` (y down), where (to − from) × (p − from) is positive.
-fn line(from: &[BigInt; 2], to: &[BigInt; 2], scale: u32) -> HalfPlane {
+fn line(from: &[BigInt; 2], to: &[BigInt; 2], scale: u32) -> ExactHalfPlane {
     let (by_x, by_y) = (&from[1] - &to[1], &to[0] - &from[0]);
     let constant = -(&by_x * &from[0] + &by_y * &from[1]);
     // p = (pixel + 1/2) · 2^scale.
     let origin = constant + ((&by_x + &by_y) << (scale - 1));
-    HalfPlane { by_column: by_x << scale, by_row: by_y << scale, origin, closed: false }
+    ExactHalfPlane { by_column: by_x << scale, by_row: by_y << scale, origin, closed: false }
 }
 
-fn negated(bound: HalfPlane) -> HalfPlane {
-    let HalfPlane { by_column, by_row, origin, closed } = bound;
-    HalfPlane { by_column: -by_column, by_row: -by_row, origin: -origin, closed }
+fn negated(bound: ExactHalfPlane) -> ExactHalfPlane {
+    let ExactHalfPlane { by_column, by_row, origin, closed } = bound;
+    ExactHalfPlane { by_column: -by_column, by_row: -by_row, origin: -origin, closed }
 }
 
 /// Returns the first and last rows that the triangle may reach, with one row of margin for snapping.
@@ -249,7 +250,7 @@ mod tests {
             corners_on_centres += u32::from(kind == 1);
             let exact_corners = corners.map(|corner: [f32; 2]| corner.map(|c| exact(c).unwrap()));
             for rule in FillRule::ALL {
-                let region = Region::triangle(corners, Snap::Unsnapped, *rule);
+                let region = ExactRegion::triangle(corners, Snap::Unsnapped, *rule);
                 let spans = region.spans(VIEW);
                 for row in 0..VIEW.height {
                     for column in 0..VIEW.width {
@@ -274,9 +275,9 @@ mod tests {
                 std::array::from_fn(|_| std::array::from_fn(|_| coordinate(&mut random, round as u8 % 4)));
             let snapped = corners.map(|corner| corner.map(|c| (c * 256.0).round_ties_even() / 256.0));
             let rule = FillRule::TopLeft;
-            let of_given = Region::triangle(corners, Snap::Grid256, rule).spans(VIEW);
-            assert_eq!(of_given, Region::triangle(snapped, Snap::Unsnapped, rule).spans(VIEW), "{corners:?}");
-            moved += u32::from(of_given != Region::triangle(corners, Snap::Unsnapped, rule).spans(VIEW));
+            let of_given = ExactRegion::triangle(corners, Snap::Grid256, rule).spans(VIEW);
+            assert_eq!(of_given, ExactRegion::triangle(snapped, Snap::Unsnapped, rule).spans(VIEW), "{corners:?}");
+            moved += u32::from(of_given != ExactRegion::triangle(corners, Snap::Unsnapped, rule).spans(VIEW));
         }
         assert!(moved > 5, "snapping changed only {moved} triangles");
     }
@@ -289,22 +290,22 @@ mod tests {
         for (corners, snap) in
             [(flat, Snap::Unsnapped), (collapsed, Snap::Grid256), (broken, Snap::Unsnapped), (broken, Snap::Grid256)]
         {
-            assert!(Region::triangle(corners, snap, FillRule::Inclusive).is_empty(), "{corners:?}");
+            assert!(ExactRegion::triangle(corners, snap, FillRule::Inclusive).is_empty(), "{corners:?}");
         }
-        assert!(!Region::triangle(collapsed, Snap::Unsnapped, FillRule::Inclusive).is_empty());
+        assert!(!ExactRegion::triangle(collapsed, Snap::Unsnapped, FillRule::Inclusive).is_empty());
     }
 
     #[test]
     fn borderline_is_what_lies_within_a_128th_of_a_pixel_of_an_edge() {
         // A left edge at x = 3.5 + d, with the other edges far away.
         let at = |d: f32| {
-            Region::triangle([[3.5 + d, -90.0], [90.0, 5.0], [3.5 + d, 90.0]], Snap::Unsnapped, FillRule::TopLeft)
+            ExactRegion::triangle([[3.5 + d, -90.0], [90.0, 5.0], [3.5 + d, 90.0]], Snap::Unsnapped, FillRule::TopLeft)
         };
         for (distance, expected) in [(0.0, true), (0.0077, true), (-0.0077, true), (0.0079, false), (-0.0079, false)] {
             assert_eq!(at(distance).is_borderline(3, 4), expected, "{distance}");
         }
         assert!(!at(0.0).is_borderline(2, 4), "a whole pixel away");
-        let corner = Region::triangle([[3.5, 4.0], [9.0, 4.0], [3.5, 9.0]], Snap::Unsnapped, FillRule::TopLeft);
+        let corner = ExactRegion::triangle([[3.5, 4.0], [9.0, 4.0], [3.5, 9.0]], Snap::Unsnapped, FillRule::TopLeft);
         assert!(
             corner.is_borderline(3, 4) && !corner.is_borderline(3, 3),
             "on the line of one edge, outside of another"

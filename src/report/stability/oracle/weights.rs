@@ -24,13 +24,13 @@ pub struct ScreenCorner {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ExactSample {
     /// Screen-space (affine) weights of the vertices.
-    pub(crate) affine: [BigRational; 3],
+    pub affine: [BigRational; 3],
     /// Perspective-correct weights of the vertices.
-    pub(crate) perspective: [BigRational; 3],
+    pub perspective: [BigRational; 3],
     /// Depth, an affine function of screen position.
-    pub(crate) depth: BigRational,
+    pub depth: BigRational,
     /// Perspective-correct texture coordinates.
-    pub(crate) uv: [BigRational; 2],
+    pub uv: [BigRational; 2],
 }
 
 /// Computes the exact values at a pixel centre, without snapping vertices. Returns `None` for a triangle without area,

@@ -8,18 +8,18 @@ use crate::report::stability::text::text;
 use crate::report::stability::tradeoff;
 
 /// Returns a plan with these classes.
-fn plan(classes: &[&str], timed: bool) -> Plan {
+fn plan(classes: &[&str], timed: bool) -> StabilityPlan {
     let classes = classes.iter().map(|id| catalogue::by_id(id).unwrap()).collect();
-    Plan { classes, timed, ..Plan::default() }
+    StabilityPlan { classes, timed, ..StabilityPlan::default() }
 }
 
-fn report(plan: &Plan) -> Report {
+fn report(plan: &StabilityPlan) -> StabilityReport {
     run(plan, &|_| {}, &AtomicBool::new(false)).unwrap()
 }
 
 /// Returns a report on small classes without times, computed only once.
-fn small() -> &'static Report {
-    static SMALL: LazyLock<Report> = LazyLock::new(|| {
+fn small() -> &'static StabilityReport {
+    static SMALL: LazyLock<StabilityReport> = LazyLock::new(|| {
         let classes = [
             "benign",
             "slivers",
@@ -36,7 +36,7 @@ fn small() -> &'static Report {
     &SMALL
 }
 
-fn cell<'a>(report: &'a Report, class: &str, label: &str) -> &'a Cell {
+fn cell<'a>(report: &'a StabilityReport, class: &str, label: &str) -> &'a ReportCell {
     let class = report.classes.iter().find(|c| c.class.id == class).unwrap();
     class.cells.iter().find(|cell| cell.column.label() == label).unwrap_or_else(|| panic!("no column {label}"))
 }
@@ -64,7 +64,7 @@ fn the_worst_cases_show_the_fault_when_they_are_opened_again() {
     for class in &report.classes {
         for cell in &class.cells {
             let Some(worst) = &cell.worst else { continue };
-            let case: Case = serde_json::from_str(&worst.case.to_json()).unwrap();
+            let case: StabilityCase = serde_json::from_str(&worst.case.to_json()).unwrap();
             let outcome = answer(&case, &Expected::new(&case), cell.column).unwrap();
             let file = CaseFile::parse(worst.case.to_json().as_bytes(), "worst.json".as_ref());
             assert!(file.is_ok(), "{}: {file:?}", class.class.id);
@@ -87,7 +87,7 @@ fn the_counts_of_the_worst_cases_can_be_recomputed_from_the_complete_cases() {
     let report: serde_json::Value = serde_json::from_str(&serde_json::to_string(small()).unwrap()).unwrap();
     let mut recomputed = 0;
     for (class, written) in small().classes.iter().zip(report["classes"].as_array().unwrap()) {
-        let complete: Vec<Case> = serde_json::from_value(written["worst_cases"].clone()).unwrap();
+        let complete: Vec<StabilityCase> = serde_json::from_value(written["worst_cases"].clone()).unwrap();
         for cell in &class.cells {
             let Some(worst) = &cell.worst else { continue };
             let case = complete.iter().find(|case| case.id == worst.of).expect("the complete case is saved");
@@ -95,7 +95,7 @@ fn the_counts_of_the_worst_cases_can_be_recomputed_from_the_complete_cases() {
             assert_eq!(outcome.measures, worst.measures, "{} {}", worst.of, cell.column.label());
             recomputed += 1;
         }
-        let used = |case: &Case| class.cells.iter().any(|c| c.worst.as_ref().is_some_and(|w| w.of == case.id));
+        let used = |case: &StabilityCase| class.cells.iter().any(|c| c.worst.as_ref().is_some_and(|w| w.of == case.id));
         assert!(complete.iter().all(used), "{}: a case that no cell names", class.class.id);
     }
     assert!(recomputed > 15, "only {recomputed}");
@@ -112,7 +112,7 @@ fn the_same_plan_gives_the_same_report() {
 
 #[test]
 fn only_what_was_asked_for_is_run() {
-    let only = Plan {
+    let only = StabilityPlan {
         rasterizers: vec![Rasterizer::Tiled],
         arithmetics: vec![Arithmetic::F64],
         ..plan(&["benign", "thin", "depth-thin"], false)
@@ -121,7 +121,7 @@ fn only_what_was_asked_for_is_run() {
     let labels = |class: usize| report.classes[class].cells.iter().map(|cell| cell.column.label()).collect::<Vec<_>>();
     assert_eq!(labels(0), ["tiled · f64"]);
     assert_eq!(labels(1), ["affine · f64", "perspective · f64"]);
-    assert_eq!(report.classes[2].cells.len(), Column::of(Family::Depth).len());
+    assert_eq!(report.classes[2].cells.len(), ReportColumn::of(Family::Depth).len());
 }
 
 #[test]
@@ -134,9 +134,9 @@ fn progress_is_told_to_the_end_and_cancelling_ends_it() {
     assert_eq!(heard.len(), cases + 1);
     assert!(heard.iter().any(|p| p.done == p.of) && heard.iter().all(|p| p.of == cases));
     assert!(run(&plan, &|_| {}, &AtomicBool::new(true)).is_none());
-    let (timed, cancel) = (Plan { timed: true, ..plan }, AtomicBool::new(false));
-    let cancel_timing = |progress: Progress| {
-        cancel.fetch_or(progress.stage == Stage::Timing, Ordering::Relaxed);
+    let (timed, cancel) = (StabilityPlan { timed: true, ..plan }, AtomicBool::new(false));
+    let cancel_timing = |progress: StabilityProgress| {
+        cancel.fetch_or(progress.stage == SweepStage::Timing, Ordering::Relaxed);
     };
     let partial = run(&timed, &cancel_timing, &cancel).unwrap();
     assert!(partial.partial && partial.classes.len() == 2, "what was judged stays");
@@ -145,7 +145,7 @@ fn progress_is_told_to_the_end_and_cancelling_ends_it() {
 
 #[test]
 fn times_are_taken_and_stiffness_follows() {
-    let timed = Plan {
+    let timed = StabilityPlan {
         rasterizers: vec![Rasterizer::BoundingBox, Rasterizer::Scanline],
         arithmetics: vec![Arithmetic::Fixed],
         ..plan(&["benign", "long-slivers", "thin"], true)

@@ -17,14 +17,14 @@ const CORNERS_PER_TEST: usize = 1 << 12;
 
 /// Edge of the polygon, with its ends in sweep order.
 #[derive(Clone, Copy)]
-struct Edge {
+struct SweepEdge {
     left: GridPoint,
     right: GridPoint,
     /// Index of the corner where the edge starts.
     number: usize,
 }
 
-impl Edge {
+impl SweepEdge {
     /// Returns the position of `point` relative to the edge: positive above, negative below, 0 on its line.
     fn side(&self, point: GridPoint) -> i64 {
         orientation(self.left, self.right, point)
@@ -39,7 +39,7 @@ impl Edge {
     }
 }
 
-impl Ord for Edge {
+impl Ord for SweepEdge {
     fn cmp(&self, other: &Self) -> Ordering {
         if self.number == other.number {
             return Ordering::Equal;
@@ -49,19 +49,19 @@ impl Ord for Edge {
     }
 }
 
-impl PartialOrd for Edge {
+impl PartialOrd for SweepEdge {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl PartialEq for Edge {
+impl PartialEq for SweepEdge {
     fn eq(&self, other: &Self) -> bool {
         self.number == other.number
     }
 }
 
-impl Eq for Edge {}
+impl Eq for SweepEdge {}
 
 /// Corners left of the sweep line that are not yet cut off, from the lower edge to the upper edge.
 #[derive(Default)]
@@ -103,7 +103,7 @@ struct Sweep<'a> {
     corners: &'a [GridPoint],
     /// Edges that cross the sweep line, from bottom to top. An edge with the inside above it has the chain of that
     /// part.
-    line: BTreeMap<Edge, Option<Chain>>,
+    line: BTreeMap<SweepEdge, Option<Chain>>,
     triangles: Vec<[u32; 3]>,
 }
 
@@ -165,12 +165,12 @@ impl Sweep<'_> {
         }
     }
 
-    fn edge(&self, number: usize) -> Edge {
+    fn edge(&self, number: usize) -> SweepEdge {
         let ends = [self.corners[number], self.corners[(number + 1) % self.corners.len()]];
-        Edge { left: ends[0].min(ends[1]), right: ends[0].max(ends[1]), number }
+        SweepEdge { left: ends[0].min(ends[1]), right: ends[0].max(ends[1]), number }
     }
 
-    fn touch(&self, a: &Edge, b: &Edge) -> bool {
+    fn touch(&self, a: &SweepEdge, b: &SweepEdge) -> bool {
         let next = |number: usize| (number + 1) % self.corners.len();
         let are_neighbors = next(a.number) == b.number || next(b.number) == a.number;
         !are_neighbors && crosses([a.left, a.right], [b.left, b.right])
@@ -178,7 +178,7 @@ impl Sweep<'_> {
 
     /// Removes an edge that ends from the line. Returns `None` if its neighbours touch, or if it is not found because
     /// crossing edges have changed their order.
-    fn remove(&mut self, edge: &Edge) -> Option<Option<Chain>> {
+    fn remove(&mut self, edge: &SweepEdge) -> Option<Option<Chain>> {
         let chain = self.line.remove(edge)?;
         let below = self.line.range(..edge).next_back();
         let above = self.line.range((Excluded(edge), Unbounded)).next();
@@ -187,7 +187,7 @@ impl Sweep<'_> {
     }
 
     /// Inserts an edge that begins into the line. Returns `None` if it touches a neighbour.
-    fn insert(&mut self, edge: Edge, chain: Option<Chain>) -> Option<()> {
+    fn insert(&mut self, edge: SweepEdge, chain: Option<Chain>) -> Option<()> {
         let below = self.line.range(..&edge).next_back();
         let above = self.line.range(&edge..).next();
         if below.into_iter().chain(above).any(|(neighbor, _)| self.touch(neighbor, &edge)) {
@@ -198,12 +198,12 @@ impl Sweep<'_> {
     }
 
     /// Takes the chain of the part below an edge that is not in the line.
-    fn take_below(&mut self, edge: &Edge) -> Option<Chain> {
+    fn take_below(&mut self, edge: &SweepEdge) -> Option<Chain> {
         self.line.range_mut(..edge).next_back()?.1.take()
     }
 
     /// Stores the chain of the part below an edge that is not in the line.
-    fn put_below(&mut self, edge: &Edge, chain: Chain) -> Option<()> {
+    fn put_below(&mut self, edge: &SweepEdge, chain: Chain) -> Option<()> {
         *self.line.range_mut(..edge).next_back()?.1 = Some(chain);
         Some(())
     }

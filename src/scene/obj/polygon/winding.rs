@@ -28,7 +28,7 @@ const MAX_PAIRS: usize = 100_000_000;
 
 /// Point where the outline crosses itself, on the edge from corner `edge` to the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::scene::obj) struct Crossing {
+pub(in crate::scene::obj) struct OutlineCrossing {
     /// Index of the corner where the edge starts.
     pub(in crate::scene::obj) edge: u32,
     /// Position on the edge, from 0 at its start to 1 at its end.
@@ -41,7 +41,7 @@ pub(in crate::scene::obj) struct Crossing {
 /// it is cancelled.
 pub(super) fn triangulate(
     corners: &[GridPoint],
-    crossings: &mut Vec<Crossing>,
+    crossings: &mut Vec<OutlineCrossing>,
     is_cancelled: &dyn Fn() -> bool,
 ) -> Option<Vec<[u32; 3]>> {
     let outline = Outline::new(corners, is_cancelled)?;
@@ -146,7 +146,7 @@ impl<'a> Outline<'a> {
 
     /// Returns the crossing at `point`, on the nearest edge that crosses another one nearby, or on the nearest of all
     /// edges.
-    fn crossing_at(&self, point: GridPoint) -> Crossing {
+    fn crossing_at(&self, point: GridPoint) -> OutlineCrossing {
         let [x, y] = [point.x >> CELL_BITS, point.y >> CELL_BITS];
         let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| [x + dx, y + dy]));
         let nearby = around.filter_map(|cell| self.cells.get(&cell)).flatten().copied();
@@ -155,7 +155,7 @@ impl<'a> Outline<'a> {
         };
         let found = nearest(&mut nearby.into_iter()).or_else(|| nearest(&mut (0..self.corners.len() as u32)));
         let edge = found.unwrap_or(0);
-        Crossing { edge, place: self.place(edge, point) }
+        OutlineCrossing { edge, place: self.place(edge, point) }
     }
 
     /// Returns the position on an edge nearest to `point`, from 0 to 1.

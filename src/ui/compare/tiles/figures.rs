@@ -3,7 +3,7 @@
 use eframe::egui::{self, Align2, Color32, FontId, Rect, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::small;
-use crate::measure::against::Figures;
+use crate::measure::against::ErrorMetrics;
 use crate::pipeline::settings::Choice as _;
 use crate::ui::compare::compute::Compared;
 use crate::ui::compare::letter;
@@ -28,7 +28,7 @@ fn figure_count(width: f32) -> usize {
 }
 
 /// Name of a figure, and the function that formats it.
-type Named = (&'static str, fn(&Figures) -> String);
+type Named = (&'static str, fn(&ErrorMetrics) -> String);
 
 /// All figures, the most informative first.
 const NAMED: [Named; 6] = [
@@ -70,7 +70,7 @@ pub(super) fn figures_of(ui: &Ui, index: usize, footer: Rect, compared: &Compare
         let at = footer.min + vec2(space::XS, 2.0);
         ui.painter().with_clip_rect(footer).text(at, Align2::LEFT_TOP, &words, small(), tokens(ui).text_weak);
     }
-    if let Some(figures) = &tile.within {
+    if let Some(figures) = &tile.region_figures {
         draw_figures(ui, footer.translate(vec2(0.0, lines)), figures, tokens(ui).accent);
     }
     let name = format!("Figures of {}: {words}", letter(index));
@@ -79,7 +79,7 @@ pub(super) fn figures_of(ui: &Ui, index: usize, footer: Rect, compared: &Compare
         ui.label(egui::RichText::new(tile.recipe.upscaler.label()).strong());
         ui.label(&drawn);
         for (figures, of) in
-            [(tile.measured.as_ref().and_then(|m| m.figures), "Whole picture"), (tile.within, "Region")]
+            [(tile.measured.as_ref().and_then(|m| m.figures), "Whole picture"), (tile.region_figures, "Region")]
         {
             if let Some(figures) = figures {
                 ui.label(format!("{of}: {}", words_of(&figures, NAMED.len())));
@@ -89,13 +89,13 @@ pub(super) fn figures_of(ui: &Ui, index: usize, footer: Rect, compared: &Compare
     });
 }
 
-fn words_of(figures: &Figures, count: usize) -> String {
+fn words_of(figures: &ErrorMetrics, count: usize) -> String {
     let words = NAMED[..count].iter().map(|(name, value)| format!("{name} {}", value(figures)));
     words.collect::<Vec<_>>().join(" · ")
 }
 
 /// Draws figures in columns from the top of `rect`. Returns them as text.
-fn draw_figures(ui: &Ui, rect: Rect, figures: &Figures, color: Color32) -> String {
+fn draw_figures(ui: &Ui, rect: Rect, figures: &ErrorMetrics, color: Color32) -> String {
     let painter = ui.painter();
     let count = figure_count(rect.width());
     let columns = count.div_ceil(figure_lines(rect.width()));

@@ -3,11 +3,11 @@
 use eframe::egui::{self, Rect, Role, Ui, UiBuilder, WidgetInfo, vec2};
 
 use super::color;
-use super::layout::Place;
+use super::layout::TileLayout;
 use crate::chain::Recipe;
 use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
-use crate::ui::compare::{Change, Mode, letter};
+use crate::ui::compare::{CompareChange, Mode, letter};
 use crate::ui::session::Session;
 use crate::ui::theme::{CONTROL_HEIGHT, space};
 use crate::ui::widgets::{combo, icon_button};
@@ -17,7 +17,7 @@ use crate::upscale::{Anchor, Upscaling};
 pub(super) const HEADER: f32 = CONTROL_HEIGHT + space::XS;
 
 /// Draws the row above a picture: one header, or one half each for A and B.
-pub(super) fn headers(ui: &mut Ui, index: usize, place: Place, session: &Session, commands: &mut Vec<Command>) {
+pub(super) fn headers(ui: &mut Ui, index: usize, place: TileLayout, session: &Session, commands: &mut Vec<Command>) {
     if session.comparison.mode == Mode::Tiles {
         header(ui, index, place.header, session, commands);
     } else {
@@ -42,17 +42,17 @@ fn header(ui: &mut Ui, tile: usize, rect: Rect, session: &Session, commands: &mu
     let label = row.selectable_label(active, text);
     label.widget_info(|| WidgetInfo::selected(Role::Button, true, active, format!("Tile {name}")));
     if label.on_hover_text("Edit its settings on the left and inspect its pixels on the right").clicked() {
-        commands.push(Command::Compare(Change::Activate(tile)));
+        commands.push(Command::Compare(CompareChange::Activate(tile)));
     }
     let width = row.available_width() - if removable { CONTROL_HEIGHT + space::S } else { 0.0 };
     let anchors_differ = session.comparison.anchors_differ(&session.state.tiles, session.state.recipe);
     let anchor = recipe.upscaler.block_anchor().filter(|_| anchors_differ);
     let chosen = row.name_inputs(format!("Upscaler of {name}"), |ui| upscalers(ui, width.max(40.0), recipe, anchor));
     if let Some(upscaler) = chosen {
-        commands.push(Command::Compare(Change::Recipe(tile, Box::new(Recipe { upscaler, ..recipe }))));
+        commands.push(Command::Compare(CompareChange::Recipe(tile, Box::new(Recipe { upscaler, ..recipe }))));
     }
     if removable && icon_button(&mut row, crate::ui::theme::Icon::X, &format!("Remove {name}")).clicked() {
-        commands.push(Command::Compare(Change::Remove(tile)));
+        commands.push(Command::Compare(CompareChange::Remove(tile)));
     }
 }
 

@@ -13,14 +13,14 @@ const GAP: f32 = space::XS;
 
 /// Rectangles of one tile in the current pass, in points.
 #[derive(Clone, Copy)]
-pub(super) struct Place {
+pub(super) struct TileLayout {
     pub(super) header: Rect,
     pub(super) picture: Rect,
     pub(super) footer: Rect,
 }
 
 /// Computes the rectangles of all tiles on the canvas.
-pub(super) fn places(canvas: Rect, session: &Session) -> Vec<Place> {
+pub(super) fn places(canvas: Rect, session: &Session) -> Vec<TileLayout> {
     let comparison = &session.comparison;
     let shown = if comparison.mode == Mode::Tiles { comparison.shown(&session.state.tiles) } else { 1 };
     let aspect = match session.state.size {
@@ -50,7 +50,7 @@ pub(super) fn places(canvas: Rect, session: &Session) -> Vec<Place> {
         let step = (cell + Vec2::splat(GAP)) * vec2((index % columns) as f32, (index / columns) as f32);
         let min = canvas.min + step;
         let top = min + vec2(0.0, HEADER);
-        Place {
+        TileLayout {
             header: Rect::from_min_size(min, vec2(cell.x, HEADER)),
             picture: Rect::from_min_size(top, picture),
             footer: Rect::from_min_size(top + vec2(0.0, picture.y), vec2(cell.x, footer)),

@@ -16,14 +16,14 @@ mod triangles;
 
 use eframe::egui::{RichText, Ui};
 
-use super::{Change, Lab};
+use super::{Lab, LabChange};
 use crate::lab::Lesson;
 use crate::pipeline::settings::Choice;
 use crate::ui::theme::{space, tokens};
 use crate::ui::widgets::section_header;
 
 /// Draws the controls of the current page.
-pub(super) fn controls(ui: &mut Ui, lab: &Lab, changes: &mut Vec<Change>) {
+pub(super) fn controls(ui: &mut Ui, lab: &Lab, changes: &mut Vec<LabChange>) {
     let mut lesson = lab.lesson().clone();
     match &mut lesson {
         Lesson::Lines(lines) => lines::ui(ui, lines),
@@ -33,7 +33,7 @@ pub(super) fn controls(ui: &mut Ui, lab: &Lab, changes: &mut Vec<Change>) {
             let mut brush = lab.brush;
             seed_fills::ui(ui, fills, &mut brush);
             if brush != lab.brush {
-                changes.push(Change::Brush(brush));
+                changes.push(LabChange::Brush(brush));
             }
         }
         Lesson::Primitives(primitives) => primitives::ui(ui, primitives),
@@ -41,7 +41,7 @@ pub(super) fn controls(ui: &mut Ui, lab: &Lab, changes: &mut Vec<Change>) {
         Lesson::Sampling(sampling) => sampling::ui(ui, sampling),
     }
     if lesson != *lab.lesson() {
-        changes.push(Change::Set(Box::new(lesson)));
+        changes.push(LabChange::Set(Box::new(lesson)));
     }
 }
 

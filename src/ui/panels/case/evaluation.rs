@@ -7,12 +7,12 @@ use std::time::Instant;
 use eframe::egui::Context;
 
 use crate::case::{Case, Control, Options};
-use crate::report::comparison::{Figures, Shown, show};
-use crate::ui::task::{Listening, Task};
+use crate::report::comparison::{DisplayedResult, PixelCounts, show};
+use crate::ui::task::{BackgroundTask, TaskStatus};
 
 /// Part of a case to evaluate, and the options for it.
 #[derive(Clone, Debug)]
-pub(crate) struct Question {
+pub(crate) struct EvaluationRequest {
     /// Case to evaluate.
     pub(crate) case: Arc<Case>,
     /// Index of the part.
@@ -21,7 +21,7 @@ pub(crate) struct Question {
     pub(crate) options: Options,
 }
 
-impl Question {
+impl EvaluationRequest {
     /// Whether both questions have the same result.
     pub(super) fn is_same(&self, other: &Self) -> bool {
         self.is_about(&other.case) && (self.part, self.options) == (other.part, other.options)
@@ -37,53 +37,53 @@ impl Question {
 #[derive(Debug)]
 pub(crate) struct Evaluation {
     /// Evaluated question.
-    pub(crate) question: Question,
+    pub(crate) request: EvaluationRequest,
     /// Result to display.
-    pub(super) shown: Shown,
+    pub(super) shown: DisplayedResult,
     /// Figures of a result in pixels; default for text.
-    pub(super) figures: Figures,
+    pub(super) figures: PixelCounts,
 }
 
 impl Evaluation {
     /// Evaluates a question. Returns `None` if cancelled.
-    pub(crate) fn new(question: Question, control: &Control<'_>) -> Option<Self> {
+    pub(crate) fn new(question: EvaluationRequest, control: &Control<'_>) -> Option<Self> {
         let shown = show(&question.case, question.part, question.options, control)?;
         let figures = match &shown {
-            Shown::Pixels(comparison) => comparison.figures(),
-            Shown::Text(_) => Figures::default(),
+            DisplayedResult::Pixels(comparison) => comparison.figures(),
+            DisplayedResult::Text(_) => PixelCounts::default(),
         };
-        Some(Self { question, shown, figures })
+        Some(Self { request: question, shown, figures })
     }
 }
 
 /// Evaluation in a background thread; dropping it cancels it.
 #[derive(Debug)]
 pub(super) struct Running {
-    pub(super) question: Question,
+    pub(super) question: EvaluationRequest,
     pub(super) since: Instant,
     /// Completed share in [0, 1].
     pub(super) progress: Option<f32>,
-    task: Task<f32, Evaluation>,
+    task: BackgroundTask<f32, Evaluation>,
 }
 
 impl Running {
-    pub(super) fn start(context: Context, question: Question) -> Self {
+    pub(super) fn start(context: Context, question: EvaluationRequest) -> Self {
         let asked = question.clone();
         let work =
             move |tell: &(dyn Fn(f32) + Sync), stop: &AtomicBool| Evaluation::new(asked, &Control::new(tell, stop));
-        Self { question, since: Instant::now(), progress: None, task: Task::start(context, work) }
+        Self { question, since: Instant::now(), progress: None, task: BackgroundTask::start(context, work) }
     }
 
     /// Returns the evaluation once it is complete. If the thread panicked, its result is an error message.
     pub(super) fn poll(&mut self) -> Option<Evaluation> {
-        match self.task.listen(&mut self.progress) {
-            Listening::Ended(Some(evaluation)) => Some(*evaluation),
-            Listening::BrokeOff => Some(Evaluation {
-                question: self.question.clone(),
-                shown: Shown::Text(vec!["The evaluation stopped: internal error".to_owned()]),
-                figures: Figures::default(),
+        match self.task.poll(&mut self.progress) {
+            TaskStatus::Ended(Some(evaluation)) => Some(*evaluation),
+            TaskStatus::Lost => Some(Evaluation {
+                request: self.question.clone(),
+                shown: DisplayedResult::Text(vec!["The evaluation stopped: internal error".to_owned()]),
+                figures: PixelCounts::default(),
             }),
-            Listening::GoesOn | Listening::Ended(None) => None,
+            TaskStatus::Running | TaskStatus::Ended(None) => None,
         }
     }
 }

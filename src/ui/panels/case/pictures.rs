@@ -7,7 +7,7 @@ use eframe::egui::{
     Align2, Color32, ColorImage, FontId, Pos2, Rect, Sense, Stroke, TextureHandle, TextureOptions, Ui, Vec2, pos2, vec2,
 };
 
-use crate::report::comparison::{Agreement, Comparison};
+use crate::report::comparison::{Agreement, PixelComparison};
 use crate::ui::theme::{font_size, space, tokens};
 
 /// Minimum size of a pixel, in points, for grid lines to be drawn.
@@ -92,7 +92,7 @@ impl Pictures {
     }
 
     /// Draws one picture, or two side by side.
-    pub(super) fn ui(&mut self, ui: &mut Ui, comparison: &Comparison) {
+    pub(super) fn ui(&mut self, ui: &mut Ui, comparison: &PixelComparison) {
         let (area, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         let count = if comparison.exact.is_some() { 2.0 } else { 1.0 };
         let (width, height) = comparison.ours.size();
@@ -163,7 +163,7 @@ fn picture(
     ui: &Ui,
     rect: Rect,
     (visible, texture): (Visible, &TextureHandle),
-    comparison: &Comparison,
+    comparison: &PixelComparison,
     (scale, place): (f32, &dyn Fn(Vec2) -> Pos2),
 ) {
     let painter = ui.painter().with_clip_rect(rect);

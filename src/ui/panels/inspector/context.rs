@@ -4,7 +4,7 @@ use eframe::egui::{self, Pos2, Rect, Role, Sense, Stroke, StrokeKind, Ui, Vec2, 
 
 use super::{one_line, to_color};
 use crate::ui::command::Command;
-use crate::ui::engine::View;
+use crate::ui::engine::RenderedView;
 use crate::ui::theme::{self, tokens};
 
 /// Number of pixels on each side of the picked one.
@@ -17,7 +17,7 @@ const CELL: f32 = 8.0;
 pub(super) const SIDE: f32 = 132.0;
 
 /// Draws the neighbourhood; a click picks one of its pixels.
-pub(super) fn ui(ui: &mut Ui, view: &View, picked: (u32, u32), commands: &mut Vec<Command>) {
+pub(super) fn ui(ui: &mut Ui, view: &RenderedView, picked: (u32, u32), commands: &mut Vec<Command>) {
     let (frame, response) = ui.allocate_exact_size(Vec2::splat(SIDE), Sense::click());
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Around the picked pixel"));
     ui.painter().rect_filled(frame, theme::RADIUS, tokens(ui).canvas);

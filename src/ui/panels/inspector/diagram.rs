@@ -10,7 +10,7 @@ use crate::ui::theme::{self, tokens};
 
 /// Position of the sample relative to the triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Place {
+pub(super) enum SampleLocation {
     /// Inside the triangle.
     Inside,
     /// Outside the triangle.
@@ -19,7 +19,7 @@ pub(super) enum Place {
 
 /// Draws the triangle in screen space with the sample. A sample inside splits it into sub-triangles in the colours of
 /// the weights.
-pub(super) fn triangle_diagram(ui: &mut Ui, corners_px: [[f32; 2]; 3], place: Place, report: &PixelReport) {
+pub(super) fn triangle_diagram(ui: &mut Ui, corners_px: [[f32; 2]; 3], place: SampleLocation, report: &PixelReport) {
     let (response, painter) = ui.allocate_painter(vec2(ui.available_width(), SIDE), Sense::hover());
     let frame = response.rect;
     painter.rect_filled(frame, theme::RADIUS, tokens(ui).canvas);
@@ -36,18 +36,18 @@ pub(super) fn triangle_diagram(ui: &mut Ui, corners_px: [[f32; 2]; 3], place: Pl
     let (sample, corners) = (on_panel(sample), corners.map(on_panel));
     let fill = |corners: Vec<Pos2>, color| painter.add(egui::Shape::convex_polygon(corners, color, Stroke::NONE));
     match place {
-        Place::Inside => {
+        SampleLocation::Inside => {
             for (i, color) in theme::WEIGHTS.into_iter().enumerate() {
                 fill(vec![corners[(i + 1) % 3], corners[(i + 2) % 3], sample], color.gamma_multiply(0.45));
             }
         }
-        Place::Outside => {
+        SampleLocation::Outside => {
             fill(corners.to_vec(), tokens(ui).text_weak.gamma_multiply(0.3));
         }
     }
     painter.add(egui::Shape::closed_line(corners.to_vec(), Stroke::new(1.0, tokens(ui).text)));
     for (i, corner) in corners.into_iter().enumerate() {
-        if place == Place::Inside {
+        if place == SampleLocation::Inside {
             painter.line_segment([sample, corner], Stroke::new(1.0, tokens(ui).text_weak.gamma_multiply(0.5)));
         }
         let outward = (corner - corners_center(&corners)).normalized() * 11.0;
@@ -63,11 +63,11 @@ pub(super) fn triangle_diagram(ui: &mut Ui, corners_px: [[f32; 2]; 3], place: Pl
     painter.circle(sample, 3.5, tokens(ui).accent, Stroke::new(1.0, Color32::BLACK));
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Barycentric diagram"));
     response.on_hover_text(match place {
-        Place::Inside => {
+        SampleLocation::Inside => {
             "The triangle on the screen with the pixel's centre inside. The weight λ of a corner is the \
                           area opposite to it, divided by the whole area"
         }
-        Place::Outside => "The triangle on the screen and the pixel's centre, which lies outside",
+        SampleLocation::Outside => "The triangle on the screen and the pixel's centre, which lies outside",
     });
 }
 

@@ -5,7 +5,7 @@ use eframe::egui::{self, Align, Button, Color32, Label, Layout, RichText, Sense,
 
 use super::{codes, to_color};
 use crate::inspect::history::{Absent, Kind, SampleState};
-use crate::inspect::{FragmentRecord, Outcome, PixelReport, TriangleSelection};
+use crate::inspect::{FragmentOutcome, FragmentRecord, PixelReport, TriangleSelection};
 use crate::pipeline::settings::Choice as _;
 use crate::scene::TriangleId;
 use crate::ui::command::Command;
@@ -21,7 +21,7 @@ const LISTED_AT_AN_END: usize = 50;
 const LISTED_ABSENT: usize = 60;
 
 /// Selection and filters of the history.
-pub(super) struct History {
+pub(super) struct HistoryView {
     /// Entry that is explained below the list; `None` means the visible fragment.
     pub(super) chosen: Option<Chosen>,
     /// Whether each of [`Kind::ALL`] is listed.
@@ -37,14 +37,14 @@ pub(super) enum Chosen {
     Absent(usize),
 }
 
-impl Default for History {
+impl Default for HistoryView {
     /// Lists everything except near misses, which are many.
     fn default() -> Self {
         Self { chosen: None, listed: [0, 1, 2, 3, 4].map(|place| Kind::ALL[place] != Kind::Missed) }
     }
 }
 
-impl History {
+impl HistoryView {
     /// Draws the list.
     pub(super) fn ui(&mut self, ui: &mut Ui, session: &Session, report: &PixelReport, commands: &mut Vec<Command>) {
         section_header(ui, "History", |ui| {
@@ -103,8 +103,8 @@ impl History {
                 continue;
             }
             let this = Chosen::Fragment(index);
-            let chosen = self.chosen.map_or(fragment.outcome == Outcome::Visible, |chosen| chosen == this);
-            if row(ui, chosen, &Row::of_fragment(fragment, session), commands) {
+            let chosen = self.chosen.map_or(fragment.outcome == FragmentOutcome::Visible, |chosen| chosen == this);
+            if row(ui, chosen, &HistoryRow::of_fragment(fragment, session), commands) {
                 self.chosen = Some(this);
             }
         }
@@ -115,7 +115,7 @@ impl History {
         let listed: Vec<_> = all.filter(|(_, absent)| self.lists(absent.cause.kind())).collect();
         for (index, absent) in listed.iter().take(LISTED_ABSENT) {
             let this = Chosen::Absent(*index);
-            if row(ui, self.chosen == Some(this), &Row::of_absent(absent, session), commands) {
+            if row(ui, self.chosen == Some(this), &HistoryRow::of_absent(absent, session), commands) {
                 self.chosen = Some(this);
             }
         }
@@ -165,7 +165,7 @@ fn state_row(ui: &mut Ui, word: &str, help: &str, state: SampleState) {
 }
 
 /// Row of the list.
-struct Row<'a> {
+struct HistoryRow<'a> {
     status: Status,
     word: &'a str,
     /// Triangle number and object name.
@@ -185,14 +185,14 @@ struct Row<'a> {
     name: String,
 }
 
-impl<'a> Row<'a> {
+impl<'a> HistoryRow<'a> {
     fn of_fragment(fragment: &'a FragmentRecord, session: &Session) -> Self {
         let (status, word) = match fragment.outcome {
-            Outcome::Visible => (Status::Passed, "visible"),
-            Outcome::Overwritten => (Status::Neutral, "overwritten"),
-            Outcome::BlendedOver => (Status::Passed, "seen through"),
-            Outcome::DepthRejected => (Status::Rejected, "rejected"),
-            Outcome::CutOut => (Status::Rejected, "alpha test"),
+            FragmentOutcome::Visible => (Status::Passed, "visible"),
+            FragmentOutcome::Overwritten => (Status::Neutral, "overwritten"),
+            FragmentOutcome::BlendedOver => (Status::Passed, "seen through"),
+            FragmentOutcome::DepthRejected => (Status::Rejected, "rejected"),
+            FragmentOutcome::CutOut => (Status::Rejected, "alpha test"),
         };
         Self {
             status,
@@ -225,7 +225,7 @@ impl<'a> Row<'a> {
 }
 
 /// Draws one row. Returns whether it was clicked.
-fn row(ui: &mut Ui, chosen: bool, row: &Row<'_>, commands: &mut Vec<Command>) -> bool {
+fn row(ui: &mut Ui, chosen: bool, row: &HistoryRow<'_>, commands: &mut Vec<Command>) -> bool {
     let fill = if chosen { tokens(ui).raised } else { Color32::TRANSPARENT };
     let frame = egui::Frame::new().fill(fill).corner_radius(theme::RADIUS).inner_margin(4);
     let sense = if row.can_be_chosen { Sense::click() } else { Sense::hover() };
@@ -244,7 +244,7 @@ fn row(ui: &mut Ui, chosen: bool, row: &Row<'_>, commands: &mut Vec<Command>) ->
     response.clicked()
 }
 
-fn row_content(ui: &mut Ui, row: &Row<'_>, commands: &mut Vec<Command>) {
+fn row_content(ui: &mut Ui, row: &HistoryRow<'_>, commands: &mut Vec<Command>) {
     ui.set_width(ui.available_width());
     ui.horizontal(|ui| {
         chip(ui, row.status, row.word, "");
@@ -261,7 +261,7 @@ fn row_content(ui: &mut Ui, row: &Row<'_>, commands: &mut Vec<Command>) {
 }
 
 /// Draws a button that shows the frame right after this triangle.
-fn jump_button(ui: &mut Ui, row: &Row<'_>, commands: &mut Vec<Command>) {
+fn jump_button(ui: &mut Ui, row: &HistoryRow<'_>, commands: &mut Vec<Command>) {
     let Some(submission) = row.submission else { return };
     let help = "Show the frame right after this triangle: moves the triangle slider";
     if icon_button(ui, Icon::SkipForward, help).clicked() {
@@ -270,7 +270,7 @@ fn jump_button(ui: &mut Ui, row: &Row<'_>, commands: &mut Vec<Command>) {
 }
 
 /// Draws a button that selects the triangle, or clears the selection if it is already selected.
-fn select_button(ui: &mut Ui, row: &Row<'_>, commands: &mut Vec<Command>) {
+fn select_button(ui: &mut Ui, row: &HistoryRow<'_>, commands: &mut Vec<Command>) {
     let (icon, help) = if row.is_selected {
         (Icon::ScanEye, "Deselect this triangle")
     } else {
@@ -288,7 +288,7 @@ fn is_selected(session: &Session, triangle: TriangleId) -> bool {
 }
 
 /// Draws the colours before and after the entry, from right to left.
-fn change(ui: &mut Ui, row: &Row<'_>) {
+fn change(ui: &mut Ui, row: &HistoryRow<'_>) {
     let Some([before, after]) = row.change else { return };
     swatch(ui, to_color(after.color)).on_hover_text(format!("after: {}", codes(after.color)));
     ui.label(RichText::new("→").color(tokens(ui).text_weak));

@@ -11,8 +11,8 @@ mod numbers;
 
 use eframe::egui::{self, Color32, Label, RichText, ScrollArea, Sense, Ui, Vec2};
 
-use self::diagram::{Place, triangle_diagram, weights};
-use self::history::{Chosen, History};
+use self::diagram::{SampleLocation, triangle_diagram, weights};
+use self::history::{Chosen, HistoryView};
 use self::numbers::{absent_numbers, numbers};
 use crate::image::Rgba8;
 use crate::inspect::view::Value;
@@ -34,7 +34,7 @@ use crate::ui::widgets::{copy_button, empty_state, section_header, swatch, value
 /// State of the inspector.
 #[derive(Default)]
 pub(crate) struct Inspector {
-    history: History,
+    history: HistoryView,
     of_pixel: Option<(u32, u32)>,
 }
 
@@ -71,15 +71,20 @@ impl Inspector {
                 None => (report.visible().or(report.fragments.first()), None),
             };
             ui.horizontal_top(|ui| {
-                if let Some(view) = what_if::seen(ui, session) {
+                if let Some(view) = what_if::visible_view(ui, session) {
                     context::ui(ui, view, (report.x, report.y), commands);
                 }
                 if let Some(fragment) = fragment {
-                    triangle_diagram(ui, fragment.corners_px, Place::Inside, report);
+                    triangle_diagram(ui, fragment.corners_px, SampleLocation::Inside, report);
                 }
                 if let Some(corners_px) = absent.and_then(|absent| absent.corners_px) {
                     let is_outside = absent.is_some_and(|absent| absent.distance_px.is_some());
-                    triangle_diagram(ui, corners_px, if is_outside { Place::Outside } else { Place::Inside }, report);
+                    triangle_diagram(
+                        ui,
+                        corners_px,
+                        if is_outside { SampleLocation::Outside } else { SampleLocation::Inside },
+                        report,
+                    );
                 }
             });
             if let Some(fragment) = fragment {
@@ -111,7 +116,7 @@ fn arithmetic_button(ui: &mut Ui, report: &PixelReport, fragment: &FragmentRecor
     let Some(index) = report.fragments.iter().position(|other| std::ptr::eq(other, fragment)) else { return };
     let help = "Every step from the corners of the triangle to the pixel, with numbers and rounding errors";
     if ui.button("Show its arithmetic").on_hover_text(help).clicked() {
-        commands.push(Command::Trace(trace::Change::Fragment(index)));
+        commands.push(Command::Trace(trace::TraceChange::Fragment(index)));
     }
 }
 
@@ -127,7 +132,7 @@ fn violating(session: &Session, report: &PixelReport) -> Option<Chosen> {
 /// Draws the value of the shown buffer under the pointer.
 fn hover_line(ui: &mut Ui, session: &Session, hovered: Option<(u32, u32)>, commands: &mut Vec<Command>) {
     let here = hovered.and_then(|(x, y)| {
-        let view = what_if::seen(ui, session)?;
+        let view = what_if::visible_view(ui, session)?;
         let color = view.picture.get(x, y)?;
         Some((x, y, color, view.value(x, y)))
     });
@@ -178,7 +183,7 @@ fn headline(ui: &mut Ui, report: &PixelReport, commands: &mut Vec<Command>) {
                 serde_json::to_string_pretty(report).unwrap_or_default()
             });
             if crate::ui::widgets::icon_button(ui, Icon::Pin, "Watch this pixel  (Enter)").clicked() {
-                commands.push(Command::Watch(watch::Change::Add(report.x, report.y)));
+                commands.push(Command::Watch(watch::WatchChange::Add(report.x, report.y)));
                 commands.push(Command::OpenTab(Tab::Watch));
             }
             if crate::ui::widgets::icon_button(ui, Icon::X, "Drop the pick  (Esc)").clicked() {

@@ -32,16 +32,16 @@ mod wide;
 
 use super::words::times_one;
 use crate::image::{Image, Rgba8};
-use crate::upscale::lattice::{Lattice, Place};
+use crate::upscale::lattice::{Lattice, LatticePosition};
 
-pub(super) use wide::{Scratch, fill};
+pub(super) use wide::{EasuScratch, fill};
 
 /// Squared slope below which there is no edge direction: (1/181)² of the 8-bit range, less than one step over the width
 /// of the kernel.
-const LEAST_SLOPE: f32 = 255.0 * 255.0 / 32768.0;
+const MIN_SLOPE: f32 = 255.0 * 255.0 / 32768.0;
 
 /// Change of the lobe λ at a clear edge, relative to ½.
-const LOBE_OF_EDGE: f32 = 0.25 - 0.04 - 0.5;
+const EDGE_LOBE: f32 = 0.25 - 0.04 - 0.5;
 
 /// 2²³: adding it to a float rounds the float to an integer, which is then the low byte of the bit pattern.
 const WHOLE: f32 = (1 << 23) as f32;
@@ -100,7 +100,7 @@ const FACTOR: f32 = 61_500.0;
 
 /// Kernel at a pixel, rotated along the edge and scaled along both axes, in floats yet to be rounded.
 #[derive(Clone, Copy)]
-struct Shape {
+struct EasuKernel {
     /// Coefficients of x², xy and y² in λ s, in units of 1 / [`FACTOR`].
     xx: f32,
     xy: f32,
@@ -110,10 +110,10 @@ struct Shape {
     rest: f32,
 }
 
-impl Shape {
+impl EasuKernel {
     /// Computes the kernel from the interpolated slopes and straightness.
     fn new(across: f32, down: f32, straightness: f32) -> Self {
-        let flat = across * across + down * down < LEAST_SLOPE;
+        let flat = across * across + down * down < MIN_SLOPE;
         let (across, down) = if flat { (1.0, 0.0) } else { (across, down) };
         let (xx, yy) = (across * across, down * down);
         let (squared, most) = (xx + yy, xx.max(yy));
@@ -128,7 +128,7 @@ impl Shape {
         let (along, across) = ((stretch - 1.0) * edge + 1.0, 1.0 - edge * 0.5);
         let (along, across) = (along * along, across * across);
         // A lobe of ½ gives a plain blob; near ¼ the kernel resembles Lanczos with two lobes.
-        let lobe = edge * LOBE_OF_EDGE + 0.5;
+        let lobe = edge * EDGE_LOBE + 0.5;
         let factor = lobe * FACTOR;
         let (blob, turned) = (across * factor, (along - across) * factor);
         Self {
@@ -190,7 +190,11 @@ fn code(weights: &[i16; 12], share: f32, samples: &[u8; 12]) -> u8 {
 }
 
 /// Returns the column and row positions of a pixel, its weights, and the factor that normalises them.
-fn weights_at(drawn: &Image<Rgba8>, lattice: Lattice, (x, y): (u32, u32)) -> (Place, Place, [i16; 12], f32) {
+fn weights_at(
+    drawn: &Image<Rgba8>,
+    lattice: Lattice,
+    (x, y): (u32, u32),
+) -> (LatticePosition, LatticePosition, [i16; 12], f32) {
     let (column, row) = (lattice.place(x), lattice.place(y));
     let luma = |x: i32, y: i32| {
         let [r, g, b, _] = drawn.at_clamped(x.into(), y.into()).map(f32::from);
@@ -204,7 +208,7 @@ fn weights_at(drawn: &Image<Rgba8>, lattice: Lattice, (x, y): (u32, u32)) -> (Pl
         (across[index], down[index], straightness[index]) = (dx, dy, along_x + along_y);
     }
     let spot = Spot::new(lattice, column.phase, row.phase);
-    let shape = Shape::new(spot.mix(across), spot.mix(down), spot.mix(straightness));
+    let shape = EasuKernel::new(spot.mix(across), spot.mix(down), spot.mix(straightness));
     let weights = shape.weights(&Distances::new(spot));
     (column, row, weights, share(&weights))
 }

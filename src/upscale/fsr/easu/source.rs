@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
-use crate::upscale::lattice::{Lattice, Place};
+use crate::upscale::lattice::{Lattice, LatticePosition};
 
 /// Number of pixels of one phase, in adjacent cells, whose kernels are prepared together. They are filtered [`WIDE`] at
 /// a time.
@@ -67,7 +67,7 @@ impl<T: Copy + Default> Values<T> {
 
 /// Sample rows with a margin, split by channel, and their slopes.
 #[derive(Default)]
-pub(super) struct Source {
+pub(super) struct SourceRows {
     /// Number of values in a plane of a row; a multiple of [`WIDE`].
     stride: usize,
     /// Sample row at which the planes start. Rows outside the image repeat its first or last row.
@@ -80,7 +80,7 @@ pub(super) struct Source {
     pub(super) opaque: bool,
 }
 
-impl Source {
+impl SourceRows {
     /// Reads the sample rows `rows` of a non-empty image: from one row before the first cell to two rows after the
     /// last, because the kernel spans four. Computes slopes in all rows except the first and the last.
     pub(super) fn read(&mut self, lanes: Lanes, drawn: &Image<Rgba8>, rows: Range<i32>) {
@@ -219,7 +219,7 @@ fn slopes<S: Simd>(simd: S, before: f32x16<S>, at: f32x16<S>, after: f32x16<S>) 
 /// Data shared by the pixels of one row within a tile: computed once for both neighbours of a cell, or for all
 /// horizontal phases.
 #[derive(Default)]
-pub(super) struct RowOfCells {
+pub(super) struct CellRow {
     stride: usize,
     /// Index of the first cell of the tile.
     from: usize,
@@ -233,9 +233,9 @@ pub(super) struct RowOfCells {
 const GREATEST: usize = 4;
 const MIXED: usize = 8;
 
-impl RowOfCells {
+impl CellRow {
     /// Allocates rows for a source.
-    pub(super) fn prepare(&mut self, source: &Source) {
+    pub(super) fn prepare(&mut self, source: &SourceRows) {
         self.stride = source.stride;
         self.rows.reserve(source.stride * (MIXED + SLOPES.len()));
     }
@@ -259,7 +259,7 @@ impl RowOfCells {
 
     /// Computes the data for a row of pixels at vertical position `place`.
     #[inline(always)]
-    pub(super) fn find<S: Simd>(&mut self, simd: S, source: &Source, lattice: Lattice, place: Place) {
+    pub(super) fn find<S: Simd>(&mut self, simd: S, source: &SourceRows, lattice: Lattice, place: LatticePosition) {
         let range = self.from + MARGIN - WIDE..self.from + MARGIN + TILE + WIDE;
         let range = range.start..range.end.min(source.stride - WIDE);
         let below = place.phase as f32 / lattice.phases() as f32;

@@ -4,13 +4,13 @@
 //! The code avoids closures: those called by the standard library would be compiled without the features of the wide
 //! lanes.
 
-use super::source::{AHEAD, MARGIN, RowOfCells, Source, TILE, values};
-use super::{Distances, FACTOR, LEAST_SLOPE, LOBE_OF_EDGE, ONE, ONE_DOUBLED, ONE_SQUARED, Spot, WHOLE};
+use super::source::{AHEAD, CellRow, MARGIN, SourceRows, TILE, values};
+use super::{Distances, EDGE_LOBE, FACTOR, MIN_SLOPE, ONE, ONE_DOUBLED, ONE_SQUARED, Spot, WHOLE};
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 use crate::upscale::fsr::words::{pairs, rounded, times};
 use crate::upscale::lanes::window;
-use crate::upscale::lattice::{Lattice, Place};
+use crate::upscale::lattice::{Lattice, LatticePosition};
 
 /// Number of sample columns read by a run of [`WIDE`] pixels of one phase.
 const RUN: usize = WIDE + 3;
@@ -28,11 +28,11 @@ pub(in super::super) fn fill(
     lattice: Lattice,
     (first, width): (u32, usize),
     rows: &mut [Rgba8],
-    scratch: &mut Scratch,
+    scratch: &mut EasuScratch,
 ) {
     let places: Vec<_> = lattice.places_from(first).take(rows.len() / width).collect();
     let [Some(top), Some(bottom)] = [places.first(), places.last()] else { return };
-    let Scratch { source, row_of_cells, runs } = scratch;
+    let EasuScratch { source, cell_row: row_of_cells, runs } = scratch;
     source.read(lanes, drawn, top.cell - 1..bottom.cell + 3);
     let phases = Phases::new(lattice);
     let cells = width.div_ceil(phases.pixels) * phases.samples;
@@ -43,7 +43,7 @@ pub(in super::super) fn fill(
         for ((row, place), y) in rows.chunks_exact_mut(width).zip(&places).zip(first..) {
             on_lanes!(lanes, simd => {
                 row_of_cells.find(simd, source, lattice, *place);
-                let of = Row::new(source, row_of_cells, *place);
+                let of = RowInputs::new(source, row_of_cells, *place);
                 let row = &mut row[from / phases.samples * phases.pixels..];
                 fill_tile(simd, &of, (&phases, y), (from, cells.min(from + TILE)), (runs, &mut codes), row);
             });
@@ -52,7 +52,7 @@ pub(in super::super) fn fill(
 }
 
 /// Data shared by all pixels of a phase.
-struct Phase {
+struct PixelPhase {
     /// Cell of the first pixel of the phase.
     cell: i32,
     spot: Spot,
@@ -64,7 +64,7 @@ struct Phases {
     pixels: usize,
     samples: usize,
     /// Phases in row-major order.
-    all: Vec<Phase>,
+    all: Vec<PixelPhase>,
 }
 
 impl Phases {
@@ -73,29 +73,29 @@ impl Phases {
         let phase = |(row, column): (u32, u32)| {
             let (column, row) = (lattice.place(column), lattice.place(row));
             let spot = Spot::new(lattice, column.phase, row.phase);
-            Phase { cell: column.cell, spot, distances: WideDistances::new(Distances::new(spot)) }
+            PixelPhase { cell: column.cell, spot, distances: WideDistances::new(Distances::new(spot)) }
         };
         let all = (0..pixels).flat_map(|row| (0..pixels).map(move |column| (row, column))).map(phase).collect();
         Self { pixels: pixels as usize, samples: samples as usize, all }
     }
 
     /// Returns the phases of a row of pixels.
-    fn of_row(&self, row: u32) -> &[Phase] {
+    fn of_row(&self, row: u32) -> &[PixelPhase] {
         &self.all[row as usize % self.pixels * self.pixels..][..self.pixels]
     }
 }
 
 /// Scratch buffers, reused between calls.
 #[derive(Default)]
-pub(in super::super) struct Scratch {
-    source: Source,
-    row_of_cells: RowOfCells,
-    runs: [Run; RUNS],
+pub(in super::super) struct EasuScratch {
+    source: SourceRows,
+    cell_row: CellRow,
+    runs: [PixelRun; RUNS],
 }
 
 /// Intermediate values of a run of pixels.
 #[derive(Default)]
-struct Run {
+struct PixelRun {
     /// Result of [`Part::is_plain`].
     is_plain: bool,
     /// Stored [`Direction`].
@@ -105,31 +105,31 @@ struct Run {
 }
 
 /// Inputs of a row of pixels.
-struct Row<'a> {
+struct RowInputs<'a> {
     /// Four rows of samples per channel, starting one row above that of the cells.
     samples: [[&'a [u32]; 4]; 4],
-    of_cells: &'a RowOfCells,
+    of_cells: &'a CellRow,
     opaque: bool,
 }
 
-impl<'a> Row<'a> {
-    fn new(source: &'a Source, of_cells: &'a RowOfCells, place: Place) -> Self {
+impl<'a> RowInputs<'a> {
+    fn new(source: &'a SourceRows, of_cells: &'a CellRow, place: LatticePosition) -> Self {
         let samples = each!(channel in [0, 1, 2, 3] => source.channel(channel, place.cell));
         Self { samples, of_cells, opaque: source.opaque }
     }
 
     /// Returns the inputs of the cells whose first samples start at index `at` of the rows.
     #[inline(always)]
-    fn part(&self, at: usize) -> Part<'a> {
+    fn part(&self, at: usize) -> RunInputs<'a> {
         let [red, green, blue, alpha] = each!(channel in [0, 1, 2, 3] => {
             let [least, greatest] = self.of_cells.bounds(channel);
-            Channel {
+            ChannelRows {
                 samples: each!(row in [0, 1, 2, 3] => window(self.samples[channel][row], at - 1)),
                 least: window(least, at),
                 greatest: window(greatest, at),
             }
         });
-        Part {
+        RunInputs {
             slopes: each!(of in [0, 1, 2] => window(self.of_cells.slopes(of), at)),
             colors: [red, green, blue],
             alpha: if self.opaque { None } else { Some(alpha) },
@@ -138,14 +138,14 @@ impl<'a> Row<'a> {
 }
 
 /// Inputs of [`RUNS`] runs.
-struct Part<'a> {
+struct RunInputs<'a> {
     slopes: [&'a [f32; AHEAD + 1]; 3],
-    colors: [Channel<'a>; 3],
+    colors: [ChannelRows<'a>; 3],
     /// Alpha channel; `None` if all samples are opaque.
-    alpha: Option<Channel<'a>>,
+    alpha: Option<ChannelRows<'a>>,
 }
 
-impl Part<'_> {
+impl RunInputs<'_> {
     /// Whether the four nearest samples are equal in all cells of a run, and so the pixels between them.
     #[inline(always)]
     fn is_plain<S: Simd>(&self, simd: S, at: usize) -> bool {
@@ -171,7 +171,7 @@ impl Part<'_> {
 
     /// Filters the pixels of a run with its weights.
     #[inline(always)]
-    fn codes<S: Simd>(&self, simd: S, at: usize, weights: &Weights<S>) -> u32x16<S> {
+    fn codes<S: Simd>(&self, simd: S, at: usize, weights: &TapWeights<S>) -> u32x16<S> {
         let [red, green, blue] = each!(channel in [0, 1, 2] => self.colors[channel].codes(simd, at, weights));
         // Bits above the low byte of red are overwritten; those of green and blue are shifted out or overwritten.
         let color = red | green << 8 | blue << 16;
@@ -184,7 +184,7 @@ impl Part<'_> {
 
 /// Values of one channel: pairs of adjacent samples, starting one sample before the first cell, and the bounds in each
 /// cell.
-struct Channel<'a> {
+struct ChannelRows<'a> {
     samples: [&'a [u32; SPAN]; 4],
     least: &'a [f32; AHEAD],
     greatest: &'a [f32; AHEAD],
@@ -195,10 +195,10 @@ struct Channel<'a> {
 #[inline(always)]
 fn fill_tile<S: Simd>(
     simd: S,
-    of: &Row<'_>,
+    of: &RowInputs<'_>,
     (phases, y): (&Phases, u32),
     (from, end): (usize, usize),
-    (work, codes): (&mut [Run; RUNS], &mut [[u32; TILE]; 3]),
+    (work, codes): (&mut [PixelRun; RUNS], &mut [[u32; TILE]; 3]),
     row: &mut [Rgba8],
 ) {
     let parts = (end - from).div_ceil(AHEAD);
@@ -233,25 +233,31 @@ fn fill_tile<S: Simd>(
 /// Computes the pixels of a part of a row, each step for all runs before the next. A step is a dependency chain of sums
 /// with a division or a square root; interleaving runs hides its latency.
 #[inline(always)]
-fn fill_runs<S: Simd>(simd: S, of: &Part<'_>, phase: &Phase, runs: &mut [Run; RUNS], codes: &mut [u32; AHEAD]) {
+fn fill_runs<S: Simd>(
+    simd: S,
+    of: &RunInputs<'_>,
+    phase: &PixelPhase,
+    runs: &mut [PixelRun; RUNS],
+    codes: &mut [u32; AHEAD],
+) {
     for (index, run) in runs.iter_mut().enumerate() {
         run.is_plain = of.is_plain(simd, index * WIDE);
         if !run.is_plain {
             let [across, down, straightness] =
                 each!(slopes in [0, 1, 2] => mixed(simd, of.slopes[slopes], index * WIDE, phase.spot));
-            Direction::new(simd, across, down, straightness).store(&mut run.direction);
+            EdgeDirection::new(simd, across, down, straightness).store(&mut run.direction);
         }
     }
     for run in runs.iter_mut() {
         if !run.is_plain {
-            Shape::new(simd, Direction::load(simd, &run.direction)).store(&mut run.shape);
+            EasuKernelLanes::new(simd, EdgeDirection::load(simd, &run.direction)).store(&mut run.shape);
         }
     }
     for (index, run) in runs.iter().enumerate() {
         let color = if run.is_plain {
             of.plain(simd, index * WIDE)
         } else {
-            of.codes(simd, index * WIDE, &Weights::new(simd, &run.shape, &phase.distances))
+            of.codes(simd, index * WIDE, &TapWeights::new(simd, &run.shape, &phase.distances))
         };
         color.store_slice(&mut codes[index * WIDE..][..WIDE]);
     }
@@ -263,7 +269,7 @@ fn mixed<S: Simd>(simd: S, row: &[f32], at: usize, spot: Spot) -> f32x16<S> {
     values(simd, row, at) * (1.0 - spot.x) + values(simd, row, at + 1) * spot.x
 }
 
-impl Channel<'_> {
+impl ChannelRows<'_> {
     #[inline(always)]
     fn is_plain<S: Simd>(&self, simd: S, at: usize) -> mask32x16<S> {
         values(simd, self.least, at).simd_eq(values(simd, self.greatest, at))
@@ -271,7 +277,7 @@ impl Channel<'_> {
 
     /// Computes [`super::code`] in lanes: the bits of floats whose low byte is the 8-bit value.
     #[inline(always)]
-    fn codes<S: Simd>(&self, simd: S, at: usize, weights: &Weights<S>) -> u32x16<S> {
+    fn codes<S: Simd>(&self, simd: S, at: usize, weights: &TapWeights<S>) -> u32x16<S> {
         let [above, upper, lower, below]: [&[u32; RUN]; 4] =
             each!(row in [0, 1, 2, 3] => window(self.samples[row], at));
         let [low, high] = each!((half, pixels) in [(0, 0), (1, LANES)] => {
@@ -290,18 +296,18 @@ impl Channel<'_> {
 }
 
 /// First half of [`super::Shape`], up to its division.
-struct Direction<S: Simd> {
+struct EdgeDirection<S: Simd> {
     across: f32x16<S>,
     down: f32x16<S>,
     inverse: f32x16<S>,
     edge: f32x16<S>,
 }
 
-impl<S: Simd> Direction<S> {
+impl<S: Simd> EdgeDirection<S> {
     #[inline(always)]
     fn new(simd: S, across: f32x16<S>, down: f32x16<S>, straightness: f32x16<S>) -> Self {
         let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
-        let flat = (across * across + down * down).simd_lt(f32x16::splat(simd, LEAST_SLOPE));
+        let flat = (across * across + down * down).simd_lt(f32x16::splat(simd, MIN_SLOPE));
         let (across, down) = (flat.select(one, across), flat.select(zero, down));
         let (xx, yy) = (across * across, down * down);
         let half = straightness * 0.5;
@@ -325,7 +331,7 @@ impl<S: Simd> Direction<S> {
 }
 
 /// [`super::Shape`] in lanes.
-struct Shape<S: Simd> {
+struct EasuKernelLanes<S: Simd> {
     xx: f32x16<S>,
     xy: f32x16<S>,
     yy: f32x16<S>,
@@ -333,10 +339,10 @@ struct Shape<S: Simd> {
     rest: f32x16<S>,
 }
 
-impl<S: Simd> Shape<S> {
+impl<S: Simd> EasuKernelLanes<S> {
     /// Computes the second half of [`super::Shape`].
     #[inline(always)]
-    fn new(simd: S, Direction { across, down, inverse, edge }: Direction<S>) -> Self {
+    fn new(simd: S, EdgeDirection { across, down, inverse, edge }: EdgeDirection<S>) -> Self {
         let one = f32x16::splat(simd, 1.0);
         let (xx, yy) = (across * across, down * down);
         let (squared, most) = (xx + yy, xx.max(yy));
@@ -345,7 +351,7 @@ impl<S: Simd> Shape<S> {
         let (xx, xy, yy) = (xx * inverse, (across * down) * inverse, yy * inverse);
         let (along, across) = ((stretch - 1.0) * edge + 1.0, one - edge * 0.5);
         let (along, across) = (along * along, across * across);
-        let lobe = edge * LOBE_OF_EDGE + 0.5;
+        let lobe = edge * EDGE_LOBE + 0.5;
         let factor = lobe * FACTOR;
         let (blob, turned) = (across * factor, (along - across) * factor);
         Self {
@@ -384,12 +390,12 @@ impl WideDistances {
 
 /// Weights of the twelve samples up to a common factor, interleaved in pairs of adjacent samples, and the factor that
 /// normalises them.
-struct Weights<S: Simd> {
+struct TapWeights<S: Simd> {
     pairs: [[i16x16<S>; 2]; 6],
     share: f32x16<S>,
 }
 
-impl<S: Simd> Weights<S> {
+impl<S: Simd> TapWeights<S> {
     /// Computes the weights from a stored [`Shape`].
     #[inline(always)]
     fn new(simd: S, shape: &[[i16; WIDE]; 5], distances: &WideDistances) -> Self {

@@ -3,24 +3,24 @@
 //! The edge values of adjacent samples differ by varying steps, so they are computed from the samples' positions.
 //! Everything else is as for samples on a lattice.
 
-use super::Frame;
+use super::TiledFrame;
 use super::kernel::{EdgeRows, Patch, exact_at, one_by_one, shade_rows};
-use super::locations::Locations;
 use super::queue::Queue;
-use super::record::{Source as _, Subject};
-use super::setup::Edges;
-use super::target::Picture;
+use super::record::{ShadedTriangle, TriangleSource as _};
+use super::sample_positions::SamplePositions;
+use super::setup::EdgeFunctions;
+use super::target::ColorRows;
 use crate::math::lanes::*;
 
 /// Shades rows of jittered samples.
 #[inline(never)]
-pub(super) fn shade_displaced<S: Simd>(
+pub(super) fn shade_jittered<S: Simd>(
     simd: S,
-    frame: &Frame<'_>,
-    subject: &Subject<'_>,
-    (patch, locations): (&Patch, impl Locations),
+    frame: &TiledFrame<'_>,
+    subject: &ShadedTriangle<'_>,
+    (patch, locations): (&Patch, impl SamplePositions),
     queue: &mut Queue,
-    picture: &mut Picture<'_>,
+    picture: &mut ColorRows<'_>,
 ) {
     simd.vectorize(
         #[inline(always)]
@@ -33,7 +33,7 @@ pub(super) fn shade_displaced<S: Simd>(
             let whole = frame.screen_triangle(subject.key, subject.draw);
             for block in patch.blocks() {
                 for row in block.first..block.end {
-                    let places = locations.places(simd, block.column, [row; 2]);
+                    let places = locations.positions(simd, block.column, [row; 2]);
                     let e = edges_of_row(edges, each!(axis in [0, 1] => places[axis].to_array()));
                     one_by_one(frame, shader, &whole, &block, row, &e, picture.row(&block, row));
                 }
@@ -44,13 +44,13 @@ pub(super) fn shade_displaced<S: Simd>(
 
 /// Edge values computed from the samples' positions.
 struct PlacedRows<'a, L> {
-    subject: &'a Subject<'a>,
+    subject: &'a ShadedTriangle<'a>,
     locations: L,
     /// First column and row of the current block.
     first: (usize, usize),
 }
 
-impl<S: Simd, L: Locations> EdgeRows<S> for PlacedRows<'_, L> {
+impl<S: Simd, L: SamplePositions> EdgeRows<S> for PlacedRows<'_, L> {
     #[inline(always)]
     fn begin(&mut self, _: S, block: &Patch) {
         self.first = (block.column, block.first);
@@ -59,7 +59,7 @@ impl<S: Simd, L: Locations> EdgeRows<S> for PlacedRows<'_, L> {
     #[inline(always)]
     fn at(&self, simd: S, rows: [usize; 2]) -> [f32x16<S>; 3] {
         let (column, first) = self.first;
-        let places = self.locations.places(simd, column, each!(row in [rows[0], rows[1]] => first + row));
+        let places = self.locations.positions(simd, column, each!(row in [rows[0], rows[1]] => first + row));
         if let Some(edges) = self.subject.edges {
             return exact_at(simd, edges, places);
         }
@@ -69,7 +69,7 @@ impl<S: Simd, L: Locations> EdgeRows<S> for PlacedRows<'_, L> {
 }
 
 /// Returns the edge values of eight samples, at the first eight of the given positions.
-fn edges_of_row(edges: &Edges, [x, y]: [[i32; WIDE]; 2]) -> [[f64; LANES]; 3] {
+fn edges_of_row(edges: &EdgeFunctions, [x, y]: [[i32; WIDE]; 2]) -> [[f64; LANES]; 3] {
     let mut of_row = [[0.0; LANES]; 3];
     for lane in 0..LANES {
         for (values, value) in of_row.iter_mut().zip(edges.at([x[lane], y[lane]])) {

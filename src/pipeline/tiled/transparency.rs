@@ -5,26 +5,26 @@
 //! two rows at a time, if there is lane code for their shading. Otherwise the functions of the classic path shade them
 //! sample by sample. Fragments that are sorted individually are always blended by these functions.
 
-use super::Frame;
+use super::TiledFrame;
 use super::lattice::TILE;
-use super::locations::Locations;
 use super::queue::{Queue, flush};
-use super::record::{Entrant, Entrants, Slot, Subject};
+use super::record::{BinEntry, ShadedTriangle, Slot, TileBin};
+use super::sample_positions::SamplePositions;
 use super::setup::Setup;
-use super::shade::Shaded;
+use super::shade::ShadingWork;
 use super::shader::DrawShader;
 use super::sorted::{SortedFragment, SortedFragments};
-use super::target::Picture;
+use super::target::ColorRows;
 use super::tested::{TestedRows, TestedSample, keep_tested, shade_tested};
 use super::tile::Tile;
 use crate::math::lanes::*;
 use crate::pipeline::interpolate::{Fragment, interpolate};
 use crate::pipeline::mean_distance;
-use crate::pipeline::raster::Sample;
+use crate::pipeline::raster::RasterSample;
 use crate::pipeline::settings::BlendingOrder;
 use crate::pipeline::viewport::ScreenTriangle;
 
-impl Frame<'_> {
+impl TiledFrame<'_> {
     /// Interpolates a sample as the classic path does.
     pub(super) fn fragment(
         &self,
@@ -36,38 +36,38 @@ impl Frame<'_> {
     ) -> Fragment {
         let (column, row) = ((tile.0 * TILE + column) as u32, (tile.1 * TILE + row) as u32);
         let (x, y) = self.grid.pixel(column, row);
-        interpolate(triangle, Sample { column, row, x, y, edges }, self.shader(draw).shader.attributes())
+        interpolate(triangle, RasterSample { column, row, x, y, edges }, self.shader(draw).shader.attributes())
     }
 
     /// Draws an alpha-tested triangle into a tile.
     #[inline(always)]
-    pub(super) fn draw_what_is_there<S: Simd>(
+    pub(super) fn draw_alpha_tested<S: Simd>(
         &self,
         simd: S,
-        (tile, locations): (&mut Tile, impl Locations),
+        (tile, locations): (&mut Tile, impl SamplePositions),
         triangle: &Setup,
-        (entrants, place): (&Entrants, (usize, usize)),
+        (entrants, place): (&TileBin, (usize, usize)),
         owner: &impl Fn(Slot) -> Option<Setup>,
     ) {
-        let keep = self.what_is_there(simd, entrants.subject(triangle.slot), place);
+        let keep = self.alpha_test(simd, entrants.subject(triangle.slot), place);
         tile.draw_kept(simd, triangle, locations, &self.rules, owner, keep);
     }
 
     /// Returns the alpha test of a triangle: a function from samples that passed the depth test to the bit mask of
     /// those that remain.
-    pub(super) fn what_is_there<'a, S: Simd>(
+    pub(super) fn alpha_test<'a, S: Simd>(
         &'a self,
         simd: S,
-        subject: Subject<'a>,
+        subject: ShadedTriangle<'a>,
         place: (usize, usize),
     ) -> impl Fn(&TestedRows) -> u64 + 'a {
-        let Subject { key, draw, .. } = subject;
+        let ShadedTriangle { key, draw, .. } = subject;
         let DrawShader { shader, on_lanes, .. } = self.shader(draw);
         let whole = (!on_lanes).then(|| self.screen_triangle(key, draw));
         move |tested| {
             let Some(whole) = &whole else { return keep_tested(simd, self, &subject, tested) };
             let is_there = |sample: &TestedSample| {
-                !shader.cuts_out(&self.fragment(whole, draw, place, sample.place, sample.edges))
+                !shader.fails_alpha_test(&self.fragment(whole, draw, place, sample.place, sample.edges))
             };
             tested.samples().filter(is_there).fold(0, |kept, sample| kept | sample.bit)
         }
@@ -75,9 +75,9 @@ impl Frame<'_> {
 
     /// Returns triangles of a tile, given in submission order, in blending order. If their fragments are sorted
     /// individually, that is the submission order.
-    pub(super) fn in_order(&self, entrants: &Entrants, blended: &[Slot]) -> Vec<(Slot, ScreenTriangle)> {
+    pub(super) fn in_order(&self, entrants: &TileBin, blended: &[Slot]) -> Vec<(Slot, ScreenTriangle)> {
         let measured = |slot: &Slot| {
-            let Entrant { key, draw } = entrants.get(*slot);
+            let BinEntry { key, draw } = entrants.get(*slot);
             let triangle = self.screen_triangle(key, draw as usize);
             (mean_distance(&self.scale, &triangle), *slot, triangle)
         };
@@ -92,18 +92,18 @@ impl Frame<'_> {
     pub(super) fn blend<S: Simd>(
         &self,
         simd: S,
-        (tile, locations): (&mut Tile, impl Locations),
-        (entrants, blended): (&Entrants, &[Slot]),
+        (tile, locations): (&mut Tile, impl SamplePositions),
+        (entrants, blended): (&TileBin, &[Slot]),
         place: (usize, usize),
         queue: &mut Queue,
-        picture: &mut Picture<'_>,
-    ) -> Shaded {
+        picture: &mut ColorRows<'_>,
+    ) -> ShadingWork {
         let triangles = self.in_order(entrants, blended);
         if self.settings.blending.order == BlendingOrder::Exact {
             return self.blend_sorted(simd, (tile, locations), (entrants, &triangles), place, picture);
         }
         let owner = self.owner(entrants, locations.lattice(), place);
-        let mut shaded = Shaded::default();
+        let mut shaded = ShadingWork::default();
         for (slot, triangle) in triangles {
             let Some(setup) = owner(slot) else { continue };
             let subject = entrants.subject(slot);
@@ -135,13 +135,13 @@ impl Frame<'_> {
     fn blend_sorted<S: Simd>(
         &self,
         simd: S,
-        (tile, locations): (&mut Tile, impl Locations),
-        (entrants, triangles): (&Entrants, &[(Slot, ScreenTriangle)]),
+        (tile, locations): (&mut Tile, impl SamplePositions),
+        (entrants, triangles): (&TileBin, &[(Slot, ScreenTriangle)]),
         place: (usize, usize),
-        picture: &mut Picture<'_>,
-    ) -> Shaded {
+        picture: &mut ColorRows<'_>,
+    ) -> ShadingWork {
         let owner = self.owner(entrants, locations.lattice(), place);
-        let (mut shaded, mut list) = (Shaded::default(), SortedFragments::default());
+        let (mut shaded, mut list) = (ShadingWork::default(), SortedFragments::default());
         for (number, (slot, triangle)) in triangles.iter().enumerate() {
             let Some(setup) = owner(*slot) else { continue };
             let before = list.len();
@@ -170,7 +170,7 @@ impl Frame<'_> {
         &self,
         (triangle, draw): (&ScreenTriangle, usize),
         (place, tested): ((usize, usize), &TestedRows),
-        below: &mut Picture<'_>,
+        below: &mut ColorRows<'_>,
     ) -> usize {
         let shader = &self.shader(draw).shader;
         for TestedSample { place: at @ (column, row), edges, .. } in tested.samples() {

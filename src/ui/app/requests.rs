@@ -5,80 +5,83 @@ use std::time::Instant;
 use eframe::egui::Ui;
 
 use super::Workbench;
-use crate::inspect::find::{self, Found, Wanted};
+use crate::inspect::find::{self, SearchResult, SearchTarget};
 use crate::ui::engine::Request;
 use crate::ui::panels::bottom::Tab;
-use crate::ui::session::{Level, Measuring};
-use crate::ui::task::Task;
-use crate::ui::worker::{Answer, Job, MeasureRequest};
+use crate::ui::session::{Measuring, Severity};
+use crate::ui::task::BackgroundTask;
+use crate::ui::worker::{MeasureRequest, WorkerRequest, WorkerResponse};
 
 impl Workbench {
     /// Handles all pending results of the render worker, tasks, exports, scene loader and case evaluation.
-    pub(super) fn listen(&mut self) {
+    pub(super) fn receive_answers(&mut self) {
         while let Some(answer) = self.worker.poll() {
-            self.hear(answer);
+            self.handle(answer);
         }
-        self.hear_tasks();
-        self.hear_saving();
-        self.hear_loading();
-        self.hear_case();
+        self.poll_tasks();
+        self.poll_saving();
+        self.poll_loading();
+        self.poll_case();
     }
 
-    pub(super) fn hear(&mut self, answer: Answer) {
+    pub(super) fn handle(&mut self, answer: WorkerResponse) {
         match answer {
-            Answer::View(view) => {
+            WorkerResponse::View(view) => {
                 if view.fresh && view.request.triangle_limit.is_none() {
                     let ms = view.frame.times.total.as_secs_f64() * 1e3;
                     self.session.timings.record_recent(&view.request, ms);
                 }
                 self.session.view = Some(*view);
-                self.asked_at = None;
+                self.requested_at = None;
             }
-            Answer::Compared(compared) => self.session.compared = Some(*compared),
-            Answer::Watched(rows) => self.session.watch.hear(rows),
-            Answer::WhatIf(found) => self.session.what_if.found = Some(*found),
-            Answer::Stages(figures) => self.session.stages = Some(*figures),
+            WorkerResponse::Compared(compared) => self.session.compared = Some(*compared),
+            WorkerResponse::Watched(rows) => self.session.watch.store_values(rows),
+            WorkerResponse::WhatIf(found) => self.session.what_if.found = Some(*found),
+            WorkerResponse::Stages(figures) => self.session.stages = Some(*figures),
             // Discards late answers of a measurement that a newer one has replaced.
-            Answer::Sample { of, .. } | Answer::Judged { of, .. } | Answer::Noise { of, .. } | Answer::Measured(of)
+            WorkerResponse::Sample { of, .. }
+            | WorkerResponse::MethodError { of, .. }
+            | WorkerResponse::Noise { of, .. }
+            | WorkerResponse::Measured(of)
                 if of != self.measurement => {}
-            Answer::Sample { upscaling, milliseconds, progress, .. } => {
+            WorkerResponse::Sample { upscaling, milliseconds, progress, .. } => {
                 self.session.measuring = self.session.measuring.map(|_| Measuring { progress });
                 self.session.timings.record_measured(upscaling, milliseconds);
             }
-            Answer::Judged { upscaling, error, progress, .. } => {
+            WorkerResponse::MethodError { upscaling, error, progress, .. } => {
                 self.session.measuring = self.session.measuring.map(|_| Measuring { progress });
                 self.session.timings.record_error(upscaling, *error);
             }
-            Answer::Noise { noise, .. } => self.session.timings.record_noise(noise),
-            Answer::Measured(_) => self.session.measuring = None,
-            Answer::Panicked(text) => {
-                self.asked_at = None;
+            WorkerResponse::Noise { noise, .. } => self.session.timings.record_noise(noise),
+            WorkerResponse::Measured(_) => self.session.measuring = None,
+            WorkerResponse::Panicked(text) => {
+                self.requested_at = None;
                 let text = format!("Drawing stopped: internal error: {text}. The last good picture stays.");
-                self.session.report(Level::Error, text);
+                self.session.report(Severity::Error, text);
             }
         }
     }
 
     /// Sends a render request if any of its inputs has changed.
-    pub(super) fn ask(&mut self, ui: &Ui) {
+    pub(super) fn send_request(&mut self, ui: &Ui) {
         self.session.pick_by_itself();
         let request = self.session.request();
-        let same = self.asked.as_ref().is_some_and(|asked| asked.same_view(&request));
+        let same = self.last_request.as_ref().is_some_and(|asked| asked.same_view(&request));
         if !same && self.session.canvas_px != (0, 0) {
-            self.asked = Some(request.clone());
-            self.asked_at.get_or_insert_with(Instant::now);
-            self.worker.send(Job::Show(Box::new(request)));
-            if self.waits {
-                self.listen();
+            self.last_request = Some(request.clone());
+            self.requested_at.get_or_insert_with(Instant::now);
+            self.worker.send(WorkerRequest::Show(Box::new(request)));
+            if self.is_synchronous {
+                self.receive_answers();
                 ui.request_repaint();
             }
         }
     }
 
     /// Sends a comparison request if it differs from the last one.
-    pub(super) fn ask_to_compare(&mut self, ui: &Ui) {
+    pub(super) fn send_compare_request(&mut self, ui: &Ui) {
         let request = self.session.compare_request().filter(|_| self.session.canvas_px != (0, 0));
-        let same = match (&self.asked_to_compare, &request) {
+        let same = match (&self.last_compare_request, &request) {
             (Some(asked), Some(request)) => asked.same_as(request),
             (asked, request) => asked.is_none() && request.is_none(),
         };
@@ -88,33 +91,33 @@ impl Workbench {
         if request.is_none() {
             self.session.compared = None;
         }
-        self.asked_to_compare = request.clone();
-        self.worker.send(Job::Compare(request.map(Box::new)));
-        if self.waits {
-            self.listen();
+        self.last_compare_request = request.clone();
+        self.worker.send(WorkerRequest::Compare(request.map(Box::new)));
+        if self.is_synchronous {
+            self.receive_answers();
             ui.request_repaint();
         }
     }
 
     /// Sends the list of watched pixels to the worker if it has changed.
-    pub(super) fn ask_to_watch(&mut self, ui: &Ui) {
-        if self.asked_to_watch != self.session.watch.pixels {
-            self.asked_to_watch.clone_from(&self.session.watch.pixels);
-            self.worker.send(Job::Watch(self.asked_to_watch.clone()));
-            if self.waits {
-                self.listen();
+    pub(super) fn send_watch_request(&mut self, ui: &Ui) {
+        if self.last_watch_request != self.session.watch.pixels {
+            self.last_watch_request.clone_from(&self.session.watch.pixels);
+            self.worker.send(WorkerRequest::Watch(self.last_watch_request.clone()));
+            if self.is_synchronous {
+                self.receive_answers();
                 ui.request_repaint();
             }
         }
     }
 
     /// Sends a what-if request if it differs from the last one.
-    pub(super) fn ask_what_if(&mut self, ui: &Ui) {
+    pub(super) fn send_what_if_request(&mut self, ui: &Ui) {
         let request = self.session.what_if_request().filter(|_| self.session.canvas_px != (0, 0));
-        if self.session.what_if.asks_anew(request.as_ref()) {
-            self.worker.send(Job::WhatIf(request.map(Box::new)));
-            if self.waits {
-                self.listen();
+        if self.session.what_if.update_request(request.as_ref()) {
+            self.worker.send(WorkerRequest::WhatIf(request.map(Box::new)));
+            if self.is_synchronous {
+                self.receive_answers();
                 ui.request_repaint();
             }
         }
@@ -135,25 +138,25 @@ impl Workbench {
             self.tab = Tab::FrameTime;
         }
         self.measurement = request.number;
-        self.worker.send(Job::Measure(Box::new(request)));
+        self.worker.send(WorkerRequest::Measure(Box::new(request)));
     }
 
     /// Searches the frame on screen for `wanted`, in a background thread unless the window is synchronous.
-    pub(super) fn find(&mut self, ui: &Ui, wanted: Wanted) {
+    pub(super) fn search(&mut self, ui: &Ui, wanted: SearchTarget) {
         let Some(view) = self.session.view_of_scene().cloned() else { return };
         let look = move || {
             let found = find::find(&view.request.scene, &view.request.recipe, &view.frame, &wanted);
             (wanted, found)
         };
-        if self.waits {
-            self.found(&look());
+        if self.is_synchronous {
+            self.handle_search_result(&look());
         } else {
-            self.finding = Some(Task::start(ui.ctx().clone(), move |_, _| Some(look())));
+            self.searching = Some(BackgroundTask::start(ui.ctx().clone(), move |_, _| Some(look())));
         }
     }
 
-    pub(super) fn found(&mut self, (wanted, found): &(Wanted, Found)) {
-        if let Some(pixel) = self.session.take_found(wanted, found) {
+    pub(super) fn handle_search_result(&mut self, (wanted, found): &(SearchTarget, SearchResult)) {
+        if let Some(pixel) = self.session.apply_search_result(wanted, found) {
             self.canvas.bring_into_view(pixel, self.session.canvas_px);
         }
     }
@@ -181,7 +184,7 @@ mod tests {
         let mut bench = Workbench::new(session, Worker::inline());
         bench.measure();
         bench.measure();
-        bench.listen();
+        bench.receive_answers();
         let series = bench.session().timings.series();
         assert!(!series.is_empty() && series.iter().all(|(_, times)| times.len() == MEASURE_ROUNDS));
         assert_eq!(bench.session().measuring, None);

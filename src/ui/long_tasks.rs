@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use super::engine::Request;
-use super::task::Task;
+use super::task::BackgroundTask;
 use crate::chain::Recipe;
-use crate::measure::leaving_out::Savings;
-use crate::measure::scaling::{Quantity, Scaling};
-use crate::report::stability::sweep::{Progress, Report};
+use crate::measure::scaling::{Scaling, ScalingQuantity};
+use crate::measure::skipped_work::Savings;
+use crate::report::stability::sweep::{StabilityProgress, StabilityReport};
 
 /// View of the stability report.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -21,38 +21,38 @@ pub enum StabilityView {
 
 /// State of the stability report.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Stability {
+pub struct Stability {
     /// Last complete report.
-    pub(crate) report: Option<Arc<Report>>,
+    pub report: Option<Arc<StabilityReport>>,
     /// Progress of the running report.
-    pub(crate) progress: Option<Progress>,
+    pub progress: Option<StabilityProgress>,
     /// Selected view.
     pub(crate) view: StabilityView,
 }
 
 /// State of the measurement of the plan's savings.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct PlanSavings {
+pub struct PlanSavings {
     /// Last result and the request that it was measured on.
-    pub(crate) found: Option<(Arc<Savings>, Request)>,
+    pub found: Option<(Arc<Savings>, Request)>,
     /// Completed share of the running measurement, in [0, 1].
-    pub(crate) progress: Option<f32>,
+    pub progress: Option<f32>,
 }
 
 /// State of the scaling measurement.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Growth {
+pub struct ScalingState {
     /// Last result and the recipe that it was measured with.
-    pub(crate) found: Option<(Arc<Scaling>, Recipe)>,
+    pub found: Option<(Arc<Scaling>, Recipe)>,
     /// Quantity being measured and the completed share of the measurement, in [0, 1].
-    pub(crate) progress: Option<(Quantity, f32)>,
+    pub progress: Option<(ScalingQuantity, f32)>,
 }
 
 /// A running stability report.
-pub(crate) type Judging = Task<Progress, Report>;
+pub(crate) type StabilityTask = BackgroundTask<StabilityProgress, StabilityReport>;
 
 /// A running measurement of savings; the result includes the request that it was measured on.
-pub(crate) type MeasuringSavings = Task<f32, (Savings, Request)>;
+pub(crate) type SavingsTask = BackgroundTask<f32, (Savings, Request)>;
 
 /// A running scaling measurement; the result includes the recipe that it was measured with.
-pub(crate) type MeasuringGrowth = Task<(Quantity, f32), (Scaling, Recipe)>;
+pub(crate) type ScalingTask = BackgroundTask<(ScalingQuantity, f32), (Scaling, Recipe)>;

@@ -5,9 +5,9 @@ use std::f32::consts::SQRT_2;
 use eframe::egui::{Align, Color32, Frame, Label, Layout, Panel, Rect, RichText, ScrollArea, Sense, Ui, Vec2, vec2};
 use egui_plot::{MarkerShape, Plot, PlotPoints, Points};
 
-use super::Change;
+use super::LabChange;
 use super::readout::in_words;
-use crate::lab::recording::{Comparison, Rival};
+use crate::lab::recording::{MethodComparison, MethodResult};
 use crate::ui::format;
 use crate::ui::theme::{CONTROL_HEIGHT, Icon, tokens};
 use crate::ui::widgets::{figure, icon_button, section_header};
@@ -30,11 +30,11 @@ const SHORTEST_MICROS: f64 = 1e-3;
 const MARGIN: Vec2 = vec2(0.08, 0.2);
 
 /// Draws the table and the plot.
-pub(super) fn ui(ui: &mut Ui, comparison: &Comparison, changes: &mut Vec<Change>) {
+pub(super) fn ui(ui: &mut Ui, comparison: &MethodComparison, changes: &mut Vec<LabChange>) {
     let title = format!("Error and time: {}", comparison.task);
     section_header(ui, &title, |ui| {
         if icon_button(ui, Icon::X, "Close the comparison").clicked() {
-            changes.push(Change::CloseComparison);
+            changes.push(LabChange::CloseComparison);
         }
     });
     Panel::left("lab rivals table").frame(Frame::NONE).show_separator_line(false).exact_size(TABLE_POINTS).show(
@@ -46,13 +46,13 @@ pub(super) fn ui(ui: &mut Ui, comparison: &Comparison, changes: &mut Vec<Change>
     plot(ui, comparison);
 }
 
-fn table(ui: &mut Ui, comparison: &Comparison) {
+fn table(ui: &mut Ui, comparison: &MethodComparison) {
     let weak = tokens(ui).text_weak;
     ui.label(RichText::new(format!("error: {}", comparison.error)).color(weak).small());
     if let Some(note) = &comparison.note {
         ui.add(Label::new(RichText::new(note).color(tokens(ui).text)).wrap());
     }
-    for (number, rival) in comparison.rivals.iter().enumerate() {
+    for (number, rival) in comparison.methods.iter().enumerate() {
         ui.horizontal(|ui| {
             let (place, _) = ui.allocate_exact_size(vec2(CONTROL_HEIGHT, CONTROL_HEIGHT), Sense::hover());
             if is_square(ui, number) {
@@ -72,7 +72,7 @@ fn table(ui: &mut Ui, comparison: &Comparison) {
     }
 }
 
-fn error(rival: &Rival) -> String {
+fn error(rival: &MethodResult) -> String {
     if rival.error.fract() == 0.0 { format::fixed(rival.error, 0) } else { format::fixed(rival.error, 4) }
 }
 
@@ -86,16 +86,16 @@ fn is_square(ui: &Ui, number: usize) -> bool {
     number >= tokens(ui).series.len()
 }
 
-fn plot(ui: &mut Ui, comparison: &Comparison) {
+fn plot(ui: &mut Ui, comparison: &MethodComparison) {
     let shape = |number| if is_square(ui, number) { MarkerShape::Square } else { MarkerShape::Circle };
-    let marks: Vec<_> = (0..comparison.rivals.len()).map(|number| (color(ui, number), shape(number))).collect();
+    let marks: Vec<_> = (0..comparison.methods.len()).map(|number| (color(ui, number), shape(number))).collect();
     Plot::new("error against time")
         .set_margin_fraction(MARGIN)
         .x_axis_label("time, log₁₀ µs")
         .y_axis_label("error")
         .allow_scroll(false)
         .show(ui, |plot| {
-            for (rival, (color, shape)) in comparison.rivals.iter().zip(marks) {
+            for (rival, (color, shape)) in comparison.methods.iter().zip(marks) {
                 let at = [(rival.time.as_secs_f64() * 1e6).max(SHORTEST_MICROS).log10(), rival.error];
                 plot.points(Points::new(rival.name, PlotPoints::from(vec![at])).radius(MARK).color(color).shape(shape));
             }

@@ -11,30 +11,30 @@ use super::noise::{Noise, Pairs};
 use super::timing::{Summary, summarize};
 use crate::chain::{KeepDepth, Recipe, Renderer};
 use crate::image::{Image, Rgba8};
-use crate::pipeline::plan::{DrawPlan, Part};
-use crate::pipeline::settings::{Force, Settings};
+use crate::pipeline::plan::{DrawPlan, PipelinePart};
+use crate::pipeline::settings::{DisabledOptimisation, Settings};
 use crate::pipeline::vertex::{DrawMatrices, containment};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
 
 /// Cost of a part that some draws of a view skip.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct Saving {
+pub struct Saving {
     /// Skipped part; `None` stands for all parts together.
-    pub(crate) part: Option<Part>,
+    pub part: Option<PipelinePart>,
     /// Number of draws that run the part only when it is forced.
-    pub(crate) draws: usize,
+    pub draws: usize,
     /// Milliseconds of a frame with the part forced minus those of the planned frame of the same round.
-    pub(crate) saved_ms: Summary,
+    pub saved_ms: Summary,
     /// Whether the median saving is within the noise floor.
     pub(crate) within_noise: bool,
     /// Whether the image is identical with and without the part.
-    pub(crate) same_picture: bool,
+    pub same_picture: bool,
 }
 
 /// Savings from everything that a view skips.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct Savings {
+pub struct Savings {
     /// Milliseconds of a frame as planned.
     pub(crate) planned_ms: Summary,
     /// Noise floor, from drawing the planned frame twice per round.
@@ -42,19 +42,19 @@ pub(crate) struct Savings {
     /// Milliseconds to compute the plans of a frame: the only overhead for a view that skips nothing.
     pub(crate) planning_ms: Summary,
     /// Parts that the plan runs for every draw, not counting draws outside the view.
-    pub(crate) needed: Vec<Part>,
+    pub(crate) needed: Vec<PipelinePart>,
     /// Savings for each part that can be forced and is skipped by some draw, then for all of them together if there are
     /// several.
-    pub(crate) savings: Vec<Saving>,
+    pub savings: Vec<Saving>,
 }
 
 /// Number of warm-up rounds before the measured ones.
 const WARM_UP_ROUNDS: usize = 2;
 
 /// One variant of the view: as planned, or with skipped work forced to run.
-struct Way {
-    part: Option<Part>,
-    force: Force,
+struct PlanVariant {
+    part: Option<PipelinePart>,
+    force: DisabledOptimisation,
     draws: usize,
     renderer: Renderer,
     ms: Vec<f64>,
@@ -72,29 +72,33 @@ pub(crate) fn savings(
     progress: &dyn Fn(f32),
     cancel: &AtomicBool,
 ) -> Option<Savings> {
-    let plans = |force: Force| {
+    let plans = |force: DisabledOptimisation| {
         let mut recipe = *recipe;
         recipe.pipeline.force = force;
         Renderer::default().render(scene, camera, &recipe, viewport, KeepDepth::No).plans
     };
-    let first_plans = plans(Force::Nothing);
-    let way = |part: Option<Part>, force, draws| {
+    let first_plans = plans(DisabledOptimisation::Nothing);
+    let way = |part: Option<PipelinePart>, force, draws| {
         let (renderer, ms) = (Renderer::default(), Vec::with_capacity(rounds));
-        Way { part, force, draws, renderer, ms, picture: Image::filled(0, 0, [0; 4]) }
+        PlanVariant { part, force, draws, renderer, ms, picture: Image::filled(0, 0, [0; 4]) }
     };
-    let mut ways = vec![way(None, Force::Nothing, 0), way(None, Force::Nothing, 0)];
-    for part in Part::ALL {
+    let mut ways = vec![way(None, DisabledOptimisation::Nothing, 0), way(None, DisabledOptimisation::Nothing, 0)];
+    for part in PipelinePart::ALL {
         if cancel.load(Ordering::Relaxed) {
             return None;
         }
-        let Some(force) = part.force() else { continue };
+        let Some(force) = part.disabled_optimisation() else { continue };
         let draws = differing(&first_plans, &plans(force));
         if draws > 0 {
             ways.push(way(Some(part), force, draws));
         }
     }
     if ways.len() > 3 {
-        ways.push(way(None, Force::Everything, differing(&first_plans, &plans(Force::Everything))));
+        ways.push(way(
+            None,
+            DisabledOptimisation::Everything,
+            differing(&first_plans, &plans(DisabledOptimisation::Everything)),
+        ));
     }
     let mut planning_ms = Vec::with_capacity(rounds);
     let all_rounds = WARM_UP_ROUNDS + rounds;
@@ -123,14 +127,14 @@ pub(crate) fn savings(
         progress((round + 1) as f32 / all_rounds as f32);
     }
     let [planned, again, forced @ ..] = &ways[..] else { return None };
-    let against = |way: &Way| {
+    let against = |way: &PlanVariant| {
         summarize(&way.ms.iter().zip(&planned.ms).map(|(with, without)| with - without).collect::<Vec<_>>())
     };
     let planned_ms = summarize(&planned.ms)?;
     let mut pairs = Pairs::default();
     pairs.add(&planned.ms, &again.ms);
     let noise = pairs.noise()?;
-    let saving = |way: &Way| {
+    let saving = |way: &PlanVariant| {
         let saved_ms = against(way)?;
         Some(Saving {
             part: way.part,
@@ -140,16 +144,16 @@ pub(crate) fn savings(
             same_picture: way.picture == planned.picture,
         })
     };
-    let in_view: Vec<_> = first_plans.iter().filter(|plan| plan.runs(Part::Vertices)).collect();
-    let is_needed = |part: &Part| match part {
-        Part::Vertices => in_view.len() == first_plans.len(),
+    let in_view: Vec<_> = first_plans.iter().filter(|plan| plan.runs(PipelinePart::Vertices)).collect();
+    let is_needed = |part: &PipelinePart| match part {
+        PipelinePart::Vertices => in_view.len() == first_plans.len(),
         _ => !in_view.is_empty() && in_view.iter().all(|plan| plan.runs(*part)),
     };
     Some(Savings {
         planned_ms,
         noise,
         planning_ms: summarize(&planning_ms)?,
-        needed: Part::ALL.into_iter().filter(is_needed).collect(),
+        needed: PipelinePart::ALL.into_iter().filter(is_needed).collect(),
         savings: forced.iter().map(saving).collect::<Option<_>>()?,
     })
 }
@@ -192,9 +196,13 @@ mod tests {
             assert_eq!(saving.within_noise, is_small, "{saving:?}");
         }
         let parts: Vec<_> = found.savings.iter().map(|saving| saving.part).collect();
-        assert!(parts.contains(&Some(Part::Normals)) && parts.last() == Some(&None), "{parts:?}");
+        assert!(parts.contains(&Some(PipelinePart::Normals)) && parts.last() == Some(&None), "{parts:?}");
         assert!(found.savings.iter().all(|saving| saving.same_picture && saving.draws > 0));
-        assert!(found.needed.contains(&Part::Vertices) && !found.needed.contains(&Part::Normals), "{:?}", found.needed);
+        assert!(
+            found.needed.contains(&PipelinePart::Vertices) && !found.needed.contains(&PipelinePart::Normals),
+            "{:?}",
+            found.needed
+        );
         assert_eq!(found.planning_ms.n, 3);
         cancel.store(true, Ordering::Relaxed);
         assert!(savings(&scene, &scene.home, &recipe, size, 3, &|_| {}, &cancel).is_none());

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use glam::{Mat4, Vec3};
-use rasterscope::antialias::settings::Samples;
+use rasterscope::antialias::settings::SampleCount;
 use rasterscope::chain::{KeepDepth, Recipe, Renderer};
 use rasterscope::pipeline::settings::{
-    BlendingOrder, Choice, ColorSpace, Culling, DepthFormat, DepthTest, FillRule, Filter, Shading,
+    BlendingOrder, Choice, ColorSpace, Culling, DepthFormat, DepthTest, FillRule, Shading, TexelFilter,
 };
 use rasterscope::scene::{Mesh, Projection};
 use rasterscope::upscale::Upscaling;
@@ -37,7 +37,7 @@ fn triangles(random: &mut fastrand::Rng, count: u32, [length, width]: [f32; 2], 
 #[test]
 fn triangles_of_all_sizes_are_seen_through_alike() {
     let mut renderers = Renderers::of(SMALL);
-    let recipes = multisampled(&[Samples::Four, Samples::Sixteen, Samples::SixtyFour]);
+    let recipes = multisampled(&[SampleCount::Four, SampleCount::Sixteen, SampleCount::SixtyFour]);
     common::for_seeds(10, |random| {
         let flat = random.bool();
         let mut scene = SceneBuilder::new(Vec3::Z * 3.0).with(common::cube(), Mat4::IDENTITY, None);
@@ -60,7 +60,7 @@ fn triangles_of_all_sizes_are_seen_through_alike() {
         pipeline.shading = shadings[random.usize(..shadings.len())];
         pipeline.culling = Culling::None;
         pipeline.fill_rule = FillRule::ALL[random.usize(..FillRule::ALL.len())];
-        pipeline.filter = Filter::ALL[random.usize(..Filter::ALL.len())];
+        pipeline.filter = TexelFilter::ALL[random.usize(..TexelFilter::ALL.len())];
         pipeline.color_space = ColorSpace::ALL[random.usize(..ColorSpace::ALL.len())];
         pipeline.blending.order = BlendingOrder::ALL[random.usize(..BlendingOrder::ALL.len())];
         renderers.check("all sizes", &scene, &scene.home, &recipe);
@@ -87,8 +87,8 @@ fn every_blending_order_gives_the_same_picture() {
     let scene = Arc::new(crossing_panes(&mut fastrand::Rng::with_seed(11)).0);
     let mut recipes = vec![Recipe::default(), Recipe::default()];
     recipes[1].upscaler = Upscaling::new("checkerboard", 1).unwrap();
-    recipes.extend(multisampled(&[Samples::Four]));
-    recipes.extend(jittered(&[Samples::Four]));
+    recipes.extend(multisampled(&[SampleCount::Four]));
+    recipes.extend(jittered(&[SampleCount::Four]));
     let recipes: Vec<_> = recipes
         .into_iter()
         .map(|mut recipe| {
@@ -113,10 +113,10 @@ fn what_is_blended_is_counted_sample_by_sample() {
     let scene = SceneBuilder::new(Vec3::Z * 3.0).with_opacity(common::plane(), large, Some(textures), 0.5).0;
     let scene = Arc::new(scene);
     let pixels = u64::from(SMALL.width * SMALL.height);
-    for (samples, recipe) in [4, 16].into_iter().zip(multisampled(&[Samples::Four, Samples::Sixteen])) {
+    for (samples, recipe) in [4, 16].into_iter().zip(multisampled(&[SampleCount::Four, SampleCount::Sixteen])) {
         for shading in [Shading::Gouraud, Shading::Cel] {
             let mut recipe = recipe;
-            (recipe.pipeline.shading, recipe.pipeline.filter) = (shading, Filter::Bilinear);
+            (recipe.pipeline.shading, recipe.pipeline.filter) = (shading, TexelFilter::Bilinear);
             let frame = Renderer::default().render(&scene, &scene.home, &recipe, SMALL, KeepDepth::Yes);
             let counts = frame.tiled.as_ref().unwrap().counts;
             assert_eq!(counts.shaded, pixels * samples, "{shading:?}");

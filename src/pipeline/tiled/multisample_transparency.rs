@@ -5,16 +5,16 @@
 //! therefore keep the colours of all samples until the last of these triangles. A fragment is recomputed for each
 //! sample in which it is visible: sixteen at a time this is faster than a lookup.
 
-use super::Frame;
-use super::lattice::{Lattice, TILE, TILE_SAMPLES};
+use super::TiledFrame;
+use super::lattice::{TILE, TILE_SAMPLES, TileLattice};
 use super::mixed::MixedPixels;
-use super::multisample::{MeanOfSamples, Picks, Planes};
+use super::multisample::{MeanOfSamples, Picks, SamplePlanes};
 use super::queue::{Queue, flush};
-use super::record::{Entrants, Slot};
+use super::record::{Slot, TileBin};
 use super::setup::Setup;
-use super::shade::Shaded;
+use super::shade::ShadingWork;
 use super::sorted::{SortedFragment, SortedFragments};
-use super::target::{Picture, TileRows};
+use super::target::{ColorRows, TileRows};
 use super::tested::shade_tested;
 use super::tile::Tile;
 use crate::image::Rgba8;
@@ -24,7 +24,7 @@ use crate::pipeline::viewport::ScreenTriangle;
 
 /// Memory for transparency, reused from tile to tile.
 #[derive(Clone, Debug, Default)]
-pub(super) struct SeenThrough {
+pub(super) struct TransparencyMemory {
     /// Blended triangles of the tile.
     pub(super) blended: Vec<Slot>,
     /// Colours of all samples of the tile, sample by sample.
@@ -33,7 +33,7 @@ pub(super) struct SeenThrough {
     picks: Vec<Picks>,
 }
 
-impl SeenThrough {
+impl TransparencyMemory {
     /// Returns the number of bytes held.
     pub(super) fn bytes(&self) -> usize {
         self.blended.capacity() * size_of::<Slot>()
@@ -42,7 +42,7 @@ impl SeenThrough {
     }
 
     /// Resolves the samples to the colours of all pixels of a tile.
-    fn resolve(&mut self, mean: MeanOfSamples<'_>, picture: &mut Picture<'_>) {
+    fn resolve(&mut self, mean: MeanOfSamples<'_>, picture: &mut ColorRows<'_>) {
         let Self { colors, picks, .. } = self;
         for (row, pixels) in picture.rows().enumerate() {
             for (sixteen, out) in pixels.chunks_mut(WIDE).enumerate() {
@@ -56,18 +56,18 @@ impl SeenThrough {
     }
 }
 
-impl Frame<'_> {
+impl TiledFrame<'_> {
     /// Draws an alpha-tested triangle into the tile of one of the samples, whose lattice is given.
     #[inline(always)]
-    pub(super) fn draw_cut_out<S: Simd>(
+    pub(super) fn draw_alpha_tested_sample<S: Simd>(
         &self,
         simd: S,
-        planes: &Planes<'_>,
-        (tile, triangle, lattice): (&mut Tile, &Setup, &Lattice),
-        (entrants, place): (&Entrants, (usize, usize)),
+        planes: &SamplePlanes<'_>,
+        (tile, triangle, lattice): (&mut Tile, &Setup, &TileLattice),
+        (entrants, place): (&TileBin, (usize, usize)),
         owner: &impl Fn(Slot) -> Option<Setup>,
     ) {
-        let keep = self.what_is_there(simd, entrants.subject(triangle.slot), place);
+        let keep = self.alpha_test(simd, entrants.subject(triangle.slot), place);
         tile.draw_kept(simd, triangle, lattice, &self.rules, owner, |tested| {
             keep(&tested.at_first_covered(simd, triangle, lattice.offset(), &planes.shading_places))
         });
@@ -79,13 +79,13 @@ impl Frame<'_> {
     pub(super) fn blend_samples<S: Simd>(
         &self,
         simd: S,
-        (planes, tiles): (&Planes<'_>, &mut [Tile]),
-        (entrants, place): (&Entrants, (usize, usize)),
+        (planes, tiles): (&SamplePlanes<'_>, &mut [Tile]),
+        (entrants, place): (&TileBin, (usize, usize)),
         mixed: &MixedPixels,
-        (memory, queue): (&mut SeenThrough, &mut Queue),
-        picture: &mut Picture<'_>,
-    ) -> Shaded {
-        let SeenThrough { blended, colors, .. } = memory;
+        (memory, queue): (&mut TransparencyMemory, &mut Queue),
+        picture: &mut ColorRows<'_>,
+    ) -> ShadingWork {
+        let TransparencyMemory { blended, colors, .. } = memory;
         let size = picture.size;
         colors.resize(planes.samples.offsets.len() * TILE_SAMPLES, self.background);
         for sample in colors.chunks_exact_mut(TILE_SAMPLES) {
@@ -94,7 +94,7 @@ impl Frame<'_> {
             }
         }
         mixed.spread(colors);
-        let mut shaded = Shaded::default();
+        let mut shaded = ShadingWork::default();
         let triangles = self.in_order(entrants, blended);
         if self.settings.blending.order == BlendingOrder::Exact {
             let drawn = (entrants, &*triangles);
@@ -141,12 +141,12 @@ impl Frame<'_> {
     fn blend_sorted_samples<S: Simd>(
         &self,
         simd: S,
-        (planes, tiles): (&Planes<'_>, &mut [Tile]),
-        (entrants, triangles): (&Entrants, &[(Slot, ScreenTriangle)]),
+        (planes, tiles): (&SamplePlanes<'_>, &mut [Tile]),
+        (entrants, triangles): (&TileBin, &[(Slot, ScreenTriangle)]),
         (place, size): ((usize, usize), (usize, usize)),
         colors: &mut [Rgba8],
-    ) -> Shaded {
-        let (mut shaded, mut list) = (Shaded::default(), SortedFragments::default());
+    ) -> ShadingWork {
+        let (mut shaded, mut list) = (ShadingWork::default(), SortedFragments::default());
         for (number, (slot, triangle)) in triangles.iter().enumerate() {
             let before = list.len();
             for (sample, (tile, lattice)) in tiles.iter_mut().zip(&planes.lattices).enumerate() {

@@ -4,9 +4,9 @@ use std::f64::consts::TAU;
 
 /// Random number generator seeded by a number and the name of a class.
 #[derive(Clone, Debug)]
-pub(super) struct Dice(fastrand::Rng);
+pub(super) struct Rng(fastrand::Rng);
 
-impl Dice {
+impl Rng {
     pub(super) fn new(seed: u64, class: &str) -> Self {
         /// Offset basis and prime of the FNV-1a hash, which gives every class its own sequence.
         const FNV: (u64, u64) = (0xcbf2_9ce4_8422_2325, 0x0100_0000_01b3);

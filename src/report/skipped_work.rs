@@ -3,15 +3,15 @@
 
 use serde::Serialize;
 
-use crate::measure::leaving_out::{Saving, Savings};
-use crate::pipeline::plan::Part;
+use crate::measure::skipped_work::{Saving, Savings};
+use crate::pipeline::plan::PipelinePart;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::builtin::workload::sheet;
 use crate::scene::{Camera, Scene, builtin};
 
 /// Measurement of one scene.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct Row {
+pub(crate) struct SceneSavings {
     /// Short name of the view.
     pub(crate) scene: &'static str,
     /// Savings from skipped work in this view.
@@ -44,18 +44,18 @@ pub(crate) fn views() -> Vec<(&'static str, Scene, Camera)> {
 }
 
 /// Parts that can be forced, with their column headings.
-const COLUMNS: [(Part, &str); 7] = [
-    (Part::Vertices, "vertices"),
-    (Part::EveryCluster, "clusters"),
-    (Part::Clipping, "clipping"),
-    (Part::PerspectiveDivision, "division"),
-    (Part::TextureCoordinates, "tex. coords"),
-    (Part::Normals, "normals"),
-    (Part::VertexColors, "colours"),
+const COLUMNS: [(PipelinePart, &str); 7] = [
+    (PipelinePart::Vertices, "vertices"),
+    (PipelinePart::EveryCluster, "clusters"),
+    (PipelinePart::Clipping, "clipping"),
+    (PipelinePart::PerspectiveDivision, "division"),
+    (PipelinePart::TextureCoordinates, "tex. coords"),
+    (PipelinePart::Normals, "normals"),
+    (PipelinePart::VertexColors, "colours"),
 ];
 
 /// Formats the table, with a legend below.
-pub(crate) fn table(rows: &[Row], Viewport { width, height }: Viewport, threads: usize) -> String {
+pub(crate) fn table(rows: &[SceneSavings], Viewport { width, height }: Viewport, threads: usize) -> String {
     let rounds = rows.first().map_or(0, |row| row.savings.planned_ms.n);
     let unit = if threads == 1 { "thread" } else { "threads" };
     let mut text = format!(
@@ -66,7 +66,7 @@ pub(crate) fn table(rows: &[Row], Viewport { width, height }: Viewport, threads:
     );
     text.extend(COLUMNS.map(|(_, heading)| format!(" {heading:>11}")));
     text += &format!(" {:>11}\n", "all forced");
-    for Row { scene, savings } in rows {
+    for SceneSavings { scene, savings } in rows {
         let Savings { planned_ms, planning_ms, .. } = savings;
         text += &format!(
             "{scene:16} {:9.3} {:8.3} {:9.2} {:7.3}",
@@ -85,7 +85,7 @@ pub(crate) fn table(rows: &[Row], Viewport { width, height }: Viewport, threads:
             what to skip, which is the only overhead of a frame that needs every part.\n"
 }
 
-fn cell(savings: &Savings, part: Part) -> String {
+fn cell(savings: &Savings, part: PipelinePart) -> String {
     let found = savings.savings.iter().find(|saving| saving.part == Some(part));
     match found {
         Some(saving) => signed(saving),
@@ -111,7 +111,7 @@ mod tests {
     use crate::measure::noise::Noise;
     use crate::measure::timing::summarize;
 
-    fn savings(parts: &[(Option<Part>, f64, bool)]) -> Savings {
+    fn savings(parts: &[(Option<PipelinePart>, f64, bool)]) -> Savings {
         let ms = |ms: f64| summarize(&[ms]).unwrap();
         let noise = Noise { pairs: 7, p90: 0.2 };
         let saving = |&(part, saved, same_picture)| {
@@ -122,7 +122,7 @@ mod tests {
             planned_ms: ms(2.0),
             noise,
             planning_ms: ms(0.003),
-            needed: vec![Part::Vertices],
+            needed: vec![PipelinePart::Vertices],
             savings: parts.iter().map(saving).collect(),
         }
     }
@@ -130,15 +130,15 @@ mod tests {
     #[test]
     fn a_cell_tells_what_is_saved_or_why_nothing_is() {
         let rows = [
-            Row {
+            SceneSavings {
                 scene: "one",
                 savings: savings(&[
-                    (Some(Part::Normals), 0.5, true),
-                    (Some(Part::Clipping), -0.25, false),
+                    (Some(PipelinePart::Normals), 0.5, true),
+                    (Some(PipelinePart::Clipping), -0.25, false),
                     (None, 0.75, true),
                 ]),
             },
-            Row { scene: "two", savings: savings(&[]) },
+            SceneSavings { scene: "two", savings: savings(&[]) },
         ];
         let text = table(&rows, Viewport { width: 64, height: 48 }, 2);
         let words = |scene: &str| -> Vec<&str> {
@@ -152,7 +152,8 @@ mod tests {
 
     #[test]
     fn every_part_that_can_be_forced_has_a_column() {
-        let forced: Vec<_> = Part::ALL.into_iter().filter(|part| part.force().is_some()).collect();
+        let forced: Vec<_> =
+            PipelinePart::ALL.into_iter().filter(|part| part.disabled_optimisation().is_some()).collect();
         assert_eq!(COLUMNS.map(|(part, _)| part)[..], forced);
     }
 }

@@ -4,56 +4,56 @@
 //! samples off the lattice therefore stay exact.
 
 use super::edge_number::EdgeNumber;
-use super::lattice::{Lattice, TILE};
-use super::setup::Edges;
+use super::lattice::{TILE, TileLattice};
+use super::setup::EdgeFunctions;
 use super::tile::{ROWS, STRIDE};
 use crate::math::lanes::*;
 
 /// Sample positions, one for each point of a lattice.
-pub(super) trait Locations: Copy {
+pub(super) trait SamplePositions: Copy {
     /// Whether all samples are the lattice points themselves.
     const ON_LATTICE: bool;
 
     /// Returns the lattice, whose blocks extend as far as any of their samples.
-    fn lattice(&self) -> &Lattice;
+    fn lattice(&self) -> &TileLattice;
 
     /// Returns the edge values at eight samples of a row from those at the points. `first` is the column and row of the
     /// first.
-    fn displaced<S: Simd, E: EdgeNumber>(
+    fn jittered<S: Simd, E: EdgeNumber>(
         self,
         simd: S,
-        edges: &Edges<E>,
+        edges: &EdgeFunctions<E>,
         e: [E::Eight<S>; 3],
         first: (usize, usize),
     ) -> [E::Eight<S>; 3];
 
     /// [`Locations::displaced`] for four samples of a row and the four below.
-    fn displaced_in_two_rows<S: Simd, E: EdgeNumber>(
+    fn jittered_in_two_rows<S: Simd, E: EdgeNumber>(
         self,
         simd: S,
-        edges: &Edges<E>,
+        edges: &EdgeFunctions<E>,
         e: [E::Eight<S>; 3],
         first: (usize, usize),
     ) -> [E::Eight<S>; 3];
 
     /// Returns the positions of eight samples of each of two rows, from a column on: right of and below the centre of
     /// the tile's first pixel, in grid steps.
-    fn places<S: Simd>(self, simd: S, column: usize, rows: [usize; 2]) -> [i32x16<S>; 2];
+    fn positions<S: Simd>(self, simd: S, column: usize, rows: [usize; 2]) -> [i32x16<S>; 2];
 }
 
-impl Locations for &Lattice {
+impl SamplePositions for &TileLattice {
     const ON_LATTICE: bool = true;
 
     #[inline(always)]
-    fn lattice(&self) -> &Lattice {
+    fn lattice(&self) -> &TileLattice {
         self
     }
 
     #[inline(always)]
-    fn displaced<S: Simd, E: EdgeNumber>(
+    fn jittered<S: Simd, E: EdgeNumber>(
         self,
         _: S,
-        _: &Edges<E>,
+        _: &EdgeFunctions<E>,
         e: [E::Eight<S>; 3],
         _: (usize, usize),
     ) -> [E::Eight<S>; 3] {
@@ -61,10 +61,10 @@ impl Locations for &Lattice {
     }
 
     #[inline(always)]
-    fn displaced_in_two_rows<S: Simd, E: EdgeNumber>(
+    fn jittered_in_two_rows<S: Simd, E: EdgeNumber>(
         self,
         _: S,
-        _: &Edges<E>,
+        _: &EdgeFunctions<E>,
         e: [E::Eight<S>; 3],
         _: (usize, usize),
     ) -> [E::Eight<S>; 3] {
@@ -72,7 +72,7 @@ impl Locations for &Lattice {
     }
 
     #[inline(always)]
-    fn places<S: Simd>(self, simd: S, column: usize, rows: [usize; 2]) -> [i32x16<S>; 2] {
+    fn positions<S: Simd>(self, simd: S, column: usize, rows: [usize; 2]) -> [i32x16<S>; 2] {
         let ([right, down], columns) = (self.offset(), self.columns_i32(simd, column));
         let [upper, lower] = each!(row in [rows[0], rows[1]] => {
             let steps = &self.integers;
@@ -125,25 +125,25 @@ impl Offsets {
 
 /// Jittered samples, at a different position in each pixel.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Displaced<'a> {
-    pub(super) lattice: &'a Lattice,
+pub(super) struct JitteredPositions<'a> {
+    pub(super) lattice: &'a TileLattice,
     /// Offsets from the lattice points to the samples.
     pub(super) offsets: &'a Offsets,
 }
 
-impl Locations for Displaced<'_> {
+impl SamplePositions for JitteredPositions<'_> {
     const ON_LATTICE: bool = false;
 
     #[inline(always)]
-    fn lattice(&self) -> &Lattice {
+    fn lattice(&self) -> &TileLattice {
         self.lattice
     }
 
     #[inline(always)]
-    fn displaced<S: Simd, E: EdgeNumber>(
+    fn jittered<S: Simd, E: EdgeNumber>(
         self,
         simd: S,
-        edges: &Edges<E>,
+        edges: &EdgeFunctions<E>,
         e: [E::Eight<S>; 3],
         first: (usize, usize),
     ) -> [E::Eight<S>; 3] {
@@ -151,10 +151,10 @@ impl Locations for Displaced<'_> {
     }
 
     #[inline(always)]
-    fn displaced_in_two_rows<S: Simd, E: EdgeNumber>(
+    fn jittered_in_two_rows<S: Simd, E: EdgeNumber>(
         self,
         simd: S,
-        edges: &Edges<E>,
+        edges: &EdgeFunctions<E>,
         e: [E::Eight<S>; 3],
         first: (usize, usize),
     ) -> [E::Eight<S>; 3] {
@@ -162,8 +162,8 @@ impl Locations for Displaced<'_> {
     }
 
     #[inline(always)]
-    fn places<S: Simd>(self, simd: S, column: usize, rows: [usize; 2]) -> [i32x16<S>; 2] {
-        let points = self.lattice.places(simd, column, rows);
+    fn positions<S: Simd>(self, simd: S, column: usize, rows: [usize; 2]) -> [i32x16<S>; 2] {
+        let points = self.lattice.positions(simd, column, rows);
         let [upper, lower] = each!(row in [rows[0], rows[1]] => self.offsets.eight(simd, (column, row)));
         each!(axis in [0, 1] => points[axis] + upper[axis].combine(lower[axis]).to_int::<i32x16<S>>())
     }
@@ -173,7 +173,7 @@ impl Locations for Displaced<'_> {
 #[inline(always)]
 fn moved<S: Simd, E: EdgeNumber>(
     simd: S,
-    edges: &Edges<E>,
+    edges: &EdgeFunctions<E>,
     e: [E::Eight<S>; 3],
     [right, down]: [F32<S>; 2],
 ) -> [E::Eight<S>; 3] {
@@ -183,7 +183,7 @@ fn moved<S: Simd, E: EdgeNumber>(
 }
 
 /// Edge values at eight points, row by row. They are integers, so stepping adds no error.
-pub(super) struct Rows<S: Simd, E: EdgeNumber> {
+pub(super) struct EdgeValueRows<S: Simd, E: EdgeNumber> {
     /// Edge values of the next row, without its shift.
     next: [E::Eight<S>; 3],
     /// Change of the edge values from row to row.
@@ -191,11 +191,11 @@ pub(super) struct Rows<S: Simd, E: EdgeNumber> {
     are_straight: bool,
 }
 
-impl<S: Simd, E: EdgeNumber> Rows<S, E> {
+impl<S: Simd, E: EdgeNumber> EdgeValueRows<S, E> {
     /// Starts at row `first`, whose points lie at `x`, in grid steps, in a row that is not shifted.
     #[inline(always)]
-    pub(super) fn new(simd: S, edges: &Edges<E>, x: E::Eight<S>, first: usize, lattice: &Lattice) -> Self {
-        let (steps, Edges { a, b, c }) = (E::steps(lattice), edges);
+    pub(super) fn new(simd: S, edges: &EdgeFunctions<E>, x: E::Eight<S>, first: usize, lattice: &TileLattice) -> Self {
+        let (steps, EdgeFunctions { a, b, c }) = (E::steps(lattice), edges);
         let y = steps.row(first);
         Self {
             next: each!(i in [0, 1, 2] => x * a[i] + (c[i] + b[i] * y)),
@@ -206,7 +206,7 @@ impl<S: Simd, E: EdgeNumber> Rows<S, E> {
 
     /// Returns the edge values of the next row, which is `row`, and advances.
     #[inline(always)]
-    pub(super) fn next(&mut self, edges: &Edges<E>, row: usize, lattice: &Lattice) -> [E::Eight<S>; 3] {
+    pub(super) fn next(&mut self, edges: &EdgeFunctions<E>, row: usize, lattice: &TileLattice) -> [E::Eight<S>; 3] {
         let e = self.next;
         self.next = each!(i in [0, 1, 2] => e[i] + self.step[i]);
         if self.are_straight {
@@ -221,14 +221,14 @@ impl<S: Simd, E: EdgeNumber> Rows<S, E> {
 #[inline(always)]
 pub(super) fn edge_values<S: Simd>(
     simd: S,
-    edges: &Edges,
+    edges: &EdgeFunctions,
     (column, row): (usize, usize),
-    locations: impl Locations,
+    locations: impl SamplePositions,
 ) -> [F64<S>; 3] {
     let lattice = locations.lattice();
     let steps = &lattice.doubles;
     let x = F64::load_array_ref(simd, &steps.lanes) + (steps.column(column) + steps.shift(row));
     let y = steps.row(row);
     let e = each!(i in [0, 1, 2] => x * edges.a[i] + (edges.c[i] + edges.b[i] * y));
-    locations.displaced(simd, edges, e, (column, row))
+    locations.jittered(simd, edges, e, (column, row))
 }
