@@ -5,7 +5,7 @@
 //! report no bytes are empty and are not opened either: reading some of `/proc` blocks. At most the limit is read, even
 //! if the file grows meanwhile.
 //!
-//! Writing: every output of the program goes through [`write`] or [`write_new`]. The bytes go to a temporary file in
+//! Writing: every output of the program goes through [`write()`] or [`write_new`]. The bytes go to a temporary file in
 //! the same folder, are flushed to the disk, and take the name of the output by a rename. At any moment the name
 //! therefore refers to the complete old file or to the complete new file, never to a part.
 
@@ -73,7 +73,7 @@ pub(crate) fn starts_with(path: &Path, prefix: &[u8]) -> bool {
     is_regular && File::open(path).and_then(|mut file| file.read_exact(&mut start)).is_ok() && start == prefix
 }
 
-/// Makes [`write`] refuse, from now on, to replace a file that this process has read.
+/// Makes [`write()`] refuse, from now on, to replace a file that this process has read.
 pub fn protect_inputs() {
     lock_inputs().get_or_insert_default();
 }
@@ -99,11 +99,11 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     write_by(path, |file| file.write_all(bytes))
 }
 
-/// Writes the output of `produce` to `path` piece by piece, in the same way as [`write`], for outputs that are not kept
+/// Writes the output of `produce` to `path` piece by piece, in the same way as [`write()`], for outputs that are not kept
 /// in memory.
 ///
 /// # Errors
-/// As for [`write`], and errors of `produce`. An existing file is then unchanged.
+/// As for [`write()`], and errors of `produce`. An existing file is then unchanged.
 pub(crate) fn write_by(path: &Path, produce: impl FnOnce(&mut dyn io::Write) -> io::Result<()>) -> io::Result<()> {
     match Target::of(path)? {
         Target::Direct(path) => {
@@ -152,10 +152,10 @@ pub(crate) fn write_new(folder: &Path, stem: &str, extension: &str, bytes: &[u8]
     Err(ErrorKind::AlreadyExists.into())
 }
 
-/// Checks that [`write`] can create or replace `path`, before a long computation. Leaves no file behind.
+/// Checks that [`write()`] can create or replace `path`, before a long computation. Leaves no file behind.
 ///
 /// # Errors
-/// Errors are those of [`write`]. A disk that becomes full later is not detected.
+/// Errors are those of [`write()`]. A disk that becomes full later is not detected.
 pub(crate) fn check_writable(path: &Path) -> io::Result<()> {
     match Target::of(path)? {
         Target::Direct(path) => OpenOptions::new().write(true).open(path).map(drop),

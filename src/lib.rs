@@ -23,6 +23,11 @@
 //! assert!(report.verdict.contains("“blue”"));
 //! ```
 
+#![cfg_attr(
+    not(feature = "ui"),
+    allow(dead_code, unused_imports, unreachable_pub, reason = "only the window uses the rest")
+)]
+
 pub mod text;
 
 pub mod disk;

@@ -107,7 +107,30 @@ impl Chapter {
     }
 }
 
+/// Part of a section: text in Markdown, or a block of code.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum SectionPart {
+    /// Text in Markdown.
+    Text(String),
+    /// Content of a fenced code block, without its fences.
+    Code(String),
+}
+
 impl Section {
+    /// Returns the parts of the section in reading order.
+    pub(crate) fn parts(&self) -> Vec<SectionPart> {
+        let mut parts = Vec::new();
+        for (index, part) in self.markdown.split("```").enumerate() {
+            if index % 2 == 0 {
+                parts.push(SectionPart::Text(part.to_owned()));
+            } else if let Some((_language, code)) = part.split_once('\n') {
+                parts.push(SectionPart::Code(code.trim_end().to_owned()));
+            }
+        }
+        parts.retain(|part| !matches!(part, SectionPart::Text(text) if text.trim().is_empty()));
+        parts
+    }
+
     /// Targets of all links in the section.
     pub(crate) fn links(&self) -> impl Iterator<Item = &str> {
         self.markdown.split("](").skip(1).filter_map(|rest| rest.split(')').next())
@@ -178,6 +201,16 @@ mod tests {
         assert_eq!((found[0].chapter, found[0].section), (Chapter::GettingStarted, 0));
         assert!(find("getting qqqqq").is_empty());
         assert!(find("  ").is_empty());
+    }
+
+    #[test]
+    fn code_blocks_are_parts_without_their_fences() {
+        let markdown = "## Title\n\nText.\n\n```sh\nrun this\nand that\n```\n\nMore.\n".to_owned();
+        let parts = Section { heading: "Title", markdown }.parts();
+        let [SectionPart::Text(first), SectionPart::Code(code), SectionPart::Text(last)] = &parts[..] else {
+            panic!("{parts:?}")
+        };
+        assert_eq!((first.trim(), code.as_str(), last.trim()), ("## Title\n\nText.", "run this\nand that", "More."));
     }
 
     #[test]

@@ -15,6 +15,7 @@ use rasterscope::pipeline::settings::Choice as _;
 use rasterscope::scene::builtin;
 use rasterscope::ui::command::{BINDINGS, MOUSE};
 use rasterscope::ui::key_sheet::key_name;
+use serde_json::Value;
 
 /// Program under test.
 const PROGRAM: &str = env!("CARGO_BIN_EXE_rasterscope");
@@ -22,8 +23,11 @@ const PROGRAM: &str = env!("CARGO_BIN_EXE_rasterscope");
 /// Keys listed for one command at most; further ones are abbreviated to the first and the last.
 const MAX_KEYS: usize = 4;
 
+/// Function that builds a table.
+type Build = fn() -> String;
+
 /// Generated tables, by the name in their marker.
-const TABLES: [(&str, fn() -> String); 6] = [
+const TABLES: [(&str, Build); 6] = [
     ("settings", settings),
     ("scenes", scenes),
     ("commands", commands),
@@ -51,28 +55,31 @@ fn code(text: &str) -> String {
     format!("`{text}`")
 }
 
-/// Returns words separated by commas as code, and other text as it is.
+/// Returns words separated by commas as code, with a condition after them as it is, and other text as it is.
 fn values(text: &str) -> String {
-    let is_list = text.contains(", ") && text.split(", ").all(|word| !word.contains(' '));
-    if is_list { text.split(", ").map(code).collect::<Vec<_>>().join(", ") } else { text.to_owned() }
+    let (list, condition) = text.split_once(", where ").map_or((text, None), |(list, rest)| (list, Some(rest)));
+    let is_word = |word: &str| word.chars().all(|c| c.is_ascii_alphanumeric() || "-.#".contains(c));
+    if !list.contains(", ") || !list.split(", ").all(is_word) {
+        return text.to_owned();
+    }
+    let list = list.split(", ").map(code).collect::<Vec<_>>().join(", ");
+    condition.map_or_else(|| list.clone(), |condition| format!("{list}, where {condition}"))
 }
 
 fn settings() -> String {
+    /// More numbers than this are the mask of the post filter.
+    const MAX_NUMBERS: usize = 9;
     let defaults = serde_json::to_value(Recipe::default()).expect("a recipe is plain data");
-    let default = |key: &str| {
-        let value = defaults.pointer(&format!("/{}", key.replace('.', "/"))).expect("every key has a default");
-        match value {
-            serde_json::Value::String(word) => word.clone(),
-            serde_json::Value::Array(items) => items
-                .iter()
-                .map(|item| item.as_f64().map_or(String::new(), |n| (n as f32).to_string()))
-                .collect::<Vec<_>>()
-                .join(","),
-            other => other.to_string().trim_end_matches(".0").to_owned(),
-        }
+    let number = |value: &Value| value.as_f64().map_or_else(String::new, |number| (number as f32).to_string());
+    let default = |key: &str| match defaults.pointer(&format!("/{}", key.replace('.', "/"))) {
+        Some(Value::String(word)) => code(word),
+        Some(Value::Array(items)) if items.len() > MAX_NUMBERS => "identity".to_owned(),
+        Some(Value::Array(items)) => code(&items.iter().map(number).collect::<Vec<_>>().join(",")),
+        Some(value @ Value::Number(_)) => code(&number(value)),
+        Some(other) => code(&other.to_string()),
+        None => panic!("no default of {key}"),
     };
-    let rows =
-        Recipe::keys().into_iter().map(|(key, accepted)| vec![code(&key), values(&accepted), code(&default(&key))]);
+    let rows = Recipe::keys().into_iter().map(|(key, accepted)| vec![code(&key), values(&accepted), default(&key)]);
     table("key | values | default", rows)
 }
 
@@ -177,16 +184,16 @@ fn blocks(text: &str, language: &str) -> Vec<String> {
 fn every_command_block_runs() {
     let mut count = 0;
     for chapter in Chapter::ALL {
-        let workplace = tempfile::tempdir().expect("a temporary folder");
+        let scratch = tempfile::tempdir().expect("a temporary folder");
         for block in blocks(chapter.text(), "sh") {
             let script = format!("set -e\nrasterscope() {{ \"{PROGRAM}\" \"$@\"; }}\n{block}\n");
             // Without a display the window becomes a picture.
             let output = Command::new("sh")
                 .args(["-c", &script])
-                .current_dir(workplace.path())
+                .current_dir(scratch.path())
                 .env_remove("DISPLAY")
                 .env_remove("WAYLAND_DISPLAY")
-                .env("HOME", workplace.path())
+                .env("HOME", scratch.path())
                 .output()
                 .expect("a shell");
             let errors = String::from_utf8_lossy(&output.stderr);

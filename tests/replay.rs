@@ -116,7 +116,7 @@ fn smooth() -> Vec<Recipe> {
     let shifted = Recipe { upscaler: enlarged.upscaler.with_anchor(Anchor::Centre), ..plain };
     let recipes = cross::<AntialiasMethod>(&[plain, enlarged, shifted], |r, c| r.antialias.method = c);
     let bytes = cross::<ColorSpace>(&[plain], |r, c| {
-        (r.antialias.method, r.antialias.light) = (AntialiasMethod::RotatedGrid, c)
+        (r.antialias.method, r.antialias.light) = (AntialiasMethod::RotatedGrid, c);
     });
     let filters = cross::<PostChoice>(&[plain, enlarged], |r, c| (r.post.filter, r.post.strength) = (c, 1.5));
     recipes.into_iter().chain(bytes).chain(filters).collect()

@@ -3,6 +3,8 @@
 //! Run it with `cargo run --release --example own_upscaler`. EPX (Eric Johnston, 1992) doubles pixel art: a corner of a
 //! doubled pixel takes the colour of its two neighbours if these are equal.
 
+#![expect(clippy::print_stdout, reason = "an example prints its results")]
+
 use std::sync::Arc;
 
 use rasterscope::chain::{Recipe, Renderer};
@@ -20,7 +22,7 @@ impl Epx {
     fn source(samples: &Image<Rgba8>, x: u32, y: u32) -> (u32, u32) {
         let (i, j) = (i64::from(x / 2), i64::from(y / 2));
         // Towards the corner of the sample that the pixel occupies.
-        let (dx, dy) = (if x % 2 == 0 { -1 } else { 1 }, if y % 2 == 0 { -1 } else { 1 });
+        let (dx, dy) = (if x.is_multiple_of(2) { -1 } else { 1 }, if y.is_multiple_of(2) { -1 } else { 1 });
         let at = |i: i64, j: i64| samples.at_clamped(i, j);
         let (beside, above) = (at(i + dx, j), at(i, j + dy));
         let is_corner = beside == above && beside != at(i, j - dy) && above != at(i - dx, j);

@@ -2,6 +2,8 @@
 //!
 //! Run it with `cargo run --release --example query_pixel`.
 
+#![expect(clippy::print_stdout, reason = "an example prints its results")]
+
 use std::sync::Arc;
 
 use rasterscope::chain::{Recipe, Renderer};

@@ -2,6 +2,8 @@
 //!
 //! Run it with `cargo run --release --example render`.
 
+#![expect(clippy::print_stdout, reason = "an example prints its results")]
+
 use std::path::Path;
 use std::sync::Arc;
 

@@ -181,13 +181,13 @@ struct ContrastEdges<S: Simd> {
 struct EdgeDistances<S: Simd> {
     /// Distance from the pixel to the end of its edge, in pixels.
     step: i16x32<S>,
-    /// Change of [`Edges::line`] there.
+    /// Change of [`ContrastEdges::line`] there.
     change: i16x32<S>,
 }
 
 /// Result for [`BLOCK`] pixels: the neighbour that each one blends with, and its share. Bit `i` of a mask stands for pixel `i`.
 struct Blends {
-    /// Pixels whose share is at least [`LEAST_SHARE`].
+    /// Pixels whose share is at least [`MIN_SHARE`].
     found: u32,
     horizontal: u32,
     towards_before: u32,

@@ -15,7 +15,7 @@ pub enum Pattern {
     /// Pixel quartered, the quarters quartered, and so on `level` times. The positions are those of 2^`level` squares
     /// along an axis, but in the order of a recursive subdivision.
     Recursive {
-        /// Number of subdivisions, at most [`Pattern::MOST_LEVELS`].
+        /// Number of subdivisions, at most [`Pattern::MAX_LEVELS`].
         level: u32,
     },
     /// One of [`Pattern::JITTER`]² positions in each of `side` × `side` squares, different in each pixel. Turns

@@ -120,11 +120,6 @@ impl Antialiasing {
     pub(crate) fn count(self) -> u32 {
         self.pattern().count()
     }
-
-    /// Returns the display name with the number of samples, such as "Multisampling, 4 samples".
-    pub(crate) fn label(self) -> String {
-        if self.is_off() { "1 sample".to_owned() } else { format!("{}, {} samples", self.method.name(), self.count()) }
-    }
 }
 
 choice! {
@@ -180,7 +175,7 @@ pub struct PostFilter {
     /// Kind of filter.
     pub filter: PostFilterKind,
     /// Strength of the filter: px from the centre to the edge of a blur, standard deviation in px of a Gaussian blur,
-    /// amount of sharpening, or length in px of a motion blur. At most [`Filter::most_strength`].
+    /// amount of sharpening, or length in px of a motion blur. At most [`PostFilterKind::max_strength`].
     pub strength: f32,
     /// Direction of a motion blur, in degrees from right towards down.
     pub(crate) angle_degrees: f32,

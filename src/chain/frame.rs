@@ -199,7 +199,7 @@ impl Frame {
     }
 
     /// Draws the frame's list of triangles again after a change, with one sample per pixel.
-    pub(crate) fn redraw(&mut self, scene: &Scene, recipe: &Recipe) {
+    pub fn redraw(&mut self, scene: &Scene, recipe: &Recipe) {
         let drawn = redraw(scene, recipe, self, LastStage::Shade, &mut ());
         *self = self.at_moment(recipe, drawn, Geometry::clone(&self.geometry));
     }

@@ -214,7 +214,7 @@ impl ProgressiveRender {
     }
 }
 
-/// Returns the camera of [`camera_of`] with the window moved so that samples lie at `place` in their pixels; `None` if
+/// Returns the camera of [`raster_camera`] with the window moved so that samples lie at `place` in their pixels; `None` if
 /// the window need not move.
 pub(super) fn jittered_camera(
     camera: &Camera,

@@ -15,8 +15,8 @@ use crate::scene::Scene;
 pub(crate) enum FramePart {
     /// Rasterizing and shading every pixel of the picture.
     EveryPixel,
-    /// Drawing the object and the distance of every pixel once more in full resolution, unless the preceding frame had
-    /// the same view.
+    /// Drawing a full-resolution G-buffer (object and distance per pixel), unless the preceding frame had the same
+    /// view.
     Surfaces,
     /// Drawing several samples per pixel.
     AntiAliasing,

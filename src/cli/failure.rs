@@ -69,7 +69,7 @@ pub(crate) enum Failure {
     /// Pictures that must be bit-identical differ.
     #[error("{differing} of {of} ways of tiled execution differ from classic execution")]
     Unequal { differing: usize, of: usize },
-    /// A measurement was interrupted.
+    /// A command was interrupted.
     #[error("interrupted: {0}")]
     Interrupted(&'static str),
     /// No window can be opened.

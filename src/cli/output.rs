@@ -14,7 +14,7 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
     print_by(|out| out.write_all(text.as_bytes()))
 }
 
-/// Writes a result piece by piece; otherwise like [`print`].
+/// Writes a result piece by piece; otherwise like [`print()`].
 pub(crate) fn print_by(produce: impl FnOnce(&mut dyn io::Write) -> io::Result<()>) -> Result<(), Failure> {
     let mut out = stdout().lock();
     match produce(&mut out).and_then(|()| out.flush()) {

@@ -68,7 +68,7 @@ pub(crate) fn run(args: &ReportArgs) -> Result<(), Failure> {
     output::prepare_folder(&args.output, &FILES)?;
     let line = ProgressLine::new();
     let show = |UpscalingProgress { scene, stage, done, of }: UpscalingProgress| {
-        line.show(&format!("{scene}, {stage}: {done} of {of}"))
+        line.show(&format!("{scene}, {stage}: {done} of {of}"));
     };
     let threads = args.threads.map_or(0, usize::from);
     let pool =

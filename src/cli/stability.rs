@@ -72,7 +72,7 @@ pub(crate) fn run(args: &StabilityArgs) -> Result<(), Failure> {
     args.output.as_deref().map_or(Ok(()), output::check_writable)?;
     let line = ProgressLine::new();
     let show = |StabilityProgress { stage, done, of }: StabilityProgress| {
-        line.show(&format!("{}: {done} of {of}", stage.name()))
+        line.show(&format!("{}: {done} of {of}", stage.name()));
     };
     let report = sweep::run(&plan, &show, interrupt::flag());
     drop(line);

@@ -107,7 +107,7 @@ pub fn write(path: &Path, drawing: &Drawing, scale: f64) -> Result<(), DrawingFi
     save(path, &encode(path, drawing, scale)?)
 }
 
-/// Returns the bytes of the file that [`write`] would write to `path`.
+/// Returns the bytes of the file that [`write()`] would write to `path`.
 pub(crate) fn encode(path: &Path, drawing: &Drawing, scale: f64) -> Result<Vec<u8>, DrawingFileError> {
     Ok(match format_of(path)? {
         DrawingFormat::Svg => svg::text(drawing, scale).into_bytes(),

@@ -1,6 +1,6 @@
 //! Pictures as drawing commands: shapes with real-valued coordinates, which can be enlarged without stair-stepping.
 //!
-//! A [`Drawing`] is written as SVG ([`svg`]) or PDF ([`pdf`]), or drawn into a [`bitmap`] of any size; [`file`] selects
+//! A [`Drawing`] is written as SVG ([`svg`]) or PDF ([`pdf`]), or drawn into a [`bitmap`] of any size; [`mod@file`] selects
 //! the format by the file name.
 
 pub(crate) mod svg;
@@ -68,7 +68,7 @@ pub enum Shape {
         /// Font size, in units of the drawing.
         size: f64,
     },
-    /// Polygons that share their boundaries without overlap, drawn without seams: see [`Region`].
+    /// Polygons that share their boundaries without overlap, drawn without seams: see [`PartitionRegion`].
     Partition(Vec<PartitionRegion>),
 }
 

@@ -56,7 +56,7 @@ impl Mask {
         Self { side: factors.len(), weights, factors: Some(factors) }
     }
 
-    /// Returns a box blur over (2 · `reach` + 1)² pixels, with `reach` limited to [`MOST_REACH`].
+    /// Returns a box blur over (2 · `reach` + 1)² pixels, with `reach` limited to [`MAX_REACH`].
     pub(crate) fn blur(reach: usize) -> Self {
         let side = 2 * reach.min(MAX_REACH) + 1;
         Self::separable(vec![1.0 / side as f32; side])
@@ -67,8 +67,8 @@ impl Mask {
         Self::separable(vec![0.25, 0.5, 0.25])
     }
 
-    /// Returns a Gaussian blur of standard deviation `sigma` px, cut off at [`BELL_DEVIATIONS`] standard deviations or
-    /// [`MOST_REACH`] px.
+    /// Returns a Gaussian blur of standard deviation `sigma` px, cut off at [`GAUSSIAN_CUTOFF`] standard deviations or
+    /// [`MAX_REACH`] px.
     pub(crate) fn gaussian(sigma: f32) -> Self {
         let reach = (GAUSSIAN_CUTOFF * sigma).ceil().clamp(1.0, MAX_REACH as f32) as i32;
         let bell = |at: i32| (-((at * at) as f32) / (2.0 * sigma * sigma).max(f32::MIN_POSITIVE)).exp();
@@ -84,7 +84,7 @@ impl Mask {
 
     /// Returns a motion blur along a straight path through the pixel.
     ///
-    /// The path is `length` px long, limited to twice [`MOST_REACH`], and points `angle` radians from the right,
+    /// The path is `length` px long, limited to twice [`MAX_REACH`], and points `angle` radians from the right,
     /// clockwise on a screen. Each pixel is weighted by the length of the path inside it.
     pub(crate) fn motion(length: f32, angle: f32) -> Self {
         /// Samples per pixel of path length.
@@ -103,6 +103,7 @@ impl Mask {
     }
 
     /// Returns the sum of all weights, which is the gain for a uniform image.
+    #[cfg(test)]
     pub(crate) fn sum(&self) -> f32 {
         self.weights.iter().sum()
     }

@@ -1,10 +1,10 @@
 //! Axis-aligned ellipses, pixel by pixel, in integer arithmetic only (the midpoint form of Van Aken 1984).
 //!
 //! The algorithm walks one quadrant from its top. Three pixels may follow: to the right, diagonally right and down, or
-//! down. If the midpoint (x + 1, y − ½) lies inside the ellipse, the next pixel is to the right; otherwise (x + ½, y −
-//! 1) decides whether x grows at all. The sign of F(x, y) = b²x² + a²y² − a²b² shows on which side a midpoint lies. The
-//! textbook tests only one of the two midpoints, depending on whether the ellipse is flatter than 45°, and cuts off the
-//! tips of thin ellipses. The other three quadrants are reflections.
+//! down. If the midpoint (x + 1, y − ½) lies inside the ellipse, the next pixel is to the right. Otherwise the midpoint
+//! (x + ½, y − 1) decides whether x grows at all. The sign of F(x, y) = b²x² + a²y² − a²b² shows on which side a midpoint
+//! lies. The textbook tests only one of the two midpoints, depending on whether the ellipse is flatter than 45°, and
+//! cuts off the tips of thin ellipses. The other three quadrants are reflections.
 
 /// Iterator over the pixels of an ellipse; see [`midpoint_ellipse`].
 #[derive(Clone, Debug)]

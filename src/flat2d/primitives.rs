@@ -2,7 +2,7 @@
 //!
 //! The ten types are those of OpenGL 1.0. A triangle strip reverses every second triangle so that all face the same
 //! way; a quad strip reads its vertices in zigzag. Quads and polygons are drawn as fans here, which is correct only for
-//! simple, convex and flat outlines; [`judge`] checks these three properties.
+//! simple, convex and flat outlines; [`check_outline`] checks these three properties.
 
 use std::cmp::Ordering;
 

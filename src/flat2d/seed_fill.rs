@@ -68,6 +68,7 @@ pub(crate) fn seed_fill<T: Copy + PartialEq>(
 
 impl<T: Copy + PartialEq> SeedFill<'_, T> {
     /// Returns the image in its current state.
+    #[cfg(test)]
     pub(crate) fn image(&self) -> &Image<T> {
         self.image
     }

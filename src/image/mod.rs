@@ -119,14 +119,6 @@ impl<T: Copy> Image<T> {
         Image { width: self.width, height: self.height, pixels: self.pixels.iter().copied().map(f).collect() }
     }
 
-    /// Resizes in place, reusing the buffer, and fills with `value`.
-    pub(crate) fn reset(&mut self, width: u32, height: u32, value: T) {
-        self.width = width;
-        self.height = height;
-        self.pixels.clear();
-        self.pixels.resize(width as usize * height as usize, value);
-    }
-
     /// Returns the number of bytes allocated for the pixels.
     pub(crate) fn bytes(&self) -> usize {
         self.pixels.capacity() * size_of::<T>()

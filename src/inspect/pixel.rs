@@ -57,7 +57,7 @@ pub struct FragmentRecord {
     pub submission: usize,
     /// Transparency of its surface: opaque, alpha-tested or blended.
     pub transparency: Transparency,
-    /// Outcome of the fragment.
+    /// Final state: visible, overwritten, blended over, or rejected by the depth or alpha test.
     pub outcome: FragmentOutcome,
     /// Reason for the outcome, as one sentence with the deciding numbers.
     pub reason: String,
@@ -65,7 +65,7 @@ pub struct FragmentRecord {
     pub(crate) arithmetic: Arithmetic,
     /// Corners in px, snapped in fixed point.
     pub(crate) corners_px: [[f32; 2]; 3],
-    /// Edge values in the unit of their [`Sample`].
+    /// Edge values in the unit of their [`crate::pipeline::raster::RasterSample`].
     pub(crate) edges: [f64; 3],
     /// Doubled area in the same unit.
     pub(crate) doubled_area: f64,

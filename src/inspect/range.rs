@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::view::{Range, Value};
 use crate::measure::region::PixelRegion;
 
-/// Fraction of the values that [`Fit::Most`] excludes at each end.
+/// Fraction of the values that [`RangeFit::Most`] excludes at each end.
 const EXCLUDED_FRACTION: f64 = 0.01;
 
 /// Set of values that a range is fitted to. Pixels without a value, such as a cleared depth, are ignored.
@@ -68,7 +68,7 @@ pub(crate) fn pixels(region: PixelRegion, (width, height): (u32, u32)) -> impl I
     (region.top..region.bottom.min(height)).flat_map(move |y| columns.clone().map(move |x| (x, y)))
 }
 
-/// Returns the range that excludes the fraction [`LEFT_OUT`] of the values at each end, by nearest rank.
+/// Returns the range that excludes the fraction [`EXCLUDED_FRACTION`] of the values at each end, by nearest rank.
 fn between_quantiles(mut values: Vec<f32>) -> Option<Range> {
     let last = values.len().checked_sub(1)?;
     let rank = (last as f64 * EXCLUDED_FRACTION) as usize;

@@ -23,6 +23,7 @@ pub struct Statistics {
 
 impl Statistics {
     /// Returns the statistics of all `values`.
+    #[cfg(test)]
     pub(crate) fn of(values: impl IntoIterator<Item = f32>) -> Self {
         let mut statistics = Self::default();
         values.into_iter().for_each(|value| statistics.add(value));

@@ -14,7 +14,7 @@ use crate::pipeline::vertex::{ClipVertex, DrawMatrices};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Mesh, Scene, TriangleId};
 
-/// Set of frustum planes that a vertex lies beyond, one bit for each of [`Plane::ALL`].
+/// Set of frustum planes that a vertex lies beyond, one bit for each of [`ClipPlane::ALL`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(transparent)]
 pub(crate) struct Outcode(u8);

@@ -106,7 +106,6 @@ fn color_of_tone(tone: Tone) -> Rgb {
         Tone::Focus => [200, 30, 40],
         Tone::A => [98, 75, 216],
         Tone::B => [200, 110, 0],
-        Tone::Group(number) => GROUPS[number % GROUPS.len()],
     }
 }
 

@@ -53,8 +53,6 @@ pub(crate) enum Tone {
     A,
     /// Second of two compared items.
     B,
-    /// One of several groups, by index.
-    Group(usize),
 }
 
 /// Geometry drawn over the pixels, in pixels: pixel (i, j) fills the square from (i, j) to (i + 1, j + 1).

@@ -141,11 +141,6 @@ impl Playback {
         Self { recipe, lanes, history }
     }
 
-    /// Returns the recipe of this playback.
-    pub(crate) fn recipe(&self) -> &Recipe {
-        &self.recipe
-    }
-
     /// Draws at most one warm-up frame that frame `number` > −[`Turn::WARM_UP`] depends on. Returns whether there was
     /// one to draw.
     pub(crate) fn warm_up(&mut self, shot: &FrameSequence<'_>, number: i64) -> bool {

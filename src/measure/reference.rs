@@ -46,7 +46,7 @@ impl Reference {
 
     /// Renders the complete reference. `go_on` receives the completed fraction in [0, 1] after each sample and returns
     /// whether to continue; the result is `None` if it returns `false`.
-    pub(crate) fn picture(
+    pub fn picture(
         self,
         scene: &Arc<Scene>,
         camera: &Camera,

@@ -2,7 +2,7 @@
 //!
 //! A round draws one frame of a sequence with every recipe, in a newly shuffled order, so that changes in machine speed
 //! affect all recipes alike. Some recipes are drawn twice per round, which yields the noise floor. The frames are those
-//! of [`super::motion::Judge`], with the same history. Frames that only build up history are drawn before the round and
+//! of [`super::motion::ErrorMeasurement`], with the same history. Frames that only build up history are drawn before the round and
 //! not timed.
 
 use crate::chain::{FrameTimes, Recipe, Renderer};

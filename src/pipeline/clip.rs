@@ -27,7 +27,7 @@ pub(crate) const MIN_W: f32 = f32::MIN_POSITIVE;
 pub enum ClipPlane {
     /// z ≥ 0. This is the far plane if z falls from near to far: see [`Self::of_view`].
     Near,
-    /// w ≥ [`LEAST_W`], which stands in for w > 0. The near plane implies it, except for rounding.
+    /// w ≥ [`MIN_W`], which stands in for w > 0. The near plane implies it, except for rounding.
     Eye,
     /// z ≤ w.
     Far,

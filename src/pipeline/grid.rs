@@ -5,8 +5,6 @@
 //! into a smaller picture. Every sample keeps its position in the full picture, and vertices are snapped at full
 //! resolution. So each drawn sample equals that of the full picture bit for bit.
 
-use crate::math::fixed::{HALF_PIXEL, SUBPIXELS};
-
 /// Set of drawn pixels, and their packing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SampleGrid {
@@ -57,13 +55,6 @@ impl SampleGrid {
                 (within % 4 < 2).then_some((within / 4 * 2 + within % 4, y))
             }
         }
-    }
-
-    /// Returns the position of a packed sample in the full picture, in 24.8 fixed point.
-    #[inline]
-    pub(crate) fn position(self, column: u32, row: u32) -> (i64, i64) {
-        let (x, y) = self.pixel(column, row);
-        (i64::from(x) * SUBPIXELS + HALF_PIXEL, i64::from(y) * SUBPIXELS + HALF_PIXEL)
     }
 
     /// Returns the half-open range of packed rows whose samples may lie within the pixel rows `from..to`.

@@ -37,7 +37,7 @@ impl Fate {
     pub const ALL: [Self; 6] =
         [Self::Outside, Self::NotFinite, Self::ClippedAway, Self::ZeroArea, Self::BackFacing, Self::FrontFacing];
 
-    /// Display name.
+    /// Returns the display name.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Outside => "outside the view",

@@ -141,7 +141,7 @@ pub enum PlanStep {
 }
 
 impl PlanStep {
-    /// Returns [`Step::Run`] if there is no reason to skip the part.
+    /// Returns [`PlanStep::Run`] if there is no reason to skip the part.
     pub(crate) fn unless(reason: Option<&'static str>) -> Self {
         reason.map_or(Self::Run, Self::LeftOut)
     }
@@ -204,7 +204,7 @@ impl CullStats {
     }
 }
 
-/// Plan of one draw: a step for every [`Part`].
+/// Plan of one draw: a step for every [`PipelinePart`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DrawPlan {
     steps: [PlanStep; PipelinePart::ALL.len()],

@@ -28,6 +28,7 @@ macro_rules! choice {
     ($(#[$meta:meta])* $enum:ident { $($variant:ident = $id:literal, $name:literal, $help:literal;)+ }) => {
         $(#[$meta])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+        #[allow(unreachable_pub, reason = "the visibility is that of the module")]
         pub enum $enum {
             $(#[doc = $help] #[serde(rename = $id)] $variant,)+
         }

@@ -34,6 +34,7 @@ impl TriangleList {
     }
 
     /// Removes all triangles.
+    #[cfg(test)]
     pub(crate) fn clear(&mut self) {
         self.truncate(0);
     }

@@ -70,7 +70,7 @@ pub struct DrawMatrices {
 }
 
 impl DrawMatrices {
-    /// Returns the matrices of one instance. `clip_from_world` is [`Camera::clip_from_world_f64`], the same for all
+    /// Returns the matrices of one instance. `clip_from_world` is [`crate::scene::Camera::clip_from_world_f64`], the same for all
     /// instances.
     pub fn new(instance: &Instance, clip_from_world: DMat4) -> Self {
         let product = Self::product(instance, clip_from_world);

@@ -3,7 +3,7 @@
 //! Input: the path of a file such as `{"eye": [0, 1, 5], "target": [0, 0, 0], "up": [0, 1, 0], "fov_y_degrees": 45,
 //! "near": 0.1, "far": 100}`, in world space. Output: a valid [`Camera`], or an error that names the file and, if
 //! known, the line. `fov_y_radians` can replace `fov_y_degrees`; `height`, in world units, replaces it for an
-//! orthographic view. [`text`] writes a view that [`parse`] restores bit for bit.
+//! orthographic view. [`text()`] writes a view that [`parse`] restores bit for bit.
 
 use std::path::Path;
 

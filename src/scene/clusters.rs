@@ -169,7 +169,7 @@ type PlaneBounds = ([[f32; 4]; 2], f32);
 /// Error bound of a normal's component, and of an offset d relative to the sum of the coordinates behind it.
 ///
 /// In f64, the error of an edge cross product is at most 2⁻⁵⁰ of the product of the edge lengths. For a triangle not
-/// thinner than [`THINNEST`], that is within this share of the cross product. Rounding to f32 adds less.
+/// thinner than [`MIN_ALTITUDE_RATIO`], that is within this share of the cross product. Rounding to f32 adds less.
 const PLANE_ERROR: f64 = 1e-6;
 
 /// Lower bound of the coordinate sum in error bounds, which keeps them above the rounding of f32.

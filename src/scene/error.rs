@@ -58,11 +58,6 @@ impl Warning {
     pub(crate) fn file(path: &Path, text: impl Into<String>) -> Self {
         Self { path: path.to_owned(), line: None, text: text.into() }
     }
-
-    /// Creates a warning about one line.
-    pub(crate) fn line(path: &Path, line: usize, text: impl Into<String>) -> Self {
-        Self { path: path.to_owned(), line: Some(line), text: text.into() }
-    }
 }
 
 impl fmt::Display for Warning {

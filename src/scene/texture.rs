@@ -58,8 +58,8 @@ impl Texture {
         })
     }
 
-    /// Returns the display name: the name of the file, or an assigned one.
-    pub(crate) fn name(&self) -> &str {
+    /// Display name, usually that of the file.
+    pub fn name(&self) -> &str {
         &self.name
     }
 

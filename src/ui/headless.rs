@@ -9,7 +9,7 @@
 use std::time::{Duration, Instant};
 
 use eframe::egui::{
-    self, Event, FullOutput, PlatformOutput, PointerButton, Pos2, RawInput, Rect, Vec2, ViewportId,
+    self, Event, FullOutput, PlatformOutput, Pos2, RawInput, Rect, Vec2, ViewportId,
     epaint::{ClippedShape, Primitive},
 };
 
@@ -99,10 +99,11 @@ impl Headless {
     }
 
     /// Clicks with the primary mouse button at `position` (in points), in three passes.
+    #[cfg(test)]
     pub(crate) fn click(&mut self, position: Pos2, mut ui: impl FnMut(&mut egui::Ui)) -> PlatformOutput {
         let button = |pressed| Event::PointerButton {
             pos: position,
-            button: PointerButton::Primary,
+            button: egui::PointerButton::Primary,
             pressed,
             modifiers: egui::Modifiers::NONE,
         };

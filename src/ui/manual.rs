@@ -6,9 +6,9 @@ use eframe::egui::{self, Key, Label, RichText, ScrollArea, Sense, TextEdit, Ui, 
 use egui_commonmark::{CommonMarkCache, CommonMarkViewer};
 
 use super::command::Command;
-use super::theme::{Icon, space, tokens};
-use super::widgets::icon_button;
-use crate::manual::{Chapter, Passage, Section, find};
+use super::theme::{self, CONTROL_HEIGHT, Icon, space, tokens};
+use super::widgets::{copy_button, icon_button};
+use crate::manual::{Chapter, Passage, Section, SectionPart, find};
 
 /// Size of the window when it first opens, in points.
 const DEFAULT_SIZE_POINTS: [f32; 2] = [820.0, 560.0];
@@ -131,9 +131,9 @@ impl ManualWindow {
     fn page(&mut self, ui: &mut Ui) {
         let scroll_to = self.scroll_to.take();
         ScrollArea::vertical().id_salt(("page", self.chapter)).auto_shrink(false).show(ui, |ui| {
-            for (index, Section { markdown, .. }) in self.chapter.sections().into_iter().enumerate() {
+            for (index, section) in self.chapter.sections().into_iter().enumerate() {
                 let top = ui.cursor().min;
-                CommonMarkViewer::new().show(ui, &mut self.cache, &markdown);
+                ui.push_id(index, |ui| content(ui, &mut self.cache, &section));
                 if scroll_to == Some(index) {
                     let heading = egui::Rect::from_min_size(top, vec2(1.0, 1.0));
                     ui.scroll_to_rect(heading, Some(egui::Align::Min));
@@ -146,6 +146,33 @@ impl ManualWindow {
             self.go_to(chapter, 0);
         }
     }
+}
+
+/// Draws a section.
+fn content(ui: &mut Ui, cache: &mut CommonMarkCache, section: &Section) {
+    for (index, part) in section.parts().into_iter().enumerate() {
+        ui.push_id(index, |ui| match part {
+            SectionPart::Text(text) => {
+                CommonMarkViewer::new().show(ui, cache, &text);
+            }
+            SectionPart::Code(code) => code_block(ui, &code),
+        });
+    }
+}
+
+/// Draws a block of code with a button that copies it.
+fn code_block(ui: &mut Ui, code: &str) {
+    theme::card_frame(ui).show(ui, |ui| {
+        ui.horizontal_top(|ui| {
+            let room = ui.available_width() - CONTROL_HEIGHT - space::S;
+            ui.scope(|ui| {
+                ui.set_width(room);
+                ui.add(Label::new(RichText::new(code).monospace()).wrap());
+            });
+            copy_button(ui, "code", || code.to_owned());
+        });
+    });
+    ui.add_space(space::S);
 }
 
 /// Draws a search result: heading, chapter and the matching line. Returns whether it was clicked.

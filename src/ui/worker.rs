@@ -30,9 +30,9 @@ const SETTLED: Duration = Duration::from_millis(120);
 pub enum WorkerRequest {
     /// Renders this view.
     Show(Box<Request>),
-    /// Renders this comparison; ends the comparison if `None`.
+    /// Renders this comparison; `None` ends the comparison.
     Compare(Option<Box<CompareRequest>>),
-    /// Determines the effect of a change of settings; stops if `None`.
+    /// Computes the effect of a settings change; `None` cancels the computation.
     WhatIf(Option<Box<WhatIfRequest>>),
     /// Reports the values of every new frame at these pixels.
     Watch(Vec<(u32, u32)>),

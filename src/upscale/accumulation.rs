@@ -195,7 +195,7 @@ impl<'a> FrameContext<'a> {
         [encode(r), encode(g), encode(b), (alpha + 0.5) as u8]
     }
 
-    /// Returns the weighted mean of samples: RGB in the working space of [`Light`], alpha as an 8-bit value.
+    /// Returns the weighted mean of samples: RGB in the working space of [`FilterSpace`], alpha as an 8-bit value.
     fn mean(&self, taps: &[Tap]) -> [f32; 4] {
         let mut mean = [0.0; 4];
         for tap in taps {
@@ -269,7 +269,7 @@ impl<'a> FrameContext<'a> {
     }
 
     /// Returns the sample that lies within half an output pixel of its centre along one axis, if any. Takes the result
-    /// of [`among`].
+    /// of [`sample_coordinate`].
     fn own(&self, cell: i64, on: f32, samples: u32) -> Option<u32> {
         let half = (0.5 / self.lattice.scale.value()) as f32;
         let index = if on <= half { cell } else { cell + 1 };

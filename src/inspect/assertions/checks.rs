@@ -48,7 +48,7 @@ pub(super) struct Blend {
     pub(super) is_wrong: bool,
 }
 
-/// A shaded fragment.
+/// Input of the assertions on shaded fragments.
 pub(super) struct ShadedFragment<'a> {
     pub(super) fragment: &'a Fragment,
     pub(super) is_lit: bool,

@@ -81,6 +81,7 @@ pub struct AssertionReport {
 
 impl AssertionReport {
     /// Whether no assertion is violated.
+    #[cfg(test)]
     pub(crate) fn holds(&self) -> bool {
         self.findings.iter().all(|finding| finding.violated == 0)
     }

@@ -25,7 +25,7 @@ struct WrittenFragment {
 /// Counts the fragments of each triangle by fate and tracks the top triangle of every sample.
 pub(super) struct FateTally<'a> {
     shaders: Vec<Shader<'a>>,
-    /// Counts for each triangle of the scene. Fragments on top are counted only by [`Tally::finish`].
+    /// Counts for each triangle of the scene. Fragments on top are counted only by [`FateTally::finish`].
     pub(super) fragments: Vec<FragmentCounts>,
     /// Number of fragments that the rasterizer generated, counted independently of their fates.
     pub(super) generated: u64,

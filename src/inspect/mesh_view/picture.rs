@@ -28,7 +28,7 @@ pub struct MeshPicture {
     /// Triangle that each pixel shows, or [`TriangleId::NONE`].
     pub owner: Image<TriangleId>,
     /// Second camera that it was rendered with.
-    pub(crate) camera: Camera,
+    pub camera: Camera,
 }
 
 /// Brightness factor of a triangle seen edge-on.

@@ -63,7 +63,7 @@ impl OverlayLayer {
 impl FromStr for OverlayLayer {
     type Err = String;
 
-    /// Parses the output of [`Layer::text`].
+    /// Parses the output of [`OverlayLayer::text`].
     fn from_str(text: &str) -> Result<Self, String> {
         let (id, opacity) = text.split_once('=').map_or((text, None), |(id, opacity)| (id, Some(opacity)));
         let known = || Overlay::ALL.iter().map(|overlay| overlay.id()).collect::<Vec<_>>().join(", ");

@@ -107,6 +107,7 @@ pub struct ProbeResult {
     /// Number of runs in which the colour of each pixel differed.
     pub(crate) color_changes: Image<u16>,
     /// Owner of each pixel without jitter.
+    #[cfg_attr(not(test), expect(dead_code, reason = "tests compare it with the exact owners"))]
     pub(crate) owners: Image<TriangleId>,
     /// Picture without jitter, as sRGB codes.
     pub(crate) picture: Image<Rgba8>,
@@ -114,7 +115,7 @@ pub struct ProbeResult {
     pub ranking: Vec<Fragile>,
 }
 
-/// Changes in one aspect, as part of a [`Summary`].
+/// Changes in one aspect, as part of a [`ProbeSummary`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub(crate) struct Changed {
     /// Number of pixels that changed in at least one run.

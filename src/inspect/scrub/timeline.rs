@@ -14,7 +14,7 @@ choice! {
     }
 }
 
-/// Data about a frame and the neighbourhood of one moment, as needed for steps.
+/// Counts and indices that [`Timeline::step`] needs.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Timeline {
     /// Number of all triangles.

@@ -17,7 +17,7 @@ use crate::scene::{Scene, TriangleId};
 pub(crate) enum TouchPrecision {
     /// Only the triangle of each touch is known.
     Triangles,
-    /// Fragments are counted while the triangles so far have at most [`MOST_FRAGMENTS`] in total.
+    /// Fragments are counted while the triangles so far have at most [`MAX_FRAGMENTS`] in total.
     Fragments,
 }
 

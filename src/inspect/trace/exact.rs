@@ -58,6 +58,7 @@ impl ExactNumber {
     }
 
     /// Returns the absolute value.
+    #[cfg(test)]
     pub(crate) fn abs(&self) -> Self {
         Self { numerator: self.numerator.abs(), ..self.clone() }
     }

@@ -99,7 +99,7 @@ impl Formula {
     }
 
     /// Raises a formula, whose value must not be negative, to the power of another one.
-    pub(crate) fn to_power(self, exponent: Self) -> Self {
+    pub(crate) fn raised_to(self, exponent: Self) -> Self {
         Self::Binary(Op::Power, Box::new(self), Box::new(exponent))
     }
 

@@ -144,7 +144,7 @@ fn write_highlight(subject: &TracedFragment<'_>, highlight: &Highlight<'_>, cosi
         |axis: usize| given(["nx", "ny", "nz"][axis], normal[axis]) * given(["hx", "hy", "hz"][axis], halfway[axis]);
     let cosine = normal.dot(halfway);
     scribe.compute("N·H", cosine, &sum((0..3).map(term)));
-    let formula = given("N·H", cosine).max(whole("0", 0)).to_power(given("Ns", highlight.shininess));
+    let formula = given("N·H", cosine).max(whole("0", 0)).raised_to(given("Ns", highlight.shininess));
     scribe.compute("highlight", factor, &formula);
 }
 

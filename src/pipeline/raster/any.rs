@@ -5,7 +5,7 @@ use super::steps::EdgeSteps;
 use super::{Exact, Fixed, Floating, RasterSample, RasterTriangle, within_fixed_point};
 use crate::pipeline::settings::{Arithmetic, FillRule};
 
-/// A [`Triangle`] in any arithmetic. Its edge values decide the coverage that [`super::cover`] returns.
+/// A [`RasterTriangle`] in any arithmetic. Its edge values decide the coverage that [`super::cover`] returns.
 #[derive(Clone, Copy, Debug)]
 pub enum AnyTriangle {
     /// Triangle in fixed point.

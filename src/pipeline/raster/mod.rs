@@ -1,6 +1,6 @@
 //! Rasterization: finds the samples that lie inside a triangle.
 //!
-//! A rasterizer knows nothing of depth or colour. It takes a [`Triangle`] and emits the covered samples as [`Span`]s.
+//! A rasterizer knows nothing of depth or colour. It takes a [`RasterTriangle`] and emits the covered samples as [`Span`]s.
 //! Five algorithms, one file each, run in four arithmetics ([`numbers`]). In fixed point and in exact arithmetic all
 //! five find exactly the same samples; in floats they differ by rounding.
 
@@ -102,7 +102,7 @@ impl Scissor {
         self.may_overlap_box(box_around(corners_px))
     }
 
-    /// [`Scissor::may_meet`] for the bounding box of a triangle.
+    /// [`Scissor::may_overlap`] for the bounding box of a triangle.
     pub(crate) fn may_overlap_box(&self, [left, right, top, bottom]: PixelBox) -> bool {
         /// Margin in pixels: snapping moves vertices by a fraction of a pixel, published rasterizers by a whole one.
         const MARGIN_PX: f32 = 2.0;
@@ -265,7 +265,7 @@ pub(crate) fn cover_in_bands<E>(
 ) -> Result<(), E> {
     let Viewport { width, height } = viewport;
     let [.., top, bottom] = box_around(corners_px);
-    // Casts saturate. One more band on each side allows for the margin of `may_meet`.
+    // Casts saturate. One more band on each side allows for the margin of `may_overlap`.
     let row = |px: f32| (px.max(0.0) as u32).min(height);
     let (first, end) = (row(top - BAND_ROWS as f32) / BAND_ROWS * BAND_ROWS, row(bottom + BAND_ROWS as f32));
     let mut spans = Vec::new();

@@ -63,7 +63,7 @@ pub trait RasterEdge: Copy {
 
 /// Boundary of an edge, row by row.
 pub trait BoundaryWalk {
-    /// [`Edge::boundary`] of the current row.
+    /// [`RasterEdge::boundary`] of the current row.
     fn boundary(&self) -> i64;
 
     /// Advances to the next row.

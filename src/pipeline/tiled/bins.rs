@@ -40,10 +40,10 @@ impl TriangleKey {
 }
 
 /// Triangles per chunk: few enough to keep all threads busy, and enough that a tile reads its triangles from few
-/// places. [`Key::PIECE_BITS`] can number eight pieces of each triangle.
+/// places. [`TriangleKey::PIECE_BITS`] can number eight pieces of each triangle.
 const CHUNK: usize = 16_384;
 
-/// Largest number of triangles in a frame: chunk numbers must fit into the remaining bits of a piece's [`Key`].
+/// Largest number of triangles in a frame: chunk numbers must fit into the remaining bits of a piece's [`TriangleKey`].
 pub(super) const MAX_TRIANGLES: usize = CHUNK * ((1 << (31 - TriangleKey::PIECE_BITS)) - 1);
 
 /// A chunk of triangles in submission order, with those that may be visible sorted by tile.
@@ -77,7 +77,7 @@ impl TileRange {
         Self((y0 * row as u32 + x0) | (x1 - x0) << Self::COLUMNS | (y1 - y0) << Self::ROWS)
     }
 
-    /// [`Tiles::new`] for eight triangles, as bits.
+    /// [`TileRange::new`] for eight triangles, as bits.
     #[inline(always)]
     fn of_lanes<S: Simd>([x0, y0]: [i32x8<S>; 2], [x1, y1]: [i32x8<S>; 2], row: usize) -> i32x8<S> {
         (y0 * row as i32 + x0) | (x1 - x0) << Self::COLUMNS | (y1 - y0) << Self::ROWS

@@ -103,7 +103,7 @@ pub(super) fn shade_rows<S: Simd>(
 ) {
     match frame.shader(subject.draw).plan {
         ShadingPlan::COMMON => {
-            shade_blocks(simd, frame, (subject, ShadingPlan::COMMON), patch, queue_and_picture, edges)
+            shade_blocks(simd, frame, (subject, ShadingPlan::COMMON), patch, queue_and_picture, edges);
         }
         plan => shade_blocks(simd, frame, (subject, plan), patch, queue_and_picture, edges),
     }
@@ -286,7 +286,7 @@ pub(super) struct AttributeWeights<S: Simd> {
     inverse_sum: f32x16<S>,
 }
 
-/// [`Weights`] in memory.
+/// [`AttributeWeights`] in memory.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(64))]
 pub(super) struct StoredWeights {

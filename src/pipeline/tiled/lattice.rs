@@ -243,7 +243,7 @@ impl TileLattice {
         if self.has_exact_reciprocal { steps * (1.0 / step) } else { steps / step }
     }
 
-    /// [`Lattice::range`] for eight ranges.
+    /// [`TileLattice::range`] for eight ranges.
     #[inline(always)]
     pub(super) fn range_lanes<S: Simd>(&self, simd: S, axis: usize, least: F32<S>, greatest: F32<S>) -> [F32<S>; 2] {
         let half = F32::splat(simd, HALF_PIXEL as f32);

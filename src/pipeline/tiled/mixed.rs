@@ -50,8 +50,8 @@ impl MixedPixels {
             + self.slots.capacity() * size_of::<[u32; LANES]>()
     }
 
-    /// Separates the pixels of a tile. Pixels whose samples all see the same triangle go to `agreed`, which holds no
-    /// triangle at other pixels. The others are listed. `columns` and `rows` lie within the picture.
+    /// Finds the pixels of a tile whose samples differ. If all samples of a pixel have the same triangle, stores it in
+    /// `agreed`; otherwise stores no triangle there and lists the pixel. `columns` and `rows` lie within the picture.
     #[inline(always)]
     pub(super) fn find<S: Simd>(
         &mut self,
@@ -301,7 +301,7 @@ impl ShadingJob<'_, &TileLattice> {
 
 /// [`Edges::first_covered`] for the triangles selected by `open`, of sixteen, whose edge values fit into 32 bits.
 ///
-/// [`Edges::first_covered`]: super::setup::Edges::first_covered
+/// [`Edges::first_covered`]: super::setup::EdgeFunctions::first_covered
 #[inline(always)]
 fn first_covered<S: Simd>(
     simd: S,

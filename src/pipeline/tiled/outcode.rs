@@ -36,7 +36,7 @@ impl Outcode {
         let cut = each!(i in [0, 1, 2, 3] => sides[i] & band.simd_lt(widen(simd, offsets[i])).to_bitmask());
         let is_finite = (x.is_finite() & y.is_finite() & z.is_finite() & w.is_finite()).to_bitmask();
         let crosses = depth[0] | depth[1] | depth[2] | cut[0] | cut[1] | cut[2] | cut[3];
-        // In the order of `Plane::ALL`.
+        // In the order of `ClipPlane::ALL`.
         let planes = [depth[0], depth[1], depth[2], sides[0], sides[1], sides[2], sides[3]];
         let mut codes = [Self(Self::NOT_FINITE | Self::CROSSES); LANES];
         for (lane, code) in codes.iter_mut().enumerate().filter(|(lane, _)| is_finite >> lane & 1 != 0) {

@@ -82,7 +82,7 @@ impl QueuedRow {
         Self { mine: 0, ..self }
     }
 
-    /// Returns the indices of the samples in the rows that the tile is drawn into.
+    /// Returns the index range of the samples in the destination rows.
     #[inline(always)]
     fn pixels(&self) -> Range<usize> {
         let start = self.start as usize;

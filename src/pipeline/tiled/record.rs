@@ -180,8 +180,8 @@ pub(super) trait TriangleSource: Copy {
         (edges, first[3].bitcast::<i32x16<S>>())
     }
 
-    /// Returns the edge values of such triangles at offsets from the tile's first sample, in grid steps. Valid only
-    /// where a triangle covers its sample.
+    /// Returns the edge values of triangles whose edge values fit into 32 bits, at offsets from the tile's first
+    /// sample, in grid steps. Valid only where a triangle covers its sample.
     #[inline(always)]
     fn edge_values<S: Simd>(self, simd: S, [x, y]: [i32x16<S>; 2]) -> [i32x16<S>; 3] {
         let (edges, area) = self.integer_edges(simd);
@@ -298,7 +298,7 @@ pub(super) struct BinEntry {
     pub(super) draw: u32,
 }
 
-/// Index of an [`Entrant`] of a tile, with a bit for edge values that exceed 32 bits.
+/// Index of an [`BinEntry`] of a tile, with a bit for edge values that exceed 32 bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Slot(pub(super) u32);
 

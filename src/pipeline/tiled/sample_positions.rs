@@ -27,7 +27,7 @@ pub(super) trait SamplePositions: Copy {
         first: (usize, usize),
     ) -> [E::Eight<S>; 3];
 
-    /// [`Locations::displaced`] for four samples of a row and the four below.
+    /// [`SamplePositions::jittered`] for four samples of a row and the four below.
     fn jittered_in_two_rows<S: Simd, E: EdgeNumber>(
         self,
         simd: S,

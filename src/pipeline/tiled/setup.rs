@@ -50,7 +50,7 @@ pub(super) type Origin = ([f64; 2], [f32; 2]);
 /// Edge functions of a triangle, each belonging to the vertex opposite: e(x, y) = a·x + b·y + c, in units of 1/2¹⁶ px²,
 /// for (x, y) in grid steps from an origin. As doubles they are in the order of the vertices, and integers below 2⁵³,
 /// so f64 holds them and their sums exactly. As integers they may begin with another vertex:
-/// [`EdgeNumber::LAST_IS_LEAST`].
+/// [`EdgeNumber::LAST_HAS_MIN_DEPTH`].
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct EdgeFunctions<E = f64> {
     pub(super) a: [E; 3],

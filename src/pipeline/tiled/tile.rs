@@ -185,7 +185,8 @@ impl Tile {
         }
     }
 
-    /// Draws a triangle at most sixteen samples wide: eight columns, row by row, then the next eight.
+    /// Draws a triangle at most 16 samples wide, in columns of eight; one at most four samples wide on aligned rows is
+    /// drawn two rows at a time.
     #[inline(never)]
     fn draw_small<S: Simd, E: EdgeNumber, const COMMON: bool>(
         &mut self,

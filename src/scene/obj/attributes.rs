@@ -17,7 +17,7 @@ use crate::scene::load::Load;
 /// Maximum number of entries of one list: indices have 32 bits, and one value is reserved for “none”.
 const MAX_ENTRIES: usize = u32::MAX as usize;
 
-/// Lists of the file, in file order.
+/// Vertex attributes of an OBJ file (`v`, `vt`, `vn`), in file order.
 #[derive(Debug, Default)]
 pub(super) struct AttributeLists {
     /// Positions (`v`), in file units.

@@ -1,6 +1,6 @@
 //! Second pass: faces, and their objects, groups and materials (`f`, `o`, `g`, `usemtl`, `mtllib`).
 //!
-//! Faces become triangles that refer to the lists of the first pass by indices from 0. They are collected in [`Part`]s:
+//! Faces become triangles that refer to the lists of the first pass by indices from 0. They are collected in [`MeshPart`]s:
 //! all triangles of one object in one material, with or without texture coordinates. Points, lines and curves are
 //! skipped with a warning, and so are faces without area.
 
@@ -19,7 +19,7 @@ use crate::math::unit_or;
 use crate::scene::SceneError;
 use crate::scene::load::Load;
 
-/// Represents "no texture coordinate" and "no normal" in a [`Corner`].
+/// Represents "no texture coordinate" and "no normal" in a [`FaceCorner`].
 pub(super) const NONE: u32 = u32::MAX;
 
 /// Maximum number of triangles of a scene: the indices of their corners have 32 bits.

@@ -1,6 +1,6 @@
 //! Table of OBJ and MTL statements: rendered ones, and those that are read but do not change the picture.
 //!
-//! The loader takes its warning texts from here. A test compares the table in the manual with [`markdown`], so that
+//! The loader takes its warning texts from here. A test compares the table in the manual with `markdown`, so that
 //! both agree.
 
 /// File format of a statement.
@@ -182,6 +182,7 @@ impl Statement {
 }
 
 /// Returns the table for the manual, one row for each format and treatment.
+#[cfg(test)]
 pub(crate) fn markdown() -> String {
     let mut text = "| | rendered | read, not rendered: one warning each |\n| --- | --- | --- |\n".to_owned();
     for (format, title) in [(Format::Obj, "OBJ"), (Format::Mtl, "MTL"), (Format::Option, "texture options")] {

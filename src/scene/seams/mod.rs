@@ -56,15 +56,7 @@ pub enum JunctionKind {
     Unwelded,
 }
 
-impl JunctionKind {
-    /// Returns the display name.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::TJunction => "T-junction",
-            Self::Unwelded => "unwelded vertex",
-        }
-    }
-}
+impl JunctionKind {}
 
 /// Corner of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]

@@ -35,7 +35,6 @@ pub(super) fn tone(tone: Tone, tokens: &Tokens) -> Color32 {
         Tone::Focus => series(FOCUS_SERIES, tokens),
         Tone::A => tokens.a,
         Tone::B => tokens.b,
-        Tone::Group(number) => series(number, tokens),
     }
 }
 

@@ -71,7 +71,7 @@ impl Overlays {
             OverlayChange::Open(open) => self.open = open,
             OverlayChange::ToggleOpen => self.open ^= true,
             OverlayChange::Toggle(overlay) if self.layer(overlay).is_some() => {
-                self.layers.retain(|l| l.overlay != overlay)
+                self.layers.retain(|l| l.overlay != overlay);
             }
             OverlayChange::Toggle(overlay) => self.layers.push(overlay.into()),
             OverlayChange::Opacity(overlay, opacity) => {

@@ -132,7 +132,10 @@ impl Session {
             PlaceChange::Jump(number) => match bookmarks.get(number).cloned() {
                 Some(bookmark) => return self.go(bookmark.place),
                 None => {
-                    self.report(Severity::Info, format!("There is no bookmark {}. Press Ctrl+B to add one", number + 1))
+                    self.report(
+                        Severity::Info,
+                        format!("There is no bookmark {}. Press Ctrl+B to add one", number + 1),
+                    );
                 }
             },
             PlaceChange::Go(place) => return self.go(*place),

@@ -117,12 +117,13 @@ pub struct Preferences {
 }
 
 impl Preferences {
-    /// Parses stored preferences, skipping what cannot be read.
+    /// Parses stored preferences like [`Self::read_checked`].
+    #[cfg(test)]
     pub(crate) fn read(stored: &str) -> Self {
         Self::read_checked(stored).0
     }
 
-    /// Like [`Self::read`]; also returns whether everything was read.
+    /// Parses stored preferences, skipping what cannot be read; also returns whether everything was read.
     pub fn read_checked(stored: &str) -> (Self, bool) {
         let Ok(fields) = serde_json::from_str::<Map<String, Value>>(stored) else { return Default::default() };
         // A number too large for its type is read as infinity, which cannot be written.

@@ -126,7 +126,7 @@ impl WhatIf {
     }
 }
 
-/// Returns the view that the canvas shows, as [`WhatIf::seen`] does; A while Shift is held.
+/// Returns the view that the canvas shows, as [`WhatIf::visible_view`] does; A while Shift is held.
 pub(crate) fn visible_view<'a>(ui: &Ui, session: &'a Session) -> Option<&'a RenderedView> {
     let view = session.view.as_ref()?;
     if session.comparison.is_on() {
@@ -152,7 +152,7 @@ impl Session {
             WhatIfChange::Show(show) => what_if.show = show,
             WhatIfChange::Pin(pinned) => what_if.pinned = pinned,
             WhatIfChange::Against(recipe) => {
-                (what_if.before, what_if.pinned, what_if.open) = (Some(*recipe), true, true)
+                (what_if.before, what_if.pinned, what_if.open) = (Some(*recipe), true, true);
             }
             WhatIfChange::PinNow => (what_if.before, what_if.pinned) = (Some(self.state.recipe), true),
             WhatIfChange::Revert => self.state.recipe = what_if.before.unwrap_or(self.state.recipe),

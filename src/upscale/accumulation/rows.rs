@@ -1,4 +1,4 @@
-//! [`Now`] for whole rows: the SIMD version of [`Now::pixel`], with bit-identical results.
+//! [`FrameContext`] for whole rows: the SIMD version of [`FrameContext::pixel`], with bit-identical results.
 //!
 //! A row is processed in blocks of 16 pixels. The samples of this frame are decoded once each. In a still view, history
 //! is read at the same pixel; otherwise it is gathered at the reprojected positions.
@@ -104,7 +104,7 @@ struct RowScratch {
     light_of: [Option<u32>; 2],
     /// Per-channel minimum and maximum of three vertically adjacent samples, with the border columns repeated.
     codes: [Vec<u8>; 2],
-    /// Decoded minimum and maximum of the 3 × 3 neighbourhood, indexed by [`Column::nearest`].
+    /// Decoded minimum and maximum of the 3 × 3 neighbourhood, indexed by [`AxisPosition::nearest`].
     bounds: [Vec<ColorQuad>; 2],
 }
 
@@ -148,7 +148,7 @@ impl RowContext<'_> {
         }
     }
 
-    /// Computes this frame's colours for a row: the means of [`Now::present`].
+    /// Computes this frame's colours for a row: the means of [`FrameContext::present`].
     #[inline(always)]
     fn present<S: Simd>(&self, simd: S, y: u32, scratch: &mut RowScratch) {
         let color = self.now.drawn.color;

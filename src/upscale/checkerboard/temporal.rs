@@ -152,7 +152,7 @@ impl<'a> TemporalFill<'a> {
         Self { fallback: SurfaceFill { grid: grid_of(drawn), drawn, size }, motion, across: [missing(0), missing(2)] }
     }
 
-    /// Computes [`remembered`] for 16 pixels. Returns a mask of the pixels with valid history, and their colours.
+    /// Computes [`reproject_pixel`] for 16 pixels. Returns a mask of the pixels with valid history, and their colours.
     #[inline(always)]
     fn reproject_pixels<S: Simd>(
         &self,

@@ -1,4 +1,4 @@
-//! SIMD version of [`Motion::before`] for eight pixels of a row, with bit-identical results.
+//! SIMD version of [`Motion::reproject`] for eight pixels of a row, with bit-identical results.
 
 use std::ops::Range;
 
@@ -10,7 +10,7 @@ pub(in crate::upscale) const NOT_VISIBLE: u32 = u32::MAX;
 
 /// Reprojected positions of eight pixels: indices of the four pixels around each, and bilinear weights.
 pub(in crate::upscale) struct ReprojectedLanes<S: Simd> {
-    /// Index of the upper left pixel, or [`NOWHERE`].
+    /// Index of the upper left pixel, or [`NOT_VISIBLE`].
     pub(crate) upper: u32x8<S>,
     /// Index of the lower left pixel.
     pub(crate) lower: u32x8<S>,
@@ -21,7 +21,7 @@ pub(in crate::upscale) struct ReprojectedLanes<S: Simd> {
     pub(crate) down: F32<S>,
 }
 
-/// Computes [`super::Surfaces::are_one`] for 16 pairs of pixels, from their objects and distances.
+/// Computes [`super::GBuffer::same_surface`] for 16 pairs of pixels, from their objects and distances.
 #[inline(always)]
 pub(in crate::upscale) fn same_surface<S: Simd>(
     (object, distance): (u32x16<S>, f32x16<S>),
@@ -135,7 +135,7 @@ fn between<S: Simd>(simd: S, place: F64<S>, length: f64) -> (u32x8<S>, u32x8<S>,
 }
 
 impl ViewChange {
-    /// Computes [`Path::moved`] in lanes; the caller must reject points behind the eye and non-finite results.
+    /// Computes [`ViewChange::moved`] in lanes; the caller must reject points behind the eye and non-finite results.
     #[inline(always)]
     fn moved_lanes<S: Simd>(
         &self,

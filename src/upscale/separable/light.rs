@@ -335,7 +335,7 @@ fn encode<S: Simd>(simd: S, light: f32x16<S>) -> u32x16<S> {
     whole((power * of_octave(simd, octave) - OFFSET).min(light * PER_LIGHT))
 }
 
-/// Looks up [`OF_OCTAVE`] for 16 exponents.
+/// Looks up [`OCTAVE_SCALE`] for 16 exponents.
 #[inline(always)]
 fn of_octave<S: Simd>(simd: S, octave: u32x16<S>) -> f32x16<S> {
     #[cfg(target_arch = "x86_64")]

@@ -120,10 +120,10 @@ impl Tile {
         let [low, high] = whole_depths(triangle, rules);
         match rules.comparison {
             DepthComparison::Less | DepthComparison::LessEqual => {
-                self.min_depths[block] = self.min_depths[block].min(low)
+                self.min_depths[block] = self.min_depths[block].min(low);
             }
             DepthComparison::Greater | DepthComparison::GreaterEqual => {
-                self.max_depths[block] = self.max_depths[block].max(high)
+                self.max_depths[block] = self.max_depths[block].max(high);
             }
             DepthComparison::Always => {}
         }

@@ -41,7 +41,7 @@ pub(crate) enum Expected {
 pub(crate) struct MeasureOutcome {
     /// Measured errors; `None` if the engine refused to answer.
     pub(crate) measures: Option<Measures>,
-    /// Indices of the parts of the case (see [`Case::only`]) that show the fault; empty for the whole case.
+    /// Indices of the parts of the case (see [`StabilityCase::only`]) that show the fault; empty for the whole case.
     pub(crate) culprits: Vec<usize>,
 }
 

@@ -40,7 +40,7 @@ pub(crate) struct Evaluation {
     pub(crate) request: EvaluationRequest,
     /// Result to display.
     pub(super) shown: DisplayedResult,
-    /// Figures of a result in pixels; default for text.
+    /// Pixel counts of a picture result; zero for text.
     pub(super) figures: PixelCounts,
 }
 

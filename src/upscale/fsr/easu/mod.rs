@@ -155,7 +155,7 @@ impl EasuKernel {
     }
 }
 
-/// Offsets of the samples from a pixel, scaled so that products with the coefficients of a [`Shape`] are in units of
+/// Offsets of the samples from a pixel, scaled so that products with the coefficients of a [`EasuKernel`] are in units of
 /// 1 / [`ONE`].
 #[derive(Clone, Copy)]
 struct Distances {

@@ -96,11 +96,11 @@ pub(in super::super) struct EasuScratch {
 /// Intermediate values of a run of pixels.
 #[derive(Default)]
 struct PixelRun {
-    /// Result of [`Part::is_plain`].
+    /// Result of [`RunInputs::is_plain`].
     is_plain: bool,
-    /// Stored [`Direction`].
+    /// Stored [`EdgeDirection`].
     direction: [[f32; WIDE]; 4],
-    /// Stored [`Shape`]: each coefficient rounded, in the pixel order that [`rounded`] produces.
+    /// Stored [`EasuKernelLanes`]: each coefficient rounded, in the pixel order that [`rounded`] produces.
     shape: [[i16; WIDE]; 5],
 }
 
@@ -295,7 +295,7 @@ impl ChannelRows<'_> {
     }
 }
 
-/// First half of [`super::Shape`], up to its division.
+/// First half of [`super::EasuKernel`], up to its division.
 struct EdgeDirection<S: Simd> {
     across: f32x16<S>,
     down: f32x16<S>,
@@ -330,7 +330,7 @@ impl<S: Simd> EdgeDirection<S> {
     }
 }
 
-/// [`super::Shape`] in lanes.
+/// [`super::EasuKernel`] in lanes.
 struct EasuKernelLanes<S: Simd> {
     xx: f32x16<S>,
     xy: f32x16<S>,
@@ -340,7 +340,7 @@ struct EasuKernelLanes<S: Simd> {
 }
 
 impl<S: Simd> EasuKernelLanes<S> {
-    /// Computes the second half of [`super::Shape`].
+    /// Computes the second half of [`super::EasuKernel`].
     #[inline(always)]
     fn new(simd: S, EdgeDirection { across, down, inverse, edge }: EdgeDirection<S>) -> Self {
         let one = f32x16::splat(simd, 1.0);
@@ -396,7 +396,7 @@ struct TapWeights<S: Simd> {
 }
 
 impl<S: Simd> TapWeights<S> {
-    /// Computes the weights from a stored [`Shape`].
+    /// Computes the weights from a stored [`EasuKernelLanes`].
     #[inline(always)]
     fn new(simd: S, shape: &[[i16; WIDE]; 5], distances: &WideDistances) -> Self {
         let [xx, xy, yy, slope, rest] = each!(of in [0, 1, 2, 3, 4] => i16x16::load_array_ref(simd, &shape[of]));
