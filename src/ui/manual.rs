@@ -74,7 +74,7 @@ impl ManualWindow {
     /// Draws the window if it is open.
     pub(crate) fn ui(&mut self, ui: &Ui) {
         let mut is_open = self.is_open;
-        let room = ui.ctx().content_rect().size() - vec2(40.0, 80.0);
+        let room = (ui.ctx().content_rect().size() - vec2(40.0, 80.0)).max(vec2(1.0, 1.0));
         egui::Window::new("Manual")
             .open(&mut is_open)
             .default_size(vec2(DEFAULT_SIZE_POINTS[0], DEFAULT_SIZE_POINTS[1]).min(room))
@@ -164,7 +164,7 @@ fn content(ui: &mut Ui, cache: &mut CommonMarkCache, section: &Section) {
 fn code_block(ui: &mut Ui, code: &str) {
     theme::card_frame(ui).show(ui, |ui| {
         ui.horizontal_top(|ui| {
-            let room = ui.available_width() - CONTROL_HEIGHT - space::S;
+            let room = (ui.available_width() - CONTROL_HEIGHT - space::S).max(0.0);
             ui.scope(|ui| {
                 ui.set_width(room);
                 ui.add(Label::new(RichText::new(code).monospace()).wrap());

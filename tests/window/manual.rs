@@ -1,6 +1,6 @@
 //! The manual in the window: opened by key and by panel, searched, and closed without other effects.
 
-use eframe::egui::{Event, Key, Role};
+use eframe::egui::{Event, Key, Role, vec2};
 use egui_kittest::kittest::Queryable as _;
 use rasterscope::manual::Chapter;
 
@@ -53,4 +53,14 @@ fn a_panel_opens_its_chapter() {
     let mut bench = Bench::small("triangle");
     bench.click(&format!("Manual: {}", Chapter::InspectingAPixel.title()));
     assert!(bench.mentions("Nothing is recorded while a frame is drawn"), "text of the chapter");
+}
+
+#[test]
+fn the_manual_survives_the_narrowest_window() {
+    let mut bench = Bench::small("triangle");
+    bench.press(Key::F1);
+    for size in [vec2(1.0, 300.0), vec2(900.0, 1.0), vec2(60.0, 60.0)] {
+        bench.window.set_size(size);
+        bench.rest();
+    }
 }
