@@ -131,7 +131,7 @@ fn savings_text(savings: &Savings) -> String {
     if savings.is_empty() {
         return text + "No skipped part can be forced to run.\n";
     }
-    text += &format!("{:21} {:>10} {:>10} {:>10}  draws\n", "skipped, saved ms", "median", "p10", "p90");
+    text += &format!("{:21} {:>10} {:>10} {:>10}  draws\n", "saved by skipping, ms", "median", "p10", "p90");
     for Saving { part, draws, saved_ms, within_noise, same_picture } in savings {
         let name = part.map_or("all of them", PipelinePart::name);
         let picture = if *same_picture { "" } else { ", and A DIFFERENT PICTURE" };

@@ -54,7 +54,7 @@ fn methods_are_judged_in_motion_unless_the_still_view_is_chosen() {
     bench.session_mut().timings.turn = Turn { degrees: 4.0, frames: 2 };
     bench.rest();
     bench.click("Measure error and time");
-    assert!(bench.mentions("in motion, 2 of 2 frames of 4°"));
+    assert!(bench.mentions("in motion: 2 of 2 frames, 4° per frame"));
     let points = bench.session().timings.tradeoff();
     assert!(points.iter().all(|point| point.error.motion.frames == 2));
     let temporal = Upscaling::new("checkerboard-temporal", 1).expect("there is one");

@@ -32,12 +32,12 @@ choice! {
     /// A property that must hold for every fragment, or for every vertex of a border.
     Assertion {
         Owner = "owner", "Owner is exact", "The triangle that owns a sample contains its centre, in exact arithmetic and by a fill rule that draws shared edges once.";
-        EdgeSum = "edge-sum", "Edges sum to the area", "The three edge values sum to the doubled area: exactly in fixed point, within 4 roundings of an f64 otherwise.";
+        EdgeSum = "edge-sum", "Edges sum to the area", "The three edge values sum to the doubled area: exactly in fixed point, otherwise within 4 ε of f64, relative to the area.";
         Weights = "weights", "Weights in 0…1", "No corner weight is below 0 or above 1: the sample lies inside the triangle.";
         WeightsSum = "weights-sum", "Weights sum to 1", "The attribute weights sum to 1 within 2 ulp, so that a constant attribute stays constant.";
         Finite = "finite", "Weights and depth finite", "No weight and no depth is NaN or infinite.";
         DepthRange = "depth-range", "Depth between corners", "The depth lies between the corner depths, with a tolerance of one step of the depth buffer, and within 0…1.";
-        DepthPass = "depth-pass", "Depth pass is correct", "A fragment that passed the depth test lies on the correct side of the fragment that it replaced, with a tolerance of 8 steps of the depth buffer. A test that passes everything is checked as if nearer wins.";
+        DepthPass = "depth-pass", "Depth test is correct", "A fragment that passed the depth test lies on the correct side of the fragment that it replaced, with a tolerance of 8 steps of the depth buffer. A test that passes everything is checked as if nearer wins.";
         Attributes = "attributes", "Attributes finite", "No texture coordinate, normal, vertex colour or light is NaN or infinite.";
         BlendOrder = "blend-order", "Blended from far to near", "No fragment is blended over a nearer blended fragment, by the stored depths.";
         Normal = "normal", "Normal exists", "Every lit fragment has a normal whose length is not zero.";

@@ -54,8 +54,11 @@ pub(super) fn find(scene: &Scene, recipe: &Recipe, frame: &Frame, (object, numbe
     };
     let beyond: Vec<_> = vertex.outcode.planes().map(plane_name).collect();
     let Some(screen) = vertex.screen.filter(|_| beyond.is_empty()) else {
-        let sides = if beyond.is_empty() { "not finite".to_owned() } else { format!("beyond: {}", beyond.join(", ")) };
-        return SearchResult::Nowhere(format!("{words} lies outside the view, {sides}"));
+        return SearchResult::Nowhere(if beyond.is_empty() {
+            format!("{words} has no finite position in the picture")
+        } else {
+            format!("{words} lies outside the view, beyond: {}", beyond.join(", "))
+        });
     };
     // Positions on the right and bottom border of the view lie past the last pixel.
     let [x, y] = screen.px;

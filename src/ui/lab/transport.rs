@@ -27,14 +27,14 @@ pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<LabChange>) {
                 changes.push(change);
             }
         };
-        button(ui, Icon::ChevronFirst, "Before the first step  (Home)", LabChange::Go(0));
+        button(ui, Icon::ChevronFirst, "Go to the start  (Home)", LabChange::Go(0));
         button(ui, Icon::StepBack, "One step back  (,)", LabChange::StepBy(-1));
         let back = if lab.playing < 0 { (Icon::Pause, 0) } else { (Icon::Rewind, -1) };
         button(ui, back.0, "Play backwards", LabChange::Play(back.1));
         let on = if lab.playing > 0 { (Icon::Pause, 0) } else { (Icon::Play, 1) };
         button(ui, on.0, "Play  (K)", LabChange::Play(on.1));
         button(ui, Icon::StepForward, "One step forward  (.)", LabChange::StepBy(1));
-        button(ui, Icon::ChevronLast, "After the last step  (End)", LabChange::Go(usize::MAX));
+        button(ui, Icon::ChevronLast, "Go to the end  (End)", LabChange::Go(usize::MAX));
         let mut step = lab.step.min(all);
         ui.spacing_mut().slider_width = (ui.available_width() - REST_POINTS).max(60.0);
         let slider = ui.add_enabled(all > 0, Slider::new(&mut step, 0..=all).show_value(false));

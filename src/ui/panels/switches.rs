@@ -210,7 +210,7 @@ fn left_out(ui: &mut Ui, view: &RenderedView, part: PipelinePart) {
 fn project(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let mut size = session.state.size;
     let options = [
-        (PictureSize::Canvas, "As the canvas", "One picture pixel per screen pixel"),
+        (PictureSize::Canvas, "Match canvas", "One picture pixel per screen pixel"),
         (PictureSize::Fixed(160, 90), "160 × 90", "Few, large pixels: shows edges and grids clearly"),
         (PictureSize::Fixed(320, 180), "320 × 180", "Large pixels"),
         (PictureSize::Fixed(640, 360), "640 × 360", "A quarter of HD"),

@@ -102,7 +102,7 @@ fn motion(session: &Session, turn: Turn) -> String {
     }
     let points = session.timings.tradeoff();
     let fewest = points.iter().map(|point| point.error.motion.frames).min().unwrap_or_default();
-    format!("in motion, {fewest} of {} frames of {}°", turn.frames, turn.degrees)
+    format!("in motion: {fewest} of {} frames, {}° per frame", turn.frames, turn.degrees)
 }
 
 /// Draws the plot and the table.

@@ -111,7 +111,7 @@ fn finding(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         ui.label(RichText::new(text).color(tokens(ui).text_weak));
         if session.view.as_ref().is_some_and(|view| !session.probing.is_of(view)) {
             let is_there = std::sync::Arc::ptr_eq(&found.subject.scene, &session.scene);
-            let back = ui.add_enabled(is_there, Button::new("Restore that view"));
+            let back = ui.add_enabled(is_there, Button::new("Restore the probed view"));
             let back = back.on_hover_text("The view has changed since the probe: restores the probed view");
             if back.on_disabled_hover_text("That scene is no longer open").clicked() {
                 commands.push(Command::Probe(ProbeChange::GoBack));

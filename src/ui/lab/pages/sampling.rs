@@ -30,5 +30,5 @@ pub(super) fn ui(ui: &mut Ui, lesson: &mut SamplingLesson) {
         SamplingScene::Picture => hint(ui, "Open a picture with Ctrl+O, or drop one here."),
         SamplingScene::ZonePlate | SamplingScene::ChessBoard => {}
     }
-    hint(ui, "Drag the middle. Click a pixel to see its numbers.");
+    hint(ui, "Drag the handle to move the pattern. Click a pixel to inspect its samples.");
 }
