@@ -13,15 +13,11 @@ use rasterscope::inspect::overlays::Overlay;
 use rasterscope::manual::Chapter;
 use rasterscope::pipeline::settings::Choice as _;
 use rasterscope::scene::builtin;
-use rasterscope::ui::command::{BINDINGS, MOUSE};
-use rasterscope::ui::key_sheet::key_name;
+use rasterscope::ui::key_sheet::keys_and_descriptions;
 use serde_json::Value;
 
 /// Program under test.
 const PROGRAM: &str = env!("CARGO_BIN_EXE_rasterscope");
-
-/// Keys listed for one command at most; further ones are abbreviated to the first and the last.
-const MAX_KEYS: usize = 4;
 
 /// Function that builds a table.
 type Build = fn() -> String;
@@ -111,19 +107,8 @@ fn commands() -> String {
 }
 
 fn keys() -> String {
-    let mut rows: Vec<(Vec<String>, &str)> =
-        MOUSE.iter().map(|(gesture, what)| (vec![(*gesture).to_owned()], *what)).collect();
-    for binding in BINDINGS {
-        match rows.iter_mut().find(|(_, what)| *what == binding.description) {
-            Some((keys, _)) => keys.push(key_name(binding)),
-            None => rows.push((vec![key_name(binding)], binding.description)),
-        }
-    }
-    let names = |keys: Vec<String>| match &keys[..] {
-        [first, .., last] if keys.len() > MAX_KEYS => format!("{first} … {last}"),
-        keys => keys.join(", "),
-    };
-    table("keys and mouse | what they do", rows.into_iter().map(|(keys, what)| vec![names(keys), what.to_owned()]))
+    let rows = keys_and_descriptions().into_iter().map(|(keys, what)| vec![keys, what.to_owned()]);
+    table("keys and mouse | what they do", rows)
 }
 
 fn buffers() -> String {

@@ -111,6 +111,12 @@ impl SheetLine {
     }
 }
 
+/// Returns the keys and the description of every line of the sheet, by topic.
+pub fn keys_and_descriptions() -> Vec<(String, &'static str)> {
+    let all = Topic::ALL.into_iter().flat_map(|(topic, _)| lines(topic, ""));
+    all.map(|line| (line.names(), line.what)).collect()
+}
+
 /// Draws the sheet, limited to the lines that match `filter`.
 pub(crate) fn ui(ui: &mut Ui, filter: &mut String) {
     let field = ui.add(TextEdit::singleline(filter).hint_text("Filter by key or word").desired_width(240.0));
@@ -172,7 +178,7 @@ fn lines(topic: Topic, filter: &str) -> Vec<SheetLine> {
 }
 
 /// Returns the name of a key with its modifiers, in characters that the fonts contain.
-pub fn key_name(binding: &KeyBinding) -> String {
+pub(crate) fn key_name(binding: &KeyBinding) -> String {
     let mut name = String::new();
     if binding.modifiers.command || binding.modifiers.ctrl {
         name.push_str("Ctrl + ");
