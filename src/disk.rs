@@ -1,9 +1,9 @@
-//! Files: reading untrusted ones within limits, and writing outputs atomically.
+//! File access: bounded reading of untrusted files, and atomic writing of outputs.
 //!
 //! Reading turns a path, possibly taken from a foreign file, into bytes or an error. Folders, devices and pipes are
 //! refused before they are opened, because opening a pipe waits for its writer and a device may never end. Files that
-//! report no bytes are empty and are not opened either: reading some of `/proc` blocks. At most the limit is read, even
-//! if the file grows meanwhile.
+//! report a length of 0 count as empty and are not opened either, because reading some files in `/proc` blocks. At most
+//! the limit is read, even if the file grows meanwhile.
 //!
 //! Writing: every output of the program goes through [`write()`] or [`write_new`]. The bytes go to a temporary file in
 //! the same folder, are flushed to the disk, and take the name of the output by a rename. At any moment the name
@@ -20,7 +20,7 @@ use std::time::Duration;
 
 use tempfile::{Builder, NamedTempFile};
 
-/// Maximum number of symbolic links that are followed to an output.
+/// Maximum number of symbolic links followed from the path of an output to its file.
 const MAX_LINKS: usize = 40;
 
 /// Canonical paths of the files read so far; `None` unless [`protect_inputs`] was called.
@@ -29,17 +29,17 @@ static INPUTS: Mutex<Option<BTreeSet<PathBuf>>> = Mutex::new(None);
 /// Reads all bytes of the regular file at `path`.
 ///
 /// # Errors
-/// The file is unreadable, not a regular file, or larger than `max_bytes`.
+/// Returns an error if the file is unreadable, not a regular file, or larger than `max_bytes`.
 pub fn read(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
     note_input(path);
     read_own(path, max_bytes)
 }
 
-/// Reads a file that the program keeps for itself and may replace, such as its preferences. Works like [`read`], but
-/// the file does not count as an input.
+/// Reads one of the program's own files, such as its preferences, which the program may replace. Works like [`read`],
+/// but the file does not count as an input.
 ///
 /// # Errors
-/// Errors are those of [`read`].
+/// Returns the same errors as [`read`].
 pub fn read_own(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
     let metadata = std::fs::metadata(path)?;
     if metadata.is_dir() {
@@ -61,24 +61,24 @@ pub fn read_own(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
     if bytes.len() as u64 > max_bytes { Err(too_large()) } else { Ok(bytes) }
 }
 
-/// Returns the length of the file at `path` in bytes; 0 if it is unknown.
+/// Returns the length of the file at `path` in bytes, or 0 if it is unknown.
 pub(crate) fn length(path: &Path) -> u64 {
     std::fs::metadata(path).map_or(0, |metadata| metadata.len())
 }
 
-/// Whether the regular file at `path` starts with these bytes; `false` if it cannot be read.
+/// Returns whether the regular file at `path` starts with these bytes; `false` if it cannot be read.
 pub(crate) fn starts_with(path: &Path, prefix: &[u8]) -> bool {
     let mut start = vec![0; prefix.len()];
     let is_regular = std::fs::metadata(path).is_ok_and(|metadata| metadata.is_file());
     is_regular && File::open(path).and_then(|mut file| file.read_exact(&mut start)).is_ok() && start == prefix
 }
 
-/// Makes [`write()`] refuse, from now on, to replace a file that this process has read.
+/// Makes [`write()`] refuse to replace files that this process reads from now on.
 pub fn protect_inputs() {
     lock_inputs().get_or_insert_default();
 }
 
-/// Marks a file as an input before it is read.
+/// Records a file as an input before it is read, if inputs are protected.
 pub(crate) fn note_input(path: &Path) {
     let mut inputs = lock_inputs();
     if let (Some(inputs), Ok(path)) = (inputs.as_mut(), path.canonicalize()) {
@@ -94,16 +94,16 @@ fn lock_inputs() -> std::sync::MutexGuard<'static, Option<BTreeSet<PathBuf>>> {
 /// creates no folders. Devices and pipes, such as `/dev/stdout`, are written to directly.
 ///
 /// # Errors
-/// The file cannot be written, or it is a protected input. An existing file is then unchanged.
+/// Returns an error if the file cannot be written or is a protected input. An existing file is then unchanged.
 pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     write_by(path, |file| file.write_all(bytes))
 }
 
-/// Writes the output of `produce` to `path` piece by piece, in the same way as [`write()`], for outputs that are not kept
-/// in memory.
+/// Writes the output of `produce` to `path` piece by piece, without holding all of it in memory. Otherwise works like
+/// [`write()`].
 ///
 /// # Errors
-/// As for [`write()`], and errors of `produce`. An existing file is then unchanged.
+/// Returns the same errors as [`write()`], and errors of `produce`. An existing file is then unchanged.
 pub(crate) fn write_by(path: &Path, produce: impl FnOnce(&mut dyn io::Write) -> io::Result<()>) -> io::Result<()> {
     match Target::of(path)? {
         Target::Direct(path) => {
@@ -128,11 +128,12 @@ pub(crate) fn write_by(path: &Path, produce: impl FnOnce(&mut dyn io::Write) -> 
     }
 }
 
-/// Writes `bytes` atomically to `stem.extension` in `folder`, or to the first free one of `stem-2.extension`,
-/// `stem-3.extension` … Returns the path. Never replaces a file, even if another process saves at the same time.
+/// Writes `bytes` atomically to `stem.extension` in `folder` or, if that exists, to the first free one of
+/// `stem-2.extension`, `stem-3.extension` … Returns the path. Never replaces a file, even if another process saves at
+/// the same time.
 ///
 /// # Errors
-/// The file cannot be written.
+/// Returns an error if the file cannot be written.
 pub(crate) fn write_new(folder: &Path, stem: &str, extension: &str, bytes: &[u8]) -> io::Result<PathBuf> {
     let numbered = |number: u32| match number {
         1 => folder.join(format!("{stem}.{extension}")),
@@ -155,7 +156,7 @@ pub(crate) fn write_new(folder: &Path, stem: &str, extension: &str, bytes: &[u8]
 /// Checks that [`write()`] can create or replace `path`, before a long computation. Leaves no file behind.
 ///
 /// # Errors
-/// Errors are those of [`write()`]. A disk that becomes full later is not detected.
+/// Returns the same errors as [`write()`]. Does not detect a disk that becomes full later.
 pub(crate) fn check_writable(path: &Path) -> io::Result<()> {
     match Target::of(path)? {
         Target::Direct(path) => OpenOptions::new().write(true).open(path).map(drop),
@@ -171,7 +172,7 @@ pub(crate) fn check_writable(path: &Path) -> io::Result<()> {
 /// dropped.
 ///
 /// # Errors
-/// The file cannot be opened, or another process has held the lock for two seconds.
+/// Returns an error if the file cannot be opened, or if another process has held the lock for two seconds.
 pub(crate) fn lock(path: &Path) -> io::Result<File> {
     const TRIES: u32 = 100;
     let file = OpenOptions::new().create(true).truncate(false).write(true).open(path)?;
@@ -185,18 +186,18 @@ pub(crate) fn lock(path: &Path) -> io::Result<File> {
     Err(ErrorKind::WouldBlock.into())
 }
 
-/// File behind the path of an output.
+/// File that the path of an output refers to, after following symbolic links.
 enum Target {
-    /// Device, pipe, or open file of a process.
+    /// Device, pipe, or open file of a process, which is written to directly.
     Direct(PathBuf),
-    /// Existing regular file.
+    /// Existing regular file, which is replaced.
     Replaced(PathBuf),
-    /// Path without a file yet.
+    /// Path at which no file exists yet.
     New(PathBuf),
 }
 
 impl Target {
-    /// Follows symbolic links to the file that is to be written, and refuses protected inputs.
+    /// Follows symbolic links to the file to write. Returns an error for a folder or a protected input.
     fn of(path: &Path) -> io::Result<Self> {
         let mut path = path.to_owned();
         for _ in 0..MAX_LINKS {
@@ -268,7 +269,7 @@ fn sync_folder(folder: &Path) {
     }
 }
 
-/// Returns the folder of a file; `.` for a bare name.
+/// Returns the folder of a file, or `.` for a bare file name.
 fn folder_of(file: &Path) -> &Path {
     match file.parent() {
         Some(folder) if folder != Path::new("") => folder,
@@ -285,7 +286,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn folders_devices_and_large_files_are_refused_by_name_of_the_cause() {
+    fn errors_name_the_cause_for_folders_devices_and_large_files() {
         let folder = tempfile::tempdir().unwrap();
         let reason = |path: &Path| read(path, 1 << 20).unwrap_err().to_string();
         assert_eq!(reason(folder.path()), "it is a folder");

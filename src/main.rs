@@ -1,4 +1,4 @@
-//! The program. See `rasterscope --help`.
+//! Command-line entry point of Rasterscope. See `rasterscope --help`.
 
 fn main() -> std::process::ExitCode {
     rasterscope::cli::run()

@@ -1,8 +1,8 @@
-//! The manual: the pages of `assets/manual`, as the window shows and searches them.
+//! Built-in manual: the pages of `assets/manual`, and a search over them.
 
 use std::borrow::Cow;
 
-/// Declares the chapters: variant and file, in reading order.
+/// Declares the enum of chapters from pairs of variant and file name, in reading order.
 macro_rules! chapters {
     ($($(#[$attribute:meta])* $chapter:ident = $file:literal,)+) => {
         /// Chapter of the manual.
@@ -15,14 +15,14 @@ macro_rules! chapters {
             /// All chapters, in reading order.
             pub const ALL: &[Self] = &[$(Self::$chapter),+];
 
-            /// Name of the file in `assets/manual`.
+            /// Returns the file name of the chapter in `assets/manual`.
             pub fn file(self) -> &'static str {
                 match self {
                     $(Self::$chapter => $file,)+
                 }
             }
 
-            /// Text of the file, in Markdown.
+            /// Returns the text of the chapter, in Markdown.
             pub fn text(self) -> &'static str {
                 match self {
                     $(Self::$chapter => include_str!(concat!("../assets/manual/", $file)),)+
@@ -52,19 +52,19 @@ chapters! {
     Changelog = "16-changelog.md",
 }
 
-/// Part of a chapter: its title with what follows, or a heading of second level with what follows.
+/// Section of a chapter: a heading of first or second level, with the text up to the next one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Section {
-    /// Words of the heading.
+    /// Text of the heading, without its leading `#` marks.
     pub(crate) heading: &'static str,
-    /// Heading and text, without pictures and comments.
+    /// Heading and text in Markdown, without pictures and comments.
     pub(crate) markdown: String,
 }
 
-/// Section that contains the words of a search.
+/// Search result: a section that contains all words of the search.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Passage {
-    /// Chapter of the section.
+    /// Chapter that contains the section.
     pub chapter: Chapter,
     /// Index of the section in [`Chapter::sections`].
     pub(crate) section: usize,
@@ -75,18 +75,18 @@ pub struct Passage {
 }
 
 impl Chapter {
-    /// Title: the words of the first heading.
+    /// Returns the title: the text of the first heading.
     pub fn title(self) -> &'static str {
         self.text().lines().find_map(|line| line.strip_prefix("# ")).unwrap_or(self.file())
     }
 
-    /// Returns the chapter that a link within the manual leads to, if it leads to one.
+    /// Returns the chapter that a link within the manual leads to, or `None` if it leads elsewhere.
     pub(crate) fn of_link(link: &str) -> Option<Self> {
         let file = link.split('#').next()?;
         Self::ALL.iter().copied().find(|chapter| chapter.file() == file)
     }
 
-    /// Sections in reading order. Pictures are left out: they show the window that the reader is looking at.
+    /// Returns the sections in reading order. Pictures are omitted: they show the window that the reader is looking at.
     pub(crate) fn sections(self) -> Vec<Section> {
         let mut sections: Vec<Section> = Vec::new();
         let mut is_code = false;
@@ -131,14 +131,14 @@ impl Section {
         parts
     }
 
-    /// Targets of all links in the section.
+    /// Returns the targets of all links in the section.
     pub(crate) fn links(&self) -> impl Iterator<Item = &str> {
         self.markdown.split("](").skip(1).filter_map(|rest| rest.split(')').next())
     }
 }
 
-/// Returns the sections that contain all words of `query`, regardless of case: those with a word in the heading first, otherwise
-/// in reading order.
+/// Returns the sections that contain all words of `query`, ignoring case. Sections whose heading contains all of them
+/// come first; otherwise the order is the reading order.
 ///
 /// # Examples
 /// ```
@@ -175,7 +175,7 @@ pub fn find(query: &str) -> Vec<Passage> {
     found
 }
 
-/// Returns a line of Markdown without its marks.
+/// Returns a line of Markdown as plain text, without its marks.
 fn plain(line: &str) -> Cow<'_, str> {
     let line = line.trim_start_matches(['#', '-', '*', '|', '>', ' ']);
     if line.contains(['*', '`', '|']) { Cow::Owned(line.replace(['*', '`', '|'], "")) } else { Cow::Borrowed(line) }

@@ -1,4 +1,5 @@
-//! Text from outside the program: names in models, file names, messages of decoders and of the operating system.
+//! Sanitising of text from outside the program: names in models, file names, messages of decoders and of the operating
+//! system.
 //!
 //! A terminal obeys control characters, and bidirectional controls make a name look like another one. [`clean`] removes
 //! both; scene loaders apply it to every name, so the rest of the program can print names as they are.
@@ -6,7 +7,7 @@
 use std::borrow::Cow;
 use std::path::Path;
 
-/// Maximum length of a message of a decoder or of the operating system, in characters.
+/// Maximum length of a message from a decoder or from the operating system, in characters.
 const MAX_MESSAGE_CHARS: usize = 200;
 
 /// Returns `text` with control characters, line separators and bidirectional controls replaced by U+FFFD.
@@ -24,7 +25,7 @@ pub fn one_line(text: &str) -> String {
     words.join(" ")
 }
 
-/// Returns a foreign message as one clean line of at most 200 characters.
+/// Returns a message from a library or the operating system as one clean line of at most 200 characters.
 pub(crate) fn message(text: &str) -> String {
     let line = one_line(text);
     match line.char_indices().nth(MAX_MESSAGE_CHARS - 1) {
@@ -33,13 +34,13 @@ pub(crate) fn message(text: &str) -> String {
     }
 }
 
-/// Returns a path for display, cleaned.
+/// Returns a path as clean text on one line, for display.
 pub(crate) fn path(path: &Path) -> String {
     one_line(&path.display().to_string())
 }
 
-/// Whether a terminal or a title bar may obey the character instead of showing it: C0, DEL, C1, bidirectional controls,
-/// and the separators of lines and paragraphs.
+/// Returns whether a terminal or a title bar may obey the character instead of showing it: C0, DEL, C1, bidirectional
+/// controls, and the separators of lines and paragraphs.
 fn is_unsafe(c: char) -> bool {
     let is_bidi = matches!(c, '\u{61C}' | '\u{200E}' | '\u{200F}' | '\u{202A}'..='\u{202E}' | '\u{2066}'..='\u{2069}');
     c.is_control() || is_bidi || matches!(c, '\u{2028}' | '\u{2029}')

@@ -14,14 +14,14 @@ use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::builtin;
 use rasterscope::upscale::{Anchor, FilterSpace, Offers, Sampling, Scale, Tap, UpscaleInputs, Upscaler, Upscaling};
 
-/// EPX at scale 2.
+/// The EPX upscaler, which has a scale of 2.
 struct Epx;
 
 impl Epx {
     /// Returns the drawn sample that output pixel (x, y) copies.
     fn source(samples: &Image<Rgba8>, x: u32, y: u32) -> (u32, u32) {
         let (i, j) = (i64::from(x / 2), i64::from(y / 2));
-        // Towards the corner of the sample that the pixel occupies.
+        // Steps to the neighbours beside the corner of the sample that the pixel occupies.
         let (dx, dy) = (if x.is_multiple_of(2) { -1 } else { 1 }, if y.is_multiple_of(2) { -1 } else { 1 });
         let at = |i: i64, j: i64| samples.at_clamped(i, j);
         let (beside, above) = (at(i + dx, j), at(i, j + dy));
@@ -71,7 +71,7 @@ impl Upscaler for Epx {
         }
     }
 
-    // One pixel alone and its sources: with these two, the inspector can explain every pixel.
+    // With the colour of a single pixel and its sources, the inspector can explain every pixel.
     fn pixel(&self, _how: Upscaling, drawn: &UpscaleInputs<'_>, _size: (u32, u32), (x, y): (u32, u32)) -> Rgba8 {
         let (column, row) = Self::source(drawn.color, x, y);
         drawn.color.at(column, row)
@@ -89,7 +89,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut renderer = Renderer::default();
     let reference = renderer.render_converged(&scene, &scene.home, &Recipe::default(), viewport);
 
-    // Every quarter of the pixels: the samples that the built-in doubling draws, too.
+    // Draws a quarter of the pixels: the samples that the built-in method `nearest` uses at scale 2.
     let mut recipe = Recipe::default();
     recipe.set_all(&["upscaler.method=nearest", "upscaler.scale=2", "upscaler.anchor=centre"])?;
     let frame = renderer.render_converged(&scene, &scene.home, &recipe, viewport);

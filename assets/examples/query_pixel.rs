@@ -18,7 +18,7 @@ fn main() {
     let frame = Renderer::default().render_converged(&scene, &scene.home, &recipe, viewport);
 
     // Nothing was recorded while the frame was drawn. The inspector draws this one pixel again, with the same
-    // arithmetic and an observer, and so arrives at the same bits.
+    // arithmetic and an observer, so the result has the same bits.
     let (x, y) = (160, 90);
     let report = inspect(&scene, &recipe, &frame, x, y).expect("the pixel lies in the picture");
     assert_eq!(report.color, frame.image().at(x, y));

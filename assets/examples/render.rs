@@ -17,8 +17,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // `rasterscope::scene::SceneSource` loads OBJ files.
     let scene = Arc::new(builtin::ALL[0].build());
 
-    // A recipe holds every setting. Settings have the names of the command line, and a wrong one is an error that lists
-    // the right ones.
+    // A recipe holds every setting. Settings are named as on the command line; an invalid one gives an error that lists
+    // the valid ones.
     let mut recipe = Recipe::default();
     recipe.set("shading=gouraud")?;
     recipe.set("antialias.method=multisample")?;

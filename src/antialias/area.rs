@@ -1,10 +1,10 @@
 //! Area coverage: the fraction of each pixel that a triangle covers. It is the weight of area sampling with a box
-//! filter, exact to the last bits of a float.
+//! filter, accurate to the last bits of an `f64`.
 //!
 //! The pixel, a square, is clipped by the half-plane of each edge that passes through it (Sutherland and Hodgman 1974).
-//! The shoelace formula gives the area of what is left. In plain floats, a sliver would be the small difference of two
-//! large areas. So everything from the edge functions on is kept to 106 bits, in coordinates relative to the pixel, and
-//! the result is rounded once.
+//! The shoelace formula gives the area of the clipped polygon. In plain floats, a sliver would be the small difference
+//! of two large areas. Values from the edge functions onward therefore have 106 bits of precision, in coordinates
+//! relative to the pixel. The result is rounded once.
 //!
 //! The cost is proportional to the pixels of the triangle's bounding box within the picture: a few float operations
 //! each, and some microseconds more for each pixel that an edge passes through.
@@ -17,23 +17,23 @@ use glam::DVec2;
 use crate::flat2d::{side, whole_numbers_within};
 use crate::math::double_double::DoubleDouble;
 
-/// Position relative to a pixel's top left corner, px.
+/// Position relative to a pixel's top left corner, in pixels.
 type PixelPoint = [DoubleDouble; 2];
 
-/// Iterator over the pixels of a triangle's bounding box; see [`triangle_area`].
+/// Iterator over the pixels that a triangle covers, created by [`triangle_area`].
 #[derive(Clone, Debug)]
 pub(crate) struct TriangleArea {
     edges: [HalfPlane; 3],
     columns: Range<u32>,
     rows: Range<u32>,
-    /// Pixel to be examined next.
+    /// Next pixel of the bounding box to examine, as (column, row).
     probe: (u32, u32),
 }
 
 /// Returns an iterator over the pixels that a triangle covers, row by row from the top, with the covered area of each
-/// in px², in (0, 1]. Corners are in px, of either winding, with the limits given in [`crate::flat2d`]. A triangle
-/// without area covers no pixel. For a pixel that is only touched at its border, an area of up to 10⁻³⁰ px² may be
-/// reported.
+/// in px², in (0, 1]. Corners are in pixels, in either winding order, within the limits given in [`crate::flat2d`]. A
+/// degenerate triangle covers no pixel. A pixel touched only at its border may be reported with an area of up to 10⁻³⁰
+/// px².
 pub(crate) fn triangle_area(corners: [DVec2; 3], width: u32, height: u32) -> TriangleArea {
     let [a, b, c] = corners;
     let edges = [(a, b), (b, c), (c, a)].map(|(from, to)| HalfPlane::right_of(from, to, width, height));
@@ -48,18 +48,18 @@ pub(crate) fn triangle_area(corners: [DVec2; 3], width: u32, height: u32) -> Tri
 }
 
 impl TriangleArea {
-    /// Returns the pixel to be examined next; `None` at the end.
+    /// Returns the next pixel of the bounding box to examine, or `None` at the end.
     pub(crate) fn probe(&self) -> Option<(u32, u32)> {
         (self.columns.contains(&self.probe.0) && self.rows.contains(&self.probe.1)).then_some(self.probe)
     }
 
-    /// Returns the number of pixels yet to be examined; an upper bound within a row.
+    /// Returns an upper bound on the number of pixels left to examine, exact at the start of a row.
     pub(crate) fn probes_left(&self) -> u64 {
         self.columns.len() as u64 * u64::from(self.rows.end.saturating_sub(self.probe.1))
     }
 
-    /// Examines one pixel. Returns it with its covered area, or an inner `None` if that is zero; the outer `None` is
-    /// the end.
+    /// Examines the next pixel. Returns its column, row and covered area, `Some(None)` if the triangle does not cover
+    /// it, or `None` at the end.
     pub(crate) fn step(&mut self) -> Option<Option<(u32, u32, f64)>> {
         let (x, y) = self.probe()?;
         self.probe = if x + 1 < self.columns.end { (x + 1, y) } else { (self.columns.start, y + 1) };
@@ -67,7 +67,7 @@ impl TriangleArea {
         Some((area > 0.0).then_some((x, y, area)))
     }
 
-    /// Returns the covered area of a pixel, px².
+    /// Returns the area of a pixel that the triangle covers, in px².
     fn area(&self, x: u32, y: u32) -> f64 {
         let sides = self.edges.each_ref().map(|edge| edge.side_of_pixel(x, y));
         if sides.contains(&Some(Ordering::Less)) {
@@ -99,12 +99,13 @@ impl Iterator for TriangleArea {
 struct HalfPlane {
     slope: PixelPoint,
     constant: DoubleDouble,
-    /// Error bound of a value computed in floats within the picture.
+    /// Bound on the rounding error of the edge function, evaluated in `f64` within the picture.
     error: f64,
 }
 
 impl HalfPlane {
-    /// Returns the half-plane to the right of the line from `from` to `to`, y down: (to − from) × (p − from) ≥ 0.
+    /// Returns the half-plane to the right of the directed line from `from` to `to`, with y pointing down: (to − from)
+    /// × (p − from) ≥ 0.
     fn right_of(from: DVec2, to: DVec2, width: u32, height: u32) -> Self {
         let slope = [DoubleDouble::difference(from.y, to.y), DoubleDouble::difference(to.x, from.x)];
         let constant = DoubleDouble::product(from.x, to.y) - DoubleDouble::product(to.x, from.y);
@@ -113,7 +114,7 @@ impl HalfPlane {
         Self { slope, constant, error: 8.0 * f64::EPSILON * greatest }
     }
 
-    /// Returns the half-plane on the other side of the line.
+    /// Returns the half-plane on the opposite side of the same line.
     fn turned(self) -> Self {
         Self { slope: self.slope.map(|s| -s), constant: -self.constant, error: self.error }
     }
@@ -132,26 +133,26 @@ impl HalfPlane {
         }
     }
 
-    /// Returns the value at a pixel's top left corner.
+    /// Returns the edge function, slope · p + constant, at a pixel's top left corner.
     fn at_pixel(&self, x: u32, y: u32) -> DoubleDouble {
         let [x, y] = [x, y].map(|place| DoubleDouble::from(f64::from(place)));
         self.slope[0] * x + self.slope[1] * y + self.constant
     }
 
-    /// Returns the value at a position relative to a corner whose value is `at_corner`.
+    /// Returns the edge function at a position relative to a pixel's top left corner, where its value is `at_corner`.
     fn at(&self, place: PixelPoint, at_corner: DoubleDouble) -> DoubleDouble {
         self.slope[0] * place[0] + self.slope[1] * place[1] + at_corner
     }
 }
 
-/// Corners of a pixel, clockwise on the screen.
+/// Corners of a pixel relative to its top left corner, clockwise on the screen.
 const UNIT_SQUARE: [PixelPoint; 4] = {
     const O: DoubleDouble = DoubleDouble::ZERO;
     const I: DoubleDouble = DoubleDouble::ONE;
     [[O, O], [I, O], [I, I], [O, I]]
 };
 
-/// Clips a convex polygon to the inside of an edge whose value at position (0, 0) is `at_corner`.
+/// Clips a convex polygon to a half-plane whose edge function at the pixel's top left corner is `at_corner`.
 fn cut(polygon: &[PixelPoint], edge: &HalfPlane, at_corner: DoubleDouble) -> Vec<PixelPoint> {
     let mut inside = Vec::with_capacity(polygon.len() + 1);
     for (from, to) in polygon.iter().zip(polygon.iter().cycle().skip(1)) {
@@ -167,15 +168,15 @@ fn cut(polygon: &[PixelPoint], edge: &HalfPlane, at_corner: DoubleDouble) -> Vec
     inside
 }
 
-/// Returns the zero between two positions of a linear function that has opposite signs and these magnitudes there. The
-/// zero is measured from the nearer position, so a point close to a corner keeps all its digits.
+/// Returns the zero of a linear function between two positions, given the magnitudes of its values there, which have
+/// opposite signs. It is computed from the nearer position, so a point close to a corner keeps all its digits.
 fn crossing(a: (PixelPoint, DoubleDouble), b: (PixelPoint, DoubleDouble)) -> PixelPoint {
     let ((near, small), (far, large)) = if a.1.rounded() <= b.1.rounded() { (a, b) } else { (b, a) };
     let share = small / (small + large);
     std::array::from_fn(|axis| near[axis] + share * (far[axis] - near[axis]))
 }
 
-/// Returns the area of a polygon, px², by the shoelace formula from its first corner.
+/// Returns the area of a polygon in px², by the shoelace formula relative to its first corner.
 fn area(polygon: &[PixelPoint]) -> f64 {
     let Some((first, rest)) = polygon.split_first() else { return 0.0 };
     let from_first = |place: &PixelPoint| [place[0] - first[0], place[1] - first[1]];
@@ -196,8 +197,8 @@ mod tests {
         triangle_area(corners.map(DVec2::from), SIZE, SIZE).collect()
     }
 
-    /// Returns the area of the unit pixel under the segment and above the row's lower side, as an integral over x. A
-    /// segment at height h above the lower side adds min(max(h, 0), 1) dx, negative if it runs to the left.
+    /// Returns the signed area between a segment and the lower side of a pixel, within the pixel, as an integral over
+    /// x. A segment at height h above the lower side adds min(max(h, 0), 1) dx, negative if it runs to the left.
     fn under_segment(from: (f64, f64), to: (f64, f64), column: u32, row: u32) -> f64 {
         let (x0, bottom) = (f64::from(column), f64::from(row) + 1.0);
         let [a, b] = [from.0, to.0].map(|x| x.clamp(x0, x0 + 1.0));
@@ -298,7 +299,7 @@ mod tests {
     }
 
     #[test]
-    fn winding_does_not_matter_and_degenerate_triangles_are_nothing() {
+    fn winding_does_not_matter_and_degenerate_triangles_cover_nothing() {
         let (a, b, c) = ((1.25, 2.5), (9.125, 3.75), (4.5, 10.0));
         assert_eq!(areas([a, b, c]), areas([a, c, b]));
         for degenerate in [[a, a, a], [a, b, a], [(0.0, 0.0), (3.0, 3.0), (7.0, 7.0)]] {

@@ -1,13 +1,14 @@
-//! Smooths the edges of a finished picture: an FXAA-class filter.
+//! FXAA-class post filter: smooths the edges of a finished picture.
 //!
-//! After T. Lottes, "FXAA" (NVIDIA, 2009) and the white paper of FXAA 3.11. Contrast is measured in 8-bit luma of sRGB codes,
-//! as FXAA 3.11 stores it in the alpha channel. Where the contrast is large enough:
+//! After T. Lottes, "FXAA" (NVIDIA, 2009) and the white paper of FXAA 3.11. Contrast is measured in 8-bit luma of sRGB
+//! codes, as FXAA 3.11 stores it in the alpha channel. Where the contrast is large enough:
 //!
-//! 1. second differences decide whether the edge is horizontal or vertical, first differences which neighbour lies across it;
-//! 2. the line between the two pixels is followed both ways until the luma there changes;
-//! 3. a slanted line from end to end covers some share of the pixel: the pixel takes that share of its neighbour across the
-//!    edge, if it lies on the side that the line cuts into;
-//! 4. a pixel that stands out from its eight neighbours takes at least a share that grows with how much it does.
+//! 1. second differences decide whether the edge is horizontal or vertical, first differences which neighbour lies
+//!    across it;
+//! 2. the line between the two pixels is followed both ways until the luma along it changes;
+//! 3. a straight line between the two ends cuts into the pixels on one side of the edge: such a pixel blends with its
+//!    neighbour across the edge, by the share that the line cuts off;
+//! 4. a pixel that stands out from its eight neighbours blends by at least a share that grows with the difference.
 
 use std::cell::RefCell;
 
@@ -17,37 +18,40 @@ use crate::image::color::Tables;
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 
-/// Least contrast around a pixel that counts as an edge, in codes.
+/// Minimum contrast around a pixel for an edge, in 8-bit luma codes.
 const MIN_CONTRAST: i16 = 8;
 
-/// Least contrast as a share of the brightest pixel around: 2⁻³.
+/// Minimum contrast for an edge, relative to the brightest luma around the pixel, as a right shift: 2⁻³.
 const MIN_CONTRAST_SHIFT: u32 = 3;
 
-/// Greatest share that an isolated pixel takes of its neighbour.
+/// Maximum share by which an isolated pixel blends with its neighbour.
 const SUBPIXEL: f32 = 0.75;
 
-/// Smaller shares leave the pixel unchanged: 20 % of the edge pixels of the chess scene at 1920 × 1080 px, 46 % of
-/// stained-glass.
+/// Minimum share for blending; with a smaller one, the pixel stays unchanged. That happens at 20 % of the edge pixels
+/// of the scene chess at 1920 × 1080 px, and at 46 % of those of stained-glass.
 const MIN_SHARE: f32 = 1.0 / 256.0;
 
-/// Pixels that an edge is followed each way. An edge ends where the luma on its line changes by a quarter of its gradient.
+/// Maximum distance, in pixels, that an edge is followed each way. An edge ends where the luma on its line changes by a
+/// quarter of its gradient.
 pub(crate) const SEARCH_PX: u32 = 16;
 
-/// Pixels that are searched together.
+/// Number of pixels filtered together, one per 16-bit SIMD lane.
 const BLOCK: usize = 32;
 
-/// Rows and columns of luma around a band: as far as a search reads.
+/// Number of rows and columns of luma around a band: the distance that a search reads.
 const MARGIN: usize = SEARCH_PX as usize;
 
-/// Bands per thread: few, because the luma of [`MARGIN`] rows on either side of a band is computed twice.
+/// Number of bands per thread. It is small, because the luma of [`MARGIN`] rows on either side of a band is computed
+/// twice.
 const BANDS_PER_THREAD: usize = 4;
 
 thread_local! {
-    /// Luma of a band, kept from picture to picture to avoid page faults.
+    /// Luma of a band. Reusing the buffer for the next picture avoids page faults.
     static LUMA: RefCell<Vec<i16>> = RefCell::default();
 }
 
-/// Filters a picture, mixing in linear light or in codes. The result is written into `memory` where there is any.
+/// Filters a picture, blending in linear light if `linear` is `true`, else in sRGB codes. Reuses `memory` for the
+/// result.
 pub(crate) fn apply(picture: &Image<Rgba8>, linear: bool, memory: Option<Image<Rgba8>>) -> Image<Rgba8> {
     apply_on(Lanes::best(), picture, linear, memory)
 }
@@ -65,16 +69,16 @@ fn apply_on(lanes: Lanes, picture: &Image<Rgba8>, linear: bool, memory: Option<I
     result
 }
 
-/// Picture to filter.
+/// Picture to filter, and the colour space for blending.
 #[derive(Clone, Copy)]
 struct FxaaInput<'a> {
     picture: &'a Image<Rgba8>,
-    /// Whether colours are mixed in linear light rather than in codes.
+    /// Whether colours are blended in linear light rather than in sRGB codes.
     linear: bool,
 }
 
-/// Filters the rows of `band`, the first of which is row `first` of the picture. Luma is computed [`MARGIN`] rows ahead, so that
-/// all rows in use stay in the second-level cache.
+/// Filters the rows of `band`, which starts at row `first` of the picture. Computes luma [`MARGIN`] rows ahead, so all
+/// rows in use stay in the L2 cache.
 #[inline(always)]
 fn fill_band<S: Simd>(simd: S, source: FxaaInput<'_>, luma: &mut Vec<i16>, first: usize, band: &mut [Rgba8]) {
     let picture = source.picture;
@@ -94,7 +98,7 @@ fn fill_band<S: Simd>(simd: S, source: FxaaInput<'_>, luma: &mut Vec<i16>, first
     }
 }
 
-/// Computes the luma of a row, and repeats that of its ends in the margins.
+/// Computes the luma of a row, and repeats its first and last value in the margins.
 #[inline(always)]
 fn fill_luma<S: Simd>(simd: S, pixels: &[Rgba8], luma: &mut [i16]) {
     let (blocks, rest) = pixels.as_chunks::<BLOCK>();
@@ -112,7 +116,7 @@ fn fill_luma<S: Simd>(simd: S, pixels: &[Rgba8], luma: &mut [i16]) {
     luma[MARGIN + pixels.len()..].fill(right);
 }
 
-/// Computes (54 r + 183 g + 19 b + 128) / 256, rounded down: luma by the Rec. 709 weights in 1/256.
+/// Computes the luma of pixels by the Rec. 709 weights in 1/256: (54 r + 183 g + 19 b + 128) / 256, rounded down.
 #[inline(always)]
 fn luma_of_block<S: Simd>(simd: S, pixels: &[Rgba8; BLOCK]) -> i16x32<S> {
     let halves = pixels.as_chunks::<WIDE>().0;
@@ -125,7 +129,7 @@ fn luma_of_block<S: Simd>(simd: S, pixels: &[Rgba8; BLOCK]) -> i16x32<S> {
     low.narrow(high).bitcast()
 }
 
-/// Filters a row, which holds the unfiltered pixels; `start` is the index of its first pixel in the picture.
+/// Filters one row in place. `row` holds the unfiltered pixels; `start` is the index of its first pixel in the picture.
 #[inline(always)]
 fn filter_row<S: Simd>(
     simd: S,
@@ -149,43 +153,43 @@ fn filter_row<S: Simd>(
             left &= left - 1;
             let across = if blends.horizontal >> lane & 1 != 0 { width } else { 1 };
             let own = start + x + lane;
-            // Inside the picture: a repeated border pixel has no gradient to its original, and so no share.
+            // Never outside the picture: a repeated border pixel equals its original, so gradient and share are 0.
             let other = if blends.towards_before >> lane & 1 != 0 { own - across } else { own + across };
             block[lane] = mix(tables, block[lane], picture.pixels()[other], blends.shares[lane], linear);
         }
     }
 }
 
-/// Luma around [`BLOCK`] pixels of a row.
+/// View of the luma around [`BLOCK`] adjacent pixels of a row.
 #[derive(Clone, Copy)]
 struct Neighbourhood<'a> {
     luma: &'a [i16],
     /// Distance between rows, in elements of `luma`.
     stride: usize,
-    /// Index of the first pixel.
+    /// Index of the first of these pixels in `luma`.
     place: usize,
 }
 
-/// Edges through [`BLOCK`] pixels.
+/// Edge through each of [`BLOCK`] pixels.
 struct ContrastEdges<S: Simd> {
-    /// Whether the neighbour across the edge is the one above or to the left.
+    /// Pixels whose neighbour across the edge is the one above or to the left.
     towards_before: mask16x32<S>,
-    /// Sum of the luma on both sides.
+    /// Sum of the luma of each pixel and of its neighbour across the edge.
     line: i16x32<S>,
-    /// Change of that sum that ends an edge.
+    /// Minimum change of [`ContrastEdges::line`] that ends an edge.
     ends_at: i16x32<S>,
 }
 
-/// Ends of edges, in one direction.
+/// Ends of the edges through [`BLOCK`] pixels, in one of the two directions.
 #[derive(Clone, Copy)]
 struct EdgeDistances<S: Simd> {
     /// Distance from the pixel to the end of its edge, in pixels.
     step: i16x32<S>,
-    /// Change of [`ContrastEdges::line`] there.
+    /// Change of [`ContrastEdges::line`] at the end of the edge.
     change: i16x32<S>,
 }
 
-/// Result for [`BLOCK`] pixels: the neighbour that each one blends with, and its share. Bit `i` of a mask stands for pixel `i`.
+/// Blend of each of [`BLOCK`] pixels with its neighbour across the edge. Bit `i` of a mask stands for pixel `i`.
 struct Blends {
     /// Pixels whose share is at least [`MIN_SHARE`].
     found: u32,
@@ -200,14 +204,14 @@ impl Neighbourhood<'_> {
         i16x32::from_slice(simd, &self.luma[place..place + BLOCK])
     }
 
-    /// Returns luma above, below, left, right and at the pixels.
+    /// Returns the luma above, below, to the left, to the right, and at the pixels themselves.
     #[inline(always)]
     fn cross<S: Simd>(&self, simd: S) -> [i16x32<S>; 5] {
         let Self { stride, place, .. } = *self;
         each!(at in [place - stride, place + stride, place - 1, place + 1, place] => self.at(simd, at))
     }
 
-    /// Returns the pixels around which the contrast is large enough.
+    /// Returns a mask of the pixels around which the contrast is large enough for an edge.
     #[inline(always)]
     fn contrasts<S: Simd>(&self, simd: S) -> mask16x32<S> {
         let cross = self.cross(simd);
@@ -215,7 +219,7 @@ impl Neighbourhood<'_> {
         contrast(cross).simd_ge(least.max(MIN_CONTRAST))
     }
 
-    /// Computes the shares of the pixels in `found`.
+    /// Computes the blends of the pixels in `found`.
     #[inline(always)]
     fn blends<S: Simd>(&self, simd: S, found: mask16x32<S>) -> Blends {
         let cross = self.cross(simd);
@@ -262,8 +266,8 @@ impl Neighbourhood<'_> {
         }
     }
 
-    /// Follows the edges of the pixels in `found` backwards and forwards. `along` and `across` are distances in luma between
-    /// neighbours along the edge and across it.
+    /// Follows the edges of the pixels in `found` in both directions. `along` and `across` are the distances between
+    /// neighbours along and across the edge, in elements of the luma buffer.
     #[inline(always)]
     fn search<S: Simd>(
         &self,
@@ -290,7 +294,7 @@ impl Neighbourhood<'_> {
 }
 
 impl<S: Simd> EdgeDistances<S> {
-    /// Moves the ends of the edges in `going` to `step`, and returns those that go on.
+    /// Moves the ends of the edges in `going` to `step`. Returns a mask of the edges that continue.
     #[inline(always)]
     fn extend(&mut self, going: mask16x32<S>, step: usize, change: i16x32<S>, ends_at: i16x32<S>) -> mask16x32<S> {
         self.step = going.select(i16x32::splat(change.simd, step as i16), self.step);
@@ -304,15 +308,15 @@ fn brightest<S: Simd>([n, s, w, e, middle]: [i16x32<S>; 5]) -> i16x32<S> {
     n.max(s).max(w).max(e).max(middle)
 }
 
-/// Returns the difference between the brightest and the darkest.
+/// Returns the difference between the brightest and the darkest luma of a cross.
 #[inline(always)]
 fn contrast<S: Simd>(cross: [i16x32<S>; 5]) -> i16x32<S> {
     let [n, s, w, e, middle] = cross;
     brightest(cross) - n.min(s).min(w).min(e).min(middle)
 }
 
-/// Returns the share of the neighbour: half the distance from the middle of an edge by its length, or more where the pixel
-/// stands out from the mean of its neighbours; `stands_out` is twelve times the difference from that mean.
+/// Returns the blend share of pixels. It is half the distance from the middle of the edge divided by the edge's length,
+/// or more where a pixel stands out from its neighbours. `stands_out` is twelve times the difference from their mean.
 #[inline(always)]
 fn share<S: Simd>(numbers: [i32x16<S>; 4]) -> f32x16<S> {
     let [off_centre, length, stands_out, contrast] = each!(i in [0, 1, 2, 3] => numbers[i].to_float::<f32x16<S>>());
@@ -328,7 +332,7 @@ fn bend<S: Simd>(before: i16x32<S>, own: i16x32<S>, after: i16x32<S>) -> i16x32<
     (before + after - own * 2).abs()
 }
 
-/// Returns `own` with a share of `other` mixed in.
+/// Returns `own` blended with a share of `other`; alpha is that of `own`.
 #[inline(always)]
 fn mix(tables: &Tables, own: Rgba8, other: Rgba8, share: f32, linear: bool) -> Rgba8 {
     let mut result = own;
@@ -351,7 +355,7 @@ mod tests {
         (54 * i32::from(r) + 183 * i32::from(g) + 19 * i32::from(b) + 128) / 256
     }
 
-    /// One pixel, as published: plain code that the lanes must agree with.
+    /// Filters one pixel as published: the scalar reference for the SIMD lanes.
     fn filtered(picture: &Image<Rgba8>, lumas: &Image<i32>, at: (i64, i64), linear: bool) -> Rgba8 {
         let own = picture.at_clamped(at.0, at.1);
         match blend(lumas, at) {
@@ -362,7 +366,7 @@ mod tests {
         }
     }
 
-    /// Which neighbour a pixel takes a share of, and how much; none where there is no edge.
+    /// Returns the offset of the neighbour that a pixel blends with, and the share; `None` if there is no edge.
     fn blend(lumas: &Image<i32>, (x, y): (i64, i64)) -> Option<([i64; 2], f32)> {
         let at = |dx: i64, dy: i64| lumas.at_clamped(x + dx, y + dy);
         let (middle, [n, s, w, e]) = (at(0, 0), [at(0, -1), at(0, 1), at(-1, 0), at(1, 0)]);
@@ -407,7 +411,8 @@ mod tests {
         Some((across, of_line.max(smooth * smooth * SUBPIXEL)))
     }
 
-    /// Black above the line y = slope · x + 6, white below, each pixel by its centre or by the area that is white.
+    /// Returns a picture that is black above the line y = slope · x + 6 and white below. A pixel has the colour of its
+    /// centre or, if `by_area` is `true`, the mean over its area.
     fn slanted(slope: f32, by_area: bool) -> Image<Rgba8> {
         Image::from_fn(48, 24, |x, y| {
             let inside = y as f32 + 0.5 - (slope * (x as f32 + 0.5) + 6.0);
@@ -443,7 +448,7 @@ mod tests {
             let (after, count) = (apply(&level, linear, None), |image: &Image<Rgba8>| {
                 image.pixels().iter().filter(|pixel| !matches!(pixel[0], 0 | 255)).count()
             });
-            // The edge touches both borders at once, so that nothing slants; only what stands out is softened a little.
+            // The edge spans the picture, so no line is slanted. Only pixels that stand out are softened a little.
             assert!(count(&after) <= 2 * 20, "{linear}");
             assert_eq!(after.row(3), level.row(3));
         }
@@ -459,14 +464,14 @@ mod tests {
     fn turning_the_picture_turns_the_result() {
         let stairs = slanted(0.2, false);
         let turned = |image: &Image<Rgba8>| Image::from_fn(image.height(), image.width(), |x, y| image.at(y, x));
-        // Along the row wins where both directions bend alike, so compare where they differ.
+        // If both directions have equal second differences, the edge counts as horizontal, so a few pixels differ.
         let (one, other) = (apply(&stairs, true, None), turned(&apply(&turned(&stairs), true, None)));
         let same = one.pixels().iter().zip(other.pixels()).filter(|(a, b)| a == b).count();
         assert!(same * 100 >= one.pixels().len() * 98, "{same} of {}", one.pixels().len());
     }
 
     #[test]
-    fn lanes_filter_as_plain_code_pixel_by_pixel() {
+    fn simd_lanes_match_the_scalar_reference() {
         let mut random = fastrand::Rng::with_seed(7);
         for (width, height) in [(1, 1), (2, 70), (15, 9), (16, 16), (17, 131), (70, 5), (101, 66)] {
             let steps = Image::from_fn(width, height, |x, y| {

@@ -1,4 +1,4 @@
-//! Convolution masks over a finished picture: blur, sharpen, motion blur, or a custom mask. Alpha is kept.
+//! Convolution masks over a finished picture: blur, sharpen, motion blur, or a custom mask. Alpha is unchanged.
 //!
 //! Blur and Gaussian blur are separable: rows are convolved first, then columns. This takes 2 · 31 instead of 31² terms
 //! for the largest mask.
@@ -10,14 +10,14 @@ use crate::image::color::Tables;
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 
-/// Number of rows that are filtered together. The rows around a band are converted once per band.
+/// Number of rows per band, the unit of parallel work. Rows around a band are converted once per band.
 const BAND_ROWS: u32 = 64;
 
-/// Number of filtered colour channels.
+/// Number of filtered channels: red, green and blue.
 const CHANNELS: usize = 3;
 
-/// Applies a mask to every pixel, on sRGB codes or in linear light. Sums are rounded half up and clamped once, at the
-/// end.
+/// Convolves a picture with a mask, in linear light if `linear` is `true`, else in sRGB codes. Sums are rounded half up
+/// and clamped once, at the end.
 pub(crate) fn apply(mask: &Mask, picture: &Image<Rgba8>, linear: bool) -> Image<Rgba8> {
     let width = picture.width();
     let tables = Tables::get();
@@ -47,18 +47,19 @@ pub(crate) fn apply(mask: &Mask, picture: &Image<Rgba8>, linear: bool) -> Image<
     result
 }
 
-/// Values of a band of rows, and of the pixels around them that a mask reads.
+/// Buffers for filtering a band of rows: its values, with the margin that the mask reads, and one row of sums.
 #[derive(Default)]
 struct FilterBand {
-    /// Rows from top to bottom, one after the other, per channel; `stride` values each.
+    /// Values of each channel, row by row from the top, `stride` values per row.
     planes: [Vec<f32>; CHANNELS],
     stride: usize,
-    /// One row of results.
+    /// Convolved values of one row, per channel.
     sums: [Vec<f32>; CHANNELS],
 }
 
 impl FilterBand {
-    /// Reads the values of `rows` and of the pixels around them; pixels beyond the borders repeat the outermost ones.
+    /// Fills the planes with the values of `rows` and of a margin around them. Pixels beyond the picture's border
+    /// repeat the nearest pixel.
     #[inline(always)]
     fn read(&mut self, mask: &Mask, picture: &Image<Rgba8>, rows: std::ops::Range<u32>, values: &[f32; 256]) {
         let reach = i64::from(mask.reach());
@@ -94,7 +95,8 @@ impl FilterBand {
         }
     }
 
-    /// Sums the mask's terms for one row of the band; along columns only if rows are convolved already.
+    /// Computes the convolved values of one row of the band. A separable mask is summed along columns only, after
+    /// [`FilterBand::convolve_rows`].
     #[inline(always)]
     fn sum(&mut self, mask: &Mask, row: usize) {
         let reach = i64::from(mask.reach());
@@ -137,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn a_dot_shows_the_mask_turned_over() {
+    fn convolving_a_dot_yields_the_mirrored_mask() {
         let weights = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9];
         let shown = apply(&Mask::square(&weights).unwrap(), &dot(), false);
         for (index, weight) in weights.into_iter().enumerate() {
@@ -148,7 +150,7 @@ mod tests {
         assert_eq!(shown.at(1, 2), [0, 0, 0, 9]);
     }
 
-    /// Returns the sum of the terms of one pixel, in f64.
+    /// Returns the convolution at one pixel and channel, computed in `f64`.
     fn exact(mask: &Mask, picture: &Image<Rgba8>, (x, y): (u32, u32), channel: usize, linear: bool) -> f64 {
         let value = |code: u8| f64::from(if linear { decode_byte(code) } else { f32::from(code) });
         let term = |((dx, dy), weight): ((i64, i64), f32)| {
@@ -195,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn plain_pictures_stay_plain_to_the_border() {
+    fn uniform_pictures_stay_unchanged_up_to_the_border() {
         let masks =
             [Mask::blur(2), Mask::gaussian(1.3), Mask::sharpen(1.5), Mask::motion(9.0, 0.7), Mask::motion(0.0, 2.0)];
         for mask in masks {

@@ -2,45 +2,45 @@
 //!
 //! Offsets lie in [0, 1)², x right and y down from the pixel's top left corner. The mean of the samples is the pixel's
 //! colour. Patterns differ at edges: a regular one of n² samples has only n distinct steps along a nearly vertical
-//! edge, the others have up to as many steps as samples.
+//! edge. The others have up to as many steps as samples.
 
-/// Pattern of samples in a pixel.
+/// Sample pattern: the positions of the samples in a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pattern {
-    /// Centres of `side` × `side` squares.
+    /// One sample at the centre of each of `side` × `side` equal squares of the pixel.
     Regular {
         /// Number of squares along an axis, at least 1.
         side: u32,
     },
-    /// Pixel quartered, the quarters quartered, and so on `level` times. The positions are those of 2^`level` squares
-    /// along an axis, but in the order of a recursive subdivision.
+    /// One sample at the centre of each square after `level` subdivisions of the pixel into quarters. The positions
+    /// equal those of [`Pattern::Regular`] with a side of 2^`level`, in the order of the subdivision.
     Recursive {
         /// Number of subdivisions, at most [`Pattern::MAX_LEVELS`].
         level: u32,
     },
-    /// One of [`Pattern::JITTER`]² positions in each of `side` × `side` squares, different in each pixel. Turns
-    /// stair-stepping into noise.
+    /// One sample in each of `side` × `side` squares, at one of [`Pattern::JITTER`]² random positions, different in
+    /// each pixel. Turns stair-stepping into noise.
     Jittered {
         /// Number of squares along an axis, at least 1.
         side: u32,
-        /// Seed of the choice of positions.
+        /// Seed of the random positions.
         seed: u32,
     },
     /// Four samples, each in a row and a column of its own: a square rotated by about 27°.
     RotatedGrid,
-    /// First points of Sobol's (0, 2)-sequence. Of 2ᵏ consecutive points, starting at a multiple of 2ᵏ, one lies in
-    /// each of the 2ᵏ equal rectangles, of any shape, that halving the pixel produces.
+    /// First points of Sobol's (0, 2)-sequence. Halving the pixel k times, along either axis, gives 2ᵏ equal
+    /// rectangles. Each of them contains one of any 2ᵏ consecutive points that start at a multiple of 2ᵏ.
     LowDiscrepancy {
-        /// Number of samples.
+        /// Number of samples per pixel.
         count: u32,
     },
 }
 
 impl Pattern {
-    /// Greatest level of [`Pattern::Recursive`]: 256 samples.
+    /// Maximum level of [`Pattern::Recursive`], with 256 samples.
     pub(crate) const MAX_LEVELS: u32 = 4;
 
-    /// Number of candidate positions of a jittered sample along an axis of its square.
+    /// Number of candidate positions of a jittered sample along each axis of its square.
     pub(crate) const JITTER: u32 = 4;
 
     /// Returns the number of samples per pixel.
@@ -53,7 +53,7 @@ impl Pattern {
         }
     }
 
-    /// Returns the sample positions in pixel (x, y), px from its top left corner.
+    /// Returns the sample positions in pixel (`x`, `y`), in pixels from its top left corner.
     ///
     /// # Examples
     /// ```
@@ -85,8 +85,8 @@ impl Pattern {
     }
 }
 
-/// Returns the index of a sample's candidate position in pixel (x, y) under a seed. Candidates are numbered row by row
-/// in the sample's square.
+/// Returns the index of the candidate position of a jittered sample in pixel (`x`, `y`). Candidates are numbered row by
+/// row in the sample's square.
 pub(crate) fn jitter(x: u32, y: u32, sample: u32, seed: u32) -> usize {
     // Odd constants without simple ratios spread the inputs before the generator mixes them, so neighbours share no
     // pattern.
@@ -97,20 +97,20 @@ pub(crate) fn jitter(x: u32, y: u32, sample: u32, seed: u32) -> usize {
     fastrand::Rng::with_seed(spread).usize(0..(Pattern::JITTER * Pattern::JITTER) as usize)
 }
 
-/// Computes [`jitter`] of one sample for the given columns of row `y`.
+/// Computes [`jitter`] of one sample for several columns of row `y`, into `places`.
 pub(crate) fn jitter_row((columns, y): (&[u32], u32), sample: u32, seed: u32, places: &mut [u8]) {
     for (place, x) in places.iter_mut().zip(columns) {
         *place = jitter(*x, y, sample, seed) as u8;
     }
 }
 
-/// Returns the position of a candidate in its square, in [0, 1)².
+/// Returns the position of a jitter candidate in its square, in [0, 1)².
 fn jittered_position(place: usize) -> [f64; 2] {
     let steps = Pattern::JITTER as usize;
     [place % steps, place / steps].map(|step| (step as f64 + 0.5) / steps as f64)
 }
 
-/// Returns the candidate positions that [`jitter`] numbers, for each of `side` × `side` squares.
+/// Returns the candidate positions that [`jitter`] numbers, for each of `side` × `side` squares of a pixel.
 pub(crate) fn jittered_positions(side: u32) -> Vec<Vec<[f64; 2]>> {
     let all =
         (0..(Pattern::JITTER * Pattern::JITTER) as usize).map(|place| grid(side, |_, _| jittered_position(place)));
@@ -118,7 +118,8 @@ pub(crate) fn jittered_positions(side: u32) -> Vec<Vec<[f64; 2]>> {
     (0..(side * side) as usize).map(|square| all.iter().map(|places| places[square]).collect()).collect()
 }
 
-/// Returns one position in each of `side` × `side` squares, row by row.
+/// Returns one position in each of `side` × `side` squares of a pixel, row by row. `within` returns the position in a
+/// square, in [0, 1)².
 fn grid(side: u32, mut within: impl FnMut(u32, u32) -> [f64; 2]) -> Vec<[f64; 2]> {
     let squares = (0..side).flat_map(|row| (0..side).map(move |column| (column, row)));
     squares
@@ -129,7 +130,8 @@ fn grid(side: u32, mut within: impl FnMut(u32, u32) -> [f64; 2]) -> Vec<[f64; 2]
         .collect()
 }
 
-/// Returns the centres of squares quartered `level` times, quarter by quarter.
+/// Returns the centres of the squares after `level` subdivisions of a pixel into quarters, in the order of the
+/// subdivision.
 fn quartered(level: u32) -> Vec<[f64; 2]> {
     let mut places = vec![[0.5; 2]];
     for depth in 1..=level {
@@ -142,7 +144,7 @@ fn quartered(level: u32) -> Vec<[f64; 2]> {
     places
 }
 
-/// Returns point `index` of the (0, 2)-sequence: the reversed bits of the index, and Sobol's second dimension.
+/// Returns point `index` of Sobol's (0, 2)-sequence: the bit-reversed index, and Sobol's second dimension.
 fn sobol(index: u32) -> [f64; 2] {
     let mut second = 0_u32;
     let (mut rest, mut direction) = (index, 1_u32 << 31);
@@ -171,7 +173,7 @@ mod tests {
     ];
 
     #[test]
-    fn all_samples_lie_in_the_pixel_and_are_as_many_as_told() {
+    fn all_samples_lie_in_the_pixel_and_match_the_count() {
         for pattern in PATTERNS {
             let offsets = pattern.offsets(17, 4);
             assert_eq!(offsets.len(), pattern.count() as usize, "{pattern:?}");

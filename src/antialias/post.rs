@@ -7,7 +7,7 @@ use crate::flat2d::convolve::Mask;
 use crate::image::{Image, Rgba8};
 use crate::pipeline::settings::ColorSpace;
 
-/// Returns the filtered picture, in `memory` if the filter can reuse it; `None` if there is nothing to do.
+/// Returns the filtered picture, or `None` if there is no filter to apply. Reuses `memory` if the filter can.
 pub(crate) fn apply(filter: &PostFilter, picture: &Image<Rgba8>, memory: Option<Image<Rgba8>>) -> Option<Image<Rgba8>> {
     let linear = filter.light == ColorSpace::Linear;
     if filter.filter == PostFilterKind::Fxaa {
@@ -16,7 +16,7 @@ pub(crate) fn apply(filter: &PostFilter, picture: &Image<Rgba8>, memory: Option<
     mask_of(filter).map(|mask| mask::apply(&mask, picture, linear))
 }
 
-/// Returns the convolution mask of a filter; `None` if the filter is not a convolution.
+/// Returns the convolution mask of a filter, or `None` if the filter is not a convolution.
 pub(crate) fn mask_of(filter: &PostFilter) -> Option<Mask> {
     match filter.filter {
         PostFilterKind::None | PostFilterKind::Fxaa => None,
@@ -28,7 +28,8 @@ pub(crate) fn mask_of(filter: &PostFilter) -> Option<Mask> {
     }
 }
 
-/// Returns the distance, in px, up to which a filter reads around a pixel; `None` if there is nothing to do.
+/// Returns the distance, in pixels, up to which a filter reads around a pixel, or `None` if there is no filter to
+/// apply.
 pub(crate) fn reach(filter: &PostFilter) -> Option<u32> {
     match filter.filter {
         PostFilterKind::Fxaa => Some(fxaa::SEARCH_PX),
@@ -42,7 +43,7 @@ mod tests {
     use crate::antialias::settings::centred_in_5x5;
 
     #[test]
-    fn an_own_mask_of_three_rows_stands_in_the_middle() {
+    fn a_custom_mask_of_three_rows_is_centred() {
         let weights = [0.0, 0.5, 0.0, 0.0, 0.5, 0.0, 0.0, 0.0, 0.0];
         let filter =
             PostFilter { filter: PostFilterKind::Custom, mask: centred_in_5x5(weights), ..PostFilter::default() };

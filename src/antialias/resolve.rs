@@ -1,4 +1,4 @@
-//! Resolve: from the samples of pixels to their colours, by the mean in linear light or of sRGB codes.
+//! Resolve: averages the samples of each pixel, in linear light or in sRGB codes.
 
 use rayon::prelude::*;
 
@@ -8,7 +8,7 @@ use crate::math::lanes::*;
 use crate::pipeline::settings::ColorSpace;
 use crate::pipeline::tiled::{Picks, Sums};
 
-/// Accumulator for the mean of samples. The order of the samples affects the last bits only.
+/// Accumulator for the mean of the samples of every pixel. The order of the samples affects the last bits only.
 #[derive(Clone, Debug)]
 pub(crate) struct Mean {
     sums: Image<[f32; 3]>,
@@ -17,7 +17,7 @@ pub(crate) struct Mean {
 }
 
 impl Mean {
-    /// Returns an accumulator without samples, for a picture of `width` × `height` px.
+    /// Returns an empty accumulator for a picture of `width` × `height` px.
     pub(crate) fn new(width: u32, height: u32, light: ColorSpace) -> Self {
         Self { sums: Image::filled(width, height, [0.0; 3]), samples: 0, light }
     }
@@ -30,12 +30,12 @@ impl Mean {
         self.samples += 1;
     }
 
-    /// Returns the number of samples that each pixel has.
+    /// Returns the number of samples added per pixel.
     pub(crate) fn samples(&self) -> u32 {
         self.samples
     }
 
-    /// Returns the mean colours, opaque.
+    /// Returns the picture of the mean colours, with opaque alpha.
     pub(crate) fn picture(&self) -> Image<Rgba8> {
         let mut picture = Image::filled(self.sums.width(), self.sums.height(), [0; 4]);
         let pixels = picture.pixels_mut().par_iter_mut().with_min_len(MIN_LEN);
@@ -47,15 +47,15 @@ impl Mean {
 /// Minimum number of pixels per parallel task.
 const MIN_LEN: usize = 4096;
 
-/// Returns the colour of one pixel with these samples, equal to the result of [`Mean`].
+/// Returns the mean colour of one pixel's samples, equal to the result of [`Mean`].
 pub(crate) fn mean(samples: &[Rgba8], light: ColorSpace) -> Rgba8 {
     let (mut sum, numbers) = ([0.0; 3], numbers(light));
     samples.iter().for_each(|color| add(&mut sum, *color, numbers));
     finished(sum, samples.len() as u32, light)
 }
 
-/// Computes the colours of pixels on SIMD lanes, sixteen pixels at a time, equal to [`mean`]. `picks` holds indices
-/// into `colors`: for each sixteen pixels, one set of sixteen per sample.
+/// Computes the mean colours of pixels on SIMD lanes, sixteen pixels at a time, equal to [`mean`]. `picks` holds
+/// indices into `colors`: for each group of sixteen pixels, one [`Picks`] per sample.
 pub(crate) fn means(lanes: Lanes, colors: &[Rgba8], picks: &[Picks], light: ColorSpace, out: &mut [Rgba8]) {
     let sixteens = out.len().div_ceil(WIDE);
     if sixteens == 0 {
@@ -81,7 +81,8 @@ fn means_of_sixteen<S: Simd>(simd: S, colors: &[Rgba8], picks: &[Picks], light: 
     finished_lanes(simd, sums, picks.len() as u32, light)
 }
 
-/// Adds one sample per pixel to sums of sixteen pixels each, on SIMD lanes, in the same way as [`mean`].
+/// Adds one sample per pixel to `sums`, each of which holds sixteen pixels, on SIMD lanes. [`means_of_sums`] then
+/// returns the same colours as [`mean`].
 pub(crate) fn add_samples(lanes: Lanes, colors: &[Rgba8], light: ColorSpace, sums: &mut [Sums]) {
     on_lanes!(lanes, simd => add_sixteens(simd, colors, numbers(light), sums));
 }
@@ -112,7 +113,7 @@ pub(crate) fn means_of_sums(lanes: Lanes, sums: &[Sums], samples: u32, light: Co
     }
 }
 
-/// [`add`] for sixteen pixels.
+/// Adds one sample to the sums of sixteen pixels, as [`add`] does for one.
 #[inline(always)]
 fn added<S: Simd>(simd: S, sums: [f32x16<S>; 3], codes: [u32; WIDE], numbers: &[f32; 256]) -> [f32x16<S>; 3] {
     let codes = u32x16::load_array(simd, codes);
@@ -121,7 +122,7 @@ fn added<S: Simd>(simd: S, sums: [f32x16<S>; 3], codes: [u32; WIDE], numbers: &[
     })
 }
 
-/// [`finished`] for sixteen pixels.
+/// Returns the mean colours of sixteen pixels, as [`finished`] does for one.
 #[inline(always)]
 fn finished_lanes<S: Simd>(simd: S, sums: [f32x16<S>; 3], samples: u32, light: ColorSpace) -> [Rgba8; WIDE] {
     let [r, g, b] = each!(sum in [sums[0], sums[1], sums[2]] => {

@@ -7,7 +7,7 @@ use crate::flat2d::convolve::{GAUSSIAN_CUTOFF, MAX_REACH};
 use crate::pipeline::settings::{Choice, ColorSpace, choice};
 
 choice! {
-    /// Sampling of a drawn pixel.
+    /// Anti-aliasing method: sample positions in a drawn pixel, and the work done per sample.
     AntialiasMethod {
         None = "none", "None",
             "One sample at the pixel centre: stair-stepping along edges, moiré where a pattern is finer than a pixel.";
@@ -59,19 +59,19 @@ impl SampleCount {
         1 << (2 * self.level())
     }
 
-    /// Returns the number of squares along an axis.
+    /// Returns the number of squares along an axis of the pixel.
     pub fn side(self) -> u32 {
         1 << self.level()
     }
 }
 
-/// Sampling of drawn pixels, and resolve of their samples.
+/// Anti-aliasing settings: sampling of drawn pixels, and resolve of their samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Antialiasing {
-    /// Sample positions, and the work done per sample.
+    /// Method, which determines the sample positions and the work done per sample.
     pub method: AntialiasMethod,
-    /// Number of samples; the rotated grid always has four.
+    /// Number of samples per pixel. Ignored by the rotated grid, which always has four.
     pub samples: SampleCount,
     /// Seed of the positions of jittered samples.
     pub seed: u32,
@@ -86,23 +86,23 @@ impl Default for Antialiasing {
 }
 
 impl Antialiasing {
-    /// Whether each pixel has a single sample, at its centre.
+    /// Returns whether each pixel has a single sample, at its centre.
     pub fn is_off(self) -> bool {
         self.method == AntialiasMethod::None
     }
 
-    /// Whether sample positions differ from pixel to pixel, or shading does not run per sample. Samples are then not
-    /// drawn in passes.
+    /// Returns whether sample positions differ from pixel to pixel, or shading does not run per sample. Samples are
+    /// then not drawn in passes.
     pub(crate) fn is_per_pixel(self) -> bool {
         matches!(self.method, AntialiasMethod::Jittered | AntialiasMethod::Multisample)
     }
 
-    /// Whether the picture is the mean of several passes, each with one sample per pixel.
+    /// Returns whether the picture is the mean of several passes, each with one sample per pixel.
     pub(crate) fn has_passes(self) -> bool {
         !self.is_off() && !self.is_per_pixel()
     }
 
-    /// Returns the sample pattern.
+    /// Returns the sample pattern of the method.
     pub(crate) fn pattern(self) -> Pattern {
         let (side, count) = (self.samples.side(), self.samples.count());
         match self.method {
@@ -123,7 +123,7 @@ impl Antialiasing {
 }
 
 choice! {
-    /// Filter over the finished picture.
+    /// Kind of filter applied to the finished picture.
     PostFilterKind {
         None = "none", "None", "No filter.";
         Fxaa = "fxaa", "Edges (FXAA)",
@@ -144,8 +144,8 @@ choice! {
 }
 
 impl PostFilterKind {
-    /// Returns the maximum strength: the limit of the largest mask or, for sharpening, of useful values. `None` if the
-    /// filter has no strength.
+    /// Returns the maximum strength of the filter, or `None` if it has no strength. It follows from the size of the
+    /// largest mask or, for sharpening, from the range of useful values.
     pub(crate) fn max_strength(self) -> Option<f32> {
         let reach = MAX_REACH as f32;
         match self {
@@ -158,26 +158,26 @@ impl PostFilterKind {
     }
 }
 
-/// Weights of a custom mask: five rows of five.
+/// Weights of a custom convolution mask: five rows of five.
 pub(crate) type MaskWeights = [f32; 25];
 
-/// Mask that changes nothing.
+/// Identity mask, which leaves the picture unchanged.
 const UNIT: MaskWeights = {
     let mut weights = [0.0; 25];
     weights[12] = 1.0;
     weights
 };
 
-/// Post filter: filter over the finished picture.
+/// Settings of the post filter, which is applied to the finished picture.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct PostFilter {
-    /// Kind of filter.
+    /// Filter to apply to the finished picture.
     pub filter: PostFilterKind,
     /// Strength of the filter: px from the centre to the edge of a blur, standard deviation in px of a Gaussian blur,
     /// amount of sharpening, or length in px of a motion blur. At most [`PostFilterKind::max_strength`].
     pub strength: f32,
-    /// Direction of a motion blur, in degrees from right towards down.
+    /// Direction of a motion blur, in degrees clockwise from pointing right.
     pub(crate) angle_degrees: f32,
     /// Weights of a custom mask, row by row; a 3 × 3 mask is centred.
     pub(crate) mask: MaskWeights,
@@ -191,7 +191,7 @@ impl Default for PostFilter {
     }
 }
 
-/// Returns nine weights, three rows of three, centred in five rows of five.
+/// Returns the weights of a 3 × 3 mask, centred in a 5 × 5 mask.
 pub(crate) fn centred_in_5x5(weights: [f32; 9]) -> MaskWeights {
     let mut wide = [0.0; 25];
     for (index, weight) in weights.into_iter().enumerate() {
@@ -201,7 +201,7 @@ pub(crate) fn centred_in_5x5(weights: [f32; 9]) -> MaskWeights {
 }
 
 impl PostFilter {
-    /// Whether the filter changes nothing.
+    /// Returns whether no filter is selected.
     pub(crate) fn is_off(&self) -> bool {
         self.filter == PostFilterKind::None
     }

@@ -1,30 +1,30 @@
-//! Area sampling with a weight: the fraction of a pixel's filter that a convex shape covers.
+//! Weighted area sampling: the fraction of a pixel's filter kernel that a convex shape covers.
 //!
 //! A box filter of one pixel weights all covered parts equally, so the position of a thin shape within the pixel does
-//! not matter. A pyramid or a cone two pixels wide gives parts nearer to the centre more weight, and lets a shape count
-//! a little for neighbouring pixels. Slow movements then change the picture smoothly.
+//! not matter. A pyramid or a cone two pixels wide gives parts near the centre more weight, and lets a shape contribute
+//! a little to neighbouring pixels. Slow movements then change the picture smoothly.
 //!
-//! The integral is exact along rows, and a sum over [`ROWS`] rows across them; the whole filter has a weight of exactly
-//! 1.
+//! The integral is exact along rows, and a sum over [`ROWS`] rows across them. The weight of the whole kernel is
+//! exactly 1.
 
 use glam::DVec2;
 
-/// Number of rows into which a filter is cut.
+/// Number of rows into which a filter kernel is divided for integration.
 pub(crate) const ROWS: u32 = 64;
 
-/// Filter weight of a point, by its position relative to the pixel's centre.
+/// Filter kernel: weight of a point by its position relative to the pixel's centre.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Weight {
-    /// Constant over the pixel.
+    /// Weight that is constant over the pixel.
     Box,
-    /// Falls linearly from the centre to the sides of a square of 2 × 2 px.
+    /// Weight that falls linearly from the centre to the sides of a square of 2 × 2 px.
     Pyramid,
-    /// Falls linearly from the centre to a circle of 1 px radius.
+    /// Weight that falls linearly from the centre to a circle of 1 px radius.
     Cone,
 }
 
 impl Weight {
-    /// Returns the distance from the centre to which the filter reaches, px.
+    /// Returns the distance from the centre to the border of the kernel along an axis, in pixels.
     pub(crate) fn radius_px(self) -> f64 {
         match self {
             Self::Box => 0.5,
@@ -32,7 +32,7 @@ impl Weight {
         }
     }
 
-    /// Returns the height of the filter at a position relative to the centre, px; 1 at the centre.
+    /// Returns the weight at a position relative to the centre, in pixels; it is 1 at the centre.
     pub(crate) fn at(self, place: DVec2) -> f64 {
         match self {
             Self::Box => f64::from(place.abs().max_element() <= 0.5),
@@ -41,7 +41,7 @@ impl Weight {
         }
     }
 
-    /// Returns the integral of the height along a row at `y`, from 0 to `x`, both px relative to the centre.
+    /// Returns the integral of the weight along the row at `y`, from 0 to `x`, both in pixels relative to the centre.
     fn integral(self, x: f64, y: f64) -> f64 {
         let (length, d) = (x.abs(), y.abs());
         let positive = match self {
@@ -60,7 +60,8 @@ impl Weight {
     }
 }
 
-/// Returns the fraction of a pixel's filter that a convex polygon covers, in [0, 1]; corners in px, of either winding.
+/// Returns the fraction of a pixel's filter kernel that a convex polygon covers, in [0, 1]. Corners are in pixels, in
+/// either winding order.
 pub(crate) fn weighted_coverage(polygon: &[DVec2], center: DVec2, weight: Weight) -> f64 {
     let height = 2.0 * weight.radius_px() / f64::from(ROWS);
     let (mut covered, mut whole) = (0.0, 0.0);
@@ -74,7 +75,8 @@ pub(crate) fn weighted_coverage(polygon: &[DVec2], center: DVec2, weight: Weight
     (covered / whole).clamp(0.0, 1.0)
 }
 
-/// Returns the least and greatest x at which a horizontal line lies inside a convex polygon; `None` if it does not.
+/// Returns the minimum and maximum x at which a horizontal line lies inside a convex polygon, or `None` if it misses
+/// it.
 fn stretch(polygon: &[DVec2], y: f64) -> Option<(f64, f64)> {
     let sides = polygon.iter().zip(polygon.iter().cycle().skip(1));
     let crossings =
@@ -91,7 +93,7 @@ mod tests {
     const ALL: [Weight; 3] = [Weight::Box, Weight::Pyramid, Weight::Cone];
 
     #[test]
-    fn what_covers_the_filter_counts_one_and_half_of_it_a_half() {
+    fn full_coverage_counts_one_and_half_coverage_a_half() {
         let square = |left: f64| [(left, -9.0), (9.0, -9.0), (9.0, 9.0), (left, 9.0)].map(DVec2::from);
         for weight in ALL {
             assert!((weighted_coverage(&square(-9.0), DVec2::ZERO, weight) - 1.0).abs() < 1e-12, "{weight:?}");
@@ -108,7 +110,7 @@ mod tests {
             for (x, y, area) in triangle_area(corners, 8, 8) {
                 let center = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
                 let found = weighted_coverage(&corners, center, Weight::Box);
-                // Each row counts by the line through its middle, even a row in which the triangle ends.
+                // Each row is represented by its middle line, even a row in which the triangle ends.
                 assert!((found - area).abs() < 1.5 / f64::from(ROWS), "({x}, {y}) of {corners:?}: {found}, not {area}");
             }
         }

@@ -5,12 +5,12 @@ use serde::{Deserialize, Serialize};
 use super::{Check, Control, Exactly, Unanswered, check_length};
 use crate::flat2d::circle::midpoint_circle;
 
-/// Case of kind `circle`: a circle around a pixel.
+/// Input of a `circle` case: a circle around a pixel.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct Circle {
     /// Column and row of the centre pixel.
     pub(crate) c: Exactly<i32, 2>,
-    /// Radius, px.
+    /// Radius in pixels.
     pub(crate) r: u32,
 }
 
@@ -30,6 +30,6 @@ impl Circle {
 /// Answer to a [`Circle`] case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CircleAnswer {
-    /// Column and row of each pixel, without duplicates.
+    /// Column and row of each pixel of the circle, without duplicates.
     pub pixels: Vec<(i64, i64)>,
 }

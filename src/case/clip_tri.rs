@@ -11,14 +11,15 @@ use crate::pipeline::settings::{FillRule, Interpolation};
 use crate::pipeline::vertex::ClipVertex;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 
-/// Case of kind `clip_tri`: triangles in clip space.
+/// Input of a `clip_tri` case: triangles in clip space and a picture size.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct ClipTri {
-    /// Width of the picture, px.
+    /// Width of the picture in pixels.
     pub width: u32,
-    /// Height of the picture, px.
+    /// Height of the picture in pixels.
     pub height: u32,
-    /// Corners as [x, y, z, w], of either winding. A triangle with a non-finite corner is discarded.
+    /// Clip-space corners of each triangle as [x, y, z, w], in either winding order. A triangle with a non-finite
+    /// corner is discarded.
     pub(crate) triangles: Vec<Exactly<Exactly<Float, 4>, 3>>,
 }
 
@@ -108,8 +109,8 @@ pub(crate) type ClipSample = (usize, u32, u32, f64, f64, f64, f64);
 /// Answer to a [`ClipTri`] case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ClipTriAnswer {
-    /// Coverage of each triangle, in input order.
+    /// Covered samples of each triangle, in input order.
     pub triangles: Vec<TriangleSpans>,
-    /// Attributes of each covered sample.
+    /// Barycentric weights and depth of each covered sample.
     pub attr: Vec<ClipSample>,
 }

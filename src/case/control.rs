@@ -15,8 +15,9 @@ const fn max_entries<T>() -> u64 {
     MAX_ANSWER_BYTES / size_of::<T>() as u64
 }
 
-/// Returns a refusal if an answer has more entries of type `T` than fit into [`MAX_ANSWER_BYTES`]. The message inserts
-/// `entries` into “more than 5 …”.
+/// Returns a refusal if `count` entries of type `T` exceed [`MAX_ANSWER_BYTES`].
+///
+/// The message reads “the answer has more than 5 …”, followed by `entries`, the plural name of the entries.
 pub(super) fn check_length<T>(entries: &str, count: u64) -> Result<(), Refusal> {
     if count > max_entries::<T>() {
         return Err(Refusal(format!("the answer has more than {} {entries}, the limit", max_entries::<T>())));
@@ -28,14 +29,14 @@ pub(super) fn check_length<T>(entries: &str, count: u64) -> Result<(), Refusal> 
 pub struct Control<'a> {
     progress: &'a dyn Fn(f32),
     stop: &'a AtomicBool,
-    /// Progress steps reported so far.
+    /// Last reported progress, in units of 1 / [`REPORTS`].
     reported: Cell<u32>,
 }
 
-/// Maximum number of progress reports per case. A higher rate would only load the receiver.
+/// Maximum number of progress reports per case. More reports would only keep the receiver busy.
 const REPORTS: f64 = 200.0;
 
-/// Number of algorithm steps between two progress checks.
+/// Number of algorithm steps between two progress reports.
 const STEPS_PER_REPORT: u64 = 1 << 10;
 
 impl<'a> Control<'a> {
@@ -52,7 +53,7 @@ impl<'a> Control<'a> {
         if self.stop.load(Ordering::Relaxed) { Err(Unanswered::Cancelled) } else { Ok(()) }
     }
 
-    /// Reports the completed share, in [0, 1]. Returns an error if the case has been cancelled.
+    /// Reports the completed share of the work, in [0, 1]. Returns an error if the case has been cancelled.
     pub(crate) fn step(&self, share: f64) -> Result<(), Unanswered> {
         let steps = (share * REPORTS) as u32;
         if steps > self.reported.get() {
@@ -62,10 +63,10 @@ impl<'a> Control<'a> {
         self.check()
     }
 
-    /// Collects the results of an algorithm whose steps each yield at most one.
+    /// Collects the results of an algorithm that yields at most one result per step.
     ///
-    /// `done` of `of` steps preceded these; both are estimates and affect only the progress. Errors: see
-    /// [`check_length`]; cancelled.
+    /// Before this call, `done` of `of` steps are complete; both are estimates and affect only the reported progress.
+    /// Returns an error if the case is cancelled or the results exceed [`MAX_ANSWER_BYTES`].
     pub(super) fn collect<T>(
         &self,
         entries: &str,

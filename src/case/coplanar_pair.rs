@@ -6,12 +6,12 @@ use super::tri_attr::{TriangleSamples, check_pixels, check_vertices};
 use super::{AttributeVertex, Check, Control, Exactly, SampleAttributes, Unanswered, check_length};
 use crate::pipeline::settings::Arithmetic;
 
-/// Case of kind `coplanar_pair`: two coplanar triangles.
+/// Input of a `coplanar_pair` case: two coplanar triangles and the pixels to evaluate.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct CoplanarPair {
-    /// Corners of the first triangle.
+    /// Screen-space corners of the first triangle.
     pub(crate) first: Exactly<AttributeVertex, 3>,
-    /// Corners of the second triangle.
+    /// Screen-space corners of the second triangle.
     pub(crate) second: Exactly<AttributeVertex, 3>,
     /// Column and row of each pixel to evaluate.
     pub(crate) eval: Vec<Exactly<i64, 2>>,
@@ -26,7 +26,7 @@ impl Check for CoplanarPair {
 }
 
 impl CoplanarPair {
-    /// Interpolates the attributes of both triangles with the pipeline.
+    /// Interpolates the attributes of both triangles with the code of the pipeline.
     pub(super) fn answer(
         &self,
         arithmetic: Arithmetic,
@@ -45,8 +45,8 @@ impl CoplanarPair {
 /// Answer to a [`CoplanarPair`] case: one entry per triangle and requested pixel.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CoplanarPairAnswer {
-    /// Attributes of the first triangle.
+    /// Attributes of the first triangle at the requested pixels.
     pub(crate) first: Vec<SampleAttributes>,
-    /// Attributes of the second triangle.
+    /// Attributes of the second triangle at the requested pixels.
     pub(crate) second: Vec<SampleAttributes>,
 }

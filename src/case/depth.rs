@@ -6,7 +6,7 @@ use super::{Check, Control, Real, Refusal, Unanswered};
 use crate::pipeline::depth::{DepthEncoding, DepthScale};
 use crate::scene::DepthMapping;
 
-/// Case of kind `depth`: view depths to encode.
+/// Input of a `depth` case: view depths, and the mapping and format that encode them.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct Depth {
     /// Mapping from view depth to normalised depth.
@@ -17,7 +17,7 @@ pub struct Depth {
     pub(crate) near: Real,
     /// View depth of the far plane. `None` is valid only for a mapping without a far plane.
     pub(crate) far: Option<Real>,
-    /// View depths, all > 0, ascending.
+    /// View depths to encode, all > 0, in ascending order.
     pub(crate) z: Vec<Real>,
 }
 
@@ -41,11 +41,11 @@ pub(crate) enum Mapping {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum DepthFormat {
-    /// 32-bit float.
+    /// Depth stored as a 32-bit float.
     F32,
-    /// 16-bit normalised integer.
+    /// Depth stored as a 16-bit normalised integer.
     Unorm16,
-    /// 24-bit normalised integer.
+    /// Depth stored as a 24-bit normalised integer.
     Unorm24,
 }
 
@@ -57,7 +57,7 @@ impl Check for Depth {
         }
         let (near, far) = (self.near.0, self.far.map_or(f64::INFINITY, |far| far.0));
         if near <= 0.0 || near >= far {
-            return Err("the planes must lie at 0 < `near` < `far`".to_owned());
+            return Err("the planes must satisfy 0 < `near` < `far`".to_owned());
         }
         if self.z.iter().any(|z| z.0 <= 0.0) {
             return Err("every `z` must be positive: other values lie behind the eye".to_owned());
@@ -67,7 +67,7 @@ impl Check for Depth {
 }
 
 impl Depth {
-    /// Returns the depth-buffer values of vertices at these view depths.
+    /// Returns the values that the depth buffer stores for the view depths.
     pub(super) fn answer(&self, control: &Control<'_>) -> Result<DepthAnswer, Unanswered> {
         let mapping = match self.mapping {
             Mapping::Standard => DepthMapping::Standard,
@@ -75,7 +75,7 @@ impl Depth {
             Mapping::ReversedInf => DepthMapping::ReversedInfinite,
             Mapping::Linear => DepthMapping::Linear,
             Mapping::StandardInf => {
-                let reason = "no depth format stores an infinitely far plane as 1";
+                let reason = "`standard_inf` is not supported: no depth format stores an infinitely far plane as 1";
                 return Err(Refusal(reason.to_owned()).into());
             }
         };
@@ -99,6 +99,6 @@ impl Depth {
 /// Answer to a [`Depth`] case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DepthAnswer {
-    /// Stored values in [0, 1], one per view depth.
+    /// Values that the depth buffer stores, in [0, 1], one per view depth.
     pub(crate) depth: Vec<f64>,
 }

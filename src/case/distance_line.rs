@@ -1,20 +1,20 @@
-//! `distance_line`: computes the pixels at most half a pixel from a segment.
+//! `distance_line`: computes the pixels at most half a pixel away from a segment.
 
 use serde::{Deserialize, Serialize};
 
 use super::{Check, Control, Point, Unanswered, check_picture};
 use crate::flat2d::distance_line::distance_line;
 
-/// Case of kind `distance_line`: a segment and a picture size.
+/// Input of a `distance_line` case: a segment and a picture size.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct DistanceLine {
-    /// Width of the picture, px.
+    /// Width of the picture in pixels.
     pub width: u32,
-    /// Height of the picture, px.
+    /// Height of the picture in pixels.
     pub height: u32,
-    /// First end, px.
+    /// Start of the segment, in pixels.
     pub(crate) p0: Point,
-    /// Second end, px.
+    /// End of the segment, in pixels.
     pub(crate) p1: Point,
 }
 
@@ -36,6 +36,6 @@ impl DistanceLine {
 /// Answer to a [`DistanceLine`] case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DistanceLineAnswer {
-    /// Column and row of each pixel, row by row.
+    /// Column and row of each pixel of the line, row by row.
     pub pixels: Vec<(u32, u32)>,
 }

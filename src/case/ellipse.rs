@@ -5,14 +5,14 @@ use serde::{Deserialize, Serialize};
 use super::{Check, Control, Exactly, Unanswered, check_length};
 use crate::flat2d::ellipse::midpoint_ellipse;
 
-/// Case of kind `ellipse`: an axis-aligned ellipse around a pixel.
+/// Input of an `ellipse` case: an axis-aligned ellipse around a pixel.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct Ellipse {
     /// Column and row of the centre pixel.
     pub(crate) c: Exactly<i32, 2>,
-    /// Horizontal semi-axis, px.
+    /// Horizontal semi-axis in pixels.
     pub(crate) a: u32,
-    /// Vertical semi-axis, px.
+    /// Vertical semi-axis in pixels.
     pub(crate) b: u32,
 }
 
@@ -32,7 +32,7 @@ impl Ellipse {
 /// Answer to an [`Ellipse`] case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EllipseAnswer {
-    /// Column and row of each pixel, without duplicates.
+    /// Column and row of each pixel of the ellipse, without duplicates.
     pub(crate) pixels: Vec<(i64, i64)>,
 }
 
@@ -46,7 +46,7 @@ mod tests {
     fn pixels(a: u32, b: u32) -> HashSet<(i64, i64)> {
         let list = Ellipse { c: Exactly([3, -5]), a, b }.answer(&Control::default()).unwrap().pixels;
         let set: HashSet<_> = list.iter().map(|(x, y)| (x - 3, y + 5)).collect();
-        assert_eq!(set.len(), list.len(), "{a} {b}: a pixel comes twice");
+        assert_eq!(set.len(), list.len(), "{a} {b}: a pixel occurs twice");
         set
     }
 

@@ -14,10 +14,10 @@ const MAX_BYTES: u64 = 16 << 20;
 /// Maximum length of a case ID, in bytes. With a suffix added, it is still a valid file name on every platform.
 const MAX_ID_BYTES: usize = 200;
 
-/// Reason why a case could not be read.
+/// Error from reading a case.
 #[derive(Debug, Error)]
 pub enum CaseError {
-    /// The file is not readable.
+    /// The file cannot be read.
     #[error("{}: cannot read it: {source}", path.display())]
     Unreadable {
         /// Path of the file.
@@ -42,7 +42,7 @@ pub enum CaseError {
     Unusable {
         /// Path of the file.
         path: PathBuf,
-        /// The invalid value and the reason.
+        /// Description of the invalid value.
         reason: String,
     },
 }
@@ -103,7 +103,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_said_with_its_place() {
+    fn error_messages_name_the_position_and_the_cause() {
         for (text, message) in [
             ("", ":1:0: EOF while parsing a value"),
             ("[]", ":1:2: invalid length 0, expected a case: an object with `id` and `kind`"),

@@ -34,10 +34,10 @@ fn within_range(number: f64) -> Result<f64, String> {
     }
 }
 
-/// Words for the values that JSON numbers cannot express.
+/// Strings in place of the values that JSON numbers cannot express.
 const WORDS: [(&str, f32); 3] = [("NaN", f32::NAN), ("Infinity", f32::INFINITY), ("-Infinity", f32::NEG_INFINITY)];
 
-/// Any 32-bit float: a number in the range of [`Real`], rounded to the nearest f32, or one of the words `NaN`,
+/// Any 32-bit float: a number in the range of [`Real`], rounded to the nearest f32, or one of the strings `NaN`,
 /// `Infinity` and `-Infinity`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Float(pub(crate) f32);
@@ -86,7 +86,7 @@ impl Visitor<'_> for FloatVisitor {
     }
 }
 
-/// Point, written as [x, y].
+/// Point in two dimensions, written as [x, y].
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(from = "Exactly<Real, 2>")]
 pub(crate) struct Point(pub(crate) DVec2);
@@ -171,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_reach_as_far_as_32_bit_floats() {
+    fn numbers_must_be_within_the_range_of_32_bit_floats() {
         for number in [0.0, -0.0, 1.5, f32::MAX.into(), -f64::from(f32::MAX), f64::from(f32::from_bits(1))] {
             assert_eq!(serde_json::from_str::<Real>(&format!("{number:?}")).unwrap().0, number);
         }
@@ -200,7 +200,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_of_unequal_length_are_no_picture() {
+    fn rows_of_unequal_length_are_refused() {
         let rows = |json: &str| rows::<_, u8>(&mut serde_json::Deserializer::from_str(json));
         assert_eq!(rows("[[1, 2, 3], [4, 5, 6]]").unwrap(), Image::from_pixels(3, 2, vec![1, 2, 3, 4, 5, 6]));
         for json in ["[]", "[[]]", "[[1], [1, 2]]", "[[1], []]"] {

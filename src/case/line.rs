@@ -5,14 +5,14 @@ use serde::{Deserialize, Serialize};
 use super::{Check, Control, Exactly, Unanswered, check_length};
 use crate::flat2d::line::{direction_independent_line, midpoint_line};
 
-/// Case of kind `line`: a line between two pixels.
+/// Input of a `line` case: a line between two pixels.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct Line {
     /// Column and row of the first pixel.
     pub(crate) p0: Exactly<i64, 2>,
     /// Column and row of the last pixel.
     pub(crate) p1: Exactly<i64, 2>,
-    /// Whether the last pixel belongs to the line. If `false`, the segments of a polyline share no pixel.
+    /// Whether the line includes its last pixel. If `false`, consecutive segments of a polyline share no pixel.
     pub(crate) last_pixel: bool,
     /// Whether the line from `p1` to `p0` covers the same pixels. If `false`, ties depend on the direction.
     #[serde(default)]
@@ -36,7 +36,7 @@ impl Line {
 /// Answer to a [`Line`] case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LineAnswer {
-    /// Column and row of each pixel, starting at the first.
+    /// Column and row of each pixel of the line, starting at `p0`.
     pub pixels: Vec<(i64, i64)>,
 }
 
@@ -44,7 +44,7 @@ pub struct LineAnswer {
 mod tests {
     use super::*;
 
-    /// Returns the pixels of a case parsed from JSON, as from a file.
+    /// Returns the pixels of the line from `p0` to `p1`. `field` is appended to the fields of the case, as JSON.
     fn pixels([p0, p1]: [[i64; 2]; 2], field: &str) -> Vec<(i64, i64)> {
         let case = format!(r#"{{"p0": {p0:?}, "p1": {p1:?}, "last_pixel": true{field}}}"#);
         serde_json::from_str::<Line>(&case).unwrap().answer(&Control::default()).unwrap().pixels

@@ -6,10 +6,10 @@ use super::rule;
 use crate::pipeline::settings::{FillRule, Settings};
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 
-/// Maximum side of the picture of a minimal case, px.
+/// Maximum width and height of the picture of a minimal case, in pixels.
 const SIDE_PX: u32 = 64;
 
-/// A `tri_coverage` case of one triangle, with a note on its origin. Readers of cases ignore unknown fields.
+/// A `tri_coverage` case of one triangle, with a note on its origin. Reading the case ignores the additional fields.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct MinimalCase {
     /// Identifier of the case, built from the triangle and the pixel.
@@ -21,7 +21,7 @@ pub(crate) struct MinimalCase {
     height: u32,
     #[serde(with = "rule")]
     rule: FillRule,
-    /// Corners in px, as the exact f64 values of the f32 coordinates.
+    /// Corners in pixels, as the exact f64 values of the f32 coordinates.
     triangles: [[[f64; 2]; 3]; 1],
     /// Column and row of the pixel to examine.
     pixel: [u32; 2],
@@ -85,7 +85,7 @@ mod tests {
     use crate::scene::builtin;
 
     #[test]
-    fn the_triangle_of_a_case_covers_the_pixel_that_it_was_made_of() {
+    fn a_minimal_case_covers_the_pixel_that_it_was_made_from() {
         let scene = builtin::by_id("slivers").unwrap().build();
         let mut recipe = Recipe::default();
         recipe.pipeline.culling = Culling::None;

@@ -81,15 +81,17 @@ use crate::pipeline::viewport::Viewport;
 /// Case read from a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
-    /// Identifier, valid as a file name.
+    /// Identifier of the case, valid as a file name.
     pub id: String,
-    /// Input of the algorithm.
+    /// Kind of the case, with the input of its algorithm.
     pub task: Task,
 }
 
 impl Case {
-    /// Reads a case. Errors: not a regular file of at most 16 MiB, not JSON, an unknown kind, or fields that do not
-    /// match the kind.
+    /// Reads a case from a JSON file.
+    ///
+    /// Returns an error if the path is not a regular file of at most 16 MiB, or if its content is not JSON, has an
+    /// unknown kind, or has fields that do not match the kind.
     pub fn read(path: &Path) -> Result<Self, CaseError> {
         file::read(path)
     }
@@ -111,13 +113,14 @@ pub struct Options {
 }
 
 impl Options {
-    /// Returns the fraction bits of the grid to which corners are snapped; `None` if they are used as given.
+    /// Returns the number of fraction bits of the grid to which corners are snapped; `None` if they are used as given.
     fn snap_bits(self) -> Option<u32> {
         snap_bits(self.arithmetic)
     }
 }
 
-/// Returns the fraction bits of the grid to which an arithmetic snaps corners; `None` if it uses them as given.
+/// Returns the number of fraction bits of the grid to which `arithmetic` snaps corners; `None` if it uses them as
+/// given.
 fn snap_bits(arithmetic: Arithmetic) -> Option<u32> {
     (arithmetic == Arithmetic::Fixed).then_some(SUBPIXEL_BITS)
 }
@@ -128,7 +131,7 @@ impl Default for Options {
     }
 }
 
-/// Reason why a valid case is not answered, in one sentence.
+/// Reason why a valid case is not supported, in one sentence.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{0}")]
 pub struct Refusal(pub(crate) String);
@@ -152,7 +155,8 @@ trait Check {
     }
 }
 
-/// Declares the enum of kinds, each with its struct and its word in case files.
+/// Declares `Task`, with one variant for each kind of case. Each kind has a struct of its fields and a name in case
+/// files.
 macro_rules! tasks {
     ($($kind:ident = $word:literal, $doc:literal;)+) => {
         /// Input of a case, with one variant per algorithm.
@@ -162,7 +166,7 @@ macro_rules! tasks {
         }
 
         impl Task {
-            /// The `kind` words of all variants, as written in case files.
+            /// Values of the field `kind` in case files, one for each variant.
             pub const KINDS: &[&str] = &[$($word),+];
 
             /// Parses the fields of a kind; `None` for an unknown kind.
@@ -190,14 +194,14 @@ tasks! {
     TriAttr = "tri_attr", "Weights and attributes at samples of a triangle.";
     CoplanarPair = "coplanar_pair", "Weights and attributes at samples of two coplanar triangles.";
     ClipTri = "clip_tri", "Triangles in clip space, clipped, projected and interpolated.";
-    TriArea = "tri_area", "Area of each pixel that a triangle covers.";
+    TriArea = "tri_area", "Covered area of each pixel of a triangle.";
     Line = "line", "A line between two pixels.";
     RealLine = "real_line", "A line between two points with real coordinates.";
     DistanceLine = "distance_line", "The pixels close to a segment.";
     Circle = "circle", "A circle around a pixel.";
     Ellipse = "ellipse", "An ellipse around a pixel, with axes along rows and columns.";
     RegionFill = "region_fill", "A region filled from a seed.";
-    Depth = "depth", "Values that a depth buffer stores.";
+    Depth = "depth", "Depths as stored in a depth buffer.";
     Texture = "texture", "Values sampled from a texture.";
     Upscale = "upscale", "An upscaled picture.";
 }
@@ -224,7 +228,7 @@ pub enum Answer {
     Upscale(UpscaleAnswer),
 }
 
-/// Evaluates a case. Errors: an unsupported request, or cancellation.
+/// Evaluates a case. Returns an error if the request is not supported or the case is cancelled.
 ///
 /// # Examples
 /// ```
@@ -265,20 +269,20 @@ pub fn answer(case: &Case, options: Options, control: &Control<'_>) -> Result<An
 pub struct CaseResult {
     /// Identifier of the case.
     pub id: String,
-    /// Answer or refusal.
+    /// Answer, or the reason why there is none.
     #[serde(flatten)]
     pub outcome: CaseOutcome,
 }
 
-/// An answer, or the reason for its absence.
+/// Outcome of a case: the answer, or the reason why there is none.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum CaseOutcome {
-    /// The case was answered.
+    /// Answer to a supported case.
     Answered(Answer),
     /// The request is not supported.
     Refused {
-        /// Reason, in one sentence.
+        /// Reason for the refusal, in one sentence.
         error: String,
     },
 }
@@ -293,7 +297,7 @@ pub fn solve(case: &Case, options: Options, control: &Control<'_>) -> Option<Cas
     Some(CaseResult { id: case.id.clone(), outcome })
 }
 
-/// Returns an error if a picture cannot have this size, in pixels.
+/// Returns an error if this size of a picture, in pixels, is not supported.
 fn check_picture(width: u32, height: u32) -> Result<(), String> {
     Viewport { width, height }.check().map_err(|flaw| format!("a picture of {width} × {height} px: {flaw}"))
 }

@@ -8,19 +8,19 @@ use crate::flat2d::polygon::{Corners, FillParameters, InsideRule, SamplePoint, f
 /// Maximum number of corners of a polygon. An empty contour counts as one corner.
 const MAX_CORNERS: usize = 1 << 20;
 
-/// Case of kind `poly_fill`: a polygon and a picture size.
+/// Input of a `poly_fill` case: a polygon and a picture size.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct PolyFill {
-    /// Width of the picture, px.
+    /// Width of the picture in pixels.
     pub width: u32,
-    /// Height of the picture, px.
+    /// Height of the picture in pixels.
     pub height: u32,
-    /// Rule that decides which points are inside.
+    /// Rule that decides which points are inside the polygon.
     pub(crate) rule: PolygonRule,
-    /// Sample position on both axes, px: 0.5 at pixel centres, 0 at integer coordinates.
+    /// Position of the sample within its pixel on both axes: 0.5 at the pixel centre, 0 at integer coordinates.
     #[serde(default = "middle")]
     pub(crate) center: Real,
-    /// Corners of each contour, px. Contours are closed implicitly.
+    /// Corners of each contour, in pixels. Contours are closed implicitly.
     pub(crate) contours: Vec<Vec<Point>>,
 }
 
@@ -52,7 +52,7 @@ impl Check for PolyFill {
 }
 
 impl PolyFill {
-    /// Returns the corners of the contours, px.
+    /// Returns the corners of each contour, in pixels.
     pub(crate) fn outlines(&self) -> Vec<Vec<[f64; 2]>> {
         self.contours.iter().map(|contour| contour.iter().map(|Point(p)| [p.x, p.y]).collect()).collect()
     }
@@ -65,7 +65,7 @@ impl PolyFill {
         }
     }
 
-    /// Fills the polygon. Edge crossings are always compared with samples exactly; no variant rounds them.
+    /// Fills the polygon. Samples are always compared with edge crossings exactly; no option rounds the crossings.
     pub(super) fn answer(&self, options: Options, control: &Control<'_>) -> Result<PolyFillAnswer, Unanswered> {
         let snap_bits = options.snap_bits();
         let corners = if snap_bits.is_some() { Corners::Snapped } else { Corners::AsGiven };
@@ -91,7 +91,7 @@ impl PolyFill {
 /// Answer to a [`PolyFill`] case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PolyFillAnswer {
-    /// Fraction bits of the grid to which corners were snapped; `None` if they were used as given.
+    /// Number of fraction bits of the grid to which corners were snapped; `None` if they were used as given.
     pub snap_bits: Option<u32>,
     /// Runs of inside samples, each as [row, first column, one past the last column].
     pub spans: Vec<[u32; 3]>,

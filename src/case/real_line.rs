@@ -1,16 +1,16 @@
-//! `real_line`: computes the pixels nearest to a line between two real points.
+//! `real_line`: computes the pixels nearest to a line between two points with real coordinates.
 
 use serde::{Deserialize, Serialize};
 
 use super::{Check, Control, Point, Refusal, Unanswered, check_length};
 use crate::flat2d::real_line::{MAX_COORDINATE_PX, real_line};
 
-/// Case of kind `real_line`: a line between two real points.
+/// Input of a `real_line` case: a line between two points with real coordinates.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct RealLine {
-    /// First end, px.
+    /// Start of the line, in pixels.
     pub(crate) p0: Point,
-    /// Second end, px.
+    /// End of the line, in pixels.
     pub(crate) p1: Point,
 }
 
@@ -20,7 +20,7 @@ impl RealLine {
     pub(super) fn answer(&self, control: &Control<'_>) -> Result<RealLineAnswer, Unanswered> {
         let (Point(p0), Point(p1)) = (self.p0, self.p1);
         let line = real_line(p0, p1).ok_or_else(|| {
-            Refusal(format!("an end lies beyond {MAX_COORDINATE_PX:e} px, where numbers no longer resolve half pixels"))
+            Refusal(format!("an end lies beyond {MAX_COORDINATE_PX:e} px, where floats no longer resolve half pixels"))
         })?;
         // Float-to-integer casts saturate.
         let count = (p1 - p0).abs().max_element() as u64;
@@ -32,6 +32,6 @@ impl RealLine {
 /// Answer to a [`RealLine`] case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RealLineAnswer {
-    /// Column and row of each pixel, starting at `p0`.
+    /// Column and row of each pixel of the line, starting at `p0`.
     pub pixels: Vec<(i64, i64)>,
 }

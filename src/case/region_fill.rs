@@ -6,7 +6,7 @@ use super::{Check, Control, Exactly, Unanswered, json};
 use crate::flat2d::seed_fill::{Connectivity, FillCriterion, seed_fill};
 use crate::image::Image;
 
-/// Case of kind `region_fill`: a grid of colours and a seed pixel.
+/// Input of a `region_fill` case: a grid of colours and a seed pixel.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct RegionFill {
     /// Colours before the fill, row by row.
@@ -14,7 +14,7 @@ pub struct RegionFill {
     pub(crate) grid: Image<i64>,
     /// Column and row of the seed pixel.
     pub(crate) seed: Exactly<u32, 2>,
-    /// Criterion that ends the fill.
+    /// Criterion that bounds the filled region.
     pub(crate) mode: FillMode,
     /// Connectivity: 4 if neighbours share a side, 8 if they share a side or a corner.
     pub(crate) connectivity: u32,
@@ -24,7 +24,7 @@ pub struct RegionFill {
     pub(crate) boundary: Option<i64>,
 }
 
-/// Criterion that ends a fill.
+/// Criterion that bounds a filled region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum FillMode {

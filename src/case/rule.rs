@@ -1,4 +1,4 @@
-//! Serialization of fill rules in case files, which write their names with `_`.
+//! Serialization of fill rules in case files, where their names contain `_` instead of `-`.
 
 use serde::de::Error as _;
 use serde::{Deserialize as _, Deserializer, Serializer};

@@ -8,7 +8,7 @@ use crate::image::{Image, Rgba8};
 use crate::pipeline::sample::Sampler;
 use crate::pipeline::settings::{AddressMode, ColorSpace, TexelFilter};
 
-/// Case of kind `texture`: a texture and the coordinates to sample.
+/// Input of a `texture` case: a texture and the coordinates to sample.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct Texture {
     /// Texels as 8-bit codes, row by row from the top.
@@ -26,7 +26,7 @@ pub struct Texture {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum TextureFilter {
-    /// Nearest texel.
+    /// Value of the nearest texel.
     Point,
     /// Weighted mean of the four surrounding texels.
     Bilinear,
@@ -36,7 +36,7 @@ pub(crate) enum TextureFilter {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum TextureAddress {
-    /// Clamps to the border texels.
+    /// Clamps coordinates to the border texels.
     Clamp,
     /// Repeats the texture.
     Wrap,
@@ -62,8 +62,8 @@ impl Texture {
     }
 }
 
-/// Converts values to a grey image. Refuses values other than whole numbers from 0 to 255, the only codes that an 8-bit
-/// image holds.
+/// Converts values to a grey image. Refuses values other than whole numbers from 0 to 255, because the image has 8 bits
+/// per channel.
 pub(super) fn codes(values: &Image<Real>) -> Result<Image<Rgba8>, Refusal> {
     let is_code = |value: &&Real| (0.0..=255.0).contains(&value.0) && value.0.fract() == 0.0;
     match values.pixels().iter().find(|value| !is_code(value)) {
@@ -77,6 +77,6 @@ pub(super) fn codes(values: &Image<Real>) -> Result<Image<Rgba8>, Refusal> {
 /// Answer to a [`Texture`] case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TextureAnswer {
-    /// Unrounded sampled values in units of codes, 0 to 255, one per texture coordinate.
+    /// Sampled values, one per texture coordinate, not rounded, in units of 8-bit codes from 0 to 255.
     pub values: Vec<f64>,
 }

@@ -1,4 +1,4 @@
-//! `tri_area`: computes the area of each pixel that a triangle covers.
+//! `tri_area`: computes how much of the area of each pixel a triangle covers.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,14 +8,14 @@ use crate::pipeline::raster::cover;
 use crate::pipeline::settings::{Arithmetic, FillRule, Rasterizer};
 use crate::pipeline::viewport::Viewport;
 
-/// Case of kind `tri_area`: a triangle and a picture size.
+/// Input of a `tri_area` case: a triangle and a picture size.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct TriArea {
-    /// Width of the picture, px.
+    /// Width of the picture in pixels.
     pub width: u32,
-    /// Height of the picture, px.
+    /// Height of the picture in pixels.
     pub height: u32,
-    /// Corners in px, of either winding.
+    /// Corners in pixels, in either winding order.
     pub(crate) triangle: Exactly<Point, 3>,
 }
 
@@ -26,15 +26,15 @@ impl Check for TriArea {
 }
 
 impl TriArea {
-    /// Returns the corners, px.
+    /// Returns the corners of the triangle, in pixels.
     pub(crate) fn outline(&self) -> Vec<[f64; 2]> {
         self.triangle.0.iter().map(|Point(p)| [p.x, p.y]).collect()
     }
 
     pub(super) fn answer(&self, control: &Control<'_>) -> Result<TriAreaAnswer, Unanswered> {
         let corners = self.triangle.0.map(|corner| corner.0);
-        // The answer lists each pixel whose centre is covered and further pixels at the border. The covered centres
-        // give a lower bound.
+        // The answer lists each pixel whose centre is covered and further pixels at the border. The number of covered
+        // centres is a lower bound.
         let viewport = Viewport { width: self.width, height: self.height };
         let corners_px = corners.map(|corner| corner.as_vec2().into());
         let centres = cover(Rasterizer::Scanline, Arithmetic::F64, corners_px, FillRule::Exclusive, viewport);

@@ -1,4 +1,5 @@
-//! `tri_attr`: evaluates weights and attributes of a triangle at pixel centres inside or outside it.
+//! `tri_attr`: evaluates barycentric weights and attributes of a triangle at pixel centres, inside or outside the
+//! triangle.
 
 use glam::Vec2;
 use serde::{Deserialize, Serialize, Serializer};
@@ -12,10 +13,10 @@ use crate::pipeline::vertex::Varyings;
 use crate::pipeline::viewport::{MAX_SIDE_PX, ScreenTriangle, ScreenVertex};
 use crate::scene::TriangleId;
 
-/// Case of kind `tri_attr`: a triangle and the pixels to evaluate.
+/// Input of a `tri_attr` case: a triangle and the pixels to evaluate.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct TriAttr {
-    /// Corners of the triangle.
+    /// Screen-space corners of the triangle.
     pub(crate) vertices: Exactly<AttributeVertex, 3>,
     /// Column and row of each pixel to evaluate.
     pub(crate) eval: Vec<Exactly<i64, 2>>,
@@ -24,17 +25,17 @@ pub struct TriAttr {
 /// Corner of a triangle in screen space.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 pub(crate) struct AttributeVertex {
-    /// Horizontal position, px.
+    /// Horizontal position in screen space, in pixels.
     pub(crate) x: Float,
-    /// Vertical position, px, down.
+    /// Vertical position in screen space, in pixels, increasing downwards.
     pub(crate) y: Float,
     /// Depth after the perspective division, z/w.
     pub(crate) z: Float,
     /// Clip-space w, > 0.
     pub(crate) w: Float,
-    /// Horizontal texture coordinate.
+    /// Horizontal texture coordinate; 0 to 1 spans the texture.
     pub(crate) u: Float,
-    /// Vertical texture coordinate.
+    /// Vertical texture coordinate; 0 to 1 spans the texture.
     pub(crate) v: Float,
 }
 
@@ -53,7 +54,7 @@ pub(super) fn check_vertices(vertices: &Exactly<AttributeVertex, 3>) -> Result<(
     Ok(())
 }
 
-/// Checks that pixels lie within the largest picture.
+/// Checks that pixels lie within the largest supported picture.
 pub(super) fn check_pixels(eval: &[Exactly<i64, 2>]) -> Result<(), String> {
     if eval.iter().any(|Exactly(pixel)| pixel.iter().any(|c| !(0..i64::from(MAX_SIDE_PX)).contains(c))) {
         return Err(format!("pixels to evaluate must have columns and rows from 0 to {}", MAX_SIDE_PX - 1));
@@ -62,7 +63,7 @@ pub(super) fn check_pixels(eval: &[Exactly<i64, 2>]) -> Result<(), String> {
 }
 
 impl TriAttr {
-    /// Returns the interpolated attributes of the pipeline, and the linearly extrapolated depth outside the triangle.
+    /// Interpolates the attributes as the pipeline does. Outside the triangle, depth is extrapolated linearly.
     ///
     /// The corners are used as given if snapping makes the triangle degenerate.
     pub(super) fn answer(&self, arithmetic: Arithmetic, control: &Control<'_>) -> Result<TriAttrAnswer, Unanswered> {
@@ -74,11 +75,11 @@ impl TriAttr {
     }
 }
 
-/// Triangle whose attributes the pipeline interpolates at its samples.
+/// Triangle set up for interpolating attributes at pixel centres.
 pub(super) struct TriangleSamples {
     triangle: ScreenTriangle,
     edges: AnyTriangle,
-    /// Fraction bits of the grid to which the corners are snapped; `None` if they are used as given.
+    /// Number of fraction bits of the grid to which the corners are snapped; `None` if they are used as given.
     snap_bits: Option<u32>,
 }
 
@@ -91,7 +92,7 @@ impl TriangleSamples {
         let snapped = in_arithmetic(arithmetic);
         let snap_bits = snapped.as_ref().and_then(|_| super::snap_bits(arithmetic));
         let edges = snapped.or_else(|| in_arithmetic(Arithmetic::Exact));
-        let edges = edges.ok_or_else(|| Refusal("a triangle without area has no weights".to_owned()))?;
+        let edges = edges.ok_or_else(|| Refusal("a triangle without area has no barycentric weights".to_owned()))?;
         let nobody = (TriangleId(0), 0);
         let triangle = ScreenTriangle::new(nobody, vertices, edges.doubled_area(), &DepthScale::default(), true);
         Ok(Self { triangle, edges, snap_bits })
@@ -112,7 +113,8 @@ impl TriangleSamples {
     }
 }
 
-/// Returns the pipeline's depth inside a triangle and the plane's depth outside, where the pipeline would clamp it.
+/// Returns the depth at a sample: inside the triangle as the pipeline computes it, outside without the pipeline's
+/// clamping.
 fn depth(triangle: &ScreenTriangle, sample: &RasterSample) -> f64 {
     if sample.edges.iter().all(|edge| *edge >= 0.0) {
         return depth_at(triangle, sample).into();
@@ -132,7 +134,7 @@ impl AttributeVertex {
 /// Answer to a [`TriAttr`] case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TriAttrAnswer {
-    /// Fraction bits of the grid to which corners were snapped; `None` if they were used as given.
+    /// Number of fraction bits of the grid to which the corners were snapped; `None` if they were used as given.
     pub(crate) snap_bits: Option<u32>,
     /// Attributes of the requested pixels, in any order.
     pub pixels: Vec<SampleAttributes>,
@@ -166,7 +168,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn weights_are_those_of_the_corners_beyond_the_reach_of_fixed_point_too() {
+    fn weights_are_correct_beyond_the_range_of_fixed_point() {
         let vertex = |x, y| AttributeVertex {
             x: Float(x),
             y: Float(y),
@@ -180,7 +182,7 @@ mod tests {
         let case = TriAttr { vertices, eval: vec![Exactly([3, 4])] };
         for arithmetic in [Arithmetic::Fixed, Arithmetic::Exact] {
             let [sample] = &case.answer(arithmetic, &Control::default()).unwrap().pixels[..] else {
-                panic!("one pixel")
+                panic!("the answer is not one pixel")
             };
             for weight in sample.affine_weights.into_iter().chain(sample.perspective_weights) {
                 assert!((weight - 1.0 / 3.0).abs() < 1e-6, "{arithmetic:?}: {sample:?}");
@@ -188,7 +190,7 @@ mod tests {
         }
     }
 
-    /// Returns a case of corners [x, y, z, w] with u = v = 0.
+    /// Returns a case with corners [x, y, z, w] and u = v = 0.
     fn case(corners: [[f32; 4]; 3], eval: &[[i64; 2]]) -> TriAttr {
         let vertex = |[x, y, z, w]: [f32; 4]| {
             let [x, y, z, w, u, v] = [x, y, z, w, 0.0, 0.0].map(Float);
@@ -213,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn snap_bits_are_those_of_the_corners_that_were_used() {
+    fn snap_bits_describe_the_corners_that_were_used() {
         let corners = [[1.0, 1.0, 0.0, 1.0], [9.0, 1.0, 0.0, 1.0], [1.0, 9.0, 0.0, 1.0]];
         // Snapping makes this triangle degenerate.
         let tiny = corners.map(|[x, y, z, w]| [1.0 + x * 1e-4, 1.0 + y * 1e-4, z, w]);

@@ -8,17 +8,17 @@ use crate::pipeline::settings::FillRule;
 use crate::pipeline::triangle_list::box_around;
 use crate::pipeline::viewport::Viewport;
 
-/// Case of kind `tri_coverage`: triangles and a picture size.
+/// Input of a `tri_coverage` case: triangles and a picture size.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct TriCoverage {
-    /// Width of the picture, px.
+    /// Width of the picture in pixels.
     pub width: u32,
-    /// Height of the picture, px.
+    /// Height of the picture in pixels.
     pub height: u32,
-    /// Fill rule: decides ownership of samples on an edge.
+    /// Fill rule, which decides whether a sample on an edge is covered.
     #[serde(with = "rule")]
     pub(crate) rule: FillRule,
-    /// Corners in px, of either winding. A triangle with a non-finite corner covers nothing.
+    /// Corners of each triangle in pixels, in either winding order. A triangle with a non-finite corner covers nothing.
     pub(crate) triangles: Vec<Exactly<Exactly<Float, 2>, 3>>,
 }
 
@@ -29,7 +29,7 @@ impl Check for TriCoverage {
 }
 
 impl TriCoverage {
-    /// Returns the corners of one triangle, px; `None` if `triangle` is out of range.
+    /// Returns the corners of one triangle, in pixels; `None` if `triangle` is out of range.
     pub(crate) fn corners_px(&self, triangle: usize) -> Option<[[f32; 2]; 3]> {
         let Exactly(corners) = self.triangles.get(triangle)?;
         Some(corners.map(|Exactly(corner)| corner.map(|number| number.0)))
@@ -82,13 +82,13 @@ impl TriCoverage {
 /// Answer to a [`TriCoverage`] case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TriCoverageAnswer {
-    /// Fraction bits of the grid to which corners were snapped; `None` if they were used as given.
+    /// Number of fraction bits of the grid to which corners were snapped; `None` if they were used as given.
     pub snap_bits: Option<u32>,
-    /// Coverage of each triangle, in input order.
+    /// Covered samples of each triangle, in input order.
     pub triangles: Vec<TriangleSpans>,
 }
 
-/// Coverage of one triangle.
+/// Covered samples of one triangle.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct TriangleSpans {
     /// Runs of covered samples, each as [row, first column, one past the last column].
@@ -96,7 +96,7 @@ pub struct TriangleSpans {
 }
 
 impl TriangleSpans {
-    /// Appends the spans of a rasterizer.
+    /// Appends spans from a rasterizer.
     pub(super) fn add(&mut self, spans: &[Span]) {
         self.spans.extend(spans.iter().map(|span| [span.row, span.left, span.right]));
     }

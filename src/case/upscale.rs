@@ -8,17 +8,17 @@ use crate::image::{Image, Rgba8};
 use crate::text;
 use crate::upscale::{Anchor, Scale, UpscaleInputs, Upscaling};
 
-/// Case of kind `upscale`: a picture and an upscaling method.
+/// Input of an `upscale` case: a picture and an upscaling method.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct Upscale {
-    /// Samples as 8-bit codes, row by row from the top.
+    /// Samples of the picture as 8-bit codes, row by row from the top.
     #[serde(deserialize_with = "json::rows")]
     pub(crate) image: Image<Real>,
     /// Scale factor per axis: a whole number or 1.5.
     pub(crate) scale: Real,
     /// Name of the filter kernel, such as `lanczos2`.
     pub(crate) kernel: String,
-    /// Alignment: `corner` puts output pixel scale · k at sample k; `center` aligns the centres of both pictures.
+    /// Alignment of the two pictures: `corner` puts output pixel scale · k at sample k; `center` aligns their centres.
     pub(crate) phase: String,
 }
 
@@ -86,9 +86,10 @@ impl Upscale {
     }
 }
 
-/// Enlarges by the sample nearest to position x / scale on each axis; ties choose the later sample.
+/// Enlarges a picture by taking the sample nearest to x / scale on each axis. A tie takes the sample on the right or
+/// below.
 ///
-/// The method `nearest` takes the sample before the position in this phase, which cases call `nearest_floor`.
+/// With this phase, the upscaler `nearest` rounds the position down, which is the kernel `nearest_floor` in cases.
 fn nearest_at_corner(
     scale: Scale,
     drawn: &Image<Rgba8>,
@@ -108,7 +109,7 @@ fn nearest_at_corner(
     Ok(UpscaleAnswer { quantized: false, values, codes })
 }
 
-/// Returns the weighted sum of codes at a pixel, neither rounded nor clamped.
+/// Returns the weighted sum of sample codes at an output pixel, neither rounded nor clamped.
 fn weighted(how: Upscaling, drawn: &Image<Rgba8>, size: (u32, u32), at: (u32, u32)) -> f64 {
     let grid = how.grid();
     let taps = how.upscaler().taps(how, &UpscaleInputs::from(drawn), size, at);
@@ -121,9 +122,9 @@ fn weighted(how: Upscaling, drawn: &Image<Rgba8>, size: (u32, u32), at: (u32, u3
 pub struct UpscaleAnswer {
     /// Whether `values` are rounded to codes.
     pub(crate) quantized: bool,
-    /// Weighted sums of codes, row by row.
+    /// Weighted sum of sample codes at each output pixel, row by row.
     pub values: Vec<Vec<f64>>,
-    /// Output codes of the upscaler, row by row.
+    /// Code that the upscaler outputs at each pixel, row by row.
     pub codes: Vec<Vec<u8>>,
 }
 
@@ -137,7 +138,7 @@ mod tests {
         );
         let case = Case::parse(text.as_bytes(), "u.json".as_ref()).map_err(|error| error.to_string())?;
         let answer = answer(&case, Options::default(), &Control::default()).map_err(|refusal| refusal.to_string())?;
-        let Answer::Upscale(picture) = answer else { unreachable!("the case is one of its kind") };
+        let Answer::Upscale(picture) = answer else { unreachable!("the case is an upscale case") };
         for (values, codes) in picture.values.iter().zip(&picture.codes) {
             assert!(values.iter().zip(codes).all(|(value, code)| (value - f64::from(*code)).abs() <= 0.6), "{text}");
         }

@@ -10,14 +10,15 @@ use crate::pipeline::viewport::Viewport;
 use crate::pipeline::wireframe;
 use crate::upscale::UpscaleInputs;
 
-/// Full picture before post filter and wireframe; never held twice.
+/// Full picture before post filter and wireframe. It is stored only if it differs from the drawn and the finished
+/// picture.
 #[derive(Clone, Debug)]
 pub(super) enum Unfiltered {
-    /// Equal to the finished picture, because neither filter nor wireframe changed it.
+    /// Same as the finished picture, because there is neither filter nor wireframe.
     Finished,
-    /// Equal to the drawn picture.
+    /// Same as the drawn picture.
     Drawn,
-    /// Different from both, and kept separately.
+    /// Stored separately, because it differs from both.
     Kept(Image<Rgba8>),
 }
 
@@ -27,7 +28,7 @@ pub(super) struct Finished {
     pub(super) picture: Option<Image<Rgba8>>,
     pub(super) unfiltered: Unfiltered,
     pub(super) history: Option<Image<[f32; 4]>>,
-    /// Time of the post filter and of the wireframe.
+    /// Time taken by the post filter and the wireframe.
     pub(super) post: Duration,
 }
 

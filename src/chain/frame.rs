@@ -25,19 +25,20 @@ use crate::upscale::{GBuffer, History, Sampling, UpscaleInputs};
 /// Wall-clock time of each part of a frame.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FrameTimes {
-    /// Geometry stages, from plan to cull, of all passes.
+    /// Time of the geometry stages, from plan to cull, summed over all passes.
     pub(crate) geometry: Duration,
-    /// Pixel stages, from rasterize to shade, of all passes. Includes averaging if samples differ from pixel to pixel.
+    /// Time of the pixel stages, from rasterize to shade, summed over all passes. Includes averaging if sample
+    /// positions differ from pixel to pixel.
     pub(crate) pixels: Duration,
-    /// Averaging of the supersampling passes.
+    /// Time to average the supersampling passes.
     pub(crate) resolve: Duration,
-    /// Finding the surface of each pixel, for upscalers that read it.
+    /// Time to draw the G-buffer, for upscalers that read it.
     pub(crate) surfaces: Duration,
-    /// Filling in pixels that were not drawn, and storing the frame as history.
+    /// Time to fill in pixels that were not drawn, and to store the frame as history.
     pub(crate) upscale: Duration,
-    /// Post filter and wireframe.
+    /// Time of the post filter and the wireframe.
     pub(crate) post: Duration,
-    /// Time from the plan to the finished picture.
+    /// Total time from the plan to the finished picture.
     pub total: Duration,
 }
 
@@ -48,41 +49,41 @@ pub struct Frame {
     pub(super) finished: Option<Image<Rgba8>>,
     /// Full picture before post filter and wireframe.
     pub(super) unfiltered: Unfiltered,
-    /// History of the upscaler, until it moves into a [`History`].
+    /// Accumulated picture of the upscaler, until it moves into a [`History`].
     pub(super) upscaler_history: Option<Image<[f32; 4]>>,
     /// Drawn samples: colours, averaged if a pixel has several, and depths of the pixel centres.
     pub drawn: Framebuffer,
-    /// Anti-aliasing of the drawn pixels.
+    /// Anti-aliasing settings of the drawn pixels.
     pub antialias: Antialiasing,
-    /// Camera of the view.
+    /// Camera of the view, without any shift to sample positions.
     pub(crate) camera: Camera,
-    /// Surface of every pixel; `None` unless the upscaler reads it and depths are kept.
+    /// G-buffer at full resolution; `None` unless the upscaler reads it and the depth test is on.
     pub(crate) gbuffer: Option<Arc<GBuffer>>,
-    /// Preceding frame; `None` unless the upscaler reads it and there is one.
+    /// Preceding frame as history; `None` unless the upscaler reads it and there is one.
     pub(crate) history: Option<Arc<History>>,
-    /// Rasterized triangles.
+    /// Geometry of the frame: the list of rasterized triangles, computed on first access.
     pub geometry: LazyGeometry,
-    /// One plan per instance.
+    /// Draw plans, one per instance.
     pub plans: Vec<DrawPlan>,
-    /// Size of the full picture, in px.
+    /// Size of the full picture, in pixels.
     pub(crate) viewport: Viewport,
-    /// Size of the picture that `geometry` and `drawn` belong to, in px: the full picture, or a smaller one of the same
-    /// view.
+    /// Size, in pixels, of the picture that `geometry` and `drawn` belong to: the full picture, or a smaller one of the
+    /// same view.
     pub raster: Viewport,
-    /// Selection of the samples that were drawn.
+    /// Positions of the drawn samples in the full picture.
     pub(crate) sampling: Sampling,
     /// Triangles of the full picture, if the wireframe needs them and `geometry` belongs to a smaller picture.
     pub(super) outlines: Option<TriangleList>,
-    /// Execution that drew the frame.
+    /// Execution, classic or tiled, that drew the frame.
     pub execution: Execution,
-    /// Wall-clock times of its parts.
+    /// Wall-clock time of each part of the frame.
     pub times: FrameTimes,
     /// Counts and times of the tiled execution; `None` for the classic one.
     pub tiled: Option<TiledReport>,
 }
 
 impl Frame {
-    /// Returns the full picture.
+    /// Returns the finished picture at full resolution.
     pub fn image(&self) -> &Image<Rgba8> {
         self.finished.as_ref().unwrap_or(&self.drawn.color)
     }
@@ -96,19 +97,20 @@ impl Frame {
         }
     }
 
-    /// Returns `color` as the drawn colours, with all other inputs of the upscaler.
+    /// Returns the inputs of the upscaler, with `color` as the drawn colours.
     pub(crate) fn as_drawn<'a>(&'a self, color: &'a Image<Rgba8>) -> UpscaleInputs<'a> {
         UpscaleInputs { color, frame: frame_inputs(self.gbuffer.as_deref(), &self.camera, self.history.as_deref()) }
     }
 
-    /// Whether the next frame of the same view may be better, because the upscaler's history has not converged yet.
+    /// Returns whether the next frame of the same view may be better, because the upscaler's history has not converged
+    /// yet.
     pub fn is_converging(&self, recipe: &Recipe) -> bool {
         let before =
             self.history.as_ref().filter(|past| past.camera == self.camera).map_or(0, |past| past.still_frames);
         self.gbuffer.is_some() && before + 1 < recipe.upscaler.upscaler().converges_after(recipe.upscaler)
     }
 
-    /// Takes the frame apart into buffers for reuse: the drawn samples, the full picture if it is separate, and the
+    /// Decomposes the frame into buffers for reuse: the drawn samples, the full picture if it is separate, and the
     /// preceding frame unless it is still referenced elsewhere.
     pub(super) fn into_buffers(self) -> (Framebuffer, Option<Image<Rgba8>>, Option<History>) {
         let full = match self.unfiltered {
@@ -118,8 +120,8 @@ impl Frame {
         (self.drawn, full, self.history.and_then(Arc::into_inner))
     }
 
-    /// Returns what the next frame may read of this one, in a spare buffer; `None` unless the upscaler reads the past.
-    /// Must be called once only.
+    /// Returns the history that the next frame may read, or `None` unless the upscaler reads history. Reuses the spare
+    /// buffer. Must be called at most once.
     pub(super) fn take_history(&mut self, recipe: &Recipe, spare: Option<Image<Rgba8>>) -> Option<History> {
         let surfaces = self.gbuffer.clone().filter(|_| recipe.upscaler.upscaler().reads().history)?;
         let memory = self.upscaler_history.take();
@@ -151,13 +153,13 @@ impl Frame {
         self.drawn.grid.drawn_pixels(self.raster.width, self.raster.height)
     }
 
-    /// Whether a pixel of the full picture was drawn itself.
+    /// Returns whether a pixel of the full picture was drawn, rather than filled in by the upscaler.
     pub(crate) fn is_drawn(&self, x: u32, y: u32) -> bool {
         matches!(self.sampling, Sampling::Grid(grid) if grid.sample_at(x, y).is_some())
     }
 
-    /// Returns the packed sample of a pixel of the full picture: its own if it was drawn, the nearest if samples lie
-    /// between pixels, else `None`.
+    /// Returns the position in the framebuffer of a pixel's sample. Returns the nearest sample if samples lie between
+    /// pixels, or `None` if the pixel was not drawn.
     pub fn sample_at(&self, x: u32, y: u32) -> Option<(u32, u32)> {
         match self.sampling {
             Sampling::Grid(grid) => grid.sample_at(x, y),
@@ -167,12 +169,12 @@ impl Frame {
         }
     }
 
-    /// Returns the pixel of the full picture in which a packed sample lies.
+    /// Returns the pixel of the full picture that contains a sample of the framebuffer.
     pub(crate) fn pixel_of(&self, sample: (u32, u32)) -> (u32, u32) {
         self.sampling.pixel(sample, (self.viewport.width, self.viewport.height))
     }
 
-    /// Returns the rasterized triangles in px of the full picture; empty if the frame was drawn smaller and without
+    /// Returns the rasterized triangles in pixels of the full picture. Empty if the frame was drawn smaller and without
     /// wireframe.
     pub(crate) fn outlines(&self) -> &[ScreenTriangle] {
         match self.sampling {
@@ -181,31 +183,31 @@ impl Frame {
         }
     }
 
-    /// Returns the number of rasterized triangles, counting each piece of clipped ones.
+    /// Returns the number of rasterized triangles, counting each piece of a clipped triangle.
     pub fn rasterized(&self) -> usize {
         self.tiled.as_ref().map_or_else(|| self.geometry.triangles.len(), |report| report.counts.rasterized as usize)
     }
 
-    /// Returns the camera that was drawn: the frame's own, or one moved to the sample positions. `recipe` must be the
+    /// Returns the camera that was drawn: the frame's own, or one shifted to the sample positions. `recipe` must be the
     /// frame's.
     pub(crate) fn drawn_from(&self, recipe: &Recipe) -> Camera {
         let (_, place) = sampling_after(self.history.as_deref(), recipe);
         raster_camera(&self.camera, self.sampling, self.viewport, place)
     }
 
-    /// Returns the mapping between distances and the depths of the frame.
+    /// Returns the mapping between distances and depths of the frame.
     pub(crate) fn depth_scale(&self) -> &DepthScale {
         &self.drawn.depth_scale
     }
 
-    /// Draws the frame's list of triangles again after a change, with one sample per pixel.
+    /// Redraws the frame after a change to its list of triangles, with one sample per pixel.
     pub fn redraw(&mut self, scene: &Scene, recipe: &Recipe) {
         let drawn = redraw(scene, recipe, self, LastStage::Shade, &mut ());
         *self = self.at_moment(recipe, drawn, Geometry::clone(&self.geometry));
     }
 
-    /// Returns the frame as of an earlier moment. `drawn` holds the samples drawn by then, one per pixel, and
-    /// `geometry` the triangles drawn by then.
+    /// Returns the frame as it was at an earlier moment of drawing. `drawn` holds the samples drawn by then, one per
+    /// pixel, and `geometry` the triangles drawn by then.
     pub(crate) fn at_moment(&self, recipe: &Recipe, drawn: Framebuffer, geometry: Geometry) -> Self {
         let Finished { picture, unfiltered, .. } = {
             let triangles = || self.outlines.as_ref().unwrap_or(&geometry.triangles);

@@ -1,4 +1,5 @@
-//! Single entry point of window, command line, reports and tests: a scene, a view and a [`Recipe`] give a [`Frame`].
+//! Entry point for drawing, shared by window, command line, reports and tests: a scene, a view and a [`Recipe`] give a
+//! [`Frame`].
 
 mod finish;
 mod frame;

@@ -1,4 +1,4 @@
-//! Pixel samples of the tiled execution, and their resolve, as selected by a recipe.
+//! Sample positions and resolve of the tiled execution, as selected by a recipe.
 
 use super::samples::places_on_grid;
 use crate::antialias::pattern::{Pattern, jitter_row};
@@ -10,8 +10,8 @@ use crate::pipeline::tiled::{JITTER_POSITIONS, Jittering, Multisampling, Picks, 
 
 const _: () = assert!((Pattern::JITTER * Pattern::JITTER) as usize == JITTER_POSITIONS);
 
-/// Calls `draw` with the samples that tiles draw in one pass: all samples of a pixel for multisampling and jittered
-/// supersampling, the pixel's centre otherwise.
+/// Calls `draw` with the samples per pixel that tiles draw in one pass. These are all samples for multisampling and
+/// jittered supersampling, and the pixel's centre otherwise.
 pub(super) fn with_pixel_samples<T>(
     antialias: Antialiasing,
     lanes: Lanes,

@@ -9,20 +9,20 @@ use crate::pipeline::settings::{Choice as _, Execution, Settings};
 use crate::upscale::{self, Offers, Scale, Upscaler, Upscaling};
 
 /// All settings that determine how a scene is drawn, as plain data: edited by panels, parsed from the command line and
-/// swept by reports. Equal recipe and equal scene give an equal frame, bit for bit.
+/// swept by reports. Equal recipes and equal scenes give bit-identical frames.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Recipe {
-    /// Execution of the pipeline; it does not affect the picture.
+    /// Execution of the pipeline, classic or tiled. It does not affect the picture.
     pub execution: Execution,
-    /// Settings of the pipeline.
+    /// Settings of the pipeline stages, from transform to shading.
     #[serde(flatten)]
     pub pipeline: Settings,
-    /// Sampling of the drawn pixels.
+    /// Anti-aliasing of the drawn pixels.
     pub antialias: Antialiasing,
-    /// Selection of the drawn pixels, and the method that fills in the others.
+    /// Upscaler: selects the pixels to draw, and fills in the others.
     pub upscaler: Upscaling,
-    /// Filter over the finished picture.
+    /// Filter applied to the finished picture.
     pub post: PostFilter,
     /// Whether the edges of all drawn triangles are drawn over the picture.
     pub wireframe: bool,
@@ -41,38 +41,38 @@ impl Default for Recipe {
     }
 }
 
-/// Prefix of the upscaler's keys.
+/// Prefix of the setting keys of the upscaler.
 const UPSCALER_KEYS: &str = "upscaler.";
 
 /// Key of the upscaler's method, which determines the valid values of the other upscaler keys.
 const METHOD_KEY: &str = "upscaler.method";
 
-/// Key of the post filter, which determines the range of its strength.
+/// Key of the post filter's kind, which determines the range of its strength.
 const FILTER_KEY: &str = "post.filter";
 
-/// Key of the post filter's strength.
+/// Key of the strength of the post filter.
 const STRENGTH_KEY: &str = "post.strength";
 
-/// Reason why an assignment `key=value` does not change a recipe.
+/// Error returned if an assignment `key=value` cannot be applied to a recipe.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum SetError {
-    /// The text has no `=`.
+    /// The assignment has no `=`.
     #[error("`{0}` is not of the form key=value")]
     NotAPair(String),
-    /// The key does not exist.
+    /// No setting has this key.
     #[error("`{key}` is not a setting; the settings are {known}")]
     UnknownKey {
-        /// Unknown key.
+        /// Key in the assignment.
         key: String,
         /// All existing keys, separated by commas.
         known: String,
     },
-    /// The key does not accept this value.
+    /// The setting does not accept this value.
     #[error("{key}: {reason}")]
     BadValue {
-        /// Key of the setting.
+        /// Key of the setting that was to be changed.
         key: String,
-        /// Reason, with the accepted values.
+        /// Reason why the value is rejected, with the accepted values.
         reason: String,
     },
 }
@@ -169,7 +169,7 @@ impl Recipe {
         keys
     }
 
-    /// Returns an error if a number is out of range, for ranges that types do not express.
+    /// Checks the ranges that types do not express. Returns an error message if a number is out of range.
     pub fn check(&self) -> Result<(), String> {
         let light = &self.pipeline.light;
         if !light.direction.is_finite() || light.direction == glam::Vec3::ZERO {
@@ -190,7 +190,7 @@ impl Recipe {
     }
 }
 
-/// Returns the dotted key of an assignment.
+/// Returns the dotted key of an assignment `key=value`, with `_` for `-`.
 fn key_of(assignment: &str) -> String {
     assignment.split('=').next().unwrap_or_default().trim().replace('-', "_")
 }
@@ -239,8 +239,8 @@ fn collect_keys(tree: &Value, prefix: &str, keys: &mut Vec<(String, String)>) {
     }
 }
 
-/// Returns a description of the values that a key accepts. Ranges are those of [`Recipe::check`]; words come from the
-/// parser's error message for an impossible value.
+/// Returns a description of the values that a key accepts. Ranges are those of [`Recipe::check`]. The words of a choice
+/// come from the parser's error message for an invalid value.
 fn describe_values(key: &str, value: &Value) -> String {
     match value {
         _ if key.starts_with(UPSCALER_KEYS) && key != METHOD_KEY => {
@@ -266,8 +266,8 @@ fn describe_values(key: &str, value: &Value) -> String {
     }
 }
 
-/// Returns the values that methods offer for a setting of the upscaler. If there are several methods, those without a
-/// choice are ignored.
+/// Returns the values that upscaling methods offer for a setting, separated by commas. If there are several methods,
+/// those without a choice are ignored.
 fn offered(key: &str, methods: &[&dyn Upscaler]) -> String {
     let words = |offers: Offers| -> Vec<String> {
         match key.trim_start_matches(UPSCALER_KEYS) {
@@ -281,7 +281,7 @@ fn offered(key: &str, methods: &[&dyn Upscaler]) -> String {
         }
     };
     let all: Vec<_> = methods.iter().map(|method| words(method.offers())).collect();
-    // A range is also a choice.
+    // A range is a single word, but counts as a choice.
     let is_choice = |words: &[String]| words.len() > 1 || words.iter().any(|word| word.contains('…'));
     let choices = all.iter().filter(|words| is_choice(words) || methods.len() == 1);
     let mut known: Vec<String> = Vec::new();
@@ -339,7 +339,7 @@ mod tests {
     }
 
     #[test]
-    fn an_enlargement_may_stand_before_its_method() {
+    fn the_scale_may_precede_its_method() {
         let mut recipe = Recipe::default();
         recipe.set_all(&["upscaler.scale=4", "upscaler.method=bicubic"]).unwrap();
         assert_eq!((recipe.upscaler.method(), recipe.upscaler.scale()), ("bicubic", Scale::FOUR));
@@ -370,7 +370,7 @@ mod tests {
     }
 
     #[test]
-    fn strengths_end_where_the_masks_of_their_filters_do() {
+    fn filter_strengths_are_limited_by_the_largest_mask() {
         for (filter, most, beyond) in [("blur", 15.0, "16"), ("gaussian", 5.0, "5.5"), ("motion", 30.0, "31")] {
             let mut recipe = Recipe::default();
             let set = [format!("post.strength={most}"), format!("post.filter={filter}")];
@@ -386,7 +386,7 @@ mod tests {
     }
 
     #[test]
-    fn every_key_tells_its_values_and_recipes_survive_json() {
+    fn every_key_describes_its_values_and_recipes_survive_json() {
         for (key, values) in Recipe::keys() {
             assert!(values.starts_with(char::is_alphanumeric), "{key}: {values}");
         }

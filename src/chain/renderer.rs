@@ -1,4 +1,4 @@
-//! Renderer: draws frame after frame, on all threads.
+//! Renderer: draws successive frames on all threads.
 
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
@@ -21,7 +21,8 @@ use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
 use crate::upscale::{GBuffer, History, UpscaleInputs};
 
-/// Draws frames by their recipes, on all threads if the recipe allows it, and reuses buffers from frame to frame.
+/// Renderer that draws frames by their recipes and reuses buffers from frame to frame. It uses all threads if the
+/// recipe allows it.
 ///
 /// # Examples
 /// ```
@@ -46,16 +47,17 @@ use crate::upscale::{GBuffer, History, UpscaleInputs};
 pub struct Renderer {
     memory: tiled::TiledMemory,
     lanes: Lanes,
-    /// Spare buffer of drawn colours.
+    /// Buffer for drawn colours, to be reused by the next frame.
     spare: Option<Image<Rgba8>>,
-    /// Spare full picture, for frames that are not drawn in full, and spare history of an upscaler.
+    /// Buffers for the full picture of an upscaled frame and for the upscaler's history, to be reused by the next
+    /// frame.
     spare_full: Spare,
-    /// Spare buffer of depths.
+    /// Buffer for depths, to be reused by the next frame.
     spare_depth: Option<Image<f32>>,
-    /// Spare picture of a history, and spare surfaces.
+    /// Buffer for the picture of a history, to be reused by the next frame.
     spare_picture: Option<Image<Rgba8>>,
     spare_surfaces: Option<GBuffer>,
-    /// Last frame; `None` unless its upscaler reads the past.
+    /// Preceding frame; `None` unless its upscaler reads history.
     past: Option<PreviousFrame>,
 }
 
@@ -83,17 +85,17 @@ impl Default for Renderer {
     }
 }
 
-/// Choice whether a frame keeps its depths for later readers.
+/// Whether a frame keeps its depths for later readers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KeepDepth {
     /// Depths are kept with the frame.
     Yes,
-    /// Depths are used and discarded.
+    /// Depths may be discarded once they have been used.
     No,
 }
 
 impl Renderer {
-    /// Returns a renderer that computes on these SIMD lanes.
+    /// Returns a renderer that uses the given SIMD lanes.
     pub fn on(lanes: Lanes) -> Self {
         Self { lanes, ..Self::default() }
     }
@@ -129,7 +131,7 @@ impl Renderer {
         frame
     }
 
-    /// Draws a view until further frames of it would be equal: one frame, unless the upscaler reads the past.
+    /// Draws a view until further frames would be equal: one frame, unless the upscaler reads history.
     pub fn render_converged(
         &mut self,
         scene: &Arc<Scene>,
@@ -235,7 +237,7 @@ impl Renderer {
         }
     }
 
-    /// Draws one or several samples per pixel with the tiled execution, into spare buffers.
+    /// Draws the samples of one pass with the tiled execution, into spare buffers.
     fn draw_tiled(
         &mut self,
         scene: &Scene,
@@ -252,7 +254,7 @@ impl Renderer {
         (drawn, report)
     }
 
-    /// Takes the buffers of a frame that is no longer needed.
+    /// Takes back the buffers of a frame that is no longer needed, for reuse.
     pub fn recycle(&mut self, frame: Frame) {
         let (drawn, full, past) = frame.into_buffers();
         self.spare = Some(drawn.color);
@@ -264,7 +266,7 @@ impl Renderer {
         self.spare_surfaces = Arc::into_inner(surfaces).or(self.spare_surfaces.take());
     }
 
-    /// Returns the number of bytes held from frame to frame.
+    /// Returns the size in bytes of the buffers held from frame to frame.
     pub(crate) fn bytes(&self) -> usize {
         self.memory.bytes()
             + self.spare.as_ref().map_or(0, Image::bytes)
@@ -276,7 +278,7 @@ impl Renderer {
     }
 }
 
-/// Returns the execution of a recipe on a scene, and the reason if it is not the one that the recipe selects.
+/// Returns the execution that draws a scene by a recipe, and the reason if it is not the one that the recipe selects.
 pub fn execution(scene: &Scene, recipe: &Recipe) -> (Execution, Option<&'static str>) {
     match recipe.execution {
         Execution::Classic => (Execution::Classic, None),

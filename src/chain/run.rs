@@ -19,8 +19,8 @@ use crate::pipeline::{Extent, Geometry, LastStage, draw, prepare};
 use crate::scene::{Camera, Scene};
 use crate::upscale::{History, UpscaleInputs};
 
-/// Draws one frame of the viewport's size with the classic execution. `observer` sees one sample per pixel, at its
-/// centre, even if a pixel has several. Cannot fail, because a scene is always renderable.
+/// Draws one frame of the viewport's size with the classic execution. `observer` receives one sample per pixel, at its
+/// centre, even if a pixel has several. Cannot fail, because every scene is renderable.
 ///
 /// # Examples
 /// ```
@@ -48,7 +48,7 @@ pub fn run<O: Observer>(
     run_after((None, Spare::default()), scene, camera, recipe, viewport, observer)
 }
 
-/// [`run`] after another frame of the same scene and recipe, with spare buffers to reuse.
+/// Draws a frame as [`run`] does, after a preceding frame of the same scene and recipe, and reuses spare buffers.
 pub(super) fn run_after<O: Observer>(
     (past, spare): (Option<Arc<History>>, Spare),
     scene: &Scene,
@@ -130,12 +130,13 @@ pub(super) fn run_after<O: Observer>(
 pub(super) struct Passes {
     /// Mean of the passes; `None` if the recipe has none.
     pub(super) mean: Option<Image<Rgba8>>,
-    /// Time of averaging, excluding the passes themselves.
+    /// Time spent on averaging, excluding the passes themselves.
     pub(super) resolve: Duration,
 }
 
-/// Averages the supersampling passes of a recipe. `pass` draws the picture with samples at a position, px from the
-/// pixel's top left corner. It may reuse the buffer of the preceding pass, if it gets one.
+/// Averages the supersampling passes of a recipe. `pass` draws the picture with one sample per pixel at the given
+/// position, in pixels from the pixel's top left corner. It may reuse the picture of the preceding pass, if it gets
+/// one.
 pub(super) fn mean_of_passes(
     recipe: &Recipe,
     (grid, raster): (SampleGrid, Viewport),
@@ -156,7 +157,7 @@ pub(super) fn mean_of_passes(
 }
 
 /// Draws the triangles of a frame again into a new framebuffer, up to the stage `until`. `recipe` may differ from the
-/// frame's own in settings of samples only: depth test and shading, not geometry. Transparency stays that of the frame:
+/// frame's own only in settings of samples, such as depth test and shading. Transparency stays that of the frame:
 /// alpha-tested fragments stay discarded, and blended ones come last and store no depth.
 pub fn redraw<O: Observer>(
     scene: &Scene,
@@ -196,7 +197,7 @@ mod tests {
     use crate::antialias::settings::{AntialiasMethod, Antialiasing};
 
     #[test]
-    fn the_time_of_averaging_holds_no_pass() {
+    fn the_time_of_averaging_excludes_the_passes() {
         let size = Viewport { width: 4, height: 4 };
         let antialias = Antialiasing { method: AntialiasMethod::Regular, ..Antialiasing::default() };
         let (begun, mut in_passes) = (Instant::now(), Duration::ZERO);

@@ -1,4 +1,4 @@
-//! Pixels from several samples: supersampling in passes, and per-pixel sampling.
+//! Anti-aliasing with several samples per pixel: supersampling in passes, and per-pixel sampling.
 //!
 //! If all pixels have their samples at the same positions, each sample is a pass of its own. A pass draws the whole
 //! picture through a window shifted by a fraction of a pixel, in the same way as a picture with one sample. If
@@ -26,12 +26,13 @@ use crate::pipeline::{Extent, Geometry, LastStage, draw, prepare};
 use crate::scene::{Camera, Scene};
 use crate::upscale::{CENTRE, Sampling};
 
-/// Returns the sample position of each pass in a pixel, px from its top left corner; empty if the recipe has no passes.
+/// Returns the sample position of each pass in a pixel, in pixels from its top left corner. Empty if the method has no
+/// passes.
 pub(super) fn passes(antialias: Antialiasing) -> Vec<[f64; 2]> {
     if antialias.has_passes() { antialias.pattern().offsets(0, 0) } else { Vec::new() }
 }
 
-/// Number of packed rows that are sampled together, so that their samples fit into the caches.
+/// Number of packed rows sampled together, small enough for their samples to fit into the caches.
 const ROWS: u32 = 8;
 
 /// Draws the picture of a per-pixel method (see [`Antialiasing::is_per_pixel`]) and resolves its samples.
@@ -66,7 +67,7 @@ pub(super) fn per_pixel(
     picture
 }
 
-/// Returns the candidate positions of each sample of a pixel, px from the pixel's centre.
+/// Returns the candidate positions of each sample of a pixel, in pixels from the pixel's centre.
 fn candidates(antialias: Antialiasing) -> Vec<Vec<[f32; 2]>> {
     let from_centre = |[x, y]: [f64; 2]| [(x - CENTRE[0]) as f32, (y - CENTRE[1]) as f32];
     let places = match antialias.method {
@@ -76,7 +77,7 @@ fn candidates(antialias: Antialiasing) -> Vec<Vec<[f32; 2]>> {
     places.into_iter().map(|places| places.into_iter().map(from_centre).collect()).collect()
 }
 
-/// Returns the candidate positions of each sample of a pixel, in grid steps of 1/256 px from the pixel's centre; empty
+/// Returns the candidate positions of each sample of a pixel, in grid steps of 1/256 px from the pixel's centre. Empty
 /// unless the method is per pixel.
 pub(crate) fn places_on_grid(antialias: Antialiasing) -> Vec<Vec<[i32; 2]>> {
     if !antialias.is_per_pixel() {
@@ -86,7 +87,8 @@ pub(crate) fn places_on_grid(antialias: Antialiasing) -> Vec<Vec<[i32; 2]>> {
     candidates(antialias).into_iter().map(on_grid).collect()
 }
 
-/// Draws all samples of the pixels of a rectangle into copies of a cleared framebuffer.
+/// Draws all samples of the pixels of a rectangle into copies of a cleared framebuffer, and returns one copy per
+/// sample.
 fn sampled(
     scene: &Scene,
     geometry: &Geometry,
@@ -156,12 +158,12 @@ fn replay_pixel(scene: &Scene, recipe: &Recipe, frame: &Frame, (x, y): (u32, u32
     frames.iter().map(|frame| frame.color.at(0, 0)).collect()
 }
 
-/// Returns the sample positions in a drawn pixel, px from its top left corner, in the order of [`replay`].
+/// Returns the sample positions in a drawn pixel, in pixels from its top left corner, in the order of [`replay`].
 pub(crate) fn places(antialias: Antialiasing, (x, y): (u32, u32)) -> Vec<[f64; 2]> {
     antialias.pattern().offsets(x, y)
 }
 
-/// Progressive picture that adds one sample per pixel at a time, so that a caller can show progress and stop. Samples
+/// Progressive rendering that adds one sample per pixel at a time, so that a caller can show progress and stop. Samples
 /// follow the low-discrepancy pattern; a single sample lies at the pixel's centre. Their mean is taken in linear light.
 #[derive(Debug)]
 pub(crate) struct ProgressiveRender {
@@ -175,8 +177,8 @@ pub(crate) struct ProgressiveRender {
 }
 
 impl ProgressiveRender {
-    /// Starts a picture of a recipe's pipeline alone: no upscaler, no filter, no wireframe, and textures read without
-    /// mip-mapping.
+    /// Starts a rendering by the recipe's pipeline settings only: no upscaler, no filter, no wireframe, and textures
+    /// read without mip-mapping.
     pub(crate) fn new(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, viewport: Viewport, samples: u32) -> Self {
         let mut bare = Recipe { pipeline: recipe.pipeline, execution: recipe.execution, ..Recipe::default() };
         if bare.pipeline.filter == TextureFilter::Trilinear {
@@ -203,7 +205,7 @@ impl ProgressiveRender {
         true
     }
 
-    /// Returns the fraction of the samples that are drawn, in [0, 1].
+    /// Returns the fraction of the samples drawn so far, in [0, 1].
     pub(crate) fn progress(&self) -> f32 {
         self.mean.samples() as f32 / self.places.len() as f32
     }
@@ -214,8 +216,8 @@ impl ProgressiveRender {
     }
 }
 
-/// Returns the camera of [`raster_camera`] with the window moved so that samples lie at `place` in their pixels; `None` if
-/// the window need not move.
+/// Returns the camera with its window shifted so that samples lie at `place` in their pixels, or `None` if no shift is
+/// needed. `place` is in pixels from the pixel's top left corner.
 pub(super) fn jittered_camera(
     camera: &Camera,
     sampling: Sampling,
@@ -248,8 +250,8 @@ mod tests {
 
     const SIZE: Viewport = Viewport { width: 61, height: 47 };
 
-    /// Returns the root mean square error of one triangle's coverage, over the pixels that its edges cross. The
-    /// reference is the exact area.
+    /// Returns the root mean square error of one triangle's coverage, over the pixels that its edges cross, compared
+    /// with the exact area.
     fn coverage_error(antialias: Antialiasing) -> f64 {
         let scene = builtin::by_id("triangle").unwrap().build();
         let mut recipe = Recipe { antialias, ..Recipe::default() };

@@ -159,7 +159,7 @@ fn another_scene_recipe_or_size_has_no_past() {
 }
 
 #[test]
-fn a_frame_is_made_in_the_memory_of_one_that_is_no_longer_needed() {
+fn a_frame_reuses_the_buffers_of_a_recycled_one() {
     let scene = scene("chess");
     let upscaler = Upscaling::new("bilinear", 2).unwrap();
     for execution in Execution::ALL {
@@ -176,7 +176,7 @@ fn a_frame_is_made_in_the_memory_of_one_that_is_no_longer_needed() {
 }
 
 #[test]
-fn what_pixels_show_is_found_anew_when_the_view_has_moved_and_only_then() {
+fn the_gbuffer_is_redrawn_only_after_the_view_has_moved() {
     let scene = scene("cubes");
     let mut cameras = [scene.home; 4];
     cameras[2].orbit(0.03, 0.01);

@@ -1,4 +1,4 @@
-//! Inputs of drawing a view: size and camera of the drawn picture, and the upscaler's inputs besides colours.
+//! Inputs of drawing a view: size and camera of the drawn picture, and the upscaler's inputs other than colours.
 
 use std::sync::Arc;
 
@@ -14,30 +14,30 @@ use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
 use crate::upscale::{FrameInputs, GBuffer, History, Sampling};
 
-/// Returns the sampling of the frame that follows `past`, and the position of the samples in their pixels, px from the
-/// top left corner.
+/// Returns the sampling of the frame that follows `past`, and the sample position in a pixel, in pixels from its top
+/// left corner.
 pub(super) fn sampling_after(past: Option<&History>, recipe: &Recipe) -> (Sampling, [f64; 2]) {
     let frames = past.map_or(0, |past| past.frames.wrapping_add(1));
     recipe.upscaler.upscaler().frame_sampling(recipe.upscaler, frames)
 }
 
-/// Returns the recipe that draws the object shown by every pixel in full resolution; `None` unless the upscaler reads
-/// surfaces and the depth test is on.
+/// Returns the recipe that draws the G-buffer at full resolution; `None` unless the upscaler reads it and the depth
+/// test is on.
 pub(super) fn gbuffer_recipe(recipe: &Recipe) -> Option<Recipe> {
     let reads = recipe.upscaler.upscaler().reads().gbuffer && recipe.pipeline.depth_test != DepthTest::Off;
     let pipeline = Settings { shading: Shading::ObjectId, ..recipe.pipeline };
     reads.then_some(Recipe { pipeline, ..Recipe::default() })
 }
 
-/// Returns the surfaces that the pixels of a view show. Reuses those of the preceding frame if its camera is the same,
-/// else converts the result of `draw`, a picture of object colours with depths.
+/// Returns the G-buffer of a view. Reuses that of the preceding frame if its camera is the same. Otherwise converts the
+/// result of `draw`, a picture of object colours with depths.
 pub(super) fn gbuffer(
     past: Option<&History>,
     camera: &Camera,
     lanes: Lanes,
     draw: impl FnOnce() -> Framebuffer,
 ) -> Option<Arc<GBuffer>> {
-    /// Number of depths that a thread converts at a time.
+    /// Number of depths that a parallel task converts.
     const TOGETHER: usize = 1 << 14;
     if let Some(past) = past.filter(|past| past.camera == *camera) {
         return Some(Arc::clone(&past.surfaces));
@@ -48,7 +48,7 @@ pub(super) fn gbuffer(
     Some(Arc::new(GBuffer { object, distance }))
 }
 
-/// Returns the upscaler's inputs besides colours; `None` without surfaces.
+/// Returns the upscaler's inputs other than colours, or `None` without a G-buffer.
 pub(super) fn frame_inputs<'a>(
     surfaces: Option<&'a GBuffer>,
     camera: &'a Camera,
@@ -57,7 +57,7 @@ pub(super) fn frame_inputs<'a>(
     surfaces.map(|surfaces| FrameInputs { gbuffer: surfaces, camera, history: past })
 }
 
-/// Returns the size of the picture that is actually rasterized.
+/// Returns the size in pixels of the picture that is actually rasterized.
 pub(super) fn raster_viewport(sampling: Sampling, Viewport { width, height }: Viewport) -> Viewport {
     let (width, height) = sampling.raster_size(width, height);
     Viewport { width, height }
@@ -68,8 +68,8 @@ pub(super) fn raster_camera(camera: &Camera, sampling: Sampling, viewport: Viewp
     samples::jittered_camera(camera, sampling, viewport, place).unwrap_or(*camera)
 }
 
-/// Returns the triangles of the full picture if the wireframe needs them because the rasterized picture is smaller,
-/// else `None`.
+/// Returns the triangles of the full picture if the wireframe needs them and the rasterized picture is smaller, else
+/// `None`.
 pub(super) fn outlines(scene: &Scene, camera: &Camera, recipe: &Recipe, viewport: Viewport) -> Option<TriangleList> {
     let drawn_smaller = matches!(recipe.upscaler.sampling(), Sampling::Lattice(_));
     (recipe.wireframe && drawn_smaller).then(|| prepare(scene, camera, &recipe.pipeline, viewport, &mut ()).triangles)

@@ -1,4 +1,4 @@
-//! Frame-level parts of the work, besides the draws: whether each runs, and the reason if it is skipped.
+//! Frame-level work besides the draws: whether each part runs, and the reason if it is skipped.
 
 use serde::Serialize;
 
@@ -9,7 +9,7 @@ use crate::pipeline::settings::{DepthTest, Execution};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::Scene;
 
-/// Part of a frame's work that may not be needed, whatever its draws do.
+/// Optional part of a frame's work that belongs to no single draw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum FramePart {
@@ -20,7 +20,7 @@ pub(crate) enum FramePart {
     Surfaces,
     /// Drawing several samples per pixel.
     AntiAliasing,
-    /// Memory for depths beyond the tile that is being drawn.
+    /// Storing the depths of the whole picture, not only of the tile that is being drawn.
     KeptDepths,
     /// Filling in pixels that were not drawn.
     Upscaling,
@@ -42,7 +42,7 @@ impl FramePart {
         Self::Wireframe,
     ];
 
-    /// Display name.
+    /// Returns the display name.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::EveryPixel => "Every pixel",
@@ -76,7 +76,7 @@ impl FramePart {
     }
 }
 
-/// Returns the number of pixels rasterized for a picture of this size: the maximum over the frames of a view.
+/// Returns the maximum number of pixels rasterized per frame for a picture of this size.
 pub(crate) fn rasterized_pixels(recipe: &Recipe, viewport: Viewport) -> u64 {
     let sampling = recipe.upscaler.sampling();
     let Viewport { width, height } = raster_viewport(sampling, viewport);
@@ -92,7 +92,7 @@ mod tests {
     use crate::scene::builtin::workload::layers;
     use crate::upscale::Upscaling;
 
-    /// Even sides, so that no grid ends within a pixel.
+    /// Picture size in pixels, with even sides, so that no sample grid ends within a pixel.
     const SIZE: Viewport = Viewport { width: 96, height: 48 };
 
     #[test]

@@ -1,4 +1,4 @@
-//! `rasterscope bench`: cost of frames of one view, as a table or as JSON.
+//! `rasterscope bench`: times the frames of one view and prints their cost, as a table or as JSON.
 
 use std::sync::atomic::Ordering;
 
@@ -30,7 +30,7 @@ pub(crate) struct BenchArgs {
     #[command(flatten)]
     frame: FrameArgs,
 
-    /// Number of threads to draw with; the number of hardware threads if omitted
+    /// Number of threads to draw with; all hardware threads if omitted
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
 
@@ -48,17 +48,18 @@ pub(crate) struct BenchArgs {
     #[arg(long, value_enum, default_value_t = LanesArg::Best)]
     lanes: LanesArg,
 
-    /// Time stepping through the drawing of the frame instead; --frames is the number of steps of each kind
+    /// Measure the time of steps through the drawing of the frame instead; --frames sets the number of steps of each
+    /// kind
     #[arg(long, conflicts_with_all = ["threads", "lanes"])]
     scrub: bool,
 
-    /// Time the window itself instead, each of its panels in turn; --frames is the number of passes, --size that of the
-    /// window
+    /// Measure the cost of the window itself instead, panel by panel; --frames sets the number of passes, and --size
+    /// the size of the window
     #[arg(long, conflicts_with_all = ["threads", "lanes", "scrub"])]
     window: bool,
 
-    /// Verify instead of timing: compare the frame drawn tile by tile, on every kind of lanes and several numbers of
-    /// threads, with the one drawn triangle after triangle, bit for bit; exit code 1 if they differ
+    /// Verify instead of timing: compare tiled execution bit for bit with classic execution, on every instruction set
+    /// and several numbers of threads; exit code 1 if they differ
     #[arg(long, conflicts_with_all = ["lanes", "frames", "scrub", "window"])]
     verify: bool,
 
@@ -77,7 +78,7 @@ enum LanesArg {
     Baseline,
 }
 
-/// Runs `bench`: draws, and prints times and costs.
+/// Runs `bench`: draws the frames, and prints times and costs.
 pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     let (view, size) = (args.frame.view()?, args.frame.size());
     if args.window {
@@ -125,7 +126,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     interrupt::outcome(report.report.partial)
 }
 
-/// Times of the frames, and their error.
+/// Times of the frames, and the error of the upscaler.
 #[derive(Serialize)]
 struct BenchOutput {
     #[serde(flatten)]
@@ -137,15 +138,15 @@ struct BenchOutput {
 /// Error against the native frames of the same cameras.
 #[derive(Serialize)]
 struct MeasuredError {
-    /// Figures of the still view once the upscaler has converged.
+    /// Error of the still view, after the upscaler has converged.
     still: ErrorMetrics,
-    /// Figures over the moving frames.
+    /// Error over the frames of a moving camera.
     motion: MotionError,
 }
 
 impl MeasuredError {
-    /// Measures the upscaler of a recipe over the frames of a sequence. Returns `None` for the native method, which is
-    /// the reference, and if `go_on` returns `false`.
+    /// Measures the error of a recipe's upscaler over the frames of a sequence. Returns `None` for the native method,
+    /// which is the reference, or if `go_on` returns `false`.
     fn of(shot: &FrameSequence<'_>, recipe: &Recipe, go_on: &mut dyn FnMut(f32) -> bool) -> Option<Self> {
         if recipe.upscaler.is_native() {
             return None;
@@ -193,7 +194,7 @@ fn table(report: &BenchOutput) -> String {
     let of_series = |ms: &Summary| [ms.median, ms.p10, ms.p90];
     text += &line("whole frame", of_series(frame_ms));
     text.extend(stages.iter().map(|StageSummary { stage, ms }| line(stage, [ms.median, ms.p10, ms.p90])));
-    text += &line("writing as many bytes", of_series(&writing.ms));
+    text += &line("only writing its bytes", of_series(&writing.ms));
     if let Some(noise) = noise {
         text += &format!(
             "\nnoise floor of the whole frame: {}, {:.3} ms; smaller differences of medians are {}\n",

@@ -19,16 +19,16 @@ pub(crate) struct ScrubReport {
     triangles: usize,
     /// Time until the first moment can be requested, in milliseconds.
     preparing_ms: f64,
-    /// Time of one pass to the last moment, which makes the copies, in milliseconds.
+    /// Time of the first pass over the whole frame, which copies the framebuffer, in milliseconds.
     first_walk_ms: f64,
-    /// Number of copies of the framebuffer.
+    /// Number of framebuffer copies that the first pass makes.
     copies: usize,
     copy_bytes: usize,
-    /// Times of each kind of step up to the finished picture, in milliseconds.
+    /// Time of each kind of step until its picture is finished, in milliseconds.
     steps: Vec<(&'static str, Summary)>,
 }
 
-/// Times `count` steps of each kind, spread over the frame.
+/// Measures `count` steps of each kind, spread over the frame.
 pub(crate) fn measure(view: &RequestedView, viewport: Viewport, count: usize) -> ScrubReport {
     let RequestedView { scene, camera, recipe, .. } = view;
     let frame = run(scene, camera, recipe, viewport, &mut ());
@@ -45,7 +45,9 @@ pub(crate) fn measure(view: &RequestedView, viewport: Viewport, count: usize) ->
     };
     let (first_walk, _, (copies, copy_bytes)) = show(Moment::after(triangles));
     let mut times: Vec<(&str, Vec<Duration>)> =
-        ["one triangle on", "one triangle back", "one fragment on", "jump"].map(|kind| (kind, Vec::new())).into();
+        ["one triangle forward", "one triangle back", "one fragment forward", "jump"]
+            .map(|kind| (kind, Vec::new()))
+            .into();
     // Steps by the golden ratio spread evenly over the frame, whatever the number of triangles.
     const GOLDEN_SHARE: f64 = 0.618_033_988_749_895;
     for number in 0..count {

@@ -1,4 +1,4 @@
-//! `rasterscope bench --verify`: checks that all ways to draw a frame give the same bits.
+//! `rasterscope bench --verify`: checks that tiled and classic execution draw bit-identical frames.
 
 use crate::measure::equality::{ComparedQuantity, Equality, ExecutionVariant, FrameDifference, verify as compare};
 use crate::pipeline::viewport::Viewport;
@@ -6,7 +6,7 @@ use crate::pipeline::viewport::Viewport;
 use super::failure::Failure;
 use super::scene_args::RequestedView;
 
-/// Compares on one, two and all threads, or only on `threads` threads.
+/// Compares tiled with classic execution, on one, two and all hardware threads, or only on `threads` threads.
 pub(crate) fn verify(view: &RequestedView, size: Viewport, threads: Option<usize>) -> Result<Equality, Failure> {
     let machine = std::thread::available_parallelism().map_or(1, usize::from);
     let mut counts = threads.map_or_else(|| vec![1, 2, machine], |count| vec![count]);
@@ -15,7 +15,7 @@ pub(crate) fn verify(view: &RequestedView, size: Viewport, threads: Option<usize
     compare(&view.scene, &view.camera, &view.recipe, size, &counts).map_err(|e| Failure::Threads(e.to_string()))
 }
 
-/// Formats the comparison, one line for each way to draw the frame.
+/// Formats the comparison, one line for each instruction set and number of threads.
 pub(crate) fn table(scene: &str, Viewport { width, height }: Viewport, found: &Equality) -> String {
     let mut text = format!("{scene}, {width} × {height} px: tiled execution against classic execution, bit for bit\n");
     if let Some(obstacle) = found.obstacle {
@@ -39,7 +39,7 @@ fn in_words(difference: &FrameDifference) -> String {
     format!("DIFFERENT: {samples} {of}; first at {x},{y}: found {found}, expected {expected}")
 }
 
-/// Returns a failure if any way to draw the frame differs.
+/// Returns a failure if any variant of tiled execution differs from classic execution.
 pub(crate) fn check_equality(found: &Equality) -> Result<(), Failure> {
     let differing = found.ways.iter().filter(|way| way.difference.is_some()).count();
     if differing > 0 { Err(Failure::Unequal { differing, of: found.ways.len() }) } else { Ok(()) }

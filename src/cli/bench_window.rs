@@ -7,7 +7,7 @@ use super::failure::Failure;
 use super::scene_args::RequestedView;
 use super::workbench;
 
-/// Times `passes` passes for each part of a window of `size` pixels.
+/// Measures `passes` passes for each part of a window of `size` pixels.
 pub(crate) fn measure(view: RequestedView, size: Viewport, passes: usize) -> Result<Vec<WindowCost>, Failure> {
     workbench::window_costs(view, size, passes)
 }

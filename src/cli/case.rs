@@ -1,4 +1,4 @@
-//! `rasterscope case`: answers to numerical cases, as JSON.
+//! `rasterscope case`: evaluates numerical cases and writes their answers as JSON.
 
 use std::collections::HashSet;
 use std::fs;
@@ -44,7 +44,7 @@ impl CaseArgs {
     }
 }
 
-/// Runs `case`: answers one or more cases.
+/// Runs `case`: evaluates one or more cases.
 pub(crate) fn run(args: &CaseArgs) -> Result<(), Failure> {
     match (&args.out_dir, &args.cases[..]) {
         (Some(folder), cases) => answer_all(cases, folder, args.options()),
@@ -102,7 +102,8 @@ fn answer_all(cases: &[PathBuf], folder: &Path, options: Options) -> Result<(), 
     failure.map_or(Ok(()), Err)
 }
 
-/// Reads a case with a new id; results of cases with the same id would overwrite each other.
+/// Reads a case and adds its id to `ids`. Returns an error for a known id, because its result would overwrite the
+/// earlier one.
 fn read_unlike(path: &Path, ids: &mut HashSet<String>) -> Result<Case, Failure> {
     let case = Case::read(path)?;
     if ids.insert(case.id.clone()) {
@@ -112,7 +113,7 @@ fn read_unlike(path: &Path, ids: &mut HashSet<String>) -> Result<Case, Failure> 
     }
 }
 
-/// Answers a case; the first SIGINT stops it.
+/// Evaluates a case; the first SIGINT cancels the evaluation.
 fn solved(case: &Case, options: Options) -> Result<CaseResult, Failure> {
     solve(case, options, &Control::new(&|_| {}, interrupt::flag())).ok_or_else(interrupt::nothing)
 }
@@ -121,7 +122,7 @@ fn write_file(result: &CaseResult, path: &Path) -> Result<(), Failure> {
     unless_interrupted(output::write_by(path, |file| write_line(result, file)))
 }
 
-/// Returns the outcome of writing a result, or the failure of an interruption if there was one.
+/// Returns `outcome`, or a failure if the process was interrupted.
 fn unless_interrupted(outcome: Result<(), Failure>) -> Result<(), Failure> {
     if interrupt::flag().load(Ordering::Relaxed) { Err(interrupt::nothing()) } else { outcome }
 }
@@ -135,7 +136,7 @@ fn write_line(result: &CaseResult, out: &mut dyn Write) -> io::Result<()> {
     out.flush()
 }
 
-/// A writer that fails once the process is interrupted.
+/// Writer that fails once the process is interrupted.
 struct Interruptible<'a> {
     out: &'a mut dyn Write,
     stop: &'a AtomicBool,

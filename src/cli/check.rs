@@ -1,4 +1,4 @@
-//! `rasterscope check`: assertions on every fragment of a frame, as a table. The exit code is 1 if one is violated.
+//! `rasterscope check`: checks assertions on every fragment of a frame. The exit code is 1 if one is violated.
 
 use std::sync::atomic::AtomicBool;
 
@@ -25,7 +25,7 @@ pub(crate) struct CheckArgs {
     json: bool,
 }
 
-/// Runs `check`: draws, checks, prints the findings, and fails if an assertion is violated.
+/// Runs `check`: draws the frame, prints the findings, and fails if an assertion is violated.
 pub(crate) fn run(args: &CheckArgs) -> Result<(), Failure> {
     let DrawnFrame { scene, recipe, frame, .. } = args.frame.draw(None)?;
     let wanted = if args.assert.is_empty() { Assertion::ALL } else { &args.assert };
@@ -42,7 +42,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<(), Failure> {
 
 /// Formats one line for each assertion, followed by the first fragment that violates it.
 fn table(report: &AssertionReport) -> String {
-    let mut text = format!("{:<14} {:>12} {:>12}  {}\n", "assertion", "checked", "violated", "what should hold");
+    let mut text = format!("{:<14} {:>12} {:>12}  {}\n", "assertion", "checked", "violated", "condition");
     for Finding { assertion, checked, violated, first } in &report.findings {
         text += &format!("{:<14} {checked:>12} {violated:>12}  {}\n", assertion.id(), assertion.name());
         if let Some(first) = first {

@@ -1,4 +1,5 @@
-//! `rasterscope diff`: effect of other settings on a view: changed pixels, error between the pictures, and cost.
+//! `rasterscope diff`: compares a view under two sets of settings: changed pixels, error between the pictures, and
+//! cost.
 
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
@@ -27,7 +28,7 @@ pub(crate) struct DiffArgs {
     #[command(flatten)]
     frame: FrameArgs,
 
-    /// Setting with another value in A; may be given several times. B has the settings of --set
+    /// Setting with its value in A; may be given several times. B has the settings of --set
     #[arg(long, value_name = "KEY=VALUE", required = true)]
     against: Vec<String>,
 
@@ -59,17 +60,17 @@ pub(crate) struct DiffArgs {
 struct DiffReport {
     scene: String,
     size: [u32; 2],
-    /// Settings that differ: key, value in A, value in B.
+    /// Settings that differ, each as key, value in A and value in B.
     fields: Vec<[String; 3]>,
     buffer: Buffer,
     changed_pixels: u64,
     changed_share: f64,
     picture_error: Option<ImageError>,
-    /// Camera motion over the frames that are compared and timed.
+    /// Camera motion during the compared and timed frames.
     turn: Turn,
-    /// Error over the moving frames; `None` if interrupted.
+    /// Error over the frames of a moving camera; `None` if interrupted.
     motion_error: Option<MotionError>,
-    /// Frame times of A and B; `None` without timed rounds, or if interrupted.
+    /// Frame times of A and B; `None` without timed rounds or if interrupted.
     times: Option<PairTimes>,
     machine: Machine,
     /// Whether the measurement was interrupted before it was complete.
@@ -119,7 +120,7 @@ pub(crate) fn run(args: &DiffArgs) -> Result<(), Failure> {
     interrupt::outcome(report.partial)
 }
 
-/// Returns the pixels of a buffer that differ, and the buffer of B with only these in colour.
+/// Returns the pixels of a buffer that differ, and the picture of B with unchanged pixels dimmed.
 fn compared(
     buffer: Buffer,
     view: &RequestedView,
@@ -194,7 +195,7 @@ fn text(report: &DiffReport) -> String {
     text
 }
 
-/// Formats the error over a sequence as one line.
+/// Formats the error over a sequence of frames as one line.
 pub(super) fn motion_line(motion: &MotionError, turn: Turn) -> String {
     let MotionError { mean, worst, .. } = motion;
     format!(

@@ -30,10 +30,10 @@ pub(crate) enum Failure {
     /// A model or a view cannot be loaded.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// A scene that is neither a built-in id nor a file.
+    /// The scene is neither a built-in id nor a file.
     #[error("{}: no such file or built-in scene; the built-in scenes are {known}", name.display())]
     UnknownScene { name: PathBuf, known: String },
-    /// An invalid `--set`.
+    /// The key or the value of `--set` is invalid.
     #[error("--set {0}")]
     Setting(#[from] SetError),
     /// `--at` is outside the picture.
@@ -67,7 +67,7 @@ pub(crate) enum Failure {
     #[error("{violated} of {of} assertions are violated")]
     Violated { violated: usize, of: usize },
     /// Pictures that must be bit-identical differ.
-    #[error("{differing} of {of} ways of tiled execution differ from classic execution")]
+    #[error("{differing} of {of} variants of tiled execution differ from classic execution")]
     Unequal { differing: usize, of: usize },
     /// A command was interrupted.
     #[error("interrupted: {0}")]

@@ -1,4 +1,4 @@
-//! `rasterscope fates`: fates of all triangles and fragments of a frame, in total and per object.
+//! `rasterscope fates`: prints the fates of all triangles and fragments of a frame, in total and per object.
 
 use crate::inspect::Fates;
 use crate::inspect::fates::{Account, FragmentCounts, FragmentFate, ObjectFates, TriangleCounts, TriangleFate};
@@ -30,13 +30,13 @@ struct FatesJsonOutput<'a> {
     triangles: TriangleCounts,
     fragments: FragmentCounts<u64>,
     objects: &'a [ObjectFates],
-    /// Triangles with a normal or texture coordinate that was NaN or infinite in the model.
+    /// Number of triangles with a normal or texture coordinate that is NaN or infinite in the model.
     broken: usize,
     balanced: bool,
     account: &'a Account,
 }
 
-/// Runs `fates`: draws, counts, and prints the fates.
+/// Runs `fates`: draws the frame, and counts and prints the fates.
 pub(crate) fn run(args: &FatesArgs) -> Result<(), Failure> {
     let DrawnFrame { scene, recipe, frame, .. } = args.frame.draw(None)?;
     let fates = Fates::of(&scene, &recipe, &frame);
@@ -76,9 +76,9 @@ fn text(fates: &Fates) -> String {
     text
 }
 
-/// Formats all non-empty bins.
+/// Formats a line for each fate that occurs: its count, its share and a bar.
 fn funnel<C: Choice>(what: &str, all: u64, count: impl Fn(C) -> u64) -> String {
-    /// Longest bar, in characters.
+    /// Length of the longest bar, in characters.
     const BAR: f64 = 40.0;
     let mut text = format!("\n{what:18} {all:12}\n");
     for fate in C::ALL.iter().filter(|fate| count(**fate) > 0) {
@@ -101,7 +101,7 @@ fn objects(objects: &[ObjectFates], all: &TriangleCounts) -> String {
     text
 }
 
-/// Truncates a name to the width of its column.
+/// Truncates a name to the width of its column in the table.
 fn shortened(name: &str) -> String {
     const COLUMN: usize = 20;
     if name.chars().count() <= COLUMN {

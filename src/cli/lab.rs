@@ -15,7 +15,7 @@ use super::{output, parse};
 /// Arguments of `lab`.
 #[derive(Args, Debug)]
 pub(crate) struct LabArgs {
-    /// Page of the lab
+    /// Page of the lab to run
     #[arg(value_parser = parse::choice::<Page>())]
     page: Page,
 
@@ -27,7 +27,7 @@ pub(crate) struct LabArgs {
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
 
-    /// Compare all methods of the page as well: error and time
+    /// Also compare error and run time of all methods of the page
     #[arg(long)]
     compare: bool,
 
@@ -71,7 +71,7 @@ pub(crate) fn run(args: &LabArgs) -> Result<(), Failure> {
     })
 }
 
-/// Formats one line for each step, and the results of the run.
+/// Formats one line for each step, followed by the results of the run.
 fn steps_text(recording: &Recording, steps: usize) -> String {
     let mut text = String::new();
     for (number, step) in recording.steps[..steps].iter().enumerate() {

@@ -67,7 +67,7 @@ const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "\n\n", include_str!(".
 const EXIT_CODES: &str = "Exit codes: 0 success; 1 violation found by `check` or `bench --verify`; 2 unusable input or \
     unwritable output; 3 window cannot be opened; 130 interrupted, complete results are written";
 
-/// Returns the end of a command's help: an example and the exit codes.
+/// Returns the last part of a command's help: an example and the exit codes.
 fn example(arguments: &str) -> String {
     format!("Example: rasterscope {arguments}\n\n{EXIT_CODES}")
 }
@@ -168,7 +168,7 @@ fn execute(cli: &Cli) -> Result<(), Failure> {
     }
 }
 
-/// Prints requested help. All other errors become failures with the first paragraph as their message.
+/// Prints help or the version if requested. Any other error becomes a failure with its first paragraph as the message.
 fn usage(error: &clap::Error) -> Result<(), Failure> {
     let text = error.render().to_string();
     if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
@@ -178,6 +178,6 @@ fn usage(error: &clap::Error) -> Result<(), Failure> {
     Err(Failure::Usage(first.trim_start_matches("error: ").to_owned()))
 }
 
-// Without the window some fields of `View` are never read, which is stated at their declaration.
+// The tests read fields of `RequestedView` that are declared as never read in builds without the window.
 #[cfg(all(test, feature = "ui"))]
 mod tests;

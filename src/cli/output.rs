@@ -1,4 +1,4 @@
-//! Results on standard output, warnings and errors on standard error, one line each.
+//! Writes results to standard output, and warnings and errors to standard error, one line each.
 
 use std::fmt::Display;
 use std::io::{self, ErrorKind, Write as _, stderr, stdout};
@@ -9,12 +9,12 @@ use serde::Serialize;
 
 use super::failure::Failure;
 
-/// Writes a result to standard output. A closed pipe (`| head`) is no failure.
+/// Writes a result to standard output. A closed pipe (`| head`) is not an error.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     print_by(|out| out.write_all(text.as_bytes()))
 }
 
-/// Writes a result piece by piece; otherwise like [`print()`].
+/// Writes a result to standard output piece by piece. A closed pipe (`| head`) is not an error.
 pub(crate) fn print_by(produce: impl FnOnce(&mut dyn io::Write) -> io::Result<()>) -> Result<(), Failure> {
     let mut out = stdout().lock();
     match produce(&mut out).and_then(|()| out.flush()) {
@@ -23,7 +23,7 @@ pub(crate) fn print_by(produce: impl FnOnce(&mut dyn io::Write) -> io::Result<()
     }
 }
 
-/// Serialises a result as indented JSON with a final newline.
+/// Serializes a result as indented JSON with a final newline.
 pub(crate) fn json(result: &impl Serialize) -> Result<String, Failure> {
     Ok(serde_json::to_string_pretty(result).map_err(|e| Failure::Output(e.into()))? + "\n")
 }

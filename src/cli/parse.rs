@@ -1,4 +1,4 @@
-//! Parsers for arguments of the command line.
+//! Parsers for command-line arguments.
 
 use std::ffi::OsStr;
 
@@ -34,7 +34,7 @@ fn pair(text: &str, separators: &[char]) -> Option<(u32, u32)> {
     Some((first.trim().parse().ok()?, second.trim().parse().ok()?))
 }
 
-/// Returns a parser for a closed set of alternatives, which help lists with their descriptions.
+/// Returns a parser for the values of `C`; the help text lists each with its description.
 pub(crate) fn choice<C: Choice + Send + Sync>() -> impl TypedValueParser<Value = C> {
     PossibleValuesParser::new(possible_values::<C>()).try_map(|id| named::<C>(&id).ok_or("not a possible value"))
 }
@@ -42,9 +42,9 @@ pub(crate) fn choice<C: Choice + Send + Sync>() -> impl TypedValueParser<Value =
 /// Axis that points up in the scene's home view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Up {
-    /// Guessed when the model is loaded.
+    /// Axis guessed from the model.
     Auto,
-    /// Explicit axis.
+    /// Axis given by the user.
     Axis(UpAxis),
 }
 
@@ -57,7 +57,7 @@ pub(crate) fn up() -> impl TypedValueParser<Value = Up> {
     })
 }
 
-/// Returns the parser for the meaning of `Tr`.
+/// Returns the parser for the meaning of `Tr` in material libraries.
 pub(crate) fn tr() -> impl TypedValueParser<Value = TrMeaning> {
     PossibleValuesParser::new(["auto", "transparency", "opacity"]).map(|id| match id.as_str() {
         "transparency" => TrMeaning::Transparency,
@@ -66,7 +66,7 @@ pub(crate) fn tr() -> impl TypedValueParser<Value = TrMeaning> {
     })
 }
 
-/// Returns a parser for an overlay and its opacity; help lists all overlays.
+/// Returns a parser for an overlay and its opacity; the help text lists all overlays.
 pub(crate) fn layer() -> impl TypedValueParser<Value = OverlayLayer> {
     LayerParser
 }
@@ -87,7 +87,7 @@ impl TypedValueParser for LayerParser {
     }
 }
 
-/// Returns a parser for two sets of alternatives, which must not share a word.
+/// Returns a parser for the values of `A` and `B`, which must not share an id.
 pub(crate) fn either<A: Choice + Send + Sync, B: Choice + Send + Sync>() -> impl TypedValueParser<Value = Either<A, B>>
 {
     let values = possible_values::<A>().chain(possible_values::<B>());
@@ -97,12 +97,12 @@ pub(crate) fn either<A: Choice + Send + Sync, B: Choice + Send + Sync>() -> impl
     })
 }
 
-/// One of two sets of alternatives.
+/// Value of one of two types.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Either<A, B> {
-    /// Value of the first set.
+    /// Value of the first type.
     First(A),
-    /// Value of the second set.
+    /// Value of the second type.
     Second(B),
 }
 
@@ -119,7 +119,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sizes_within_bounds_are_taken() {
+    fn sizes_within_bounds_are_accepted() {
         for (text, width, height) in [("1x1", 1, 1), ("1280X720", 1280, 720), ("16384×2048", 16_384, 2048)] {
             assert_eq!(size(text), Ok(Viewport { width, height }));
         }

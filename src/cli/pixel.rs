@@ -1,4 +1,4 @@
-//! `rasterscope pixel`: explanation of a pixel, as text or as JSON.
+//! `rasterscope pixel`: explains a pixel, as text or as JSON.
 
 use std::hint::black_box;
 use std::sync::Arc;
@@ -29,11 +29,11 @@ pub(crate) struct PixelArgs {
     #[arg(long, value_name = "N")]
     triangles: Option<usize>,
 
-    /// Number of fragments of the last of these triangles to draw; all if omitted
+    /// Number of fragments to draw of the last of these triangles; all if omitted
     #[arg(long, value_name = "N", requires = "triangles")]
     fragments: Option<usize>,
 
-    /// Accepted so that a copied command works here, too, and ignored: the explanation covers all buffers
+    /// Accepted and ignored, so that a copied command also works here: the explanation covers all buffers
     #[arg(long, hide = true)]
     buffer: Option<String>,
 
@@ -57,16 +57,16 @@ pub(crate) struct PixelArgs {
     #[arg(long)]
     trace: bool,
 
-    /// Number of the fragment to trace instead, counted from 1 in drawing order
+    /// Fragment to trace instead of the visible one, counted from 1 in drawing order
     #[arg(long, value_name = "N", requires = "trace", value_parser = clap::value_parser!(u32).range(1..))]
     fragment: Option<u32>,
 
-    /// Number of traces to time; prints their median time as well
+    /// Number of traces to time; also prints their median time
     #[arg(long, value_name = "TRACES", requires = "trace", value_parser = clap::value_parser!(u32).range(1..=10000))]
     times: Option<u32>,
 }
 
-/// Runs `pixel`: draws, replays the pixel, and prints its history.
+/// Runs `pixel`: draws the frame, replays the pixel, and prints its history.
 pub(crate) fn run(args: &PixelArgs) -> Result<(), Failure> {
     let (x, y) = args.at;
     let picture = args.frame.size();
@@ -95,7 +95,7 @@ pub(crate) fn run(args: &PixelArgs) -> Result<(), Failure> {
     args.times.map_or(Ok(()), |times| print_time(times, make))
 }
 
-/// Prints the median time of a trace.
+/// Makes `times` traces and prints their median time.
 fn print_time(times: u32, make: impl Fn() -> Trace) -> Result<(), Failure> {
     let times_ms = (0..times).map(|_| {
         let start = Instant::now();

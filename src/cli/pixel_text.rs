@@ -77,7 +77,7 @@ fn fragment_lines(fragment: &FragmentRecord) -> impl Iterator<Item = String> {
         .map(|(name, text)| format!("{name:<9} {text}"))
 }
 
-/// Formats the contents of a sample.
+/// Formats the colour and the depth of a sample.
 fn state(state: SampleState) -> String {
     let depth = state.depth.map_or(String::new(), |depth| format!(" at depth {depth}"));
     color(state.color) + &depth
@@ -119,8 +119,8 @@ fn shading_rows(shading: &ShadingRecord) -> Vec<(&'static str, String)> {
 
 fn one_step(depth: DepthRecord) -> String {
     match depth.resolution as f32 {
-        f32::INFINITY => "The next depth that the buffer can hold lies at infinity.".to_owned(),
-        step => format!("One step of the buffer here is {step:?} world units."),
+        f32::INFINITY => "The next depth that the buffer can store is at infinity.".to_owned(),
+        step => format!("One step of the depth buffer is {step:?} world units here."),
     }
 }
 
@@ -142,8 +142,7 @@ fn color([r, g, b, _]: Rgba8) -> String {
     format!("#{r:02x}{g:02x}{b:02x} ({r}, {g}, {b})")
 }
 
-/// Formats numbers in parentheses, each with the shortest text that parses back to it, very small ones with an
-/// exponent.
+/// Formats numbers in parentheses, each as the shortest text that parses back to the same value.
 fn numbers(list: &[impl Debug]) -> String {
     let words: Vec<_> = list.iter().map(|number| format!("{number:?}")).collect();
     format!("({})", words.join(", "))

@@ -1,5 +1,5 @@
-//! `rasterscope plan`: parts of the pipeline that each draw of a frame runs and skips, with reasons and savings, as
-//! text or as JSON.
+//! `rasterscope plan`: prints which parts of the pipeline each draw of a frame runs and skips, with reasons and
+//! savings, as text or as JSON.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -32,8 +32,8 @@ pub(crate) struct PlanArgs {
     #[arg(long, group = "measuring")]
     measure: bool,
 
-    /// Measure the savings on every built-in scene instead, in its home view, and on a sheet of many triangles in view,
-    /// from near, and behind the viewer: a table of scenes and parts
+    /// Measure the savings on every built-in scene in its home view, and on a sheet of many triangles that is in view,
+    /// close to the viewer, or behind the viewer; print a table of scenes and parts
     #[arg(long, group = "measuring", conflicts_with_all = ["scene", "camera", "mirror_z"])]
     table: bool,
 

@@ -1,4 +1,5 @@
-//! `rasterscope probe`: stability of a picture when its camera or its vertices move by a few units in the last place.
+//! `rasterscope probe`: moves camera or vertices by a few units in the last place and prints what changes in the
+//! picture.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -16,7 +17,7 @@ use super::failure::Failure;
 use super::scene_args::{FrameArgs, RequestedView};
 use super::{output, parse};
 
-/// Largest number of triangles listed in the text.
+/// Maximum number of triangles listed in the text output.
 const MAX_LISTED: usize = 10;
 
 /// Arguments of `probe`.
@@ -33,7 +34,7 @@ pub(crate) struct ProbeArgs {
     #[arg(long, value_name = "K", default_value_t = 1)]
     ulps: u32,
 
-    /// Number of runs
+    /// Number of runs, each with its own jitter
     #[arg(long, value_name = "N", default_value_t = 32, value_parser = clap::value_parser!(u16).range(1..))]
     runs: u16,
 
@@ -53,12 +54,12 @@ pub(crate) struct ProbeArgs {
     #[arg(short, long, value_name = "HEAT.png")]
     output: Option<PathBuf>,
 
-    /// File for the most fragile triangle as a case
+    /// Case file to write for the most fragile triangle
     #[arg(long, value_name = "CASE.json")]
     save_case: Option<PathBuf>,
 }
 
-/// Runs `probe`: probes, writes the requested files, and prints the findings.
+/// Runs `probe`: runs the probe, writes the requested files, and prints the findings.
 pub(crate) fn run(args: &ProbeArgs) -> Result<(), Failure> {
     let RequestedView { scene, recipe, camera, .. } = args.frame.view()?;
     let subject = ProbedView { scene, camera, settings: recipe.pipeline, viewport: args.frame.size() };
@@ -87,7 +88,7 @@ fn save_case(found: &ProbeResult, path: &Path) -> Result<(), Failure> {
     output::write(path, &case.to_json())
 }
 
-/// Findings, as JSON.
+/// Findings of the probe, as JSON.
 #[derive(Serialize)]
 struct ProbeJsonOutput<'a> {
     scene: &'a str,
@@ -114,7 +115,7 @@ fn text(found: &ProbeResult) -> String {
     let mut line = |name: &str, Changed { pixels, most }: Changed| {
         let percent = pixels as f64 / summary.pixels as f64 * 100.0;
         text.push_str(&format!(
-            "{name:7} {pixels:9} pixels changed ({percent:.2} %), a pixel in up to {most} of {runs} runs\n"
+            "{name:7} {pixels:9} pixels changed ({percent:.2} %), each in up to {most} of {runs} runs\n"
         ));
     };
     line("owner", summary.owner);

@@ -1,4 +1,4 @@
-//! Progress of long commands.
+//! Progress display for long commands.
 
 use std::io::{IsTerminal as _, Write as _, stderr};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -27,7 +27,7 @@ impl ProgressLine {
         }
     }
 
-    /// Replaces the text of the line by a completed share, from 0 to 1, shown in percent.
+    /// Shows the completed share of `work`, from 0 to 1, in percent.
     pub(crate) fn show_share(&self, work: &str, share: f32) {
         self.show(&format!("{work}: {:3.0} %", share * 100.0));
     }

@@ -1,4 +1,5 @@
-//! `rasterscope render`: one frame, one of its buffers, or the picture after a stage, as a PNG, and its cost.
+//! `rasterscope render`: renders a frame, one of its buffers, or the picture after a stage to a PNG, and prints its
+//! cost.
 
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
@@ -32,7 +33,7 @@ pub(crate) struct RenderArgs {
     #[command(flatten)]
     frame: FrameArgs,
 
-    /// Quantity to show
+    /// Quantity to show in the picture
     #[arg(long, default_value = "color", value_parser = parse::either::<Buffer, Intermediate>())]
     buffer: Either<Buffer, Intermediate>,
 
@@ -44,11 +45,11 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "N")]
     triangles: Option<usize>,
 
-    /// Number of fragments of the last of these triangles to draw; all if omitted
+    /// Number of fragments to draw of the last of these triangles; all if omitted
     #[arg(long, value_name = "N", requires = "triangles")]
     fragments: Option<usize>,
 
-    /// Accepted so that a copied command works here, too, and ignored: the picture has no picked pixel
+    /// Accepted and ignored, so that a copied command also works here: the picture has no picked pixel
     #[arg(long, value_name = "X,Y", hide = true)]
     at: Option<String>,
 
@@ -79,7 +80,7 @@ pub(crate) struct RenderArgs {
     output: PathBuf,
 }
 
-/// Runs `render`: draws, writes the picture, and prints a summary line.
+/// Runs `render`: draws the frame, writes the picture, and prints a summary line.
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let DrawnFrame { scene, camera, recipe, frame } = args.frame.draw(moment(args.triangles, args.fragments))?;
     let (buffer, captured) = match args.buffer {
@@ -146,14 +147,14 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     args.times.map_or(Ok(()), |frames| print_times(&scene, &camera, &recipe, &frame, frames))
 }
 
-/// The quantity that is drawn.
+/// Quantity shown in the picture, with the data it is computed from.
 struct RenderedQuantity<'a> {
     buffer: Buffer,
-    /// Intermediate value, which replaces the buffer.
+    /// Intermediate value shown instead of the buffer.
     captured: Option<&'a Captured>,
-    /// Picture after a stage, which replaces both.
+    /// Picture after a stage, shown instead of the buffer or the intermediate value.
     stage: Option<&'a Image<Rgba8>>,
-    /// Source of the buffer; `None` for the colour.
+    /// Captured buffers of the frame; `None` for the colour buffer.
     buffers: Option<&'a Buffers>,
     /// Open seams of the scene; `None` if nothing reads them.
     seams: Option<&'a Seams>,
@@ -174,7 +175,7 @@ impl RenderedQuantity<'_> {
         }
     }
 
-    /// Returns the range of the quantity; `None` if it has none.
+    /// Returns the range of values that the colour map shows; `None` for a quantity without a range.
     fn range(&self) -> Option<Range> {
         let (size, value) = (self.frame.image().size(), |x: u32, y: u32| self.value(x, y));
         match (self.stage, self.captured) {
@@ -194,7 +195,7 @@ impl RenderedQuantity<'_> {
         }
     }
 
-    /// Returns the overlays of these layers.
+    /// Computes the overlays of `layers`.
     fn sheets(&self, layers: &[OverlayLayer]) -> Vec<Sheet> {
         let watched = OnceLock::new();
         let context = OverlayContext {
@@ -210,7 +211,7 @@ impl RenderedQuantity<'_> {
         layers.iter().map(|layer| layer.sheet(&context)).collect()
     }
 
-    /// Returns the exact values of the quantity.
+    /// Returns the exact values of the quantity at all pixels.
     fn planes(&self) -> Floats {
         planes(self.frame.image().size(), |x, y| self.value(x, y))
     }

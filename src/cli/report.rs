@@ -1,4 +1,4 @@
-//! `rasterscope report`: error against run time of every upscaler, as a page, a table and JSON.
+//! `rasterscope report`: measures error against run time of every upscaler, and writes a page, a table and JSON.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -48,11 +48,11 @@ pub(crate) struct ReportArgs {
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u16).range(1..=1000))]
     rounds: u16,
 
-    /// Number of threads to draw with; the number of hardware threads if omitted
+    /// Number of threads to draw with; all hardware threads if omitted
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
 
-    /// Reference for errors
+    /// Reference that errors are measured against
     #[arg(long, value_name = "REFERENCE", default_value = "native", value_parser = parse::choice::<Reference>())]
     reference: Reference,
 
@@ -62,7 +62,7 @@ pub(crate) struct ReportArgs {
     turn: f32,
 }
 
-/// Runs `report`: measures, and writes `index.html`, `report.csv` and `report.json`.
+/// Runs `report`: measures the upscalers, and writes `index.html`, `report.csv` and `report.json`.
 pub(crate) fn run(args: &ReportArgs) -> Result<(), Failure> {
     let plan = plan(args)?;
     output::prepare_folder(&args.output, &FILES)?;

@@ -1,4 +1,4 @@
-//! `rasterscope scaling`: cost of a frame against the numbers of triangles, pixels, layers and threads.
+//! `rasterscope scaling`: measures the cost of a frame against the numbers of triangles, pixels, layers and threads.
 
 use std::path::{Path, PathBuf};
 
@@ -38,7 +38,7 @@ pub(crate) struct ScalingArgs {
     rounds: u16,
 }
 
-/// Runs `scaling`: measures, and prints the table or writes `index.html`, `scaling.csv` and `scaling.json`.
+/// Runs `scaling`: measures the cost, and prints a table or writes `index.html`, `scaling.csv` and `scaling.json`.
 pub(crate) fn run(args: &ScalingArgs) -> Result<(), Failure> {
     let mut recipe = Recipe::default();
     recipe.set_all(&args.set)?;

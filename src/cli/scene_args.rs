@@ -1,4 +1,4 @@
-//! Scene, camera and settings: the options that all drawing commands share.
+//! Options for scene, camera and settings, shared by all commands that draw.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -18,7 +18,7 @@ use super::parse::Up;
 use super::progress::ProgressLine;
 use super::{output, parse};
 
-/// Scene, camera and recipe.
+/// Options for scene, camera and recipe.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct SceneArgs {
     /// Id of a built-in scene (see `rasterscope scenes`) or path of an OBJ file; the first built-in scene if omitted
@@ -40,23 +40,23 @@ pub(crate) struct SceneArgs {
     #[arg(long)]
     mirror_z: bool,
 
-    /// Axis that points up in the scene's home view: guessed from the model, y or z
+    /// Axis that points up in the scene's home view; `auto` guesses it from the model
     #[arg(long, value_name = "AXIS", default_value = "auto", conflicts_with = "camera", value_parser = parse::up())]
     up: Up,
 
-    /// Meaning of `Tr` in material libraries: guessed from the file, transparency (0 is opaque) or opacity
+    /// Meaning of `Tr` in material libraries: transparency (0 is opaque) or opacity; `auto` guesses it from the file
     #[arg(long, value_name = "MEANING", default_value = "auto", value_parser = parse::tr())]
     tr: TrMeaning,
 
     #[command(flatten)]
     memory: MemoryArgs,
 
-    /// View, as JSON or as a path to a JSON file
+    /// Camera, as JSON or as a path to a JSON file
     #[arg(long, value_name = "FILE.json", long_help = CAMERA_HELP)]
     camera: Option<PathBuf>,
 }
 
-/// Memory limit for loading models.
+/// Option for the memory limit when loading models.
 #[derive(Args, Clone, Copy, Debug)]
 pub(crate) struct MemoryArgs {
     /// Memory limit for the meshes and textures of a model, in MiB
@@ -80,7 +80,7 @@ impl MemoryArgs {
         Ok(source.load_with(control)?)
     }
 
-    /// Returns the memory limit.
+    /// Returns the memory limit for loading a model.
     pub(crate) fn limit(self) -> MemoryLimit {
         MemoryLimit::mib(self.memory)
     }
@@ -89,7 +89,7 @@ impl MemoryArgs {
 /// Time after which loading progress is printed.
 const SLOW_LOAD: Duration = Duration::from_secs(1);
 
-const CAMERA_HELP: &str = "View, as JSON or as a path to a JSON file, for example\n\
+const CAMERA_HELP: &str = "Camera, as JSON or as a path to a JSON file, for example\n\
     {\"eye\": [0, 1, 5], \"target\": [0, 0, 0], \"up\": [0, 1, 0], \"fov_y_degrees\": 45, \
     \"near\": 0.1, \"far\": 100}\n\
     in world space. `up` can be omitted, `fov_y_radians` can replace `fov_y_degrees`, and `height` (in world units) \
@@ -105,7 +105,7 @@ fn set_help() -> String {
     help
 }
 
-/// Environment variable of a restarted program whose model's warnings were already printed.
+/// Environment variable that tells a restarted process that the model's warnings are already printed.
 pub(crate) const WARNED: &str = "RASTERSCOPE_WARNED";
 
 /// Scene, camera and recipe requested by the shared options.
@@ -117,12 +117,12 @@ pub(crate) struct RequestedView {
     pub(crate) warnings: Vec<Warning>,
     pub(crate) recipe: Recipe,
     pub(crate) camera: Camera,
-    /// Whether the scene is the mirror image in z of its source.
+    /// Whether the scene is mirrored in z relative to its source.
     #[cfg_attr(not(feature = "ui"), expect(dead_code, reason = "only the window mirrors it back"))]
     pub(crate) mirrored: bool,
-    /// Whether no option deviates from the default.
+    /// Whether all shared options have their default values.
     pub(crate) is_default: bool,
-    /// Memory limit for models opened later.
+    /// Memory limit for models that the user opens later.
     #[cfg_attr(not(feature = "ui"), expect(dead_code, reason = "only the window opens others"))]
     pub(crate) memory_limit: MemoryLimit,
 }
@@ -186,7 +186,8 @@ fn camera(given: &Path) -> Result<Camera, Failure> {
     }
 }
 
-/// Returns the source of a scene: the first built-in scene, a built-in scene by id, or a file.
+/// Returns the source for the name of a scene: a built-in scene by id, or a file; without a name, the first built-in
+/// scene.
 pub(crate) fn source(name: Option<&Path>) -> Result<SceneSource, Failure> {
     let Some(name) = name else { return Ok(SceneSource::default()) };
     let source = SceneSource::named(name.to_owned());
@@ -198,7 +199,7 @@ pub(crate) fn source(name: Option<&Path>) -> Result<SceneSource, Failure> {
     Ok(source)
 }
 
-/// Scene, camera, recipe and size of one frame.
+/// Options for scene, camera, recipe and size of one frame.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct FrameArgs {
     #[command(flatten)]
@@ -209,10 +210,10 @@ pub(crate) struct FrameArgs {
     size: Viewport,
 }
 
-/// Memory budget of checkpoints, in bytes: none are needed for a single step.
+/// Memory budget for checkpoints, in bytes. Zero, because a single moment needs no checkpoints.
 const NO_CHECKPOINTS: usize = 0;
 
-/// A frame and its inputs.
+/// Drawn frame and its inputs.
 #[derive(Clone, Debug)]
 pub(crate) struct DrawnFrame {
     pub(crate) scene: Arc<Scene>,
@@ -232,7 +233,7 @@ impl FrameArgs {
         self.scene.view()
     }
 
-    /// Draws the frame, stopped at a moment if one is given.
+    /// Draws the frame, up to `moment` if one is given.
     pub(crate) fn draw(&self, moment: Option<Moment>) -> Result<DrawnFrame, Failure> {
         let RequestedView { scene, recipe, camera, .. } = self.view()?;
         let frame = match moment {

@@ -29,7 +29,7 @@ pub(crate) struct ScreenshotArgs {
     #[command(flatten)]
     seen: SeenArgs,
 
-    /// Earlier value of a setting; shows what changed since. May be given several times
+    /// Earlier value of a setting; shows what has changed since. May be given several times
     #[arg(long, value_name = "KEY=VALUE")]
     against: Vec<String>,
 
@@ -65,11 +65,11 @@ pub(crate) struct WorkbenchArgs {
     #[arg(long)]
     pub(crate) compare: Option<CompareArg>,
 
-    /// Open tab
+    /// Tab to open along the bottom
     #[arg(long)]
     pub(crate) tab: Option<TabArg>,
 
-    /// Intermediate value between triangle and colour to show on the picture
+    /// Intermediate value of the pipeline to show instead of the colour
     #[arg(long, value_name = "NUMBER", value_parser = parse::choice::<Intermediate>())]
     pub(crate) number: Option<Intermediate>,
 
@@ -85,22 +85,22 @@ pub(crate) struct WorkbenchArgs {
     #[arg(long)]
     pub(crate) overlays: bool,
 
-    /// Fate of the triangles to select; opens the tab of fates
+    /// Fate of the triangles to select; opens the tab “Fates”
     #[arg(long, value_name = "FATE", value_parser = parse::choice::<TriangleFate>())]
     pub(crate) fate: Option<TriangleFate>,
     /// Watch the picked pixel
     #[arg(long)]
     pub(crate) watch: bool,
 
-    /// Dialog that is open over the workbench
+    /// Dialog to open over the workbench
     #[arg(long)]
     pub(crate) open: Option<Open>,
     /// Run the stability probe with its default settings and show the result
     #[arg(long)]
     pub(crate) probe: bool,
 
-    /// Style of the mesh view, which shows the scene from outside beside the picture; coloured by fate if no style is
-    /// given
+    /// Style of the mesh view, which shows the scene from a second camera beside the picture; coloured by fate if no
+    /// style is given
     #[arg(long, value_name = "STYLE", num_args = 0..=1, default_missing_value = "fate", value_parser = parse::choice::<MeshStyle>())]
     pub(crate) mesh: Option<MeshStyle>,
 
@@ -152,7 +152,7 @@ pub(crate) enum ThemeArg {
 pub(crate) enum CompareArg {
     /// Two tiles side by side
     Two,
-    /// Four tiles
+    /// Four tiles side by side
     Four,
     /// One tile for every upscaler
     All,
@@ -167,9 +167,9 @@ pub(crate) enum CompareArg {
 /// Dialog over the workbench.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum Open {
-    /// Key sheet: all keys by topic
+    /// Key sheet: all keys and mouse gestures by topic
     Keys,
-    /// Manual
+    /// Manual of the program
     Manual,
     /// Command palette: a search over all commands
     Palette,
@@ -177,7 +177,7 @@ pub(crate) enum Open {
     Bookmarks,
 }
 
-/// Tabs along the bottom.
+/// Tab along the bottom of the workbench.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum TabArg {
     /// Frame time of each upscaler
@@ -186,7 +186,7 @@ pub(crate) enum TabArg {
     ErrorTime,
     /// Every step of the arithmetic of the picked pixel
     Arithmetic,
-    /// Composition of the picked pixel from its sources
+    /// Source samples of the picked pixel and their weights
     Xray,
     /// Histogram of the values of the shown quantity
     Histogram,
@@ -194,7 +194,7 @@ pub(crate) enum TabArg {
     Fates,
     /// Parts of the pipeline that run and parts that are skipped
     Plan,
-    /// Scaling of cost
+    /// Cost against triangles, pixels, layers and threads
     Scaling,
     /// Stability report on hard cases
     Stability,
@@ -204,9 +204,9 @@ pub(crate) enum TabArg {
     Watch,
     /// Vertices of the picked triangle at every stage
     Vertices,
-    /// Stability probe
+    /// Stability probe of the frame
     Probe,
-    /// Messages
+    /// Messages of the window
     Log,
 }
 

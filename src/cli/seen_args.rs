@@ -1,4 +1,4 @@
-//! View of the frame: the options that "Copy as command" adds to scene, camera and settings.
+//! Options for the view of the frame, which “Copy as command” adds to scene, camera and settings.
 
 use crate::inspect::display::Display;
 use crate::inspect::overlays::OverlayLayer;
@@ -11,7 +11,7 @@ use super::failure::Failure;
 use super::parse::{self, Either};
 use super::scene_args::{RequestedView, SceneArgs};
 
-/// View of the frame in the window.
+/// Options for the view of the frame.
 #[derive(Args, Clone, Debug, Default, PartialEq)]
 pub(crate) struct SeenArgs {
     /// Quantity to show instead of the colour
@@ -36,7 +36,7 @@ pub(crate) struct SeenArgs {
     #[arg(long, value_name = "N")]
     pub(crate) triangles: Option<usize>,
 
-    /// Number of fragments of the last of these triangles to draw; all if omitted
+    /// Number of fragments to draw of the last of these triangles; all if omitted
     #[arg(long, value_name = "N", requires = "triangles")]
     pub(crate) fragments: Option<usize>,
 
@@ -45,12 +45,13 @@ pub(crate) struct SeenArgs {
     pub(crate) picture: Option<Viewport>,
 }
 
-/// Returns the moment after a number of triangles, or within the last of them; `None` without a limit.
+/// Returns the moment after `triangles` triangles, the last one with only `fragments` fragments; `None` without a
+/// limit.
 pub(crate) fn moment(triangles: Option<usize>, fragments: Option<usize>) -> Option<Moment> {
     triangles.map(|triangles| Moment { triangles, fragments })
 }
 
-/// Initial state of the window.
+/// Options for the initial state of the window.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct WindowArgs {
     #[command(flatten)]
@@ -65,7 +66,7 @@ pub(crate) struct WindowArgs {
 }
 
 impl WindowArgs {
-    /// Reads scene, camera and settings. The view is the default only if no option of this struct is given, either.
+    /// Reads scene, camera and settings. The view counts as default only if `seen` and `at` are not given either.
     pub(crate) fn view(&self) -> Result<RequestedView, Failure> {
         let view = self.scene.view()?;
         let is_default = view.is_default && self.seen == SeenArgs::default() && self.at.is_none();

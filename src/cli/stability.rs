@@ -1,4 +1,4 @@
-//! `rasterscope stability`: stiff and extreme cases on every rasterizer, arithmetic and depth format.
+//! `rasterscope stability`: runs stiff and extreme cases on every rasterizer, arithmetic and depth format.
 
 use std::path::PathBuf;
 
@@ -32,15 +32,15 @@ pub(crate) struct StabilityArgs {
     #[arg(long, default_value_t = DEFAULT_SEED)]
     seed: u64,
 
-    /// Skip timing: faster, and the same bytes on every machine except for the header
+    /// Skip timing; the run is faster, and the output is identical on every machine except for the header
     #[arg(long)]
     untimed: bool,
 
-    /// Write JSON, with the worst case of every cell
+    /// Write JSON, with the worst case of every table cell
     #[arg(long, group = "format")]
     json: bool,
 
-    /// Write comma-separated values, one line per cell
+    /// Write comma-separated values, one line per table cell
     #[arg(long, group = "format")]
     csv: bool,
 
@@ -53,7 +53,7 @@ pub(crate) struct StabilityArgs {
     output: Option<PathBuf>,
 }
 
-/// Returns a parser for classes of cases, which help lists with their descriptions.
+/// Returns a parser for classes of cases; the help text lists each with its description.
 fn class() -> impl TypedValueParser<Value = &'static Class> {
     let values = catalogue::all().map(|class| PossibleValue::new(class.id).help(class.about));
     PossibleValuesParser::new(values).try_map(|id| catalogue::by_id(&id).ok_or("no such class"))

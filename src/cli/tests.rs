@@ -5,7 +5,7 @@ use crate::scene::{Projection, SceneSource};
 
 use super::*;
 
-/// Splits a line into words like a shell: single quotes keep everything, a backslash keeps the next character.
+/// Splits a line into words like a shell: text in single quotes and a character after a backslash are literal.
 fn words(line: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let (mut quoted, mut letters) = (false, line.chars());
@@ -21,7 +21,7 @@ fn words(line: &str) -> Vec<String> {
     words
 }
 
-/// Parses a command line and returns the place that it opens.
+/// Parses a command line and returns the state that the window starts with.
 fn arrive(line: &str) -> InspectionState {
     let cli = Cli::try_parse_from(words(line)).unwrap();
     let Some(CliCommand::Window(args)) = cli.command else { panic!("it opens the window") };
@@ -95,14 +95,14 @@ fn places() -> Vec<InspectionState> {
 }
 
 #[test]
-fn a_copied_command_leads_to_the_very_same_place() {
+fn a_copied_command_restores_the_same_state() {
     for place in places() {
         assert_eq!(arrive(&place.command_line()), place, "{}", place.command_line());
     }
 }
 
 #[test]
-fn a_copied_command_is_taken_by_the_commands_that_draw_and_tell() {
+fn screenshot_render_and_pixel_accept_a_copied_command() {
     for place in places() {
         let line = InspectionState { pixel: Some((1, 2)), ..place }.command_line();
         for (command, more) in [("screenshot", "-o x.png"), ("render", "-o x.png"), ("pixel", "")] {
@@ -114,14 +114,14 @@ fn a_copied_command_is_taken_by_the_commands_that_draw_and_tell() {
 }
 
 #[test]
-fn a_view_that_cannot_be_is_refused_with_its_reason() {
+fn an_invalid_camera_is_refused_with_the_reason() {
     let cli = Cli::try_parse_from(["rasterscope", "window", "--camera", r#"{"eye": [1, 2, 3]}"#]).unwrap();
     let Some(CliCommand::Window(args)) = cli.command else { panic!("it opens the window") };
     assert!(args.scene.view().unwrap_err().to_string().starts_with("--camera: missing field"));
 }
 
 #[test]
-fn only_a_start_without_options_takes_up_what_was_left() {
+fn only_a_start_without_options_resumes_the_previous_state() {
     let takes_up = |line: &str| Cli::try_parse_from(words(line)).unwrap().start.view().unwrap().is_default;
     assert!(takes_up("rasterscope"));
     for asked in ["triangle", "--set wireframe=true", "--at 3,4", "--buffer depth", "--picture 320x200"] {

@@ -1,4 +1,4 @@
-//! `rasterscope vector`: exports a scene as drawing commands, or as a bitmap of them.
+//! `rasterscope vector`: exports a scene as vector drawing commands, or as a bitmap drawn from them.
 
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
@@ -18,7 +18,7 @@ pub(crate) struct VectorArgs {
     #[command(flatten)]
     frame: FrameArgs,
 
-    /// Kind of drawing
+    /// Kind of drawing to export
     #[arg(long, default_value = "hidden-line", value_parser = parse::choice::<OutlineKind>())]
     kind: OutlineKind,
 

@@ -1,4 +1,4 @@
-//! Opening the window, and the fallback without a display.
+//! Opens the window, or falls back to a screenshot without a display.
 //!
 //! If the window was requested by name (`rasterscope window`), a failure to open it is an error. Without a command, the
 //! program shows something on any machine: it paints the whole workbench once into a picture instead.
@@ -10,7 +10,7 @@ use super::screenshot::{self, WorkbenchArgs};
 use super::seen_args::WindowArgs;
 use super::{output, workbench};
 
-/// Picture that a start without a command writes if no window can be opened.
+/// File name of the screenshot that a start without a command writes if no window can be opened.
 const FALLBACK_PICTURE: &str = "rasterscope.png";
 
 /// Runs `window`: opens the window and returns when it is closed.

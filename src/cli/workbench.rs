@@ -83,7 +83,7 @@ pub(crate) fn window_costs(view: RequestedView, size: Viewport, passes: usize) -
     Ok(ui::window_time::window_costs(&start(view, InitialView::default()), size, passes))
 }
 
-/// Returns the commands that open range control and overlay list.
+/// Returns the commands that open the range control and the overlay list, if requested.
 fn laid_over(look: &WorkbenchArgs) -> impl Iterator<Item = Command> {
     let range = look.range.then_some(Command::Range(range::RangeChange::Open(true)));
     let list = look.overlays.then_some(Command::Overlays(overlays::OverlayChange::Open(true)));
@@ -219,7 +219,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn reasons_lose_what_only_programmers_read() {
+    fn error_messages_omit_source_locations_and_configuration_dumps() {
         for (reason, words) in [
             ("EventLoopError: os error at /src/x11/mod.rs:788: Failed to open connection", "Failed to open connection"),
             (

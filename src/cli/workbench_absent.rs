@@ -13,17 +13,17 @@ use super::seen_args::{SeenArgs, WindowArgs};
 const BUILT_WITHOUT: &str = "this program was built without the window (feature `ui`): \
     `window`, `screenshot` and `bench --window` are not available";
 
-/// Returns an error: there is no window to open.
+/// Returns an error, because there is no window to open.
 pub(crate) fn open(_view: RequestedView, _args: &WindowArgs) -> Result<(), String> {
     Err(BUILT_WITHOUT.to_owned())
 }
 
-/// Returns an error: there is nothing to time.
+/// Returns an error, because there is no window to measure.
 pub(crate) fn window_costs(_view: RequestedView, _size: Viewport, _passes: usize) -> Result<Vec<WindowCost>, Failure> {
     Err(Failure::NoWindow(BUILT_WITHOUT.to_owned()))
 }
 
-/// Returns an error: there is nothing to paint.
+/// Returns an error, because there is no window to paint.
 pub(crate) fn draw(
     _view: RequestedView,
     _look: &WorkbenchArgs,

@@ -1,4 +1,4 @@
-//! Paths in JSON: text if a path is UTF-8, else its bytes, so that reading returns an equal path.
+//! Serialisation of paths without loss: as text if a path is UTF-8, else as bytes.
 //!
 //! Single paths use `#[serde(with = "stored_path")]`; lists of paths use [`StoredPath`].
 
@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// Path that can always be serialised.
+/// Path that can be serialised even if it is not UTF-8.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct StoredPath(pub(crate) PathBuf);
 
-/// JSON forms of a path.
+/// JSON representation of a path: text, or bytes if it is not UTF-8.
 #[derive(Deserialize, Serialize)]
 #[serde(untagged)]
 enum Form {
@@ -18,12 +18,12 @@ enum Form {
     Bytes(Vec<u8>),
 }
 
-/// Serialises a path.
+/// Serialises a path, even if it is not UTF-8.
 pub(crate) fn serialize<S: Serializer>(path: &Path, to: S) -> Result<S::Ok, S::Error> {
     form(path).serialize(to)
 }
 
-/// Deserialises a path.
+/// Deserialises a path written by [`serialize`].
 pub(crate) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<PathBuf, D::Error> {
     Form::deserialize(from).map(path)
 }

@@ -21,7 +21,8 @@ const CORNERS: u32 = 96;
 /// Number of sides of the polygon that approximates the half circle at the end of a line.
 const CAP_SIDES: u32 = 8;
 
-/// Draws a bitmap with `scale` pixels per unit, and at least one pixel. Text is left out, because no font is available.
+/// Renders a drawing as a bitmap with `scale` pixels per unit, at least one pixel wide and high. Text is omitted,
+/// because no font is available.
 pub(crate) fn bitmap(drawing: &Drawing, scale: f64) -> Image<Rgba8> {
     let [width, height] = [drawing.size.x, drawing.size.y].map(|side| (side * scale).round().max(1.0) as u32);
     let [r, g, b] = drawing.background;
@@ -91,8 +92,8 @@ fn counts_of(span: PixelSpan) -> impl Iterator<Item = (usize, u32)> {
     pixels.map(move |x| (x as usize, span.x1.min((x + 1) * SAMPLES) - span.x0.max(x * SAMPLES)))
 }
 
-/// Blends the colours of regions by the fraction of a pixel's samples in each. Every sample lies in at most one region,
-/// so nothing shines through between two regions, whatever their order.
+/// Draws the regions of a partition: blends their colours by the fraction of a pixel's samples in each. Every sample
+/// lies in at most one region, so the background never shows between adjacent regions, whatever their order.
 fn partition(image: &mut Image<Rgba8>, regions: &[PartitionRegion], scale: f64) {
     let width = image.width() as usize;
     let mut sums = vec![([0_u32; 3], 0_u32); image.pixels().len()];

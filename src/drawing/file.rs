@@ -1,4 +1,4 @@
-//! Drawings in files of many formats, selected by the file name.
+//! Files of drawings, in the format that the file name selects.
 
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -12,18 +12,18 @@ use super::{Drawing, bitmap, pdf, svg};
 use crate::image::{Image, Rgba8};
 use crate::{disk, text};
 
-/// Format of a drawing's file.
+/// File format of a drawing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DrawingFormat {
     /// SVG: drawing commands as text.
     Svg,
     /// PDF: drawing commands on one page.
     Pdf,
-    /// Bitmap.
+    /// Bitmap in one of the pixel formats.
     Pixels(PixelFormat),
 }
 
-/// Format of a bitmap's file.
+/// File format of a bitmap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PixelFormat {
     /// PNG: lossless, compressed.
@@ -38,7 +38,7 @@ pub enum PixelFormat {
     Tiff,
 }
 
-/// File name extensions, in lower case, with their formats.
+/// File name extensions in lower case, each with its format.
 pub const EXTENSIONS: [(&str, DrawingFormat); 9] = [
     ("svg", DrawingFormat::Svg),
     ("pdf", DrawingFormat::Pdf),
@@ -51,7 +51,7 @@ pub const EXTENSIONS: [(&str, DrawingFormat); 9] = [
     ("tiff", DrawingFormat::Pixels(PixelFormat::Tiff)),
 ];
 
-/// Reason why a drawing was not written.
+/// Error from writing a drawing to a file.
 #[derive(Debug, Error)]
 pub enum DrawingFileError {
     /// The file name has no known extension.
@@ -65,7 +65,7 @@ pub enum DrawingFileError {
     Unencodable {
         /// Path of the file.
         path: PathBuf,
-        /// Message of the encoder.
+        /// Error message of the encoder.
         reason: String,
     },
     /// The file cannot be written.
@@ -78,14 +78,14 @@ pub enum DrawingFileError {
     },
 }
 
-/// Returns the format that a file name selects.
+/// Returns the format that the extension of a file name selects.
 pub(crate) fn format_of(path: &Path) -> Result<DrawingFormat, DrawingFileError> {
     let end = path.extension().map(|end| end.to_string_lossy().to_lowercase()).unwrap_or_default();
     let known = EXTENSIONS.iter().find(|(known, _)| *known == end);
     known.map(|(_, format)| *format).ok_or_else(|| DrawingFileError::UnknownFormat { path: path.to_owned() })
 }
 
-/// Writes a drawing with `scale` pixels, or points of a page, per unit, in the format that the file name selects.
+/// Writes a drawing in the format that the file name selects, with `scale` pixels, or points in a PDF, per unit.
 ///
 /// # Examples
 /// ```
@@ -116,8 +116,7 @@ pub(crate) fn encode(path: &Path, drawing: &Drawing, scale: f64) -> Result<Vec<u
     })
 }
 
-/// Returns the bytes of a GIF that shows the drawings one after the other in a loop, each for the duration `each`.
-/// Errors name `path`.
+/// Encodes drawings as the frames of a looping GIF, each shown for the duration `each`. `path` appears only in errors.
 pub(crate) fn encode_animation(
     path: &Path,
     drawings: impl Iterator<Item = Drawing>,

@@ -1,7 +1,7 @@
-//! Pictures as drawing commands: shapes with real-valued coordinates, which can be enlarged without stair-stepping.
+//! Vector drawings: shapes with real-valued coordinates, which can be enlarged without stair-stepping.
 //!
-//! A [`Drawing`] is written as SVG ([`svg`]) or PDF ([`pdf`]), or drawn into a [`bitmap`] of any size; [`mod@file`] selects
-//! the format by the file name.
+//! A [`Drawing`] is written as SVG ([`svg`]) or PDF ([`pdf`]), or drawn into a [`bitmap`] of any size; [`mod@file`]
+//! selects the format by the file name.
 
 pub(crate) mod svg;
 
@@ -13,7 +13,7 @@ pub mod file;
 
 use glam::DVec2;
 
-/// Colour, as sRGB codes.
+/// Opaque colour as sRGB codes: red, green and blue.
 pub(crate) type Rgb = [u8; 3];
 
 /// Colour and width of a line.
@@ -21,85 +21,84 @@ pub(crate) type Rgb = [u8; 3];
 pub struct Stroke {
     /// Colour of the line.
     pub(crate) color: Rgb,
-    /// Width, in units of the drawing.
+    /// Width of the line, in units of the drawing.
     pub(crate) width: f64,
 }
 
-/// Shape; later ones are drawn over earlier ones.
+/// Shape of a drawing.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
-    /// Closed polygon, filled by the even-odd rule, and its outline.
+    /// Closed polygon, filled by the even-odd rule, with an optional outline.
     Polygon {
         /// Corners, in units of the drawing.
         corners: Vec<DVec2>,
-        /// Fill colour, if it is filled.
+        /// Fill colour, or `None` for no fill.
         fill: Option<Rgb>,
-        /// Outline, if it has one.
+        /// Outline, or `None` for no outline.
         stroke: Option<Stroke>,
     },
     /// Straight line with round ends.
     Line {
-        /// Start point.
+        /// Start point, in units of the drawing.
         from: DVec2,
-        /// End point.
+        /// End point, in units of the drawing.
         to: DVec2,
-        /// Colour and width.
+        /// Colour and width of the line.
         stroke: Stroke,
     },
     /// Ellipse with axes parallel to x and y.
     Ellipse {
-        /// Centre.
+        /// Centre of the ellipse, in units of the drawing.
         center: DVec2,
-        /// Half axes along x and y.
+        /// Semi-axes along x and y, in units of the drawing.
         radii: DVec2,
-        /// Fill colour, if it is filled.
+        /// Fill colour, or `None` for no fill.
         fill: Option<Rgb>,
-        /// Outline, if it has one.
+        /// Outline, or `None` for no outline.
         stroke: Option<Stroke>,
     },
-    /// Centred text; left out of bitmaps.
+    /// Line of text centred on a point. Omitted from bitmaps.
     Text {
-        /// Centre of the text.
+        /// Centre of the text, in units of the drawing.
         at: DVec2,
-        /// Characters of the text.
+        /// Text to show.
         text: String,
         /// Colour of the text.
         color: Rgb,
         /// Font size, in units of the drawing.
         size: f64,
     },
-    /// Polygons that share their boundaries without overlap, drawn without seams: see [`PartitionRegion`].
+    /// Regions that share boundaries without overlap, drawn without visible seams.
     Partition(Vec<PartitionRegion>),
 }
 
-/// Area of a [`Shape::Partition`], filled by the even-odd rule.
+/// Region of a [`Shape::Partition`], filled by the even-odd rule.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PartitionRegion {
-    /// Closed boundaries: outer ones and those of holes.
+    /// Closed contours: outer boundaries of the region, and boundaries of its holes.
     pub(crate) contours: Vec<Vec<DVec2>>,
-    /// Fill colour.
+    /// Fill colour of the region.
     pub(crate) fill: Rgb,
 }
 
-/// Widths of the lines around the regions of a partition, one per pass of a vector format over it, in units of the
-/// drawing.
+/// Line widths for drawing a partition in a vector format, one per pass over its regions, in units of the drawing.
 ///
-/// Viewers anti-alias one polygon after the other, so the background shines through where two of them meet. If two
-/// polygons cover half of a pixel each, the second covers half of what the first left, and a quarter remains. A first
-/// pass with lines wider than a pixel covers all of the background with colours of nearby regions. If those regions
-/// have equal colours, this is exactly their colour. The wide lines serve views reduced to a tenth, the narrow ones all
-/// others. The last passes have no lines, so that no region reaches into another; the second of them leaves a sixteenth
-/// of the lines where two regions meet.
+/// Viewers anti-alias one polygon after the other, so the background shows through where two of them meet. If two
+/// polygons cover half of a pixel each, the second covers half of what the first left, and a quarter of the background
+/// remains. A first pass with lines wider than a pixel covers all of the background with colours of nearby regions. If
+/// those regions have equal colours, this is exactly their colour. The wide lines serve views reduced to a tenth, the
+/// narrow ones all others. The last passes have no lines, so that no region reaches into another; the second of them
+/// leaves a sixteenth of the lines where two regions meet.
 pub(crate) const SEAM_WIDTHS: [f64; 4] = [30.0, 3.0, 0.0, 0.0];
 
-/// Picture made of shapes: x to the right, y down, from 0 to its size.
+/// Vector drawing: shapes over a background. x points right and y down, both from 0 to `size`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawing {
-    /// Width and height in units, both greater than 0.
+    /// Width and height in units of the drawing, both greater than 0.
     pub size: DVec2,
     /// Background colour, below all shapes.
     pub background: Rgb,
-    /// Shapes, from bottom to top.
+    /// Shapes in drawing order: later ones cover earlier ones.
     pub shapes: Vec<Shape>,
 }
 

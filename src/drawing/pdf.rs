@@ -13,10 +13,10 @@ const CONTENT: Ref = Ref::new(4);
 const FONT: Ref = Ref::new(5);
 const FONT_NAME: Name<'_> = Name(b"F1");
 
-/// Number of the first form object, after the objects above.
+/// Object number of the first form XObject, after those of the constants above.
 const FIRST_FORM: i32 = 6;
 
-/// Offset of the control points, relative to the radius, with which four cubic curves best approximate a circle.
+/// Distance of Bézier control points, relative to the radius, with which four cubic curves best approximate a circle.
 const QUARTER: f64 = 0.552_284_749_8;
 
 /// Returns the bytes of a PDF file whose page has `scale` points (1/72 inch) per unit.
@@ -55,7 +55,7 @@ pub(crate) fn bytes(drawing: &Drawing, scale: f64) -> Vec<u8> {
     pdf.finish()
 }
 
-/// Returns the name of a form in the page's content; forms are drawn several times.
+/// Returns the resource name of a form XObject, by which the page draws it.
 fn form_name(form: usize) -> String {
     format!("X{form}")
 }
@@ -64,7 +64,7 @@ fn form_ref(form: usize) -> Ref {
     Ref::new(FIRST_FORM + form as i32)
 }
 
-/// Adds a shape to the content, and the forms that it needs to `forms`.
+/// Adds a shape to the page content, and the form XObjects that it needs to `forms`.
 fn add(content: &mut Content, forms: &mut Vec<Content>, shape: &Shape) {
     match shape {
         Shape::Polygon { corners, fill, stroke } => {
@@ -95,8 +95,8 @@ fn add(content: &mut Content, forms: &mut Vec<Content>, shape: &Shape) {
     }
 }
 
-/// Returns all regions, with or without lines around them. Lines of width 0 are no substitute for none: they would be
-/// one pixel wide.
+/// Returns the drawing commands for all regions, with or without outlines. An outline of width 0 would not do, because
+/// viewers draw it one pixel wide.
 fn areas(regions: &[PartitionRegion], with_lines: bool) -> Content {
     let mut content = Content::new();
     for PartitionRegion { contours, fill } in regions {
@@ -145,7 +145,7 @@ fn ellipse(content: &mut Content, center: DVec2, radii: DVec2) {
     content.close_path();
 }
 
-/// Sets the colours and line width of the next path. The format allows no such operator once the path has begun.
+/// Sets the colours and the line width of the next path. PDF does not allow these operators once a path has begun.
 fn colors(content: &mut Content, fill: Option<Rgb>, stroke: Option<Stroke>) {
     if let Some(color) = fill {
         fill_color(content, color);
@@ -170,10 +170,10 @@ fn fill_color(content: &mut Content, color: Rgb) {
     content.set_fill_rgb(red, green, blue);
 }
 
-/// Draws text in a font that every viewer has. It covers the characters of Western Europe; others become a question
-/// mark.
+/// Draws centred text in Helvetica, which every viewer has. It covers the characters of Western Europe; others become a
+/// question mark.
 fn letters(content: &mut Content, at: DVec2, text: &str, color: Rgb, size: f64) {
-    /// Width of a digit in Helvetica, and below the height of its capitals, both relative to the font size.
+    /// Width of a digit in Helvetica, relative to the font size.
     const WIDTH: f64 = 0.556;
     const CAPITALS: f64 = 0.718;
     let bytes: Vec<u8> = text.chars().map(letter).collect();

@@ -6,10 +6,10 @@ use svg::node::element::{ClipPath, Definitions, Ellipse, Group, Line, Path, Poly
 
 use super::{Drawing, PartitionRegion, Rgb, SEAM_WIDTHS, Shape, Stroke};
 
-/// Screen pixels per unit at a scale of 1, as viewers first show it.
+/// Screen pixels per unit of the drawing at a scale of 1, before the user zooms.
 const PIXELS_PER_UNIT: f64 = 1.0;
 
-/// Id of the clip path that limits partitions to the page, because their lines reach beyond it.
+/// Id of the clip path that limits partitions to the page, because their lines extend beyond it.
 const PAGE: &str = "page";
 
 /// Returns the text of an SVG file that viewers first show with `scale` pixels per unit.
@@ -85,7 +85,7 @@ fn with(document: Document, (number, shape): (usize, &Shape)) -> Document {
     }
 }
 
-/// Returns the path of a region, whose line width is inherited from the element that uses it.
+/// Returns the path element of a region. Its line width is inherited from the element that uses it.
 fn area(PartitionRegion { contours, fill }: &PartitionRegion) -> Path {
     let mut data = String::new();
     for contour in contours {

@@ -112,7 +112,7 @@ fn vector_formats_hold_shapes_and_no_pixels() {
 }
 
 #[test]
-fn names_that_end_in_nothing_known_are_refused() {
+fn unknown_extensions_are_refused() {
     for name in ["drawing", "drawing.webp", "svg"] {
         let message = write(name.as_ref(), &example(), 1.0).unwrap_err().to_string();
         assert!(message.contains(name) && message.contains("svg, pdf, png"), "{message}");
@@ -143,7 +143,7 @@ fn fan() -> Vec<PartitionRegion> {
 }
 
 #[test]
-fn bitmaps_of_partitions_show_nothing_of_what_is_below() {
+fn bitmaps_of_partitions_hide_the_background() {
     let on_black = |shapes| Drawing { size: DVec2::new(10.0, 9.0), background: [0; 3], shapes };
     for scale in [0.9, 3.0, 7.7] {
         let image = bitmap::bitmap(&on_black(vec![Shape::Partition(fan())]), scale);

@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn the_state_tells_what_the_next_step_does() {
+    fn the_state_predicts_the_next_step() {
         let mut walk = midpoint_circle((0, 0), 50);
         while let Some((x, y)) = walk.octant() {
             let midpoint_is_outside = (x + 1).pow(2) * 4 + (2 * y - 1).pow(2) >= 4 * 50 * 50;

@@ -8,7 +8,7 @@ use thiserror::Error;
 
 use crate::image::Image;
 
-/// Square of weights around a pixel.
+/// Convolution mask: a square of weights around a pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Mask {
     side: usize,
@@ -147,7 +147,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_impulse_gives_the_mask_turned_over_and_a_plain_picture_stays() {
+    fn an_impulse_gives_the_mirrored_mask_and_a_uniform_image_is_unchanged() {
         let impulse = Image::from_fn(9, 9, |x, y| f64::from(u8::from((x, y) == (4, 4))));
         for mask in [Mask::binomial(), Mask::sharpen(4.0), Mask::motion(3.0, FRAC_PI_4), Mask::gaussian(1.0)] {
             let found = mask.apply_to_numbers(&impulse);
@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_mask_is_refused() {
+    fn invalid_masks_are_rejected() {
         assert_eq!(Mask::square(&[1.0; 8]), Err(MaskError::Shape(8)));
         assert_eq!(Mask::square(&[1.0; 16]), Err(MaskError::Shape(16)));
         assert_eq!(Mask::square(&[1.0, f32::NAN, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]), Err(MaskError::NotFinite(1)));

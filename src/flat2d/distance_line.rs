@@ -162,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn the_border_belongs_to_the_line_and_not_a_hair_more() {
+    fn the_border_belongs_to_the_line_exactly() {
         let from = |y: f64| pixels(DVec2::new(0.0, y), DVec2::new(5.0, y)).len();
         assert_eq!(from(1.0), 6);
         assert_eq!(from(1.5), 12, "both rows are half a pixel away");

@@ -109,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_area_has_no_triangles_and_a_crossing_one_ends() {
+    fn polygons_without_area_have_no_triangles_and_self_intersecting_ones_terminate() {
         let line = [(0.0, 0.0), (1.0, 1.0), (2.0, 2.0)].map(DVec2::from);
         assert_eq!(clip_ears(&line).count(), 0);
         assert_eq!(clip_ears(&[]).count(), 0);

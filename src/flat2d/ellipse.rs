@@ -10,7 +10,7 @@
 #[derive(Clone, Debug)]
 pub(crate) struct MidpointEllipse {
     center: (i32, i32),
-    /// Semi-axes along x and y, px.
+    /// Semi-axes along x and y, in pixels.
     half: (i128, i128),
     /// Position in the quadrant, relative to the centre; the walk ends when y < 0 or x exceeds the semi-axis.
     x: i128,
@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn every_pixel_comes_once_and_all_hang_together() {
+    fn every_pixel_occurs_once_and_all_are_connected() {
         for (a, b) in (0..24).flat_map(|a| (0..24).map(move |b| (a, b))) {
             let pixels = ellipse(a, b);
             let set: HashSet<_> = pixels.iter().copied().collect();

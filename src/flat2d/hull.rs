@@ -10,7 +10,7 @@ use glam::DVec2;
 
 use super::side;
 
-/// Step of the algorithm.
+/// Step of the hull algorithm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum HullStep {
     /// Appended the point with this index to the chain.

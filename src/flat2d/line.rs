@@ -17,7 +17,7 @@ use std::cmp::Ordering;
 /// Iterator over the pixels of a line; see [`midpoint_line`].
 #[derive(Clone, Debug)]
 pub struct MidpointLine {
-    /// Next pixel; `None` at the end.
+    /// Next pixel to return; `None` at the end.
     next: Option<(i64, i64)>,
     last: (i64, i64),
     /// Step that stays on the row or column (`straight`), and step that leaves it (`slanted`).
@@ -244,7 +244,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_left_lies_in_the_rectangle_and_on_the_line() {
+    fn the_clipped_line_lies_in_the_rectangle_and_on_the_line() {
         let mut random = fastrand::Rng::with_seed(5);
         let mut kept = 0;
         for round in 0..20_000 {

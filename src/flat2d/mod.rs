@@ -48,7 +48,7 @@ pub struct PixelSpan {
     pub y: u32,
     /// First column of the run.
     pub x0: u32,
-    /// One past the last column.
+    /// One past the last column of the run.
     pub x1: u32,
 }
 

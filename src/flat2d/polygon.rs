@@ -45,7 +45,7 @@ pub enum Corners {
     Snapped,
 }
 
-/// Sample position within a pixel.
+/// Sample position of every pixel, which decides whether the pixel is inside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SamplePoint {
     /// Pixel centre, half a pixel right of and below the integer coordinates.
@@ -67,7 +67,7 @@ impl SamplePoint {
 /// Parameters of a polygon fill.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FillParameters {
-    /// Rule that decides what is inside.
+    /// Rule that decides from the winding number what is inside.
     pub rule: InsideRule,
     /// Positions of the corners: as given or snapped.
     pub corners: Corners,
@@ -82,9 +82,9 @@ pub struct FillParameters {
 /// Edge that crosses the current row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ActiveEdge {
-    /// Upper end, px.
+    /// Upper end of the edge, in pixels.
     pub(crate) top: DVec2,
-    /// Lower end, px.
+    /// Lower end of the edge, in pixels.
     pub(crate) bottom: DVec2,
     /// Position x of the crossing in the row, px, up to float rounding.
     pub(crate) crossing_px: f64,
@@ -99,10 +99,10 @@ pub(crate) struct ActiveEdge {
 #[derive(Clone, Debug)]
 struct Slanted {
     slant: Slant,
-    /// One past its last row.
+    /// One past the last row of the edge.
     end: u32,
     winding: i32,
-    /// Index in the edge table.
+    /// Index of the edge in the edge table.
     place: u32,
 }
 
@@ -110,22 +110,22 @@ struct Slanted {
 #[derive(Clone, Debug)]
 pub struct PolygonFill {
     filling: FillParameters,
-    /// Edge table, sorted by first row, and the number of its edges activated so far.
+    /// Edge table, sorted by first row; `started` is the number of its edges activated so far.
     edges: Vec<PolygonEdge>,
     started: usize,
-    /// Edge-table indices, sorted by last row, and the number of those edges that have ended.
+    /// Edge-table indices, sorted by last row; `ended` is the number of those edges that have ended.
     by_end: Vec<u32>,
     ended: usize,
     slanted: Vec<Slanted>,
-    /// Sums of windings per column, with a final entry for everything right of the picture. `standing` holds the active
-    /// edges that stay in a single column. `crossing` holds the row's crossings by slanted edges, and the walk resets
-    /// it to zero as it passes.
+    /// Sums of windings per column of the active edges that stay in a single column, with a final entry for everything
+    /// right of the picture. `crossing` has the same layout and holds the row's crossings by slanted edges; the walk
+    /// resets it to zero as it passes.
     column_winding: Vec<i32>,
     crossing: Vec<i32>,
     /// Range from the first to the last column with a crossing so far.
     touched: Range<u32>,
     row: u32,
-    /// Next column to test, and the winding number up to there.
+    /// Next column to test; `winding` is the winding number up to there.
     column: u32,
     winding: i32,
 }

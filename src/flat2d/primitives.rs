@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn outlines_are_judged() {
+    fn outlines_are_classified() {
         let square = [(0.0, 0.0, 0.0), (4.0, 0.0, 0.0), (4.0, 4.0, 0.0), (0.0, 4.0, 0.0)];
         assert_eq!(verdict(&square), (true, true, true));
         let mut bent = square;

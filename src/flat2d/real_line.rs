@@ -21,14 +21,14 @@ pub(crate) const MAX_COORDINATE_PX: f64 = (1_u64 << 50) as f64;
 pub(crate) struct RealLinePixels {
     /// Whether y is the longer axis. The fields below use the longer axis as x.
     steep: bool,
-    /// End with the smaller x, and the other end.
+    /// End with the smaller x; `high` is the other end.
     low: DVec2,
     high: DVec2,
-    /// x of the next pixel, x one past the last pixel, and the step of ±1.
+    /// x of the next pixel; `end` is one step past the last pixel, and `step` is ±1.
     major: i64,
     end: i64,
     step: i64,
-    /// y of the previous pixel.
+    /// y of the previous pixel, where the search for the next one starts.
     minor: i64,
 }
 
@@ -161,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn what_no_float_can_tell_is_told() {
+    fn near_ties_are_decided_exactly() {
         let tiny = 2.0_f64.powi(-149);
         assert_eq!(pixels((0.0, 0.5 - f64::EPSILON / 4.0), (2.0, 0.5)), [(0, 0), (1, 0), (2, 1)]);
         assert_eq!(pixels((0.0, tiny), (0.0, tiny)), [(0, 0)]);
@@ -172,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn ends_far_out_are_walked_from_or_refused() {
+    fn far_ends_are_supported_up_to_the_limit() {
         let far = MAX_COORDINATE_PX;
         let mut line = real_line(DVec2::new(-far, far), DVec2::new(far, -far)).unwrap();
         assert_eq!(line.nth(1), Some((1 - far as i64, far as i64 - 1)));

@@ -42,7 +42,7 @@ pub(crate) struct SeedFill<'a, T> {
     seeds: Vec<(u32, u32)>,
 }
 
-/// Set of colours that are filled.
+/// Set of colours that the fill replaces.
 #[derive(Clone, Copy, Debug)]
 enum Fillable<T> {
     Only(T),
@@ -192,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_filled_is_what_spreading_reaches() {
+    fn the_filled_region_is_the_connected_one() {
         let mut random = fastrand::Rng::with_seed(71);
         for round in 0..600 {
             let (width, height) = (random.u32(1..14), random.u32(1..14));

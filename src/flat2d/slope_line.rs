@@ -25,7 +25,7 @@ pub(crate) struct SlopeLine {
     to: DVec2,
     /// Change of y per step of +1 in x.
     slope: f32,
-    /// x of the next pixel, x one past the last pixel, and the step of ±1.
+    /// x of the next pixel; `end` is one step past the last pixel, and `step` is ±1.
     major: i64,
     end: i64,
     step: i64,

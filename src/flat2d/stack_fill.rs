@@ -7,11 +7,11 @@
 use super::seed_fill::{Connectivity, FillCriterion};
 use crate::image::Image;
 
-/// Offsets (right, down) of the neighbours that share a side, and of those that share only a corner.
+/// Offsets (right, down) of the neighbours that share a side; [`CORNERS`] are those that share only a corner.
 const SIDES: [(i32, i32); 4] = [(1, 0), (0, 1), (-1, 0), (0, -1)];
 const CORNERS: [(i32, i32); 4] = [(1, 1), (-1, 1), (-1, -1), (1, -1)];
 
-/// Fill in progress; see [`stack_fill`].
+/// Fill in progress; each item of the iterator is one filled pixel. See [`stack_fill`].
 #[derive(Debug)]
 pub(crate) struct StackFill<'a, T> {
     image: &'a mut Image<T>,

@@ -1,4 +1,4 @@
-//! sRGB codes and linear light (IEC 61966-2-1).
+//! Conversion between sRGB codes and linear light (IEC 61966-2-1).
 
 use std::sync::LazyLock;
 
@@ -6,34 +6,35 @@ use glam::Vec3;
 
 use crate::math::lanes::*;
 
-/// Tables for fast conversion. Loops should keep one reference, because each call of [`Tables::get`] costs as much as a
-/// lookup.
+/// Lookup tables for fast conversion between sRGB codes and linear light. Loops should keep one reference, because each
+/// call of [`Tables::get`] costs as much as a lookup.
 #[derive(Debug)]
 pub(crate) struct Tables {
-    /// Linear light of each sRGB code.
+    /// Linear light, in [0, 1], of each 8-bit sRGB code.
     pub(crate) linear_of_code: [f32; 256],
-    /// Each code as a float.
+    /// Each 8-bit code as a float, 0 to 255.
     pub(crate) code: [f32; 256],
-    /// Entry of each bucket of linear values: code · 2¹⁶ + (2¹⁶ − next). code is that of the bucket's least value, and
-    /// next is the first place in the bucket with the next code. Place plus entry is a code in fixed point with 16
-    /// fractional bits, so one read finds it.
+    /// Entry of each bucket of linear values, from which [`Tables::encode`] finds a code with a single read. An entry
+    /// is code · 2¹⁶ + (2¹⁶ − next): code belongs to the smallest value of the bucket, and next is the first offset in
+    /// the bucket with the next code. Offset plus entry is the code in fixed point with 16 fractional bits.
     buckets: Box<[u32; BUCKETS]>,
 }
 
-/// Bits of 2⁻¹³. Lower linear values have code 0: half a code is 0.5 / 255 / 12.92 = 1.5 · 10⁻⁴ > 2⁻¹³.
+/// Bit pattern of 2⁻¹³ as an `f32`, the start of the first bucket. Smaller linear values have code 0, because half a
+/// code is 0.5 / 255 / 12.92 = 1.5 · 10⁻⁴ > 2⁻¹³.
 const MIN_BITS: u32 = 0x3900_0000;
 
-/// Shift from the bits of a float to its bucket. The 2⁸ buckets per octave are 0.4 % wide, narrower than any code, so a
-/// bucket holds at most one threshold.
+/// Right shift from the bits of an `f32` to its bucket. The 2⁸ buckets per octave are 0.4 % wide, narrower than any
+/// code, so a bucket holds at most one threshold.
 const BUCKET_SHIFT: u32 = 15;
 
-/// Number of places in a bucket: one per float.
+/// Number of `f32` values in a bucket.
 const FLOATS_PER_BUCKET: u32 = 1 << BUCKET_SHIFT;
 
-/// Number of fractional bits of an entry, below its code.
+/// Number of fractional bits of a bucket's entry, which is a code in fixed point.
 const CODE_SHIFT: u32 = BUCKET_SHIFT + 1;
 
-/// Number of buckets: up to that of 1, rounded up to a power of two so that a masked index is always valid.
+/// Number of buckets, up to that of the value 1. Rounded up to a power of two, so that masking an index makes it valid.
 const BUCKETS: usize = (((0x3F80_0000 - MIN_BITS) >> BUCKET_SHIFT) as usize + 1).next_power_of_two();
 
 static TABLES: LazyLock<Tables> = LazyLock::new(|| {
@@ -49,7 +50,7 @@ static TABLES: LazyLock<Tables> = LazyLock::new(|| {
         buckets: Box::new(std::array::from_fn(|bucket| {
             let bits = MIN_BITS + bucket as u32 * FLOATS_PER_BUCKET;
             let code = thresholds.partition_point(|t| *t <= f32::from_bits(bits)).clamp(1, 256) - 1;
-            // If the next code begins beyond the bucket, none of its places has that code.
+            // If the next code begins beyond the bucket, no value in the bucket has it.
             let next = (thresholds[code + 1].to_bits() - bits).min(FLOATS_PER_BUCKET);
             ((code as u32 + 1) << CODE_SHIFT) - next
         })),
@@ -57,14 +58,15 @@ static TABLES: LazyLock<Tables> = LazyLock::new(|| {
 });
 
 impl Tables {
-    /// Returns the single instance.
+    /// Returns the shared instance, computed on first use.
     pub(crate) fn get() -> &'static Self {
         &TABLES
     }
 
-    /// Returns the 8-bit sRGB code nearest to linear light; clamps, and returns 0 for NaN.
+    /// Returns the 8-bit sRGB code nearest to a value of linear light, which is clamped to [0, 1]; 0 for NaN.
     ///
-    /// Exact: the code is found by comparing with the thresholds between codes, not by an approximated power.
+    /// The result is exact: the code is found by comparing with the thresholds between codes, not by an approximated
+    /// power.
     #[inline]
     pub(crate) fn encode(&self, linear: f32) -> u8 {
         let clamped = if linear > 0.0 { linear.min(1.0) } else { 0.0 };
@@ -72,13 +74,13 @@ impl Tables {
         ((self.buckets[(above >> BUCKET_SHIFT) as usize] + above % FLOATS_PER_BUCKET) >> CODE_SHIFT) as u8
     }
 
-    /// [`Self::encode`] for sixteen values.
+    /// Returns the sRGB codes of sixteen values of linear light, equal to [`Self::encode`].
     #[inline(always)]
     pub(crate) fn encode_lanes<S: Simd>(&self, simd: S, linear: f32x16<S>) -> u32x16<S> {
         self.encode_lanes_by(simd, gathers_are_fast(), linear)
     }
 
-    /// [`Self::encode_lanes`], with or without gather instructions.
+    /// Computes [`Self::encode_lanes`] with or without gather instructions.
     #[inline(always)]
     fn encode_lanes_by<S: Simd>(&self, simd: S, by_gathers: bool, linear: f32x16<S>) -> u32x16<S> {
         let zero = f32x16::splat(simd, 0.0);
@@ -89,13 +91,13 @@ impl Tables {
 }
 
 impl Tables {
-    /// Returns the table's values for sixteen codes, each less than 256.
+    /// Returns the values of `table` for sixteen codes, each less than 256.
     #[inline(always)]
     pub(crate) fn lookup<S: Simd>(simd: S, table: &[f32; 256], codes: u32x16<S>) -> f32x16<S> {
         Self::lookup_by(simd, gathers_are_fast(), table, codes)
     }
 
-    /// [`Tables::lookup`], with or without gather instructions.
+    /// Computes [`Tables::lookup`] with or without gather instructions.
     #[inline(always)]
     fn lookup_by<S: Simd>(simd: S, by_gathers: bool, table: &[f32; 256], codes: u32x16<S>) -> f32x16<S> {
         #[cfg(target_arch = "x86_64")]
@@ -110,7 +112,7 @@ impl Tables {
         f32x16::load_array(simd, found)
     }
 
-    /// Returns the entries of sixteen buckets.
+    /// Returns the entries of sixteen buckets, given by their indices.
     #[inline(always)]
     fn entries<S: Simd>(&self, simd: S, by_gathers: bool, bucket: u32x16<S>) -> u32x16<S> {
         #[cfg(target_arch = "x86_64")]
@@ -158,12 +160,12 @@ mod x86 {
     }
 }
 
-/// Returns the linear light of an sRGB value in [0, 1].
+/// Returns the linear light of an sRGB value, both in [0, 1].
 pub fn decode(srgb: f32) -> f32 {
     if srgb <= 0.04045 { srgb / 12.92 } else { ((srgb + 0.055) / 1.055).powf(2.4) }
 }
 
-/// Returns the sRGB value of linear light in [0, 1].
+/// Returns the sRGB value of linear light, both in [0, 1].
 ///
 /// # Examples
 /// ```
@@ -187,7 +189,7 @@ pub fn decode_byte(code: u8) -> f32 {
     TABLES.linear_of_code[code as usize]
 }
 
-/// Returns the 8-bit code of a value in [0, 1], rounded half up; clamps, and returns 0 for NaN.
+/// Returns the 8-bit code of a value in [0, 1], rounded half up. Clamps values out of range; returns 0 for NaN.
 #[inline]
 pub fn quantize(value: f32) -> u8 {
     (value * 255.0 + 0.5) as u8
@@ -211,7 +213,7 @@ mod tests {
         TABLES.encode(linear)
     }
 
-    /// Returns the least linear value that is nearest to a code, half a code below it.
+    /// Returns the smallest linear value whose nearest code is `code`.
     fn least_of_code(code: u8) -> f32 {
         decode((f32::from(code) - 0.5) / 255.0)
     }
@@ -225,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn lanes_encode_as_one_by_one_at_every_threshold_and_on_its_sides() {
+    fn simd_lanes_encode_like_scalar_code_around_every_threshold() {
         let tables = Tables::get();
         let thresholds = (1..=255).map(least_of_code);
         let around = thresholds.flat_map(|threshold| [threshold.next_down(), threshold, threshold.next_up()]);

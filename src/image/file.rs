@@ -1,4 +1,4 @@
-//! Picture files: reading untrusted ones within limits, writing PNG.
+//! Picture files: bounded reading of untrusted files, and writing of PNG.
 //!
 //! Reading turns a path into straight 8-bit RGBA of sRGB codes, or into an error that names the file and the cause. The
 //! format is recognised by content, not by name, because wrong suffixes are common; only TGA has no signature and needs
@@ -29,7 +29,7 @@ const MAX_PIXELS: u64 = 1 << 26;
 /// Maximum number of bytes that a decoder may allocate.
 const MAX_DECODER_BYTES: u64 = 256 << 20;
 
-/// Reason why a picture could not be read or written.
+/// Error from reading or writing a picture file.
 #[derive(Debug, Error)]
 pub enum ImageFileError {
     /// The file cannot be read.
@@ -45,7 +45,7 @@ pub enum ImageFileError {
     Unsupported {
         /// Path of the file.
         path: PathBuf,
-        /// Description of what the content looks like.
+        /// Guess at the actual content, such as `it looks like text`.
         hint: String,
     },
     /// The picture has too many pixels.
@@ -63,9 +63,9 @@ pub enum ImageFileError {
     Undecodable {
         /// Path of the file.
         path: PathBuf,
-        /// Format, such as `PNG`.
+        /// Name of the format, such as `PNG`.
         kind: &'static str,
-        /// Message of the decoder.
+        /// Error message of the decoder.
         reason: String,
     },
     /// The file cannot be written.
@@ -78,7 +78,7 @@ pub enum ImageFileError {
     },
 }
 
-/// Reads a picture. It is never empty, and has at most 16 384 pixels per side and 8192 × 8192 in total.
+/// Reads a picture file. The picture is never empty, and has at most 16 384 pixels per side and 8192 × 8192 in total.
 pub fn read(path: &Path) -> Result<Image<Rgba8>, ImageFileError> {
     PictureFile::read_header(path)?.decode()
 }
@@ -89,7 +89,7 @@ pub(crate) struct PictureFile {
     path: PathBuf,
     bytes: Vec<u8>,
     format: ImageFormat,
-    /// Format as shown in messages, such as `PNG`.
+    /// Name of the format in messages, such as `PNG`.
     kind: &'static str,
     width: u32,
     height: u32,
@@ -113,7 +113,7 @@ impl PictureFile {
         Ok(Self { path: path.to_owned(), bytes, format, kind, width, height })
     }
 
-    /// Returns width and height in pixels.
+    /// Returns the width and height in pixels.
     pub(crate) fn size(&self) -> (u32, u32) {
         (self.width, self.height)
     }
@@ -129,12 +129,12 @@ fn undecodable(path: &Path, kind: &'static str, reason: &str) -> ImageFileError 
     ImageFileError::Undecodable { path: path.to_owned(), kind, reason: text::message(reason) }
 }
 
-/// Whether a path has the suffix of a picture file.
+/// Returns whether a path has the suffix of a picture file.
 pub(crate) fn is_named_picture(path: &Path) -> bool {
     path.extension().and_then(ImageFormat::from_extension).is_some()
 }
 
-/// Returns a decoder with an allocation limit.
+/// Returns a decoder for the bytes of a picture file, with an allocation limit.
 fn reader(bytes: &[u8], format: ImageFormat) -> ImageReader<Cursor<&[u8]>> {
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut limits = Limits::default();
@@ -145,7 +145,7 @@ fn reader(bytes: &[u8], format: ImageFormat) -> ImageReader<Cursor<&[u8]>> {
     reader
 }
 
-/// Returns the format of the content and its display name, if it is supported.
+/// Recognises the format by its content. Returns it with its display name, or an error if it is not supported.
 fn recognize(path: &Path, bytes: &[u8]) -> Result<(ImageFormat, &'static str), ImageFileError> {
     let named_tga = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("tga"));
     let hint = match image::guess_format(bytes) {
@@ -172,7 +172,7 @@ fn to_rgba(decoded: DynamicImage) -> Image<Rgba8> {
     Image::from_pixels(width, height, pixels)
 }
 
-/// Writes a PNG: RGB if every pixel is opaque, else RGBA. Replaces an existing file; creates no folders.
+/// Writes a picture as PNG: RGB if every pixel is opaque, else RGBA. Replaces an existing file; creates no folders.
 ///
 /// # Examples
 /// ```

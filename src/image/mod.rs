@@ -9,7 +9,7 @@ pub(crate) mod pfm;
 /// Four 8-bit channels: red, green, blue (sRGB codes) and alpha (straight, not premultiplied).
 pub type Rgba8 = [u8; 4];
 
-/// Rectangle of values of type `T`, row by row from the top, x to the right.
+/// Two-dimensional array of values of type `T`, row by row from the top, x to the right.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image<T> {
     width: u32,
@@ -23,15 +23,16 @@ impl<T: Copy> Image<T> {
         Self { width, height, pixels: vec![value; width as usize * height as usize] }
     }
 
-    /// Returns a picture that reuses the buffer of another one. Its content is arbitrary; newly allocated pixels have
-    /// `value`.
+    /// Returns a picture that reuses the buffer of another one, if there is one. Its content is arbitrary; newly
+    /// allocated pixels have `value`.
     pub(crate) fn reusing(memory: Option<Self>, width: u32, height: u32, value: T) -> Self {
         let mut pixels = memory.map_or_else(Vec::new, |image| image.pixels);
         pixels.resize(width as usize * height as usize, value);
         Self { width, height, pixels }
     }
 
-    /// Returns a picture of row-major `pixels`. Panics unless there are exactly `width` × `height` of them.
+    /// Returns a picture with the given pixels, row by row from the top. Panics if their number is not `width` ×
+    /// `height`.
     pub fn from_pixels(width: u32, height: u32, pixels: Vec<T>) -> Self {
         assert_eq!(pixels.len(), width as usize * height as usize, "pixel count does not match {width}×{height}");
         Self { width, height, pixels }
@@ -67,23 +68,23 @@ impl<T: Copy> Image<T> {
         self.height
     }
 
-    /// Returns (width, height) in pixels.
+    /// Returns the width and height in pixels.
     pub fn size(&self) -> (u32, u32) {
         (self.width, self.height)
     }
 
-    /// Returns the value at (x, y). Panics outside.
+    /// Returns the value at (`x`, `y`), which must lie inside the picture.
     #[inline]
     pub fn at(&self, x: u32, y: u32) -> T {
         self.pixels[self.index(x, y)]
     }
 
-    /// Returns the value at (x, y), or `None` outside.
+    /// Returns the value at (`x`, `y`), or `None` if it lies outside the picture.
     pub fn get(&self, x: u32, y: u32) -> Option<T> {
         (x < self.width && y < self.height).then(|| self.at(x, y))
     }
 
-    /// Returns the value nearest to (x, y): coordinates are clamped to the border. Panics on an empty picture.
+    /// Returns the value nearest to (`x`, `y`): coordinates are clamped to the border. Panics on an empty picture.
     #[inline]
     pub fn at_clamped(&self, x: i64, y: i64) -> T {
         let x = x.clamp(0, i64::from(self.width) - 1) as u32;
@@ -91,14 +92,14 @@ impl<T: Copy> Image<T> {
         self.at(x, y)
     }
 
-    /// Writes the value at (x, y). Panics outside.
+    /// Sets the value at (`x`, `y`), which must lie inside the picture.
     #[inline]
     pub fn set(&mut self, x: u32, y: u32, value: T) {
         let index = self.index(x, y);
         self.pixels[index] = value;
     }
 
-    /// Returns row `y`, left to right. Panics outside.
+    /// Returns row `y`, from left to right. Panics if it lies outside the picture.
     pub(crate) fn row(&self, y: u32) -> &[T] {
         let start = y as usize * self.width as usize;
         &self.pixels[start..start + self.width as usize]
@@ -109,7 +110,7 @@ impl<T: Copy> Image<T> {
         &self.pixels
     }
 
-    /// Returns all values, row by row, for writing.
+    /// Returns all values for writing, row by row.
     pub(crate) fn pixels_mut(&mut self) -> &mut [T] {
         &mut self.pixels
     }

@@ -1,4 +1,4 @@
-//! Pictures of 32-bit floats as PFM files: exact to the last bit, with NaN and infinity.
+//! PFM files: pictures of 32-bit floats, exact to the last bit, including NaN and infinity.
 //!
 //! Format: a line `Pf` (one number per pixel) or `PF` (three), a line with width and height, and a line `-1.0` for
 //! little-endian byte order. Then follow the rows from bottom to top, each from left to right.
@@ -9,7 +9,7 @@ use super::Image;
 use super::file::ImageFileError;
 use crate::disk;
 
-/// Picture of 32-bit floats.
+/// Picture with one or three 32-bit floats per pixel, to be written as PFM.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Floats {
     /// One number per pixel.
@@ -19,7 +19,7 @@ pub(crate) enum Floats {
 }
 
 impl Floats {
-    /// Returns the picture as the bytes of a PFM file.
+    /// Returns the bytes of a PFM file of the picture.
     pub(crate) fn encode(&self) -> Vec<u8> {
         match self {
             Self::One(image) => encode("Pf", image, |value| [value].to_vec()),
@@ -38,7 +38,7 @@ fn encode<T: Copy>(magic: &str, image: &Image<T>, numbers: impl Fn(T) -> Vec<f32
     bytes
 }
 
-/// Writes a PFM file. Replaces an existing file; creates no folders.
+/// Writes a picture as a PFM file. Replaces an existing file; creates no folders.
 pub(crate) fn write_pfm(path: &Path, floats: &Floats) -> Result<(), ImageFileError> {
     disk::write(path, &floats.encode()).map_err(|source| ImageFileError::Unwritable { path: path.to_owned(), source })
 }

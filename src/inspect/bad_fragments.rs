@@ -13,7 +13,7 @@ use crate::scene::TriangleId;
 pub(crate) struct BadFragments {
     /// Counters of all pipeline events.
     pub(crate) counters: Counters,
-    /// Number of fragments with a NaN or infinite depth or weight.
+    /// Number of fragments that passed the depth test with a NaN or infinite depth or weight.
     pub(crate) bad: u64,
     settings: Settings,
 }
@@ -69,7 +69,7 @@ mod tests {
     use crate::scene::builtin;
 
     #[test]
-    fn bad_weights_are_counted_where_an_interpolation_makes_them() {
+    fn bad_weights_are_counted_only_for_interpolations_that_produce_them() {
         let scene = builtin::by_id("shared-edges").unwrap().build();
         for (interpolation, depth_test) in [
             (Interpolation::Perspective, DepthTest::Less),

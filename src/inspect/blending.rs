@@ -12,7 +12,7 @@ use crate::pipeline::settings::{BlendingOrder, Settings};
 use crate::pipeline::viewport::ScreenTriangle;
 use crate::scene::{Scene, Transparency};
 
-/// Returns the recipe with blended fragments in exact depth order.
+/// Returns a copy of the recipe that blends fragments in exact depth order.
 pub(super) fn sorted(recipe: &Recipe) -> Recipe {
     let mut sorted = *recipe;
     sorted.pipeline.blending.order = BlendingOrder::Exact;
@@ -24,11 +24,11 @@ pub(super) fn is_nearer(depth: f32, other: f32, settings: &Settings) -> bool {
     if settings.reversed() { depth > other } else { depth < other }
 }
 
-/// Tracks the depths of blended fragments in drawing order.
+/// Tracker of the depths of blended fragments, which are added in drawing order.
 pub(super) struct BlendedDepths<'a> {
     settings: &'a Settings,
     plans: &'a [DrawPlan],
-    /// Depth of the nearest fragment blended at each sample, NaN without any; `None` if no material is blended.
+    /// Depth of the nearest fragment blended at each sample, NaN if there is none; `None` if no material is blended.
     nearest: Option<Image<f32>>,
 }
 
@@ -41,8 +41,8 @@ impl<'a> BlendedDepths<'a> {
         Self { settings, plans, nearest: blends.then(|| Image::filled(width, height, f32::NAN)) }
     }
 
-    /// Adds a written fragment. If it is blended over earlier blended fragments, returns its depth and the depth of the
-    /// nearest earlier one.
+    /// Adds a written fragment. If the fragment is blended over earlier blended fragments, returns its depth and the
+    /// depth of the nearest earlier fragment.
     pub(super) fn add(&mut self, triangle: &ScreenTriangle, sample: &RasterSample) -> Option<[f32; 2]> {
         let nearest = self.nearest.as_mut()?;
         let plan = self.plans.get(triangle.instance as usize)?;
@@ -56,18 +56,18 @@ impl<'a> BlendedDepths<'a> {
         (!before.is_nan()).then_some([depth, before])
     }
 
-    /// Whether a pair returned by [`BlendedDepths::add`] is in the wrong order.
+    /// Whether a pair of depths returned by [`BlendedDepths::add`] is in the wrong order.
     pub(super) fn is_wrong(&self, [depth, nearest]: [f32; 2]) -> bool {
         is_nearer(nearest, depth, self.settings)
     }
 }
 
-/// Kind of a sample at which a fragment was blended over a nearer one.
+/// Effect of a wrong blending order on the colour of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Misordered {
-    /// The exact order gives a different colour.
+    /// The exact order gives a different colour, so the error is visible.
     Visible,
-    /// The exact order gives the same colour.
+    /// The exact order gives the same colour, so the error is invisible.
     Harmless,
 }
 
@@ -121,7 +121,7 @@ mod tests {
 
     const SIZE: Viewport = Viewport { width: 60, height: 40 };
 
-    /// Builds a large blue floor of glass and a small red pane in front of it, near one of its corners.
+    /// Builds a scene with a large blue glass floor and a small red pane in front of one of its corners.
     fn glass() -> Scene {
         let mut library = Library::default();
         let quad = |corners: [[f32; 3]; 4]| {
@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn wrong_pixels_are_marked_and_their_stories_name_the_right_colour() {
+    fn wrong_pixels_are_marked_and_their_verdicts_name_the_right_colour() {
         let scene = glass();
         let frame = |order| run(&scene, &scene.home, &recipe(order), SIZE, &mut ());
         let exact = frame(BlendingOrder::Exact);
@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn stories_list_fragments_in_blending_order_and_moments_in_drawing_order() {
+    fn reports_list_fragments_in_blending_order_and_touches_in_drawing_order() {
         let scene = glass();
         for order in BlendingOrder::ALL {
             let recipe = recipe(*order);

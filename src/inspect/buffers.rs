@@ -31,20 +31,20 @@ choice! {
 /// All quantities of one frame, in the packed layout of its framebuffer.
 #[derive(Clone, Debug)]
 pub struct Buffers {
-    /// Triangle shaded last at each sample, or [`TriangleId::NONE`]. Where triangles are blended, this is normally the
+    /// Triangle shaded last at each sample, or [`TriangleId::NONE`]. Among blended triangles, this is normally the
     /// nearest.
     pub triangle: Image<TriangleId>,
-    /// Screen-space weights of the winner, for corners 0, 1 and 2.
+    /// Screen-space barycentric weights of the winning triangle at each sample, for corners 0, 1 and 2.
     pub lambda: Image<[f32; 3]>,
-    /// Weights of the winner that attributes are interpolated with.
+    /// Weights used to interpolate the attributes of the winning triangle at each sample.
     pub perspective_lambda: Image<[f32; 3]>,
     /// Whether a depth was stored at each sample; blended triangles store none.
     pub depth_stored: Image<bool>,
-    /// Number of triangles that cover each sample.
+    /// Number of triangles that cover each sample, whether or not they pass the depth test.
     pub overdraw: Image<u32>,
     /// Number of times that each sample was shaded.
     pub shaded: Image<u32>,
-    /// Cracks and double hits; `None` if they were not searched for.
+    /// Hit counts with cracks and double hits; `None` until [`Buffer::Hits`] is displayed.
     pub hits: Option<Hits>,
 }
 
@@ -86,7 +86,7 @@ pub fn capture(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Buffers {
 }
 
 impl Buffers {
-    /// Adds the data that a buffer needs beyond [`capture`]: only [`Buffer::Hits`] needs any.
+    /// Adds the data that a buffer needs beyond [`capture`]; only [`Buffer::Hits`] needs additional data.
     pub(crate) fn completed_for(self, buffer: Buffer, recipe: &Recipe, frame: &Frame) -> Self {
         if buffer != Buffer::Hits || self.hits.is_some() {
             return self;
@@ -96,12 +96,12 @@ impl Buffers {
 }
 
 impl Buffers {
-    /// Whether hits were counted but lack the faults along open seams.
+    /// Whether hits were counted, but not yet the cracks and double hits along open seams.
     pub(crate) fn misses_seams(&self) -> bool {
         self.hits.as_ref().is_some_and(|hits| hits.mesh.is_none())
     }
 
-    /// Adds the faults along the open seams of the scene, if hits were counted.
+    /// Adds the cracks and double hits along the open seams of the scene, if hits were counted.
     pub(crate) fn with_seams(self, scene: &Scene, recipe: &Recipe, frame: &Frame, seams: &Seams) -> Self {
         Self { hits: self.hits.map(|hits| hits.with_seams(scene, recipe, frame, seams)), ..self }
     }

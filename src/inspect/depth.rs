@@ -9,23 +9,23 @@ use crate::pipeline::depth::DepthScale;
 /// A depth as stored in the depth buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DepthRecord {
-    /// The depth, in [0, 1].
+    /// Stored depth, in [0, 1].
     pub value: f32,
     /// Integer code in the depth buffer; `None` for a floating-point buffer.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub code: Option<u32>,
-    /// Distance along the line of sight between this depth and the next representable one, in world units. Infinite
-    /// (null in JSON) if the next one is infinitely far.
+    /// Distance along the line of sight between this depth and the next representable depth, in world units. Infinite
+    /// (null in JSON) if the next depth is infinitely far away.
     pub resolution: f64,
 }
 
 impl DepthRecord {
-    /// Creates a record of a stored value of a buffer with this scale.
+    /// Creates the record of a depth that is stored in a depth buffer with this scale.
     pub(crate) fn new(value: f32, scale: &DepthScale) -> Self {
         Self { value, code: scale.encoding().code(value), resolution: scale.resolution(value) }
     }
 
-    /// Number of depth-buffer steps between two depths of the same scale.
+    /// Returns the number of depth-buffer steps between two depths of the same scale.
     pub(crate) fn steps_from(&self, other: &Self) -> u32 {
         match self.code.zip(other.code) {
             Some((a, b)) => a.abs_diff(b),
@@ -34,7 +34,7 @@ impl DepthRecord {
     }
 }
 
-/// Writes the shortest decimal that identifies the value, and the code if there is one.
+/// Writes the shortest decimal that identifies the stored depth, followed by the integer code if there is one.
 impl fmt::Display for DepthRecord {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.code {

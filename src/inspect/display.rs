@@ -15,7 +15,7 @@ use crate::pipeline::settings::{Choice, choice};
 use crate::pipeline::shade::id_color;
 
 choice! {
-    /// A gradient of colours for a number within a range.
+    /// A colour gradient onto which numbers within a range are mapped.
     ColorMap {
         Viridis = "viridis", "Viridis", "From dark blue over green to yellow, perceptually uniform, safe for colour-blind users.";
         Cividis = "cividis", "Cividis", "From dark blue to yellow: looks nearly the same with and without colour blindness.";
@@ -26,7 +26,7 @@ choice! {
     }
 }
 
-/// Colour for NaN in every colour map.
+/// Colour of NaN values in every colour map.
 pub(crate) const NOT_A_NUMBER: Rgba8 = [255, 0, 190, 255];
 
 impl ColorMap {
@@ -58,11 +58,11 @@ impl ColorMap {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
 pub struct Display {
-    /// Rule that determines the ends of the range.
+    /// Rule that determines the low and high ends of the displayed range.
     pub rule: Rule,
     /// Colour map; `None` for the default map of the quantity.
     pub(crate) map: Option<ColorMap>,
-    /// Whether the map is reversed.
+    /// Whether the colour map is reversed.
     pub(crate) reversed: bool,
     /// Whether red, green and blue (or the three weights) are shown; a single channel is shown as grey.
     pub(crate) channels: [bool; 3],
@@ -74,7 +74,7 @@ impl Default for Display {
     }
 }
 
-/// Kind of the values of a picture, which determines labels and controls.
+/// Kind of values in a displayed picture, which determines the labels and controls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum ValueKind {
     /// Red, green and blue as 8-bit codes.
@@ -83,7 +83,7 @@ pub(crate) enum ValueKind {
     Weights,
     /// One number or count, displayed with a colour map.
     Numbers,
-    /// Identifiers, which have no range.
+    /// Triangle ids, which have no range.
     Names,
 }
 
@@ -98,7 +98,7 @@ impl ValueKind {
         }
     }
 
-    /// Returns the names of the channels.
+    /// Returns the display names of the channels, such as “R”.
     pub(crate) fn channels(self) -> &'static [&'static str] {
         match self {
             Self::Colors => &["R", "G", "B"],
@@ -108,7 +108,7 @@ impl ValueKind {
         }
     }
 
-    /// Returns the default range; `None` if it depends on the values.
+    /// Returns the default range for values of this kind; `None` if it depends on the values.
     fn natural(self) -> Option<Range> {
         match self {
             Self::Colors => Some(Range { low: 0.0, high: 255.0 }),
@@ -170,14 +170,14 @@ impl Display {
         }
     }
 
-    /// Returns the colour at a position in [0, 1] between the ends of the range.
+    /// Returns the colour of the legend at a position in [0, 1] between the ends of the range.
     pub(crate) fn legend_color(&self, buffer: Option<Buffer>, range: Range, share: f32) -> Rgba8 {
         // Interpolates without a difference: `high - low` may overflow to infinity.
         self.number_color(buffer, range, range.low * (1.0 - share) + range.high * share)
     }
 
-    /// Maps three numbers to a colour. Each spans black to full brightness; only shown channels count, and a single one
-    /// is grey.
+    /// Maps three channel values to a colour, each from black at the low end of the range to full brightness. Hidden
+    /// channels are black; a single shown channel is grey.
     fn tone(&self, range: Range, numbers: [f32; 3]) -> Rgba8 {
         if numbers.iter().zip(self.channels).any(|(number, shown)| shown && number.is_nan()) {
             return NOT_A_NUMBER;
@@ -277,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn a_range_moves_colours_and_no_values() {
+    fn a_range_changes_colours_but_not_values() {
         let (frame, buffers) = frame();
         let values = |buffer| {
             let at = |x, y| view::value(buffer, &frame, Some(&buffers), x, y);
@@ -330,7 +330,7 @@ mod tests {
     }
 
     #[test]
-    fn the_legend_has_the_colours_of_the_pixels_even_where_all_are_equal() {
+    fn the_legend_has_the_colours_of_the_pixels_even_if_all_values_are_equal() {
         for map in [None, Some(ColorMap::Viridis), Some(ColorMap::Diverging)] {
             let display = Display { map, ..Display::default() };
             for (low, high) in [(2.0, 2.0), (0.0, 0.0), (-2.0, 4.0)] {
@@ -344,7 +344,7 @@ mod tests {
     }
 
     #[test]
-    fn codes_are_beyond_at_their_ends_and_numbers_only_outside_of_the_range() {
+    fn codes_count_as_outside_at_their_ends_and_numbers_only_outside_the_range() {
         let codes = Range { low: 0.0, high: 255.0 };
         assert_eq!(beyond(Value::Color([0, 3, 255, 255]), codes), (false, true));
         assert_eq!(beyond(Value::Color([0, 0, 0, 255]), codes), (true, false));

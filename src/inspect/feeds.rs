@@ -8,7 +8,8 @@ use crate::upscale::{FilterSpace, Tap, Upscaling};
 /// Maximum distance from a sample to a pixel that it contributes to, in samples: the widest kernel reaches three.
 const REACH_SAMPLES: f64 = 3.0;
 
-/// Minimum search radius around a sample, in pixels. A checkerboard reaches two pixels without any upscaling.
+/// Constant part of the search radius around a sample, in pixels. A checkerboard sample contributes to pixels up to two
+/// pixels away even without upscaling.
 const REACH_PX: u32 = 4;
 
 /// One sample that contributes to a pixel.
@@ -23,21 +24,21 @@ pub(crate) struct ContributingSample {
 /// The samples that a pixel of the full picture is computed from.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Mixture {
-    /// The contributing samples, each once.
+    /// The contributing samples, each listed once.
     pub(crate) sources: Vec<ContributingSample>,
-    /// Sum of all weights: 1 up to rounding.
+    /// Sum of the weights of all samples: 1 up to rounding.
     pub(crate) weight: f64,
-    /// Weighted sums of red, green and blue as codes, neither clamped nor rounded.
+    /// Weighted sums of red, green and blue as sRGB codes, neither clamped nor rounded.
     pub(crate) sum: [f64; 3],
-    /// The pixel as the upscaler computed it.
+    /// Colour of the pixel as computed by the upscaler, in sRGB codes.
     pub(crate) pixel: Rgba8,
-    /// Whether the history (the previous frame) contributes to the pixel. It is not among the samples.
+    /// Whether the history (the previous frame) contributes to the pixel. The history is not among the samples.
     pub(crate) uses_history: bool,
 }
 
 impl Mixture {
-    /// Returns the samples of a pixel of the frame; `None` outside the picture. `how` contains the upscaling settings
-    /// of the frame.
+    /// Returns the samples that contribute to a pixel of the frame; `None` outside the picture. `how` contains the
+    /// upscaling settings of the frame.
     pub(crate) fn of(frame: &Frame, how: Upscaling, at: (u32, u32)) -> Option<Self> {
         let pixel = frame.image().get(at.0, at.1)?;
         let taps = taps(frame, how, at);
@@ -50,7 +51,7 @@ impl Mixture {
         Some(Self { sources, weight, sum, pixel, uses_history: before.is_some() })
     }
 
-    /// Returns the weighted sums clamped to the range of codes, [0, 255].
+    /// Returns the weighted sums clamped to the range of sRGB codes, [0, 255].
     pub(crate) fn clamped(&self) -> [f64; 3] {
         self.sum.map(|code| code.clamp(0.0, 255.0))
     }
@@ -67,7 +68,7 @@ fn color_of(frame: &Frame, tap: Tap) -> Option<Rgba8> {
     frame.drawn.color.get(column, row)
 }
 
-/// Returns the weighted sum of one channel, in codes, computed in linear light or directly on codes.
+/// Returns the weighted sum of one channel as an sRGB code, computed in linear light or directly on the codes.
 fn sum_of(sources: &[ContributingSample], light: FilterSpace, channel: usize) -> f64 {
     let weighed = |value: fn(u8) -> f64| -> f64 {
         sources.iter().map(|source| f64::from(source.tap.weight) * value(source.color[channel])).sum()
@@ -81,8 +82,8 @@ fn sum_of(sources: &[ContributingSample], light: FilterSpace, channel: usize) ->
     }
 }
 
-/// Returns the pixels of the full picture that a drawn sample contributes to, with its weight in each. `sample` is
-/// given in the coordinates of a [`Tap`].
+/// Returns the pixels of the full picture that a drawn sample contributes to, with the sample's weight in each.
+/// `sample` is given in the coordinates of a [`Tap`].
 pub(crate) fn pixels_fed_by(frame: &Frame, how: Upscaling, sample: (u32, u32)) -> Vec<((u32, u32), f32)> {
     let (middle, reach) = around(frame, how, sample);
     let range = |at: u32, size: u32| at.saturating_sub(reach)..at.saturating_add(reach + 1).min(size);
@@ -120,7 +121,7 @@ mod tests {
     }
 
     #[test]
-    fn weights_sum_to_one_and_plain_kernels_make_the_pixel() {
+    fn weights_sum_to_one_and_plain_kernels_reproduce_the_pixel() {
         for how in Upscaling::every() {
             let frame = frame(how);
             for at in [(0, 0), (60, 46), (30, 22), (17, 40)] {
@@ -138,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sample_feeds_exactly_the_pixels_that_name_it() {
+    fn a_sample_contributes_to_exactly_the_pixels_that_list_it() {
         for how in [("nearest", 4), ("bilinear", 3), ("lanczos3", 4), ("checkerboard", 1)] {
             let plain = Upscaling::new(how.0, how.1).unwrap();
             for how in [plain, plain.with_anchor(Anchor::Centre)] {

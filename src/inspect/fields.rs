@@ -6,17 +6,17 @@ use serde_json::Value;
 
 use crate::chain::Recipe;
 
-/// Prefix of the upscaler settings; their valid values depend on the upscaling method.
+/// Key prefix of the upscaler settings. Their valid values depend on the upscaling method.
 const UPSCALER_KEYS: &str = "upscaler.";
 
 /// A setting with different values in two recipes, each in the syntax of [`Recipe::set`].
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct FieldChange {
-    /// Dotted key of the setting.
+    /// Dotted key of the setting, such as `light.ambient`.
     pub(crate) key: String,
-    /// Value in the first recipe.
+    /// Value of the setting in the first recipe.
     pub(crate) before: String,
-    /// Value in the second recipe.
+    /// Value of the setting in the second recipe.
     pub(crate) after: String,
 }
 
@@ -35,8 +35,8 @@ pub(crate) fn fields(recipe: &Recipe) -> Vec<(String, String)> {
     fields
 }
 
-/// Collects keys and values without determining the valid values of each key, which costs more. This runs for every
-/// frame of the window.
+/// Collects the keys and values of a recipe serialised as JSON. Unlike [`Recipe::keys`], this does not determine the
+/// valid values, so it is cheap enough for every frame of the window.
 fn collect(tree: &Value, prefix: &str, fields: &mut Vec<(String, String)>) {
     let Value::Object(inner) = tree else {
         fields.push((prefix.to_owned(), text(tree)));
@@ -48,7 +48,7 @@ fn collect(tree: &Value, prefix: &str, fields: &mut Vec<(String, String)>) {
     }
 }
 
-/// Returns the settings that differ, in the order of [`Recipe::keys`].
+/// Returns the settings that differ between two recipes, in the order of [`Recipe::keys`].
 pub(crate) fn changes(before: &Recipe, after: &Recipe) -> Vec<FieldChange> {
     let pairs = fields(before).into_iter().zip(fields(after));
     pairs
@@ -76,7 +76,7 @@ pub(crate) fn choices(recipe: &Recipe, values: &str, key: &str) -> Vec<String> {
         let mut changed = *recipe;
         changed.set(&format!("{key}={word}")).is_ok()
     };
-    // Words of a numeric description (“number, 0…1”) are no accepted values.
+    // Words of a numeric description (“number, 0…1”) are not accepted values.
     values.split([',', ' ']).filter(|word| !word.is_empty()).filter(is_taken).map(str::to_owned).collect()
 }
 
@@ -106,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn every_choice_of_every_key_comes_back_from_its_words() {
+    fn every_choice_of_every_key_is_restored_from_its_assignments() {
         let default = Recipe::default();
         let mut tried = 0;
         for (key, values) in Recipe::keys() {
@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_come_back_bit_for_bit() {
+    fn numbers_are_restored_bit_for_bit() {
         let mut recipe = Recipe::default();
         let texts = ["light.direction=0.1,-0.7,1e-7", "light.ambient=0.33333334", "antialias.seed=4294967295"];
         recipe.set_all(&texts).unwrap();
@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn what_differs_is_said_in_words_and_nothing_else_is() {
+    fn only_settings_that_differ_are_listed() {
         let before = Recipe::default();
         assert!(changes(&before, &before).is_empty() && assignments(&before).is_empty());
         let mut after = before;

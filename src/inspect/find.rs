@@ -11,7 +11,7 @@ use crate::pipeline::raster::RasterSample;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::scene::{Scene, TriangleId};
 
-/// Target of a search.
+/// Target of a search in a frame.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SearchTarget {
     /// A pixel, by column and row.
@@ -20,32 +20,31 @@ pub enum SearchTarget {
     View(u32, u32, u32),
     /// A triangle of the scene.
     Triangle(TriangleId),
-    /// A vertex: number of the object, then number of the vertex within it.
+    /// A vertex, by the number of its object and its number within the object.
     Vertex(u32, u32),
-    /// The name as entered, and the numbers of all matching instances.
+    /// An object name as entered, and the indices of all matching instances.
     Object(String, Vec<u32>),
 }
 
 /// Range of valid magnifications, in percent.
 const PERCENT: std::ops::RangeInclusive<u32> = 4..=25_600;
 
-/// Result of a search.
+/// Result of a search for a target in a frame.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SearchResult {
-    /// The target is visible: a central pixel of it, and the number of visible samples.
+    /// The target is visible. Contains its most central visible pixel and the number of its visible samples.
     Visible((u32, u32), usize),
-    /// The target is covered everywhere: a central pixel of it, and the number of covered samples.
+    /// The target is hidden everywhere. Contains its most central pixel and the number of samples that it covers.
     Hidden((u32, u32), usize),
-    /// The pixel that contains a vertex, and a description of its position and distance from the eye.
+    /// The target is a vertex. Contains its pixel, and a description of its position and distance from the eye.
     At((u32, u32), String),
-    /// The target covers no pixel, with the reason.
+    /// The target has no pixel in the picture. Contains the reason.
     Nowhere(String),
 }
 
 impl SearchTarget {
     /// Parses "12,34", "800% 12,34", "tri 56", "vertex 7 of knot", or the name of an object or a part of it. A vertex
-    /// without an object name belongs to the object with the number `near`. The error names the text that was not
-    /// found.
+    /// without an object name belongs to the object with the number `near`. The error states what was not found.
     pub fn parse(
         text: &str,
         scene: &Scene,
@@ -92,7 +91,7 @@ impl SearchTarget {
         Ok(Self::Object(text.trim().to_owned(), found))
     }
 
-    /// Returns the display name.
+    /// Returns the display name of the target.
     pub(crate) fn words(&self) -> String {
         match self {
             Self::Pixel(x, y) | Self::View(x, y, _) => format!("Pixel {x}, {y}"),
@@ -122,7 +121,7 @@ fn parse_enlargement(text: &str) -> Option<(u32, String)> {
     Some((percent.trim().parse().ok()?, place.to_owned()))
 }
 
-/// Parses "tri 12", "triangle 12", "t12" or "#12".
+/// Parses a triangle number from "tri 12", "triangle 12", "t12" or "#12".
 fn parse_triangle(text: &str) -> Option<u64> {
     let text = text.trim().to_lowercase();
     let number = ["triangle", "tri", "t", "#"].iter().find_map(|word| text.strip_prefix(word))?;
@@ -178,7 +177,8 @@ impl Observer for TargetSamples<'_> {
     }
 }
 
-/// Returns the marked sample nearest to the mean position of all marked samples, and their number; `None` without any.
+/// Returns the marked sample nearest to the mean position of all marked samples, and the number of marked samples.
+/// Returns `None` if no sample is marked.
 fn most_central(mask: &Image<bool>) -> Option<((u32, u32), usize)> {
     let (width, height) = mask.size();
     let marked =
@@ -201,7 +201,7 @@ mod tests {
     const SIZE: Viewport = Viewport { width: 48, height: 32 };
 
     #[test]
-    fn pixels_are_read_with_any_usual_separator() {
+    fn pixels_are_parsed_with_any_usual_separator() {
         for text in ["12,34", "12 34", " 12 , 34 ", "12;34"] {
             assert_eq!(parse_pixel(text), Some((12, 34)), "{text}");
         }
@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn triangles_and_objects_are_read_and_what_is_not_there_is_said() {
+    fn triangles_and_objects_are_parsed_and_missing_ones_are_reported() {
         let scene = builtin::by_id("cubes").unwrap().build();
         let parse = |text: &str| SearchTarget::parse(text, &scene, SIZE, None);
         for text in ["tri 7", "Triangle 7", "t7", "#7"] {
@@ -228,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn a_triangle_is_found_where_it_is_seen_or_hidden_and_else_it_is_said_that_it_is_not() {
+    fn a_triangle_is_found_visible_hidden_or_nowhere() {
         let scene = builtin::by_id("cubes").unwrap().build();
         let recipe = Recipe::default();
         let frame = run(&scene, &scene.home, &recipe, SIZE, &mut ());
@@ -249,14 +249,14 @@ mod tests {
                     assert_eq!(winners, 0);
                     nowhere += 1;
                 }
-                SearchResult::At(..) => panic!("a triangle is no point"),
+                SearchResult::At(..) => panic!("a triangle is not a vertex"),
             }
         }
         assert!(seen > 3 && hidden + nowhere > 3, "{seen} {hidden} {nowhere}");
     }
 
     #[test]
-    fn what_is_drawn_smaller_is_found_at_a_pixel_of_the_full_picture() {
+    fn a_triangle_in_a_smaller_raster_image_is_found_at_a_pixel_of_the_full_picture() {
         let scene = builtin::by_id("triangle").unwrap().build();
         let mut recipe = Recipe::default();
         for upscaler in ["nearest", "bilinear", "checkerboard"] {
@@ -265,7 +265,7 @@ mod tests {
             let SearchResult::Visible((x, y), _) =
                 find(&scene, &recipe, &frame, &SearchTarget::Triangle(TriangleId(0)))
             else {
-                panic!("it fills the picture")
+                panic!("the triangle fills the picture")
             };
             assert!(x < SIZE.width && y < SIZE.height);
             let [r, g, b, _] = frame.image().at(x, y);

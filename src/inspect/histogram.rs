@@ -1,11 +1,11 @@
-//! Histogram of numbers over equal parts of a range.
+//! A histogram with bins of equal width over a range.
 
 use super::view::Range;
 
-/// Number of values in each bin of a range.
+/// Histogram with bins of equal width over a range, plus the numbers of values outside the range.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Histogram {
-    /// Range that the bins divide evenly, both ends included.
+    /// Range that the bins divide evenly; both ends are included.
     pub(crate) range: Range,
     /// Number of values in each bin, from the low end.
     pub(crate) bins: Vec<u64>,
@@ -16,8 +16,8 @@ pub(crate) struct Histogram {
 }
 
 impl Histogram {
-    /// Counts the finite `values` in `bins` equal bins (at least one). If the range has no width, all go into the first
-    /// bin.
+    /// Creates a histogram of the finite `values`, with `bins` bins of equal width (at least one). If the range has no
+    /// width, the values within it are counted in the first bin.
     pub(crate) fn of(values: impl IntoIterator<Item = f32>, range: Range, bins: usize) -> Self {
         let mut histogram = Self { range, bins: vec![0; bins.max(1)], below: 0, above: 0 };
         for value in values {
@@ -41,7 +41,7 @@ impl Histogram {
         }
     }
 
-    /// Returns the index of the bin of a value within the range.
+    /// Returns the index of the bin that contains `value`, which must lie within the range.
     pub(crate) fn bin_of(&self, value: f32) -> usize {
         // In double precision the width cannot overflow.
         let (low, high) = (f64::from(self.range.low), f64::from(self.range.high));
@@ -50,7 +50,7 @@ impl Histogram {
         ((share * self.bins.len() as f64) as usize).min(self.bins.len() - 1)
     }
 
-    /// Returns the lower and upper bound of a bin.
+    /// Returns the lower and upper bound of the values in a bin.
     pub(crate) fn span_of(&self, bin: usize) -> (f64, f64) {
         let (low, high) = (f64::from(self.range.low), f64::from(self.range.high));
         let at = |bin: usize| low + (high - low) * bin as f64 / self.bins.len() as f64;
@@ -68,7 +68,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_finite_number_is_counted_once_and_where_it_lies() {
+    fn every_finite_number_is_counted_once_in_the_bin_that_contains_it() {
         let values: Vec<f32> = (0..500_u32).map(|i| (i * 331 % 503) as f32 / 100.0 - 1.0).collect();
         let range = Range { low: -0.5, high: 3.0 };
         let histogram = Histogram::of(values.iter().copied().chain([f32::NAN, f32::INFINITY]), range, 13);

@@ -4,10 +4,10 @@
 //! correct by construction: the bounding-box rasterizer in exact arithmetic. It uses the corners of the recipe's
 //! arithmetic (snapped in fixed point) and the recipe's fill rule, or top-left if that rule is deliberately wrong.
 //!
-//! The triangles are looked up where the counts differ. A difference is a fault of a *shared edge* if two triangles of
-//! one instance share an edge there and lie on opposite sides of it. Other differences, such as at an outline under the
-//! inclusive rule, are counted separately. Neither count includes culled triangles. Faults of surfaces behind each
-//! other that cancel at a sample are not detected.
+//! Triangles are looked up only at samples whose counts differ. A difference is a fault of a *shared edge* if two
+//! triangles of one instance share an edge there and lie on opposite sides of it. Other differences, such as at an
+//! outline under the inclusive rule, are counted separately. Neither count includes culled triangles. Faults of
+//! surfaces behind each other that cancel at a sample are not detected.
 //!
 //! Surfaces with adjacent borders but without shared vertices separate even if every triangle is drawn correctly.
 //! [`Hits::with_seams`] adds their faults once the [`Seams`] of the scene are known.
@@ -30,57 +30,57 @@ use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::scene::seams::{Junction, JunctionKind, SeamCounts, Seams};
 use crate::scene::{Scene, TriangleId};
 
-/// Kind of a fault at a sample along a shared edge.
+/// Kind of a rasterization fault at a sample along a shared edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FaultKind {
-    /// Fewer triangles hit the sample than in the reference.
+    /// Crack: fewer triangles hit the sample than in the reference.
     Crack,
-    /// More triangles hit the sample than in the reference.
+    /// Double hit: more triangles hit the sample than in the reference.
     DoubleHit,
 }
 
-/// A sample along a shared edge with too few or too many hits.
+/// A sample along a shared edge that too few or too many triangles hit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Fault {
-    /// Column in the full picture.
+    /// Column of the sample in the full picture.
     pub x: u32,
-    /// Row in the full picture.
+    /// Row of the sample in the full picture.
     pub y: u32,
-    /// Whether the sample has too few or too many hits.
+    /// Kind of the fault: too few hits (crack) or too many (double hit).
     pub kind: FaultKind,
-    /// Triangles that hit the sample, in drawing order. A clipped triangle appears once for each piece that does.
+    /// Triangles that hit the sample, in drawing order. A clipped triangle appears once for each piece that hits.
     pub hit_by: Vec<TriangleId>,
     /// Triangles that hit the sample in the reference.
     pub due: Vec<TriangleId>,
-    /// Two triangles that share an edge here. The first is the missing one of a crack, or the superfluous one of a
-    /// double hit.
+    /// Two triangles that share the edge at the sample. The first is the missing triangle of a crack, or the
+    /// superfluous triangle of a double hit.
     pub sharing: [TriangleId; 2],
     /// T-junction or unwelded vertex that opens the edge; `None` if the two triangles share the ends of the edge.
     pub junction: Option<Junction>,
 }
 
-/// Hit counts and faults of a frame.
+/// Hit counts of a frame, and its cracks and double hits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hits {
     /// Number of triangles that cover each sample, in the packed layout of the frame's framebuffer.
     pub counts: Image<u32>,
-    /// Faults along shared edges, in reading order.
+    /// Cracks and double hits along shared edges, in reading order.
     pub faults: Vec<Fault>,
-    /// Number of samples with a wrong count that do not lie along a shared edge.
+    /// Number of samples with a wrong hit count that do not lie along a shared edge.
     pub elsewhere: usize,
-    /// Numbers of T-junctions and unwelded vertices of the scene; `None` until their faults are added.
+    /// Numbers of T-junctions and unwelded vertices of the scene; `None` until [`Hits::with_seams`] adds their faults.
     pub(crate) mesh: Option<SeamCounts>,
 }
 
 impl Hits {
-    /// Counts the hits of a frame drawn with `settings`.
+    /// Counts the hits of a frame drawn with `settings` and finds the faults along its shared edges.
     pub fn of(frame: &Frame, settings: &Settings) -> Self {
         let Viewport { width, height } = frame.raster;
         FaultSearch::of(frame, settings, Scissor::full(width, height)).run()
     }
 
-    /// Counts the hits of screen triangles on a grid of samples.
+    /// Counts the hits of screen triangles on a grid of samples and finds the faults along their shared edges.
     pub fn of_triangles(
         triangles: &[ScreenTriangle],
         settings: &Settings,
@@ -90,7 +90,7 @@ impl Hits {
         FaultSearch::new(triangles, settings, grid, Scissor::full(width, height)).run()
     }
 
-    /// Adds the faults along the open seams of the scene that are visible in the frame.
+    /// Adds the cracks and double hits along open seams of the scene that are visible in the frame.
     pub fn with_seams(mut self, scene: &Scene, recipe: &Recipe, frame: &Frame, seams: &Seams) -> Self {
         let Viewport { width, height } = frame.raster;
         let place = |fault: &Fault| (fault.y, fault.x);
@@ -102,18 +102,18 @@ impl Hits {
         self
     }
 
-    /// Returns the number of faults at T-junctions, or at unwelded vertices.
+    /// Returns the number of faults at one kind of junction: T-junctions or unwelded vertices.
     pub(crate) fn count_at(&self, kind: JunctionKind) -> usize {
         self.faults.iter().filter(|fault| fault.junction.is_some_and(|junction| junction.kind == kind)).count()
     }
 
-    /// Returns the number of faults of one kind.
+    /// Returns the number of faults of one kind: cracks or double hits.
     pub fn count(&self, kind: FaultKind) -> usize {
         self.faults.iter().filter(|fault| fault.kind == kind).count()
     }
 
-    /// Describes the numbers of cracks and double hits, of faults at T-junctions and unwelded vertices, and of wrong
-    /// samples elsewhere. Omits zeros except for the first two.
+    /// Returns a summary such as “2 cracks · 0 double hits”. It also has the numbers of faults at T-junctions and
+    /// unwelded vertices, and of wrong samples elsewhere, unless they are 0.
     pub(crate) fn summary(&self) -> String {
         let number = |count: usize, one: &str, many: &str| format!("{count} {}", if count == 1 { one } else { many });
         let cracks = number(self.count(FaultKind::Crack), "crack", "cracks");
@@ -132,7 +132,8 @@ impl Hits {
         format!("{cracks} · {doubles}{junctions}{unwelded}{elsewhere}")
     }
 
-    /// Returns the first fault after the pixel `from`, or the last one before it; wraps around at the end.
+    /// Returns the first fault after the pixel `from`, or the last fault before it if not `forwards`. Wraps around at
+    /// both ends of the list.
     pub fn neighbour(&self, from: Option<(u32, u32)>, forwards: bool) -> Option<&Fault> {
         let place = |fault: &Fault| (fault.y, fault.x);
         let Some((x, y)) = from else {
@@ -148,7 +149,7 @@ impl Hits {
     }
 }
 
-/// Returns the fault at a pixel of the drawn picture, if any.
+/// Returns the crack or double hit at a pixel of the drawn picture, if any.
 pub fn fault_at(frame: &Frame, settings: &Settings, x: u32, y: u32) -> Option<Fault> {
     let Viewport { width, height } = frame.raster;
     let around_px = if settings.rasterizer.is_published() { REACH_SAMPLES * WIDEST_STEP_PX } else { 0 };
@@ -159,7 +160,7 @@ pub fn fault_at(frame: &Frame, settings: &Settings, x: u32, y: u32) -> Option<Fa
     hits.faults.into_iter().find(|fault| (fault.x, fault.y) == (x, y))
 }
 
-/// Returns the fault along an open seam of the scene at a pixel of the drawn picture, if any.
+/// Returns the crack or double hit along an open seam of the scene at a pixel of the drawn picture, if any.
 pub(super) fn seam_fault_at(
     scene: &Scene,
     recipe: &Recipe,
@@ -179,25 +180,25 @@ const WIDEST_STEP_PX: u32 = 4;
 /// A search for faults within a scissor rectangle.
 struct FaultSearch<'a> {
     triangles: &'a [ScreenTriangle],
-    /// The same triangles with their bounding boxes, if known.
+    /// List of the same triangles with precomputed bounding boxes, if there is one.
     list: Option<&'a TriangleList>,
     settings: &'a Settings,
     grid: SampleGrid,
     scissor: Scissor,
-    /// Packed column and row of the first sample within the scissor.
+    /// Column and row of the first sample within the scissor, in the packed framebuffer.
     origin: (u32, u32),
-    /// Number of packed columns and rows within the scissor.
+    /// Number of columns and rows within the scissor, in the packed framebuffer.
     size: (u32, u32),
 }
 
-/// The two ways of counting: as the recipe draws, and the reference.
+/// Method of counting hits: as the recipe draws, or as in the reference.
 #[derive(Clone, Copy)]
 enum CountMode {
     Drawn,
     Reference,
 }
 
-/// A sample with a wrong count, and the indices of its triangles in the list, ascending.
+/// A sample whose hit count differs from the reference, with the indices of the triangles of both counts, ascending.
 struct CountDifference {
     pixel: (u32, u32),
     drawn: Vec<usize>,
@@ -205,12 +206,12 @@ struct CountDifference {
 }
 
 impl CountDifference {
-    /// Returns the triangles that hit the sample only as drawn.
+    /// Returns the indices of the triangles that hit the sample as drawn, but not in the reference.
     fn extra(&self) -> impl Iterator<Item = usize> {
         self.drawn.iter().copied().filter(|index| self.due.binary_search(index).is_err())
     }
 
-    /// Returns the triangles that hit the sample only in the reference.
+    /// Returns the indices of the triangles that hit the sample in the reference, but not as drawn.
     fn missing(&self) -> impl Iterator<Item = usize> {
         self.due.iter().copied().filter(|index| self.drawn.binary_search(index).is_err())
     }
@@ -265,7 +266,7 @@ impl<'a> FaultSearch<'a> {
         counts
     }
 
-    /// Calls `sink` for every hit, with the index in the list and the sample relative to the origin.
+    /// Calls `sink` for every hit, with the index of the triangle and the packed sample relative to the origin.
     fn each_hit(&self, way: CountMode, mut sink: impl FnMut(usize, (u32, u32))) {
         let Settings { rasterizer, arithmetic, fill_rule, .. } = *self.settings;
         let sound_rule = if fill_rule.draws_shared_edges_once() { fill_rule } else { FillRule::TopLeft };
@@ -291,7 +292,7 @@ impl<'a> FaultSearch<'a> {
         }
     }
 
-    /// Returns the corners that the recipe's arithmetic uses, in px.
+    /// Returns the corners of a triangle as the recipe's arithmetic uses them, in px: snapped in fixed point.
     fn corners_px(&self, index: usize) -> [[f32; 2]; 3] {
         match self.settings.arithmetic {
             Arithmetic::Fixed => self.triangles[index].snapped_px(),
@@ -299,7 +300,7 @@ impl<'a> FaultSearch<'a> {
         }
     }
 
-    /// Returns the samples whose counts differ, in reading order. Draws the triangles again only if there are any.
+    /// Returns the samples whose counts differ, in reading order. Rasterizes the triangles again only if there are any.
     fn differences(&self, drawn: &Image<u32>, due: &Image<u32>) -> Vec<CountDifference> {
         const NONE: u32 = u32::MAX;
         let (width, height) = self.size;
@@ -327,7 +328,7 @@ impl<'a> FaultSearch<'a> {
         differences
     }
 
-    /// Returns the triangles on both sides of the edges at which missing triangles may have lost their samples.
+    /// Returns the triangles on both sides of every edge at which a missing triangle may have lost a sample.
     fn edges_of_missing(&self, differences: &[CountDifference]) -> EdgeTriangles {
         let mut meetings = EdgeTriangles::default();
         for difference in differences.iter().filter(|d| d.kind() == FaultKind::Crack) {
@@ -358,8 +359,8 @@ impl<'a> FaultSearch<'a> {
         })
     }
 
-    /// Whether fewer triangles are due nearby. A rasterizer that moves samples may then have moved this one off the
-    /// surface rather than opened a crack.
+    /// Whether the reference has fewer hits at a nearby sample. A rasterizer that moves outlines may then have moved
+    /// the outline of the surface past this sample, rather than opened a crack.
     fn is_near_outline(&self, difference: &CountDifference, due: &Image<u32>) -> bool {
         let Some((column, row)) = self.grid.sample_at(difference.pixel.0, difference.pixel.1) else { return false };
         let (column, row) = (column - self.origin.0, row - self.origin.1);
@@ -369,7 +370,7 @@ impl<'a> FaultSearch<'a> {
         near.any(|(column, row)| (due.at(column, row) as usize) < difference.due.len())
     }
 
-    /// Returns a superfluous triangle, and another hit triangle on the other side of a shared edge.
+    /// Returns a superfluous triangle, and another triangle that hits the sample from the other side of a shared edge.
     fn double_hit(&self, difference: &CountDifference) -> Option<[usize; 2]> {
         let edges = |index: usize| edges_of(self.triangles[index].instance, self.corners_px(index));
         let mut meetings = EdgeTriangles::default();

@@ -64,13 +64,13 @@ pub(crate) struct Captured {
 }
 
 impl Captured {
-    /// Returns the value at a pixel of the full picture.
+    /// Returns the captured value at a pixel of the full picture.
     pub(crate) fn value(&self, frame: &Frame, x: u32, y: u32) -> Value {
         let Some((column, row)) = frame.sample_at(x, y) else { return Value::NotDrawn };
         self.values.at(column, row).map_or(Value::Nothing, Value::Number)
     }
 
-    /// Returns the range of the finite values, for the ends of the colour map; `None` without any.
+    /// Returns the range of the finite values, for the ends of the colour map; `None` if there are none.
     pub(crate) fn range(&self) -> Option<Range> {
         Range::fit(self.values.pixels().iter().filter_map(|value| *value))
     }
@@ -100,7 +100,7 @@ struct Capture<'a> {
     scale: &'a DepthScale,
     shaders: Vec<Shader<'a>>,
     plans: &'a [DrawPlan],
-    /// Triangle of the previous lookup, and its edges.
+    /// Triangle of the most recent fragment, and its edge functions, cached.
     edges: Option<(ScreenTriangle, AnyTriangle)>,
     values: Image<Option<f32>>,
 }
@@ -147,7 +147,7 @@ impl Capture<'_> {
         }
     }
 
-    /// Returns the signed number of depth-buffer steps to the pixel on the right; `None` if the triangle has no edges.
+    /// Returns the signed number of depth-buffer steps to the pixel on the right; `None` if the triangle has no area.
     fn depth_slope(&mut self, triangle: &ScreenTriangle, sample: &RasterSample) -> Option<f32> {
         let Settings { arithmetic, fill_rule, .. } = *self.settings;
         if self.edges.as_ref().is_none_or(|(known, _)| known != triangle) {
@@ -186,14 +186,14 @@ mod tests {
     const VIEW: Viewport = Viewport { width: 28, height: 20 };
 
     #[test]
-    fn no_name_is_that_of_another_buffer() {
+    fn ids_and_names_differ_from_those_of_buffers() {
         for number in Intermediate::ALL {
             assert!(Buffer::ALL.iter().all(|buffer| buffer.id() != number.id() && buffer.name() != number.name()));
         }
     }
 
     #[test]
-    fn buffers_hold_what_the_lines_say() {
+    fn captured_values_match_the_lines_of_the_trace() {
         let mut recipe = Recipe::default();
         recipe.pipeline.filter = TexelFilter::Trilinear;
         for id in ["cubes", "stained-glass"] {
@@ -224,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn the_slope_of_depth_is_the_step_to_the_neighbour() {
+    fn depth_slope_is_the_step_to_the_right_neighbour() {
         let scene = builtin::by_id("triangle").unwrap().build();
         let mut recipe = Recipe::default();
         recipe.pipeline.depth_format = DepthFormat::Unorm24;
@@ -243,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_has_a_colour_of_its_own() {
+    fn nan_values_have_a_colour_of_their_own() {
         let scene = builtin::by_id("triangle").unwrap().build();
         let mut recipe = Recipe::default();
         recipe.pipeline.interpolation = Interpolation::Published;

@@ -1,6 +1,6 @@
 //! “Why is this pixel black?”: built-in scenes, each with settings that produce a dark spot.
 //!
-//! The lesson is to inspect the pixel: its verdict names the cause.
+//! The solution of a lesson is to inspect the dark pixel: its verdict names the cause.
 
 use crate::chain::{Frame, Recipe};
 use crate::image::Rgba8;
@@ -14,22 +14,22 @@ pub(crate) fn is_black([r, g, b, _]: Rgba8) -> bool {
     r.max(g).max(b) <= BLACK_CODE
 }
 
-/// A scene with a black spot.
+/// A built-in scene with settings that produce a black spot, and a question about it.
 #[derive(Clone, Copy, Debug)]
 pub struct BlackPixelLesson {
     /// Id of the built-in scene.
     pub scene: &'static str,
     /// Question about the visible artefact.
     pub question: &'static str,
-    /// Settings that differ from the default recipe, as `key=value`.
+    /// Settings that differ from the default recipe, as `key=value` assignments.
     pub(crate) settings: &'static [&'static str],
-    /// Position of the spot, as fractions of width and height.
+    /// Position of the black spot, as fractions of the picture's width and height.
     pub(crate) place: [f32; 2],
-    /// Part of the verdict that names the cause.
+    /// Part of the pixel's verdict that names the cause of the black spot.
     pub cause: &'static str,
 }
 
-/// All lessons, in pipeline order of their causes.
+/// All lessons, ordered by the pipeline stage of their causes.
 pub const ALL: &[BlackPixelLesson] = &[
     BlackPixelLesson {
         scene: "near-clipped",
@@ -98,7 +98,7 @@ mod tests {
     use crate::scene::builtin;
 
     #[test]
-    fn surfaces_without_normals_are_alike_tile_by_tile_and_triangle_by_triangle() {
+    fn surfaces_without_normals_look_the_same_drawn_by_tiles_and_by_triangles() {
         let scene = Arc::new(builtin::by_id("nan-normal").unwrap().build());
         let view = Viewport { width: 120, height: 75 };
         for shading in [Shading::Lambert, Shading::Gouraud, Shading::Normals, Shading::Cel] {
@@ -111,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn the_verdict_at_each_black_spot_names_the_cause_whatever_the_size() {
+    fn the_verdict_at_each_black_spot_names_the_cause_at_any_size() {
         for lesson in ALL {
             assert!(Recipe::default().set_all(lesson.settings).is_ok(), "{}", lesson.scene);
             let scene = builtin::by_id(lesson.scene).unwrap().build();

@@ -6,7 +6,7 @@ use super::statistics::Statistics;
 use super::view::{Range, Value};
 use crate::measure::region::PixelRegion;
 
-/// Number of bins of a histogram: about three points per bin in the widest strip.
+/// Number of bins of a histogram. In the widest histogram strip, a bin is about three points (logical pixels) wide.
 pub(crate) const BINS: usize = 256;
 
 /// Statistics and histograms of a picture of values.
@@ -16,9 +16,10 @@ pub struct PictureStatistics {
     pub whole: Vec<Statistics>,
     /// Rectangle and statistics of each channel within it, if one was selected.
     pub part: Option<(PixelRegion, Vec<Statistics>)>,
-    /// Histogram of each channel over the whole picture, all with the same range; empty without finite values.
+    /// Histogram of each channel over the whole picture, all with the same range. Empty if no range was requested and
+    /// no value is finite.
     pub(crate) histograms: Vec<Histogram>,
-    /// Range of the values of all channels; `None` without finite values.
+    /// Range of the finite values of all channels; `None` if no value is finite.
     pub(crate) extent: Option<Range>,
 }
 
@@ -61,7 +62,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn channels_are_measured_apart_and_nothing_is_left_out_of_both() {
+    fn channels_are_measured_separately_and_pixels_without_a_value_are_ignored() {
         let value = |x: u32, y: u32| {
             if x == 0 { Value::Nothing } else { Value::Weights([x as f32, -(y as f32), f32::NAN]) }
         };
@@ -81,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn where_nothing_is_there_is_no_histogram() {
+    fn a_picture_without_values_has_no_histogram() {
         let measured = measure((4, 4), 1, None, None, |_, _| Value::Nothing);
         assert!(measured.histograms.is_empty() && measured.extent.is_none());
         assert_eq!(measured.whole[0].count(), 0);

@@ -12,14 +12,14 @@ use crate::pipeline::vertex::DrawMatrices;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, DepthMapping, Instance, Scene, TriangleId};
 
-/// Default length, as a fraction of the diagonal of the scene's bounding box. It is short enough for objects on a floor
-/// many times their size.
+/// Default length of drawn normals, as a fraction of the diagonal of the scene's bounding box. Short enough for objects
+/// on a floor many times their size.
 pub(crate) const DEFAULT_LENGTH: f32 = 0.005;
 
-/// Minimum w of a projected point.
+/// Minimum clip-space w of a projected point: lines are clipped there, which avoids a division by zero.
 const MIN_W: f64 = f32::MIN_POSITIVE as f64;
 
-/// Kind of a normal.
+/// Kind of normals to draw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum NormalKind {
     /// Vertex normals, which shading interpolates.
@@ -28,7 +28,7 @@ pub(crate) enum NormalKind {
     Face,
 }
 
-/// Projected normals.
+/// Normals projected to the screen as lines.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct NormalLines {
     /// Start and end of each line in px, clipped at the near and far planes.
@@ -37,7 +37,7 @@ pub(crate) struct NormalLines {
     pub(crate) without: usize,
 }
 
-/// Projection of normals to the screen.
+/// Projection of world-space lines to the screen.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Projector {
     clip_from_world: DMat4,
@@ -45,12 +45,12 @@ pub(crate) struct Projector {
 }
 
 impl Projector {
-    /// Creates the projection of a camera for a picture of this size, in pixels.
+    /// Creates the projection of a camera to a picture of this size, in pixels.
     pub(crate) fn new(camera: &Camera, viewport: Viewport) -> Self {
         Self { clip_from_world: camera.clip_from_world_f64(viewport.aspect(), DepthMapping::Standard), viewport }
     }
 
-    /// Projects a line to px; `None` if no part of it lies between the near and far planes.
+    /// Projects a line and returns its ends in px; `None` if no part of it lies between the near and far planes.
     fn line(&self, from: DVec3, to: DVec3) -> Option<[[f64; 2]; 2]> {
         let [a, b] = [from, to].map(|at| self.clip_from_world * at.extend(1.0));
         let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
@@ -141,7 +141,7 @@ impl<'a> Object<'a> {
         self.world_from_model.transform_point3(self.mesh.positions[vertex].as_dvec3())
     }
 
-    /// Returns the unit normal of a vertex in world space; zero if it has none.
+    /// Returns the unit normal of a vertex in world space; zero if the vertex has no normal.
     fn normal(&self, vertex: usize) -> DVec3 {
         let normal = self.matrices.world_from_model_normal * self.mesh.normals[vertex];
         unit_or(normal.as_dvec3(), glam::Vec3::ZERO).as_dvec3()

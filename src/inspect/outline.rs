@@ -55,17 +55,17 @@ const MAX_SAMPLES_PER_PX: u32 = 5;
 pub(crate) struct OutlineRequest<'a> {
     /// Scene whose triangles become shapes.
     pub(crate) scene: &'a Arc<Scene>,
-    /// Camera that the scene is seen by.
+    /// Camera from which the scene is drawn.
     pub(crate) camera: &'a Camera,
     /// Settings of the frame. Lines ignore the upscaler and the depth settings.
     pub(crate) recipe: &'a Recipe,
-    /// Size of the drawing; one unit per pixel.
+    /// Size of the drawing, in pixels. One pixel is one unit of the drawing.
     pub(crate) viewport: Viewport,
-    /// Kind of shapes.
+    /// Kind of shapes in the drawing.
     pub(crate) kind: OutlineKind,
 }
 
-/// Draws a view as shapes; `None` if cancelled.
+/// Draws a view of a scene as vector shapes; returns `None` if cancelled.
 pub(crate) fn outline(request: &OutlineRequest<'_>, control: OutlineControl<'_>) -> Option<Drawing> {
     let OutlineRequest { scene, camera, recipe, viewport, kind } = *request;
     let size = DVec2::new(viewport.width.into(), viewport.height.into());
@@ -94,14 +94,14 @@ fn plain(recipe: &Recipe) -> Recipe {
     recipe
 }
 
-/// A screen edge: the position in px and the depth of both ends.
+/// A screen edge: for each end, its position in px and its depth.
 type DepthEdge = [(DVec2, f64); 2];
 
 fn end(vertex: &ScreenVertex) -> (DVec2, f64) {
     (DVec2::new(vertex.position_px[0].into(), vertex.position_px[1].into()), vertex.depth)
 }
 
-/// Returns the edges of all triangles; an edge shared by two triangles occurs once.
+/// Returns the screen edges of all triangles; an edge shared by two triangles occurs once.
 fn edges(frame: &Frame) -> impl Iterator<Item = DepthEdge> {
     let mut seen = HashSet::new();
     let sides =
@@ -117,7 +117,7 @@ fn whole([from, to]: DepthEdge) -> Shape {
     Shape::Line { from: from.0, to: to.0, stroke: LINE }
 }
 
-/// Returns the visible parts of an edge, tested against the depth buffer about once per pixel.
+/// Returns the visible parts of an edge as lines, tested against the depth buffer about once per pixel.
 fn visible_parts([from, to]: DepthEdge, depth: Option<&Image<f32>>) -> Vec<Shape> {
     let Some(depth) = depth else { return vec![whole([from, to])] };
     // The part outside the picture is skipped, so the diagonal of the picture bounds the number of steps.
@@ -155,8 +155,8 @@ fn is_visible(depth: &Image<f32>, place: DVec2, z: f64) -> bool {
     stored.map(f64::from).any(|stored| z <= stored)
 }
 
-/// Returns the visible parts of all triangles and of the background, which together fill the picture; `None` if
-/// cancelled.
+/// Returns the visible parts of all triangles and of the background as regions that together fill the picture. Returns
+/// `None` if cancelled.
 fn polygons(request: &OutlineRequest<'_>, control: OutlineControl<'_>) -> Option<Vec<PartitionRegion>> {
     let OutlineRequest { scene, camera, recipe, viewport, .. } = *request;
     let settings = &recipe.pipeline;

@@ -23,112 +23,112 @@ use crate::pipeline::{Extent, LastStage, draw, wireframe};
 use crate::scene::{Scene, Transparency, TriangleId};
 use crate::upscale::Tap;
 
-/// Outcome of a fragment.
+/// Final outcome of a fragment: visible, covered by later fragments, or rejected by a test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FragmentOutcome {
-    /// The pixel shows the fragment.
+    /// The fragment is visible in the pixel.
     Visible,
-    /// The fragment was written, and a later fragment covered it.
+    /// The fragment was written, but a later fragment covered it.
     Overwritten,
-    /// The fragment was written, and remains visible through fragments blended over it.
+    /// The fragment was written and remains visible through fragments blended over it.
     BlendedOver,
-    /// The fragment lost the depth test.
+    /// The fragment failed the depth test.
     DepthRejected,
     /// The alpha test discarded the fragment.
     CutOut,
 }
 
 impl FragmentOutcome {
-    /// Whether the fragment was written, visible in the end or not.
+    /// Whether the fragment was written to the framebuffer, even if later fragments covered it.
     pub fn is_written(self) -> bool {
         matches!(self, Self::Visible | Self::Overwritten | Self::BlendedOver)
     }
 }
 
-/// One fragment of a triangle that covers the sample.
+/// Record of one fragment at the inspected sample.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FragmentRecord {
-    /// Triangle of the scene.
+    /// Triangle that produced the fragment.
     pub triangle: TriangleId,
-    /// Name of the instance of the triangle.
+    /// Name of the instance that contains the triangle.
     pub instance: String,
-    /// Position in the list of rasterized triangles.
+    /// Index of the triangle in the list of rasterized triangles.
     pub submission: usize,
-    /// Transparency of its surface: opaque, alpha-tested or blended.
+    /// Transparency of the triangle's surface: opaque, alpha-tested or blended.
     pub transparency: Transparency,
-    /// Final state: visible, overwritten, blended over, or rejected by the depth or alpha test.
+    /// Final outcome: visible, overwritten, blended over, or rejected by the depth or alpha test.
     pub outcome: FragmentOutcome,
     /// Reason for the outcome, as one sentence with the deciding numbers.
     pub reason: String,
-    /// Arithmetic that coverage was decided in.
+    /// Arithmetic in which coverage was decided.
     pub(crate) arithmetic: Arithmetic,
-    /// Corners in px, snapped in fixed point.
+    /// Corners of the triangle in px, snapped to the subpixel grid in fixed-point arithmetic.
     pub(crate) corners_px: [[f32; 2]; 3],
-    /// Edge values in the unit of their [`crate::pipeline::raster::RasterSample`].
+    /// Values of the three edge functions at the sample, in the unit of [`crate::pipeline::raster::RasterSample`].
     pub(crate) edges: [f64; 3],
-    /// Doubled area in the same unit.
+    /// Doubled area of the triangle, in the unit of `edges`.
     pub(crate) doubled_area: f64,
-    /// Screen-space weights λ.
+    /// Barycentric weights λ of the corners, linear in screen space.
     pub affine_weights: [f32; 3],
-    /// Weights that attributes are interpolated with.
+    /// Weights of the corners for interpolating attributes, according to the interpolation setting.
     pub attribute_weights: [f32; 3],
-    /// 1/w at the corners.
+    /// 1/w of each corner, from clip space.
     pub(crate) inv_w: [f32; 3],
-    /// Depth at the corners, before depth bias and before it is quantised.
+    /// Depth of each corner, before depth bias and quantisation.
     pub(crate) corner_depths: [f32; 3],
     /// Offset that the depth bias adds to all depths of the triangle; `None` if no bias is set.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) depth_bias: Option<f32>,
-    /// Depth of the fragment, as it is stored if the fragment wins.
+    /// Depth of the fragment, in the format of the depth buffer.
     pub depth: DepthRecord,
-    /// Stored depth before the fragment; `None` without a depth test.
+    /// Depth in the depth buffer before the fragment; `None` without a depth test.
     pub stored_depth: Option<DepthRecord>,
-    /// Alpha of opacity and texture, as used for the alpha test or for blending. `None` for opaque surfaces and
-    /// rejected fragments.
+    /// Product of opacity and texture alpha, as used for the alpha test or blending. `None` for opaque surfaces and for
+    /// fragments that failed the depth test.
     pub(crate) alpha: Option<f32>,
-    /// Shading; `None` if the fragment was not shaded.
+    /// Intermediate values of shading; `None` if the fragment was not shaded.
     pub shading: Option<ShadingRecord>,
-    /// State of the sample before the fragment.
+    /// Colour and depth of the sample before the fragment.
     pub(crate) before: SampleState,
-    /// State of the sample after the fragment; unchanged if the fragment was rejected.
+    /// Colour and depth of the sample after the fragment; unchanged if the fragment was rejected.
     pub(crate) after: SampleState,
 }
 
 impl FragmentRecord {
-    /// Whether the fragment, if written, completely covers earlier ones.
+    /// Whether the fragment, if written, completely hides earlier ones.
     pub(crate) fn covers_all(&self) -> bool {
         self.transparency != Transparency::Blended || self.alpha.is_some_and(|alpha| alpha >= 1.0)
     }
 }
 
-/// Computation of a fragment's colour. Values that the draw plan omits are `None`.
+/// Intermediate values from which a fragment's colour was computed. Values that the draw plan skips are `None`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ShadingRecord {
-    /// Texture coordinates, v down.
+    /// Texture coordinates (u, v), with v pointing down.
     pub(crate) uv: Option<[f32; 2]>,
     /// Unit normal, in world space.
     pub(crate) normal: Option<[f32; 3]>,
     /// Interpolated vertex colour, in the colour space of lighting.
     pub(crate) vertex_color: Option<[f32; 3]>,
-    /// N·L, the cosine of the angle between normal and light.
+    /// N·L, the cosine of the angle between the normal and the light direction.
     pub(crate) cosine: Option<f32>,
     /// Factor by which light multiplies the surface colour.
     pub(crate) light: Option<f32>,
-    /// Factor of the specular colour: max(0, N·H)^Ns.
+    /// Specular factor max(0, N·H)^Ns, which multiplies the specular colour.
     pub(crate) highlight: Option<f32>,
     /// Emitted light, in the colour space of lighting.
     pub(crate) emission: Option<[f32; 3]>,
     /// Texels read from all maps of the material, with weights that sum to 1 for each map.
     pub(crate) texels: Vec<TexelRecord>,
-    /// Colour below that it was blended with, as sRGB codes; `None` if it was not blended.
+    /// Framebuffer colour over which the fragment was blended, as sRGB codes; `None` without blending.
     pub(crate) below: Option<Rgba8>,
-    /// Colour that was written, as sRGB codes.
+    /// Colour written to the framebuffer, as sRGB codes.
     pub color: Rgba8,
 }
 
 impl ShadingRecord {
-    /// Returns the texels of one map.
+    /// Returns the texels read from one texture map.
     pub fn texels_of(&self, map: TextureMap) -> impl Iterator<Item = &TexelRecord> {
         self.texels.iter().filter(move |texel| texel.map == map)
     }
@@ -147,86 +147,86 @@ choice! {
 /// One texel read for a fragment.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct TexelRecord {
-    /// Map that contains the texel.
+    /// Texture map that contains the texel.
     pub(crate) map: TextureMap,
     /// Mip level: 0 is the full texture, and each further level has half the side lengths.
     pub(crate) level: usize,
-    /// Position in the mip level, and weight.
+    /// Position of the texel in the mip level, and its filter weight.
     #[serde(flatten)]
     pub tap: TexelTap,
     /// Colour of the texel, as 8-bit codes.
     pub color: Rgba8,
 }
 
-/// A drawn pixel that an upscaler read.
+/// Drawn pixel that the upscaler read to compute the inspected pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SourceRecord {
-    /// Position in the drawn picture, and weight.
+    /// Position of the drawn pixel, and its weight in the upscaled pixel.
     #[serde(flatten)]
     pub tap: Tap,
-    /// Replayed colour, as sRGB codes.
+    /// Replayed colour of the drawn pixel, as sRGB codes.
     pub(crate) color: Rgba8,
 }
 
-/// One of the samples that a drawn pixel is averaged from.
+/// Anti-aliasing sample of a drawn pixel, whose colour is the mean of all its samples.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(crate) struct SampleRecord {
     /// Position of the sample relative to the pixel's top-left corner, in px.
     pub(crate) place: [f64; 2],
-    /// Replayed colour, as sRGB codes.
+    /// Replayed colour of the sample, as sRGB codes.
     pub(crate) color: Rgba8,
 }
 
 /// Report on one pixel of the full picture.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PixelReport {
-    /// Column in the full picture.
+    /// Column of the pixel in the full picture.
     pub x: u32,
-    /// Row in the full picture.
+    /// Row of the pixel in the full picture.
     pub y: u32,
-    /// Explanation of the pixel's colour, as a short text.
+    /// Short text that explains the pixel's colour.
     pub verdict: String,
     /// Replayed colour of the pixel, as sRGB codes.
     pub color: Rgba8,
     /// Pixel of the drawn picture whose fragments are listed: this pixel if it was drawn, or else the source with the
     /// largest weight.
     pub drawn_at: [u32; 2],
-    /// Samples whose mean is the colour of the drawn pixel; empty if the only one is at its centre.
+    /// Samples whose mean is the colour of the drawn pixel; empty without anti-aliasing.
     pub(crate) samples: Vec<SampleRecord>,
-    /// State of the sample at the pixel's centre before the first fragment.
+    /// Colour and depth of the sample at the pixel's centre before the first fragment.
     pub(crate) clear: SampleState,
     /// All fragments at the pixel's centre, in drawing order.
     pub fragments: Vec<FragmentRecord>,
-    /// Triangles without a fragment here, each with its reason; filled in only by [`super::history::explain`].
+    /// Triangles without a fragment at this pixel, each with its reason; filled in only by [`super::history::explain`].
     pub absent: Vec<Absent>,
-    /// Final depth in the depth buffer; `None` without one.
+    /// Final depth in the depth buffer; `None` without a depth buffer.
     pub final_depth: Option<DepthRecord>,
-    /// Drawn pixels that this pixel is computed from; a single one with weight 1 if it was drawn itself.
+    /// Drawn pixels from which this pixel is computed: only itself, with weight 1, if it was drawn.
     pub sources: Vec<SourceRecord>,
-    /// Position in the previous frame, in px from the picture's corner, that the upscaler reprojected history from. The
-    /// history has no weight among the sources.
+    /// Position in the previous frame from which the upscaler reprojected history, in px from the top-left corner.
+    /// `sources` does not include the history.
     pub(crate) remembered_at: Option<[f64; 2]>,
-    /// Colour before the post filter; `None` without a filter.
+    /// Colour of the pixel before the post filter; `None` without a post filter.
     pub(crate) unfiltered: Option<Rgba8>,
-    /// Triangle whose edge the wireframe draws over this pixel.
+    /// Triangle whose edge the wireframe draws over this pixel, if any.
     pub(crate) wireframe: Option<TriangleId>,
-    /// Crack or double hit along a shared edge; `None` for pixels that were not drawn.
+    /// Crack or double hit along a shared edge at this pixel, if any; `None` for pixels that were not drawn.
     pub fault: Option<Fault>,
 }
 
 impl PixelReport {
-    /// Returns the state of the sample at the pixel's centre after its last fragment.
+    /// Returns the colour and depth of the sample at the pixel's centre after its last fragment.
     pub(crate) fn last(&self) -> SampleState {
         self.fragments.last().map_or(self.clear, |fragment| fragment.after)
     }
 
-    /// Returns the fragment that the pixel shows: among blended ones, the last written.
+    /// Returns the visible fragment; of several blended ones, the last written.
     pub fn visible(&self) -> Option<&FragmentRecord> {
         self.fragments.iter().find(|f| f.outcome == FragmentOutcome::Visible)
     }
 }
 
-/// Replays pixel (x, y) of a frame. Returns `None` outside the picture.
+/// Replays pixel (x, y) of a frame and explains its colour. Returns `None` outside the picture.
 ///
 /// # Examples
 /// ```
@@ -252,7 +252,7 @@ pub fn inspect(scene: &Scene, recipe: &Recipe, frame: &Frame, x: u32, y: u32) ->
     Some(report)
 }
 
-/// Returns the report of a replay, still without a verdict.
+/// Replays pixel (x, y) and returns its report with an empty verdict; `None` outside the picture.
 pub(super) fn replayed(scene: &Scene, recipe: &Recipe, frame: &Frame, x: u32, y: u32) -> Option<PixelReport> {
     let Viewport { width, height } = frame.viewport;
     if x >= width || y >= height {
@@ -325,8 +325,7 @@ fn filtered(recipe: &Recipe, frame: &Frame, (x, y): (u32, u32), own: Rgba8) -> O
     post::apply(&recipe.post, &neighbours, None).map(|patch| patch.at(reach as u32, reach as u32))
 }
 
-/// Returns the packed drawn picture with only the replayed sources filled in: the only pixels that the upscaler may
-/// read.
+/// Returns the packed drawn picture with only the replayed sources filled in. The upscaler reads no other pixels.
 fn picture_of(sources: &[SourceRecord], frame: &Frame) -> Image<Rgba8> {
     let (width, height) = frame.drawn.color.size();
     let mut picture = Image::filled(width, height, [0; 4]);
@@ -338,12 +337,12 @@ fn picture_of(sources: &[SourceRecord], frame: &Frame) -> Image<Rgba8> {
     picture
 }
 
-/// Draws only the sample at the centre of one drawn pixel, and returns its colour.
+/// Draws only the sample at the centre of one drawn pixel and returns its colour.
 pub(super) fn centre_color(scene: &Scene, recipe: &Recipe, frame: &Frame, pixel: (u32, u32)) -> Option<Rgba8> {
     Some(draw_centre(scene, recipe, frame, pixel, &mut ())?.color.at(0, 0))
 }
 
-/// Draws only the sample at the centre of one drawn pixel with an observer, and returns its stored depth, if any.
+/// Draws only the sample at the centre of one drawn pixel with an observer, and returns its final depth, if any.
 fn replay<O: Observer>(
     scene: &Scene,
     recipe: &Recipe,
@@ -370,7 +369,7 @@ fn draw_centre<O: Observer>(
     Some(one)
 }
 
-/// Returns the position of a pixel's sample in the full picture, in px.
+/// Returns the centre of a pixel in the full picture, in px.
 pub(crate) fn sample_position_px(x: u32, y: u32) -> [f32; 2] {
     [x, y].map(|c| to_pixels(i64::from(c) * SUBPIXELS + HALF_PIXEL))
 }
@@ -383,7 +382,7 @@ mod tests {
     use crate::scene::builtin;
 
     #[test]
-    fn a_record_tells_only_what_its_shading_reads() {
+    fn records_contain_only_values_that_the_shading_reads() {
         let scene = builtin::by_id("chess").unwrap().build();
         // Whether texture coordinates, normal, N·L and light are recorded, in that order.
         for (shading, expected) in [

@@ -1,7 +1,7 @@
-//! A place of inspection as one value: scene, view, recipe, displayed quantity, and inspected pixel.
+//! Inspection state as one value: scene, view, recipe, displayed quantity, and inspected pixel.
 //!
-//! Bookmarks and the inspection history store it. Its text form is a command line of this program, so a reader can
-//! understand it, edit it, and draw the same picture with it.
+//! Bookmarks and the inspection history store this state. Its text form is a command line of this program, which a
+//! person can read, edit, and run to draw the same picture.
 
 use std::path::PathBuf;
 
@@ -19,23 +19,23 @@ use crate::pipeline::settings::Choice as _;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, camera_file};
 
-/// A place of inspection, which can be restored later.
+/// Complete state of an inspection, which can be restored later.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InspectionState {
-    /// Scene: the id of a built-in one, or a path.
+    /// Inspected scene: the id of a built-in scene, or the path of a file.
     #[serde(with = "stored_path")]
     pub(crate) scene: PathBuf,
     /// Whether the scene is mirrored in z. `camera` views the mirrored scene.
     pub(crate) mirrored: bool,
     /// Camera of the view.
     pub(crate) camera: Camera,
-    /// Recipe that the frame is drawn with.
+    /// Recipe for drawing the frame.
     pub(crate) recipe: Recipe,
     /// Size of the picture in px; `None` for the size of the canvas.
     pub(crate) picture: Option<(u32, u32)>,
     /// Displayed buffer, if neither a stage nor an intermediate value is displayed.
     pub(crate) buffer: Buffer,
-    /// Displayed pipeline stage.
+    /// Displayed pipeline stage; `None` if none is displayed.
     pub(crate) stage: Option<Stage>,
     /// Displayed intermediate value, if no stage is displayed.
     #[serde(default)]
@@ -43,7 +43,7 @@ pub struct InspectionState {
     /// Range, colour map and channels of the display.
     #[serde(default)]
     pub(crate) display: Display,
-    /// Overlays, bottom to top.
+    /// Overlays of the picture, from bottom to top.
     #[serde(default)]
     pub(crate) overlays: Vec<OverlayLayer>,
     /// Number of rasterized triangles to draw; `None` for all.
@@ -56,14 +56,15 @@ pub struct InspectionState {
 }
 
 impl InspectionState {
-    /// Returns an error if the place cannot be restored: stored data may come from another version, or be damaged.
+    /// Returns an error if this state cannot be restored, for example if stored data is damaged or from another
+    /// version.
     pub(crate) fn check(&self) -> Result<(), String> {
         self.recipe.check()?;
         self.camera.check()?;
         self.picture.map_or(Ok(()), |(width, height)| Viewport { width, height }.check())
     }
 
-    /// Returns the command line that restores this place, with words quoted where a shell requires it.
+    /// Returns the command line that restores this state, with words quoted where a shell requires it.
     pub(crate) fn command_line(&self) -> String {
         let scene = self.scene.to_string_lossy();
         // The prefix `./` prevents a path from being parsed as an option.
@@ -102,7 +103,7 @@ impl InspectionState {
         words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ")
     }
 
-    /// Describes the place briefly, such as "pixel 12, 34, Depth".
+    /// Returns a short description of the state, such as "pixel 12, 34, Depth".
     pub(crate) fn words(&self) -> String {
         let shown = match (self.stage, self.number) {
             (Some(stage), _) => Some(stage.name()),
@@ -148,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn words_are_quoted_where_a_shell_would_read_them_otherwise() {
+    fn words_are_quoted_only_if_a_shell_requires_it() {
         assert_eq!(quoted("fill_rule=top-left"), "fill_rule=top-left");
         assert_eq!(quoted("my model.obj"), "'my model.obj'");
         assert_eq!(quoted("it's"), r"'it'\''s'");
@@ -156,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn the_command_says_what_differs_from_a_plain_start_and_no_more() {
+    fn the_command_line_contains_only_differences_from_the_defaults() {
         let mut place = place();
         let line = place.command_line();
         assert!(line.starts_with("rasterscope window triangle --camera '{\"eye\":["), "{line}");
@@ -180,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_drawn_is_not_gone_to() {
+    fn a_state_that_cannot_be_drawn_is_rejected() {
         let mut place = place();
         assert_eq!(place.check(), Ok(()));
         place.picture = Some((1 << 20, 1 << 20));

@@ -4,8 +4,9 @@ use super::view::Value;
 use crate::image::Image;
 use crate::image::pfm::Floats;
 
-/// Returns the exact values of a picture of `size` pixels: three numbers per pixel for colours (codes, 0 to 255) and
-/// weights, or else one; NaN where there is none. Triangle ids become numbers, exact up to 2²⁴.
+/// Returns the exact values of a picture of `size` pixels as floats. Colours (codes from 0 to 255) and weights give
+/// three floats per pixel, and other quantities give one. Pixels without a value are NaN. Triangle ids are exact up to
+/// 2²⁴.
 pub(crate) fn planes(size: (u32, u32), value: impl Fn(u32, u32) -> Value) -> Floats {
     let three = |x, y| match value(x, y) {
         Value::Color([r, g, b, _]) => Some([r, g, b].map(f32::from)),
@@ -29,7 +30,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_kind_of_values_decides_how_many_numbers_there_are() {
+    fn colours_give_three_floats_per_pixel_and_numbers_give_one() {
         let one = planes((2, 1), |x, _| if x == 0 { Value::Number(0.1) } else { Value::Nothing });
         let Floats::One(image) = one else { panic!("one number") };
         assert!(image.at(0, 0) == 0.1 && image.at(1, 0).is_nan());

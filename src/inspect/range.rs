@@ -8,7 +8,8 @@ use crate::measure::region::PixelRegion;
 /// Fraction of the values that [`RangeFit::Most`] excludes at each end.
 const EXCLUDED_FRACTION: f64 = 0.01;
 
-/// Set of values that a range is fitted to. Pixels without a value, such as a cleared depth, are ignored.
+/// Set of values to which the range of a colour map is fitted. Pixels without a value, such as a cleared depth, are
+/// ignored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum RangeFit {
     /// All values of the picture, from minimum to maximum.
@@ -19,15 +20,15 @@ pub enum RangeFit {
     Within(PixelRegion),
 }
 
-/// Rule that determines the ends of a range.
+/// Rule that determines the range of a colour map.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Rule {
-    /// Default of the quantity: counts from 0, colours from 0 to 255, others from minimum to maximum.
+    /// Default range of the displayed quantity: counts from 0, colours from 0 to 255, others from minimum to maximum.
     #[default]
     Natural,
-    /// Fitted anew to every picture.
+    /// Range that is fitted again to every picture.
     Sticky(RangeFit),
-    /// Fixed by hand.
+    /// Range set by hand.
     Fixed(Range),
 }
 
@@ -45,8 +46,8 @@ pub(crate) fn channels(value: Value) -> impl Iterator<Item = f32> {
 }
 
 impl RangeFit {
-    /// Returns the range of the selected values of a picture of `size` pixels. For values with several channels, only
-    /// the `chosen` ones count. `None` without a finite value.
+    /// Returns the range of the selected values of a picture of `size` pixels; `None` without a finite value. For
+    /// values with several channels, only the `chosen` channels count.
     pub(crate) fn range(self, size: (u32, u32), chosen: [bool; 3], value: impl Fn(u32, u32) -> Value) -> Option<Range> {
         let all = PixelRegion { left: 0, top: 0, right: size.0, bottom: size.1 };
         let region = if let Self::Within(region) = self { region } else { all };
@@ -68,7 +69,7 @@ pub(crate) fn pixels(region: PixelRegion, (width, height): (u32, u32)) -> impl I
     (region.top..region.bottom.min(height)).flat_map(move |y| columns.clone().map(move |x| (x, y)))
 }
 
-/// Returns the range that excludes the fraction [`EXCLUDED_FRACTION`] of the values at each end, by nearest rank.
+/// Returns the range that excludes the fraction [`EXCLUDED_FRACTION`] of the values at each end (nearest-rank method).
 fn between_quantiles(mut values: Vec<f32>) -> Option<Range> {
     let last = values.len().checked_sub(1)?;
     let rank = (last as f64 * EXCLUDED_FRACTION) as usize;
@@ -83,7 +84,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_hundredth_at_either_end_is_left_out() {
+    fn one_percent_of_the_values_is_excluded_at_each_end() {
         // 0 … 200 in scrambled order: two values are excluded at each end.
         let value = |x: u32, y: u32| Value::Number(((x + 3 * y) * 76 % 201) as f32);
         let fit = |fit: RangeFit| fit.range((201, 1), [true; 3], value);
@@ -92,7 +93,7 @@ mod tests {
     }
 
     #[test]
-    fn only_the_rectangle_counts_and_nothing_is_no_value() {
+    fn only_pixels_with_a_value_inside_the_rectangle_are_fitted() {
         let value = |x: u32, y: u32| if x == 2 { Value::Nothing } else { Value::Number((10 * x + y) as f32) };
         let within = PixelRegion { left: 1, top: 1, right: 3, bottom: 99 };
         let fit = |region| RangeFit::Within(region).range((5, 4), [true; 3], value);
@@ -101,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn channels_that_are_off_are_not_fitted_to() {
+    fn disabled_channels_are_not_fitted() {
         let value = |x: u32, _: u32| Value::Color([x as u8, 100 + x as u8, 250, 0]);
         let fit = |chosen| RangeFit::All.range((10, 1), chosen, value);
         assert_eq!(fit([true, true, false]), Some(Range { low: 0.0, high: 109.0 }));

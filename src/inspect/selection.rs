@@ -1,12 +1,12 @@
-//! Sets of selected triangles, from a bin of the fates, a row of a table, or a click on a mesh.
+//! Sets of triangles that were selected in the fates view, in a table, or by a click on a mesh.
 
 use crate::scene::TriangleId;
 
-/// A set of triangles of one scene, with a label. The default is the empty set.
+/// Set of selected triangles of one scene, with a label. The default is the empty set.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TriangleSelection {
     label: String,
-    /// One bit per triangle, least significant first; truncated after the word of the last member.
+    /// One bit per triangle, least significant first; truncated after the word of the last selected triangle.
     bits: Vec<u64>,
     len: usize,
 }
@@ -26,27 +26,27 @@ impl TriangleSelection {
         set
     }
 
-    /// Returns the label that describes the members.
+    /// Returns the label that describes the selected triangles.
     pub fn label(&self) -> &str {
         &self.label
     }
 
-    /// Returns the number of members.
+    /// Returns the number of selected triangles.
     pub fn len(&self) -> usize {
         self.len
     }
 
-    /// Whether the set is empty.
+    /// Whether no triangle is selected.
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }
 
-    /// Whether a triangle is a member.
+    /// Whether a triangle is selected.
     pub(crate) fn contains(&self, TriangleId(id): TriangleId) -> bool {
         self.bits.get(id as usize / 64).is_some_and(|word| word >> (id % 64) & 1 == 1)
     }
 
-    /// Returns the members, in scene order.
+    /// Returns the selected triangles, in scene order.
     pub fn iter(&self) -> impl Iterator<Item = TriangleId> + '_ {
         let words = self.bits.iter().zip((0..).step_by(64));
         words.flat_map(|(word, first)| {
@@ -60,7 +60,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_set_holds_each_member_once_and_in_order() {
+    fn a_set_contains_each_member_once_and_in_order() {
         let ids = [130, 0, 64, 63, 130, 5].map(TriangleId);
         let set = TriangleSelection::new("some", ids);
         assert_eq!((set.len(), set.label()), (5, "some"));
@@ -70,7 +70,7 @@ mod tests {
     }
 
     #[test]
-    fn the_default_holds_nothing() {
+    fn the_default_is_empty() {
         let set = TriangleSelection::default();
         assert!(set.is_empty() && set.iter().next().is_none() && !set.contains(TriangleId(0)));
     }

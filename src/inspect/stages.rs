@@ -1,8 +1,8 @@
-//! The picture after each pipeline stage, for the same view.
+//! Pictures of one view after each pipeline stage.
 //!
-//! Stages up to culling show lines and dots of the whole scene: projected triangles after clipping, without face
-//! culling. Only zero-area triangles are missing, because they have no facing. Stages from rasterization on show the
-//! actually drawn pixels of the drawn triangles; pixels left to the upscaler are dark.
+//! Stages up to culling show the whole scene as lines and dots: all projected triangles after clipping, without face
+//! culling. Only zero-area triangles are missing, because they have no facing. Stages from rasterization onwards show
+//! only pixels that were drawn; pixels left to the upscaler are dark.
 
 use super::fates::Rejections;
 use crate::chain::{Frame, Recipe, redraw};
@@ -18,9 +18,9 @@ use crate::pipeline::{LastStage, prepare, wireframe};
 use crate::scene::{Camera, Scene};
 
 choice! {
-    /// A stage whose result can be displayed.
+    /// Pipeline stage whose result can be displayed.
     Stage {
-        Assemble = "assemble", "Assemble", "Triangles of all meshes and instances: the corners of those that reach into the view, as dots; clipped ones by their pieces.";
+        Assemble = "assemble", "Assemble", "Corners of all triangles that reach into the view, as dots. Clipped triangles are shown by the corners of their pieces.";
         Transform = "transform", "Transform", "Vertices from model through world and view to clip space: the edges of all triangles that reach into the view, front- and back-facing.";
         Clip = "clip", "Clip", "Triangles outside the view are gone; pieces of triangles clipped at the near plane, the far plane or the guard band are orange.";
         Project = "project", "Project", "Divided by w, scaled to pixels, snapped to 1/256 px: edges and snapped corners.";
@@ -38,10 +38,10 @@ const REMAINING_COLOR: Rgba8 = [222, 222, 222, 255];
 const CLIPPED_COLOR: Rgba8 = [240, 150, 40, 255];
 const REJECTED_COLOR: Rgba8 = [214, 72, 72, 255];
 
-/// Colour of pixels that were not drawn.
+/// Colour of pixels that were not drawn but left to the upscaler.
 pub(crate) const NOT_DRAWN: Rgba8 = [12, 12, 12, 255];
 
-/// Returns the picture after `stage` of the frame that `recipe` draws.
+/// Returns the picture of `frame` after the pipeline stage `stage`.
 pub fn picture(scene: &Scene, camera: &Camera, recipe: &Recipe, frame: &Frame, stage: Stage) -> Image<Rgba8> {
     let redrawn = |shading| {
         let recipe = Recipe { pipeline: Settings { shading, ..recipe.pipeline }, ..*recipe };
@@ -82,7 +82,7 @@ pub fn picture(scene: &Scene, camera: &Camera, recipe: &Recipe, frame: &Frame, s
     }
 }
 
-/// Colours each sample by the last triangle that covers it.
+/// Observer that colours each sample by the last triangle that covers it.
 struct LastCovered(Image<Rgba8>);
 
 impl Observer for LastCovered {
@@ -91,7 +91,7 @@ impl Observer for LastCovered {
     }
 }
 
-/// Places the drawn pixels at their positions in the full picture; all others are [`NOT_DRAWN`].
+/// Returns the full picture with the drawn pixels at their positions; all others have the colour [`NOT_DRAWN`].
 fn spread(packed: &Image<Rgba8>, frame: &Frame) -> Image<Rgba8> {
     let Viewport { width, height } = frame.viewport;
     Image::from_fn(width, height, |x, y| {
@@ -104,7 +104,7 @@ fn is_kept(triangle: &ScreenTriangle, settings: &Settings) -> bool {
     cull(area, settings.culling).is_none()
 }
 
-/// All triangles before culling, to be drawn as lines.
+/// All projected triangles before face culling, for drawing as lines.
 struct Wires {
     triangles: Vec<ScreenTriangle>,
     rejections: Rejections,
@@ -206,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_cut_out_is_there_when_rasterized_and_gone_with_depth() {
+    fn fragments_that_fail_the_alpha_test_disappear_at_the_depth_stage() {
         let scene = builtin::by_id("stained-glass").unwrap().build();
         let recipe = Recipe::default();
         let frame = run(&scene, &scene.home, &recipe, VIEW, &mut ());
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn the_limit_of_triangles_makes_none_look_culled() {
+    fn triangles_beyond_the_limit_do_not_look_culled() {
         let scene = builtin::by_id("cubes").unwrap().build();
         let mut recipe = Recipe::default();
         recipe.pipeline.culling = Culling::None;

@@ -11,13 +11,13 @@ pub struct Statistics {
     pub(crate) nan: u64,
     /// Number of infinite values, of either sign.
     pub(crate) infinite: u64,
-    /// Minimum; 0 without finite values.
+    /// Minimum of the finite values; 0 if there are none.
     pub(crate) min: f32,
-    /// Maximum; 0 without finite values.
+    /// Maximum of the finite values; 0 if there are none.
     pub(crate) max: f32,
-    /// Mean; 0 without finite values.
+    /// Mean of the finite values; 0 if there are none.
     pub(crate) mean: f64,
-    /// Sum of squared differences from the mean.
+    /// Sum of the squared differences of the finite values from their mean.
     squares: f64,
 }
 
@@ -50,7 +50,7 @@ impl Statistics {
         self.squares += from_mean * (value - self.mean);
     }
 
-    /// Returns the standard deviation σ of the finite values, as of a whole population; 0 without any.
+    /// Returns the population standard deviation σ of the finite values; 0 if there are none.
     pub(crate) fn deviation(&self) -> f64 {
         if self.finite == 0 { 0.0 } else { (self.squares / self.finite as f64).sqrt() }
     }
@@ -66,7 +66,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn figures_are_those_of_two_passes() {
+    fn statistics_match_a_two_pass_computation() {
         // Values far from zero, where a plain sum of squares would cancel.
         let values: Vec<f32> = (0..1000_u32).map(|i| 50_000.0 + (i * 7919 % 1009) as f32 / 64.0).collect();
         let statistics = Statistics::of(values.iter().copied());
@@ -79,7 +79,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_is_counted_and_spoils_nothing() {
+    fn non_finite_values_are_counted_and_do_not_affect_the_rest() {
         let statistics = Statistics::of([f32::NAN, -2.0, f32::INFINITY, f32::NEG_INFINITY, 4.0]);
         assert_eq!((statistics.finite, statistics.nan, statistics.infinite), (2, 1, 2));
         assert_eq!((statistics.min, statistics.max, statistics.mean), (-2.0, 4.0, 1.0));

@@ -18,12 +18,12 @@ use crate::pipeline::depth::DepthComparison;
 use crate::pipeline::settings::{Choice as _, Settings};
 use crate::scene::{Instance, Scene, TriangleId};
 
-/// Beginning of the story of a pixel that one triangle won unambiguously.
+/// Beginning of the verdict on a pixel that one triangle won unambiguously.
 const UNAMBIGUOUS_WIN: &str = "Won by ";
 
-/// Explains the colour of a pixel. A fault of a shared edge or a wrong blending order comes first, then the story in
-/// one sentence. More sentences follow for a black pixel or a flawed scene. After an unambiguous win, the reason for a
-/// black pixel precedes the story, because it is the most likely question.
+/// Explains the colour of a pixel in a few sentences. A fault along a shared edge or a wrong blending order comes
+/// first, then the outcome among the fragments. Sentences about a black pixel or a flawed scene follow. After an
+/// unambiguous win, the reason for a black pixel precedes the outcome, because it is the most likely question.
 pub(super) fn verdict(report: &PixelReport, scene: &Scene, recipe: &Recipe, frame: &Frame) -> String {
     let fault = report.fault.as_ref().map(|fault| fault_verdict(fault, &recipe.pipeline));
     let story = story(report, frame.is_drawn(report.x, report.y), DepthComparison::of(&recipe.pipeline));
@@ -35,7 +35,7 @@ pub(super) fn verdict(report: &PixelReport, scene: &Scene, recipe: &Recipe, fram
     sentences.join(" ")
 }
 
-/// Returns the instance of a triangle, and its index.
+/// Returns the instance that contains a triangle, together with its index.
 fn instance_of(scene: &Scene, id: TriangleId) -> Option<(usize, &Instance)> {
     let index = scene.first_triangles().partition_point(|first| *first <= id).checked_sub(1)?;
     Some((index, scene.instances.get(index)?))
@@ -70,7 +70,7 @@ fn story(report: &PixelReport, drawn: bool, comparison: DepthComparison) -> Stri
     format!("Not drawn: {made_of}. Pixel with the largest weight, ({x}, {y}): {story}")
 }
 
-/// Returns the introduction for a pixel with several samples; empty for others.
+/// Returns the introduction to the verdict on a pixel with several samples; empty for other pixels.
 fn smooth_verdict(report: &PixelReport) -> String {
     let colors: BTreeSet<_> = report.samples.iter().map(|sample| sample.color).collect();
     match (report.samples.len(), colors.len()) {
@@ -80,8 +80,8 @@ fn smooth_verdict(report: &PixelReport) -> String {
     }
 }
 
-/// Explains the winner among the fragments. Pieces of one triangle count as one, not as rivals; alpha-tested fragments
-/// that were discarded do not count.
+/// Explains which fragment won and how closely. Pieces of a clipped triangle count as one triangle, not as rivals.
+/// Fragments that failed the alpha test do not count.
 fn fragment_verdict(fragments: &[FragmentRecord], absent: &[Absent], comparison: DepthComparison) -> String {
     let Some(winner) = fragments.iter().find(|f| f.outcome == FragmentOutcome::Visible) else {
         return background::verdict(fragments, absent);
@@ -140,7 +140,7 @@ fn blended_verdict(fragments: &[FragmentRecord], nearest: &FragmentRecord) -> St
     format!("Blended: {} with alpha {alpha} over {between}{behind}.", name(nearest))
 }
 
-/// Explains a fault at a sample along a shared edge, in one or two sentences.
+/// Explains a crack or double hit along a shared edge, in one or two sentences.
 fn fault_verdict(fault: &Fault, settings: &Settings) -> String {
     let [one, other] = fault.sharing.map(|id| id.0);
     let (hits, due) = (fault.hit_by.len(), fault.due.len());
@@ -187,7 +187,7 @@ fn beside(one: u32, other: u32, cause: &str) -> String {
     format!("it shares an edge here with {neighbour} and {cause}")
 }
 
-/// Names the setting that causes faults of shared edges.
+/// Returns the setting that causes faults along shared edges, together with the remedy.
 fn cause(settings: &Settings) -> String {
     if settings.rasterizer.is_published() {
         format!("the rasterizer is “{}”. To fix it, choose another rasterizer", settings.rasterizer.name())
@@ -198,10 +198,10 @@ fn cause(settings: &Settings) -> String {
     }
 }
 
-/// Maximum difference in ulp that rounding alone may cause: depth is computed from w, a sum of four products.
+/// Maximum depth difference, in ulp, that rounding alone may cause: depth is computed from w, a sum of four products.
 const Z_FIGHT_ULPS: u32 = 8;
 
-/// Maximum difference in codes that rounding alone may cause: each code represents all depths within half a step.
+/// Maximum depth difference, in codes, that rounding alone may cause: a code represents all depths within half a step.
 const Z_FIGHT_CODES: u32 = 1;
 
 #[cfg(test)]
@@ -215,7 +215,7 @@ mod tests {
 
     const PREVIOUS_STATE: SampleState = SampleState { color: [9, 9, 9, 255], depth: None };
 
-    /// Returns the story of `fragments` (triangle, depth), the last of which is visible.
+    /// Returns the verdict on `fragments`, each given as triangle and depth. The last one is visible.
     fn story(fragments: &[(u32, f32)], stored: Option<f32>, comparison: DepthComparison) -> String {
         story_in(DepthEncoding::F32, fragments, stored, comparison)
     }
@@ -259,7 +259,7 @@ mod tests {
     }
 
     #[test]
-    fn a_fault_is_told_with_its_triangles_and_its_cause() {
+    fn a_fault_is_explained_with_its_triangles_and_its_cause() {
         let fault = |kind, hit_by: &[u32], due: &[u32], sharing: [u32; 2]| {
             let ids = |list: &[u32]| list.iter().copied().map(TriangleId).collect();
             Fault {
@@ -331,7 +331,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_seen_through_what_is_told() {
+    fn a_blended_pixel_names_the_surfaces_behind() {
         let mut records = records(DepthEncoding::F32, &[(3, 0.9), (5, 0.6), (4, 0.5), (6, 0.4)], Some(0.9));
         for record in &mut records[1..] {
             (record.transparency, record.alpha) = (Transparency::Blended, Some(0.25));
@@ -352,7 +352,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_cut_out_is_no_rival_but_told_where_nothing_else_is() {
+    fn fragments_that_fail_the_alpha_test_are_no_rivals() {
         let mut records = records(DepthEncoding::F32, &[(3, 0.5), (4, 0.5)], Some(0.9));
         let story = |records: &[FragmentRecord]| fragment_verdict(records, &[], DepthComparison::Less);
         (records[0].transparency, records[0].outcome) = (Transparency::CutOut, FragmentOutcome::CutOut);
@@ -365,7 +365,7 @@ mod tests {
     }
 
     #[test]
-    fn depths_that_close_are_a_fight_only_where_depth_decides() {
+    fn close_depths_are_a_z_fight_only_if_the_depth_test_decides() {
         let close = [(0, 0.5), (1, 0.5_f32.next_down())];
         assert!(
             story(&close, Some(0.5), DepthComparison::Less).starts_with("Z-fight: triangle 1 of “cube” won by 1 ulp")
@@ -378,7 +378,7 @@ mod tests {
     }
 
     #[test]
-    fn codes_are_counted_where_the_buffer_holds_codes() {
+    fn unorm_depths_are_compared_in_codes() {
         let story = |a, b| story_in(DepthEncoding::Unorm16, &[(0, a), (1, b)], Some(0.5), DepthComparison::LessEqual);
         let step = 1.0 / 65_535.0;
         assert!(story(0.5, 0.5 - step).contains("won by 1 step of depth"));

@@ -1,8 +1,8 @@
-//! A vertex at every stage, from the mesh to the pixel grid.
+//! Vertices at every pipeline stage, from the mesh to the pixel grid.
 //!
-//! Clip-space position, screen position and snapped position come from the functions that draw. The pipeline never
-//! computes world and view positions: it multiplies the matrices first, in f64, and rounds the product once. They are
-//! therefore reported in f64, unrounded.
+//! Clip-space position, screen position and snapped position are computed by the same functions that draw. The pipeline
+//! never computes world and view positions: it multiplies the matrices first, in f64, and rounds the product once. They
+//! are therefore reported in f64, unrounded.
 
 use glam::{DMat4, DVec3, Vec2, Vec3, Vec4};
 use serde::Serialize;
@@ -14,7 +14,7 @@ use crate::pipeline::vertex::{ClipVertex, DrawMatrices};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Mesh, Scene, TriangleId};
 
-/// Set of frustum planes that a vertex lies beyond, one bit for each of [`ClipPlane::ALL`].
+/// Set of frustum planes beyond which a vertex lies, with one bit for each of [`ClipPlane::ALL`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(transparent)]
 pub(crate) struct Outcode(u8);
@@ -33,18 +33,18 @@ impl Outcode {
         )
     }
 
-    /// Returns the planes, in the order of clipping.
+    /// Returns the planes beyond which the vertex lies, in clipping order.
     pub(crate) fn planes(self) -> impl Iterator<Item = ClipPlane> {
         ClipPlane::ALL.into_iter().enumerate().filter(move |(bit, _)| self.0 >> bit & 1 == 1).map(|(_, plane)| plane)
     }
 
-    /// Whether the vertex lies beyond no plane.
+    /// Whether the vertex lies inside the frustum.
     pub(crate) fn is_inside(self) -> bool {
         self.0 == 0
     }
 }
 
-/// Returns the display name of a plane.
+/// Returns the display name of a clip plane.
 pub(crate) fn plane_name(plane: ClipPlane) -> &'static str {
     match plane {
         ClipPlane::Near => "near",
@@ -57,14 +57,14 @@ pub(crate) fn plane_name(plane: ClipPlane) -> &'static str {
     }
 }
 
-/// Position of a vertex on the screen.
+/// Screen-space position of a vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(crate) struct OnScreen {
     /// Normalised device coordinates: x/w, y/w, z/w.
     pub(crate) ndc: Vec3,
-    /// Position before snapping, in px.
+    /// Screen position before snapping, in px.
     pub(crate) px: [f32; 2],
-    /// Snapped position, in 1/256 px.
+    /// Screen position snapped to the subpixel grid, in units of 1/256 px.
     pub(crate) snapped: [i32; 2],
     /// Depth before quantisation, in [0, 1].
     pub(crate) depth: f64,
@@ -72,7 +72,7 @@ pub(crate) struct OnScreen {
     pub(crate) inv_w: f32,
 }
 
-/// One vertex at every stage.
+/// One vertex at every pipeline stage.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(crate) struct VertexStages {
     /// Index of the vertex in the mesh.
@@ -81,7 +81,7 @@ pub(crate) struct VertexStages {
     pub(crate) model: Vec3,
     /// Normal in model space.
     pub(crate) normal: Vec3,
-    /// Texture coordinates, v down; `None` if the mesh has none.
+    /// Texture coordinates (u, v), with v pointing down; `None` if the mesh has none.
     pub(crate) uv: Option<Vec2>,
     /// Colour as sRGB-encoded values in [0, 1]; `None` if the mesh has none.
     pub(crate) color: Option<Vec3>,
@@ -91,14 +91,14 @@ pub(crate) struct VertexStages {
     pub(crate) view: DVec3,
     /// Position in clip space.
     pub(crate) clip: Vec4,
-    /// Frustum planes that the vertex lies beyond.
+    /// Frustum planes beyond which the vertex lies.
     pub(crate) outcode: Outcode,
     /// Screen position; `None` if w is below the minimum or the clip position is not finite. Triangles with such a
     /// vertex are clipped before the division.
     pub(crate) screen: Option<OnScreen>,
 }
 
-/// Vertices of one object as seen by a camera.
+/// Vertices of one object, transformed for a camera and a viewport.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ObjectVertices<'a> {
     mesh: &'a Mesh,
@@ -111,7 +111,7 @@ pub(crate) struct ObjectVertices<'a> {
 }
 
 impl<'a> ObjectVertices<'a> {
-    /// Prepares the vertices of an object by its number; `None` if the scene has no such object.
+    /// Prepares the vertices of the object with index `instance`; `None` if the scene has no such object.
     pub(crate) fn new(
         scene: &'a Scene,
         camera: &Camera,
@@ -132,12 +132,12 @@ impl<'a> ObjectVertices<'a> {
         })
     }
 
-    /// Returns the number of vertices.
+    /// Returns the number of vertices in the object's mesh.
     pub(crate) fn count(&self) -> usize {
         self.mesh.positions.len()
     }
 
-    /// Returns one vertex at every stage; `None` past the last one.
+    /// Returns one vertex at every pipeline stage; `None` if `index` is out of range.
     pub(crate) fn stages(&self, index: u32) -> Option<VertexStages> {
         let place = index as usize;
         let model = *self.mesh.positions.get(place)?;
@@ -169,7 +169,7 @@ impl<'a> ObjectVertices<'a> {
     }
 }
 
-/// Returns the object of a triangle, and the indices of its corners in the mesh. `None` if the scene has no such
+/// Returns the object index of a triangle, and the mesh indices of its corners. `None` if the scene has no such
 /// triangle.
 pub(crate) fn corners_of(scene: &Scene, triangle: TriangleId) -> Option<(usize, [u32; 3])> {
     let firsts = scene.first_triangles();
@@ -192,7 +192,7 @@ mod tests {
     const SIZE: Viewport = Viewport { width: 160, height: 120 };
 
     #[test]
-    fn every_corner_that_was_not_cut_is_told_as_it_is_drawn() {
+    fn every_unclipped_corner_matches_the_drawn_vertex() {
         for id in ["chess", "near-plane", "z-fighting"] {
             let scene = builtin::by_id(id).unwrap().build();
             let settings = Settings { culling: Culling::None, ..Settings::default() };
@@ -219,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn outcodes_name_the_planes_that_cut() {
+    fn outcodes_name_the_planes_beyond_which_a_vertex_lies() {
         let names = |position| Outcode::of(position, false).planes().map(plane_name).collect::<Vec<_>>();
         assert_eq!(names(Vec4::new(0.0, 0.0, 0.5, 1.0)), [""; 0]);
         assert_eq!(names(Vec4::new(-2.0, 0.0, 0.5, 1.0)), ["left"]);
@@ -230,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn near_is_near_and_far_is_far_in_every_format() {
+    fn outcodes_name_near_and_far_correctly_in_every_depth_format() {
         let mut scene = builtin::by_id("triangle").unwrap().build();
         for (format, orthographic) in DepthFormat::ALL.iter().flat_map(|format| [(format, false), (format, true)]) {
             let settings = Settings { depth_format: *format, ..Settings::default() };
@@ -250,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn a_vertex_behind_the_eye_has_no_place_on_the_screen() {
+    fn a_vertex_behind_the_eye_has_no_screen_position() {
         let scene = builtin::by_id("near-plane").unwrap().build();
         let settings = Settings::default();
         let mut behind = 0;
@@ -269,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn no_triangle_has_no_corners() {
+    fn a_missing_triangle_has_no_corners() {
         let scene = builtin::by_id("cubes").unwrap().build();
         assert!(corners_of(&scene, TriangleId(scene.triangle_count() as u32 - 1)).is_some());
         assert_eq!(corners_of(&scene, TriangleId(scene.triangle_count() as u32)), None);

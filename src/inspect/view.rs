@@ -14,9 +14,9 @@ use crate::scene::TriangleId;
 /// Range of values that a colour map spans.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Range {
-    /// Value at the start of the map.
+    /// Value at the start of the colour map.
     pub low: f32,
-    /// Value at the end of the map.
+    /// Value at the end of the colour map.
     pub high: f32,
 }
 
@@ -35,8 +35,8 @@ impl Range {
     }
 }
 
-/// Returns the colour at a position in [0, 1] on the map for magnitudes (viridis: even steps, safe for the
-/// colour-blind).
+/// Returns the colour at a position in [0, 1] of the viridis colour map, which is perceptually uniform and safe for
+/// colour-blind people.
 pub(crate) fn magnitude_color(position: f32) -> Rgba8 {
     let [r, g, b] = colorous::VIRIDIS.eval_continuous(f64::from(position.clamp(0.0, 1.0))).as_array();
     [r, g, b, 255]
@@ -48,10 +48,10 @@ pub(crate) const CRACK: Rgba8 = [48, 132, 255, 255];
 /// Colour of a sample along a shared edge with too many hits.
 pub(crate) const DOUBLE_HIT: Rgba8 = [255, 150, 0, 255];
 
-/// Returns the colour at a position in [0, 1] on the map of a buffer: grey for [`Buffer::Hits`], whose faults are
-/// coloured.
+/// Returns the colour at a position in [0, 1] of a buffer's colour map. The map of [`Buffer::Hits`] is grey, because
+/// colours mark faults.
 pub(crate) fn map_color(buffer: Buffer, position: f32) -> Rgba8 {
-    /// Greys at both ends, neither so dark nor so light that marks on them would be lost.
+    /// Greys at both ends of the map, neither so dark nor so light that marks on them would be invisible.
     const GREYS: (f32, f32) = (0.11, 0.84);
     if buffer != Buffer::Hits {
         return magnitude_color(position);
@@ -65,17 +65,17 @@ pub(crate) fn map_color(buffer: Buffer, position: f32) -> Rgba8 {
 pub enum Value {
     /// The pixel was not drawn and is left to the upscaler.
     NotDrawn,
-    /// The pixel was drawn, but has no value.
+    /// The pixel was drawn but has no value in the buffer.
     Nothing,
     /// Red, green, blue and alpha, as sRGB codes.
     Color(Rgba8),
-    /// One number.
+    /// Floating-point value, such as a depth.
     Number(f32),
-    /// An integer count.
+    /// Integer count, such as overdraw.
     Count(u32),
-    /// Three weights.
+    /// Barycentric weights of the triangle's corners.
     Weights([f32; 3]),
-    /// Id of a triangle.
+    /// Triangle that owns the pixel.
     Triangle(TriangleId),
 }
 
@@ -110,8 +110,8 @@ pub(crate) fn absence(buffer: Buffer, frame: &Frame) -> Option<&'static str> {
     (buffer == Buffer::Depth && frame.drawn.depth.is_none()).then_some("no depth buffer: the depth test is off")
 }
 
-/// Returns the stored depth of a sample; `None` if nothing stored one. Without `buffers` it is compared with the clear
-/// depth, so a fragment at exactly that depth counts as none.
+/// Returns the stored depth of a sample; `None` if nothing stored one. Without `buffers`, the depth is compared with
+/// the clear depth, so a fragment at exactly that depth is not detected.
 fn depth_of(frame: &Frame, buffers: Option<&Buffers>, column: u32, row: u32) -> Option<f32> {
     let stored = frame.drawn.depth.as_ref()?.at(column, row);
     let drawn = match buffers {
@@ -121,8 +121,8 @@ fn depth_of(frame: &Frame, buffers: Option<&Buffers>, column: u32, row: u32) -> 
     drawn.then_some(stored)
 }
 
-/// Returns the range of a buffer that uses a colour map: minimum to maximum of stored depths, or 0 to the maximum of
-/// counts.
+/// Returns the value range of a buffer that uses a colour map: minimum to maximum of stored depths, or 0 to the maximum
+/// of counts. `None` for other buffers, or without values.
 pub fn range(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>) -> Option<Range> {
     match buffer {
         Buffer::Depth => {
@@ -218,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn the_greys_of_the_hit_count_are_for_what_is_no_fault() {
+    fn hit_counts_without_faults_use_the_full_range_of_greys() {
         let scene = builtin::by_id("shared-edges").unwrap().build();
         let mut recipe = Recipe::default();
         recipe.pipeline.fill_rule = FillRule::Inclusive;
@@ -241,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn without_a_depth_test_it_is_said_why_there_is_no_depth() {
+    fn without_a_depth_test_the_absence_of_depth_is_explained() {
         let (frame, buffers) = frame_at_depth(DepthTest::Off, DepthFormat::F32, 0.0);
         assert!(absence(Buffer::Depth, &frame).is_some_and(|why| why.contains("depth test is off")));
         assert_eq!(absence(Buffer::Color, &frame), None);
@@ -252,7 +252,7 @@ mod tests {
     }
 
     #[test]
-    fn ranges_ignore_what_is_not_finite_and_survive_constants() {
+    fn ranges_ignore_non_finite_values_and_handle_constants() {
         assert_eq!(Range::fit([f32::NAN, f32::INFINITY].into_iter()), None);
         let flat = Range::fit([0.5, f32::NAN, 0.5].into_iter()).unwrap();
         assert_eq!(flat, Range { low: 0.5, high: 0.5 });

@@ -1,6 +1,6 @@
-//! Watched pixels: the values of all buffers at each, as a row that can be compared between frames.
+//! Watched pixels: one row per pixel with the values of all buffers, for comparison between frames.
 //!
-//! Each row comes from a replay of its pixel, like the pixel report, so the frame itself has no overhead.
+//! Each row is computed by replaying its pixel, like the pixel report, so drawing the frame has no overhead.
 
 use super::pixel::{FragmentOutcome, FragmentRecord, PixelReport, inspect};
 use crate::chain::{Frame, Recipe};
@@ -10,35 +10,35 @@ use crate::scene::{Scene, TriangleId};
 /// Values of all buffers at a watched pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WatchedPixel {
-    /// Column in the full picture.
+    /// Column of the pixel in the full picture.
     pub(crate) x: u32,
-    /// Row in the full picture.
+    /// Row of the pixel in the full picture.
     pub(crate) y: u32,
-    /// Values at the pixel; `None` outside the picture.
+    /// Values of all buffers at the pixel; `None` outside the picture.
     pub(crate) values: Option<PixelValues>,
 }
 
-/// Values at a watched pixel. If the pixel was not drawn itself, all except the colour belong to the drawn pixel with
-/// the largest weight.
+/// Values of all buffers at a watched pixel. If the pixel was upscaled, all values except the colour are those of the
+/// drawn pixel with the largest weight.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct PixelValues {
     /// Colour in the finished picture, as sRGB codes.
     pub(crate) color: Rgba8,
-    /// Whether the pixel was drawn itself.
+    /// Whether the pixel was drawn rather than upscaled.
     pub(crate) is_drawn: bool,
-    /// Visible triangle; the last one drawn of several blended ones.
+    /// Visible triangle; of several blended ones, the one drawn last.
     pub(crate) triangle: Option<TriangleId>,
-    /// Name of the object of the triangle.
+    /// Name of the object that contains the visible triangle.
     pub(crate) object: Option<String>,
-    /// Final depth in the depth buffer; `None` without one.
+    /// Final depth in the depth buffer; `None` without a depth buffer.
     pub(crate) depth: Option<f32>,
-    /// Screen-space weights of the visible triangle.
+    /// Barycentric weights of the visible triangle's corners, linear in screen space.
     pub(crate) lambda: Option<[f32; 3]>,
-    /// Weights of the visible triangle that attributes are interpolated with.
+    /// Weights of the visible triangle's corners for interpolating attributes.
     pub(crate) perspective_lambda: Option<[f32; 3]>,
     /// Number of fragments at the pixel's centre.
     pub(crate) overdraw: usize,
-    /// Number of those fragments that were shaded.
+    /// Number of fragments at the pixel's centre that were shaded.
     pub(crate) shaded: usize,
 }
 
@@ -84,7 +84,7 @@ mod tests {
     use view::Value;
 
     #[test]
-    fn a_row_holds_what_the_buffers_hold() {
+    fn rows_match_the_buffers() {
         let size = Viewport { width: 40, height: 30 };
         for scene in ["interpenetrating", "cubes", "stained-glass"] {
             let scene = builtin::by_id(scene).unwrap().build();
@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn outside_of_the_picture_there_is_nothing() {
+    fn pixels_outside_the_picture_have_no_values() {
         let scene = builtin::by_id("triangle").unwrap().build();
         let recipe = Recipe::default();
         let frame = run(&scene, &scene.home, &recipe, Viewport { width: 8, height: 8 }, &mut ());

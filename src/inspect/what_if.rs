@@ -1,7 +1,7 @@
-//! Effect of a recipe change on a frame: the pixels of the picture, or of a buffer, that differ.
+//! Effect of a recipe change on a frame: the pixels of the picture or of a buffer that differ.
 //!
 //! Pixels are compared by value, never by display colour. Two frames with different depth ranges have different colour
-//! maps, but are equal wherever their depths are.
+//! maps, but count as equal wherever their depths are equal.
 
 use crate::chain::Frame;
 use crate::image::color::luma;
@@ -13,14 +13,14 @@ use super::view::{Value, value};
 /// Pixels that differ between two frames of the same size.
 #[derive(Clone, Debug)]
 pub struct Changes {
-    /// Whether each pixel differs.
+    /// Mask of the picture: `true` for each pixel that differs.
     pub mask: Image<bool>,
     /// Number of pixels that differ.
     pub(crate) count: u64,
 }
 
 impl Changes {
-    /// Compares the values of a buffer. Returns `None` if the frames have different sizes.
+    /// Compares the values of a buffer in two frames. Returns `None` if the frames have different sizes.
     pub(crate) fn of_buffer(
         buffer: Buffer,
         (a, a_buffers): (&Frame, Option<&Buffers>),
@@ -38,7 +38,7 @@ impl Changes {
         (a_size == b_size).then(|| Self::of_mask(Image::from_fn(a_size.0, a_size.1, |x, y| !same(a(x, y), b(x, y)))))
     }
 
-    /// Compares colours, ignoring alpha. Returns `None` if the pictures have different sizes.
+    /// Compares the colours of two pictures, ignoring alpha. Returns `None` if the pictures have different sizes.
     pub(crate) fn of_pictures(a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<Self> {
         let (width, height) = a.size();
         (a.size() == b.size())
@@ -56,7 +56,7 @@ impl Changes {
     }
 
     /// Returns the next or previous changed pixel relative to `from` in reading order, wrapping around at the end.
-    /// Without `from`, returns the first or the last one.
+    /// Without `from`, returns the first or the last changed pixel.
     pub(crate) fn next_changed(&self, from: Option<(u32, u32)>, forwards: bool) -> Option<(u32, u32)> {
         let (width, height) = self.mask.size();
         let all = width as usize * height as usize;
@@ -72,9 +72,10 @@ impl Changes {
         Some(((place % width as usize) as u32, (place / width as usize) as u32))
     }
 
-    /// Returns `picture` with unchanged pixels mapped to dark greys.
+    /// Returns `picture` with its unchanged pixels mapped to dark greys.
     pub(crate) fn with_unchanged_dimmed(&self, picture: &Image<Rgba8>) -> Image<Rgba8> {
-        /// Greys of black and white: far below changed colours, but bright enough to recognise the scene.
+        /// Greys that replace black and white: much darker than changed colours, but bright enough to recognise the
+        /// scene.
         const GREYS: (f64, f64) = (16.0, 72.0);
         let (width, height) = picture.size();
         Image::from_fn(width, height, |x, y| {
@@ -118,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_changed_is_no_pixel_of_any_buffer() {
+    fn equal_frames_have_no_changed_pixels_in_any_buffer() {
         let (a, b) = (frame("interpenetrating", &[]), frame("interpenetrating", &["execution=classic"]));
         for buffer in [Buffer::Color, Buffer::Depth, Buffer::TriangleId, Buffer::Lambda, Buffer::Overdraw] {
             let changes = Changes::of_buffer(buffer, (&a.0, Some(&a.1)), (&b.0, Some(&b.1))).unwrap();
@@ -127,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn values_that_no_colour_tells_apart_are_others() {
+    fn values_with_equal_display_colours_can_differ() {
         let of = |number: f32| move |x: u32, _: u32| Value::Number(if x == 1 { number } else { f32::NAN });
         let changes = |number| Changes::of_values(((3, 2), of(1.0)), ((3, 2), of(number))).unwrap().count;
         assert_eq!((changes(1.0), changes(1.0_f32.next_up())), (0, 2));
@@ -135,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn the_edges_of_an_inclusive_fill_rule_are_counted_as_by_hand() {
+    fn changes_from_an_inclusive_fill_rule_match_a_manual_count() {
         let (a, b) = (frame("shared-edges", &[]), frame("shared-edges", &["fill_rule=inclusive"]));
         let changes = Changes::of_pictures(a.0.image(), b.0.image()).unwrap();
         let mut by_hand = 0;
@@ -171,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn changed_pixels_are_gone_through_in_reading_order_round_the_end() {
+    fn changed_pixels_are_visited_in_reading_order_and_wrap_around() {
         let before = Image::filled(5, 4, [9, 9, 9, 255]);
         let mut after = before.clone();
         let changed = [(3, 0), (0, 2), (4, 3)];

@@ -29,7 +29,7 @@ choice! {
 /// Size of the grid, in columns and rows.
 const SIZE: (u32, u32) = (41, 31);
 
-/// Largest half axis, in pixels.
+/// Largest half axis that can be dragged, in pixels.
 const LARGEST: i32 = 60;
 
 /// Input and settings of the page on circles.

@@ -27,7 +27,7 @@ const GROUPS: [Rgb; 8] = [
     [140, 140, 140],
 ];
 
-/// Widths of lines, diameters of dots and height of letters, in pixels of the grid.
+/// Width of a line, in pixels of the grid. The following sizes use the same unit.
 const LINE: f64 = 0.12;
 const GRID_LINE: f64 = 0.04;
 const DOT: f64 = 0.36;
@@ -43,7 +43,7 @@ const MAX_FRAMES: usize = 150;
 /// Duration of each frame of an animation.
 const FRAME_TIME: Duration = Duration::from_millis(80);
 
-/// Writes the file that [`encode_recording`] returns.
+/// Writes the file whose bytes [`encode_recording`] returns.
 pub(crate) fn write_recording(path: &Path, recording: &Recording, steps: usize) -> Result<(), DrawingFileError> {
     save(path, &encode_recording(path, recording, steps)?)
 }

@@ -144,7 +144,7 @@ impl LineLesson {
             recording.figure.push(Mark::Outline(corners.to_vec(), Tone::B));
         }
         let Some(ends) = self.drawn_ends() else {
-            recording.fact("pixels", "none: the line misses the frame");
+            recording.fact("pixels", "none: the line misses the clip rectangle");
             return recording;
         };
         if self.clip {
@@ -242,8 +242,8 @@ impl LineLesson {
                  major, selects the step, and one addition updates it. All numbers are integers, so nothing drifts. \
                  The other octants differ only in the signs of the steps: drag the end points to see all eight. Where \
                  the line passes exactly between two pixels, D is 0 and the step is straight, so the reversed line \
-                 takes the other pixel, outlined here. A tie rule that always decides as from the lesser end covers \
-                 the same pixels in both directions."
+                 takes the other pixel, outlined here. A tie rule that always decides as from the end with the \
+                 smaller x covers the same pixels in both directions."
             }
             LineMethod::Exact => {
                 "End points need not lie on pixel centres. Every step along the longer axis takes the pixel nearest to \
@@ -390,7 +390,7 @@ fn midpoint_steps(mut line: MidpointLine, [from, to]: [DVec2; 2]) -> Box<dyn Ite
         let marks = if at_end { Vec::new() } else { vec![Mark::Dot(center(pixel) + ahead, Tone::Focus)] };
         let why = match (at_end, slanted) {
             (true, _) => "the end.".to_owned(),
-            (false, true) if decision == 0 => "D = 0, a tie: diagonal step, as from the lesser end.".to_owned(),
+            (false, true) if decision == 0 => "D = 0, a tie: diagonal step, as from the smaller x.".to_owned(),
             (false, true) => format!("D = {decision} > 0, the line passes beyond the midpoint: diagonal step."),
             (false, false) => {
                 format!("D = {} ≤ 0, the line does not pass the midpoint: straight step.", number(decision as f64, 0))

@@ -39,7 +39,7 @@ use seed_fills::SeedFillLesson;
 use triangles::TriangleLesson;
 
 choice! {
-    /// A page of the lab.
+    /// Page of the lab, with one lesson.
     Page {
         Lines = "lines", "Lines",
             "Straight lines: by distance, by slope, DDA, midpoint, exact, and anti-aliased by area.";
@@ -58,19 +58,19 @@ choice! {
 /// Input and settings of one page.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Lesson {
-    /// Straight lines.
+    /// Lesson on straight lines.
     Lines(LineLesson),
-    /// Circles and ellipses.
+    /// Lesson on circles and ellipses.
     Circles(CircleLesson),
-    /// Polygons.
+    /// Lesson on polygons.
     Polygons(PolygonLesson),
-    /// Seed fill.
+    /// Lesson on seed fills.
     SeedFill(SeedFillLesson),
-    /// Drawing primitives.
+    /// Lesson on drawing primitives.
     Primitives(PrimitiveLesson),
-    /// Triangles.
+    /// Lesson on triangles.
     Triangles(TriangleLesson),
-    /// Sampling.
+    /// Lesson on sampling and aliasing.
     Sampling(SamplingLesson),
 }
 
@@ -121,7 +121,7 @@ impl Lesson {
         each!(self, lesson => lesson.record())
     }
 
-    /// Runs the algorithm without recording, for timing. Returns the number of its items.
+    /// Runs the algorithm without recording, for timing. Returns the number of items that its iterator yields.
     pub(crate) fn walk(&self) -> usize {
         each!(self, lesson => lesson.walk())
     }

@@ -4,7 +4,7 @@ use super::seed_fills::Paint;
 use crate::image::color::luma;
 use crate::image::{Image, Rgba8};
 
-/// Brightest channel value of 255 below which cells are walls.
+/// Threshold for the brightest channel of a cell, of 255: darker cells are walls.
 const WALL_BELOW: f32 = 96.0;
 
 /// Difference between the brightest and the darkest channel, of 255, above which a cell counts as coloured.
@@ -70,7 +70,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn dark_is_wall_and_coloured_is_spot_and_the_shape_is_kept() {
+    fn dark_cells_are_walls_coloured_ones_spots_and_the_aspect_ratio_is_kept() {
         let picture = Image::from_fn(40, 40, |x, y| match (x < 20, y < 20) {
             (true, true) => [10, 10, 10, 255],
             (true, false) => [200, 30, 30, 255],

@@ -12,7 +12,7 @@ use crate::flat2d::polygon::{ActiveEdge, Corners, FillParameters, InsideRule, Po
 use crate::pipeline::settings::{Choice, choice};
 
 choice! {
-    /// Operation on a polygon.
+    /// Operation on the polygon of the page.
     PolygonMethod {
         EvenOdd = "even-odd", "Fill, even-odd", "A pixel is inside if a ray from it crosses an odd number of edges.";
         NonZero = "non-zero", "Fill, non-zero", "Edges count +1 down and −1 up; a pixel is inside if the sum up to it is not zero.";
@@ -81,7 +81,7 @@ const SIZE: (u32, u32) = (32, 24);
 /// Input and settings of the page on polygons.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PolygonLesson {
-    /// Closed contours, in pixels.
+    /// Closed contours of the polygon, in pixels.
     pub(crate) contours: Vec<Vec<DVec2>>,
     /// Selected operation.
     pub(crate) method: PolygonMethod,

@@ -294,7 +294,7 @@ fn line_cells(from: DVec2, to: DVec2, ink: Ink) -> Vec<InkedPixel> {
     real_line(from - 0.5, to - 0.5).into_iter().flatten().map(|pixel| cell(pixel, ink)).collect()
 }
 
-/// Describes the properties of an outline.
+/// Describes in words the properties of an outline, and whether a fan covers it.
 fn in_words(OutlineProperties { simple, convex, flat }: OutlineProperties) -> String {
     let mut words = Vec::new();
     words.push(if simple { "simple" } else { "self-crossing" });

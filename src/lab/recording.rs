@@ -7,29 +7,29 @@ use glam::DVec2;
 /// Maximum number of recorded steps of one run; further steps are cut off.
 pub(crate) const MAX_STEPS: usize = 20_000;
 
-/// Ink of a pixel.
+/// Ink of a pixel, which determines its colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Ink {
-    /// Fully set.
+    /// Pixel that is fully set.
     Full,
-    /// Partly covered: 0 is paper, 1 is fully set.
+    /// Pixel that is partly covered: 0 is paper, 1 is fully set.
     Share(f64),
-    /// A wall of the input picture.
+    /// Wall of the input picture.
     Wall,
-    /// One of several groups, by index.
+    /// Pixel of one of several groups, by index.
     Group(usize),
     /// Positive (`true`) or negative side of an edge or curve.
     Side(bool),
-    /// An explicit colour, sRGB-encoded.
+    /// Pixel of an explicit colour, sRGB-encoded.
     Color([u8; 3]),
 }
 
-/// A pixel and its ink.
+/// Pixel of the grid and its ink.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InkedPixel {
-    /// Column; may lie outside the grid.
+    /// Column in the grid; may lie outside.
     pub x: i64,
-    /// Row; may lie outside the grid.
+    /// Row in the grid; may lie outside.
     pub y: i64,
     /// Ink of the pixel.
     pub(crate) ink: Ink,
@@ -43,9 +43,9 @@ pub(crate) fn cell((x, y): (i64, i64), ink: Ink) -> InkedPixel {
 /// Meaning of a mark, expressed by its colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Tone {
-    /// True shape.
+    /// Geometry of the true shape.
     Ideal,
-    /// Auxiliary geometry.
+    /// Auxiliary geometry, drawn faintly.
     Weak,
     /// Focus of the current step.
     Focus,
@@ -70,7 +70,7 @@ pub(crate) enum Mark {
     Text(DVec2, String, Tone),
 }
 
-/// One step of a run.
+/// Recorded step of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RecordedStep {
     /// Pixels set by the step.
@@ -83,16 +83,16 @@ pub struct RecordedStep {
     pub(crate) state: Vec<(String, String)>,
 }
 
-/// A recorded run on a small input.
+/// Recorded run on a small input.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Recording {
-    /// Columns and rows of the grid.
+    /// Number of columns and rows of the grid.
     pub size: (u32, u32),
-    /// Pixels of the input picture.
+    /// Pixels of the input picture, below those of the steps.
     pub(crate) ground: Vec<InkedPixel>,
-    /// The true shape.
+    /// Geometry of the true shape.
     pub(crate) figure: Vec<Mark>,
-    /// Steps in order.
+    /// Recorded steps, in order.
     pub steps: Vec<RecordedStep>,
     /// Results of the whole run, as names and values.
     pub(crate) facts: Vec<(String, String)>,
@@ -161,25 +161,25 @@ pub(crate) fn time_of(mut run: impl FnMut() -> usize) -> Duration {
     std::iter::repeat_with(round).take(ROUNDS).min().unwrap_or_default()
 }
 
-/// A method with its error and its time.
+/// Method with its error and its time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MethodResult {
-    /// Display name.
+    /// Display name of the method.
     pub name: &'static str,
     /// Error against the reference, in the unit that the comparison states.
     pub(crate) error: f64,
-    /// Time of one run.
+    /// Measured time of one run.
     pub(crate) time: Duration,
 }
 
 /// Comparison of several methods for the same task.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MethodComparison {
-    /// Description of the task.
+    /// Description of the task that all methods solve.
     pub task: String,
     /// Meaning of the methods' `error`, with its unit.
     pub(crate) error: &'static str,
-    /// Compared methods.
+    /// Results of the compared methods.
     pub methods: Vec<MethodResult>,
     /// Summary of the comparison in one sentence, if it has one.
     pub(crate) note: Option<String>,
@@ -190,7 +190,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn runs_are_kept_up_to_a_bound_and_no_step_is_lost_before() {
+    fn runs_are_recorded_up_to_the_limit() {
         for (count, cut_off) in [(5, false), (MAX_STEPS, false), (MAX_STEPS + 1, true)] {
             let mut recording = Recording::new((4, 4));
             recording.collect((0..count).map(|_| RecordedStep::default()));

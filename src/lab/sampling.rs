@@ -18,7 +18,7 @@ use crate::image::{Image, Rgba8};
 use crate::pipeline::settings::{Choice, choice};
 
 choice! {
-    /// Sampled scene.
+    /// Scene that the page samples.
     SamplingScene {
         Edge = "edge", "An edge", "A straight edge at any angle, whose exact area in each pixel is known.";
         ZonePlate = "zone-plate", "Zone plate",
@@ -83,7 +83,7 @@ const SIZE: (u32, u32) = (48, 36);
 /// Half the number of points per axis that approximate a weighted area without a closed form.
 const DENSE: u32 = 12;
 
-/// Points per axis that approximate the reference without a closed form; unlike the numbers of any method.
+/// Number of points per axis that approximate a reference without a closed form; it differs from those of all methods.
 const TRUTH: u32 = 43;
 
 /// Number of recorded frames of the wheel.
@@ -95,9 +95,9 @@ const SPOKES: f64 = 8.0;
 /// Input and settings of the page on sampling.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SamplingLesson {
-    /// Selected scene.
+    /// Scene that is sampled.
     pub(crate) scene: SamplingScene,
-    /// Selected method.
+    /// Method that computes the pixels.
     pub(crate) method: SamplingMethod,
     /// Sample points per axis within a pixel.
     pub(crate) points: u32,
@@ -107,7 +107,7 @@ pub struct SamplingLesson {
     pub(crate) middle: DVec2,
     /// Turns of the wheel per frame.
     pub(crate) turns_per_frame: f32,
-    /// Pixel whose values are shown.
+    /// Column and row of the pixel whose values are shown.
     pub(crate) chosen: (u32, u32),
     /// Picture of [`SamplingScene::Picture`]: values in [0, 1], stretched over the whole grid.
     pub(crate) source: Arc<Image<f64>>,

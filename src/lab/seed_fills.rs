@@ -51,13 +51,13 @@ choice! {
 /// Content of a pixel of the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Paint {
-    /// Empty.
+    /// Empty pixel.
     Paper,
-    /// A wall.
+    /// Wall: the boundary colour of a boundary fill.
     Wall,
     /// A colour other than the paper: a flood fill stops there, a boundary fill does not.
     Spot,
-    /// Filled by the algorithm.
+    /// Pixel filled by the algorithm.
     Filled,
 }
 
@@ -67,9 +67,9 @@ const SIZE: (u32, u32) = (30, 20);
 /// Input and settings of the page on seed fills.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeedFillLesson {
-    /// Grid to fill.
+    /// Grid in which the fill starts.
     pub grid: Image<Paint>,
-    /// First pixel of the fill.
+    /// Column and row of the pixel where the fill starts.
     pub(crate) seed: (u32, u32),
     /// Definition of the region.
     pub(crate) region: RegionKind,
@@ -322,7 +322,7 @@ impl SeedFillLesson {
     }
 }
 
-/// Returns a step with the stack as it is after the step.
+/// Returns a recorded step with the state of the stack after it.
 fn stack_step(filled: &[(u32, u32)], stack: &[(u32, u32)], says: String) -> RecordedStep {
     /// Number of pending pixels listed in the state.
     const LISTED: usize = 14;

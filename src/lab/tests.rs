@@ -23,7 +23,7 @@ fn pixels(recording: &Recording) -> HashSet<(i64, i64)> {
 }
 
 #[test]
-fn every_page_has_steps_that_tell_what_they_do() {
+fn every_page_has_steps_with_a_description_and_a_state() {
     for page in Page::ALL {
         let lesson = Lesson::new(*page);
         assert_eq!(lesson.page(), *page);
@@ -99,7 +99,7 @@ fn pixels_that_the_other_direction_covers_are_outlined_unless_ties_do_not_depend
 }
 
 #[test]
-fn fills_reach_what_hangs_together_and_the_wrong_neighbours_do_not() {
+fn fills_reach_the_connected_region_only_with_the_right_connectivity() {
     for preset in SeedFillPreset::ALL {
         let (grid, seed) = preset.grid();
         for neighbours in Neighbours::ALL {
@@ -117,7 +117,7 @@ fn fills_reach_what_hangs_together_and_the_wrong_neighbours_do_not() {
 }
 
 #[test]
-fn a_fan_misses_what_is_concave_and_ears_do_not() {
+fn a_fan_fails_on_a_concave_outline_and_ear_clipping_does_not() {
     let errors = |preset: VertexPreset| {
         let lesson = PrimitiveLesson { vertices: preset.vertices(), kind: PrimitiveKind::Polygon };
         let comparison = Lesson::Primitives(lesson).compare().unwrap();
@@ -130,7 +130,7 @@ fn a_fan_misses_what_is_concave_and_ears_do_not() {
 }
 
 #[test]
-fn a_picture_becomes_the_canvas_of_the_pages_that_have_one() {
+fn a_picture_becomes_the_input_of_the_pages_that_take_one() {
     let picture = Image::from_fn(60, 40, |x, _| if x < 30 { [0, 0, 0, 255] } else { [255, 255, 255, 255] });
     for page in Page::ALL {
         let mut lesson = Lesson::new(*page);
@@ -152,7 +152,7 @@ fn a_picture_becomes_the_canvas_of_the_pages_that_have_one() {
 }
 
 #[test]
-fn a_mask_is_told_row_by_row() {
+fn a_mask_is_listed_row_by_row() {
     for (method, side) in [(SamplingMethod::Blur, 3), (SamplingMethod::Motion, 5)] {
         let recording = SamplingLesson { method, ..SamplingLesson::default() }.record();
         let rows: Vec<_> = recording.facts.iter().filter(|(name, _)| name.starts_with("mask, row ")).collect();
@@ -162,7 +162,7 @@ fn a_mask_is_told_row_by_row() {
 }
 
 #[test]
-fn a_line_without_length_is_told_in_numbers() {
+fn a_line_without_length_is_recorded_without_nan() {
     for method in LineMethod::ALL {
         for clip in [false, true] {
             let lesson = LineLesson { ends: [DVec2::new(7.0, 9.0); 2], method: *method, clip, ..LineLesson::default() };
@@ -173,7 +173,7 @@ fn a_line_without_length_is_told_in_numbers() {
 }
 
 #[test]
-fn blur_is_set_against_points_at_equal_time() {
+fn blur_is_compared_with_points_at_equal_time() {
     for scene in [SamplingScene::Edge, SamplingScene::ZonePlate, SamplingScene::Picture] {
         let comparison = SamplingLesson { scene, ..SamplingLesson::default() }.compare();
         assert!(comparison.note.is_some_and(|note| note.starts_with("At equal time: ")), "{scene:?}");
@@ -250,7 +250,7 @@ fn a_shared_side_is_drawn_once_by_sound_rules_and_not_by_others() {
 }
 
 #[test]
-fn comparisons_name_what_is_wrong_and_find_the_sound_ones_right() {
+fn comparisons_find_errors_only_in_inexact_methods() {
     for page in Page::ALL {
         let Some(comparison) = Lesson::new(*page).compare() else { continue };
         assert!(comparison.methods.len() > 2, "{page:?}");
@@ -278,7 +278,7 @@ fn comparisons_name_what_is_wrong_and_find_the_sound_ones_right() {
 }
 
 #[test]
-fn ends_dragged_far_out_make_no_longer_line_to_compare() {
+fn the_compared_line_has_a_limited_length() {
     let of = |ends| LineLesson { ends, ..LineLesson::default() }.compare().task;
     assert_eq!(of([DVec2::new(3.0, 4.0), DVec2::new(31.0, 16.0)]), "a line of 1120 × 480 px");
     assert_eq!(of([DVec2::ZERO, DVec2::new(25.0, 100.0)]), "a line of 500 × 2000 px");

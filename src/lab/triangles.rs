@@ -12,7 +12,7 @@ use crate::pipeline::settings::{Arithmetic, Choice, FillRule, Rasterizer, choice
 use crate::pipeline::viewport::Viewport;
 
 choice! {
-    /// View of the triangle.
+    /// Aspect of the triangle that the page shows.
     TriangleView {
         Pixels = "pixels", "Pixels of both",
             "Owner of each pixel, in the order of the rasterizer; the two triangles share an edge.";
@@ -37,7 +37,7 @@ const VALUES: [f32; 3] = [0.0, 0.5, 1.0];
 pub struct TriangleLesson {
     /// Corners A, B, C and D, in pixels.
     pub(crate) corners: [DVec2; 4],
-    /// Algorithm that finds covered samples.
+    /// Algorithm that finds the covered pixels.
     pub(crate) rasterizer: Rasterizer,
     /// Arithmetic of the edge functions.
     pub(crate) arithmetic: Arithmetic,

@@ -2,12 +2,12 @@
 
 use glam::{Mat4, Vec3};
 
-/// An axis-aligned box. [`Aabb::EMPTY`] contains nothing and is the neutral element of [`Aabb::union`].
+/// Axis-aligned bounding box. [`Aabb::EMPTY`] contains nothing and is the neutral element of [`Aabb::union`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aabb {
-    /// Smallest corner.
+    /// Corner with the smallest x, y and z.
     pub min: Vec3,
-    /// Largest corner.
+    /// Corner with the largest x, y and z.
     pub max: Vec3,
 }
 
@@ -18,27 +18,27 @@ impl Aabb {
     /// Box that contains no point.
     pub(crate) const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
 
-    /// Returns the smallest box that contains all `points`; [`Aabb::EMPTY`] if there are none.
+    /// Returns the smallest box that contains all `points`, or [`Aabb::EMPTY`] if there are none.
     pub(crate) fn around(points: impl IntoIterator<Item = Vec3>) -> Self {
         points.into_iter().fold(Self::EMPTY, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
     }
 
-    /// Whether the box contains no point.
+    /// Returns whether the box contains no point.
     pub fn is_empty(&self) -> bool {
         self.min.cmpgt(self.max).any()
     }
 
-    /// Returns the smallest box that contains both.
+    /// Returns the smallest box that contains both boxes.
     pub(crate) fn union(self, other: Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    /// Returns the centre. Halves are added, so that the result stays finite for the largest coordinates.
+    /// Returns the centre. It is the sum of halves, so it stays finite for the largest coordinates.
     pub(crate) fn center(&self) -> Vec3 {
         self.min * 0.5 + self.max * 0.5
     }
 
-    /// Returns the radius of the sphere around [`Aabb::center`] through the corners. Computed in f64, so that it cannot
+    /// Returns the radius of the sphere around [`Aabb::center`] through the corners. Computed in `f64`, so it cannot
     /// overflow.
     pub(crate) fn radius(&self) -> f32 {
         let half = self.max.as_dvec3() * 0.5 - self.min.as_dvec3() * 0.5;
@@ -53,7 +53,7 @@ impl Aabb {
         })
     }
 
-    /// Returns the smallest box around the eight transformed corners. `target_from_source` must be affine.
+    /// Returns the smallest box around the eight corners after a transformation. `target_from_source` must be affine.
     pub(crate) fn transformed(&self, target_from_source: Mat4) -> Self {
         if self.is_empty() {
             return Self::EMPTY;

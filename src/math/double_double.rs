@@ -1,5 +1,6 @@
-//! Double-double arithmetic: numbers of about 106 significand bits, held as the sum of two floats. For results that
-//! must be correct to the last bit of a float although large intermediate terms cancel.
+//! Double-double arithmetic: numbers with about 106 significand bits, stored as the sum of two floats.
+//!
+//! It gives results that are correct to the last bit of a float even if large intermediate terms cancel.
 //!
 //! Algorithms and error bounds from Joldes, Muller and Popescu, "Tight and rigorous error bounds for basic building
 //! blocks of double-word arithmetic" (2017). With u = 2⁻⁵³, the relative error of each operation is below 10 u².
@@ -8,7 +9,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::expansion::{two_product, two_sum};
 
-/// The number `hi` + `lo`, where `hi` is the float nearest to the sum.
+/// Number with about 106 significand bits: `hi` + `lo`, where `hi` is the float nearest to the sum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct DoubleDouble {
     hi: f64,
@@ -22,24 +23,24 @@ impl DoubleDouble {
     /// The number 1.
     pub(crate) const ONE: Self = Self { hi: 1.0, lo: 0.0 };
 
-    /// Returns `a` − `b`, exactly.
+    /// Returns `a` − `b` without rounding error.
     pub(crate) fn difference(a: f64, b: f64) -> Self {
         let (hi, lo) = two_sum(a, -b);
         Self { hi, lo }
     }
 
-    /// Returns `a` · `b`, exactly.
+    /// Returns `a` · `b` without rounding error.
     pub(crate) fn product(a: f64, b: f64) -> Self {
         let (hi, lo) = two_product(a, b);
         Self { hi, lo }
     }
 
-    /// Returns the nearest float.
+    /// Returns the nearest `f64`.
     pub(crate) fn rounded(self) -> f64 {
         self.hi
     }
 
-    /// Returns the magnitude.
+    /// Returns the absolute value.
     pub(crate) fn abs(self) -> Self {
         if self.hi < 0.0 { -self } else { self }
     }

@@ -1,14 +1,14 @@
 //! Exact sums and products of floats (Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
 //! Predicates", 1997).
 //!
-//! For decisions that depend on the last bit: floats decide where their error bound allows, and expansions decide the
-//! rest. Results are exact as long as no product leaves the range of f64. This holds in particular for polynomials of
-//! degree four in numbers that are zero or of a magnitude from 2⁻¹⁴⁹ to 2¹²⁸.
+//! Geometric predicates use plain floats where the error bound permits a decision, and expansions otherwise. Results
+//! are exact as long as no product leaves the range of `f64`. This holds in particular for polynomials of degree four
+//! in numbers that are zero or of a magnitude from 2⁻¹⁴⁹ to 2¹²⁸.
 
 use std::cmp::Ordering;
 use std::ops::{Add, Mul, Sub};
 
-/// Returns a + b rounded, and the rounding error (Knuth). Their sum is exact.
+/// Returns the rounded sum of `a` and `b`, and the rounding error (Knuth). The two add up to exactly a + b.
 #[inline]
 pub(crate) fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
@@ -16,14 +16,14 @@ pub(crate) fn two_sum(a: f64, b: f64) -> (f64, f64) {
     (sum, (a - (sum - from_b)) + (b - from_b))
 }
 
-/// Returns a · b rounded, and the rounding error. Their sum is exact.
+/// Returns the rounded product of `a` and `b`, and the rounding error. The two add up to exactly a · b.
 #[inline]
 pub(crate) fn two_product(a: f64, b: f64) -> (f64, f64) {
     let product = a * b;
     (product, a.mul_add(b, -product))
 }
 
-/// A number as the exact sum of non-overlapping floats: each is smaller than the last bit of the next.
+/// Exact number, stored as a sum of non-overlapping floats: each is smaller than the last bit of the next.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Expansion {
     /// Terms in ascending order of magnitude, none of them zero.
@@ -31,7 +31,7 @@ pub(crate) struct Expansion {
 }
 
 impl Expansion {
-    /// Returns `a` − `b`, exactly.
+    /// Returns `a` − `b` without rounding error.
     pub(crate) fn difference(a: f64, b: f64) -> Self {
         let mut exact = Self::default();
         exact.grow(a);
@@ -39,13 +39,13 @@ impl Expansion {
         exact
     }
 
-    /// Returns the sign as an order relative to zero: the sign of the largest part, which outweighs all others
+    /// Returns the sign as an order relative to zero. It is the sign of the largest part, which outweighs all others
     /// together.
     pub(crate) fn sign(&self) -> Ordering {
         self.parts.last().map_or(Ordering::Equal, |largest| largest.total_cmp(&0.0))
     }
 
-    /// Adds one float, exactly.
+    /// Adds one float without rounding error.
     fn grow(&mut self, float: f64) {
         let mut carry = float;
         let mut kept = 0;
@@ -102,7 +102,7 @@ impl Mul for &Expansion {
 mod tests {
     use super::*;
 
-    /// Returns the value of an expansion of integers.
+    /// Returns the value of an expansion that is an integer.
     fn integer(expansion: &Expansion) -> i128 {
         expansion.parts.iter().map(|part| *part as i128).sum()
     }
@@ -124,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn what_floats_lose_is_kept_across_the_range_of_single_precision() {
+    fn rounding_errors_are_kept_across_the_range_of_single_precision() {
         let (least, greatest) = (2.0_f64.powi(-149), 3e38_f32.into());
         let sum = Expansion::difference(greatest, -least);
         let square = &sum * &sum;

@@ -4,10 +4,10 @@
 //! compute the same values with opposite signs, so no cracks appear. D3D11 prescribes the same eight bits (functional
 //! specification, 3.2.4.1 and 15.16).
 
-/// Fraction bits of a snapped screen coordinate.
+/// Number of fraction bits of a snapped screen coordinate.
 pub(crate) const SUBPIXEL_BITS: u32 = 8;
 
-/// Grid steps per pixel.
+/// Number of grid steps per pixel.
 pub(crate) const SUBPIXELS: i64 = 1 << SUBPIXEL_BITS;
 
 /// Half a pixel in grid steps: the distance of a pixel's centre from its top-left corner along each axis.
@@ -29,7 +29,7 @@ pub(crate) fn snap_to_grid(pixels: f64) -> f64 {
     (pixels * STEPS_PER_PIXEL).round_ties_even() / STEPS_PER_PIXEL
 }
 
-/// Converts a grid position to pixels. Exact for everything inside the guard band.
+/// Converts a grid position to pixels. Exact inside the guard band.
 pub(crate) fn to_pixels(subpixels: i64) -> f32 {
     subpixels as f32 / SUBPIXELS as f32
 }

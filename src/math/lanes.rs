@@ -1,4 +1,4 @@
-//! Eight or sixteen numbers at a time in SIMD lanes, with an instruction set that is selected at run time.
+//! SIMD on eight or sixteen lanes at a time, with an instruction set selected at run time.
 //!
 //! Kernels are written once, generic over [`Simd`], and compiled for AVX-512, for AVX2 and for the baseline of the
 //! architecture. Sums, products, quotients, square roots and conversions are correctly rounded in all three, and none
@@ -40,19 +40,20 @@ type Baseline = fearless_simd::x86::Sse2;
 #[cfg(not(target_arch = "x86_64"))]
 type Baseline = fearless_simd::Fallback;
 
-/// Lanes that a kernel processes at a time.
+/// Number of lanes that a kernel processes at a time.
 pub(crate) const LANES: usize = 8;
 
-/// Lanes that an f32-only kernel processes at a time. Registers of sixteen floats then need half as many instructions.
+/// Number of lanes that an `f32`-only kernel processes at a time. Registers of sixteen floats then need half as many
+/// instructions.
 pub(crate) const WIDE: usize = 2 * LANES;
 
-/// Eight f32 lanes.
+/// Vector of eight `f32` lanes.
 pub(crate) type F32<S> = f32x8<S>;
 
-/// Eight f64 lanes.
+/// Vector of eight `f64` lanes.
 pub(crate) type F64<S> = f64x8<S>;
 
-/// Instruction set that kernels are run with.
+/// SIMD instruction set that kernels run with, selected at run time.
 #[derive(Clone, Copy, Debug)]
 pub enum Lanes {
     /// AVX-512 with the extensions of Ice Lake, Zen 4 and later processors: eight doubles per register.
@@ -66,12 +67,12 @@ pub enum Lanes {
 }
 
 impl Lanes {
-    /// Returns the best instruction set of this processor.
+    /// Returns the best instruction set that this processor supports.
     pub(crate) fn best() -> Self {
         Self::avx512().or_else(Self::avx2).unwrap_or_else(Self::baseline)
     }
 
-    /// Returns all instruction sets of this processor, the best first.
+    /// Returns all instruction sets that this processor supports, the best first.
     pub fn all() -> impl Iterator<Item = Self> {
         [Self::avx512(), Self::avx2(), Some(Self::baseline())].into_iter().flatten()
     }
@@ -82,7 +83,7 @@ impl Lanes {
         Self::all().flat_map(|lanes| [(lanes, false), (lanes, true)])
     }
 
-    /// Returns AVX-512 if this processor has it.
+    /// Returns AVX-512, or `None` if this processor does not support it.
     pub(crate) fn avx512() -> Option<Self> {
         #[cfg(target_arch = "x86_64")]
         return Level::new().as_avx512().map(Self::Avx512);
@@ -90,7 +91,7 @@ impl Lanes {
         return None;
     }
 
-    /// Returns AVX2 if this processor has it.
+    /// Returns AVX2, or `None` if this processor does not support it.
     pub(crate) fn avx2() -> Option<Self> {
         #[cfg(target_arch = "x86_64")]
         return Level::new().as_avx2().map(Self::Avx2);
@@ -110,7 +111,7 @@ impl Lanes {
         Self::Baseline(Baseline::new())
     }
 
-    /// Returns the display name.
+    /// Returns the display name of the instruction set.
     pub fn name(self) -> &'static str {
         match self {
             #[cfg(target_arch = "x86_64")]
@@ -122,9 +123,9 @@ impl Lanes {
     }
 }
 
-/// Whether a hardware gather is faster than scalar loads. It is on Intel processors with AVX-512. AMD processors load
-/// one element after the other, each more slowly than a scalar load: on Zen 4, pictures drawn with gathers take 1.1 to
-/// 1.4 times as long.
+/// Returns whether a hardware gather is faster than scalar loads. It is on Intel processors with AVX-512. AMD
+/// processors load one element after the other, each more slowly than a scalar load: on Zen 4, pictures drawn with
+/// gathers take 1.1 to 1.4 times as long.
 #[inline(always)]
 pub(crate) fn gathers_are_fast() -> bool {
     #[cfg(target_arch = "x86_64")]
@@ -201,19 +202,20 @@ pub(crate) fn doubles_of<S: Simd>(simd: S, numbers: i32x8<S>) -> F64<S> {
     F64::load_array(simd, each!(i in [0, 1, 2, 3, 4, 5, 6, 7] => f64::from(numbers[i])))
 }
 
-/// Converts integers below 2³¹ to floats. Treats them as signed, because few processors convert unsigned integers.
+/// Converts sixteen integers below 2³¹ to floats. Treats them as signed, because few processors convert unsigned
+/// integers.
 #[inline(always)]
 pub(crate) fn float_of<S: Simd>(numbers: u32x16<S>) -> f32x16<S> {
     numbers.bitcast::<i32x16<S>>().to_float()
 }
 
-/// Truncates floats in [0, 2³¹) toward zero. Converts to signed integers, for the same reason as [`float_of`].
+/// Truncates sixteen floats in [0, 2³¹) toward zero. Converts to signed integers, for the same reason as [`float_of`].
 #[inline(always)]
 pub(crate) fn whole_part<S: Simd>(numbers: f32x16<S>) -> u32x16<S> {
     numbers.to_int::<i32x16<S>>().bitcast()
 }
 
-/// Returns the lower and the upper 32 bits of eight numbers.
+/// Splits eight 64-bit numbers into their lower and upper 32 bits.
 #[inline(always)]
 pub(crate) fn halves<S: Simd>(simd: S, numbers: [u64; LANES]) -> (u32x8<S>, u32x8<S>) {
     let [first, second, third, fourth] = each!((i, j) in [(0, 1), (2, 3), (4, 5), (6, 7)] => {
@@ -303,7 +305,7 @@ mod x86 {
     use fearless_simd::kernel;
 
     kernel! {
-        /// [`super::transpose`] for both 128-bit halves at once.
+        /// Transposes both 128-bit halves at once, each as [`super::transpose`] does.
         #[inline]
         pub(super) fn transpose_halves(avx2: Avx2, rows: [__m256; 4]) -> [__m256; 4] {
             let [a, b, c, d] = rows;
@@ -319,7 +321,7 @@ mod x86 {
     }
 
     kernel! {
-        /// [`super::transpose`] for all four 128-bit quarters at once.
+        /// Transposes all four 128-bit quarters at once, each as [`super::transpose`] does.
         #[inline]
         pub(super) fn transpose_quarters(avx512: Avx512, rows: [__m512; 4]) -> [__m512; 4] {
             let [a, b, c, d] = rows;
@@ -335,7 +337,7 @@ mod x86 {
     }
 
     kernel! {
-        /// [`super::doubles_of`], one half after the other.
+        /// Converts eight integers to doubles in two halves, as [`super::doubles_of`] does.
         #[inline]
         pub(super) fn doubles_of(avx2: Avx2, numbers: __m256i) -> [__m256d; 2] {
             [

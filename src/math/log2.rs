@@ -1,23 +1,23 @@
-//! The base-2 logarithm by a few sums and products, so that lanes and scalar code compute the same bits.
+//! Base-2 logarithm from a few sums and products, with the same bits on SIMD lanes and in scalar code.
 
 use super::lanes::*;
 
-/// Coefficients of a polynomial near g, constant first. With x = 2ᵉ·(1 + f) the logarithm is e + log₂(1 + f), and
-/// log₂(1 + f) = f + f·(1 − f)·g(f). The fit minimises the largest error of the whole logarithm: 2.3·10⁻⁶.
+/// Coefficients of the polynomial that approximates g, constant term first. With x = 2ᵉ·(1 + f), the logarithm is e +
+/// log₂(1 + f), and log₂(1 + f) = f + f·(1 − f)·g(f). The fit minimises the maximum error of the logarithm: 2.3·10⁻⁶.
 const POLYNOMIAL: [f32; 5] = [0.442_544_94, -0.275_600_3, 0.181_948_87, -0.095_956_445, 0.025_841_443];
 
-/// Number of fraction bits of an f32.
+/// Number of fraction bits of an `f32`.
 const FRACTION_BITS: u32 = f32::MANTISSA_DIGITS - 1;
 
-/// Mask of the fraction bits of an f32.
+/// Mask of the fraction bits of an `f32`.
 const FRACTION: u32 = (1 << FRACTION_BITS) - 1;
 
-/// Bias of the exponent stored in an f32.
+/// Bias of the exponent stored in an `f32`.
 const BIAS: i32 = f32::MAX_EXP - 1;
 
-/// Returns the base-2 logarithm of a positive normal number, and 128 for infinity. The error is at most 2.3·10⁻⁶ and
-/// one rounding. The result is an integer at powers of two, and monotonic. For other numbers it is meaningless, but the
-/// same on lanes.
+/// Returns the base-2 logarithm of a positive normal number, and 128 for infinity. The error is at most 2.3·10⁻⁶ plus
+/// one rounding. The result is monotonic, and exact at powers of two. For other inputs it is meaningless, but the same
+/// as on SIMD lanes.
 #[inline(always)]
 pub(crate) fn log2(x: f32) -> f32 {
     let bits = x.to_bits();
@@ -28,7 +28,7 @@ pub(crate) fn log2(x: f32) -> f32 {
     exponent as f32 + (f + f * (1.0 - f) * g)
 }
 
-/// [`log2`] for sixteen lanes.
+/// Returns the base-2 logarithm of sixteen lanes, equal to [`log2`].
 #[inline(always)]
 pub(crate) fn log2_lanes<S: Simd>(x: f32x16<S>) -> f32x16<S> {
     let bits = x.bitcast::<u32x16<S>>();
@@ -45,7 +45,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn it_is_near_the_true_one_and_never_falls() {
+    fn log2_is_accurate_and_monotonic() {
         let mut last = 0.0;
         for bits in 1.0_f32.to_bits()..=2.0_f32.to_bits() {
             let x = f32::from_bits(bits);
@@ -57,7 +57,7 @@ mod tests {
     }
 
     #[test]
-    fn powers_of_two_have_whole_ones_and_all_between_lie_between() {
+    fn powers_of_two_are_exact_and_bound_the_values_between() {
         for exponent in f32::MIN_EXP - 1..f32::MAX_EXP {
             let power = 2.0_f32.powi(exponent);
             assert_eq!(log2(power), exponent as f32);

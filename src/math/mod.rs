@@ -1,4 +1,4 @@
-//! Conventions that hold everywhere in this crate, and the arithmetic that they rest on.
+//! Conventions of the whole crate, and the arithmetic that they are based on.
 //!
 //! | thing | rule |
 //! | --- | --- |
@@ -9,9 +9,9 @@
 //! | snapping | vertices are rounded to nearest, ties to even, onto a grid of 1/256 px before any edge is built |
 //! | front face | counter-clockwise as the viewer sees it, so *negative* doubled area on the y-down screen |
 //! | fill rule | top-left by default: a centre on an edge belongs to the triangle whose top or left edge it is |
-//! | depth | z/w, an affine function of the screen, unless linear in w; nearer is smaller unless reversed |
+//! | depth | z/w, affine in screen space, unless linear in w; nearer is smaller unless reversed |
 //! | attributes | perspective-correct by default: λᵢ' = (λᵢ/wᵢ) / Σ(λⱼ/wⱼ) |
-//! | colour | textures and the final image are 8-bit sRGB; shading works in linear light unless told otherwise |
+//! | colour | textures and the final image are 8-bit sRGB; shading works in linear light unless set otherwise |
 //! | texel | texture coordinate u·width − 0.5, so texel centres sit at half-integers; v is flipped once, on load |
 
 pub(crate) mod double_double;
@@ -39,7 +39,7 @@ pub(crate) fn unit_or(v: DVec3, fallback: Vec3) -> Vec3 {
     if largest > 0.0 && largest.is_finite() { (v / largest).normalize().as_vec3() } else { fallback }
 }
 
-/// [`unit_or`] for eight vectors, given as x, y and z lanes.
+/// Computes [`unit_or`] of eight vectors, given as x, y and z lanes.
 #[inline(always)]
 pub(crate) fn unit_or_lanes<S: lanes::Simd>(simd: S, v: [lanes::F64<S>; 3], fallback: Vec3) -> [lanes::F32<S>; 3] {
     if let Some(unit) = approximate_unit_lanes(simd, v) {
@@ -66,7 +66,7 @@ pub(crate) fn unit_or_lanes<S: lanes::Simd>(simd: S, v: [lanes::F64<S>; 3], fall
 fn approximate_unit_lanes<S: lanes::Simd>(simd: S, v: [lanes::F64<S>; 3]) -> Option<[lanes::F32<S>; 3]> {
     use lanes::{F32, SimdBase as _, SimdFloat as _, SimdMask as _, narrow, widen};
     const SLACK: f64 = 1.0 / (1_u64 << 42) as f64;
-    /// Squared lengths for which f32 has its full precision, for square roots and reciprocals as well.
+    /// Range of squared lengths for which `f32` has its full precision, for square roots and reciprocals as well.
     const SQUARES: [f64; 2] = [1e-30, 1e30];
     let squares = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
     let root = widen(simd, F32::splat(simd, 1.0) / narrow(simd, squares).sqrt());
@@ -78,8 +78,8 @@ fn approximate_unit_lanes<S: lanes::Simd>(simd: S, v: [lanes::F64<S>; 3]) -> Opt
     ((x & y & z).all_true() && in_range.all_true()).then_some(unit)
 }
 
-/// Returns the largest integer not above `x`, exactly as [`f32::floor`]. Without SSE 4.1 the latter is a function call
-/// of about thirty instructions: a third of the time of a textured pixel.
+/// Returns the largest integer not above `x`, exactly as [`f32::floor`]. Without SSE 4.1, [`f32::floor`] is a function
+/// call of about thirty instructions, a third of the time of a textured pixel.
 #[inline]
 pub(crate) fn floor(x: f32) -> f32 {
     /// Magnitude from which every float is an integer: 2²³.

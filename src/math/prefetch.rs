@@ -1,6 +1,6 @@
-//! Software prefetch.
+//! Software prefetch into the processor's cache.
 
-/// Prefetches an item that will be read soon into the cache. A `place` outside of `items` is harmless.
+/// Prefetches the item at index `place` into the cache. An index outside of `items` is harmless.
 #[inline(always)]
 #[cfg_attr(
     target_arch = "x86_64",

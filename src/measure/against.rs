@@ -13,7 +13,7 @@ pub struct ErrorMetrics {
     /// Error metrics on 8-bit sRGB-encoded values.
     #[serde(flatten)]
     pub codes: ImageError,
-    /// Mean FLIP error, in [0, 1].
+    /// Mean FLIP error of all pixels, in [0, 1].
     pub flip: f64,
 }
 
@@ -25,7 +25,7 @@ pub(crate) struct PreparedReference {
 }
 
 impl PreparedReference {
-    /// Preprocesses a reference image.
+    /// Prepares a reference image for comparisons with other images.
     pub(crate) fn new(picture: Image<Rgba8>) -> Self {
         Self { perceived: flip::Perceived::new(&picture), picture }
     }

@@ -50,9 +50,9 @@ pub(crate) struct BenchReport {
     pub(crate) partial: bool,
     /// Noise floor: odd frames against even frames. `None` for a single frame.
     pub(crate) noise: Option<Noise>,
-    /// Milliseconds of a whole frame.
+    /// Time of a whole frame, in milliseconds.
     pub(crate) frame_ms: Summary,
-    /// Milliseconds of each stage, in pipeline order; the medians add up to the median frame time.
+    /// Time of each stage in milliseconds, in pipeline order; the medians add up to the median frame time.
     pub(crate) stages: Vec<StageSummary>,
     /// Baseline: time to write the bytes of the frame.
     pub(crate) writing: Writing,
@@ -66,14 +66,14 @@ pub(crate) struct BenchReport {
     pub(crate) ns_per_pixel: f64,
 }
 
-/// Memory in bytes.
+/// Memory in use after the last frame, in bytes.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct Bytes {
     /// Bytes of the images of one frame, including its depth buffer if it is kept.
     pub(crate) frame: usize,
     /// Bytes that the renderer keeps from frame to frame.
     pub(crate) renderer: usize,
-    /// Bytes of meshes and textures.
+    /// Bytes of the scene's meshes and textures.
     pub(crate) scene: usize,
 }
 

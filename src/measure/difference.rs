@@ -19,7 +19,7 @@ choice! {
 /// Gains to choose from; a gain divides the range of values that the colour map spans.
 pub(crate) const GAINS: [u32; 9] = [1, 2, 4, 8, 16, 32, 64, 128, 256];
 
-/// Largest 8-bit channel value.
+/// Largest 8-bit channel value, as a float.
 const CODES: f64 = 255.0;
 
 impl Difference {
@@ -84,7 +84,7 @@ fn value(kind: Difference, a: Rgba8, b: Rgba8) -> f32 {
     }
 }
 
-/// Maps difference values to colours.
+/// Maps difference values to colours, over the range that `gain` selects.
 pub fn picture(kind: Difference, gain: u32, values: &Image<f32>) -> Image<Rgba8> {
     let (low, high) = kind.range(gain);
     values.map(|value| kind.color((f64::from(value) - low) / (high - low)))

@@ -13,7 +13,7 @@ use crate::pipeline::settings::Execution;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
 
-/// Compared quantity, in pipeline order.
+/// Quantity in which frames are compared, in pipeline order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum ComparedQuantity {
@@ -21,11 +21,11 @@ pub(crate) enum ComparedQuantity {
     Color,
     /// Stored depths of the rasterized samples.
     Depth,
-    /// The finished image.
+    /// Pixels of the finished image.
     Picture,
 }
 
-/// Difference between two frames.
+/// First difference between two frames.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct FrameDifference {
     /// First quantity in pipeline order that differs.
@@ -52,7 +52,7 @@ impl FrameDifference {
 pub struct ExecutionVariant {
     /// Name of the SIMD lanes.
     pub(crate) lanes: &'static str,
-    /// Number of threads.
+    /// Number of threads that drew the frame.
     pub(crate) threads: usize,
     /// First difference from the classic frame; `None` if the frames are identical.
     pub difference: Option<FrameDifference>,
@@ -61,7 +61,7 @@ pub struct ExecutionVariant {
 /// Result of comparing classic with tiled execution.
 #[derive(Clone, Debug, Serialize)]
 pub struct Equality {
-    /// All configurations compared.
+    /// All configurations that were compared.
     pub ways: Vec<ExecutionVariant>,
     /// Reason why the recipe cannot run tiled; `None` if it can.
     pub(crate) obstacle: Option<&'static str>,

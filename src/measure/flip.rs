@@ -45,7 +45,7 @@ const FEATURE_WIDTH: f64 = 0.082;
 /// Truncation radius of the Gaussians, in standard deviations.
 const REACH: f64 = 3.0;
 
-/// Three components of a colour.
+/// Three components of a colour, or one row of a colour matrix.
 type Color = [f64; 3];
 
 /// Matrix from linear sRGB to CIE XYZ, with white at D65. The inverse is [`RGB_FROM_XYZ`].
@@ -67,12 +67,12 @@ const RGB_FROM_XYZ: [Color; 3] = [
 pub(crate) struct Perceived {
     /// L\*a\*b\* of the blurred image, with a\* and b\* scaled by lightness.
     lab: Image<[f32; 3]>,
-    /// Edge and point strengths.
+    /// Edge and point strength of each pixel.
     features: Image<[f32; 2]>,
 }
 
 impl Perceived {
-    /// Filters an image. Alpha is ignored.
+    /// Filters an image as a viewer perceives it. Alpha is ignored.
     pub(crate) fn new(picture: &Image<Rgba8>) -> Self {
         let (width, height) = picture.size();
         let opponents = Opponents::new();
@@ -98,8 +98,8 @@ impl Perceived {
         Self { lab, features }
     }
 
-    /// Returns the error of every pixel in [0, 1], or `None` if the sizes differ or there are no pixels. The result is
-    /// symmetric.
+    /// Returns the FLIP error of every pixel in [0, 1], or `None` if the sizes differ or there are no pixels. The
+    /// result is symmetric.
     pub(crate) fn difference(&self, other: &Self) -> Option<Image<f32>> {
         if self.lab.size() != other.lab.size() || self.lab.pixels().is_empty() {
             return None;
@@ -121,7 +121,7 @@ impl Perceived {
     }
 }
 
-/// Returns the error of every pixel in [0, 1], or `None` if the sizes differ or there are no pixels. The result is
+/// Returns the FLIP error of every pixel in [0, 1], or `None` if the sizes differ or there are no pixels. The result is
 /// symmetric. Alpha is ignored.
 ///
 /// # Examples
@@ -145,7 +145,7 @@ pub fn map(a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<Image<f32>> {
     Perceived::new(a).difference(&Perceived::new(b))
 }
 
-/// Returns the mean of the errors of [`map`], or of a part of its image.
+/// Returns the mean of the pixel errors that [`map`] returns, or of a part of them.
 pub(super) fn mean(errors: &Image<f32>) -> f64 {
     errors.pixels().iter().map(|error| f64::from(*error)).sum::<f64>() / errors.pixels().len() as f64
 }

@@ -18,7 +18,7 @@ pub(crate) struct Machine {
     pub(crate) load_at_end: Option<f64>,
     /// Whether the build is optimised; times of debug builds are not representative.
     pub(crate) optimized: bool,
-    /// Version of this program.
+    /// Version of Rasterscope.
     pub(crate) version: &'static str,
 }
 
@@ -85,7 +85,7 @@ mod tests {
 
     #[cfg(target_os = "linux")]
     #[test]
-    fn the_load_is_known_at_the_end_alone_where_the_measurement_ended() {
+    fn the_final_load_is_known_only_after_the_measurement() {
         let started = Machine::at_start();
         assert!(started.load_at_start.is_some() && started.load_at_end.is_none());
         assert!(started.at_end().load_at_end.is_some_and(|load| load >= 0.0));

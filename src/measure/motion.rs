@@ -29,7 +29,7 @@ pub struct Turn {
 }
 
 impl Turn {
-    /// A still camera.
+    /// Still view: a single frame without camera motion.
     pub const STILL: Self = Self { degrees: 0.0, frames: 1 };
 
     /// Number of warm-up frames for methods that read earlier frames; longer than the history of every method.
@@ -40,7 +40,7 @@ impl Turn {
         if degrees == 0.0 { Self::STILL } else { Self { degrees, ..Self::default() } }
     }
 
-    /// Whether the camera is still.
+    /// Whether the camera does not move.
     pub(crate) fn is_still(&self) -> bool {
         self.degrees == 0.0
     }
@@ -72,11 +72,11 @@ impl Default for Turn {
 /// A frame sequence: scene, final view and camera motion.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FrameSequence<'a> {
-    /// Scene to draw.
+    /// Scene that is drawn in every frame.
     pub(crate) scene: &'a Arc<Scene>,
     /// Camera of the last frame.
     pub(crate) camera: &'a Camera,
-    /// Image size, in pixels.
+    /// Size of every frame, in pixels.
     pub(crate) viewport: Viewport,
     /// Motion of the camera up to the final view.
     pub(crate) turn: Turn,
@@ -85,7 +85,7 @@ pub(crate) struct FrameSequence<'a> {
 /// Error over the frames of a sequence.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct MotionError {
-    /// Number of frames, at least 1.
+    /// Number of measured frames, at least 1.
     pub frames: usize,
     /// Mean over the frames: MSE, SSIM, FLIP and the number of differing pixels are averaged. PSNR is computed from the
     /// mean MSE, and the largest difference is the maximum over all frames.
@@ -141,8 +141,8 @@ impl Playback {
         Self { recipe, lanes, history }
     }
 
-    /// Draws at most one warm-up frame that frame `number` > −[`Turn::WARM_UP`] depends on. Returns whether there was
-    /// one to draw.
+    /// Draws the next missing frame in the history of frame `number`, if any. Returns whether a frame was drawn.
+    /// `number` must be greater than −[`Turn::WARM_UP`].
     pub(crate) fn warm_up(&mut self, shot: &FrameSequence<'_>, number: i64) -> bool {
         let Some(run) = &mut self.history else { return false };
         let Some(missing) = run.missing(shot.turn, number) else { return false };
@@ -195,7 +195,7 @@ impl RenderRun {
     }
 }
 
-/// Draws frame `number` and returns the result of `look`.
+/// Draws frame `number` and returns the result of `look` for it.
 fn drawn<T>(
     shot: &FrameSequence<'_>,
     number: i64,
@@ -209,8 +209,8 @@ fn drawn<T>(
     seen
 }
 
-/// Incremental error measurement of several recipes over a sequence: each frame with every recipe, before the next
-/// frame.
+/// Incremental error measurement of several recipes over a sequence. Each frame is drawn with every recipe before the
+/// next frame.
 #[derive(Debug)]
 pub(crate) struct ErrorMeasurement {
     reference: Reference,
@@ -281,7 +281,7 @@ impl ErrorMeasurement {
         Some(place)
     }
 
-    /// Whether all frames are measured.
+    /// Whether all frames of all recipes are measured.
     pub(crate) fn is_complete(&self, turn: Turn) -> bool {
         self.measured_frames >= self.total(turn)
     }
@@ -385,7 +385,7 @@ mod tests {
     }
 
     #[test]
-    fn recipes_of_several_pipelines_have_references_of_their_own() {
+    fn recipes_of_different_pipelines_have_separate_references() {
         let scene = Arc::new(builtin::by_id("cubes").unwrap().build());
         let turn = Turn { degrees: 0.5, frames: 2 };
         let shot = FrameSequence { scene: &scene, camera: &scene.home, viewport: SIZE, turn };

@@ -22,7 +22,7 @@ const ROUNDS_PER_BLOCK: usize = 3;
 /// Maximum number of blocks of a run; longer runs have longer blocks and therefore a lower floor.
 const MAX_BLOCKS: usize = 10;
 
-/// Noise floor of a run.
+/// Noise floor of a timing run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Noise {
     /// Number of A/A pairs, at least 1.
@@ -59,10 +59,10 @@ pub(crate) fn label(within_noise: bool) -> &'static str {
     if within_noise { WITHIN } else { ABOVE }
 }
 
-/// A/A pairs of a run.
+/// A/A pairs of a timing run.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Pairs {
-    /// Relative differences, one per pair.
+    /// Relative difference of each pair.
     differences: Vec<f64>,
 }
 

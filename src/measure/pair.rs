@@ -11,9 +11,9 @@ use crate::chain::Recipe;
 /// Frame times of two recipes, in milliseconds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(crate) struct PairTimes {
-    /// Times of recipe A.
+    /// Frame times of recipe A.
     pub(crate) a_ms: Summary,
-    /// Times of recipe B.
+    /// Frame times of recipe B.
     pub(crate) b_ms: Summary,
     /// Time of B minus time of A in the same round.
     pub(crate) change_ms: Summary,
@@ -76,7 +76,7 @@ mod tests {
     use crate::scene::builtin;
 
     #[test]
-    fn times_are_there_after_the_last_round_and_are_of_all_that_count() {
+    fn times_are_available_after_the_last_round_without_warm_up() {
         let scene = Arc::new(builtin::by_id("triangle").unwrap().build());
         let mut timer = PairTimer::new(Recipe::default(), Recipe { wireframe: true, ..Recipe::default() }, 3);
         let viewport = Viewport { width: 32, height: 24 };

@@ -1,8 +1,8 @@
 //! Reference images for error metrics. An error is meaningless without the name of its reference:
 //!
-//! * *native* is the same recipe with one sample in every pixel: its error is what an approximation changed;
-//! * *converged* is the mean of 256 samples per pixel in linear light: its error is the distance from the ideal image,
-//!   and native itself has an error against it.
+//! * *native* is the same recipe with one sample in every pixel; an error against it is what an approximation changed;
+//! * *converged* is the mean of 256 samples per pixel in linear light; an error against it is the distance from the
+//!   ideal image, and native has such an error, too.
 
 use std::sync::Arc;
 
@@ -79,7 +79,7 @@ mod tests {
     }
 
     #[test]
-    fn native_is_the_frame_of_the_recipe_without_what_comes_after() {
+    fn native_is_the_frame_without_upscaler_and_post_filter() {
         let scene = Arc::new(builtin::by_id("chess").unwrap().build());
         let upscaler = Upscaling::new("bilinear", 4).unwrap();
         let recipe = Recipe { upscaler, wireframe: true, ..Recipe::default() };
@@ -103,7 +103,7 @@ mod tests {
     }
 
     #[test]
-    fn it_stops_when_it_is_told_to() {
+    fn rendering_stops_when_cancelled() {
         let scene = Arc::new(builtin::by_id("triangle").unwrap().build());
         let mut told = Vec::new();
         let stopped = Reference::Converged.picture(&scene, &scene.home, &Recipe::default(), SIZE, |progress| {

@@ -6,16 +6,16 @@ use super::error::{ImageError, compare};
 use super::flip;
 use crate::image::{Image, Rgba8};
 
-/// A rectangle of pixels.
+/// Rectangle of pixels in an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PixelRegion {
-    /// First column.
+    /// First column of the rectangle.
     pub left: u32,
-    /// First row.
+    /// First row of the rectangle.
     pub top: u32,
-    /// One past the last column.
+    /// One past the last column of the rectangle.
     pub right: u32,
-    /// One past the last row.
+    /// One past the last row of the rectangle.
     pub bottom: u32,
 }
 
@@ -49,7 +49,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_what_lies_within_counts() {
+    fn only_pixels_inside_the_rectangle_count() {
         let black = Image::filled(20, 10, [0, 0, 0, 255]);
         let mut other = black.clone();
         other.set(15, 4, [10, 0, 0, 255]);

@@ -67,7 +67,7 @@ fn zone_plate(x: f64, y: f64) -> f64 {
     0.5 + 0.5 * (std::f64::consts::PI * squared / f64::from(PLATE)).cos()
 }
 
-/// Returns the columns and rows of samples for a square image.
+/// Returns the numbers of sample columns and sample rows for a square image of `side` px.
 fn samples(how: Upscaling, side: u32) -> (u32, u32) {
     let sampling = how.sampling();
     let (width, height) = sampling.raster_size(side, side);

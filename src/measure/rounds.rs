@@ -2,8 +2,8 @@
 //!
 //! A round draws one frame of a sequence with every recipe, in a newly shuffled order, so that changes in machine speed
 //! affect all recipes alike. Some recipes are drawn twice per round, which yields the noise floor. The frames are those
-//! of [`super::motion::ErrorMeasurement`], with the same history. Frames that only build up history are drawn before the round and
-//! not timed.
+//! of [`super::motion::ErrorMeasurement`], with the same history. Frames that only build up history are drawn before
+//! the round and not timed.
 
 use crate::chain::{FrameTimes, Recipe, Renderer};
 
@@ -20,7 +20,7 @@ const MAX_TWINS: usize = 5;
 /// Seed of the shuffled order within rounds.
 const SEED: u64 = 7;
 
-/// A recipe, or its repetition for the noise floor.
+/// Recipe to time, or its repetition for the noise floor.
 #[derive(Debug)]
 struct RoundEntry {
     recipe: usize,
@@ -28,12 +28,12 @@ struct RoundEntry {
     times: Vec<FrameTimes>,
 }
 
-/// Times of a measured frame.
+/// Times of one measured frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Timed {
-    /// Index of the recipe.
+    /// Index of the recipe among those to time.
     pub(crate) recipe: usize,
-    /// Times of the frame.
+    /// Times of the frame and its stages.
     pub(crate) times: FrameTimes,
 }
 
@@ -98,7 +98,7 @@ impl RoundTimer {
         (round >= 0 && !is_twin).then_some(Timed { recipe, times })
     }
 
-    /// Whether all rounds are complete.
+    /// Whether all measured rounds are complete.
     pub(crate) fn is_complete(&self) -> bool {
         self.round >= WARM_UP_ROUNDS + self.rounds || self.entries.is_empty()
     }

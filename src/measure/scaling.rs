@@ -31,7 +31,7 @@ impl ScalingQuantity {
     /// All quantities, in the order of the report.
     pub(crate) const ALL: [Self; 4] = [Self::Triangles, Self::Pixels, Self::Layers, Self::Threads];
 
-    /// Returns the display name.
+    /// Returns the display name of the quantity.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Triangles => "triangles",
@@ -45,15 +45,15 @@ impl ScalingQuantity {
 /// Parameters of a scaling measurement.
 #[derive(Clone, Debug)]
 pub(crate) struct ScalingPlan {
-    /// Recipe of all frames.
+    /// Recipe that draws all frames.
     pub(crate) recipe: Recipe,
     /// Image size for all series but the one over pixels.
     pub(crate) viewport: Viewport,
-    /// Triangle counts to measure.
+    /// Triangle counts of the series over triangles.
     pub(crate) triangles: Vec<usize>,
-    /// Image sizes to measure.
+    /// Image sizes of the series over pixels.
     pub(crate) sizes: Vec<Viewport>,
-    /// Layer counts to measure.
+    /// Layer counts of the series over layers.
     pub(crate) layers: Vec<usize>,
     /// Thread counts to measure; the last one also applies to all other series.
     pub(crate) threads: Vec<usize>,
@@ -88,7 +88,7 @@ impl ScalingPlan {
 pub(crate) struct ScalingPoint {
     /// Value of the quantity that varies.
     pub(crate) value: f64,
-    /// Milliseconds of a frame.
+    /// Frame times, in milliseconds.
     pub(crate) ms: Summary,
     /// Bytes of the frame, the renderer's buffers, meshes and textures.
     pub(crate) bytes: usize,
@@ -328,7 +328,7 @@ mod tests {
     }
 
     #[test]
-    fn the_plan_goes_up_to_what_is_asked() {
+    fn the_plan_goes_up_to_the_requested_maximum() {
         let plan = ScalingPlan::new(Recipe::default(), 10_000_000, 3, 5);
         assert_eq!(plan.triangles, [1000, 10_000, 100_000, 1_000_000, 10_000_000]);
         assert_eq!((plan.threads, plan.layers.last()), (vec![1, 2, 3], Some(&64)));

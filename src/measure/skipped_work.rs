@@ -17,7 +17,7 @@ use crate::pipeline::vertex::{DrawMatrices, containment};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
 
-/// Cost of a part that some draws of a view skip.
+/// Time that a view saves by skipping a part of the work in some draws.
 #[derive(Clone, Debug, Serialize)]
 pub struct Saving {
     /// Skipped part; `None` stands for all parts together.
@@ -35,7 +35,7 @@ pub struct Saving {
 /// Savings from everything that a view skips.
 #[derive(Clone, Debug, Serialize)]
 pub struct Savings {
-    /// Milliseconds of a frame as planned.
+    /// Time of a frame as planned, in milliseconds.
     pub(crate) planned_ms: Summary,
     /// Noise floor, from drawing the planned frame twice per round.
     pub(crate) noise: Noise,

@@ -26,33 +26,33 @@ use crate::scene::{Camera, Scene};
 /// Time of each stage of a frame; `None` for a stage that did not run or is timed as part of another stage.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct StageTimes {
-    /// Planning and vertex transform. In tiled execution, includes projection.
+    /// Time of planning and vertex transform. In tiled execution, includes projection.
     pub(crate) transform: Duration,
-    /// Homogeneous clipping.
+    /// Time of homogeneous clipping.
     pub(crate) clip: Option<Duration>,
-    /// Perspective division, viewport transform and snapping.
+    /// Time of perspective division, viewport transform and snapping.
     pub(crate) project: Option<Duration>,
-    /// Facing test and edge setup. In tiled execution, includes clipping and binning.
+    /// Time of the facing test and edge setup. In tiled execution, includes clipping and binning.
     pub(crate) cull: Duration,
-    /// Clearing the framebuffer and finding covered samples. In tiled execution, includes the depth test.
+    /// Time to clear the framebuffer and find covered samples. In tiled execution, includes the depth test.
     pub rasterize: Duration,
-    /// Depth test and depth write.
+    /// Time of depth test and depth write.
     pub(crate) depth: Option<Duration>,
-    /// Attribute interpolation.
+    /// Time of attribute interpolation.
     pub(crate) interpolate: Option<Duration>,
-    /// Shading and colour writes. In tiled execution, includes interpolation.
+    /// Time of shading and colour writes. In tiled execution, includes interpolation.
     pub(crate) shade: Duration,
-    /// Averaging the supersampling passes.
+    /// Time to average the supersampling passes.
     pub(crate) resolve: Option<Duration>,
-    /// Finding the visible surface of each pixel, for upscalers that read it.
+    /// Time to find the visible surface of each pixel, for upscalers that read it.
     pub(crate) surfaces: Option<Duration>,
-    /// Upscaling: filling in pixels that were not drawn, and storing the frame as history.
+    /// Time of upscaling: filling in pixels that were not drawn, and storing the frame as history.
     pub(crate) upscale: Duration,
-    /// Post filter and wireframe.
+    /// Time of post filter and wireframe.
     pub(crate) post: Option<Duration>,
-    /// Work between the stages: buffers, thread pool, copies.
+    /// Time between the stages, for buffers, thread pool and copies.
     pub(crate) other: Duration,
-    /// Whole frame: the sum of all stages.
+    /// Time of the whole frame: the sum of all stages.
     pub(crate) frame: Duration,
 }
 
@@ -191,8 +191,8 @@ impl StageTimer {
         self.runs > 0
     }
 
-    /// Runs the next step, which draws at most one frame. `frame` was drawn of `scene` with `recipe`. Returns the stage
-    /// times after the last step.
+    /// Runs the next step, which draws at most one frame. `frame` must have been drawn from `scene` with `recipe`.
+    /// Returns the stage times after the last step.
     pub(crate) fn step(
         &mut self,
         scene: &Arc<Scene>,
@@ -240,8 +240,8 @@ impl StageTimer {
     }
 }
 
-/// Times every stage of `frame`, which was drawn of `scene` with `recipe`. Draws up to 15 more frames for a short
-/// frame, otherwise up to 5.
+/// Times every stage of `frame`, which must have been drawn from `scene` with `recipe`. Draws up to 15 more frames for
+/// a short frame, otherwise up to 5.
 pub(crate) fn stage_times(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, frame: &Frame) -> StageTimes {
     let mut timer = StageTimer::new(frame);
     loop {
@@ -254,8 +254,8 @@ pub(crate) fn stage_times(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, 
 /// Time of a stage over a series of frames, in milliseconds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(crate) struct StageMs {
-    /// Share of the stage in the middle half of the frames, times the median frame time. These values add up to the
-    /// median frame time over all stages.
+    /// Share of the stage in the middle half of the frames, multiplied by the median frame time. The values of all
+    /// stages add up to the median frame time.
     pub(crate) median: f64,
     /// 10th percentile of the stage over all frames.
     pub(crate) p10: f64,
@@ -379,7 +379,7 @@ mod tests {
     }
 
     #[test]
-    fn without_a_depth_test_there_is_no_time_of_one() {
+    fn without_a_depth_test_no_time_is_attributed_to_it() {
         let times = times(DepthTest::Off);
         assert_eq!(times.depth, None);
         assert!(times.named().iter().all(|(name, _)| *name != "depth"));

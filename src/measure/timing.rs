@@ -11,21 +11,21 @@ use serde::Serialize;
 /// counted from zero (definition 7 of Hyndman and Fan 1996, the usual one of spreadsheets and numpy).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Summary {
-    /// Number of samples, at least 1.
+    /// Number of times in the series, at least 1.
     pub(crate) n: usize,
-    /// Minimum.
+    /// Shortest time of the series.
     pub(crate) min: f64,
-    /// 10th percentile.
+    /// 10th percentile of the times.
     pub(crate) p10: f64,
-    /// 50th percentile.
+    /// 50th percentile of the times.
     pub median: f64,
-    /// 90th percentile.
+    /// 90th percentile of the times.
     pub(crate) p90: f64,
-    /// 99th percentile.
+    /// 99th percentile of the times.
     pub(crate) p99: f64,
-    /// Maximum.
+    /// Longest time of the series.
     pub(crate) max: f64,
-    /// Arithmetic mean.
+    /// Arithmetic mean of the series.
     pub(crate) mean: f64,
 }
 
@@ -96,7 +96,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_and_nonsense_have_no_summary() {
+    fn empty_and_non_finite_series_have_no_summary() {
         assert_eq!(summarize(&[]), None);
         assert_eq!(summarize(&[1.0, f64::NAN]), None);
         assert_eq!(summarize(&[1.0, f64::INFINITY]), None);

@@ -7,13 +7,13 @@ use super::timing::Summary;
 /// CPU cost of interface passes while the window shows one view. Excludes the graphics card and rendering of the image.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct WindowCost {
-    /// Description of what the window shows.
+    /// Description of the view that the window shows.
     pub(crate) what: String,
-    /// Layout of panels, text and input, in milliseconds.
+    /// Time to lay out panels and text and to handle input, in milliseconds.
     pub(crate) layout_ms: Summary,
-    /// Tessellation of shapes into triangles, in milliseconds.
+    /// Time to tessellate shapes into triangles, in milliseconds.
     pub(crate) tessellation_ms: Summary,
-    /// Layout plus tessellation, in milliseconds.
+    /// Sum of layout and tessellation times of a pass, in milliseconds.
     pub(crate) whole_ms: Summary,
     /// Number of vertices of all triangles in the last pass.
     pub(crate) vertices: usize,

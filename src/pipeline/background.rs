@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-/// Colour of the pixels that no triangle covers, and of the backdrop of blended fragments with nothing opaque behind
+/// Background colour: shown in pixels that no triangle covers, and behind blended fragments with nothing opaque behind
 /// them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
@@ -17,7 +17,7 @@ pub enum Background {
     Color([u8; 3]),
 }
 
-/// Text form of [`Background::Scene`].
+/// Text form of [`Background::Scene`] in files and on the command line.
 const SCENE: &str = "scene";
 
 impl Background {

@@ -3,8 +3,8 @@
 //!
 //! Blended triangles come after the opaque ones and store no depth, so the depth test of a fragment does not depend on
 //! the order of the others. Fragments that pass are collected, sorted by sample and depth, and blended from far to
-//! near. Fragments of equal depth stay in submission order. The observer sees each fragment when it is blended, so a
-//! pixel's story lists fragments in blending order.
+//! near. Fragments of equal depth stay in submission order. The observer receives each fragment when it is blended, so
+//! a pixel's history lists fragments in blending order.
 
 use std::ops::Range;
 
@@ -20,7 +20,7 @@ use super::viewport::ScreenTriangle;
 use super::{Extent, Geometry, LastStage, partial};
 use crate::image::Image;
 
-/// Number of pixel rows whose fragments are collected at a time; bounds the memory of the list.
+/// Number of pixel rows whose fragments are collected at a time, which bounds the memory of the fragment list.
 const ROWS: u32 = 16;
 
 /// Splits a range of triangles into those drawn in order and those whose fragments are sorted.
@@ -36,7 +36,7 @@ pub(super) fn split(
 }
 
 /// Returns the depth of a sample as a sort key that grows towards the viewer. It is not quantised to the depth format,
-/// whose steps may be coarser than the distances between panes.
+/// whose steps may be coarser than the distances between surfaces.
 #[inline]
 pub(super) fn nearness(settings: &Settings, triangle: &ScreenTriangle, sample: &RasterSample) -> f32 {
     let depth = unquantised_depth_at(triangle, sample) as f32;
@@ -46,7 +46,7 @@ pub(super) fn nearness(settings: &Settings, triangle: &ScreenTriangle, sample: &
 /// Fragment that passed the depth test and is not yet blended.
 #[derive(Clone, Copy, Debug)]
 struct Collected {
-    /// Index of the sample in the framebuffers, laid end to end.
+    /// Index of the sample in the concatenated framebuffers.
     sample: usize,
     nearness: f32,
     /// Index of the triangle in [`Geometry::triangles`].
@@ -55,11 +55,11 @@ struct Collected {
     fragment: usize,
 }
 
-/// Blended fragments of a set of samples.
+/// Blended fragments collected for a set of samples, to be sorted by depth.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FragmentList {
     collected: Vec<Collected>,
-    /// Attributes; one entry is shared by the samples of a pixel that is shaded once.
+    /// Interpolated attributes. Samples of a pixel that is shaded once share an entry.
     fragments: Vec<Fragment>,
 }
 
@@ -70,18 +70,19 @@ impl FragmentList {
         self.fragments.clear();
     }
 
-    /// Adds the attributes of a fragment; samples added next refer to it.
+    /// Adds the attributes of a fragment, to which the samples added next refer.
     pub(super) fn shade(&mut self, fragment: Fragment) {
         self.fragments.push(fragment);
     }
 
-    /// Adds a sample of the last fragment, by its index in the framebuffers.
+    /// Adds a sample of the last added fragment, by its index in the concatenated framebuffers.
     pub(super) fn add(&mut self, sample: usize, nearness: f32, triangle: usize) {
         let fragment = self.fragments.len() - 1;
         self.collected.push(Collected { sample, nearness, triangle, fragment });
     }
 
-    /// Returns all fragments with the indices of their samples and triangles, sample by sample from far to near.
+    /// Sorts all fragments. Returns them with the indices of their samples and triangles, sample by sample from far to
+    /// near.
     pub(super) fn sorted(&mut self) -> impl Iterator<Item = (usize, usize, &Fragment)> {
         let Self { collected, fragments } = self;
         collected.sort_by(|a, b| a.sample.cmp(&b.sample).then(a.nearness.total_cmp(&b.nearness)));
@@ -93,12 +94,12 @@ impl FragmentList {
 pub(super) struct Sorting<'a> {
     pub(super) geometry: &'a Geometry,
     pub(super) settings: &'a Settings,
-    /// One shader per instance.
+    /// Shaders, one per instance of the scene.
     pub(super) shaders: &'a [Shader<'a>],
 }
 
 impl Sorting<'_> {
-    /// Draws the triangles of `extent`, all of which are blended.
+    /// Draws the triangles of `extent`, all of which must be blended.
     pub(super) fn draw<N: Numbers, O: Observer>(&self, extent: &Extent, frame: &mut Framebuffer, observer: &mut O) {
         let Scissor { top, bottom, .. } = extent.scissor;
         let mut list = FragmentList::default();
@@ -127,7 +128,7 @@ impl Sorting<'_> {
         }
     }
 
-    /// Adds the samples of a blended triangle that pass the depth test, and reports the others to the observer. The
+    /// Collects the samples of a blended triangle that pass the depth test, and reports the others to the observer. The
     /// triangle is given with its edges and its index in [`Geometry::triangles`].
     pub(super) fn collect<N: Numbers, O: Observer>(
         &self,

@@ -19,25 +19,25 @@ use crate::scene::TriangleId;
 /// still resolves 1/256 px there, and edge functions of such coordinates need 49 bits of an i64.
 pub(crate) const GUARD_BAND_PX: f32 = 32_768.0;
 
-/// Least w that is projected: the smallest normal f32, so that 1/w is finite.
+/// Smallest w that is projected: the smallest normal f32, so that 1/w is finite.
 pub(crate) const MIN_W: f32 = f32::MIN_POSITIVE;
 
 /// Clipping plane of the view frustum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ClipPlane {
-    /// z ≥ 0. This is the far plane if z falls from near to far: see [`Self::of_view`].
+    /// Plane z = 0, with z ≥ 0 inside. With reversed depth it is the far plane of the view: see [`Self::of_view`].
     Near,
-    /// w ≥ [`MIN_W`], which stands in for w > 0. The near plane implies it, except for rounding.
+    /// Plane w = [`MIN_W`], which stands in for w > 0. The near plane implies it, except for rounding.
     Eye,
-    /// z ≤ w.
+    /// Plane z = w, with z ≤ w inside.
     Far,
-    /// x ≥ −w.
+    /// Plane x = −w, with x ≥ −w inside.
     Left,
-    /// x ≤ w.
+    /// Plane x = w, with x ≤ w inside.
     Right,
-    /// y ≥ −w.
+    /// Plane y = −w, with y ≥ −w inside.
     Bottom,
-    /// y ≤ w.
+    /// Plane y = w, with y ≤ w inside.
     Top,
 }
 
@@ -46,8 +46,8 @@ impl ClipPlane {
     pub(crate) const ALL: [Self; 7] =
         [Self::Near, Self::Eye, Self::Far, Self::Left, Self::Right, Self::Bottom, Self::Top];
 
-    /// Returns the signed distance in units of clip space, ≥ 0 inside. The four sides are moved outwards by the factor
-    /// `widening`.
+    /// Returns the signed distance of a point from the plane, in units of clip space, ≥ 0 inside. The four side planes
+    /// are moved outwards by the factor `widening`.
     #[inline]
     pub(crate) fn distance(self, p: Vec4, widening: f32) -> f64 {
         let DVec4 { x, y, z, w } = p.as_dvec4();
@@ -73,7 +73,8 @@ impl ClipPlane {
         }
     }
 
-    /// Returns the largest magnitude among the terms of a distance, given the magnitudes of the clip-space components.
+    /// Returns the largest magnitude among the terms of [`Self::distance`], given the magnitudes of the clip-space
+    /// components.
     pub(super) fn magnitude(self, DVec4 { x, y, z, w }: DVec4) -> f64 {
         match self {
             Self::Near => z,
@@ -84,12 +85,12 @@ impl ClipPlane {
         }
     }
 
-    /// Whether all points of the plane have the same depth.
+    /// Returns whether all points of the plane have the same depth.
     fn is_of_depth(self) -> bool {
         matches!(self, Self::Near | Self::Far)
     }
 
-    /// Returns `p` moved onto the plane along the plane's own axis.
+    /// Returns `p` moved exactly onto the plane by changing one component.
     fn pin(self, p: Vec4, widening: f32) -> Vec4 {
         let side = p.w * widening;
         match self {
@@ -104,7 +105,7 @@ impl ClipPlane {
     }
 }
 
-/// Triangle inside the guard band: a whole one, or a piece of one that was cut.
+/// Triangle inside the guard band: a whole triangle of the scene, or a piece of one that was cut.
 #[derive(Clone, Copy, Debug)]
 pub struct ClippedTriangle {
     /// Identifier of the scene triangle that it comes from.
@@ -113,14 +114,15 @@ pub struct ClippedTriangle {
     pub vertices: [ClipVertex; 3],
 }
 
-/// Returns the factor of w by which the four sides are moved outwards, for a picture of `width` × `height` px.
+/// Returns the factor by which the guard band moves the four side planes outwards, for a picture of `width` × `height`
+/// px.
 pub fn guard_band_widening(width: u32, height: u32) -> f32 {
     (2.0 * GUARD_BAND_PX / width.max(height) as f32).max(1.0)
 }
 
-/// Clips all triangles of a draw; `first` is the identifier of the first one.
+/// Clips all triangles of a draw, in order. `first` is the identifier of the first triangle.
 ///
-/// If `needed` is false (the whole object is inside), nothing is tested. Output order is input order.
+/// If `needed` is `false`, because the whole object lies inside the frustum, no triangle is tested.
 pub fn clip<O: Observer>(
     vertices: &[ClipVertex],
     triangles: &[[u32; 3]],
@@ -156,13 +158,13 @@ pub fn clip<O: Observer>(
 /// Result of clipping a triangle that was not rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Cut {
-    /// The triangle crosses no plane.
+    /// The triangle crosses no plane and is unchanged.
     Whole,
-    /// The triangle was cut; the polygon holds what is left.
+    /// The triangle was cut; the polygon holds the rest of it.
     Pieces,
 }
 
-/// Cut of an edge at a plane.
+/// Intersection of an edge with a clipping plane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct EdgeCut {
     /// Plane that cuts the edge.
@@ -171,11 +173,11 @@ pub(crate) struct EdgeCut {
     pub(crate) inside: ClipVertex,
     /// End of the edge outside the plane.
     pub(crate) outside: ClipVertex,
-    /// Signed distances of both ends from the plane: the inside end's, ≥ 0, and the outside end's, < 0.
+    /// Signed distances from the plane: of the inside end, ≥ 0, and of the outside end, < 0.
     pub(crate) distances: [f64; 2],
     /// Parameter of the cut along the edge, in [0, 1], from the inside end.
     pub(crate) t: f64,
-    /// New vertex on the plane.
+    /// Vertex that the cut creates on the plane.
     pub(crate) vertex: ClipVertex,
 }
 
@@ -187,12 +189,12 @@ pub(crate) struct Polygon {
 }
 
 impl Polygon {
-    /// Clips one triangle.
+    /// Clips one triangle to the frustum with its guard band. Returns its [`Fate`] as an error if it is rejected.
     pub(crate) fn clip(&mut self, triangle: &[ClipVertex; 3], widening: f32) -> Result<Cut, Fate> {
         self.clip_watched(triangle, widening, &mut |_| {})
     }
 
-    /// [`Polygon::clip`], with a call of `watch` for every cut of an edge.
+    /// Clips one triangle as [`Polygon::clip`] does, and calls `watch` for every cut of an edge.
     #[inline]
     pub(crate) fn clip_watched(
         &mut self,
@@ -219,7 +221,7 @@ impl Polygon {
         if self.vertices.len() >= 3 { Ok(Cut::Pieces) } else { Err(Fate::ClippedAway) }
     }
 
-    /// Returns the polygon's vertices, in the winding of the triangle.
+    /// Returns the polygon's vertices, in the winding order of the triangle.
     pub(crate) fn vertices(&self) -> &[ClipVertex] {
         &self.vertices
     }
@@ -255,7 +257,8 @@ impl Polygon {
     }
 }
 
-/// Returns the parameter, in [0, 1] from the inside end, at which an edge meets its plane.
+/// Returns the parameter at which an edge meets a plane, in [0, 1] from the inside end, given the distances of its
+/// ends.
 fn share_beyond((da, db): (f64, f64)) -> f64 {
     da / (da - db)
 }

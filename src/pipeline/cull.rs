@@ -20,8 +20,8 @@ pub(crate) enum Facing {
     Edge,
 }
 
-/// Returns the visible side from the signed doubled area in the settings' arithmetic (in fixed point, that of the
-/// *snapped* corners). No other code decides facing.
+/// Returns the side that faces the viewer, from the signed doubled area of a screen triangle. In fixed point, this is
+/// the area of the *snapped* corners. No other code decides facing.
 pub(crate) fn facing(doubled_area: f64) -> Facing {
     if doubled_area < 0.0 {
         Facing::Front
@@ -32,7 +32,7 @@ pub(crate) fn facing(doubled_area: f64) -> Facing {
     }
 }
 
-/// Returns the fate of a triangle of this doubled area, or `None` if it is drawn.
+/// Returns the reason why a triangle of this signed doubled area is culled, or `None` if it is drawn.
 pub(crate) fn cull(doubled_area: f64, culling: Culling) -> Option<Fate> {
     match (facing(doubled_area), culling) {
         (Facing::Edge, _) => Some(Fate::ZeroArea),

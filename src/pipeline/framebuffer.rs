@@ -1,4 +1,4 @@
-//! Framebuffer: packed colour and, if needed, packed depth.
+//! Framebuffer: colours and, if needed, depths of the drawn pixels.
 
 use std::ops::Range;
 
@@ -8,16 +8,16 @@ use super::settings::{DepthTest, Settings};
 use super::viewport::Viewport;
 use crate::image::{Image, Rgba8};
 
-/// Packed picture of a [`SampleGrid`], or a rectangle of it.
+/// Colours and depths of the pixels that a [`SampleGrid`] selects, or of a rectangle of them, packed without gaps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Framebuffer {
-    /// Grid of the drawn pixels.
+    /// Grid that selects the drawn pixels.
     pub grid: SampleGrid,
     /// Packed column and row of the first sample held; (0, 0) unless only a part is drawn.
     pub(crate) origin: (u32, u32),
-    /// Colours, as sRGB codes.
+    /// Colour of each sample, as sRGB codes.
     pub color: Image<Rgba8>,
-    /// Stored depths; `None` if the depth test is off.
+    /// Stored depth of each sample; `None` if depths are not stored.
     pub depth: Option<Image<f32>>,
     /// Clear value of the depth buffer.
     pub clear_depth: f32,

@@ -5,25 +5,25 @@
 //! into a smaller picture. Every sample keeps its position in the full picture, and vertices are snapped at full
 //! resolution. So each drawn sample equals that of the full picture bit for bit.
 
-/// Set of drawn pixels, and their packing.
+/// Subset of the picture's pixels that is drawn, packed into a smaller picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SampleGrid {
     /// One sample per block of `step` × `step` pixels; the packed size is `ceil(size / step)`.
     ///
     /// `step` 1 draws every pixel. The sample lies at the centre of the block's top-left pixel.
     Block {
-        /// Edge of the block, in pixels, ≥ 1.
+        /// Side length of the block in pixels, at least 1.
         step: u32,
     },
-    /// The 2×2-pixel squares of one colour of a checkerboard, the colour of the top-left square. A packed row holds the
+    /// Checkerboard of 2 × 2-pixel squares: draws those with the colour of the top-left square. A packed row holds the
     /// two drawn pixels of each four in a row.
     Checkerboard,
-    /// The 2×2-pixel squares of the other colour.
+    /// Checkerboard of 2 × 2-pixel squares: draws those that [`SampleGrid::Checkerboard`] does not draw.
     OddCheckerboard,
 }
 
 impl SampleGrid {
-    /// Grid of every pixel.
+    /// Grid that draws every pixel.
     pub const FULL: Self = Self::Block { step: 1 };
 
     /// Returns the size of the packed picture for a full picture of `width` × `height` px.
@@ -36,7 +36,7 @@ impl SampleGrid {
         }
     }
 
-    /// Returns the full-picture pixel of a packed sample.
+    /// Returns the pixel of the full picture to which a packed sample belongs.
     #[inline]
     pub fn pixel(self, column: u32, row: u32) -> (u32, u32) {
         match self {
@@ -45,7 +45,7 @@ impl SampleGrid {
         }
     }
 
-    /// Returns the packed sample of a full-picture pixel; `None` if that pixel is not drawn.
+    /// Returns the packed sample of a pixel of the full picture, or `None` if that pixel is not drawn.
     #[inline]
     pub fn sample_at(self, x: u32, y: u32) -> Option<(u32, u32)> {
         match self {

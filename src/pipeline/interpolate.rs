@@ -1,4 +1,4 @@
-//! Weights of the three vertices at a sample, and interpolation of attributes with them.
+//! Interpolation of vertex attributes at a sample, by affine or perspective-correct weights.
 //!
 //! Screen-space (affine) weights are the edge values over the doubled area. Perspective-correct weights are (λᵢ/wᵢ) /
 //! Σ(λⱼ/wⱼ) (Low, "Perspective-Correct Interpolation", 2002); here eᵢ·rᵢ / Σ eⱼ·rⱼ, where rᵢ is 1/wᵢ relative to the
@@ -25,14 +25,14 @@ pub fn affine_weights(triangle: &ScreenTriangle, sample: &RasterSample) -> [f32;
     sample.edges.map(|e| e as f32 * inverse_area)
 }
 
-/// Returns the factor that turns edge values into screen-space weights.
+/// Returns the factor that converts edge values to screen-space weights.
 #[inline]
 pub(crate) fn inverse_area(triangle: &ScreenTriangle) -> f32 {
     1.0 / triangle.doubled_area as f32
 }
 
-/// Returns the weights for attributes at a sample. Except for [`Interpolation::Published`], they are divided by their
-/// sum.
+/// Returns the weights of the three corners for interpolating attributes at a sample. Except for
+/// [`Interpolation::Published`], they are divided by their sum.
 #[inline]
 pub fn attribute_weights(triangle: &ScreenTriangle, sample: &RasterSample, interpolation: Interpolation) -> [f32; 3] {
     if interpolation == Interpolation::Published {
@@ -42,7 +42,7 @@ pub fn attribute_weights(triangle: &ScreenTriangle, sample: &RasterSample, inter
     q.map(|q| q * inverse_sum)
 }
 
-/// Terms whose products are the weights for attributes.
+/// Terms of the attribute weights: each weight is the product of a `q` and `inverse_sum`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WeightTerms {
     /// Edge values, each times the relative 1/w of its corner.
@@ -53,7 +53,7 @@ pub(crate) struct WeightTerms {
     pub(crate) inverse_sum: f32,
 }
 
-/// Returns the terms of the weights, for any interpolation except [`Interpolation::Published`].
+/// Returns the terms of the attribute weights, for any interpolation except [`Interpolation::Published`].
 #[inline(always)]
 pub(crate) fn weight_terms(triangle: &ScreenTriangle, sample: &RasterSample) -> WeightTerms {
     let [r0, r1, r2] = triangle.relative_inv_w;
@@ -77,7 +77,7 @@ fn published_weights(triangle: &ScreenTriangle, sample: &RasterSample) -> [f32; 
 /// Selection of the attributes that a draw interpolates, and the kind of interpolation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AttributeSelection {
-    /// Computation of the weights.
+    /// Method by which the weights are computed.
     pub(crate) interpolation: Interpolation,
     /// Whether [`Fragment::normal`] is interpolated.
     pub normal: bool,
@@ -94,7 +94,7 @@ pub struct AttributeSelection {
 }
 
 impl AttributeSelection {
-    /// Returns a selection of all attributes except the gradient.
+    /// Returns a selection of all attributes except [`Fragment::uv_gradient`].
     pub const fn all(interpolation: Interpolation) -> Self {
         Self {
             interpolation,
@@ -125,23 +125,23 @@ impl AttributeSelection {
 /// Inputs of shading at a sample. Attributes that the draw does not interpolate have the first corner's value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fragment {
-    /// Covered sample.
+    /// Covered sample that is to be shaded.
     pub sample: RasterSample,
-    /// Identifier of its triangle in the scene.
+    /// Identifier of the scene triangle that covers the sample.
     pub triangle: TriangleId,
-    /// Weights of the three corners for attributes.
+    /// Weights of the three corners for interpolating attributes.
     pub weights: [f32; 3],
-    /// World-space normal, not normalised.
+    /// Interpolated world-space normal, not normalised.
     pub normal: Vec3,
-    /// Texture coordinates, v down.
+    /// Interpolated texture coordinates, with v pointing down.
     pub uv: Vec2,
-    /// Vertex colour, in the working colour space.
+    /// Interpolated vertex colour, in the working colour space.
     pub color: Vec3,
     /// Light interpolated from the vertices (Gouraud only).
     pub light: f32,
-    /// Weights of the corners of the triangle before clipping.
+    /// Barycentric weights of the corners of the triangle before clipping.
     pub source_weights: Vec3,
-    /// Change of texture coordinates per px to the right, and per px downwards; zero unless the draw reads it.
+    /// Change of texture coordinates per pixel to the right, and per pixel downwards; zero unless the draw reads it.
     pub uv_gradient: [Vec2; 2],
 }
 
@@ -184,7 +184,7 @@ pub fn interpolate(triangle: &ScreenTriangle, sample: RasterSample, attributes: 
     fragment
 }
 
-/// Returns the change of edge values per px to the right, and per px downwards.
+/// Returns the change of edge values per pixel to the right, and per pixel downwards.
 pub(crate) fn edge_slopes(triangle: &ScreenTriangle, arithmetic: Arithmetic) -> [[f32; 3]; 2] {
     let [[x0, y0], [x1, y1], [x2, y2]] = triangle.corners_in(arithmetic);
     let side = |x: f32, y: f32| [f64::from(x) - f64::from(x0), f64::from(y) - f64::from(y0)];
@@ -194,8 +194,9 @@ pub(crate) fn edge_slopes(triangle: &ScreenTriangle, arithmetic: Arithmetic) -> 
     [[(y1 - y2) * unit, (y2 - y0) * unit, (y0 - y1) * unit], [(x2 - x1) * unit, (x0 - x2) * unit, (x1 - x0) * unit]]
 }
 
-/// Returns the change of the second and the third corner's perspective-correct weights per px to the right, and per px
-/// downwards. The weights are pᵢ = qᵢ / Σ qⱼ with qᵢ = eᵢ·rᵢ affine on the screen, so pᵢ' = (qᵢ' − pᵢ·Σ qⱼ') / Σ qⱼ.
+/// Returns the change of the second and the third corner's perspective-correct weights per pixel to the right, and per
+/// pixel downwards. The weights are pᵢ = qᵢ / Σ qⱼ with qᵢ = eᵢ·rᵢ affine on the screen, so pᵢ' = (qᵢ' − pᵢ·Σ qⱼ') / Σ
+/// qⱼ.
 pub(crate) fn weight_gradient(
     triangle: &ScreenTriangle,
     sample: &RasterSample,
@@ -211,8 +212,8 @@ pub(crate) fn weight_gradient(
     })
 }
 
-/// Returns the perspective-correct derivatives of the texture coordinates at a sample, per px to the right and per px
-/// downwards.
+/// Returns the perspective-correct derivatives of the texture coordinates at a sample, per pixel to the right and per
+/// pixel downwards.
 pub(crate) fn uv_gradient(triangle: &ScreenTriangle, sample: &RasterSample, arithmetic: Arithmetic) -> [Vec2; 2] {
     let [a, b, c] = triangle.vertices.each_ref().map(|v| v.varyings.uv);
     weight_gradient(triangle, sample, arithmetic).map(|[p1, p2]| (b - a) * p1 + (c - a) * p2)
@@ -229,7 +230,7 @@ mod tests {
     use crate::pipeline::vertex::Varyings;
     use crate::pipeline::viewport::ScreenVertex;
 
-    /// Returns the texture coordinates of a triangle at a position in px, computed in f64 from its snapped corners.
+    /// Returns the texture coordinates of a triangle at a position in pixels, computed in f64 from its snapped corners.
     fn true_uv(corners: &[ScreenVertex; 3], [x, y]: [f64; 2]) -> DVec2 {
         let at = corners.map(|corner| [corner.x, corner.y].map(|step| f64::from(step) / 256.0));
         let (mut total, mut sum) = (0.0, DVec2::ZERO);

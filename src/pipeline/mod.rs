@@ -1,5 +1,5 @@
-//! The pipeline: from a scene to drawn pixels, one stage after the other. Each stage is a function over plain buffers
-//! in a file of its own.
+//! Rendering pipeline: from a scene to drawn pixels, one stage after the other. Each stage is a function over plain
+//! buffers in a file of its own.
 //!
 //! ```text
 //! plan → transform → clip → project → cull │ rasterize → depth → interpolate → shade
@@ -83,13 +83,13 @@ pub struct Geometry {
     /// Triangles to rasterize, in drawing order. This is submission order, except that blended triangles come last,
     /// sorted by distance if [`Geometry::blending`] selects it.
     pub triangles: TriangleList,
-    /// Order of the blended triangles.
+    /// Blending settings, which determine the order of the blended triangles.
     pub blending: Blending,
-    /// Samples drawn of the last triangle; `None` draws all of them.
+    /// Samples to draw of the last triangle, or `None` to draw all of them.
     pub(crate) partial: Option<Vec<Span>>,
     /// Mapping between distances and the depths of the triangles.
     pub(crate) depth_scale: DepthScale,
-    /// One plan per instance.
+    /// Draw plans, one per instance.
     pub plans: Vec<DrawPlan>,
     /// Time of each geometry stage, summed over all draws.
     pub(crate) times: GeometryTimes,
@@ -102,7 +102,7 @@ pub struct Geometry {
 }
 
 impl Geometry {
-    /// Returns the index of the first blended triangle; the number of triangles if there is none.
+    /// Returns the index of the first blended triangle, or the number of triangles if there is none.
     pub fn blended_from(&self) -> usize {
         self.triangles.partition_point(|triangle| !self.is_blended(triangle))
     }
@@ -114,13 +114,13 @@ impl Geometry {
         if sorts { self.blended_from() } else { self.triangles.len() }
     }
 
-    /// Whether a triangle is blended over what lies behind it.
+    /// Returns whether a triangle is blended over what lies behind it.
     pub fn is_blended(&self, triangle: &ScreenTriangle) -> bool {
         let plan = self.plans.get(triangle.instance as usize);
         plan.is_some_and(|plan| plan.transparency() == Transparency::Blended)
     }
 
-    /// Returns the index of one of the list's triangles.
+    /// Returns the index of `triangle` in [`Geometry::triangles`], which must contain it.
     pub fn index_of(&self, triangle: &ScreenTriangle) -> usize {
         let (others, blended) = self.triangles.split_at(self.blended_from());
         // Index of the first candidate. The pieces of one triangle are adjacent, and so are blended triangles at equal
@@ -168,31 +168,31 @@ fn mean_distance(depth_scale: &DepthScale, triangle: &ScreenTriangle) -> f64 {
 /// Wall-clock time per geometry stage.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct GeometryTimes {
-    /// Planning and transforming.
+    /// Time to plan draws and to transform vertices.
     pub(crate) transform: Duration,
-    /// Clipping.
+    /// Time to clip triangles.
     pub(crate) clip: Duration,
-    /// Projection, snapping.
+    /// Time to project and snap vertices.
     pub(crate) project: Duration,
-    /// Facing, edge setup.
+    /// Time to cull triangles and to set up their edges.
     pub(crate) cull: Duration,
 }
 
-/// Last stage that [`draw`] runs for each covered sample. Stopping early serves to time stages separately; `black_box`
-/// then keeps the last result from being eliminated as dead code.
+/// Last stage that [`draw`] runs for each covered sample. Stopping early serves to time stages separately. `black_box`
+/// then prevents the result from being eliminated as dead code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LastStage {
-    /// Coverage only.
+    /// Stops after coverage.
     Coverage,
-    /// Coverage, depth test and depth store.
+    /// Stops after the depth test and the depth store.
     Depth,
-    /// All stages up to interpolation of attributes.
+    /// Stops after the interpolation of attributes.
     Interpolate,
-    /// All stages.
+    /// Runs all stages.
     Shade,
 }
 
-/// Runs the geometry stages over all instances, for a picture of the viewport's size.
+/// Runs the geometry stages over all instances of a scene, for a picture of the viewport's size.
 pub(crate) fn prepare<O: Observer>(
     scene: &Scene,
     camera: &Camera,
@@ -297,7 +297,7 @@ fn finish_draw<O: Observer>(
     out.times.cull += projected_at.elapsed();
 }
 
-/// Clips, projects and sets up triangles of clip-space vertices that no camera made, whichever side faces the viewer.
+/// Clips, projects and sets up triangles that are given in clip space, without a camera. Both facings are drawn.
 pub fn from_clip_space<O: Observer>(
     vertices: &[ClipVertex],
     triangles: &[[u32; 3]],
@@ -344,12 +344,12 @@ fn set_up<O: Observer>(
     }
 }
 
-/// Range of triangles and rectangle of pixels that [`draw`] processes.
+/// Range of triangles, and rectangle of pixels, that [`draw`] processes.
 #[derive(Clone, Debug)]
 pub struct Extent {
     /// Range of indices into [`Geometry::triangles`].
     pub triangles: Range<usize>,
-    /// Rectangle of pixels that are visited.
+    /// Rectangle of pixels to draw.
     pub scissor: Scissor,
 }
 
@@ -373,7 +373,7 @@ pub fn draw<O: Observer>(
     with_arithmetic!(settings.arithmetic, N => draw_in::<N, O>(scene, geometry, settings, extent, until, frame, observer));
 }
 
-/// [`draw`], compiled for one arithmetic.
+/// Draws as [`draw`] does, compiled for one arithmetic.
 fn draw_in<N: Numbers, O: Observer>(
     scene: &Scene,
     geometry: &Geometry,
@@ -415,7 +415,8 @@ fn draw_in<N: Numbers, O: Observer>(
     }
 }
 
-/// Draws the given samples of the triangle at index `place`, in the same way as [`draw`].
+/// Draws the given samples of one triangle as [`draw`] does. `place` is the triangle's index in
+/// [`Geometry::triangles`].
 pub(crate) fn draw_samples(
     scene: &Scene,
     geometry: &Geometry,

@@ -1,9 +1,9 @@
-//! Several samples per pixel at per-pixel positions, for jittered supersampling and multisampling.
+//! Drawing of several samples per pixel, for jittered supersampling and multisampling.
 //!
-//! A sample off the centre of its pixel is found by moving the triangle the opposite way, after projection. Edges,
-//! depth and attributes are then computed as for a centre, in any arithmetic and by any rasterizer. In fixed point,
-//! sample positions lie on the grid that corners are snapped to (as in D3D11), so a triangle has the same shape at
-//! every sample position.
+//! A sample off the centre of its pixel is drawn by moving the triangle by the opposite offset, after projection.
+//! Edges, depth and attributes are then computed as for a centre, in any arithmetic and by any rasterizer. In fixed
+//! point, sample positions lie on the grid that corners are snapped to (as in D3D11), so a triangle has the same shape
+//! at every sample position.
 //!
 //! Supersampling shades every sample. Multisampling shades a triangle once per pixel, at the pixel's centre if the
 //! triangle covers it and at the first covered sample otherwise. All covered samples get that colour (Akeley,
@@ -24,13 +24,13 @@ use super::{Extent, Geometry, LastStage, samples};
 use crate::math::fixed::snap;
 use crate::scene::{Scene, Transparency};
 
-/// Sample positions within pixels.
+/// Candidate positions of the samples in a pixel, and the choice among them.
 #[derive(Clone, Copy)]
 pub(crate) struct CandidatePositions<'a> {
-    /// Candidate positions of each sample of a pixel, px right of and below the pixel's centre.
+    /// Candidate positions of each sample of a pixel, in pixels to the right of and below the pixel's centre.
     pub(crate) candidates: &'a [Vec<[f32; 2]>],
-    /// Returns the index of a sample's candidate position in a pixel, by the pixel's column and row in the full
-    /// picture.
+    /// Function that returns the index of a sample's candidate position. Its arguments are the pixel's column and row
+    /// in the full picture, and the sample's index.
     pub(crate) chosen: &'a (dyn Fn((u32, u32), usize) -> usize + Sync),
 }
 
@@ -89,7 +89,7 @@ impl<'a> DrawContext<'a> {
         Self { geometry, settings, extent, places, comparison: DepthComparison::of(settings), shaders }
     }
 
-    /// Returns the triangles drawn in order, and those whose fragments are sorted.
+    /// Returns the range of triangles drawn in order, and the range of those whose fragments are sorted.
     fn split(&self) -> [Range<usize>; 2] {
         blending::split(self.geometry, self.settings, &self.extent.triangles, LastStage::Shade).into()
     }
@@ -165,7 +165,7 @@ impl<'a> DrawContext<'a> {
         }
     }
 
-    /// Draws blended triangles with sorted fragments, shading every sample; proceeds one sample index at a time.
+    /// Draws blended triangles with sorted fragments, and shades every sample, one sample index at a time.
     fn sort_per_sample<N: Numbers>(&self, triangles: &Range<usize>, frames: &mut [Framebuffer]) {
         let (mut list, mut spans) = (FragmentList::default(), Vec::new());
         for ((sample, frame), candidates) in frames.iter_mut().enumerate().zip(self.places.candidates) {
@@ -303,7 +303,8 @@ fn sample_of<N: Numbers>(
     Some((seen, edges.sample((column, row), pixel)))
 }
 
-/// Returns the triangle moved by the negated `offset`, in px; `None` if it has no area in the settings' arithmetic.
+/// Returns the triangle moved by the negated `offset`, in pixels, or `None` if it has no area in the settings'
+/// arithmetic.
 fn displaced(
     triangle: &ScreenTriangle,
     offset @ [right, down]: [f32; 2],

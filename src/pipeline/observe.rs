@@ -1,10 +1,10 @@
-//! Observation of the pipeline without slowing it down.
+//! Hooks for observing the pipeline, which cost nothing if they are not used.
 //!
-//! Stages are generic over an [`Observer`] whose hooks do nothing by default. `()` observes nothing, and its hooks
-//! vanish at compile time: with the hooks and their calls deleted, the loops over samples of all four arithmetics
+//! Stages are generic over an [`Observer`] whose hooks do nothing by default. `()` observes nothing, and its hooks are
+//! removed at compile time: with the hooks and their calls deleted, the loops over samples of all four arithmetics
 //! compiled to the same 4,290 instructions in the same order (x86-64, rustc 1.95). No loop tests at run time whether an
-//! observer is attached. Values that a repeated call of a stage yields (matrices, clipped polygons) have no hook: the
-//! inspector calls the stage.
+//! observer is attached. Values that a stage returns when it is called again (matrices, clipped polygons) have no hook:
+//! the inspector calls the stage.
 
 use serde::Serialize;
 
@@ -22,9 +22,9 @@ pub enum Fate {
     Outside,
     /// A vertex is NaN or infinite after the transform.
     NotFinite,
-    /// Clipping left nothing.
+    /// Clipping left nothing of the triangle.
     ClippedAway,
-    /// Its snapped corners lie on one line.
+    /// The snapped corners lie on one line.
     ZeroArea,
     /// The triangle is back-facing, and back faces are culled.
     BackFacing,
@@ -50,45 +50,45 @@ impl Fate {
     }
 }
 
-/// Outcome of one comparison with the depth buffer.
+/// Outcome of one depth test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepthOutcome {
-    /// Depth of the fragment.
+    /// Depth of the fragment that was tested.
     pub new: f32,
-    /// Depth that the buffer held.
+    /// Depth that the buffer held before the test.
     pub stored: f32,
     /// Whether the fragment passed the test.
     pub(crate) passed: bool,
 }
 
-/// Hooks along the pipeline, all empty by default.
+/// Receiver of pipeline events. All hooks do nothing by default.
 pub trait Observer {
-    /// A triangle of the scene was rejected before the rasterizer.
+    /// Called when a triangle of the scene is rejected before it is rasterized.
     fn rejected(&mut self, _id: TriangleId, _fate: Fate) {}
 
-    /// A triangle crossed a plane and was cut into `pieces` triangles.
+    /// Called when a triangle crosses a clipping plane and is cut into `pieces` triangles.
     fn clipped(&mut self, _id: TriangleId, _pieces: usize) {}
 
-    /// The rasterizer visited `samples` samples for one triangle.
+    /// Called when the rasterizer has visited `samples` samples for one triangle.
     fn visited(&mut self, _samples: u64) {}
 
-    /// A sample lies inside a triangle.
+    /// Called for each sample that lies inside a triangle.
     fn covered(&mut self, _triangle: &ScreenTriangle, _sample: &RasterSample) {}
 
-    /// A covered sample was compared with the depth buffer.
+    /// Called when a covered sample has been compared with the depth buffer.
     fn depth_tested(&mut self, _triangle: &ScreenTriangle, _sample: &RasterSample, _outcome: DepthOutcome) {}
 
-    /// The depth of a sample was stored.
+    /// Called when the depth of a sample is stored.
     fn depth_stored(&mut self, _triangle: &ScreenTriangle, _sample: &RasterSample) {}
 
-    /// A fragment failed the alpha test, although its depth passed.
+    /// Called when a fragment fails the alpha test after it passed the depth test.
     fn alpha_rejected(&mut self, _triangle: &ScreenTriangle, _fragment: &Fragment) {}
 
-    /// A fragment was shaded and written, blended or not.
+    /// Called when a fragment has been shaded and written, blended or not.
     fn shaded(&mut self, _triangle: &ScreenTriangle, _fragment: &Fragment, _color: Rgba8) {}
 }
 
-/// Observes nothing, at no cost.
+/// Observer that ignores all events, at no cost.
 impl Observer for () {}
 
 /// Observer that counts pipeline events.
@@ -109,7 +109,7 @@ pub struct Counters {
 }
 
 impl Counters {
-    /// Returns the number of triangles that met `fate`.
+    /// Returns the number of triangles that were rejected with this fate.
     pub fn fate(&self, fate: Fate) -> u64 {
         Fate::ALL.iter().zip(self.rejected).find(|(f, _)| **f == fate).map_or(0, |(_, n)| n)
     }

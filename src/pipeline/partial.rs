@@ -1,4 +1,4 @@
-//! Partial drawing of a list's last triangle: only its first fragments, in the order in which the rasterizer finds
+//! Partial drawing of the last triangle of a list: only its first fragments, in the order in which the rasterizer finds
 //! them.
 
 use super::grid::SampleGrid;
@@ -23,13 +23,13 @@ pub(crate) fn count(samples: &[Span]) -> usize {
     samples.iter().map(|span| (span.right - span.left) as usize).sum()
 }
 
-/// Returns the index of a packed sample (column, row) in drawing order; `None` if the spans do not contain it.
+/// Returns the index of a packed sample (column, row) in drawing order, or `None` if the spans do not contain it.
 pub(crate) fn index_of(samples: &[Span], (column, row): (u32, u32)) -> Option<usize> {
     let found = samples.iter().position(|span| span.row == row && (span.left..span.right).contains(&column))?;
     Some(count(&samples[..found]) + (column - samples[found].left) as usize)
 }
 
-/// Returns the first `most` samples; all of them if there are fewer.
+/// Returns the first `most` samples of the spans, or all of them if there are fewer.
 pub(crate) fn first(samples: &[Span], most: usize) -> Vec<Span> {
     let mut left = most;
     let mut first = Vec::new();

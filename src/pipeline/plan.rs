@@ -21,13 +21,13 @@ pub enum PipelinePart {
     /// triangles have the culled facing. Facing is decided by *snapped* corners. Triangles so small or so thin on the
     /// screen that snapping may flip them are therefore tested one by one, however clearly they are back-facing.
     EveryCluster,
-    /// Cutting at the planes of the frustum.
+    /// Cutting triangles at the planes of the frustum.
     Clipping,
     /// Rejecting triangles by their facing.
     Culling,
     /// Comparing with, and storing to, the depth buffer.
     Depth,
-    /// Dividing weights by w.
+    /// Dividing interpolation weights by w.
     PerspectiveDivision,
     /// Fetching and interpolating texture coordinates.
     TextureCoordinates,
@@ -35,7 +35,7 @@ pub enum PipelinePart {
     Normals,
     /// Fetching and interpolating vertex colours.
     VertexColors,
-    /// Reading texels.
+    /// Reading the texels of textures.
     Texels,
     /// Alpha test: discarding fragments by the alpha of the texture.
     CutOut,
@@ -47,7 +47,7 @@ pub enum PipelinePart {
     Highlight,
     /// Adding emitted light.
     Emission,
-    /// Blending with what is drawn already, from far to near and without storing depth.
+    /// Blending with what is already drawn, from far to near and without storing depth.
     Blending,
 }
 
@@ -72,7 +72,7 @@ impl PipelinePart {
         Self::Blending,
     ];
 
-    /// Returns the setting that forces the part to run without need, if there is one.
+    /// Returns the setting that forces the part to run even if a draw does not need it, or `None` if there is none.
     pub(crate) fn disabled_optimisation(self) -> Option<DisabledOptimisation> {
         match self {
             Self::Vertices => Some(DisabledOptimisation::Vertices),
@@ -94,7 +94,7 @@ impl PipelinePart {
         }
     }
 
-    /// Whether the part can run for an instance without changing the picture.
+    /// Returns whether the part can run for an instance without changing the picture.
     fn can_run(self, library: &Library, instance: &Instance, settings: &Settings) -> bool {
         let mesh = library.mesh(instance.mesh);
         match self {
@@ -107,7 +107,7 @@ impl PipelinePart {
         }
     }
 
-    /// Display name.
+    /// Returns the display name.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Vertices => "Vertices",
@@ -130,11 +130,11 @@ impl PipelinePart {
     }
 }
 
-/// Decision whether a part runs.
+/// Whether a part of the pipeline runs, with the reason if it is skipped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PlanStep {
-    /// The part is needed.
+    /// The draw needs the part.
     Run,
     /// The part is skipped, for this reason.
     LeftOut(&'static str),
@@ -146,12 +146,12 @@ impl PlanStep {
         reason.map_or(Self::Run, Self::LeftOut)
     }
 
-    /// Whether the part runs.
+    /// Returns whether the part runs.
     pub(crate) fn runs(self) -> bool {
         self == Self::Run
     }
 
-    /// Returns the reason for skipping the part; `None` if it runs.
+    /// Returns the reason for skipping the part, or `None` if it runs.
     pub(crate) fn reason(self) -> Option<&'static str> {
         match self {
             Self::Run => None,
@@ -163,27 +163,27 @@ impl PlanStep {
 /// Location of a mesh's bounding box relative to the frustum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Containment {
-    /// Wholly beyond one plane.
+    /// The box lies wholly beyond one plane.
     Outside,
-    /// Wholly inside all planes.
+    /// The box lies wholly inside all planes.
     Inside,
-    /// Neither is certain.
+    /// The box may cross a plane: neither of the other cases is certain.
     Crossing,
 }
 
-/// Numbers of culled clusters of a mesh.
+/// Numbers of clusters that were culled in one or several draws.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct CullStats {
     /// Number of clusters outside the view.
     pub outside: usize,
-    /// Number of other clusters whose triangles all have the culled facing.
+    /// Number of clusters that are not outside the view but whose triangles all have the culled facing.
     pub turned_away: usize,
-    /// Number of clusters, culled or not.
+    /// Total number of clusters, culled or not.
     pub all: usize,
 }
 
 impl CullStats {
-    /// Returns the sums over several draws.
+    /// Returns the sums of the numbers over several draws.
     pub fn of<'a>(plans: impl IntoIterator<Item = &'a DrawPlan>) -> Self {
         plans.into_iter().fold(Self::default(), |sum, DrawPlan { clusters, .. }| Self {
             outside: sum.outside + clusters.outside,
@@ -197,20 +197,20 @@ impl CullStats {
         self.outside + self.turned_away
     }
 
-    /// Returns a description in words.
+    /// Returns a description for display.
     pub(crate) fn describe(self) -> String {
         let Self { outside, turned_away, all } = self;
         format!("{} of {all}: {outside} wholly outside the view, {turned_away} culled by facing", self.culled())
     }
 }
 
-/// Plan of one draw: a step for every [`PipelinePart`].
+/// Plan of one draw: for every [`PipelinePart`], whether it runs.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DrawPlan {
     steps: [PlanStep; PipelinePart::ALL.len()],
     transparency: Transparency,
     clusters: CullStats,
-    /// Scale and offset of texture coordinates; `None` if they change nothing.
+    /// Scale and offset of texture coordinates, or `None` if they change nothing.
     #[serde(skip)]
     uv_transform: Option<[Vec2; 2]>,
     #[serde(skip)]
@@ -253,23 +253,23 @@ impl DrawPlan {
         }
     }
 
-    /// Returns the plan with the identifier of its instance's first triangle set.
+    /// Returns the plan with the given identifier as that of the first triangle of the instance.
     pub(super) fn starting_at(self, first_triangle: TriangleId) -> Self {
         Self { first_triangle, ..self }
     }
 
-    /// Returns the identifier of its instance's first triangle.
+    /// Returns the identifier of the first triangle of the instance.
     pub(super) fn first_triangle(&self) -> TriangleId {
         self.first_triangle
     }
 
-    /// Returns the viewpoint of the draw.
+    /// Returns the viewpoint from which the draw is seen.
     pub(super) fn eye(&self) -> Viewpoint {
         self.eye
     }
 
-    /// Returns the scale and offset that the material applies to texture coordinates of vertices; `None` if they change
-    /// nothing.
+    /// Returns the scale and offset that the material applies to texture coordinates of vertices, or `None` if they
+    /// change nothing.
     pub(crate) fn uv_transform(&self) -> Option<[Vec2; 2]> {
         self.uv_transform
     }
@@ -284,7 +284,7 @@ impl DrawPlan {
         self
     }
 
-    /// Whether clusters may be culled at all.
+    /// Returns whether clusters may be culled at all, by the settings and the location of the mesh.
     pub(super) fn may_cull_clusters(settings: &Settings, containment: Containment) -> bool {
         let some = match containment {
             // Skipped as a whole, or forced to run.
@@ -295,33 +295,35 @@ impl DrawPlan {
         some && !matches!(settings.force, DisabledOptimisation::Everything | DisabledOptimisation::Clusters)
     }
 
-    /// Returns the numbers of culled clusters; all zero if none is culled.
+    /// Returns the numbers of culled clusters. All are zero if none is culled.
     pub(crate) fn clusters(&self) -> CullStats {
         self.clusters
     }
 
-    /// Whether both plans run the same parts, for the same reasons, whatever their numbers of culled clusters.
+    /// Returns whether both plans run the same parts for the same reasons, regardless of the numbers of culled
+    /// clusters.
     pub(crate) fn agrees_with(&self, other: &Self) -> bool {
         (self.steps, self.transparency) == (other.steps, other.transparency)
     }
 
-    /// Returns how the draw combines with what was drawn before. It is not optional: it determines the picture.
+    /// Returns how the draw combines with what was drawn before. Unlike the parts, it is never skipped, because it
+    /// determines the picture.
     pub fn transparency(&self) -> Transparency {
         self.transparency
     }
 
-    /// Returns the step of a part.
+    /// Returns whether a part runs, with the reason if it is skipped.
     pub fn step(&self, part: PipelinePart) -> PlanStep {
         self.steps[part as usize]
     }
 
-    /// Whether a part runs.
+    /// Returns whether a part runs.
     pub fn runs(&self, part: PipelinePart) -> bool {
         self.step(part).runs()
     }
 }
 
-/// Returns the reason for skipping `part` in a draw that is not outside the view; `None` if the part is needed.
+/// Returns the reason for skipping `part` in a draw that is not outside the view, or `None` if the part is needed.
 fn skip_reason(
     part: PipelinePart,
     library: &Library,
@@ -336,7 +338,7 @@ fn skip_reason(
     let material = library.material(instance.material);
     let textured = || textures_read(library, instance, shading).iter().any(Option::is_some);
     match part {
-        // Clusters are culled later, in `DrawPlan::without`.
+        // Clusters are culled later, which `DrawPlan::with_cull_stats` records.
         PipelinePart::Vertices | PipelinePart::EveryCluster => None,
         PipelinePart::Clipping => (containment == Containment::Inside).then_some("the whole object is inside the view"),
         PipelinePart::Culling => (settings.culling == Culling::None).then_some("culling is off"),

@@ -1,7 +1,7 @@
 //! Texture sampling: from texture coordinates to texels and their weights.
 //!
-//! The addressing mode first maps a coordinate into [0, 1], so neither 10³⁰ nor an infinity reaches the integers; NaN
-//! reads texel 0. Then x = u·width − 0.5, so texel centres sit at half-integers. Neighbours beyond the border wrap
+//! The addressing mode first maps a coordinate into [0, 1], so neither 10³⁰ nor infinity is converted to an integer;
+//! NaN reads texel 0. Then x = u·width − 0.5, so texel centres sit at half-integers. Neighbours beyond the border wrap
 //! (repeat) or stay (clamp, mirror). All of this is computed in f64: the fractional part of a coordinate, and its
 //! position among the texels, may need twice the digits of f32. Rounding would be visible at the border of a texel.
 
@@ -16,25 +16,25 @@ use crate::image::{Image, Rgba8};
 use crate::math::floor;
 use crate::math::log2::log2;
 
-/// Texel read by a sample, with its weight.
+/// Texel that a texture sample reads, with its weight.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct TexelTap {
-    /// Column, from the left.
+    /// Column of the texel, from the left.
     pub(crate) x: u32,
-    /// Row, from the top.
+    /// Row of the texel, from the top.
     pub(crate) y: u32,
-    /// Weight; the weights of a sample sum to one.
+    /// Weight of the texel; the weights of a sample sum to one.
     pub weight: f32,
 }
 
 /// Sampler: filter, addressing mode and colour space of texture reads.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Sampler {
-    /// Filter between texel centres.
+    /// Filter that mixes texels.
     pub(crate) filter: TexelFilter,
-    /// Addressing outside of [0, 1].
+    /// Addressing mode for texture coordinates outside of [0, 1].
     pub(crate) address: AddressMode,
-    /// Value as which each code of a texel is mixed.
+    /// Value of each 8-bit code when texels are mixed: linear light, or the code itself.
     number_of_code: &'static [f32; 256],
     /// Factor that maps mixed values into [0, 1].
     pub(crate) scale: f32,
@@ -101,7 +101,8 @@ impl Sampler {
         }
     }
 
-    /// Returns the texels that [`Sampler::sample`] reads at `uv` in a texture of this size, and how many of them count.
+    /// Returns the texels that [`Sampler::sample`] reads at `uv` in a texture of this size, and the number of valid
+    /// ones.
     #[inline(always)] // One of several callers is the loop over opaque samples, where the cost of a call is measurable.
     pub(crate) fn taps(self, (width, height): (u32, u32), uv: Vec2) -> ([TexelTap; 4], usize) {
         let [u, v] = self.unit(uv);
@@ -150,13 +151,13 @@ impl Sampler {
         [(finer, 1.0 - share), ((finer + 1).min(copies), share)]
     }
 
-    /// Returns a colour of sRGB codes in the colour space of [`Sampler::sample`].
+    /// Converts a colour of sRGB codes to the colour space of [`Sampler::sample`].
     #[inline]
     pub(crate) fn value_of(self, color: Rgba8) -> Vec3 {
         self.number_of(color) * self.scale
     }
 
-    /// Returns a colour of sRGB codes in the values that the sampler mixes.
+    /// Converts a colour of sRGB codes to the values that the sampler mixes.
     #[inline]
     pub(crate) fn number_of(self, [r, g, b, _]: Rgba8) -> Vec3 {
         let number = |code: u8| self.number_of_code[code as usize];
@@ -167,13 +168,13 @@ impl Sampler {
 /// Factor that maps mixed codes of alpha into [0, 1].
 pub(crate) const ALPHA_SCALE: f32 = 1.0 / 255.0;
 
-/// Returns alpha as its code. Alpha is not light, so it is never decoded.
+/// Returns alpha as its code, 0 to 255. Alpha is not light, so it is never decoded.
 #[inline]
 fn alpha_of([_, _, _, code]: Rgba8) -> f32 {
     f32::from(code)
 }
 
-/// Returns the coordinate in [0, 1] that is equivalent under an addressing mode.
+/// Maps a texture coordinate into [0, 1] by an addressing mode.
 #[inline]
 fn apply_address_mode(u: f32, address: AddressMode) -> f64 {
     let unit = match address {
@@ -269,7 +270,7 @@ mod tests {
     }
 
     #[test]
-    fn alpha_is_mixed_as_colour_is_and_leaves_it_as_it_was() {
+    fn alpha_is_mixed_like_colour_and_does_not_change_it() {
         let mut rng = fastrand::Rng::with_seed(5);
         // Alpha equals the red code, so both results must agree where codes are mixed directly.
         let texture = Image::from_fn(5, 7, |_, _| {
@@ -293,7 +294,7 @@ mod tests {
     }
 
     #[test]
-    fn no_coordinate_is_too_hostile() {
+    fn every_coordinate_gives_a_finite_colour() {
         for u in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e30, -1e30, f32::MIN_POSITIVE, -1e-30] {
             for filter in TexelFilter::ALL {
                 for address in AddressMode::ALL {

@@ -1,8 +1,8 @@
 //! Per-sample work of one triangle: depth test, alpha test, interpolation, shading and write.
 //!
 //! The loop is compiled once per [`Transparency`], so samples of opaque triangles have no branch for it. An
-//! alpha-tested fragment is interpolated twice, for its alpha and for its colour: keeping it in between would slow down
-//! the other modes.
+//! alpha-tested fragment is interpolated twice, for its alpha and for its colour, because keeping the first result
+//! would slow down the other modes.
 
 use std::hint::black_box;
 
@@ -35,7 +35,7 @@ pub(super) fn draw<N: Numbers, O: Observer>(
     }
 }
 
-/// [`draw`], compiled for one [`Transparency`].
+/// Draws as [`draw`] does, compiled for one [`Transparency`].
 fn draw_as<N: Numbers, O: Observer, const CUT_OUT: bool, const BLENDED: bool>(
     (triangle, edges): (&ScreenTriangle, &RasterTriangle<N>),
     spans: &[Span],

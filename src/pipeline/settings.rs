@@ -1,5 +1,5 @@
-//! Settings of the pipeline as plain data: one enum per decision. Each variant has the name and the sentence of help
-//! that menus, tooltips and the command line show.
+//! Settings of the pipeline as plain data: one enum per decision. Each variant has the name and the help text that
+//! menus, tooltips and the command line show.
 
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -8,18 +8,18 @@ use super::background::Background;
 use super::depth::DepthEncoding;
 use crate::scene::DepthMapping;
 
-/// Closed set of alternatives that a user chooses from.
+/// Setting with a closed set of alternatives that a user chooses from.
 pub trait Choice: Copy + PartialEq + 'static {
     /// All alternatives, in the order in which menus list them.
     const ALL: &'static [Self];
 
-    /// Returns the identifier in files and on the command line, in kebab case.
+    /// Returns the identifier used in files and on the command line, in kebab case.
     fn id(self) -> &'static str;
 
     /// Returns the display name.
     fn name(self) -> &'static str;
 
-    /// Returns one sentence of help.
+    /// Returns the help text that tooltips and the command line show.
     fn help(self) -> &'static str;
 }
 
@@ -54,7 +54,7 @@ macro_rules! choice {
 pub(crate) use choice;
 
 choice! {
-    /// Execution of the pipeline. The picture is the same, bit for bit; the time is not.
+    /// Execution of the pipeline. All alternatives give the same picture, bit for bit, but differ in speed.
     Execution {
         Tiled = "tiled", "Tiled",
             "Draws tile by tile, several samples at a time (SIMD), on all threads; shades each visible sample once.";
@@ -65,8 +65,8 @@ choice! {
 }
 
 choice! {
-    /// Parts that run even in draws that do not need them. The picture is the same; the time shows what skipping the
-    /// parts saves.
+    /// Disabled optimisation: parts of the pipeline that run even in draws that do not need them. The picture is the
+    /// same; the time shows what skipping the parts saves.
     DisabledOptimisation {
         Nothing = "nothing", "Nothing", "Every draw skips the parts that it does not need.";
         Everything = "everything", "Everything", "All of the following parts run wherever they can.";
@@ -121,12 +121,12 @@ choice! {
 }
 
 impl Rasterizer {
-    /// Returns the rasterizers that are meant to be correct.
+    /// Returns the rasterizers that are not wrong on purpose.
     pub fn correct() -> impl Iterator<Item = Self> {
         Self::ALL.iter().copied().filter(|rasterizer| !rasterizer.is_published())
     }
 
-    /// Whether the rasterizer keeps the faults of a commonly published version.
+    /// Returns whether the rasterizer keeps the faults of a commonly published version.
     pub(crate) fn is_published(self) -> bool {
         matches!(self, Self::BoundingBoxPublished | Self::ScanlinePublished)
     }
@@ -167,15 +167,15 @@ choice! {
 }
 
 impl FillRule {
-    /// Whether exactly one of two triangles that share an edge owns a centre on it.
+    /// Returns whether exactly one of two triangles that share an edge owns a centre on it.
     pub(crate) fn draws_shared_edges_once(self) -> bool {
         !matches!(self, Self::Inclusive | Self::Exclusive)
     }
 }
 
 choice! {
-    /// Condition on which a fragment replaces the content of the depth buffer. Named for standard depth; reversed depth
-    /// mirrors it.
+    /// Condition under which a fragment replaces the content of the depth buffer. Named for standard depth; reversed
+    /// depth mirrors it.
     DepthTest {
         Off = "off", "Off", "The last triangle drawn wins (painter's algorithm). There is no depth buffer.";
         Less = "less", "Less", "The nearer fragment wins; at equal depth, the first one drawn.";
@@ -246,23 +246,23 @@ choice! {
 }
 
 impl Shading {
-    /// Whether the shading shows the material's colour and texture, and with them its opacity. The other shadings are
-    /// opaque.
+    /// Returns whether the shading shows the material's colour and texture, and with them its opacity. The other
+    /// shadings are opaque.
     pub fn reads_material(self) -> bool {
         matches!(self, Self::Texture | Self::Gouraud | Self::Lambert | Self::BlinnPhong | Self::Cel)
     }
 
-    /// Whether light is computed.
+    /// Returns whether light is computed.
     pub(crate) fn is_lit(self) -> bool {
         self == Self::Gouraud || self.is_lit_per_pixel()
     }
 
-    /// Whether light is computed per pixel, from an interpolated normal.
+    /// Returns whether light is computed per pixel, from an interpolated normal.
     pub(crate) fn is_lit_per_pixel(self) -> bool {
         matches!(self, Self::Lambert | Self::BlinnPhong | Self::Cel)
     }
 
-    /// Whether the shading reads the normal of every pixel, and with it normal maps.
+    /// Returns whether the shading reads the normal of every pixel, and with it normal maps.
     pub(crate) fn reads_pixel_normals(self) -> bool {
         self == Self::Normals || self.is_lit_per_pixel()
     }
@@ -327,7 +327,7 @@ choice! {
 /// Depth bias: offset added to the depths of each triangle before the depth test, like Vulkan's `vkCmdSetDepthBias` and
 /// OpenGL's `glPolygonOffset`.
 ///
-/// The offset is `slope` · m + `constant` · r. m is the greatest change of the triangle's depth per px along x or y,
+/// The offset is `slope` · m + `constant` · r. m is the greatest change of the triangle's depth per pixel along x or y,
 /// and r is the smallest difference that the depth format resolves. The offset is added to the depth as it is stored:
 /// positive numbers move surfaces away from the viewer, or towards the viewer if depth is reversed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -336,11 +336,11 @@ pub struct DepthBias {
     /// Factor of the smallest resolvable difference r. For floats, r is the unit in the last place of the triangle's
     /// greatest depth; for integer formats, one code.
     pub constant: f32,
-    /// Factor of the slope m.
+    /// Factor of the slope m, the greatest change of the triangle's depth per pixel.
     pub slope: f32,
 }
 
-/// Drawing of blended materials.
+/// Settings for drawing blended materials.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Blending {
@@ -354,12 +354,13 @@ impl Default for Blending {
     }
 }
 
-/// A directional light.
+/// Directional light.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Light {
-    /// Direction towards the light, in world space; need not be of unit length.
+    /// Direction towards the light, in world space, of any length.
     pub direction: Vec3,
-    /// Fraction of the light that reaches every surface, in [0, 1]; the rest is multiplied by the cosine.
+    /// Fraction of the light that reaches every surface, in [0, 1]. The rest is multiplied by the cosine between normal
+    /// and light direction.
     pub ambient: f32,
 }
 
@@ -374,9 +375,9 @@ impl Default for Light {
 pub struct Checker {
     /// Number of squares per unit of texture coordinate.
     pub(crate) squares: f32,
-    /// sRGB values, in [0, 1], of the square at the origin.
+    /// Colour of the square at the origin, as sRGB values in [0, 1].
     pub(crate) even: Vec3,
-    /// sRGB values, in [0, 1], of the other squares.
+    /// Colour of the other squares, as sRGB values in [0, 1].
     pub(crate) odd: Vec3,
 }
 
@@ -386,7 +387,7 @@ impl Default for Checker {
     }
 }
 
-/// All settings from vertices to drawn pixels.
+/// All settings of the pipeline, from vertices to drawn pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Settings {
@@ -396,15 +397,15 @@ pub struct Settings {
     pub rasterizer: Rasterizer,
     /// Arithmetic in which coverage is decided.
     pub arithmetic: Arithmetic,
-    /// Ownership of pixel centres on edges.
+    /// Ownership of pixel centres that lie exactly on an edge.
     pub fill_rule: FillRule,
-    /// Depth test.
+    /// Depth test that a fragment must pass to be drawn.
     pub depth_test: DepthTest,
     /// Format of the stored depths.
     pub depth_format: DepthFormat,
-    /// Offset of depths before the depth test.
+    /// Offset added to depths before the depth test.
     pub depth_bias: DepthBias,
-    /// Interpolation of attributes.
+    /// Interpolation of attributes over the screen.
     pub interpolation: Interpolation,
     /// Source of a fragment's colour.
     pub shading: Shading,
@@ -412,19 +413,19 @@ pub struct Settings {
     pub checker: Checker,
     /// Light of the lit shadings.
     pub light: Light,
-    /// Texture filter.
+    /// Filter that mixes texels.
     pub filter: TexelFilter,
-    /// Texture addressing.
+    /// Addressing of texture coordinates outside of [0, 1].
     pub address: AddressMode,
-    /// Treatment of alpha in texture filters.
+    /// Treatment of alpha when a texture filter mixes texels.
     pub alpha: AlphaMode,
-    /// Colour space in which light is computed.
+    /// Colour space in which light is computed and textures are filtered.
     pub color_space: ColorSpace,
-    /// Drawing of blended materials.
+    /// Settings for drawing blended materials.
     pub blending: Blending,
     /// Colour of the pixels that no triangle covers.
     pub background: Background,
-    /// Parts that run without need.
+    /// Disabled optimisation: parts of the pipeline that run even if a draw does not need them.
     pub force: DisabledOptimisation,
 }
 
@@ -475,7 +476,7 @@ impl DepthFormat {
 }
 
 impl Settings {
-    /// Whether depth is stored reversed: nearer is larger.
+    /// Returns whether depth is stored reversed: nearer is larger.
     pub fn reversed(&self) -> bool {
         self.depth_format.mapping().is_reversed()
     }

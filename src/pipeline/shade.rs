@@ -74,7 +74,7 @@ impl<'a> Readable<'a> {
         Self { image: texture.image(), mip_levels, mips, premultiplied: false }
     }
 
-    /// Whether colours are weighted by alpha when texels are mixed.
+    /// Returns whether colours are weighted by alpha when texels are mixed.
     pub(crate) fn is_premultiplied(&self) -> bool {
         self.premultiplied
     }
@@ -95,7 +95,7 @@ impl<'a> Readable<'a> {
         level.checked_sub(1).and_then(|level| self.mip_levels.get(level)).unwrap_or(self.image)
     }
 
-    /// Returns the mip levels read for a fragment with their weights, and how many of them count; 1 without
+    /// Returns the mip levels read for a fragment with their weights, and the number of valid ones, which is 1 without
     /// mip-mapping.
     pub(crate) fn levels(&self, fragment: &Fragment) -> ([(usize, f32); 2], usize) {
         if self.mips {
@@ -168,7 +168,7 @@ pub struct Shader<'a> {
 }
 
 impl<'a> Shader<'a> {
-    /// Returns the shader of one instance.
+    /// Returns the shader for the draw of one instance.
     pub fn new(settings: &'a Settings, library: &'a Library, instance: &Instance, plan: &DrawPlan) -> Self {
         let material = library.material(instance.material);
         let image = |id| Readable::new(library.texture(id), settings);
@@ -218,13 +218,13 @@ impl<'a> Shader<'a> {
         self.opacity
     }
 
-    /// Returns the attributes that its fragments interpolate.
+    /// Returns the attributes that the draw interpolates for its fragments.
     #[inline]
     pub fn attributes(&self) -> AttributeSelection {
         self.attributes
     }
 
-    /// Returns the colour texture read for a fragment, if any.
+    /// Returns the colour texture read for a fragment, or `None` if there is none.
     pub(crate) fn texture_for(&self, fragment: &Fragment) -> Option<Readable<'a>> {
         if self.settings.shading == Shading::Cel && !self.is_lit(fragment) {
             self.dark_texture.or(self.texture)
@@ -238,28 +238,28 @@ impl<'a> Shader<'a> {
         self.sampler
     }
 
-    /// Returns the texture that multiplies the opacity, if one is read.
+    /// Returns the texture that multiplies the opacity, or `None` if none is read.
     pub(crate) fn alpha_texture(&self) -> Option<Readable<'a>> {
         self.alpha_texture
     }
 
-    /// Returns the texture of the emitted light, if one is read.
+    /// Returns the texture of the emitted light, or `None` if none is read.
     pub(crate) fn emission_texture(&self) -> Option<Readable<'a>> {
         self.emission_texture
     }
 
-    /// Returns the normal map, if it is read.
+    /// Returns the normal map, or `None` if it is not read.
     pub(crate) fn normal_map(&self) -> Option<&NormalMap<'a>> {
         self.normal_map.as_ref()
     }
 
-    /// Returns the highlight, if the shading has one.
+    /// Returns the inputs of the highlight, or `None` if the shading has no highlight.
     pub(crate) fn highlight(&self) -> Option<&Highlight<'a>> {
         self.highlight.as_ref()
     }
 
-    /// Whether the SIMD kernels can shade the draw. They support neither emission, highlights, normal maps, opacity
-    /// maps nor premultiplied filtering.
+    /// Returns whether the SIMD kernels can shade the draw. They support neither emission, highlights, normal maps,
+    /// opacity maps nor premultiplied filtering.
     pub(super) fn fits_lanes(&self) -> bool {
         let has_more = self.emission.is_some()
             || self.highlight.is_some()
@@ -269,7 +269,7 @@ impl<'a> Shader<'a> {
         !has_more
     }
 
-    /// Returns the number of textures that a fragment reads.
+    /// Returns the number of textures that are read per fragment.
     pub(super) fn texture_count(&self) -> u64 {
         let read = [
             self.texture.is_some(),
@@ -280,13 +280,13 @@ impl<'a> Shader<'a> {
         read.into_iter().map(u64::from).sum()
     }
 
-    /// Returns the interpolated unit normal of a fragment before any normal map; zero if it has none.
+    /// Returns the interpolated unit normal of a fragment before any normal map, or zero if it has none.
     #[inline]
     pub(crate) fn smooth_normal(&self, fragment: &Fragment) -> Vec3 {
         fragment.normal.normalize_or_zero()
     }
 
-    /// Returns the unit normal of a fragment; zero if it has none, so that no direct light reaches it.
+    /// Returns the unit normal of a fragment, or zero if it has none, so that no direct light reaches it.
     #[inline]
     pub(crate) fn unit_normal(&self, fragment: &Fragment) -> Vec3 {
         let smooth = self.smooth_normal(fragment);
@@ -296,13 +296,13 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// Returns N·L of a fragment, in [−1, 1].
+    /// Returns N·L of a fragment, the cosine between its normal and the direction of the light.
     #[inline]
     pub(crate) fn cosine(&self, fragment: &Fragment) -> f32 {
         self.unit_normal(fragment).dot(self.light_direction)
     }
 
-    /// Returns the factor by which light multiplies a fragment's colour; 1 for unlit shadings.
+    /// Returns the factor by which light multiplies a fragment's colour. It is 1 for unlit shadings.
     pub(crate) fn light(&self, fragment: &Fragment) -> f32 {
         match self.settings.shading {
             Shading::Gouraud => fragment.light,
@@ -330,7 +330,7 @@ impl<'a> Shader<'a> {
         self.alpha_texture.map_or(alpha, |texture| alpha * texture.alpha(self.sampler, fragment))
     }
 
-    /// Whether a fragment fails the alpha test.
+    /// Returns whether a fragment fails the alpha test.
     #[inline]
     pub(crate) fn fails_alpha_test(&self, fragment: &Fragment) -> bool {
         self.alpha(fragment) < ALPHA_TEST_THRESHOLD
@@ -371,7 +371,7 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// Returns the colour of all samples of a triangle for shadings that are constant over it; `None` for the others.
+    /// Returns the colour of all samples of a triangle for shadings that are constant over it, or `None` for others.
     pub(crate) fn flat_color(&self, id: TriangleId, instance: u32) -> Option<Rgba8> {
         match self.settings.shading {
             Shading::TriangleId => Some(id_color(id)),
@@ -401,31 +401,31 @@ impl<'a> Shader<'a> {
         highlight.factor(self.unit_normal(fragment), self.light_direction, fragment)
     }
 
-    /// Returns the light of the highlight, in the working colour space.
+    /// Returns the light of the highlight at a fragment, in the working colour space.
     #[cold]
     pub(crate) fn specular(&self, fragment: &Fragment) -> Vec3 {
         let specular = self.highlight.map_or(Vec3::ZERO, |highlight| highlight.specular);
         specular * self.highlight_factor(fragment)
     }
 
-    /// Returns the emitted colour without its texture, in the working colour space; `None` if nothing is emitted.
+    /// Returns the emitted colour without its texture, in the working colour space, or `None` if nothing is emitted.
     pub(crate) fn emission(&self) -> Option<Vec3> {
         self.emission
     }
 
-    /// Returns the colour of the emission texture at a fragment; `None` without one.
+    /// Returns the colour of the emission texture at a fragment, or `None` without such a texture.
     pub(crate) fn emission_texel(&self, fragment: &Fragment) -> Option<Vec3> {
         self.emission_texture.map(|texture| texture.color(self.sampler, fragment))
     }
 
-    /// Returns the emitted light, in the working colour space.
+    /// Returns the light emitted at a fragment, in the working colour space.
     #[cold]
     pub(crate) fn emitted(&self, fragment: &Fragment) -> Vec3 {
         let emission = self.emission.unwrap_or(Vec3::ZERO);
         self.emission_texel(fragment).map_or(emission, |texel| emission * texel)
     }
 
-    /// Returns the surface colour without light, in the working colour space.
+    /// Returns the surface colour of a fragment without light, in the working colour space.
     #[inline]
     pub(crate) fn albedo(&self, fragment: &Fragment) -> Vec3 {
         let plain = self.plain_albedo(fragment);
@@ -435,7 +435,7 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// Returns the surface colour without light and texture, in the working colour space.
+    /// Returns the surface colour of a fragment without light and texture, in the working colour space.
     #[inline]
     pub(crate) fn plain_albedo(&self, fragment: &Fragment) -> Vec3 {
         if self.attributes.color { self.diffuse * fragment.color } else { self.diffuse }

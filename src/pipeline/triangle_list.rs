@@ -1,13 +1,14 @@
-//! List of triangles that shares its memory with copies of it, whole or truncated, and that stores a bounding box per
-//! triangle. Drawing a single pixel rejects nearly all triangles by reading nothing but their boxes.
+//! List of screen triangles that shares memory with its clones and stores a bounding box per triangle.
+//!
+//! Drawing a single pixel rejects nearly all triangles by reading only their boxes.
 
 use std::ops::{Deref, DerefMut};
 use std::sync::Arc;
 
 use super::viewport::ScreenTriangle;
 
-/// Triangles on the screen, readable as a slice. Cloning and truncating take constant time: all clones share the
-/// memory.
+/// List of screen triangles, readable as a slice. Cloning and truncating take constant time, because all clones share
+/// the memory.
 #[derive(Clone, Debug, Default)]
 pub struct TriangleList {
     all: Arc<Vec<ScreenTriangle>>,
@@ -17,10 +18,10 @@ pub struct TriangleList {
     boxes: Option<Arc<[PixelBox]>>,
 }
 
-/// Bounding box of a triangle, px, before snapping: least and greatest x, then least and greatest y.
+/// Bounding box of a triangle in pixels, before snapping: minimum and maximum x, then minimum and maximum y.
 pub(crate) type PixelBox = [f32; 4];
 
-/// Returns the bounding box of a triangle's corners, in px.
+/// Returns the bounding box of a triangle's corners, in pixels.
 pub(crate) fn box_around([a, b, c]: [[f32; 2]; 3]) -> PixelBox {
     let least = |axis: usize| a[axis].min(b[axis]).min(c[axis]);
     let greatest = |axis: usize| a[axis].max(b[axis]).max(c[axis]);
@@ -28,7 +29,7 @@ pub(crate) fn box_around([a, b, c]: [[f32; 2]; 3]) -> PixelBox {
 }
 
 impl TriangleList {
-    /// Keeps only the first `len` triangles, if there are more.
+    /// Truncates the list to its first `len` triangles, if there are more.
     pub(crate) fn truncate(&mut self, len: usize) {
         self.len = self.len.min(len);
     }
@@ -44,7 +45,7 @@ impl TriangleList {
         self.boxes = Some(self.iter().map(|triangle| box_around(triangle.corners_px())).collect());
     }
 
-    /// Returns the bounding box of the triangle at an index; computes it if boxes are not stored.
+    /// Returns the bounding box of the triangle at index `place`. Computes it if boxes are not stored.
     pub(crate) fn box_of(&self, place: usize) -> PixelBox {
         let found = self.boxes.as_ref().map(|boxes| boxes[place]);
         found.unwrap_or_else(|| box_around(self[place].corners_px()))

@@ -1,8 +1,8 @@
 //! Assembly and transform: the mesh of one instance becomes vertices in clip space.
 //!
 //! Each mesh vertex is transformed once, however many triangles share it. The matrices of a draw are multiplied in f64
-//! and rounded once, so the product loses no precision for a model far from the origin. Parts that the plan leaves out
-//! are neither transformed nor stored.
+//! and rounded once, so the product loses no precision for a model far from the origin. Parts that the plan skips are
+//! neither transformed nor stored.
 
 use glam::{DMat4, Mat3, Mat4, Vec2, Vec3, Vec4};
 
@@ -13,18 +13,19 @@ use super::shade::{lambert, to_working_space};
 use crate::math::{Aabb, unit_or};
 use crate::scene::{Instance, Mesh};
 
-/// Attributes interpolated over a triangle besides position. Parts that the plan leaves out are zero.
+/// Attributes interpolated over a triangle besides position. Those that the plan skips are zero, except for a white
+/// colour.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Varyings {
-    /// World-space normal; of unit length at vertices only.
+    /// World-space normal, of unit length only at vertices.
     pub normal: Vec3,
-    /// Texture coordinates, v down.
+    /// Texture coordinates, with v pointing down.
     pub uv: Vec2,
     /// Vertex colour in the working colour space; white if the mesh has none.
     pub color: Vec3,
-    /// Light at the vertex (Gouraud only).
+    /// Light computed at the vertex, for Gouraud shading only.
     pub light: f32,
-    /// Weights of the three vertices of the unclipped triangle.
+    /// Barycentric weights of the three vertices of the unclipped triangle.
     pub source_weights: Vec3,
 }
 
@@ -42,14 +43,14 @@ impl Varyings {
     }
 }
 
-/// A vertex in clip space.
+/// Vertex in clip space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClipVertex {
-    /// Homogeneous position. Inside the frustum 0 ≤ z ≤ w, |x| ≤ w and |y| ≤ w.
+    /// Homogeneous position in clip space. Inside the frustum 0 ≤ z ≤ w, |x| ≤ w and |y| ≤ w.
     pub position: Vec4,
     /// Near or far plane of clip space on which clipping placed the vertex; `None` otherwise.
     pub cut_at: Option<ClipPlane>,
-    /// Attributes of the vertex.
+    /// Attributes of the vertex, to be interpolated.
     pub varyings: Varyings,
 }
 
@@ -60,7 +61,7 @@ impl ClipVertex {
     }
 }
 
-/// Matrices of one draw.
+/// Transform matrices of one draw.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrawMatrices {
     /// Transform from model space to clip space.
@@ -70,8 +71,8 @@ pub struct DrawMatrices {
 }
 
 impl DrawMatrices {
-    /// Returns the matrices of one instance. `clip_from_world` is [`crate::scene::Camera::clip_from_world_f64`], the same for all
-    /// instances.
+    /// Returns the matrices of one instance. `clip_from_world` is [`crate::scene::Camera::clip_from_world_f64`], the
+    /// same for all instances.
     pub fn new(instance: &Instance, clip_from_world: DMat4) -> Self {
         let product = Self::product(instance, clip_from_world);
         let linear = glam::DMat3::from_mat4(instance.world_from_model.as_dmat4());
@@ -146,7 +147,7 @@ pub(crate) struct Transformer<'a> {
 }
 
 impl<'a> Transformer<'a> {
-    /// Returns the transform for a mesh and the parts that its plan runs.
+    /// Returns the vertex transform of a mesh, for the parts that the plan runs.
     pub(crate) fn new(mesh: &'a Mesh, matrices: &'a DrawMatrices, settings: &'a Settings, plan: &DrawPlan) -> Self {
         let reads = |part| plan.runs(part);
         Self {
@@ -219,7 +220,7 @@ mod tests {
         assert_eq!(containment(Aabb::EMPTY, flat()), Containment::Outside);
     }
 
-    /// Orthographic: |x|, |y| ≤ 1, and −1 < z < 1 lies well inside.
+    /// Returns an orthographic matrix whose frustum is bounded by |x|, |y| ≤ 1; −1 < z < 1 lies well inside.
     fn flat() -> Mat4 {
         Mat4::from_cols(Vec4::X, Vec4::Y, Vec4::Z * 0.25, Vec4::new(0.0, 0.0, 0.5, 1.0))
     }

@@ -14,22 +14,22 @@ use crate::scene::{SubView, TriangleId};
 /// Corner of a triangle on the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScreenVertex {
-    /// Position in px, before snapping.
+    /// Position in pixels, before snapping.
     pub(crate) position_px: [f32; 2],
-    /// Snapped x, to the right, in 24.8 fixed point.
+    /// Snapped x coordinate in pixels, to the right, in 24.8 fixed point.
     pub x: i32,
-    /// Snapped y, downwards, in 24.8 fixed point.
+    /// Snapped y coordinate in pixels, downwards, in 24.8 fixed point.
     pub y: i32,
     /// Depth in [0, 1], before it is quantised.
     pub depth: f64,
-    /// 1/w, > 0.
+    /// Reciprocal of the clip-space w, greater than 0.
     pub inv_w: f32,
-    /// Interpolated attributes.
+    /// Attributes to be interpolated.
     pub varyings: Varyings,
 }
 
 impl ScreenVertex {
-    /// Returns a corner at a position in px, which is also snapped. `inv_w` is 1/w > 0.
+    /// Returns a corner at an unsnapped position in pixels, which is also snapped. `inv_w` is 1/w > 0.
     #[inline]
     pub(crate) fn at([x, y]: [f32; 2], depth: f64, inv_w: f32, varyings: Varyings) -> Self {
         Self { position_px: [x, y], x: snap(x) as i32, y: snap(y) as i32, depth, inv_w, varyings }
@@ -41,7 +41,7 @@ impl ScreenVertex {
 pub struct ScreenTriangle {
     /// Identifier of the scene triangle that it comes from; several pieces may share it.
     pub id: TriangleId,
-    /// Index of the instance that it belongs to.
+    /// Index of the instance that the triangle belongs to.
     pub instance: u32,
     /// Corners in the order of the mesh.
     pub vertices: [ScreenVertex; 3],
@@ -68,33 +68,34 @@ impl ScreenTriangle {
         Self { id, instance, vertices, doubled_area, depth, relative_inv_w }
     }
 
-    /// Returns the corners in px, before snapping.
+    /// Returns the corners in pixels, before snapping.
     pub fn corners_px(&self) -> [[f32; 2]; 3] {
         self.vertices.each_ref().map(|v| v.position_px)
     }
 
-    /// Returns the corners in px from which an arithmetic computes edges: snapped corners for fixed point, unsnapped
-    /// ones otherwise.
+    /// Returns the corners in pixels from which an arithmetic computes edges: snapped corners for fixed point,
+    /// unsnapped ones otherwise.
     pub(crate) fn corners_in(&self, arithmetic: Arithmetic) -> [[f32; 2]; 3] {
         if arithmetic == Arithmetic::Fixed { self.snapped_px() } else { self.corners_px() }
     }
 
-    /// Returns the snapped corners in px.
+    /// Returns the snapped corners in pixels.
     pub(crate) fn snapped_px(&self) -> [[f32; 2]; 3] {
         self.vertices.each_ref().map(|v| [to_pixels(v.x.into()), to_pixels(v.y.into())])
     }
 }
 
-/// Size of a picture, and the transform from clip space to its pixels.
+/// Size of a picture in pixels, which defines the transform from clip space to its pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Viewport {
-    /// Picture width in px.
+    /// Width of the picture in pixels.
     pub width: u32,
-    /// Picture height in px.
+    /// Height of the picture in pixels.
     pub height: u32,
 }
 
-/// Maximum side length of a picture, in px. It keeps coordinates well within the range of the rasterizer's fixed point.
+/// Maximum side length of a picture, in pixels. It keeps coordinates well within the range of the rasterizer's fixed
+/// point.
 pub(crate) const MAX_SIDE_PX: u32 = 16_384;
 
 /// Maximum number of pixels of a picture: enough for 8K (7680 × 4320). With every buffer kept, it takes about 2 GB of
@@ -102,7 +103,7 @@ pub(crate) const MAX_SIDE_PX: u32 = 16_384;
 pub(crate) const MAX_PIXELS: u64 = 1 << 25;
 
 impl Viewport {
-    /// Returns an error that explains why a picture of this size is not supported, if it is not.
+    /// Checks that a picture of this size is supported. Returns an error message if it is not.
     pub fn check(self) -> Result<(), String> {
         let sides = 1..=MAX_SIDE_PX;
         if !sides.contains(&self.width) || !sides.contains(&self.height) {
@@ -114,14 +115,14 @@ impl Viewport {
         Ok(())
     }
 
-    /// Returns width divided by height.
+    /// Returns the aspect ratio: width divided by height.
     pub fn aspect(self) -> f32 {
         self.width as f32 / self.height as f32
     }
 
     /// Returns the window that a picture of this size occupies in a view of `full` px. Pixel (i, j) of the picture lies
-    /// at ((i + ½) · step + origin) of that view, px. The last pixels may reach past the edge of the view, or end
-    /// before it.
+    /// at ((i + ½) · step + origin) of that view, in pixels. The last pixels may reach past the edge of the view, or
+    /// end before it.
     pub(crate) fn window(self, full: Self, step_px: f64, origin_px: [f64; 2]) -> SubView {
         let axis = |full: u32, own: u32, origin: f64| {
             let (full, own) = (f64::from(full), step_px * f64::from(own));
@@ -154,7 +155,7 @@ impl Viewport {
     }
 }
 
-/// Returns 1/w of a vertex, and its position times 1/w: normalised device coordinates, y up.
+/// Returns 1/w of a vertex, and its position divided by w: normalised device coordinates, y up.
 #[inline]
 pub(crate) fn divided(vertex: &ClipVertex) -> (f32, Vec3) {
     let inv_w = 1.0 / vertex.position.w;

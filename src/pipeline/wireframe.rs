@@ -11,10 +11,10 @@ use crate::image::{Image, Rgba8};
 use crate::math::fixed::to_pixels;
 use crate::scene::TriangleId;
 
-/// Luma, in codes, below which a pixel is dark and gets a light line.
+/// Luma, 0 to 255, below which a pixel counts as dark and gets a light line.
 const DARK_BELOW_LUMA: f32 = 110.0;
 
-/// Draws the edges of all `triangles`.
+/// Draws the edges of all `triangles` over a picture.
 pub(crate) fn overlay(triangles: &[ScreenTriangle], image: &mut Image<Rgba8>) {
     let mut on_line = Image::filled(image.width(), image.height(), false);
     for triangle in triangles {
@@ -29,12 +29,12 @@ pub(crate) fn overlay(triangles: &[ScreenTriangle], image: &mut Image<Rgba8>) {
     }
 }
 
-/// Returns the first of `triangles` with an edge over pixel (x, y) of a picture of `size` px.
+/// Returns the identifier of the first of `triangles` with an edge over pixel (x, y) of a picture of `size` px.
 pub(crate) fn crosses(triangles: &[ScreenTriangle], size: (u32, u32), pixel: (u32, u32)) -> Option<TriangleId> {
     triangles.iter().find(|t| edge_pixels(t, size).any(|p| p == pixel)).map(|t| t.id)
 }
 
-/// Returns the colour of a line over a pixel.
+/// Returns the colour of a line over a pixel, which contrasts with it.
 pub(crate) fn line_color(below: Rgba8) -> Rgba8 {
     if luma(below) < DARK_BELOW_LUMA { [232, 232, 232, 255] } else { [24, 24, 24, 255] }
 }
@@ -45,7 +45,7 @@ pub(crate) fn edge_pixels(triangle: &ScreenTriangle, size: (u32, u32)) -> impl I
     [(a, b), (b, c), (c, a)].into_iter().flat_map(move |(from, to)| line_pixels(from, to, size))
 }
 
-/// Returns the pixels of a line between two points, in px, within a picture of `size` px.
+/// Returns the pixels of a line between two points, given in pixels, within a picture of `size` px.
 pub(crate) fn line_pixels(
     from: (f64, f64),
     to: (f64, f64),

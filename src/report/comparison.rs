@@ -15,11 +15,11 @@ use crate::pipeline::viewport::{MAX_PIXELS, Viewport};
 /// Pixels of one part of a case.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct PixelComparison {
-    /// Pixel at the top left of the images; cases without an image size start where their pixels do.
+    /// Position of the top left pixel of the images in the case: (0, 0) if the case has an image size.
     pub(crate) origin: (i64, i64),
     /// Fraction of each pixel covered by the engine, in [0, 1].
     pub(crate) ours: Image<f32>,
-    /// Pixels covered by the exact answer; `None` for kinds of cases without one.
+    /// Pixels that the exact answer covers; `None` for kinds of cases without an exact answer.
     pub(crate) exact: Option<Image<bool>>,
     /// Vertices of the outlines of the shapes in this part, in pixels.
     pub(crate) outlines: Vec<Vec<[f64; 2]>>,
@@ -28,13 +28,13 @@ pub(crate) struct PixelComparison {
 /// Agreement of the engine and the exact answer on one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Agreement {
-    /// Covered by neither.
+    /// Pixel that neither the engine nor the exact answer covers.
     Outside,
-    /// Covered by both, or by the engine if there is no exact answer.
+    /// Pixel that both cover, or that the engine covers if there is no exact answer.
     Covered,
-    /// Covered by the engine but not by the exact answer.
+    /// Pixel that the engine covers but not the exact answer.
     Extra,
-    /// Covered by the exact answer but not by the engine.
+    /// Pixel that the exact answer covers but not the engine.
     Missing,
 }
 
@@ -50,13 +50,13 @@ pub(crate) enum DisplayedResult {
 /// Maximum length of a numeric answer, in bytes.
 const MAX_TEXT_BYTES: usize = 1 << 20;
 
-/// Maximum length of a line of that text in bytes, unless a single number is longer.
+/// Maximum length of a line of a numeric answer, in bytes; only a single longer number may exceed it.
 const MAX_LINE_BYTES: usize = 160;
 
 /// Maximum number of outline vertices; larger outlines are omitted.
 const MAX_OUTLINE_CORNERS: usize = 1 << 14;
 
-/// Computes part number `part` of a case and none of its other parts. Returns `None` if cancelled.
+/// Computes only part `part` of a case. Returns `None` if cancelled.
 pub(crate) fn show(case: &Case, part: usize, options: Options, control: &Control<'_>) -> Option<DisplayedResult> {
     let told = |reason: String| DisplayedResult::Text(vec![reason]);
     match pixels_or_numbers(case, part, options, control) {
@@ -160,7 +160,7 @@ impl PixelComparison {
         pixels.map_or_else(|reason| DisplayedResult::Text(vec![reason]), DisplayedResult::Pixels)
     }
 
-    /// Creates an image that just fits the pixels, with a margin of one pixel.
+    /// Creates an image that encloses the pixels, with a margin of one pixel.
     fn of_pixels(pixels: impl Iterator<Item = (i64, i64)> + Clone) -> Result<Self, String> {
         let range = |coordinate: fn((i64, i64)) -> i64| {
             let all = pixels.clone().map(coordinate);
@@ -209,20 +209,20 @@ impl PixelComparison {
 /// Maximum number of differing pixels whose positions are listed.
 const MAX_DIFFERING: usize = 1 << 16;
 
-/// Pixel counts of a comparison.
+/// Pixel counts of a comparison between the engine and the exact answer.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct PixelCounts {
     /// Number of pixels covered by the engine, at least partly.
     pub(crate) covered: u64,
     /// Number of pixels covered by the engine or by the exact answer.
     pub(crate) concerned: u64,
-    /// Number of pixels covered by only one of them.
+    /// Number of pixels covered by only one of the engine and the exact answer.
     pub(crate) differing: u64,
     /// Columns and rows of the first differing pixels in row-major order, at most 65 536.
     pub(crate) first: Vec<(u32, u32)>,
 }
 
-/// Sets the pixels of a span.
+/// Sets the pixels of a span to a value.
 fn fill<T: Copy>(image: &mut Image<T>, span: Span, value: T) {
     let start = span.row as usize * image.width() as usize;
     image.pixels_mut()[start + span.left as usize..start + span.right as usize].fill(value);
@@ -300,7 +300,7 @@ mod tests {
     }
 
     fn pixels(case: &Case, options: Options) -> PixelComparison {
-        let DisplayedResult::Pixels(comparison) = shown(case, 0, options) else { panic!("told in words") };
+        let DisplayedResult::Pixels(comparison) = shown(case, 0, options) else { panic!("not pixels") };
         comparison
     }
 
@@ -316,21 +316,21 @@ mod tests {
         };
         assert_eq!(wrong(Rasterizer::Tiled), 0);
         assert!(wrong(Rasterizer::ScanlinePublished) > 0);
-        let DisplayedResult::Pixels(other) = shown(&case, 1, Options::default()) else { panic!("told in words") };
-        assert_eq!(other.figures().concerned, 0, "there is but one triangle");
+        let DisplayedResult::Pixels(other) = shown(&case, 1, Options::default()) else { panic!("not pixels") };
+        assert_eq!(other.figures().concerned, 0, "there is only one triangle");
     }
 
     #[test]
-    fn lines_are_shown_where_they_are() {
+    fn lines_are_shown_at_their_position() {
         let case = case(r#"{"id":"l","kind":"line","p0":[-3,7],"p1":[-1,8],"last_pixel":true}"#);
         let shown = pixels(&case, Options::default());
         assert_eq!((shown.origin, shown.figures().covered, shown.exact), ((-4, 6), 3, None));
     }
 
     #[test]
-    fn what_no_picture_shows_is_told_in_numbers() {
+    fn answers_without_an_image_are_shown_as_numbers() {
         let case = case(r#"{"id":"d","kind":"depth","mapping":"standard","format":"f32","near":1,"far":3,"z":[1,2]}"#);
-        let DisplayedResult::Text(told) = shown(&case, 0, Options::default()) else { panic!("shown as pixels") };
+        let DisplayedResult::Text(told) = shown(&case, 0, Options::default()) else { panic!("not text") };
         assert!(told[0].contains("`case`") && told[2].contains("0.75"), "{told:?}");
     }
 
@@ -340,7 +340,7 @@ mod tests {
         let case = case(&format!(
             r#"{{"id":"d","kind":"depth","mapping":"standard","format":"f32","near":1,"far":3,"z":[{z}]}}"#
         ));
-        let DisplayedResult::Text(told) = shown(&case, 0, Options::default()) else { panic!("shown as pixels") };
+        let DisplayedResult::Text(told) = shown(&case, 0, Options::default()) else { panic!("not text") };
         assert!(told.iter().all(|line| line.len() <= MAX_LINE_BYTES), "a line is too long");
         assert!(told.iter().map(String::len).sum::<usize>() < MAX_TEXT_BYTES + 1000);
         assert!(told.last().unwrap().starts_with("… and more"), "{:?}", told.last());
@@ -356,12 +356,12 @@ mod tests {
         ));
         let options = Options { rasterizer: Rasterizer::Scanline, ..Options::default() };
         assert!(answer(&case, options, &Control::default()).is_err());
-        let DisplayedResult::Pixels(last) = shown(&case, 19_999, options) else { panic!("told in words") };
+        let DisplayedResult::Pixels(last) = shown(&case, 19_999, options) else { panic!("not pixels") };
         assert!(last.ours.at(100, 100) == 1.0 && last.ours.at(16_383, 2_047) == 0.0);
     }
 
     #[test]
-    fn pixels_that_either_covers_are_concerned() {
+    fn pixels_that_either_covers_are_counted_as_concerned() {
         let (ours, exact) =
             (Image::from_pixels(3, 1, vec![1.0, 0.0, 0.0]), Image::from_pixels(3, 1, vec![true, true, false]));
         let comparison = PixelComparison { origin: (0, 0), ours, exact: Some(exact), outlines: Vec::new() };

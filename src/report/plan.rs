@@ -8,22 +8,22 @@ use crate::pipeline::plan::{CullStats, DrawPlan, PipelinePart, PlanStep};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Scene, Transparency};
 
-/// One part of the work, of some draws or of the whole frame.
+/// One part of the work of some draws or of the whole frame, and whether it runs.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub(crate) struct PlanEntry<P = PipelinePart> {
-    /// Part of the work.
+    /// Part of the work of a draw or of the whole frame.
     pub(crate) part: P,
-    /// Whether the part runs.
+    /// Whether the part runs in this frame.
     pub(crate) runs: bool,
     /// Reason why the part is skipped; `None` if it runs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) reason: Option<&'static str>,
 }
 
-/// Draws with equal plans.
+/// Draws of a frame whose plans are equal.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub(crate) struct DrawGroup {
-    /// Number of draws.
+    /// Number of draws in the group.
     pub(crate) draws: usize,
     /// Names of the instances, in scene order.
     pub(crate) names: Vec<String>,
@@ -31,22 +31,22 @@ pub(crate) struct DrawGroup {
     pub(crate) transparency: Transparency,
     /// Number of culled clusters by reason, and of all clusters, over the draws that cull any.
     pub(crate) clusters: CullStats,
-    /// All parts, in pipeline order.
+    /// All parts of these draws, in pipeline order.
     pub(crate) parts: Vec<PlanEntry>,
 }
 
 /// Work of a frame besides its draws.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub(crate) struct WholeFrame {
-    /// Number of rasterized pixels.
+    /// Number of pixels that are rasterized.
     pub(crate) rasterized_pixels: u64,
-    /// Number of pixels in the image.
+    /// Number of pixels in the finished image.
     pub(crate) pixels: u64,
-    /// All parts, in pipeline order.
+    /// All parts of the frame besides its draws, in pipeline order.
     pub(crate) parts: Vec<PlanEntry<FramePart>>,
 }
 
-/// Describes the work of a frame besides its draws, if its depth buffer is not read afterwards.
+/// Describes the work of a frame besides its draws, assuming that its depth buffer is not read afterwards.
 pub(crate) fn whole(scene: &Scene, recipe: &Recipe, viewport: Viewport) -> WholeFrame {
     WholeFrame {
         rasterized_pixels: rasterized_pixels(recipe, viewport),
@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn draws_that_agree_are_told_together_and_none_twice() {
+    fn draws_with_equal_plans_are_grouped_and_none_is_listed_twice() {
         let groups = of("stained-glass");
         let names: Vec<_> = groups.iter().flat_map(|g| g.names.iter().map(String::as_str)).collect();
         assert_eq!(names.len(), builtin::by_id("stained-glass").unwrap().build().instances.len());
@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn the_whole_frame_is_told_with_what_it_does_without() {
+    fn the_frame_lists_its_skipped_parts() {
         let scene = builtin::by_id("triangle").unwrap().build();
         let mut recipe = Recipe::default();
         recipe.set_all(&["upscaler.method=nearest", "upscaler.scale=4"]).unwrap();
@@ -160,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn a_group_is_told_with_every_part_and_few_names() {
+    fn a_group_lists_every_part_and_a_few_names() {
         let [all] = &of("triangle")[..] else { panic!("one mesh") };
         assert!(text(all).starts_with("1 draw: "), "{}", text(all));
         let cubes = of("cubes");

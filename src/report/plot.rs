@@ -4,26 +4,26 @@ use std::fmt::Write as _;
 
 use super::html::escaped;
 
-/// Width and height of a plot, in SVG units.
+/// Width of a plot in SVG units; [`HEIGHT`] is its height.
 pub(super) const WIDTH: f64 = 720.0;
 pub(super) const HEIGHT: f64 = 430.0;
 
-/// Margins around the plot area for the axes, in SVG units.
+/// Left margin of the plot area for the axis, in SVG units. [`RIGHT`], [`TOP`] and [`BOTTOM`] are the other margins.
 pub(super) const LEFT: f64 = 62.0;
 pub(super) const RIGHT: f64 = 16.0;
 pub(super) const TOP: f64 = 12.0;
 pub(super) const BOTTOM: f64 = 46.0;
 
-/// Height of the lane below a logarithmic axis in which errors of 0 are drawn.
+/// Height of the lane below a logarithmic axis in which errors of 0 are drawn, in SVG units.
 pub(super) const ZERO_LANE: f64 = 34.0;
 
-/// Average width of a label character.
+/// Average width of a label character, in SVG units.
 pub(super) const LETTER: f64 = 5.9;
 
-/// Line height of a label.
+/// Line height of a label, in SVG units.
 pub(super) const LINE: f64 = 13.0;
 
-/// Radius of a marker.
+/// Radius of a marker, in SVG units.
 pub(super) const MARK: f64 = 4.5;
 
 /// Range of an axis, in values or in their decimal logarithms.
@@ -80,7 +80,7 @@ impl PlotAxis {
 pub(super) struct Plot {
     pub(super) x: PlotAxis,
     pub(super) y: PlotAxis,
-    /// Height at the bottom that the vertical axis does not use.
+    /// Height at the bottom of the plot area that the vertical axis leaves free, in SVG units.
     pub(super) lane: f64,
 }
 

@@ -8,7 +8,7 @@ use super::plot::{MARK, Plot, PlotAxis, svg};
 use crate::measure::machine::Machine;
 use crate::measure::scaling::{Scaling, ScalingPoint, ScalingQuantity, Series};
 
-/// Styles specific to this page.
+/// CSS rules specific to this page.
 const STYLE: &str = "svg .points { fill: none; stroke: var(--c0); stroke-width: 2; } svg .mark { fill: var(--c0); } \
     svg .bar { stroke: var(--c0); opacity: 0.55; } svg .line { fill: none; stroke: var(--soft); stroke-dasharray: 5 4; }\n\
     table.rows td, table.rows th { text-align: right; padding: 3px 10px; }\n";
@@ -17,7 +17,7 @@ const STYLE: &str = "svg .points { fill: none; stroke: var(--c0); stroke-width: 
 struct QuantityDescription {
     title: &'static str,
     of: &'static str,
-    /// Singular noun for the quantity.
+    /// Singular noun for the quantity, such as "triangle".
     one: &'static str,
 }
 
@@ -47,8 +47,8 @@ fn speed_up(series: &Series, point: &ScalingPoint) -> Option<f64> {
     Some(series.points.first()?.ms.median / point.ms.median)
 }
 
-/// Describes the line through the ends of a series, or the speed-up by threads. Returns `None` for a series over
-/// threads with only one thread.
+/// Describes the line through the ends of a series, or the speed-up by threads, in one or two sentences. Returns `None`
+/// for a series over threads with only one thread.
 pub(crate) fn finding(series: &Series) -> Option<String> {
     let QuantityDescription { one, .. } = view(series.quantity);
     if series.quantity == ScalingQuantity::Threads {
@@ -87,11 +87,11 @@ pub(crate) fn guide(series: &Series) -> Vec<(f64, f64)> {
     along.filter_map(|value| Some((value, ms(value)?))).collect()
 }
 
-/// Describes the curve of [`guide`].
+/// Describes the curve of [`guide`] in a sentence.
 fn guide_words(quantity: ScalingQuantity) -> &'static str {
     match quantity {
         ScalingQuantity::Threads => "Dashed: ideal scaling, n threads n times as fast as one.",
-        _ => "Dashed: fixed cost plus the same cost for each, through the first and the last point.",
+        _ => "Dashed: a fixed cost plus the same cost for each additional one, through the first and the last point.",
     }
 }
 
@@ -146,7 +146,7 @@ fn short(value: f64) -> String {
     format!("{scaled:.digits$}{unit}")
 }
 
-/// Formats the tables for a terminal.
+/// Formats the scaling report as tables for a terminal.
 pub(crate) fn text(scaling: &Scaling) -> String {
     let [width, height] = scaling.size;
     let mut text =
@@ -155,7 +155,7 @@ pub(crate) fn text(scaling: &Scaling) -> String {
         let QuantityDescription { title, of, .. } = view(series.quantity);
         // Threads share the work, so cost per thread is meaningless.
         let by_threads = series.quantity == ScalingQuantity::Threads;
-        let each = if by_threads { String::new() } else { format!("{:>12} {:>14} ", "ns each", "ns each more") };
+        let each = if by_threads { String::new() } else { format!("{:>12} {:>14} ", "ns per unit", "ns per extra") };
         let _ = write!(
             text,
             "\n{title}: {of}\n{:>12} {:>10} {:>10} {:>10} {each}{:>10}\n",
@@ -189,7 +189,7 @@ pub(crate) fn text(scaling: &Scaling) -> String {
     text
 }
 
-/// Formats one CSV line per point; the cost per thread is left empty.
+/// Formats the scaling report as CSV, one line per point; the cost per thread is left empty.
 pub(crate) fn csv(scaling: &Scaling) -> String {
     let mut csv = "quantity,value,rounds,ms,p10,p90,ns_each,bytes\n".to_owned();
     for (series, point) in scaling.series.iter().flat_map(|s| s.points.iter().map(move |point| (s, point))) {
@@ -213,7 +213,7 @@ pub(crate) fn csv(scaling: &Scaling) -> String {
     csv
 }
 
-/// Formats the HTML page.
+/// Formats the scaling report as an HTML page.
 pub(crate) fn page(scaling: &Scaling) -> String {
     let [width, height] = scaling.size;
     let machine = Machine::at_start();
@@ -327,7 +327,7 @@ mod tests {
     }
 
     #[test]
-    fn fixed_and_growing_cost_are_told_in_words() {
+    fn fixed_and_growing_costs_are_described() {
         let scaling = scaling();
         assert_eq!(
             finding(&scaling.series[0]).unwrap(),
@@ -336,7 +336,7 @@ mod tests {
         );
         assert_eq!(finding(&scaling.series[1]).unwrap(), "2 threads are 1.60 times as fast as one.");
         let alone = Series { points: scaling.series[1].points[..1].to_vec(), ..scaling.series[1].clone() };
-        assert_eq!(finding(&alone), None, "one thread is held against no other");
+        assert_eq!(finding(&alone), None, "one thread has nothing to be compared with");
         assert!(text(&scaling).contains("        1000      3.000"), "{}", text(&scaling));
     }
 
@@ -349,7 +349,7 @@ mod tests {
     }
 
     #[test]
-    fn partial_results_are_marked_in_every_form() {
+    fn partial_results_are_marked_in_every_format() {
         let partial = Scaling { partial: true, ..scaling() };
         for form in [text, csv, page] {
             assert!(
@@ -359,10 +359,10 @@ mod tests {
     }
 
     #[test]
-    fn threads_have_no_cost_of_one() {
+    fn threads_have_no_cost_per_thread() {
         let (text, csv) = (text(&scaling()), csv(&scaling()));
         let (triangles, threads) = text.split_once("Threads:").unwrap();
-        assert!(triangles.contains("ns each") && !threads.contains("ns each"), "{text}");
+        assert!(triangles.contains("ns per unit") && !threads.contains("ns per unit"), "{text}");
         let cells: Vec<_> = csv.lines().map(|line| line.split(',').nth(6).unwrap()).collect();
         assert_eq!(cells, ["ns_each", "3000", "1400", "", ""]);
         assert!(csv.lines().all(|line| line.split(',').count() == 8), "{csv}");
@@ -382,7 +382,7 @@ mod tests {
     }
 
     #[test]
-    fn a_series_is_held_against_the_line_through_its_ends_or_against_ideal_threads() {
+    fn the_reference_is_the_line_through_the_ends_or_ideal_scaling() {
         let scaling = scaling();
         let of = |place: usize| guide(&scaling.series[place]);
         let near = |(value, ms): (f64, f64), (x, y): (f64, f64)| (value - x).abs() < 1e-6 && (ms - y).abs() < 1e-6;
@@ -392,7 +392,7 @@ mod tests {
     }
 
     #[test]
-    fn large_numbers_are_written_as_people_do() {
+    fn large_numbers_are_written_readably() {
         assert_eq!(
             [0.5, 12.34, 999.6, 25_000.0, 3_210_000.0].map(short),
             ["0.50", "12.3", "1000", "25.0 thousand", "3.21 million"]

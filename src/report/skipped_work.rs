@@ -9,10 +9,10 @@ use crate::pipeline::viewport::Viewport;
 use crate::scene::builtin::workload::sheet;
 use crate::scene::{Camera, Scene, builtin};
 
-/// Measurement of one scene.
+/// Savings from skipped work in one scene.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct SceneSavings {
-    /// Short name of the view.
+    /// Short name of the view, the first column of the table.
     pub(crate) scene: &'static str,
     /// Savings from skipped work in this view.
     pub(crate) savings: Savings,
@@ -43,7 +43,7 @@ pub(crate) fn views() -> Vec<(&'static str, Scene, Camera)> {
     views
 }
 
-/// Parts that can be forced, with their column headings.
+/// Pipeline parts that can be forced to run, with their column headings.
 const COLUMNS: [(PipelinePart, &str); 7] = [
     (PipelinePart::Vertices, "vertices"),
     (PipelinePart::EveryCluster, "clusters"),
@@ -54,7 +54,7 @@ const COLUMNS: [(PipelinePart, &str); 7] = [
     (PipelinePart::VertexColors, "colours"),
 ];
 
-/// Formats the table, with a legend below.
+/// Formats the table of savings, with a legend below.
 pub(crate) fn table(rows: &[SceneSavings], Viewport { width, height }: Viewport, threads: usize) -> String {
     let rounds = rows.first().map_or(0, |row| row.savings.planned_ms.n);
     let unit = if threads == 1 { "thread" } else { "threads" };
@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cell_tells_what_is_saved_or_why_nothing_is() {
+    fn a_cell_shows_the_saving_or_why_there_is_none() {
         let rows = [
             SceneSavings {
                 scene: "one",

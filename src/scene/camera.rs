@@ -19,42 +19,43 @@ use crate::math::{Aabb, unit_or};
 pub enum Projection {
     /// Perspective projection: distant objects appear smaller.
     Perspective {
-        /// Vertical field of view, radians.
+        /// Vertical field of view, in radians.
         fov_y: f32,
     },
     /// Orthographic projection: parallel lines stay parallel.
     Orthographic {
-        /// Height of the visible volume, world units.
+        /// Height of the visible volume, in world units.
         height: f32,
     },
 }
 
-/// View of a scene.
+/// View of a scene: position, direction, projection, and near and far planes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Camera {
-    /// Eye position, world space.
+    /// Position of the eye, in world space.
     pub eye: Vec3,
-    /// Point that the camera looks at, world space; also the centre of orbiting.
+    /// Point that the camera looks at and orbits around, in world space.
     pub target: Vec3,
-    /// Approximate up direction, world space; need not be perpendicular to the line of sight.
+    /// Approximate up direction, in world space. It need not be perpendicular to the line of sight.
     pub up: Vec3,
     /// Perspective or orthographic projection.
     pub projection: Projection,
-    /// Distance of the near plane from the eye, world units, > 0.
+    /// Distance of the near plane from the eye, in world units; greater than 0.
     pub near: f32,
-    /// Distance of the far plane from the eye, world units, > near. [`DepthMapping::ReversedInfinite`] ignores it in
-    /// perspective.
+    /// Distance of the far plane from the eye, in world units; greater than `near`. In perspective,
+    /// [`DepthMapping::ReversedInfinite`] ignores it.
     pub far: f32,
-    /// Mapping from the view's picture to the picture that is drawn; `None` if they coincide. Not saved with a view.
+    /// Mapping from the view's picture to the picture that is drawn; `None` if they coincide. It is not saved with a
+    /// view.
     #[serde(skip)]
     pub sub_view: Option<SubView>,
 }
 
-/// Picture whose rectangle differs from that of the view. Examples are a low-resolution picture whose last pixels
-/// extend past the edge, and one shifted by a fraction of a pixel.
+/// Drawn picture whose rectangle differs from that of the view. Examples are a low-resolution picture whose last pixels
+/// extend past the edge, and a picture shifted by a fraction of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SubView {
-    /// Aspect ratio of the view, width over height.
+    /// Aspect ratio of the view: width over height.
     pub aspect: f32,
     /// Scale in x and y, from normalised device coordinates of the view to those of the drawn picture.
     pub scale: [f32; 2],
@@ -69,11 +70,11 @@ impl SubView {
     }
 }
 
-/// Default vertical field of view: 45°, about what a 50 mm lens sees along the diagonal of a 35 mm film.
+/// Default vertical field of view: 45°, about that of a 50 mm lens along the diagonal of 35 mm film.
 pub const DEFAULT_FOV_Y: f32 = FRAC_PI_4;
 
-/// Minimum angle between the line of sight and the up vector when orbiting, radians. At the pole the up vector would
-/// become meaningless.
+/// Minimum angle between the line of sight and the up vector when orbiting, in radians. At the poles, the up vector
+/// would not define a rotation.
 const POLE_MARGIN: f32 = 0.01;
 
 impl Camera {
@@ -119,8 +120,8 @@ impl Camera {
         }
     }
 
-    /// Creates a view whose cone of sight touches the bounding sphere of `bounds`. The cone fits the narrower side of
-    /// the picture.
+    /// Creates a view whose view cone touches the bounding sphere of `bounds`. The cone fits the narrower side of the
+    /// picture.
     fn fit_into(bounds: Aabb, direction: Vec3, aspect: f32) -> Self {
         let (center, radius) = if bounds.is_empty() { (Vec3::ZERO, 1.0) } else { (bounds.center(), bounds.radius()) };
         // The clamp keeps the planes and distances derived from the radius finite.
@@ -134,7 +135,7 @@ impl Camera {
         }
     }
 
-    /// Returns the distance from the eye to the target, world units.
+    /// Returns the distance from the eye to the target, in world units.
     pub fn distance(&self) -> f32 {
         self.eye.as_dvec3().distance(self.target.as_dvec3()) as f32
     }
@@ -144,8 +145,8 @@ impl Camera {
         unit_or(self.target.as_dvec3() - self.eye.as_dvec3(), Vec3::NEG_Z)
     }
 
-    /// Returns the unit vector to the right in the picture. Uses another up vector if the given one is parallel to the
-    /// line of sight.
+    /// Returns the unit vector that points right in the picture. Uses another up vector if `up` is parallel to the line
+    /// of sight.
     pub fn right(&self) -> Vec3 {
         let forward = self.forward();
         let right = forward.cross(self.up.normalize_or(Vec3::Y));
@@ -180,9 +181,9 @@ impl Camera {
     /// Returns the matrix from view space to clip space, where z/w is the depth of `mapping`. `aspect` is width over
     /// height.
     ///
-    /// In perspective, [`DepthMapping::Linear`] is no quotient of z and w, so z serves only for clipping. It uses the
-    /// reversed z, which f32 represents well at both planes. With the standard z, f/n above 2²⁴ rounds z to w and loses
-    /// the far plane.
+    /// In perspective, the depth of [`DepthMapping::Linear`] is not a quotient of z and w, so z serves only for
+    /// clipping. It is the reversed z, which f32 represents well at both planes. With the standard z, far/near above
+    /// 2²⁴ rounds z to w and loses the far plane.
     ///
     /// Entries are computed in f64 and rounded once (Upchurch and Desbrun, "Tightening the Precision of Perspective
     /// Rendering", 2012).
@@ -222,7 +223,7 @@ impl Camera {
         self.sub_view.map_or(m, |window| window.clip_from_clip() * m)
     }
 
-    /// Whether the far plane is at z = 0 in clip space; otherwise the near plane is there.
+    /// Whether z = 0 in clip space is the far plane instead of the near plane.
     pub(crate) fn has_zero_at_far(&self, mapping: DepthMapping) -> bool {
         let is_perspective = matches!(self.projection, Projection::Perspective { .. });
         mapping.is_reversed() || (mapping == DepthMapping::Linear && is_perspective)
@@ -233,13 +234,14 @@ impl Camera {
         self.clip_from_view(aspect, mapping) * self.view_from_world()
     }
 
-    /// Returns the view of a scene mirrored in z that corresponds to this view of the original.
+    /// Returns the view of the scene mirrored in z that corresponds to this view of the original scene.
     pub(crate) fn mirrored_z(self) -> Self {
         let mirror = Vec3::new(1.0, 1.0, -1.0);
         Self { eye: self.eye * mirror, target: self.target * mirror, up: self.up * mirror, ..self }
     }
 
-    /// Orbits the eye around the target, `yaw` to the right and `pitch` upwards, radians. Stops short of the poles.
+    /// Orbits the eye around the target by `yaw` to the right and `pitch` upwards, in radians. Stops short of the
+    /// poles.
     pub fn orbit(&mut self, yaw: f32, pitch: f32) {
         let up = self.up.normalize_or(Vec3::Y);
         let offset = self.eye - self.target;
@@ -251,7 +253,7 @@ impl Camera {
     }
 
     /// Pans eye and target in the picture plane, so that the target follows the pointer. `offset` is in units of the
-    /// picture's height, y down.
+    /// picture's height, with y pointing down.
     pub(crate) fn pan(&mut self, offset: Vec2) {
         let right = self.right();
         let up = right.cross(self.forward());
@@ -273,8 +275,8 @@ impl Camera {
         }
     }
 
-    /// Returns the minimum distance between eye and target, world units. Any closer, rounding of their coordinates
-    /// would change the line of sight.
+    /// Returns the minimum distance between eye and target, in world units. At smaller distances, rounding of their
+    /// coordinates would change the line of sight.
     fn min_distance(&self) -> f32 {
         (self.eye.abs().max(self.target.abs()).max_element() * 1e-5).max(1e-30)
     }
@@ -288,7 +290,7 @@ impl Camera {
         self.target += shift;
     }
 
-    /// Returns the visible height at the target's distance, world units.
+    /// Returns the height of the visible volume at the target's distance, in world units.
     pub(crate) fn visible_height(&self) -> f32 {
         match self.projection {
             Projection::Perspective { fov_y } => 2.0 * self.distance() * (fov_y * 0.5).tan(),
@@ -324,8 +326,8 @@ impl Camera {
         }
     }
 
-    /// Checks that the view can be rendered. Errors: values that are not finite or out of range, or eye and target
-    /// coincide.
+    /// Checks that the view can be rendered. Returns an error if values are not finite or out of range, or if eye and
+    /// target coincide.
     pub fn check(&self) -> Result<(), String> {
         let Self { eye, target, up, projection, near, far, sub_view: _ } = *self;
         if !(eye.is_finite() && target.is_finite() && up.is_finite()) {
@@ -441,7 +443,7 @@ mod tests {
     }
 
     #[test]
-    fn coming_ever_closer_keeps_the_line_of_sight() {
+    fn repeated_dollying_keeps_the_line_of_sight() {
         for target in [Vec3::ZERO, Vec3::new(3.0, -70.0, 0.1)] {
             for orthographic in [false, true] {
                 let mut camera =
@@ -459,7 +461,7 @@ mod tests {
     }
 
     #[test]
-    fn views_from_which_nothing_can_be_drawn_are_told_apart() {
+    fn invalid_views_are_rejected() {
         let good = Camera::look_at(Vec3::Z, Vec3::ZERO);
         assert_eq!((good.check(), good.with_orthographic(true).check()), (Ok(()), Ok(())));
         for bad in [

@@ -13,10 +13,10 @@ use serde::{Deserialize, Serialize};
 use super::{Camera, Projection, SceneError};
 use crate::{disk, text};
 
-/// Maximum file size, in bytes; typical files have a few hundred.
+/// Maximum size of a camera file, in bytes. Typical files have a few hundred.
 const MAX_BYTES: u64 = 1 << 20;
 
-/// Serialized form of a view.
+/// Serialized form of a [`Camera`].
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 struct CameraFile {
@@ -71,19 +71,20 @@ impl From<&Camera> for CameraFile {
     }
 }
 
-/// Serializes a view as one line of JSON, the format of [`parse`] and [`read`].
+/// Serializes a view as one line of JSON, which [`parse`] and [`read`] accept.
 pub fn text(camera: &Camera) -> String {
     // All fields are plain numbers, so serialization cannot fail.
     serde_json::to_string(&CameraFile::from(camera)).unwrap_or_default()
 }
 
-/// Parses a view from JSON text. Errors: malformed JSON or unknown fields, or a view that [`Camera::check`] rejects.
+/// Parses a view from JSON text. Returns an error for malformed JSON, unknown fields, or a view that [`Camera::check`]
+/// rejects.
 pub fn parse(text: &str) -> Result<Camera, String> {
     serde_json::from_str::<CameraFile>(text).map_err(|error| error.to_string()).and_then(Camera::try_from)
 }
 
-/// Reads a view from a file. Errors: not a regular file of at most 1 MiB, malformed JSON or unknown fields, or a view
-/// that [`Camera::check`] rejects.
+/// Reads a view from a regular file of at most 1 MiB. Returns an error for an unreadable file, malformed JSON, unknown
+/// fields, or a view that [`Camera::check`] rejects.
 pub(crate) fn read(path: &Path) -> Result<Camera, SceneError> {
     let bytes =
         disk::read(path, MAX_BYTES).map_err(|source| SceneError::Unreadable { path: path.to_owned(), source })?;
@@ -108,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn a_view_is_read_as_written_and_up_is_y_unless_told() {
+    fn a_view_is_read_as_written_and_up_defaults_to_y() {
         let text = r#"{"eye": [1, 2, 3], "target": [0, 0, 0], "fov_y_degrees": 90, "near": 0.5, "far": 10}"#;
         let camera = read_text(text).unwrap();
         assert_eq!((camera.eye, camera.up, camera.near, camera.far), (Vec3::new(1.0, 2.0, 3.0), Vec3::Y, 0.5, 10.0));
@@ -116,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_said_with_its_place() {
+    fn error_messages_name_the_position_and_the_cause() {
         for (text, message) in [
             ("", ":1: EOF while parsing a value"),
             ("{\n\"lens\": 3}", ":2: unknown field `lens`"),
@@ -136,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn a_view_comes_back_from_its_text_bit_for_bit() {
+    fn a_view_survives_a_round_trip_through_text_bit_for_bit() {
         let mut camera = Camera::look_at(Vec3::new(0.1, -2.0, 1e-7), Vec3::new(1.0 / 3.0, 0.0, 5e6));
         let angles = (1..300).map(|step| Projection::Perspective { fov_y: step as f32 * 0.010_432_1 });
         for projection in angles.chain([Projection::Orthographic { height: 0.7 }]) {
@@ -150,7 +151,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn what_may_never_end_is_not_opened() {
+    fn files_that_are_not_regular_are_not_opened() {
         let error = read(Path::new("/dev/zero")).unwrap_err().to_string();
         assert!(error.contains("not a regular file"), "{error}");
     }

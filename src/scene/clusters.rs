@@ -1,10 +1,9 @@
 //! Clusters of a mesh: runs of consecutive triangles, each with a bounding box and bounds of its triangle planes, for
 //! culling as a whole.
 //!
-//! Triangles keep their order, because it decides which is drawn first at equal depth, and identifiers depend on it.
-//! Most meshes list neighbours next to each other, so runs are spatially compact. Otherwise the boxes of the runs are
-//! nearly as large as the box of the mesh, and nothing is culled. The only cost is then one box test per [`CLUSTER`]
-//! triangles.
+//! Triangles keep their order, because it decides depth ties and defines the triangle ids. Most meshes list neighbours
+//! next to each other, so runs are spatially compact. Otherwise the boxes of the runs are nearly as large as the box of
+//! the mesh, and nothing is culled. The only cost is then one box test per [`CLUSTER`] triangles.
 
 use std::ops::Range;
 
@@ -16,11 +15,11 @@ use crate::math::lanes::LANES;
 /// Number of triangles per cluster, a multiple of the SIMD lane count.
 pub(crate) const CLUSTER: usize = 128;
 
-/// Number of vertices that are processed or skipped together, a multiple of the SIMD lane count.
+/// Number of vertices per block, which is processed or skipped as a whole; a multiple of the SIMD lane count.
 pub(crate) const BLOCK: usize = 32;
 
 /// Maximum number of block ranges per cluster. A cluster with more is treated as referring to all blocks from its first
-/// to its last. Neighbours in a row of a grid refer to that row of vertices and to the next.
+/// to its last. A cluster in a row of a grid needs two ranges: one for that row of vertices and one for the next.
 const MAX_RANGES: usize = 8;
 
 /// Minimum number of clusters per mesh. Smaller meshes have no clusters, because culling them would save little.
@@ -32,15 +31,16 @@ pub(crate) type Boxes = [[[f32; LANES]; 3]; 2];
 /// Bounds of the triangle planes of eight clusters in model space, in SIMD layout.
 ///
 /// A plane is n·p = d, where the unit normal n points to the side from which the triangle appears counter-clockwise.
-/// Triangles with two coincident corners are excluded, because they never have an area.
+/// Triangles with two coincident corners are excluded, because they have no area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ClusterPlanes {
-    /// Conservative lower and upper bounds of each component of n.
+    /// Conservative lower and upper bounds of each component of the unit normals n.
     pub(crate) normals: [[[f32; LANES]; 3]; 2],
-    /// Conservative lower and upper bounds of d, model units.
+    /// Conservative lower and upper bounds of the plane offsets d, in model units.
     pub(crate) offsets: [[f32; LANES]; 2],
-    /// Lower bound of the triangles' altitudes, model units: twice the area over the longest edge. 0 if the cluster has
-    /// triangles too thin for reliable normals, or no usable triangles; the plane bounds are then invalid.
+    /// Lower bound of the triangles' altitudes, in model units. The altitude is twice the area divided by the longest
+    /// edge. The bound is 0 if the cluster has triangles too thin for reliable normals, or no usable triangles. The
+    /// plane bounds are then invalid.
     pub(crate) altitudes: [f32; LANES],
 }
 
@@ -51,7 +51,7 @@ pub(crate) struct Clusters {
     triangles: usize,
     /// Boxes of eight clusters per entry; the last cluster's box pads the last entry.
     boxes: Vec<Boxes>,
-    /// Plane bounds of the same eight clusters per entry.
+    /// Plane bounds of eight clusters per entry, in the order of `boxes`.
     planes: Vec<ClusterPlanes>,
     /// Ranges of vertex blocks, cluster by cluster, as [first block, one past the last block].
     blocks: Vec<[u32; 2]>,
@@ -60,7 +60,7 @@ pub(crate) struct Clusters {
 }
 
 impl Clusters {
-    /// Builds the clusters of a mesh. All vertex indices of `triangles` must be in range of `positions`.
+    /// Builds the clusters of a mesh. All vertex indices in `triangles` must be valid for `positions`.
     pub(super) fn new(positions: &[Vec3], triangles: &[[u32; 3]]) -> Self {
         if triangles.len() < MIN_CLUSTERS * CLUSTER {
             return Self::default();
@@ -108,12 +108,12 @@ impl Clusters {
         self.count == 0
     }
 
-    /// Returns the bounding boxes, eight clusters per entry.
+    /// Returns the bounding boxes, with eight clusters per entry.
     pub(crate) fn boxes(&self) -> &[Boxes] {
         &self.boxes
     }
 
-    /// Returns the plane bounds, eight clusters per entry.
+    /// Returns the bounds of the triangle planes, with eight clusters per entry.
     pub(crate) fn planes(&self) -> &[ClusterPlanes] {
         &self.planes
     }
@@ -129,7 +129,7 @@ impl Clusters {
         self.blocks[own].iter().map(|[first, end]| *first as usize..*end as usize)
     }
 
-    /// Returns the heap memory in use, in bytes.
+    /// Returns the heap memory used by the clusters, in bytes.
     pub(super) fn bytes(&self) -> usize {
         self.boxes.capacity() * size_of::<Boxes>()
             + self.planes.capacity() * size_of::<ClusterPlanes>()
@@ -138,8 +138,8 @@ impl Clusters {
     }
 }
 
-/// Returns the bounding box of the points, or [`Aabb::EVERYTHING`] if a point is not finite. No view then culls its
-/// triangles, so that they reach the stage that rejects them.
+/// Returns the bounding box of the points, or [`Aabb::EVERYTHING`] if a point is not finite. The triangles are then
+/// never culled as a cluster, so that they reach the stage that rejects them.
 pub(super) fn visible_bounds(points: impl IntoIterator<Item = Vec3>) -> Aabb {
     let (mut bounds, mut all_finite) = (Aabb::EMPTY, true);
     for point in points {
@@ -149,7 +149,7 @@ pub(super) fn visible_bounds(points: impl IntoIterator<Item = Vec3>) -> Aabb {
     if all_finite { bounds } else { Aabb::EVERYTHING }
 }
 
-/// Appends blocks in ascending order as ranges; if there are too many ranges, they become a single one.
+/// Appends ascending block indices as ranges of consecutive blocks. Merges more than [`MAX_RANGES`] ranges into one.
 fn push_ranges(own: &[u32], ranges: &mut Vec<[u32; 2]>) {
     let first = ranges.len();
     for next in own.chunk_by(|a, b| a + 1 == *b) {
@@ -163,16 +163,17 @@ fn push_ranges(own: &[u32], ranges: &mut Vec<[u32; 2]>) {
     }
 }
 
-/// Plane bounds of one cluster: minimum and maximum of n and d, and the minimum altitude.
+/// Plane bounds of one cluster: minimum and maximum of normals and offsets, and the minimum altitude.
 type PlaneBounds = ([[f32; 4]; 2], f32);
 
-/// Error bound of a normal's component, and of an offset d relative to the sum of the coordinates behind it.
+/// Error bound of a normal's component, and of an offset d relative to the sum of the coordinates that it is computed
+/// from.
 ///
 /// In f64, the error of an edge cross product is at most 2⁻⁵⁰ of the product of the edge lengths. For a triangle not
-/// thinner than [`MIN_ALTITUDE_RATIO`], that is within this share of the cross product. Rounding to f32 adds less.
+/// thinner than [`MIN_ALTITUDE_RATIO`], that is within this fraction of the cross product. Rounding to f32 adds less.
 const PLANE_ERROR: f64 = 1e-6;
 
-/// Lower bound of the coordinate sum in error bounds, which keeps them above the rounding of f32.
+/// Minimum coordinate sum for error bounds, which keeps the bounds above the rounding error of f32.
 const MIN_SIZE: f64 = 1e-30;
 
 /// Ratio of altitude to longest edge at or below which a triangle is too thin for a reliable normal.
@@ -263,7 +264,7 @@ mod tests {
     }
 
     #[test]
-    fn blocks_that_follow_each_other_are_one_range_and_too_many_are() {
+    fn consecutive_blocks_form_one_range_and_too_many_ranges_are_merged() {
         let mut ranges = vec![[7, 9]];
         push_ranges(&[1, 2, 3, 5, 8, 9], &mut ranges);
         assert_eq!(ranges, [[7, 9], [1, 4], [5, 6], [8, 10]]);
@@ -273,7 +274,7 @@ mod tests {
     }
 
     #[test]
-    fn planes_are_within_their_bounds_and_slivers_say_nothing() {
+    fn planes_are_within_their_bounds_and_slivers_have_none() {
         let positions =
             [[0.0, 0.0, 5.0], [2.0, 0.0, 5.0], [0.0, 1.0, 5.0], [0.0, 0.0, 5.0], [1.0, 1e-7, 5.0], [0.0, 1.0, 4.0]];
         let positions = positions.map(Vec3::from_array);
@@ -292,7 +293,7 @@ mod tests {
     }
 
     #[test]
-    fn small_meshes_have_none() {
+    fn small_meshes_have_no_clusters() {
         let triangles = vec![[0, 1, 2]; MIN_CLUSTERS * CLUSTER - 1];
         assert!(Clusters::new(&[Vec3::ZERO, Vec3::X, Vec3::Y], &triangles).is_empty());
     }

@@ -6,15 +6,16 @@
 /// orthographic view every mapping is linear, from 0 to 1, or from 1 to 0 if reversed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DepthMapping {
-    /// f·(w − n) / (w·(f − n)): 0 at the near plane, 1 at the far plane; z/w of the usual matrix.
+    /// Standard depth f·(w − n) / (w·(f − n)), which is z/w of the usual matrix: 0 at the near plane, 1 at the far
+    /// plane.
     Standard,
-    /// n·(f − w) / (w·(f − n)): 1 at the near plane, 0 at the far plane.
+    /// Reversed depth n·(f − w) / (w·(f − n)): 1 at the near plane, 0 at the far plane.
     Reversed,
-    /// n/w: 1 at the near plane, 0 at infinity. There is no far plane in perspective. An orthographic view requires one
-    /// and uses that of [`Self::Reversed`].
+    /// Reversed depth n/w without a far plane: 1 at the near plane, 0 at infinity. An orthographic view requires a far
+    /// plane and uses [`Self::Reversed`] instead.
     ReversedInfinite,
-    /// (w − n) / (f − n): 0 at the near plane, 1 at the far plane. Uniform steps of distance; not affine in screen
-    /// space.
+    /// Linear depth (w − n) / (f − n): 0 at the near plane, 1 at the far plane. Its steps of distance are uniform, but
+    /// it is not affine in screen space.
     Linear,
 }
 

@@ -1,4 +1,4 @@
-//! Errors and warnings of scene and view files, by cause, with the path and, for text, the line.
+//! Errors and warnings about scene and view files, with the path and, for text files, the line.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -35,21 +35,21 @@ pub enum SceneError {
     Line {
         /// Path of the file.
         path: PathBuf,
-        /// Line number, from 1.
+        /// Line number, counted from 1.
         line: usize,
         /// Description of the error in this line.
         reason: String,
     },
 }
 
-/// Content that was skipped or repaired while loading; the rest is valid.
+/// Warning about content that was skipped or repaired while loading. The rest of the file is valid.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
     /// File that the warning refers to.
     pub(crate) path: PathBuf,
-    /// Line number, from 1; `None` if the warning concerns the whole file.
+    /// Line number, counted from 1; `None` if the warning concerns the whole file.
     pub(crate) line: Option<usize>,
-    /// The problem and how it was handled.
+    /// Description of the problem and of how it was handled.
     pub text: String,
 }
 

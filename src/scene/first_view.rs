@@ -1,8 +1,9 @@
-//! Initial view of a model: from the front, slightly from the right and above, unless the model is back-facing there.
+//! Initial view of a model: from the front, slightly from the right and above, unless the model is back-facing from
+//! there.
 //!
-//! Most models face +z and are closed. Every direction then shows about as much front as back, and the preferred one is
-//! used. Culling would remove a single sheet that faces away and leave the picture empty, so the first view moves to a
-//! side that shows clearly more front.
+//! Most models face +z and are closed. Every direction then shows about as much front-facing as back-facing area, and
+//! the preferred direction is used. A single sheet that faces away would be culled and leave the picture empty. The
+//! first view therefore moves to a side that shows clearly more front-facing area.
 
 use glam::{DVec3, Vec3};
 
@@ -44,7 +45,7 @@ impl UpAxis {
     /// Returns the likely up axis of a model with these bounds.
     ///
     /// The result is z if the model stands on z = 0, is centred in y and does not stand on y = 0. Programs with z up
-    /// place models so. Otherwise, and for a flat model, it is y.
+    /// place models this way. Otherwise, and for a flat model, it is y.
     pub(crate) fn guess(bounds: Aabb) -> Self {
         let (size, center) = (bounds.max - bounds.min, bounds.center());
         let stands_on_zero = |axis: usize| bounds.min[axis].abs() <= ON_ZERO * size[axis];
@@ -61,7 +62,7 @@ const ON_ZERO: f32 = 0.01;
 /// Minimum height relative to the largest side for a model to count as not flat.
 const MIN_HEIGHT: f32 = 0.05;
 
-/// Maximum distance of the centre from 0, relative to the size, for a model to count as centred.
+/// Maximum distance of the centre from 0 along an axis, relative to the size, for a model to count as centred.
 const CENTRED: f32 = 0.05;
 
 /// Candidate directions towards the eye in a y-up world, the preferred one first.
@@ -76,10 +77,10 @@ const DIRECTIONS: [Vec3; 8] = [
     Vec3::new(-0.55, -0.4, -1.0),
 ];
 
-/// Factor by which a later direction's front area must exceed that of the best one so far.
+/// Factor by which the front-facing area of a later direction must exceed that of the best direction so far.
 const CLEARLY_MORE: f64 = 1.6;
 
-/// Returns a view of the whole scene with this axis up.
+/// Returns a view of the whole scene with the up axis `up`, from a side that shows much front-facing area.
 pub(super) fn first_view(scene: &Scene, up: UpAxis) -> Camera {
     let [preferred, others @ ..] = DIRECTIONS.map(|direction| up.rotated(direction));
     let mut best = (preferred, front_area(scene, preferred));
@@ -124,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn a_view_with_z_up_shows_the_same_of_a_model_that_is_turned() {
+    fn a_rotated_model_looks_the_same_with_z_up() {
         let direction = Vec3::new(0.55, 0.4, 1.0);
         let turned = UpAxis::Z.rotated(direction);
         assert_eq!(turned.dot(Vec3::Z), direction.dot(Vec3::Y));

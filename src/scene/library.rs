@@ -1,4 +1,4 @@
-//! Shared buffers: the library owns each mesh, material and texture once, and instances refer to it by identifier.
+//! Shared data: the library owns each mesh, material and texture once, and instances refer to them by identifier.
 
 use super::{Material, Mesh, Texture};
 use crate::text;
@@ -10,7 +10,7 @@ macro_rules! id {
         pub struct $name(u32);
 
         impl $name {
-            /// Returns the index in the library.
+            /// Returns the index of the item in its library.
             pub fn index(self) -> usize {
                 self.0 as usize
             }
@@ -19,15 +19,15 @@ macro_rules! id {
 }
 
 id!(
-    /// Identifier of a mesh of one [`Library`].
+    /// Identifier of a mesh in a [`Library`].
     MeshId
 );
 id!(
-    /// Identifier of a material of one [`Library`].
+    /// Identifier of a material in a [`Library`].
     MaterialId
 );
 id!(
-    /// Identifier of a texture of one [`Library`].
+    /// Identifier of a texture in a [`Library`].
     TextureId
 );
 
@@ -40,13 +40,13 @@ pub struct Library {
 }
 
 impl Library {
-    /// Adds a mesh.
+    /// Adds a mesh and returns its identifier.
     pub fn add_mesh(&mut self, mesh: Mesh) -> MeshId {
         self.meshes.push(mesh);
         MeshId(self.meshes.len() as u32 - 1)
     }
 
-    /// Adds a material and removes control characters from its names.
+    /// Adds a material and returns its identifier. Removes control characters from the material's names.
     pub fn add_material(&mut self, mut material: Material) -> MaterialId {
         material.name = text::clean(&material.name).into_owned();
         material.missing_texture = material.missing_texture.map(|name| text::clean(&name).into_owned());
@@ -54,23 +54,23 @@ impl Library {
         MaterialId(self.materials.len() as u32 - 1)
     }
 
-    /// Adds a texture.
+    /// Adds a texture and returns its identifier.
     pub fn add_texture(&mut self, texture: Texture) -> TextureId {
         self.textures.push(texture);
         TextureId(self.textures.len() as u32 - 1)
     }
 
-    /// Returns the mesh of an identifier from this library.
+    /// Returns the mesh with the identifier `id`, which must come from this library.
     pub fn mesh(&self, id: MeshId) -> &Mesh {
         &self.meshes[id.index()]
     }
 
-    /// Returns the material of an identifier from this library.
+    /// Returns the material with the identifier `id`, which must come from this library.
     pub fn material(&self, id: MaterialId) -> &Material {
         &self.materials[id.index()]
     }
 
-    /// Returns the texture of an identifier from this library.
+    /// Returns the texture with the identifier `id`, which must come from this library.
     pub fn texture(&self, id: TextureId) -> &Texture {
         &self.textures[id.index()]
     }
@@ -104,7 +104,7 @@ impl Library {
         &self.textures
     }
 
-    /// Returns the memory of meshes and textures, in bytes.
+    /// Returns the memory used by meshes and textures, in bytes.
     pub(crate) fn bytes(&self) -> usize {
         self.meshes.iter().map(Mesh::bytes).sum::<usize>() + self.textures.iter().map(Texture::bytes).sum::<usize>()
     }

@@ -1,4 +1,4 @@
-//! Memory limit, progress and cancellation of a load.
+//! Memory limit, progress and cancellation for loading a model.
 
 use std::fmt;
 use std::path::Path;
@@ -6,14 +6,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::SceneError;
 
-/// Memory limit for the meshes and textures of a model, including temporary buffers of the load.
+/// Memory limit for the meshes and textures of a model, including temporary buffers used while loading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MemoryLimit {
     mib: u32,
 }
 
 impl MemoryLimit {
-    /// Returns a limit in MiB.
+    /// Creates a limit of `mib` MiB.
     pub const fn mib(mib: u32) -> Self {
         Self { mib }
     }
@@ -37,19 +37,19 @@ impl fmt::Display for MemoryLimit {
     }
 }
 
-/// Memory limit, progress callback and cancellation flag of a load.
+/// Memory limit, progress callback and cancellation flag for loading a model.
 #[derive(Clone, Copy)]
 pub struct LoadControl<'a> {
-    /// Memory limit.
+    /// Memory limit for the model.
     pub memory: MemoryLimit,
-    /// Receives the completed share, from 0 to 1, several times a second.
+    /// Callback that receives the completed fraction, from 0 to 1, several times a second.
     pub progress: &'a (dyn Fn(f32) + Sync),
     /// Cancellation flag: once `true`, the load ends with [`SceneError::Cancelled`].
     pub cancel: &'a AtomicBool,
 }
 
 impl LoadControl<'static> {
-    /// Returns a control that reports nothing and never cancels.
+    /// Creates a control that ignores progress and never cancels.
     pub fn quiet(memory: MemoryLimit) -> Self {
         static NEVER: AtomicBool = AtomicBool::new(false);
         Self { memory, progress: &|_| {}, cancel: &NEVER }
@@ -65,7 +65,7 @@ impl fmt::Debug for LoadControl<'_> {
 /// Number of lines of text between progress reports, which takes a few milliseconds.
 const LINES_PER_REPORT: usize = 1 << 14;
 
-/// Memory accounting and progress of a load in progress.
+/// Memory accounting and progress while a model is loaded.
 #[derive(Debug)]
 pub(super) struct Load<'a> {
     path: &'a Path,
@@ -73,27 +73,27 @@ pub(super) struct Load<'a> {
     used_bytes: u64,
     /// Work since the last report, in lines of text or equivalent units.
     unreported: usize,
-    /// Completed share at the start of the current step, and the share of the step, both in [0, 1].
+    /// Completed fraction of the load at the start of the current step, and fraction of the step, both in [0, 1].
     step: (f32, f32),
 }
 
 impl<'a> Load<'a> {
-    /// Starts a load of the file at `path`.
+    /// Starts loading the file at `path`.
     pub(super) fn new(path: &'a Path, control: LoadControl<'a>) -> Self {
         Self { path, control, used_bytes: 0, unreported: 0, step: (0.0, 0.0) }
     }
 
-    /// Returns the memory limit.
+    /// Returns the memory limit of the load.
     pub(super) fn memory(&self) -> MemoryLimit {
         self.control.memory
     }
 
-    /// Starts the next step; `share` is its fraction of the whole load.
+    /// Starts the next step of the load; `share` is its fraction of the whole load.
     pub(super) fn begin(&mut self, share: f32) {
         self.step = (self.step.0 + self.step.1, share);
     }
 
-    /// Reports the completed share of the current step, from 0 to 1. Must be called at least about every 20 ms.
+    /// Reports the completed fraction of the current step, from 0 to 1. Must be called at least about every 20 ms.
     ///
     /// # Errors
     /// Returns an error if the load is cancelled.
@@ -105,8 +105,8 @@ impl<'a> Load<'a> {
         Ok(())
     }
 
-    /// Counts work, in lines of text or equivalent units, and reports progress after enough of it. `completed` returns
-    /// the share of the current step, from 0 to 1.
+    /// Counts work, in lines of text or equivalent units, and reports progress at regular intervals. `completed`
+    /// returns the completed fraction of the current step, from 0 to 1.
     ///
     /// # Errors
     /// Returns an error if the load is cancelled.
@@ -125,41 +125,39 @@ impl<'a> Load<'a> {
         self.control.cancel.load(Ordering::Relaxed)
     }
 
-    /// Reserves memory in the accounting, before its allocation.
+    /// Adds memory to the accounting before it is allocated.
     ///
-    /// # Errors
-    /// Returns an error if the limit would be exceeded; the reason is one sentence.
+    /// # Errors Returns an error if the limit would be exceeded. The message is one sentence.
     pub(super) fn charge(&mut self, bytes: u64) -> Result<(), String> {
         let used_bytes = self.used_bytes.saturating_add(bytes);
         if used_bytes > self.control.memory.bytes() {
             let limit = self.control.memory;
-            return Err(format!("the model needs more than {limit} of memory, the limit; raise it with `--memory`"));
+            return Err(format!("the model needs more than the memory limit of {limit}; raise it with `--memory`"));
         }
         self.used_bytes = used_bytes;
         Ok(())
     }
 
-    /// Returns memory to the accounting.
+    /// Removes released memory from the accounting.
     pub(super) fn release(&mut self, bytes: u64) {
         self.used_bytes = self.used_bytes.saturating_sub(bytes);
     }
 
-    /// Reserves room for `additional` elements.
+    /// Reserves capacity for `additional` more elements in a list, and adds it to the accounting.
     ///
-    /// # Errors
-    /// Returns an error if the limit or the system allows no more memory; the reason is one sentence.
+    /// # Errors Returns an error if the limit or the system allows no more memory. The message is one sentence.
     pub(super) fn reserve<T>(&mut self, list: &mut Vec<T>, additional: usize) -> Result<(), String> {
         let room = list.capacity() - list.len();
         if additional <= room {
             return Ok(());
         }
-        // Doubling the capacity makes a list of n elements reallocate log n times.
+        // Doubling the capacity limits a list of n elements to log n reallocations.
         let more = (additional - room).max(list.capacity()).max(64);
         self.charge(bytes_of::<T>(more))?;
         list.try_reserve_exact(room + more).map_err(|_| "the system is out of memory".to_owned())
     }
 
-    /// Appends an element; see [`Load::reserve`] for errors.
+    /// Appends an element to a list within the memory limit; see [`Load::reserve`] for errors.
     #[inline]
     pub(super) fn push<T>(&mut self, list: &mut Vec<T>, element: T) -> Result<(), String> {
         if list.len() == list.capacity() {
@@ -169,7 +167,7 @@ impl<'a> Load<'a> {
         Ok(())
     }
 
-    /// Drops a list that was filled by [`Load::push`] or [`Load::reserve`] and releases its memory.
+    /// Drops a list that was filled by [`Load::push`] or [`Load::reserve`], and removes its memory from the accounting.
     pub(super) fn free<T>(&mut self, list: Vec<T>) {
         self.release(bytes_of::<T>(list.capacity()));
         drop(list);
@@ -186,11 +184,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lists_grow_up_to_the_limit_and_give_back_what_they_took() {
+    fn lists_grow_up_to_the_limit_and_release_their_memory() {
         let mut load = Load::new(Path::new("a.obj"), LoadControl::quiet(MemoryLimit::mib(1)));
         let mut list = Vec::new();
         let error = (0_u64..).find_map(|number| load.push(&mut list, number).err()).unwrap();
-        assert_eq!(error, "the model needs more than 1 MiB of memory, the limit; raise it with `--memory`");
+        assert_eq!(error, "the model needs more than the memory limit of 1 MiB; raise it with `--memory`");
         assert_eq!((list.len(), list.capacity()), (1 << 17, 1 << 17));
         load.free(list);
         assert_eq!(load.used_bytes, 0);

@@ -6,42 +6,42 @@ use serde::Serialize;
 use super::texture::Alpha;
 use super::{Library, TextureId};
 
-/// Transparency of a surface.
+/// Transparency of a surface: opaque, alpha-tested or blended.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Transparency {
-    /// Hides everything behind it.
+    /// The surface hides everything behind it.
     #[default]
     Opaque,
-    /// Alpha test: opaque where the texture's alpha passes, and not drawn elsewhere.
+    /// The surface is alpha-tested: opaque where the texture's alpha passes, and not drawn elsewhere.
     CutOut,
-    /// Blended with the surfaces behind it.
+    /// The surface is blended with the surfaces behind it.
     Blended,
 }
 
 /// Alpha-test threshold: fragments with a lower filtered alpha are discarded.
 pub(crate) const ALPHA_TEST_THRESHOLD: f32 = 0.5;
 
-/// Surface properties that the pipeline shades with.
+/// Surface properties used for shading.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
-    /// Display name, from the file or assigned.
+    /// Display name of the material, from the file or assigned.
     pub name: String,
-    /// Diffuse colour (`Kd`), multiplied with the texture; sRGB values in [0, 1].
+    /// Diffuse colour (`Kd`) as sRGB values in [0, 1], multiplied with the texture.
     pub diffuse: Vec3,
-    /// Opacity (`d`, or 1 − `Tr`) from 0, invisible, to 1, opaque; multiplied with the alpha of the texture.
+    /// Opacity (`d`, or 1 − `Tr`) from 0 (invisible) to 1 (opaque), multiplied with the alpha of the texture.
     pub opacity: f32,
     /// Colour texture (`map_Kd`).
     pub texture: Option<TextureId>,
-    /// File name of a texture that could not be read; the plain colour replaces it.
+    /// File name of a colour texture that could not be read. The plain colour replaces it.
     pub missing_texture: Option<String>,
     /// Texture of the unlit side, used only by cel shading.
     pub dark_texture: Option<TextureId>,
-    /// Emitted colour (`Ke`), added after lighting; sRGB values in [0, 1], black for none.
+    /// Emitted colour (`Ke`) as sRGB values in [0, 1], added after lighting; black for none.
     pub emission: Vec3,
     /// Texture (`map_Ke`) that multiplies the emitted colour.
     pub emission_texture: Option<TextureId>,
-    /// Specular colour (`Ks`) of Blinn–Phong shading; sRGB values in [0, 1].
+    /// Specular colour (`Ks`) of Blinn–Phong shading, as sRGB values in [0, 1].
     pub specular: Vec3,
     /// Specular exponent (`Ns`) of Blinn–Phong shading, at least 0.
     pub shininess: f32,
@@ -53,14 +53,14 @@ pub struct Material {
     pub normal_scale: f32,
     /// Factor of the texture coordinates (`-s`), applied per vertex, before the offset.
     pub uv_scale: Vec2,
-    /// Offset of the texture coordinates (`-o`), v down.
+    /// Offset of the texture coordinates (`-o`), with v pointing down.
     pub uv_offset: Vec2,
     /// Whether texture coordinates are clamped, regardless of the address mode in the settings.
     pub clamp: bool,
 }
 
 impl Material {
-    /// Returns an opaque, untextured material. `diffuse` is in sRGB values.
+    /// Creates an opaque, untextured material. `diffuse` is an sRGB colour.
     pub fn plain(name: impl Into<String>, diffuse: Vec3) -> Self {
         Self {
             name: name.into(),
@@ -82,13 +82,13 @@ impl Material {
         }
     }
 
-    /// Returns a white material with a texture and full opacity.
+    /// Creates a white material with a texture and full opacity.
     pub fn textured(name: impl Into<String>, texture: TextureId) -> Self {
         Self { texture: Some(texture), ..Self::plain(name, Vec3::ONE) }
     }
 
-    /// Returns the transparency of this material, given the textures in `read`. It is the strongest transparency of the
-    /// opacity and the alpha channels.
+    /// Returns the transparency of this material when only the textures in `read` are used. It is the strongest
+    /// transparency of the opacity and of the textures' alpha channels.
     pub(crate) fn transparency(&self, library: &Library, read: impl IntoIterator<Item = TextureId>) -> Transparency {
         if self.opacity < 1.0 {
             return Transparency::Blended;

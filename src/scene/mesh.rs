@@ -12,17 +12,17 @@ use crate::text;
 /// Arrays of a mesh before validation.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshData {
-    /// Display name.
+    /// Display name of the mesh.
     pub name: String,
-    /// Position of each vertex, model space.
+    /// Position of each vertex, in model space.
     pub positions: Vec<Vec3>,
-    /// Unit normal of each vertex, model space. If empty, normals are computed.
+    /// Unit normal of each vertex, in model space. If empty, normals are computed.
     pub normals: Vec<Vec3>,
-    /// Texture coordinates of each vertex, or empty. v runs down the picture (already flipped).
+    /// Texture coordinates of each vertex, or empty. v points down, so coordinates from a file are already flipped.
     pub uvs: Vec<Vec2>,
-    /// Colour of each vertex, or empty; sRGB values in [0, 1].
+    /// Colour of each vertex as sRGB values in [0, 1], or empty.
     pub colors: Vec<Vec3>,
-    /// Vertex indices of each triangle, counter-clockwise seen from the front.
+    /// Vertex indices of each triangle, counter-clockwise as seen from the front.
     pub triangles: Vec<[u32; 3]>,
 }
 
@@ -44,7 +44,7 @@ pub enum MeshError {
     LengthMismatch {
         /// Name of the attribute.
         attribute: &'static str,
-        /// Length of the array.
+        /// Length of the attribute array.
         count: usize,
         /// Number of positions, the required length.
         positions: usize,
@@ -54,15 +54,15 @@ pub enum MeshError {
     NotFinite {
         /// Name of the attribute.
         attribute: &'static str,
-        /// Index in the array.
+        /// Index of the value in the attribute array.
         index: usize,
     },
 }
 
 /// Validated mesh: indices are in range, arrays have equal length, and each vertex has a unit normal.
 ///
-/// A normal that was not finite is zero. Positions may be NaN or infinite; the clipper rejects triangles that use them.
-/// All other numbers are finite.
+/// Normals that were not finite are zero. Positions may be NaN or infinite; the clipper rejects triangles that use
+/// them. All other numbers are finite.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
     data: MeshData,
@@ -70,12 +70,13 @@ pub struct Mesh {
     visible_bounds: Aabb,
     clusters: Clusters,
     lost_normals: usize,
-    /// Indices of the triangles with a normal or texture coordinate that was not finite, ascending.
+    /// Indices of the triangles with a normal or texture coordinate that was not finite, in ascending order.
     broken: Vec<u32>,
 }
 
 impl Mesh {
-    /// Validates the arrays. Missing normals are computed ([`super::mesh::smooth_normals`]).
+    /// Creates a mesh, or returns an error if the arrays are invalid. Missing normals are computed by
+    /// [`super::mesh::smooth_normals`].
     pub fn new(mut data: MeshData) -> Result<Self, MeshError> {
         data.name = text::clean(&data.name).into_owned();
         let count = data.positions.len();
@@ -93,9 +94,9 @@ impl Mesh {
         Ok(Self::of(data))
     }
 
-    /// Validates the arrays like [`Mesh::new`], but repairs normals and texture coordinates that are not finite.
+    /// Creates a mesh like [`Mesh::new`], but repairs normals and texture coordinates that are not finite.
     ///
-    /// Such a normal becomes zero: no direct light reaches the vertex. Such a texture coordinate becomes (0, 1), which
+    /// A repaired normal is zero, so no direct light reaches its vertex. A repaired texture coordinate is (0, 1), which
     /// is `vt 0 0` in the file.
     pub(crate) fn repaired(mut data: MeshData) -> Result<Self, MeshError> {
         let lost_normals = data.normals.iter().filter(|normal| !normal.is_finite()).count();
@@ -123,34 +124,35 @@ impl Mesh {
         Self { data, bounds, visible_bounds, clusters, lost_normals: 0, broken: Vec::new() }
     }
 
-    /// Returns the number of vertices whose given normal was not finite and was replaced by zero.
+    /// Returns the number of vertices whose normal was not finite and was replaced by zero.
     pub fn lost_normals(&self) -> usize {
         self.lost_normals
     }
 
-    /// Returns the indices of the triangles with a normal or texture coordinate that was not finite, ascending.
+    /// Returns the indices of the triangles with a normal or texture coordinate that was not finite, in ascending
+    /// order.
     pub(crate) fn broken_triangles(&self) -> &[u32] {
         &self.broken
     }
 
-    /// Returns the bounding box of all vertices with finite positions, model space.
+    /// Returns the bounding box of all vertices with finite positions, in model space.
     pub fn bounds(&self) -> Aabb {
         self.bounds
     }
 
-    /// Returns the bounding box for visibility tests, model space: [`Mesh::bounds`], or [`Aabb::EVERYTHING`] if a
+    /// Returns the bounding box for visibility tests, in model space: [`Mesh::bounds`], or [`Aabb::EVERYTHING`] if a
     /// position is NaN or infinite.
     pub(crate) fn visible_bounds(&self) -> Aabb {
         self.visible_bounds
     }
 
-    /// Returns the clusters for culling; empty for a small mesh.
+    /// Returns the clusters of the mesh for culling; empty for a small mesh.
     pub(crate) fn clusters(&self) -> &Clusters {
         &self.clusters
     }
 
-    /// Returns the mesh mirrored in z, for models made for a world of the other handedness. Swapping two corners of
-    /// each triangle preserves the front faces.
+    /// Returns the mesh mirrored in z, for models made for a world of the opposite handedness. Two corners of each
+    /// triangle are swapped to preserve the front faces.
     pub(crate) fn mirrored_z(&self) -> Self {
         let mut data = self.data.clone();
         for vector in data.positions.iter_mut().chain(&mut data.normals) {
@@ -162,7 +164,7 @@ impl Mesh {
         Self { lost_normals: self.lost_normals, broken: self.broken.clone(), ..Self::of(data) }
     }
 
-    /// Returns the memory of the arrays and clusters, in bytes.
+    /// Returns the heap memory used by the arrays and clusters, in bytes.
     pub(crate) fn bytes(&self) -> usize {
         let MeshData { name: _, positions, normals, uvs, colors, triangles } = &self.data;
         (positions.capacity() + normals.capacity() + colors.capacity()) * size_of::<Vec3>()
@@ -202,7 +204,7 @@ fn check_array<T>(
 /// Computes one normal per vertex: the mean of the normals of its triangles, weighted by area.
 ///
 /// The sums are in f64 and are scaled by the largest component before the length is taken, so that neither huge nor
-/// tiny triangles overflow or vanish. A vertex without a triangle of positive area gets +z.
+/// tiny triangles overflow or vanish. A vertex without a triangle of positive area gets the normal +z.
 pub(crate) fn smooth_normals(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
     let mut sums = vec![glam::DVec3::ZERO; positions.len()];
     for corners in triangles {
@@ -235,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn a_mirrored_mesh_keeps_its_front_and_comes_back_whole() {
+    fn mirroring_keeps_front_faces_and_mirroring_twice_restores_the_mesh() {
         let mut data = triangle();
         data.positions[2].z = 2.0;
         let mesh = Mesh::new(data).unwrap();
@@ -280,7 +282,7 @@ mod tests {
     }
 
     #[test]
-    fn triangles_with_repaired_attributes_are_known() {
+    fn triangles_with_repaired_attributes_are_listed() {
         let positions = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::ONE, Vec3::Z].to_vec();
         let triangles = vec![[0, 1, 2], [1, 3, 2], [0, 1, 4], [0, 2, 4]];
         let data = MeshData { positions, triangles, normals: vec![Vec3::Z; 5], ..MeshData::default() };

@@ -1,4 +1,4 @@
-//! Mip levels: each is half as long on both sides as the previous one, down to one texel (Williams, "Pyramidal
+//! Mip levels: each has half the side lengths of the previous one, down to one texel (Williams, "Pyramidal
 //! Parametrics", 1983).
 //!
 //! Every texel of a level is the mean of the area that it covers in the previous level. If a side is odd, texels at the
@@ -10,30 +10,30 @@
 use crate::image::color::{Tables, quantize};
 use crate::image::{Image, Rgba8};
 
-/// Location of a mip level in the shared texel array. A single array, so that SIMD code can load it whole.
+/// Location of a mip level in the shared texel array, as one array that SIMD code can load at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C, align(16))]
 pub(crate) struct LevelLocation {
-    /// Index of the level's first texel, that of the next smaller level (for the smallest level, its own), width, and
-    /// height.
+    /// Index of the level's first texel, index of the next smaller level's first texel, width, and height. The smallest
+    /// level repeats its own index.
     pub(crate) numbers: [u32; 4],
 }
 
 /// Texels of all mip levels of a texture in one array.
 ///
-/// The full-size level is at the top, the first smaller level below it, and the other levels beside that one or below
-/// it, one below the other. All rows have the same stride. Each row ends with a copy of its first texel, and each level
-/// with a copy of its first row.
+/// The full-size level is at the top, with the first smaller level below it. The other levels are stacked beside the
+/// first smaller level if there is room, or else below it. All rows have the same stride. Each row ends with a copy of
+/// its first texel, and each level with a copy of its first row.
 #[derive(Clone, Debug)]
 pub(crate) struct Levels<T> {
     /// Texels, including unused gaps between the levels.
     pub(crate) texels: Box<[T]>,
-    /// Location of each level, the largest first.
+    /// Location of each level, from largest to smallest.
     pub(crate) locations: Box<[LevelLocation]>,
 }
 
 impl<T: Copy + Default> Levels<T> {
-    /// Creates the levels from images, the largest first. `value` converts each texel.
+    /// Creates the levels from images, ordered from largest to smallest. `value` converts each texel.
     pub(super) fn new<'a>(images: impl Iterator<Item = &'a Image<Rgba8>>, value: impl Fn(Rgba8) -> T) -> Self {
         let images: Vec<_> = images.collect();
         let sizes: Vec<_> =
@@ -58,13 +58,13 @@ impl<T: Copy + Default> Levels<T> {
         Self { texels, locations: places.collect() }
     }
 
-    /// Returns the heap memory in use, in bytes.
+    /// Returns the heap memory used by the levels, in bytes.
     pub(super) fn bytes(&self) -> usize {
         size_of_val(&*self.texels) + size_of_val(&*self.locations)
     }
 }
 
-/// Returns the column and row of each level's first texel. `sizes` include the repeated texels.
+/// Returns the column and row of each level's first texel in the array. `sizes` includes the repeated texels.
 fn level_origins(sizes: &[[usize; 2]]) -> Vec<[usize; 2]> {
     let [across, first, second] = [0, 1, 2].map(|level| sizes.get(level).map_or(0, |[width, _]| *width));
     let has_room = first + second <= across;
@@ -87,11 +87,11 @@ pub(super) fn with_wrapped_border<T>(image: &Image<Rgba8>, value: impl Fn(Rgba8)
     rows.flat_map(|row| row.iter().chain(row.first())).map(move |texel| value(*texel))
 }
 
-/// Premultiplied colour, and alpha, in [0, 1].
+/// Premultiplied colour and alpha of a texel, each in [0, 1].
 type Texel = [f32; 4];
 
-/// Returns the smaller mip levels, the largest first; none for a texture of one texel. Means are of linear light, or of
-/// codes if `linear` is false.
+/// Computes the mip levels below the full-size image, from largest to smallest; none for a single texel. Averages
+/// linear light, or codes if `linear` is false.
 pub(super) fn mip_levels(image: &Image<Rgba8>, linear: bool) -> Vec<Image<Rgba8>> {
     let tables = Tables::get();
     let value = |code: u8| if linear { tables.linear_of_code[code as usize] } else { f32::from(code) / 255.0 };
@@ -198,14 +198,14 @@ mod tests {
     }
 
     #[test]
-    fn a_chessboard_is_half_the_light_or_half_the_code() {
+    fn a_chessboard_averages_to_half_the_light_or_half_the_code() {
         let board = Image::from_fn(4, 4, |x, y| if (x + y) % 2 == 0 { [0, 0, 0, 255] } else { [255; 4] });
         assert_eq!(mip_levels(&board, true)[0].at(1, 1), [188, 188, 188, 255]);
         assert_eq!(mip_levels(&board, false)[0].at(1, 1), [128, 128, 128, 255]);
     }
 
     #[test]
-    fn what_cannot_be_seen_tints_nothing() {
+    fn invisible_texels_do_not_tint_visible_ones() {
         let leaf = Image::from_fn(2, 2, |x, _| if x == 0 { [0, 200, 0, 255] } else { [255, 0, 255, 0] });
         assert_eq!(mip_levels(&leaf, true)[0].at(0, 0), [0, 200, 0, 128]);
     }
@@ -266,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn every_texel_is_the_exact_mean_of_what_can_be_seen_below_it() {
+    fn every_texel_is_the_exact_mean_of_the_visible_texels_below_it() {
         let mut random = fastrand::Rng::with_seed(31);
         for (width, height) in [(8, 8), (7, 5), (1, 6), (9, 2), (3, 3)] {
             for (linear, density) in [(false, 0), (false, 2), (true, 1), (true, 3)] {

@@ -59,43 +59,43 @@ use glam::{Mat4, Vec3};
 use crate::math::Aabb;
 use crate::text;
 
-/// One object: mesh, material and placement. The record is small, because the buffers are shared.
+/// One object of a scene: mesh, material and transform. The record is small, because meshes and materials are shared.
 #[derive(Clone, Debug)]
 pub struct Instance {
-    /// Display name.
+    /// Display name of the object.
     pub name: String,
-    /// Identifier of the shared mesh.
+    /// Identifier of the object's mesh, which other objects may share.
     pub mesh: MeshId,
-    /// Identifier of the shared material.
+    /// Identifier of the object's material, which other objects may share.
     pub material: MaterialId,
     /// Affine transform from model space to world space.
     pub world_from_model: Mat4,
-    /// Factor of the material's colour; sRGB values in [0, 1].
+    /// Factor of the material's colour, as sRGB values in [0, 1].
     pub tint: Vec3,
 }
 
-/// Identifier of a triangle of the scene, numbered in draw order over all instances.
+/// Identifier of a triangle in a scene, numbered in draw order over all instances.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
 #[serde(transparent)]
 pub struct TriangleId(pub u32);
 
 impl TriangleId {
-    /// Represents "no triangle" in buffers of identifiers.
+    /// Value that represents "no triangle" in buffers of identifiers.
     pub const NONE: Self = Self(u32::MAX);
 }
 
-/// Everything to render, and the initial view.
+/// Scene to render: objects, the data that they share, background, and initial view.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// Display name.
+    /// Display name of the scene.
     pub name: String,
     /// Shared meshes, materials and textures.
     pub library: Library,
     /// Objects, in draw order.
     pub instances: Vec<Instance>,
-    /// Background colour (sRGB codes).
+    /// Background colour, as sRGB codes.
     pub background: [u8; 3],
-    /// Initial view, also the target of a view reset.
+    /// Initial view, to which a view reset returns.
     pub home: Camera,
 }
 
@@ -107,7 +107,7 @@ impl Scene {
             .fold(Aabb::EMPTY, |all, i| all.union(self.library.mesh(i.mesh).bounds().transformed(i.world_from_model)))
     }
 
-    /// Returns the scene mirrored in z with a mirrored view, for models made for a world of the other handedness.
+    /// Returns the scene mirrored in z with a mirrored view, for models made for a world of the opposite handedness.
     pub(crate) fn mirrored_z(&self) -> Self {
         let mirror = Mat4::from_scale(Vec3::new(1.0, 1.0, -1.0));
         let mut scene = Self { library: self.library.mirrored_z(), home: self.home.mirrored_z(), ..self.clone() };
@@ -125,7 +125,7 @@ impl Scene {
         }
     }
 
-    /// Returns a view of the whole scene with this axis up, from a side that shows much of its front.
+    /// Returns a view of the whole scene with the up axis `up`, from a side that shows much front-facing area.
     pub(crate) fn first_view(&self, up: UpAxis) -> Camera {
         first_view::first_view(self, up)
     }
@@ -155,7 +155,7 @@ impl Scene {
         })
     }
 
-    /// Returns the memory of the shared buffers and of the instance records, in bytes.
+    /// Returns the memory used by the scene, in bytes.
     pub(crate) fn memory(&self) -> SceneMemory {
         SceneMemory {
             shared_bytes: self.library.bytes(),
@@ -166,15 +166,15 @@ impl Scene {
     }
 }
 
-/// Memory of a scene, in bytes.
+/// Memory used by a scene, in bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct SceneMemory {
-    /// Memory of meshes and textures, each counted once.
+    /// Memory of meshes and textures, in bytes, each counted once.
     pub(crate) shared_bytes: usize,
-    /// Memory of the meshes, a part of `shared_bytes`.
+    /// Memory of the meshes, in bytes, as part of `shared_bytes`.
     pub(crate) mesh_bytes: usize,
-    /// Memory of the instance records and their names.
+    /// Memory of the instance records and their names, in bytes.
     pub(crate) instance_bytes: usize,
-    /// Memory that the meshes would take if every instance had its own copy.
+    /// Memory that the meshes would take if every instance had its own copy, in bytes.
     pub(crate) unshared_bytes: usize,
 }

@@ -7,7 +7,7 @@ use crate::image::color::decode_byte;
 use crate::image::{Image, Rgba8};
 use crate::text;
 
-/// Alpha content of a picture.
+/// Alpha values that occur in a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Alpha {
     /// All texels have alpha 255.
@@ -39,7 +39,7 @@ pub struct Texture {
     wrapped_linear: OnceLock<Box<[[f32; 4]]>>,
     levels: OnceLock<Levels<u32>>,
     levels_linear: OnceLock<Levels<[f32; 4]>>,
-    /// Smaller mip levels, by means of codes and by means of linear light.
+    /// Smaller mip levels, averaged as codes and in linear light.
     mip_levels: [OnceLock<Vec<Image<Rgba8>>>; 2],
 }
 
@@ -58,16 +58,16 @@ impl Texture {
         })
     }
 
-    /// Display name, usually that of the file.
+    /// Returns the display name, usually the name of the file.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Returns rows of texels as little-endian numbers, each followed by its first texel, and the last row by the first
-    /// row.
+    /// Returns the rows of texels as little-endian numbers. Each row is followed by its first texel, and the last row
+    /// by the first row.
     ///
-    /// Of the four texels around any position of the repeated texture, two and two are then adjacent in memory, one row
-    /// apart. Computed at the first call and cached.
+    /// The four texels around any position of the repeated texture then form two pairs that are adjacent in memory, one
+    /// row apart. The result is computed at the first call and cached.
     pub(crate) fn wrapped(&self) -> &[u32] {
         self.wrapped.get_or_init(|| with_wrapped_border(&self.image, u32::from_le_bytes).collect())
     }
@@ -78,28 +78,28 @@ impl Texture {
         self.wrapped_linear.get_or_init(|| with_wrapped_border(&self.image, linear).collect())
     }
 
-    /// Returns [`Texture::wrapped`] of all mip levels, with the smaller ones as means of codes.
+    /// Returns all mip levels in the form of [`Texture::wrapped`], with smaller levels averaged as codes.
     pub(crate) fn levels(&self) -> &Levels<u32> {
         self.levels.get_or_init(|| Levels::new(self.images(false), u32::from_le_bytes))
     }
 
-    /// Returns [`Texture::wrapped_linear`] of all mip levels, with the smaller ones as means of linear light.
+    /// Returns all mip levels in the form of [`Texture::wrapped_linear`], with smaller levels averaged in linear light.
     pub(crate) fn levels_linear(&self) -> &Levels<[f32; 4]> {
         self.levels_linear.get_or_init(|| Levels::new(self.images(true), linear))
     }
 
-    /// Returns the images of all mip levels, the largest first.
+    /// Returns the images of all mip levels, from largest to smallest.
     fn images(&self, linear: bool) -> impl Iterator<Item = &Image<Rgba8>> {
         [&self.image].into_iter().chain(self.mip_levels(linear))
     }
 
-    /// Returns the smaller mip levels, from half the length down to one texel, as means of linear light or of codes.
-    /// Computed at the first call and cached.
+    /// Returns the smaller mip levels, from half the side lengths down to one texel, averaged in linear light or as
+    /// codes. They are computed at the first call and cached.
     pub fn mip_levels(&self, linear: bool) -> &[Image<Rgba8>] {
         self.mip_levels[usize::from(linear)].get_or_init(|| mips::mip_levels(&self.image, linear))
     }
 
-    /// Returns the memory of the picture and of the cached representations so far, in bytes.
+    /// Returns the memory used by the picture and its cached representations so far, in bytes.
     pub(crate) fn bytes(&self) -> usize {
         let smaller = self.mip_levels.iter().filter_map(OnceLock::get).flatten();
         self.image.bytes()
@@ -110,12 +110,12 @@ impl Texture {
             + smaller.map(Image::bytes).sum::<usize>()
     }
 
-    /// Returns the texels, with row 0 at the top (v = 0 after the flip on load).
+    /// Returns the texels of the full-size picture, with row 0 at the top (v = 0 after the flip on load).
     pub fn image(&self) -> &Image<Rgba8> {
         &self.image
     }
 
-    /// Returns the alpha content of the texels, determined at construction.
+    /// Returns the kind of alpha values that occur in the texels, which is determined at construction.
     pub fn alpha(&self) -> Alpha {
         self.alpha
     }
@@ -130,7 +130,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn levels_are_the_wrapped_rows_of_the_copies() {
+    fn levels_contain_the_wrapped_rows_of_all_mip_levels() {
         let mut random = fastrand::Rng::with_seed(13);
         for (width, height) in [(16, 16), (5, 7), (1, 9), (12, 3), (1, 1)] {
             let image = Image::from_fn(width, height, |_, _| [(); 4].map(|()| random.u8(..)));
@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_made_of_a_picture_counts_as_held() {
+    fn cached_representations_count_as_memory() {
         let texture = Texture::new("plain", Image::filled(8, 4, [9; 4])).unwrap();
         assert_eq!(texture.bytes(), 8 * 4 * 4);
         texture.wrapped();

@@ -1,6 +1,6 @@
 //! Top level of the window: lays out the panels, turns keys and dropped files into commands, applies the commands, and
-//! exchanges messages with the renderer. It owns the session, the worker and widget state only; every decision about
-//! the picture is made in the session.
+//! exchanges messages with the renderer. It owns only the session, the worker and widget state; the session makes every
+//! decision about the picture.
 
 mod requests;
 
@@ -67,20 +67,20 @@ const BAR_HEIGHT: f32 = theme::ROW_HEIGHT + 12.0;
 /// Default height of the tabs along the bottom, in points.
 const TABS_HEIGHT: f32 = 226.0;
 
-/// Largest default share of the window's height for the tabs along the bottom.
+/// Maximum default height of the tabs along the bottom, as a share of the window's height.
 const TABS_SHARE: f32 = 0.34;
 
-/// Largest default share of the window's width for each panel beside the canvas.
+/// Maximum default width of each panel beside the canvas, as a share of the window's width.
 const SIDE_SHARE: f32 = 0.29;
 
-/// The application of the window: session, renderer and widget state.
+/// Application behind the window: session, render worker and widget state.
 pub struct Workbench {
     session: Session,
     worker: Worker,
     last_request: Option<Request>,
     /// Time at which the oldest unanswered render request was sent; `None` when nothing is outstanding.
     requested_at: Option<Instant>,
-    /// Number of the latest measurement of all upscalers.
+    /// Sequence number of the latest measurement of all upscalers, which identifies its answers.
     measurement: u64,
     loading: Option<Loading>,
     opening_case: Option<OpeningCase>,
@@ -88,7 +88,7 @@ pub struct Workbench {
     measuring_savings: Option<SavingsTask>,
     measuring_scaling: Option<ScalingTask>,
     case_view: CaseView,
-    /// Exports being written to files.
+    /// Exports that background threads are writing to files.
     saving: Vec<PendingExport>,
     canvas: CanvasView,
     mesh: MeshPane,
@@ -104,7 +104,7 @@ pub struct Workbench {
     tab: Tab,
     /// Window state as of the last frame.
     window: WindowState,
-    /// Context of the window; `None` until the first frame.
+    /// egui context of the window; `None` until the first frame.
     context: Option<Context>,
     /// Whether loading is synchronous, as in screenshots and tests.
     is_synchronous: bool,
@@ -151,12 +151,12 @@ impl Workbench {
         }
     }
 
-    /// Returns the session.
+    /// Returns the session: scene, settings and view.
     pub fn session(&self) -> &Session {
         &self.session
     }
 
-    /// Returns the session for changes from outside the window.
+    /// Returns the session, mutable for changes from outside the window.
     pub fn session_mut(&mut self) -> &mut Session {
         &mut self.session
     }
@@ -314,7 +314,7 @@ impl Workbench {
         if ui.egui_wants_keyboard_input() || self.dialog.is_open() || egui::Popup::is_any_open(ui.ctx()) {
             return;
         }
-        // In camera mode the flying keys are no shortcuts.
+        // In camera mode, the keys that fly the camera are not shortcuts.
         let flies = self.session.pointer_mode == PointerMode::Camera || self.mesh.hovered;
         for binding in BINDINGS {
             let is_taken = flies && binding.modifiers == egui::Modifiers::NONE && FLYING_KEYS.contains(&binding.key);
@@ -418,8 +418,8 @@ impl Workbench {
         }
     }
 
-    /// Picks the fault after or before the picked pixel and brings it into view. Shows the hit count first if no faults
-    /// are shown.
+    /// Picks the next or the previous fault, starting at the picked pixel, and brings it into view. If no faults are
+    /// shown, shows the hit count instead.
     fn step_fault(&mut self, forwards: bool) {
         if self.session.shown != Shown::Buffer(Buffer::Hits) && self.session.overlays.stepped().is_none() {
             self.session.shown = Shown::Buffer(Buffer::Hits);
@@ -477,7 +477,7 @@ impl eframe::App for Workbench {
         self.save_preferences();
     }
 
-    /// Returns `false`: the layout is stored with the preferences, whose file is replaced atomically.
+    /// Returns `false`, because the layout is stored with the preferences, whose file is replaced atomically.
     fn persist_egui_memory(&self) -> bool {
         false
     }

@@ -1,4 +1,4 @@
-//! The canvas: shows the picture, zooms at the pointer, pans, picks pixels and labels them with their values.
+//! The canvas: shows the picture, zooms at the pointer, pans, picks pixels, and writes values into pixels.
 //!
 //! The display never changes the data: pixels are drawn as squares at scales of 1:1 and above, and filtered only below
 //! 1:1. The pixel grid and the numbers appear when pixels are large enough for them.
@@ -33,13 +33,13 @@ use crate::inspect::Buffer;
 use crate::inspect::display::ValueKind;
 use crate::inspect::view::{Value, absence};
 
-/// Scale from which the pixel grid is drawn, in points per pixel.
+/// Minimum scale at which the pixel grid is drawn, in points per picture pixel.
 const GRID_FROM: f32 = 10.0;
 
-/// Scale from which pixel values are written, in points per pixel.
+/// Minimum scale at which pixel values are written, in points per picture pixel.
 const NUMBERS_FROM: f32 = 48.0;
 
-/// A picture as a GPU texture, uploaded when it changes.
+/// GPU texture of a picture, uploaded when the picture changes.
 #[derive(Default)]
 pub(super) struct PictureTexture {
     texture: Option<TextureHandle>,
@@ -47,7 +47,8 @@ pub(super) struct PictureTexture {
 }
 
 impl PictureTexture {
-    /// Uploads a picture if it changed, and returns its texture: nearest when magnified, linear when minified.
+    /// Uploads a picture if it has changed, and returns its texture, filtered nearest when magnified and linearly when
+    /// minified.
     pub(super) fn show(&mut self, ui: &Ui, picture: &Arc<Image<Rgba8>>) -> TextureId {
         let (width, height) = picture.size();
         let image = || ColorImage::from_rgba_premultiplied([width as usize, height as usize], picture.as_bytes());
@@ -65,15 +66,15 @@ impl PictureTexture {
     }
 }
 
-/// The canvas: zoom, pointer state and the texture of the picture.
+/// State of the canvas: zoom, pointer state and the texture of the picture.
 #[derive(Default)]
 pub(crate) struct CanvasView {
     texture: PictureTexture,
     /// Scale and visible part of the picture.
     pub(crate) zoom: Zoom,
-    /// Pixel under the pointer.
+    /// Column and row of the pixel under the pointer.
     pub(crate) hovered: Option<(u32, u32)>,
-    /// State of the rectangle being dragged.
+    /// State of the region that the pointer drags.
     region_drag: region::RegionDrag,
     selection: SelectionLayer,
 }
@@ -94,7 +95,7 @@ impl CanvasView {
         self.zoom.bring_into_view(pixel, canvas_px);
     }
 
-    /// Returns screen pixels per picture pixel; `None` if the picture is fitted.
+    /// Returns the scale, in screen pixels per picture pixel; `None` if the picture is fitted.
     pub(crate) fn scale(&self) -> Option<f32> {
         self.zoom.scale()
     }
@@ -183,7 +184,7 @@ impl CanvasView {
     }
 }
 
-/// Draws lines between pixels that are at least [`GRID_FROM`] points wide.
+/// Draws the pixel grid if pixels are at least [`GRID_FROM`] points wide.
 pub(super) fn grid(painter: &egui::Painter, placement: Placement, size: (u32, u32)) {
     if placement.points_per_px < GRID_FROM {
         return;
@@ -267,7 +268,7 @@ fn legend(ui: &Ui, canvas: Rect, session: &Session, view: &RenderedView) -> Rect
     frame
 }
 
-/// Draws a frame around the picked pixel that is visible on any picture and at any scale.
+/// Draws a frame around a pixel, visible on any picture and at any scale.
 pub(super) fn marker(painter: &egui::Painter, placement: Placement, (x, y): (u32, u32), accent: Color32) {
     const MIN_POINTS: f32 = 7.0;
     let pixel = placement.rect_of(x, y);

@@ -38,7 +38,7 @@ use crate::report::stability::column::ReportColumn;
 use crate::scene::Camera;
 use crate::scene::obj::TrMeaning;
 
-/// An action of the user, applied after the window is laid out.
+/// Action of the user, applied after the window is laid out.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
     /// Shows the dialog for opening a model or a case.
@@ -53,7 +53,7 @@ pub enum Command {
     MirrorZ,
     /// Closes the open case.
     CloseCase,
-    /// Shows the part of the open case with this index.
+    /// Shows the part with this index of the open case.
     ShowPart(usize),
     /// Opens the worst case of a stability report column, given as JSON, with the settings of that column.
     OpenWorst(ReportColumn, String),
@@ -73,7 +73,7 @@ pub enum Command {
     Probe(probe::ProbeChange),
     /// Changes the scope or the selection of the vertex panel.
     Vertices(vertices::VerticesChange),
-    /// Changes the mesh view, which shows the scene from outside.
+    /// Changes the mesh view, which shows the scene from a second camera.
     MeshView(mesh_view::MeshViewChange),
     /// Measures how cost scales with triangles, pixels, layers and threads.
     MeasureScaling,
@@ -87,7 +87,7 @@ pub enum Command {
     SetRecipe(Recipe),
     /// Selects the upscaler at this index of the registry.
     ChooseUpscaler(usize),
-    /// Changes the comparison.
+    /// Changes the comparison of pictures.
     Compare(CompareChange),
     /// Resets the recipe to the default.
     ResetRecipe,
@@ -111,7 +111,7 @@ pub enum Command {
     StepFault(i64),
     /// Draws only this many triangles; all if `None`.
     LimitTriangles(Option<usize>),
-    /// Draws one triangle more (positive) or fewer.
+    /// Draws one more triangle (positive) or one fewer (negative).
     StepTriangle(i64),
     /// Sets the pointer mode.
     SetPointerMode(PointerMode),
@@ -153,7 +153,7 @@ pub enum Command {
     CloseOffer,
     /// Dismisses the error bar.
     CloseError,
-    /// Dismisses the first hint.
+    /// Dismisses the hint for new users.
     CloseHint,
     /// Switches between the dark and the light theme.
     ToggleTheme,
@@ -161,11 +161,11 @@ pub enum Command {
     SetScale(f32),
     /// Shows the key sheet.
     ToggleKeys,
-    /// Opens the manual at a chapter, or to search it.
+    /// Opens the manual at a chapter; `None` focuses its search field.
     OpenManual(Option<Chapter>),
     /// Shows the dialog for going to a pixel, triangle, vertex or object.
     ShowPixelDialog,
-    /// Closes the case, or clears the innermost of selection, pick, probe, comparison and shown buffer.
+    /// Closes the case, or clears the first active one of selection, pick, probe, comparison and shown buffer.
     Escape,
     /// Changes the overlays.
     Overlays(overlays::OverlayChange),
@@ -187,7 +187,7 @@ pub enum Command {
     Select(TriangleSelection),
     /// Opens a tab along the bottom.
     OpenTab(Tab),
-    /// Expands the switches of all stages, or collapses them.
+    /// Expands (`true`) or collapses (`false`) the settings of all stages.
     OpenStages(bool),
     /// Opens the command palette.
     OpenPalette,
@@ -199,7 +199,7 @@ pub enum Command {
     Place(place::PlaceChange),
 }
 
-/// A key binding with its description.
+/// Key binding with its description.
 pub struct KeyBinding {
     /// Key that triggers the command.
     pub(crate) key: Key,
@@ -215,10 +215,10 @@ const fn bind(modifiers: Modifiers, key: Key, command: fn() -> Command, what: &'
     KeyBinding { key, modifiers, command, description: what }
 }
 
-/// The modifiers Ctrl + Shift.
+/// Modifier keys Ctrl + Shift.
 const CONTROL_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
-/// Returns the binding of a key to a bookmark.
+/// Returns a binding that jumps to a bookmark.
 const fn jump(key: Key, command: fn() -> Command) -> KeyBinding {
     bind(Modifiers::COMMAND, key, command, "Go to a bookmark")
 }
@@ -230,8 +230,8 @@ impl KeyBinding {
     }
 }
 
-/// The key map. Among the bindings of one key, those with more modifiers come first, so that the first match is the
-/// most specific.
+/// Key map of the window. Among the bindings of one key, those with more modifiers come first, so that the first match
+/// is the most specific.
 pub const BINDINGS: &[KeyBinding] = &[
     bind(Modifiers::COMMAND, Key::O, || Command::ShowFileDialog, "Open a model or a case"),
     bind(
@@ -244,7 +244,7 @@ pub const BINDINGS: &[KeyBinding] = &[
     bind(CONTROL_SHIFT, Key::C, || Command::Place(place::PlaceChange::Copy), "Copy as command"),
     bind(Modifiers::COMMAND, Key::C, || Command::CopyPicture, "Copy the picture"),
     bind(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z, || Command::Redo, "Redo"),
-    bind(Modifiers::COMMAND, Key::Z, || Command::Undo, "Undo the last setting"),
+    bind(Modifiers::COMMAND, Key::Z, || Command::Undo, "Undo the last change"),
     bind(Modifiers::COMMAND, Key::G, || Command::ShowPixelDialog, "Go to a pixel, triangle, vertex or object"),
     bind(CONTROL_SHIFT, Key::P, || Command::OpenPalette, "Find anything"),
     bind(Modifiers::COMMAND, Key::B, || Command::Place(place::PlaceChange::Bookmark), "Bookmark this place"),
@@ -272,25 +272,25 @@ pub const BINDINGS: &[KeyBinding] = &[
         Modifiers::COMMAND,
         Key::Comma,
         || Command::Scrub(scrub::ScrubChange::Step(Unit::Draw, false)),
-        "Draw one object less",
+        "Draw one fewer object",
     ),
     bind(
         Modifiers::COMMAND,
         Key::Period,
         || Command::Scrub(scrub::ScrubChange::Step(Unit::Draw, true)),
-        "Draw one object more",
+        "Draw one more object",
     ),
     bind(
         Modifiers::SHIFT,
         Key::Comma,
         || Command::Scrub(scrub::ScrubChange::Step(Unit::Fragment, false)),
-        "Draw one fragment less",
+        "Draw one fewer fragment",
     ),
     bind(
         Modifiers::SHIFT,
         Key::Period,
         || Command::Scrub(scrub::ScrubChange::Step(Unit::Fragment, true)),
-        "Draw one fragment more",
+        "Draw one more fragment",
     ),
     bind(Modifiers::SHIFT, Key::Space, || Command::Scrub(scrub::ScrubChange::Play(false)), "Play backwards, or pause"),
     bind(
@@ -303,10 +303,10 @@ pub const BINDINGS: &[KeyBinding] = &[
         Modifiers::NONE,
         Key::Y,
         || Command::Scrub(scrub::ScrubChange::Touching(None)),
-        "Step only through what touches the picked pixel, or through everything",
+        "Step only through triangles and fragments at the picked pixel, or through all",
     ),
-    bind(Modifiers::NONE, Key::Comma, || Command::StepTriangle(-1), "Draw one triangle less"),
-    bind(Modifiers::NONE, Key::Period, || Command::StepTriangle(1), "Draw one triangle more"),
+    bind(Modifiers::NONE, Key::Comma, || Command::StepTriangle(-1), "Draw one fewer triangle"),
+    bind(Modifiers::NONE, Key::Period, || Command::StepTriangle(1), "Draw one more triangle"),
     bind(Modifiers::SHIFT, Key::J, || Command::StepFault(-1), "Go to the previous faulty pixel"),
     bind(Modifiers::NONE, Key::J, || Command::StepFault(1), "Go to the next faulty pixel"),
     bind(
@@ -327,8 +327,8 @@ pub const BINDINGS: &[KeyBinding] = &[
         || Command::Range(range::RangeChange::Fit(RangeFit::All)),
         "Fit the range to all values",
     ),
-    bind(Modifiers::NONE, Key::Home, || Command::LimitTriangles(Some(0)), "Go before the first triangle"),
-    bind(Modifiers::NONE, Key::End, || Command::LimitTriangles(None), "Go after the last triangle"),
+    bind(Modifiers::NONE, Key::Home, || Command::LimitTriangles(Some(0)), "Go to the start, before the first triangle"),
+    bind(Modifiers::NONE, Key::End, || Command::LimitTriangles(None), "Go to the end, after the last triangle"),
     bind(Modifiers::SHIFT, Key::ArrowLeft, || Command::NudgePick(-10, 0), "Move the picked pixel 10 left"),
     bind(Modifiers::SHIFT, Key::ArrowRight, || Command::NudgePick(10, 0), "Move the picked pixel 10 right"),
     bind(Modifiers::SHIFT, Key::ArrowUp, || Command::NudgePick(0, -10), "Move the picked pixel 10 up"),
@@ -363,13 +363,13 @@ pub const BINDINGS: &[KeyBinding] = &[
         Modifiers::NONE,
         Key::D,
         || Command::Compare(CompareChange::Toggle(Mode::Difference)),
-        "Show the difference, or stop",
+        "Show the difference of A and B, or stop",
     ),
     bind(
         Modifiers::NONE,
         Key::X,
         || Command::WhatIf(what_if::WhatIfChange::Toggle),
-        "Show what the last change did, or stop",
+        "Show the effect of the last change, or stop",
     ),
     bind(Modifiers::NONE, Key::S, || Command::Compare(CompareChange::Swap), "Swap A and B"),
     bind(
@@ -410,33 +410,33 @@ pub const BINDINGS: &[KeyBinding] = &[
         Modifiers::NONE,
         Key::M,
         || Command::MeshView(mesh_view::MeshViewChange::Toggle),
-        "Show or hide the scene from outside",
+        "Show or hide the mesh view",
     ),
-    bind(Modifiers::NONE, Key::C, || Command::TogglePointerMode, "Switch camera mode"),
-    bind(Modifiers::NONE, Key::H, || Command::ResetCamera, "Return to the scene's own view"),
+    bind(Modifiers::NONE, Key::C, || Command::TogglePointerMode, "Turn camera mode on or off"),
+    bind(Modifiers::NONE, Key::H, || Command::ResetCamera, "Return to the scene's home view"),
     bind(Modifiers::NONE, Key::Enter, || Command::Watch(watch::WatchChange::AddPick), "Watch the picked pixel"),
     bind(
         Modifiers::NONE,
         Key::Escape,
         || Command::Escape,
-        "Drop the pick, then stop comparing, then drop the stage or buffer",
+        "Clear the pick, then stop comparing, then show the finished picture",
     ),
-    bind(Modifiers::SHIFT, Key::Slash, || Command::ToggleKeys, "Show the keys"),
-    bind(Modifiers::NONE, Key::Questionmark, || Command::ToggleKeys, "Show the keys"),
+    bind(Modifiers::SHIFT, Key::Slash, || Command::ToggleKeys, "Show all keys and mouse gestures"),
+    bind(Modifiers::NONE, Key::Questionmark, || Command::ToggleKeys, "Show all keys and mouse gestures"),
     bind(Modifiers::NONE, Key::F1, || Command::OpenManual(None), "Open and search the manual"),
 ];
 
 /// Mouse gestures and their effects, for the key sheet.
 pub const MOUSE: &[(&str, &str)] = &[
     ("Click", "Pick a pixel and explain it"),
-    ("Right-drag", "Inspect pixels along the way"),
+    ("Right-drag", "Inspect pixels while dragging"),
     ("Wheel", "Zoom at the pointer"),
     ("Drag", "Move the picture"),
     ("Middle-drag", "Orbit the camera around its target"),
     ("Shift + middle-drag", "Pan the camera"),
     ("Ctrl + wheel", "Dolly the camera"),
-    ("Hold Alt", "Show the numbers in pixels as bits"),
-    ("Shift + drag", "Show figures of a box of the picture"),
+    ("Hold Alt", "Show the numbers in pixels as hexadecimal bits"),
+    ("Shift + drag", "Show statistics of a rectangle of the picture"),
     ("Comparing: hold Shift", "Show the other picture"),
     ("What changed: hold Shift", "Show the picture before the change"),
     ("Comparing: R, then drag", "Measure a rectangle"),

@@ -1,10 +1,10 @@
-//! The engine behind the window: renders, captures and replays whatever a request needs, and reuses results that are
-//! still valid.
+//! Engine behind the window: renders frames, captures buffers and replays pixels for requests, and reuses results that
+//! are still valid.
 //!
 //! A [`Request`] is complete; the engine compares it with the last one and redoes only the parts that changed. A new
-//! pick replays one pixel, another buffer recolours, and only a new scene, camera, recipe, size or moment draws a
-//! frame. The engine has no thread of its own, so screenshots and tests call it directly; [`super::worker`] runs it on
-//! a thread.
+//! pick replays one pixel, and another buffer only changes colours. Only a new scene, camera, recipe, size or moment
+//! draws a frame. The engine has no thread of its own, so screenshots and tests call it directly; [`super::worker`]
+//! runs it on a thread.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -28,19 +28,19 @@ use crate::pipeline::viewport::Viewport;
 use crate::scene::seams::Seams;
 use crate::scene::{Camera, Scene};
 
-/// The quantity of a frame that the canvas shows.
+/// Quantity of a frame that the canvas shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shown {
     /// A buffer of the finished frame.
     Buffer(Buffer),
     /// The picture after a stage.
     Stage(Stage),
-    /// An intermediate value between triangle and colour.
+    /// An intermediate value of the pipeline, between triangle and colour.
     Intermediate(Intermediate),
 }
 
 impl Shown {
-    /// Returns the display name.
+    /// Returns the display name of the quantity.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Buffer(buffer) => buffer.name(),
@@ -49,7 +49,7 @@ impl Shown {
         }
     }
 
-    /// Returns a description in one sentence.
+    /// Returns a description of the quantity, in one sentence.
     pub(crate) fn help(self) -> &'static str {
         match self {
             Self::Buffer(buffer) => buffer.help(),
@@ -62,23 +62,23 @@ impl Shown {
 /// Everything that determines the contents of the window.
 #[derive(Clone, Debug)]
 pub struct Request {
-    /// Scene; compared by pointer.
+    /// Scene to draw; requests compare it by pointer.
     pub scene: Arc<Scene>,
-    /// Camera.
+    /// Camera that views the scene.
     pub camera: Camera,
     /// Recipe to draw with.
     pub recipe: Recipe,
     /// Size of the picture, in pixels.
     pub viewport: Viewport,
-    /// Quantity on the canvas.
+    /// Quantity to show on the canvas.
     pub shown: Shown,
     /// Number of rasterized triangles to draw; all if `None`.
     pub triangle_limit: Option<usize>,
-    /// Number of fragments of the last of these triangles to draw; all if `None`.
+    /// Number of fragments to draw of the last of these triangles; all if `None`.
     pub fragment_limit: Option<usize>,
     /// Picked pixel, in picture pixels.
     pub pick: Option<(u32, u32)>,
-    /// Range, colours and overlays.
+    /// Value range, colour map and overlays of the picture.
     pub look: Look,
 }
 
@@ -88,7 +88,7 @@ impl Request {
         self.same_frame(other) && self.shown == other.shown && self.pick == other.pick && self.look == other.look
     }
 
-    /// Whether the canvas shows the same for both requests, regardless of the picked pixel.
+    /// Whether the canvas shows the same picture for both requests, regardless of the picked pixel.
     pub(crate) fn same_picture(&self, other: &Self) -> bool {
         self.same_frame(other) && self.shown == other.shown && self.look == other.look
     }
@@ -118,14 +118,14 @@ impl Request {
     }
 }
 
-/// The answer to a [`Request`].
+/// Answer to a [`Request`].
 #[derive(Clone, Debug)]
 pub struct RenderedView {
-    /// The request that was answered.
+    /// Request that was answered.
     pub request: Request,
     /// Rendered frame.
     pub frame: Arc<Frame>,
-    /// Number of rasterized triangles without a limit.
+    /// Number of rasterized triangles of the complete frame.
     pub rasterized: usize,
     /// Picture on the canvas.
     pub picture: Arc<Image<Rgba8>>,
@@ -133,20 +133,20 @@ pub struct RenderedView {
     pub buffers: Option<Arc<Buffers>>,
     /// Intermediate value of every sample; `None` unless one is shown.
     pub(crate) captured: Option<Arc<Captured>>,
-    /// Ends of the colour map; `None` without one.
+    /// Value range of the colour map; `None` without a colour map.
     pub range: Option<Range>,
     /// Intermediate images and statistics of the picture.
     pub look_result: LookResult,
-    /// History of the picked pixel.
+    /// History of the picked pixel; `None` without one.
     pub report: Option<Arc<PixelReport>>,
-    /// Moments around the shown one; `None` if the frame is complete and no pixel is picked.
+    /// Moments around the shown moment; `None` if the frame is complete and no pixel is picked.
     pub(crate) timeline: Option<Arc<Timeline>>,
     /// Whether the frame was drawn for this answer rather than reused from the last one.
     pub fresh: bool,
 }
 
 impl RenderedView {
-    /// Whether this view holds the complete frame of which `request` wants an earlier moment.
+    /// Whether this view has the complete frame for a request that shows an earlier moment of it.
     fn is_whole_for(&self, request: &Request) -> bool {
         request.triangle_limit.is_some()
             && self.request.triangle_limit.is_none()
@@ -159,11 +159,11 @@ impl RenderedView {
     }
 }
 
-/// Longest wait for the search for open seams before answering without them, once the frame is on screen. A newer
-/// request waits no longer than this.
+/// Maximum wait for the search for open seams, after which a request is answered without them. Only repeated requests
+/// wait, when the frame is on screen already. The limit bounds the delay of a newer request.
 const SEAMS_WAIT: Duration = Duration::from_millis(50);
 
-/// Answers requests, reusing results of the last one.
+/// Engine that answers requests and reuses results of the last one.
 #[derive(Debug, Default)]
 pub(crate) struct Engine {
     last: Option<RenderedView>,
@@ -246,7 +246,7 @@ impl Engine {
     }
 }
 
-/// Cached survey of all triangles of the last frame with a picked pixel, reused for its other pixels and moments.
+/// Cached survey of all triangles of a frame, reused for all pixels and moments of that frame.
 #[derive(Debug, Default)]
 struct SurveyCache(Option<(Arc<Scene>, Recipe, Survey)>);
 
@@ -292,7 +292,7 @@ fn needed_capture(request: &Request, frame: &Frame, kept: Option<Arc<Captured>>)
     Some(kept.filter(|kept| kept.which == which).unwrap_or_else(again))
 }
 
-/// Renders the frame, and returns it with the number of its triangles without a limit.
+/// Renders the requested frame, and returns it with the number of rasterized triangles of the complete frame.
 fn render(
     request: &Request,
     renderer: &mut Renderer,
@@ -308,19 +308,19 @@ fn render(
     (reel.frame(moment), reel.triangles())
 }
 
-/// Counters and times of each stage of a frame. They are determined after the frame is on screen, by drawing it a few
-/// more times: the frame itself is neither instrumented nor slowed down.
+/// Counters and times of each stage of a frame. They are measured after the frame is on screen, by drawing it a few
+/// more times, so that the frame itself is neither instrumented nor slowed down.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct StageFigures {
-    /// Wall-clock times.
+    /// Wall-clock time of each stage.
     pub times: StageTimes,
-    /// Counters.
+    /// Numbers of processed triangles and fragments.
     pub(crate) counters: Counters,
     /// Number of fragments whose depth or weights are NaN or infinite.
     pub(crate) bad: u64,
 }
 
-/// Determines the figures of a view in steps, each of which takes at most one frame time.
+/// Measurement of the stages of a view, in steps that each take at most one frame time.
 #[derive(Debug)]
 pub(crate) struct StageMeasurement {
     view: RenderedView,
@@ -328,17 +328,17 @@ pub(crate) struct StageMeasurement {
 }
 
 impl StageMeasurement {
-    /// Starts with a view.
+    /// Creates a measurement of the frame of `view`.
     pub(crate) fn new(view: RenderedView) -> Self {
         Self { timer: StageTimer::new(&view.frame), view }
     }
 
-    /// Whether a step was completed already.
+    /// Whether at least one step is complete.
     pub(crate) fn has_begun(&self) -> bool {
         self.timer.has_begun()
     }
 
-    /// Runs the next step. Returns the figures after the last one, `None` before.
+    /// Runs the next step. Returns counters and times after the last step, and `None` before.
     pub(crate) fn step(&mut self) -> Option<StageFigures> {
         let RenderedView { request, frame, .. } = &self.view;
         let times = self.timer.step(&request.scene, &request.camera, &request.recipe, frame)?;
@@ -347,8 +347,8 @@ impl StageMeasurement {
     }
 }
 
-/// Counts without shading: every fragment that passes the depth test counts as shaded, or every covered one without
-/// depth.
+/// Counts triangles and fragments without shading them. Every fragment that passes the depth test counts as shaded;
+/// without a depth buffer, every covered sample does.
 fn count(request: &Request, frame: &Frame) -> BadFragments {
     let Request { scene, recipe, .. } = request;
     let mut counting = BadFragments::new(recipe.pipeline);

@@ -52,7 +52,8 @@ fn seams_text(hits: &Hits) -> Option<String> {
     }
 }
 
-/// Draws both counts: as a success if both are zero, otherwise each beside the colour of its pixels.
+/// Draws the numbers of cracks and double hits: as a success if both are zero, otherwise each beside the colour of its
+/// pixels.
 fn draw_counts(ui: &mut Ui, hits: &Hits) {
     let (cracks, doubles) = (hits.count(FaultKind::Crack), hits.count(FaultKind::DoubleHit));
     if cracks + doubles == 0 {
@@ -60,8 +61,8 @@ fn draw_counts(ui: &mut Ui, hits: &Hits) {
         return;
     }
     for (kind, count, one, many, help) in [
-        (FaultKind::Crack, cracks, "crack", "cracks", "Pixels along a shared edge that too few triangles hit"),
-        (FaultKind::DoubleHit, doubles, "double hit", "double hits", "Pixels that both triangles of a shared edge hit"),
+        (FaultKind::Crack, cracks, "crack", "cracks", "Pixels along a shared edge hit by too few triangles"),
+        (FaultKind::DoubleHit, doubles, "double hit", "double hits", "Pixels hit by both triangles of a shared edge"),
     ] {
         let [r, g, b, _] = fault_color(kind);
         ui.spacing_mut().item_spacing.x = space::XS;

@@ -1,7 +1,8 @@
-//! Number formats of the window: each quantity always has the same form, so that columns align and text does not jump.
+//! Number formats of the window. Each quantity always has the same format, so that columns align and text does not
+//! jump.
 //!
 //! A thin space precedes units and separates thousands. Negative numbers have a true minus sign (U+2212), which is as
-//! wide as a digit in the monospace font. Values without digits are written "NaN", "∞" and "−∞".
+//! wide as a digit in the monospace font. Non-finite values are written "NaN", "∞" and "−∞".
 
 /// Separator between a number and its unit, and between thousands.
 const THIN_SPACE: char = '\u{2009}';
@@ -75,7 +76,7 @@ pub fn f32_full(value: f32) -> String {
     }
 }
 
-/// Formats the bits of an `f32` in hexadecimal: "0x3F7FFFFE".
+/// Formats the bits of an `f32` in hexadecimal, for example "0x3F7FFFFE".
 pub(crate) fn bits(value: f32) -> String {
     format!("0x{:08X}", value.to_bits())
 }
@@ -104,21 +105,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn units_follow_after_a_thin_space() {
+    fn a_thin_space_precedes_units() {
         assert_eq!(ms(4.1), "4.10\u{2009}ms");
         assert_eq!(percent(0.6127), "61.3\u{2009}%");
         assert_eq!(bytes(512), "512\u{2009}B");
     }
 
     #[test]
-    fn negative_numbers_carry_a_true_minus() {
+    fn negative_numbers_have_a_true_minus_sign() {
         assert_eq!(fixed(-1.25, 1), "−1.2");
         assert_eq!(f32_full(-0.0), "−0.00000000");
         assert_eq!(f32_full(-1.5e-20), "−1.49999995e−20");
     }
 
     #[test]
-    fn thousands_are_parted_from_the_right() {
+    fn thousands_are_separated_from_the_right() {
         for (number, text) in [(0, "0"), (999, "999"), (1000, "1 000"), (1_234_567, "1 234 567")] {
             assert_eq!(count(number), text.replace(' ', "\u{2009}"));
         }
@@ -150,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn floats_without_digits_have_a_word() {
+    fn non_finite_floats_are_written_as_words_or_symbols() {
         assert_eq!([f32::NAN, f32::INFINITY, f32::NEG_INFINITY].map(f32_full), ["NaN", "∞", "−∞"]);
         assert_eq!(ms(f64::INFINITY), "∞\u{2009}ms");
     }

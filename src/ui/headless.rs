@@ -1,10 +1,10 @@
-//! A user interface without a window: runs passes with a fixed time step and given events, and paints a picture of the
-//! last one.
+//! User interface without a window: runs passes with a fixed time step and given events, and paints a picture of the
+//! last pass.
 //!
-//! Screenshots and tests run through this module. Apart from timed passes nothing reads a clock or a display, so the
-//! same interface yields the same bytes every time. The interface is a closure over [`egui::Ui`], the root one of a
-//! window: an application whose `eframe::App::ui` calls `self.show(ui)` is drawn by `headless.pass(vec![], |ui|
-//! app.show(ui))`.
+//! Screenshots and tests run through this module. Apart from timed passes, nothing reads a clock or a display, so the
+//! same interface yields the same bytes every time. The interface is a closure that takes the root [`egui::Ui`] of a
+//! window. For example, `headless.pass(vec![], |ui| app.show(ui))` draws an application whose `eframe::App::ui` calls
+//! `self.show(ui)`.
 
 use std::time::{Duration, Instant};
 
@@ -19,23 +19,23 @@ use crate::image::{Image, Rgba8};
 /// Time from one pass to the next, in seconds. Any animation of the theme finishes within two passes.
 pub(crate) const STEP_SECONDS: f64 = 0.1;
 
-/// Largest texture side that the toolkit may request, in pixels: the longest side of a picture.
+/// Maximum side of a texture that the toolkit may request, in pixels: the maximum side of a picture.
 const LARGEST_TEXTURE_SIDE: usize = 16_384;
 
-/// Cost of one pass.
+/// Cost of one pass of the user interface.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PassCost {
-    /// Time for panels, text and input.
+    /// Time for laying out panels and text and handling input.
     pub(crate) layout: Duration,
     /// Time for tessellating shapes into triangles.
     pub(crate) tessellation: Duration,
-    /// Number of vertices of all triangles.
+    /// Number of vertices of the tessellated triangles.
     pub(crate) vertices: usize,
-    /// Size of the uploaded textures, in bytes.
+    /// Size of the textures uploaded in this pass, in bytes.
     pub(crate) texture_bytes: usize,
 }
 
-/// An egui context with the installed theme, its painter, and the shapes of its last pass.
+/// User interface without a window: an egui context with the theme, its painter, and the shapes of its last pass.
 pub struct Headless {
     context: egui::Context,
     painter: CpuPainter,
@@ -46,7 +46,7 @@ pub struct Headless {
 }
 
 impl Headless {
-    /// Creates a window of `size_points` (logical) at an interface scale of `pixels_per_point`.
+    /// Creates an interface of `size_points` logical points, with `pixels_per_point` physical pixels per point.
     pub fn new(size_points: Vec2, pixels_per_point: f32, theme: egui::Theme) -> Self {
         let context = egui::Context::default();
         theme::install(&context);
@@ -61,13 +61,13 @@ impl Headless {
         }
     }
 
-    /// Returns the context for further setup.
+    /// Returns the egui context, for further setup.
     pub fn context(&self) -> &egui::Context {
         &self.context
     }
 
-    /// Runs one pass with `events` as its input. Returns its requests to the platform (cursor, clipboard, accessibility
-    /// tree).
+    /// Runs one pass with `events` as its input. Returns its output for the platform: cursor, clipboard, accessibility
+    /// tree.
     pub fn pass(&mut self, events: Vec<Event>, ui: impl FnMut(&mut egui::Ui)) -> PlatformOutput {
         let input = self.input(events);
         let FullOutput { platform_output, mut textures_delta, shapes, .. } = self.context.run_ui(input, ui);
@@ -98,7 +98,7 @@ impl Headless {
         PassCost { layout, tessellation, vertices: vertices.sum(), texture_bytes }
     }
 
-    /// Clicks with the primary mouse button at `position` (in points), in three passes.
+    /// Clicks with the primary mouse button at `position`, in points. Takes three passes.
     #[cfg(test)]
     pub(crate) fn click(&mut self, position: Pos2, mut ui: impl FnMut(&mut egui::Ui)) -> PlatformOutput {
         let button = |pressed| Event::PointerButton {
@@ -138,7 +138,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_same_interface_gives_the_same_picture_of_the_asked_size() {
+    fn the_same_interface_gives_the_same_picture_of_the_requested_size() {
         let paint = || {
             let mut headless = Headless::new(Vec2::new(90.0, 33.0), 1.5, egui::Theme::Dark);
             for _ in 0..3 {

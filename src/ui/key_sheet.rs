@@ -1,4 +1,4 @@
-//! The key sheet: every key and gesture by topic, in columns, from the table that defines the keys.
+//! Key sheet: every key and mouse gesture by topic, in columns, generated from the key map.
 
 use eframe::egui::{Key, Label, RichText, ScrollArea, TextEdit, Ui, WidgetInfo, vec2};
 
@@ -15,10 +15,10 @@ const KEYS_POINTS: f32 = 128.0;
 /// Total margin to the left and right of the sheet, in points.
 const MARGIN_POINTS: f32 = 40.0;
 
-/// Height of a line, in points: less than that of controls, as lines are not clickable.
+/// Height of a line, in points. It is less than the height of controls, because lines are not clickable.
 const LINE_POINTS: f32 = 16.0;
 
-/// Number of keys of one action above which only the first and the last are listed.
+/// Maximum number of keys listed for one action. Above it, only the first and the last are listed.
 const MAX_KEYS: usize = 3;
 
 /// Returns the width of the sheet, in points: three columns if the window has room for them, otherwise two.
@@ -63,7 +63,7 @@ impl Topic {
         (Self::General, "Other"),
     ];
 
-    /// Returns the topic of a key from its command.
+    /// Returns the topic of a key binding, which follows from its command.
     fn of(binding: &KeyBinding) -> Self {
         match (binding.command)() {
             Command::NudgePick(..) | Command::Pick(_) | Command::Watch(_) | Command::StepFault(_) | Command::Escape => {
@@ -89,14 +89,14 @@ impl Topic {
     }
 }
 
-/// A line of the sheet: all keys or the gesture of one action, and its description.
+/// Line of the sheet: all keys of one action or its mouse gesture, and the description of the action.
 struct SheetLine {
     keys: Vec<String>,
     what: &'static str,
 }
 
 impl SheetLine {
-    /// Estimates the number of text rows that the key names take.
+    /// Estimates the number of text rows that the key names need.
     fn rows(&self) -> usize {
         /// Characters that fit into one row.
         const LETTERS: usize = 17;
@@ -177,7 +177,7 @@ fn lines(topic: Topic, filter: &str) -> Vec<SheetLine> {
     lines
 }
 
-/// Returns the name of a key with its modifiers, in characters that the fonts contain.
+/// Returns the name of a key with its modifiers, written in characters that the fonts contain.
 pub(crate) fn key_name(binding: &KeyBinding) -> String {
     let mut name = String::new();
     if binding.modifiers.command || binding.modifiers.ctrl {
@@ -204,7 +204,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_key_stands_on_the_sheet_once() {
+    fn every_key_is_listed_on_the_sheet_once() {
         let all: Vec<SheetLine> = Topic::ALL.into_iter().flat_map(|(topic, _)| lines(topic, "")).collect();
         for binding in BINDINGS {
             let of_it = all.iter().filter(|line| line.what == binding.description);
@@ -218,7 +218,7 @@ mod tests {
         let found = |filter: &str| -> Vec<&str> {
             Topic::ALL.into_iter().flat_map(|(topic, _)| lines(topic, filter)).map(|line| line.what).collect()
         };
-        assert!(found("ctrl z").contains(&"Undo the last setting"));
+        assert!(found("ctrl z").contains(&"Undo the last change"));
         assert!(found("bookmark").contains(&"Bookmark this place"));
         assert!(found("qqqqq").is_empty());
     }

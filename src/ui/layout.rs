@@ -2,13 +2,13 @@
 
 use eframe::egui::Context;
 
-/// Returns the state of panels and headings as text.
+/// Serialises the layout of the window, panels and headings as text.
 pub(super) fn text(context: &Context) -> String {
     // If serialisation fails, the next window has the default layout.
     context.memory(ron::to_string).unwrap_or_default()
 }
 
-/// Restores what [`text`] returned; any other text changes nothing.
+/// Restores a layout that [`text`] returned. Ignores any other text.
 pub(super) fn restore(context: &Context, layout: &str) {
     if let Ok(memory) = ron::from_str(layout) {
         context.memory_mut(|current| *current = memory);

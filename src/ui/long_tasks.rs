@@ -1,4 +1,4 @@
-//! Progress and results of long measurements: the stability report, the savings of the plan, and the scaling of cost.
+//! Progress and results of long measurements: stability report, time saved by skipped work, and scaling.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use crate::report::stability::sweep::{StabilityProgress, StabilityReport};
 /// View of the stability report.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum StabilityView {
-    /// Heat map of classes by configurations.
+    /// Heat map of classes of cases against configurations.
     #[default]
     HeatMap,
     /// Scatter plot of error against time, one point for each configuration.
@@ -22,37 +22,37 @@ pub enum StabilityView {
 /// State of the stability report.
 #[derive(Clone, Debug, Default)]
 pub struct Stability {
-    /// Last complete report.
+    /// Last complete stability report.
     pub report: Option<Arc<StabilityReport>>,
-    /// Progress of the running report.
+    /// Progress of the running report; `None` if none is running.
     pub progress: Option<StabilityProgress>,
-    /// Selected view.
+    /// View selected in the tab.
     pub(crate) view: StabilityView,
 }
 
-/// State of the measurement of the plan's savings.
+/// State of the measurement of the time that skipped work saves.
 #[derive(Clone, Debug, Default)]
 pub struct PlanSavings {
-    /// Last result and the request that it was measured on.
+    /// Last result, and the request on which it was measured.
     pub found: Option<(Arc<Savings>, Request)>,
-    /// Completed share of the running measurement, in [0, 1].
+    /// Completed share of the running measurement, in [0, 1]; `None` if none is running.
     pub progress: Option<f32>,
 }
 
 /// State of the scaling measurement.
 #[derive(Clone, Debug, Default)]
 pub struct ScalingState {
-    /// Last result and the recipe that it was measured with.
+    /// Last result, and the recipe with which it was measured.
     pub found: Option<(Arc<Scaling>, Recipe)>,
-    /// Quantity being measured and the completed share of the measurement, in [0, 1].
+    /// Quantity being measured, and the completed share of the measurement, in [0, 1]; `None` if none is running.
     pub progress: Option<(ScalingQuantity, f32)>,
 }
 
 /// A running stability report.
 pub(crate) type StabilityTask = BackgroundTask<StabilityProgress, StabilityReport>;
 
-/// A running measurement of savings; the result includes the request that it was measured on.
+/// A running measurement of the time that skipped work saves. The result includes the request on which it was measured.
 pub(crate) type SavingsTask = BackgroundTask<f32, (Savings, Request)>;
 
-/// A running scaling measurement; the result includes the recipe that it was measured with.
+/// A running scaling measurement. The result includes the recipe with which it was measured.
 pub(crate) type ScalingTask = BackgroundTask<(ScalingQuantity, f32), (Scaling, Recipe)>;

@@ -1,5 +1,5 @@
-//! From a frame to the picture on the canvas: applies range, colours and overlays, and computes statistics of the shown
-//! quantity.
+//! Computes the picture on the canvas from a frame: applies range, colours and overlays, and computes statistics of the
+//! shown quantity.
 
 use std::sync::{Arc, OnceLock};
 
@@ -18,45 +18,45 @@ use crate::inspect::view::{Range, Value, value};
 use crate::measure::region::PixelRegion;
 use crate::scene::seams::Seams;
 
-/// Display of a quantity, overlays, and requested statistics.
+/// Display settings of the shown quantity, its overlays, and the statistics to compute.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Look {
-    /// Range, colour map and channels.
+    /// Range, colour map and channels of the shown quantity.
     pub(crate) display: Display,
-    /// Requested statistics; `None` for none.
+    /// Statistics to compute; `None` to compute none.
     pub(crate) statistics: Option<StatisticsRequest>,
-    /// Overlays, bottom first.
+    /// Overlays, from bottom to top.
     pub(crate) layers: Vec<OverlayLayer>,
-    /// Whether layers with lines are omitted from the picture because lines are drawn between large pixels instead.
+    /// Whether overlays with lines are left out of the picture, because they are drawn as vectors over large pixels.
     pub(crate) vectors: bool,
 }
 
 impl Look {
-    /// Whether both have the same overlays.
+    /// Whether `self` and `other` have the same overlays.
     fn has_same_layers(&self, other: &Self) -> bool {
         (&self.layers, self.vectors) == (&other.layers, other.vectors)
     }
 }
 
-/// Statistics to compute.
+/// Request for statistics of the shown quantity.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct StatisticsRequest {
-    /// Axis of the histograms; the range of all values if `None`.
+    /// Range of the histograms' axis; `None` means the range of all values.
     pub(crate) axis: Option<Range>,
-    /// Rectangle with statistics of its own.
+    /// Region for which separate statistics are computed.
     pub(crate) region: Option<PixelRegion>,
 }
 
-/// The picture for a [`Look`], with everything that it was made from.
+/// Picture of a [`Look`], with the intermediate results that it was composed from.
 #[derive(Clone, Debug)]
 pub struct LookResult {
-    /// Picture after a stage as drawn; `None` unless a stage is shown.
+    /// Picture after the shown pipeline stage; `None` unless a stage is shown.
     pub(crate) stage: Option<Arc<Image<Rgba8>>>,
-    /// Picture of the quantity without overlays.
+    /// Picture of the shown quantity without overlays.
     pub(crate) base: Arc<Image<Rgba8>>,
-    /// Picture with overlays.
+    /// Picture of the shown quantity with overlays.
     pub(crate) picture: Arc<Image<Rgba8>>,
-    /// Ends of the colour map, or of each channel; `None` for categorical values.
+    /// Values at the ends of the colour map, or of each channel; `None` for categorical values.
     pub(crate) range: Option<Range>,
     /// Visible overlays, in the order of the layers.
     pub sheets: Vec<Arc<Sheet>>,
@@ -64,22 +64,22 @@ pub struct LookResult {
     pub(crate) is_unfinished: bool,
     /// All overlays computed for the frame, visible or not.
     computed: Vec<Arc<Sheet>>,
-    /// Instrumented rendering of the frame, shared by overlays and created on first use.
+    /// Fragment statistics of the frame, shared by overlays and computed on first use by an instrumented rendering.
     watched: Arc<OnceLock<FragmentStats>>,
     /// Computed statistics; `None` if none were requested.
     pub measured: Option<Arc<PictureStatistics>>,
 }
 
-/// Sources of the values of a shown quantity.
+/// Data from which the values of the shown quantity are read.
 #[derive(Clone, Copy)]
 pub(crate) struct ValueSource<'a> {
-    /// The frame.
+    /// Frame whose values are shown.
     pub(crate) frame: &'a Frame,
     /// Captured buffers of the frame; `None` if the shown quantity does not need them.
     pub(crate) buffers: Option<&'a Buffers>,
     /// Intermediate value of every sample; `None` unless one is shown.
     pub(crate) captured: Option<&'a Captured>,
-    /// Picture after a stage; `None` unless a stage is shown.
+    /// Picture after the shown stage; `None` unless a stage is shown.
     pub(crate) stage: Option<&'a Image<Rgba8>>,
     /// Open seams of the scene; `None` while unknown or unused.
     pub(crate) seams: Option<&'a Seams>,
@@ -95,7 +95,7 @@ impl ValueSource<'_> {
         }
     }
 
-    /// Returns the picture of the shown quantity and the ends of its range.
+    /// Returns the picture of the shown quantity, and the range that the colours cover.
     fn colored(&self, shown: Shown, display: &Display) -> (Image<Rgba8>, Option<Range>) {
         if let Shown::Buffer(buffer) = shown {
             let range = display.range(buffer, self.frame, self.buffers);
@@ -107,10 +107,10 @@ impl ValueSource<'_> {
     }
 }
 
-/// Whether slow overlays are computed.
+/// Treatment of overlays that are slow to compute.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum SlowOverlays {
-    /// Slow overlays are computed.
+    /// Slow overlays are computed before the frame appears.
     Computed,
     /// Placeholders stand in for slow overlays, so that the frame appears soon.
     Postponed,
@@ -188,7 +188,7 @@ pub(crate) fn apply_look(
     LookResult { stage, base, picture, range, measured, sheets, is_unfinished, computed: made, watched }
 }
 
-/// Returns the picture with all overlays.
+/// Returns `base` with all overlays that are drawn into it.
 fn composed(base: &Arc<Image<Rgba8>>, sheets: &[Arc<Sheet>], look: &Look) -> Arc<Image<Rgba8>> {
     let in_pixels = |sheet: &Sheet| !look.vectors || sheet.lines.is_empty();
     let layers = sheets.iter().zip(&look.layers).map(|(sheet, layer)| (sheet.as_ref(), layer.opacity));
@@ -196,7 +196,7 @@ fn composed(base: &Arc<Image<Rgba8>>, sheets: &[Arc<Sheet>], look: &Look) -> Arc
     if layers.is_empty() { base.clone() } else { Arc::new(compose(base, layers)) }
 }
 
-/// Returns the kind of values of a shown quantity.
+/// Returns the kind of values that a shown quantity has.
 pub(crate) fn kind(shown: Shown) -> ValueKind {
     match shown {
         Shown::Buffer(buffer) => ValueKind::of(buffer),
@@ -206,7 +206,7 @@ pub(crate) fn kind(shown: Shown) -> ValueKind {
 }
 
 impl RenderedView {
-    /// Returns the exact value at a pixel inside the picture, independent of its colours.
+    /// Returns the exact value at a pixel inside the picture, independent of the colours shown.
     pub fn value(&self, x: u32, y: u32) -> Value {
         let (buffers, stage) = (self.buffers.as_deref(), self.look_result.stage.as_deref());
         ValueSource { frame: &self.frame, buffers, captured: self.captured.as_deref(), stage, seams: None }.value(

@@ -10,32 +10,32 @@ use super::theme::{self, CONTROL_HEIGHT, Icon, space, tokens};
 use super::widgets::{copy_button, icon_button};
 use crate::manual::{Chapter, Passage, Section, SectionPart, find};
 
-/// Size of the window when it first opens, in points.
+/// Initial size of the manual window, in points.
 const DEFAULT_SIZE_POINTS: [f32; 2] = [820.0, 560.0];
 
 /// Width of the list of chapters and results, in points.
 const LIST_POINTS: f32 = 220.0;
 
-/// Results listed at most.
+/// Maximum number of search results listed.
 const MAX_RESULTS: usize = 40;
 
-/// Manual window: which page is open, and what is searched for.
+/// State of the manual window: the open chapter and the search query.
 #[derive(Default)]
 pub(crate) struct ManualWindow {
     is_open: bool,
     chapter: Chapter,
     query: String,
-    /// Section to scroll to in the next frame.
+    /// Index of the section to scroll to in the next frame.
     scroll_to: Option<usize>,
     /// Whether the search field gets the keyboard focus in the next frame.
     focuses_search: bool,
     cache: CommonMarkCache,
-    /// Chapters by the file name that links use.
+    /// Chapters, keyed by the file name that links use.
     links: HashMap<String, Chapter>,
 }
 
 impl ManualWindow {
-    /// Opens the window at a chapter, or for a search at the chapter last read.
+    /// Opens the window at a chapter. `None` opens the last chapter and focuses the search field.
     pub(crate) fn open(&mut self, chapter: Option<Chapter>) {
         self.is_open = true;
         match chapter {
@@ -56,12 +56,12 @@ impl ManualWindow {
         }
     }
 
-    /// Whether the window is open.
+    /// Whether the manual window is open.
     pub(crate) fn is_open(&self) -> bool {
         self.is_open
     }
 
-    /// Closes the window.
+    /// Closes the manual window.
     pub(crate) fn close(&mut self) {
         self.is_open = false;
     }
@@ -71,7 +71,7 @@ impl ManualWindow {
         self.scroll_to = Some(section);
     }
 
-    /// Draws the window if it is open.
+    /// Draws the manual window if it is open.
     pub(crate) fn ui(&mut self, ui: &Ui) {
         let mut is_open = self.is_open;
         let room = (ui.ctx().content_rect().size() - vec2(40.0, 80.0)).max(vec2(1.0, 1.0));
@@ -148,7 +148,7 @@ impl ManualWindow {
     }
 }
 
-/// Draws a section.
+/// Draws a section of a chapter.
 fn content(ui: &mut Ui, cache: &mut CommonMarkCache, section: &Section) {
     for (index, part) in section.parts().into_iter().enumerate() {
         ui.push_id(index, |ui| match part {
@@ -191,7 +191,7 @@ fn result(ui: &mut Ui, passage: &Passage) -> bool {
     response.on_hover_cursor(egui::CursorIcon::PointingHand).clicked()
 }
 
-/// Adds the “?” of a panel, which opens its chapter of the manual.
+/// Adds the “?” button of a panel, which opens its chapter of the manual.
 pub(crate) fn manual_button(ui: &mut Ui, chapter: Chapter, commands: &mut Vec<Command>) {
     if icon_button(ui, Icon::CircleQuestionMark, &format!("Manual: {}", chapter.title())).clicked() {
         commands.push(Command::OpenManual(Some(chapter)));

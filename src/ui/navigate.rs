@@ -7,13 +7,13 @@ use super::command::Command;
 use super::session::{PointerMode, Session};
 use super::zoom::{Placement, Zoom};
 
-/// Zoom rate of the wheel: scrolling by d points scales the picture by e^(d · rate).
+/// Zoom rate of the wheel per point: scrolling by d points scales the picture by e^(d · rate).
 pub(super) const WHEEL_RATE: f32 = 0.004;
 
 /// Orbit rate of dragging, in radians per point.
 pub(super) const ORBIT_RATE: f32 = 0.008;
 
-/// Speed of flying, in distances to the target per second.
+/// Speed of flying, in multiples of the distance to the target per second.
 pub(super) const FLY_RATE: f32 = 0.8;
 
 /// Flying keys of camera mode: right, left, up, down, forwards, backwards.

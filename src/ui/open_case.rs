@@ -1,4 +1,4 @@
-//! A case file opened in front of the scene.
+//! State of an open case, which is shown in place of the scene.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -8,12 +8,12 @@ use crate::case::Case;
 use crate::pipeline::settings::Settings;
 use crate::report::stability::column::ReportColumn;
 
-/// An open case.
+/// Case that is shown in place of the scene.
 #[derive(Clone, Debug)]
 pub struct OpenCase {
-    /// The case.
+    /// Contents of the case file.
     pub case: Arc<Case>,
-    /// Index of the shown part.
+    /// Index of the shown part of the case, such as one of its triangles.
     pub(crate) part: usize,
     /// Settings to restore on closing; `None` if the case was opened with the current settings.
     pub(crate) settings_before: Option<Settings>,
@@ -27,11 +27,11 @@ impl OpenCase {
 }
 
 impl Session {
-    /// Shows a case in place of the open one; the scene stays loaded.
+    /// Shows a case in place of the scene, which stays loaded, and closes the case that was open.
     pub fn show_case(&mut self, case: impl Into<Arc<Case>>) {
         let case = case.into();
         self.close_case();
-        self.report(Severity::Info, format!("Opened the case {}", case.id));
+        self.report(Severity::Info, format!("Opened case {}", case.id));
         self.error = None;
         self.case = Some(OpenCase::new(case));
     }

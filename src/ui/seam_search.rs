@@ -1,4 +1,4 @@
-//! Search for open seams of the scene on screen: synchronous for small scenes, on a thread of its own for large ones.
+//! Search for open seams of the scene on screen: synchronous for small scenes, in a background thread for large ones.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
@@ -8,11 +8,11 @@ use std::time::Duration;
 use crate::scene::Scene;
 use crate::scene::seams::Seams;
 
-/// Largest number of triangles that is searched synchronously, which takes some milliseconds.
+/// Largest number of triangles that are searched synchronously, which takes a few milliseconds.
 const SMALL: usize = 20_000;
 
-/// Seams of the last requested scene, or the search for them. Requesting another scene, or dropping this, cancels the
-/// search.
+/// Seams of the last requested scene, or the running search for them. Requesting another scene, or dropping this value,
+/// cancels the search.
 #[derive(Debug, Default)]
 pub(super) struct SeamSearch {
     scene: Weak<Scene>,
@@ -78,7 +78,7 @@ mod tests {
     use crate::scene::builtin;
 
     #[test]
-    fn a_large_scene_is_searched_aside_and_another_scene_cancels_the_search() {
+    fn a_large_scene_is_searched_in_the_background_and_another_scene_cancels_the_search() {
         let small = builtin::by_id("cubes").unwrap().build();
         let repeats = SMALL / small.triangle_count() + 1;
         let instances = small.instances.iter().cycle().take(small.instances.len() * repeats).cloned().collect();

@@ -1,6 +1,6 @@
 //! State of the window as plain data: the scene, its settings, and the view of the results.
 //!
-//! Panels read this state and push [`Command`]s, which only [`Session::apply`] applies. No widget holds a setting.
+//! Panels read this state and push [`Command`]s, which only [`Session::apply`] applies. Widgets store no settings.
 
 mod log;
 
@@ -51,102 +51,102 @@ use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, MemoryLimit, Scene, SceneSource};
 use crate::upscale;
 
-/// Length of the list of recent files.
+/// Maximum number of recent files.
 const RECENT_FILES: usize = 8;
 
 /// A running measurement of all upscalers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measuring {
-    /// Completed share, in [0, 1].
+    /// Completed share of the measurement, in [0, 1].
     pub(crate) progress: f32,
 }
 
-/// State of the window.
+/// State of the window, apart from widgets.
 #[derive(Debug)]
 pub struct Session {
     /// Scene on screen.
     pub scene: Arc<Scene>,
-    /// Source of the scene.
+    /// Source of the scene: a built-in scene or a file.
     pub source: SceneSource,
-    /// Whether the scene is the mirror image in z of its source.
+    /// Whether the scene is mirrored along z relative to its source.
     pub(crate) mirrored: bool,
-    /// Memory limit for loading models.
+    /// Maximum memory for the meshes and textures of a model.
     pub(crate) memory_limit: MemoryLimit,
     /// State covered by undo.
     pub state: Undoable,
-    /// Quantity on the canvas.
+    /// Buffer, stage or intermediate value shown on the canvas.
     pub shown: Shown,
-    /// Number of triangles to draw; all if `None`.
+    /// Maximum number of triangles to draw; `None` draws all.
     pub triangle_limit: Option<usize>,
     /// State of stepping and playing through the frame.
     pub scrub: Scrub,
-    /// Picked pixel.
+    /// Column and row of the picked pixel.
     pub pick: Option<(u32, u32)>,
-    /// Pointer mode.
+    /// Pointer mode of the canvas.
     pub pointer_mode: PointerMode,
     /// Size of the canvas in screen pixels, as of the last frame.
     pub(crate) canvas_px: (u32, u32),
-    /// Newest answer of the renderer.
+    /// Newest view from the renderer.
     pub view: Option<RenderedView>,
-    /// Counters and times of the stages of the last settled frame.
+    /// Counters and times of the pipeline stages, from the last frame that stayed long enough to be timed.
     pub(crate) stages: Option<StageFigures>,
     /// Settings of the comparison.
     pub comparison: CompareSettings,
     /// Results of the comparison so far.
     pub compared: Option<Compared>,
-    /// Frame times.
+    /// Recorded frame times of each upscaler.
     pub timings: Timings,
-    /// Times of the window itself.
+    /// Times of the user interface itself.
     pub(crate) window_times: WindowTimes,
-    /// Running measurement of all upscalers.
+    /// Running measurement of all upscalers, if any.
     pub measuring: Option<Measuring>,
-    /// Open case.
+    /// Open case, if any.
     pub case: Option<OpenCase>,
-    /// Stability report.
+    /// State of the stability report.
     pub stability: Stability,
-    /// Completed share of the export of a drawing, from 0 to 1.
+    /// Completed share of the running export of a vector drawing, in [0, 1]; `None` if none is running.
     pub(crate) export_progress: Option<f32>,
-    /// Savings of the plan.
+    /// Measurement of the time that skipped work saves.
     pub savings: PlanSavings,
-    /// Scaling of cost.
+    /// Measurement of how the frame time scales.
     pub scaling: ScalingState,
-    /// Stability probe.
+    /// Settings and results of the stability probe.
     pub probing: ProbeState,
-    /// Scope and selection of the vertex panel.
+    /// Scope and selection of the vertex table.
     pub vertices: VertexTable,
-    /// Mesh view, which shows the scene from outside.
+    /// Mesh view, which shows the scene from a second camera.
     pub mesh_view: MeshView,
-    /// 2D lab.
+    /// State of the 2D lab.
     pub lab: Lab,
-    /// Settings and results of the checks.
+    /// Settings and results of the assertions.
     pub checks: Checks,
     /// Trace of the arithmetic of the picked pixel.
     pub trace: TraceView,
     /// Ranges and colour maps of the buffers and stages.
     pub range: RangeControl,
-    /// Overlays of the picture.
+    /// Active overlays of the picture.
     pub overlays: Overlays,
     /// Selected triangles, highlighted in the picture, in tables and on meshes.
     pub selection: TriangleSelection,
-    /// Fates of triangles and fragments.
+    /// Fates of triangles and fragments, and the filter on them.
     pub fates: FatesView,
     /// Bookmarks and navigation history.
     pub places: Places,
     /// Effect of the last change of settings.
     pub what_if: WhatIf,
-    /// Watched pixels.
+    /// Watched pixels and their values.
     pub watch: WatchList,
-    /// Error in the message bar until it is dismissed.
+    /// Error shown in the message line until it is closed.
     pub error: Option<String>,
-    /// Picture file that was opened as a scene; the message bar offers to open it in the 2D lab.
+    /// Picture file that was opened as a scene. The message line offers to open it in the 2D lab.
     pub offered_picture: Option<PathBuf>,
     /// All messages, up to the length limit of the log.
     pub log: VecDeque<LogLine>,
     /// Recently opened files, newest first.
     pub recent: Vec<PathBuf>,
-    /// Output folder for pictures and cases: the working directory at the start.
+    /// Folder for exported pictures and cases: the working directory at startup.
     pub folder: PathBuf,
-    /// Whether the first hint was dismissed.
+    /// Whether the first hint has been closed.
     pub hint_closed: bool,
     first_pick: FirstPick,
     /// Time of the last camera movement, in seconds.
@@ -156,22 +156,22 @@ pub struct Session {
     settled: Undoable,
 }
 
-/// State of the automatic first pick, which shows a new user what a picked pixel explains.
+/// State of the automatic first pick, which shows new users the explanation of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum FirstPick {
-    /// No pixel was picked so far.
+    /// No pixel has been picked yet.
     Due,
-    /// Automatic pick of this pixel in a picture of this size; repeated when the size changes.
+    /// This pixel was picked automatically in a picture of this size. The pick is repeated when the size changes.
     Made((u32, u32), Viewport),
     /// The user has picked a pixel.
     Done,
 }
 
-/// Position of the automatic pick, as shares of width and height: slightly off the centre, where scenes have geometry.
+/// Position of the automatic pick, as fractions of width and height: near the centre, where scenes have geometry.
 const FIRST_PICK: (f32, f32) = (0.53, 0.49);
 
 impl Session {
-    /// Creates a session of a scene with recipe and camera.
+    /// Creates a session that shows a scene with a recipe and a camera.
     pub fn new(scene: Arc<Scene>, source: SceneSource, recipe: Recipe, camera: Camera) -> Self {
         let state = Undoable { recipe, camera, size: PictureSize::Canvas, tiles: TileSet::default() };
         Self {
@@ -225,7 +225,7 @@ impl Session {
         }
     }
 
-    /// Returns the size of the picture, at least one pixel.
+    /// Returns the size of the picture, at least one pixel in each direction.
     pub fn viewport(&self) -> Viewport {
         let (width, height) = match self.state.size {
             PictureSize::Canvas => self.canvas_px,
@@ -270,7 +270,7 @@ impl Session {
         })
     }
 
-    /// Replaces the scene. The recipe stays; camera, pick and stepping are reset.
+    /// Replaces the scene. Resets the camera, the pick and the playback; the recipe stays.
     pub(crate) fn show_scene(&mut self, scene: Scene, source: SceneSource) {
         if let SceneSource::File(path, _) = &source {
             self.remember(path);
@@ -297,13 +297,13 @@ impl Session {
         self.settled = self.state.clone();
     }
 
-    /// Returns the newest answer of the renderer; `None` while it shows the previous scene.
+    /// Returns the newest view from the renderer; `None` while it shows the previous scene.
     pub(crate) fn view_of_scene(&self) -> Option<&RenderedView> {
         self.view.as_ref().filter(|view| Arc::ptr_eq(&view.request.scene, &self.scene))
     }
 
-    /// Picks a pixel automatically if the user has not picked one, or if the pick is outside the picture: the pixel
-    /// nearest to [`FIRST_PICK`] that shows a triangle.
+    /// Picks a pixel automatically if the user has not picked one, or if the pick is outside the picture. It is the
+    /// pixel nearest to [`FIRST_PICK`] that shows a triangle.
     pub(crate) fn pick_by_itself(&mut self) {
         let Some(view) = self.view_of_scene() else { return };
         let viewport = view.frame.viewport;
@@ -326,7 +326,7 @@ impl Session {
         }
     }
 
-    /// Applies a command that affects this state only. Returns commands that concern the window or the disk.
+    /// Applies a command to this state. Returns the command that the window must run, for example to access files.
     pub fn apply(&mut self, command: Command) -> Option<Command> {
         match self.lab.claim(command)? {
             Command::ToggleLab => {
@@ -407,14 +407,13 @@ impl Session {
         None
     }
 
-    /// Returns the number of rasterized triangles of the frame on screen without a limit.
+    /// Returns the number of rasterized triangles in the complete frame on screen.
     pub fn triangle_count(&self) -> usize {
         self.view.as_ref().map_or(0, |view| view.rasterized)
     }
 
-    /// Returns the crack or double hit after or before the picked pixel in reading order, wrapping around at the end.
-    /// Without a pick it is the first or the last one. Returns `None` if the frame has no faults or its hits were not
-    /// counted.
+    /// Returns the next or previous faulty pixel after the pick in reading order, wrapping around at the ends. Without
+    /// a pick, returns the first or last one. Returns `None` if the frame has no faults or its hits were not counted.
     pub(crate) fn fault_beside_pick(&self, forwards: bool) -> Option<(u32, u32)> {
         if self.overlays.stepped().is_some() {
             return self.overlays.beside(self.view.as_ref()?, self.pick, forwards);
@@ -477,8 +476,8 @@ impl Session {
         self.show(Shown::Stage(Stage::ALL[(now + step).clamp(0, last) as usize]));
     }
 
-    /// Shows a buffer, a stage or an intermediate value. Anything but the final colour ends the comparison, which shows
-    /// finished pictures only: the inspector would describe other values than those on the canvas.
+    /// Shows a buffer, a stage or an intermediate value. Anything but the final colour ends the comparison: it shows
+    /// finished pictures only, so the inspector would describe other values than those on the canvas.
     fn show(&mut self, shown: Shown) {
         self.shown = shown;
         if shown != Shown::Buffer(Buffer::Color) {
@@ -487,8 +486,8 @@ impl Session {
     }
 }
 
-/// Returns the pixel nearest to `place` whose stored depth lies strictly between 0 and 1, so that something was drawn
-/// there. Returns `None` if there is none, or no depth.
+/// Returns the pixel nearest to `place` whose stored depth is strictly between 0 and 1, which means that a triangle was
+/// drawn there. Returns `None` if there is no such pixel or no depth buffer.
 fn nearest_drawn(frame: &Frame, place: (u32, u32)) -> Option<(u32, u32)> {
     let depth = frame.drawn.depth.as_ref()?;
     let pixels = (0..depth.height()).flat_map(|row| (0..depth.width()).map(move |column| (column, row)));

@@ -1,4 +1,4 @@
-//! Entry points of the workbench: a window, or one picture of it.
+//! Entry points of the workbench: a window, or a screenshot of it.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -40,23 +40,23 @@ use crate::scene::{Camera, LoadControl, MemoryLimit, Scene, SceneError, SceneSou
 pub struct WindowStart {
     /// Source of the scene.
     pub source: SceneSource,
-    /// The scene.
+    /// Scene to show.
     pub scene: Arc<Scene>,
-    /// Warnings of the loader.
+    /// Warnings from loading the scene, for the log.
     pub warnings: Vec<Warning>,
-    /// Recipe that the scene is drawn with.
+    /// Recipe with which the scene is drawn.
     pub recipe: Recipe,
-    /// Initial camera.
+    /// Initial camera of the scene.
     pub camera: Camera,
-    /// Whether the scene is the mirror image in z of its source.
+    /// Whether the scene is mirrored along z relative to its source.
     pub mirrored: bool,
-    /// Whether a window resumes scene, recipe and camera of the previous run instead.
+    /// Whether the window restores the scene, recipe and camera of the previous run instead.
     pub resume: bool,
     /// Initial view of the frame.
     pub initial_view: InitialView,
-    /// Memory limit for loading models.
+    /// Maximum memory for the meshes and textures of a model.
     pub memory_limit: MemoryLimit,
-    /// Scene to load after the window has opened.
+    /// Scene to load after the window has opened, if any.
     pub pending: Option<PendingScene>,
 }
 
@@ -65,24 +65,24 @@ pub struct WindowStart {
 pub struct PendingScene {
     /// Path of the model.
     pub(crate) path: PathBuf,
-    /// Camera; the scene's home view if `None`.
+    /// Camera for the scene; `None` means the scene's home view.
     pub(crate) camera: Option<Camera>,
 }
 
 /// Initial view of the frame; `None` and empty fields mean the defaults.
 #[derive(Clone, Debug, Default)]
 pub struct InitialView {
-    /// Picked pixel.
+    /// Column and row of the picked pixel.
     pub(crate) pixel: Option<(u32, u32)>,
     /// Shown buffer, stage or intermediate value.
     pub(crate) shown: Option<Shown>,
-    /// Range, colour map and channels.
+    /// Range, colour map and channels of the shown quantity.
     pub(crate) display: Option<Display>,
-    /// Overlays, bottom first.
+    /// Overlays, from bottom to top.
     pub(crate) layers: Vec<OverlayLayer>,
-    /// Moment at which drawing stops; the finished frame if `None`.
+    /// Moment at which drawing stops; `None` draws the complete frame.
     pub(crate) moment: Option<Moment>,
-    /// Size of the picture.
+    /// Fixed size of the picture, in pixels.
     pub(crate) picture: Option<Viewport>,
 }
 
@@ -125,44 +125,43 @@ pub struct ScreenshotRequest {
     pub size: Viewport,
     /// Interface scale, in pixels per point.
     pub pixels_per_point: f32,
-    /// Colour theme.
+    /// Colour theme of the screenshot.
     pub theme: Theme,
-    /// Whether all upscalers are timed first, which takes some seconds, so that the screenshot contains their frame
-    /// times.
+    /// Whether all upscalers are timed first, so that the screenshot contains their frame times. Takes a few seconds.
     pub measure: bool,
-    /// Whether the stability probe is run first.
+    /// Whether the stability probe is run first, so that the screenshot contains its result.
     pub probe: bool,
-    /// Style of the mesh view beside the picture; `None` without a mesh view.
+    /// Style of the mesh view beside the picture; `None` shows no mesh view.
     pub mesh: Option<MeshStyle>,
-    /// Change of the comparison; `None` without a comparison.
+    /// Comparison to show; `None` shows no comparison.
     pub compare: Option<CompareChange>,
-    /// Open tab; the first one if `None`.
+    /// Tab to open; `None` opens the first one.
     pub tab: Option<Tab>,
-    /// Quantity on the canvas; the colours if `None`.
+    /// Buffer, stage or intermediate value on the canvas; `None` shows the final colours.
     pub shown: Option<Shown>,
-    /// Moment at which drawing stops; the finished frame if `None`.
+    /// Moment at which drawing stops; `None` draws the complete frame.
     pub moment: Option<Moment>,
-    /// Fate of the selected triangles; opens the tab of fates.
+    /// Fate whose triangles are selected in the tab “Fates”, which is opened.
     pub fate: Option<TriangleFate>,
-    /// Picked pixel; automatic, near the centre, if `None`.
+    /// Column and row of the picked pixel; `None` picks one near the centre.
     pub selected: Option<(u32, u32)>,
-    /// Page of the 2D lab and number of its steps (all if `None`), shown instead of the pipeline.
+    /// Page of the 2D lab to show instead of the pipeline, and the number of its steps; `None` shows all steps.
     pub lab: Option<(Page, Option<usize>)>,
-    /// Commands applied first.
+    /// Commands to apply before the first pass.
     pub first: Vec<Command>,
 }
 
-/// Number of passes of a screenshot: the first determines the size of the canvas, the second has a frame, and the
-/// others let sizes settle.
+/// Number of passes of a screenshot. The first one determines the size of the canvas, the second one has a frame, and
+/// in the others sizes converge.
 const SCREENSHOT_PASSES: usize = 6;
 
 /// Default size of the window, in points.
 const DEFAULT_SIZE: Vec2 = Vec2::new(1280.0, 800.0);
 
-/// Smallest size of the window, in points.
+/// Minimum size of the window, in points.
 const MIN_SIZE: Vec2 = Vec2::new(900.0, 560.0);
 
-/// Largest initial size of a window, in points.
+/// Maximum initial size of a window, in points.
 const MAX_SIZE: Vec2 = Vec2::splat(16_384.0);
 
 /// Time limit for loading the previous scene before the window opens.
@@ -171,7 +170,7 @@ const LOAD_TIMEOUT: Duration = Duration::from_millis(400);
 /// Name of the program's data folder.
 const APP_ID: &str = "rasterscope";
 
-/// Opens the window and returns when it is closed, or at once with an error if no window can be opened.
+/// Opens the window and returns when it is closed. Returns an error immediately if no window can be opened.
 pub(crate) fn run_window(start: WindowStart) -> Result<(), String> {
     let folder = eframe::storage_dir(APP_ID);
     let found = folder.as_deref().and_then(store::read).unwrap_or_default();
@@ -196,7 +195,7 @@ pub(crate) fn run_window(start: WindowStart) -> Result<(), String> {
     eframe::run_native(APP_ID, options, Box::new(make)).map_err(|error| one_line(&error.to_string()))
 }
 
-/// Returns the application in a window: resumed from the preferences in `folder`, with a renderer of its own.
+/// Creates the application for a window, with its own renderer thread, and stores its preferences in `folder`.
 fn windowed(
     start: WindowStart,
     folder: Option<PathBuf>,
@@ -221,7 +220,7 @@ fn windowed(
         None => {
             workbench
                 .session_mut()
-                .report(Severity::Warning, "Preferences and bookmarks are not saved: there is no folder for them");
+                .report(Severity::Warning, "Preferences and bookmarks are not saved: no data folder was found");
         }
     }
     if let Some(warning) = found.warning {
@@ -231,7 +230,7 @@ fn windowed(
 }
 
 /// Closes the window cleanly on SIGTERM, SIGHUP and SIGINT. If the window does not respond within 3 s, the process
-/// exits; its preferences are on disk already.
+/// exits; the preferences are already on disk.
 fn close_on_signals(context: egui::Context) {
     const EXIT_TIMEOUT: Duration = Duration::from_secs(3);
     let close = move || {
@@ -244,9 +243,9 @@ fn close_on_signals(context: egui::Context) {
     drop(ctrlc::set_handler(close));
 }
 
-/// Returns the start with scene, recipe and camera of the previous run, as far as they still exist and are valid:
-/// stored preferences may be damaged or belong to an older version. A model that does not load within `patience`
-/// becomes the pending scene.
+/// Restores the scene, recipe and camera of the previous run in `start`. Invalid parts are ignored, because stored
+/// preferences may be damaged or belong to an older version. A model that does not load within `patience` becomes the
+/// pending scene.
 pub fn resumed(start: WindowStart, preferences: &Preferences, patience: Duration) -> WindowStart {
     let recipe = if preferences.recipe.check().is_ok() { preferences.recipe } else { start.recipe };
     let start = WindowStart { recipe, ..start };
@@ -276,7 +275,7 @@ pub fn resumed(start: WindowStart, preferences: &Preferences, patience: Duration
     }
 }
 
-/// Creates the application with its initial state and these preferences.
+/// Creates the application from its initial state and the stored preferences.
 pub fn workbench(start: WindowStart, preferences: Preferences, worker: Worker) -> Workbench {
     let mut session = Session::new(start.scene, start.source, start.recipe, start.camera);
     session.recent = preferences.recent;
@@ -304,8 +303,11 @@ pub fn workbench(start: WindowStart, preferences: Preferences, worker: Worker) -
     workbench
 }
 
-/// Paints the whole workbench on the CPU, with no window and no display. If the scene's picture does not contain the
-/// pixel to be picked, the error is the size of that picture.
+/// Paints the whole workbench on the CPU, without a window or a display.
+///
+/// # Errors
+///
+/// Returns the size of the scene's picture if the picture does not contain the pixel to be picked.
 pub fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Viewport> {
     let Viewport { width, height } = request.size;
     let theme = match request.theme {
@@ -369,7 +371,7 @@ pub fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Viewport>
     Ok(headless.picture())
 }
 
-/// Joins the lines of an error of the toolkit, as our own messages have one line.
+/// Joins the lines of an error from the windowing toolkit, because all messages of the program have one line.
 fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
@@ -398,7 +400,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_frame_keeps_layout_and_size_of_the_window() {
+    fn the_first_frame_keeps_the_layout_and_size_of_the_window() {
         let folder = tempfile::tempdir().unwrap();
         let window = WindowState {
             window_size: Some([1010.0, 707.0]),
@@ -417,7 +419,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_left_comes_back() {
+    fn scene_and_recipe_of_the_previous_run_are_restored() {
         let triangle = SceneSource::named("triangle".into());
         let mut preferences = Preferences { source: Some(triangle.name()), ..Preferences::default() };
         preferences.recipe.wireframe = true;
@@ -448,7 +450,7 @@ mod tests {
     }
 
     #[test]
-    fn damaged_preferences_are_not_believed() {
+    fn invalid_preferences_are_ignored() {
         let mut preferences = Preferences { source: Some("triangle".into()), ..Preferences::default() };
         preferences.recipe.pipeline.light.direction = Vec3::NAN;
         preferences.camera = Some(Camera { near: f32::NAN, ..start().camera });
@@ -460,7 +462,7 @@ mod tests {
     }
 
     #[test]
-    fn a_model_that_is_gone_is_said_and_the_default_scene_stays() {
+    fn a_missing_model_is_reported_and_the_default_scene_stays() {
         let preferences = Preferences { source: Some("/nowhere/model.obj".into()), ..Preferences::default() };
         let resumed = resumed(start(), &preferences, Duration::MAX);
         assert_eq!(resumed.source.name(), SceneSource::default().name());

@@ -1,4 +1,4 @@
-//! Preferences on disk: every change is written promptly, by a thread of its own.
+//! Preferences on disk: a background thread writes every change promptly.
 //!
 //! The file is replaced atomically under a lock. Several windows may run at the same time: each merges its own changes
 //! since its last write into the current contents of the file, so the bookmarks of all windows are kept. Unreadable
@@ -19,10 +19,10 @@ const FILE: &str = "preferences.json";
 /// Base name of backups, without number and extension.
 const BACKUP: &str = "preferences-backup";
 
-/// Largest file that is read, in bytes.
+/// Maximum size of a preferences file that is read, in bytes.
 const MAX_BYTES: u64 = 16 << 20;
 
-/// Minimum time between two writes, because dragging the view changes it in every frame.
+/// Minimum time between two writes. Dragging the view, for example, changes the preferences in every frame.
 const PAUSE: Duration = Duration::from_millis(200);
 
 /// Delay before a failed write is repeated.
@@ -40,9 +40,9 @@ pub(crate) struct Store {
 /// Preferences read from disk.
 #[derive(Clone, Debug, Default)]
 pub struct LoadedPreferences {
-    /// The preferences; defaults for everything that cannot be read.
+    /// Preferences, with defaults for everything that cannot be read.
     pub preferences: Preferences,
-    /// Warning about unreadable contents, with the path of their backup.
+    /// Warning about unreadable contents, with the path of their backup; `None` if everything was read.
     pub warning: Option<String>,
 }
 
@@ -54,19 +54,19 @@ pub fn read(folder: &Path) -> Option<LoadedPreferences> {
     }
     let (preferences, warning) = match read_file(&path) {
         Ok((preferences, damage)) => (preferences, damage.map(|damage| damage.warning)),
-        Err(error) => (Preferences::default(), Some(format!("{}: cannot read it: {error}", path.display()))),
+        Err(error) => (Preferences::default(), Some(format!("{}: cannot read preferences: {error}", path.display()))),
     };
     Some(LoadedPreferences { preferences, warning })
 }
 
-/// Report of a partly unreadable file.
+/// Report that a preferences file is partly unreadable.
 struct Damage {
     warning: String,
-    /// Whether the damage is reported for the first time: no backup has the same bytes.
+    /// Whether this damage is new, which means that no earlier backup has the same bytes.
     is_new: bool,
 }
 
-/// Reads the file. Copies it to a backup if some of it cannot be read.
+/// Reads a preferences file. Copies it to a backup if some of it cannot be read.
 fn read_file(path: &Path) -> std::io::Result<(Preferences, Option<Damage>)> {
     let bytes = disk::read_own(path, MAX_BYTES)?;
     let (preferences, is_complete) = Preferences::read_checked(&String::from_utf8_lossy(&bytes));
@@ -78,14 +78,14 @@ fn read_file(path: &Path) -> std::io::Result<(Preferences, Option<Damage>)> {
     let is_new = known.is_none();
     let kept = known.map_or_else(|| disk::write_new(folder, BACKUP, "json", &bytes), Ok);
     let kept = match kept {
-        Ok(backup) => format!("kept as {}", backup.display()),
-        Err(error) => format!("cannot write a backup: {error}"),
+        Ok(backup) => format!("the file is kept as {}", backup.display()),
+        Err(error) => format!("no backup of the file was written: {error}"),
     };
-    let warning = format!("{}: cannot read all of it; {kept}", path.display());
+    let warning = format!("{}: some preferences cannot be read; {kept}", path.display());
     Ok((preferences, Some(Damage { warning, is_new })))
 }
 
-/// Returns the path of the backup in `folder` with these bytes.
+/// Returns the path of the backup in `folder` that contains these bytes, if there is one.
 fn backup_of(folder: &Path, bytes: &[u8]) -> Option<PathBuf> {
     let entries = std::fs::read_dir(folder).ok()?.filter_map(|entry| Some(entry.ok()?.path()));
     let is_backup = |path: &PathBuf| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(BACKUP));
@@ -93,7 +93,7 @@ fn backup_of(folder: &Path, bytes: &[u8]) -> Option<PathBuf> {
 }
 
 impl Store {
-    /// Stores preferences in `folder`; `found` are the preferences at the start of the window.
+    /// Creates a store that writes to `folder`. `found` are the preferences at the start of the window.
     pub(crate) fn new(folder: PathBuf, found: Preferences) -> Self {
         let (changes, heard) = channel();
         let (report, failures) = channel();
@@ -116,7 +116,7 @@ impl Store {
         &self.known.window
     }
 
-    /// Returns failures since the last call.
+    /// Returns the messages about failed writes since the last call.
     pub(crate) fn failures(&self) -> impl Iterator<Item = String> {
         self.failures.try_iter()
     }
@@ -131,10 +131,10 @@ impl Drop for Store {
     }
 }
 
-/// State of the writer thread.
+/// State of the thread that writes the preferences.
 struct Writer {
     folder: PathBuf,
-    /// Preferences of the last successful write of this window.
+    /// Preferences that this window last wrote successfully.
     base: Preferences,
     report: Sender<String>,
     has_failed: bool,
@@ -171,7 +171,7 @@ impl Writer {
         }
     }
 
-    /// Merges the changes since the last write into the file.
+    /// Merges the changes since the last write into the preferences file.
     fn write(&self, mine: &Preferences) -> std::io::Result<()> {
         std::fs::create_dir_all(&self.folder)?;
         let path = self.folder.join(FILE);
@@ -223,7 +223,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn a_path_that_is_not_utf8_is_kept_with_everything_else() {
+    fn a_path_that_is_not_utf8_is_stored() {
         use std::os::unix::ffi::OsStrExt as _;
         let folder = tempfile::tempdir().unwrap();
         let path = PathBuf::from(std::ffi::OsStr::from_bytes(b"/models/\xFF.obj"));
@@ -238,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_read_is_kept_as_a_backup_and_reported() {
+    fn an_unreadable_file_is_backed_up_and_reported() {
         for damaged in [
             "",
             "no JSON",

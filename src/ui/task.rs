@@ -1,4 +1,4 @@
-//! Work on a thread of its own that reports progress and can be cancelled.
+//! Background tasks that report progress and can be cancelled.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -6,27 +6,27 @@ use std::sync::{Arc, Mutex};
 
 use eframe::egui::Context;
 
-/// Running work with progress reports of type `P` and a result of type `T`. Dropping it cancels the work, so that
-/// restarted work does not run twice.
+/// Running background task with progress reports of type `P` and a result of type `T`. Dropping it cancels the task,
+/// so that a restarted task does not run twice.
 #[derive(Debug)]
 pub(crate) struct BackgroundTask<P, T> {
     receiver: Receiver<Message<P, T>>,
     stop: Arc<AtomicBool>,
 }
 
-/// Message of the thread.
+/// Message from the thread of a task.
 enum Message<P, T> {
     Progress(P),
-    /// The result; `None` if the work was cancelled.
+    /// Result of the task; `None` if it was cancelled.
     Done(Option<Box<T>>),
 }
 
-/// State of the work after its messages were handled.
+/// State of a background task, as returned by [`BackgroundTask::poll`].
 #[derive(Debug)]
 pub(crate) enum TaskStatus<T> {
-    /// The work is running.
+    /// The task is running.
     Running,
-    /// The work has ended with this result; `None` if it was cancelled.
+    /// The task has ended with this result; `None` if it was cancelled.
     Ended(Option<Box<T>>),
     /// The thread ended without a result, for example because it panicked.
     Lost,
@@ -39,7 +39,7 @@ impl<P, T> Drop for BackgroundTask<P, T> {
 }
 
 impl<P: Send + 'static, T: Send + 'static> BackgroundTask<P, T> {
-    /// Starts `work` on a thread. It receives a function for progress reports and a cancellation flag; `context` is
+    /// Starts `work` on a new thread. It receives a function for progress reports and a cancellation flag. `context` is
     /// repainted after every message.
     pub(crate) fn start(
         context: Context,
@@ -61,12 +61,12 @@ impl<P: Send + 'static, T: Send + 'static> BackgroundTask<P, T> {
         Self { receiver, stop }
     }
 
-    /// Requests cancellation; the thread ends soon after.
+    /// Requests cancellation; the thread ends soon afterwards.
     pub(crate) fn cancel(&self) {
         self.stop.store(true, Ordering::Relaxed);
     }
 
-    /// Handles all messages of the thread. Sets `progress` to the latest report, and to `None` at the end.
+    /// Handles all messages from the thread. Sets `progress` to the latest report, or to `None` at the end of the task.
     pub(crate) fn poll(&self, progress: &mut Option<P>) -> TaskStatus<T> {
         loop {
             match self.receiver.try_recv() {
@@ -90,7 +90,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn dropped_work_is_told_to_stop() {
+    fn dropping_a_task_cancels_it() {
         let (sender, stopped) = channel();
         let task = BackgroundTask::<(), ()>::start(Context::default(), move |_, stop| {
             while !stop.load(Ordering::Relaxed) {

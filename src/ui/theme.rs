@@ -1,4 +1,4 @@
-//! Theme of the window in one table: colours, sizes, radii and fonts, dark and light.
+//! Dark and light theme of the window in one table: colours, sizes, radii and fonts.
 //!
 //! [`install`] applies it once to both styles of an egui context. Panels then use tokens, never literals:
 //! `theme::tokens(ui).accent`, `theme::ROW_HEIGHT`. Neutrals have no tint, because a hue around a picture falsifies it.
@@ -18,13 +18,13 @@ pub(crate) use lucide_icons::Icon;
 
 /// Spacing in points, on a grid of 4.
 pub(crate) mod space {
-    /// Space between parts of one item.
+    /// Space between parts of one item, in points.
     pub(crate) const XS: f32 = 4.0;
-    /// Space between items.
+    /// Space between items, in points.
     pub(crate) const S: f32 = 8.0;
-    /// Inner margin of panels.
+    /// Inner margin of panels, in points.
     pub(crate) const M: f32 = 12.0;
-    /// Space between groups.
+    /// Space between groups, in points.
     pub(crate) const L: f32 = 16.0;
 }
 
@@ -40,65 +40,65 @@ pub(crate) const RADIUS: u8 = 4;
 /// Corner radius of windows, menus and tooltips, in points.
 pub(crate) const WINDOW_RADIUS: u8 = 8;
 
-/// Side of the square of an icon, in points.
+/// Width and height of an icon, in points.
 pub(crate) const ICON_SIZE: f32 = 14.0;
 
-/// Font sizes in points. `MONOSPACE` is one less than `BODY` because its glyphs are as tall as those of `BODY`.
+/// Font sizes in points. `MONOSPACE` is one less than `BODY`, because its glyphs are then as tall as those of `BODY`.
 pub(crate) mod font_size {
-    /// Size of notes, table headers and axis labels.
+    /// Font size of notes, table headers and axis labels.
     pub(crate) const SMALL: f32 = 11.0;
-    /// Size of body text.
+    /// Font size of body text.
     pub(crate) const BODY: f32 = 13.0;
-    /// Size of numbers that change or line up.
+    /// Font size of numbers that change or are aligned.
     pub(crate) const MONOSPACE: f32 = 12.0;
-    /// Size of titles, at most one per panel.
+    /// Font size of titles, at most one per panel.
     pub(crate) const TITLE: f32 = 16.0;
 }
 
-/// The colours of one theme.
+/// Colours of one theme, named by their use.
 pub(crate) struct Tokens {
-    /// Surroundings of the picture, darker than most pictures, so that the picture is the brightest area on screen.
+    /// Background of the canvas, darker than most pictures, so that the picture is the brightest area on screen.
     pub(crate) canvas: Color32,
-    /// Background of text fields and plots, the extreme of the neutrals.
+    /// Background of text fields and plots: the darkest or lightest neutral colour.
     pub(crate) field: Color32,
     /// Background of panels, menus and windows.
     pub(crate) panel: Color32,
     /// Background of blocks that stand out from their panel: cards, table stripes, headers.
     pub(crate) raised: Color32,
-    /// Buttons and sliders at rest.
+    /// Fill of buttons and sliders at rest.
     pub(crate) control: Color32,
-    /// Buttons and sliders under the pointer.
+    /// Fill of buttons and sliders under the pointer.
     pub(crate) control_hovered: Color32,
-    /// Separators, and borders of swatches.
+    /// Colour of separators and of the borders of swatches.
     pub(crate) border: Color32,
-    /// Labels, units, hints.
+    /// Text colour of labels, units and hints.
     pub(crate) text_weak: Color32,
-    /// Text.
+    /// Text colour of values and body text.
     pub(crate) text: Color32,
-    /// Headings and emphasised values.
+    /// Text colour of headings and emphasised values.
     pub(crate) text_strong: Color32,
-    /// Selection, focus and the picked pixel.
+    /// Colour of the selection, the focus and the picked pixel.
     pub(crate) accent: Color32,
     /// Background of selected items; `text_strong` is readable on it.
     pub(crate) accent_fill: Color32,
-    /// A passed test.
+    /// Colour of a passed test.
     pub(crate) passed: Color32,
-    /// A rejected fragment or claim.
+    /// Colour of a rejected fragment or a failed check.
     pub(crate) rejected: Color32,
-    /// A warning.
+    /// Colour of a warning.
     pub(crate) warning: Color32,
-    /// An error.
+    /// Colour of an error.
     pub(crate) error: Color32,
-    /// The first of two compared items: label, tile frame, plot line, table.
+    /// Colour of A, the first of two compared items: label, tile frame, plot line and table.
     pub(crate) a: Color32,
-    /// The second of two compared items.
+    /// Colour of B, the second of two compared items.
     pub(crate) b: Color32,
-    /// Plot lines, in the order of their use.
+    /// Colours of plot lines, in the order of their use.
     pub(crate) series: [Color32; 8],
     shadow: Color32,
 }
 
-/// Dark theme: white text on dark grey.
+/// Colours of the dark theme: white text on dark grey.
 pub(crate) static DARK: Tokens = Tokens {
     canvas: Color32::from_gray(0x12),
     field: Color32::from_gray(0x12),
@@ -131,7 +131,7 @@ pub(crate) static DARK: Tokens = Tokens {
     shadow: Color32::from_black_alpha(0x70),
 };
 
-/// Light theme: black text on light grey.
+/// Colours of the light theme: black text on light grey.
 pub(crate) static LIGHT: Tokens = Tokens {
     canvas: Color32::from_gray(0xD0),
     field: Color32::from_gray(0xFF),
@@ -164,16 +164,16 @@ pub(crate) static LIGHT: Tokens = Tokens {
     shadow: Color32::from_black_alpha(0x28),
 };
 
-/// Colours of the three barycentric weights and their corners, wherever they are drawn: λ0 red, λ1 green, λ2 blue.
+/// Colours of the three barycentric weights and of their corners: λ0 red, λ1 green, λ2 blue.
 pub(crate) const WEIGHTS: [Color32; 3] = [rgb(0xE0_5A5A), rgb(0x4F_B06A), rgb(0x5A_86E8)];
 
-/// Text on a dark and on a light pixel of the picture.
+/// Text colours on a dark pixel and on a light pixel of the picture.
 pub(crate) const ON_PIXEL: [Color32; 2] = [Color32::from_gray(0xEB), Color32::from_gray(0x14)];
 
-/// Pixel grid, visible on any colour.
+/// Colour of the pixel grid, visible on any colour.
 pub(crate) const PIXEL_GRID: Color32 = Color32::from_gray(0x80);
 
-/// Outline of marks on the picture, so that they are visible on any colour.
+/// Outline colour of marks on the picture, which makes them visible on any colour.
 pub(crate) const MARK_EDGE: Color32 = Color32::from_black_alpha(0xC8);
 
 const fn rgb(hex: u32) -> Color32 {
@@ -181,7 +181,7 @@ const fn rgb(hex: u32) -> Color32 {
     Color32::from_rgb(red, green, blue)
 }
 
-/// Returns the colours of the theme that `ui` is drawn in.
+/// Returns the colours of the current theme of `ui`.
 pub(crate) fn tokens(ui: &Ui) -> &'static Tokens {
     of(ui.visuals().dark_mode)
 }
@@ -190,7 +190,7 @@ fn of(dark_mode: bool) -> &'static Tokens {
     if dark_mode { &DARK } else { &LIGHT }
 }
 
-/// Installs fonts and both styles. Call it once, when the window is created.
+/// Installs the fonts and the styles of both themes. Call it once, when the window is created.
 pub fn install(context: &egui::Context) {
     context.set_fonts(fonts());
     for theme in [egui::Theme::Dark, egui::Theme::Light] {
@@ -203,7 +203,7 @@ pub(crate) fn panel_frame(ui: &Ui) -> Frame {
     Frame::new().fill(tokens(ui).panel).inner_margin(Margin::same(space::S as i8))
 }
 
-/// Returns the frame around a picture: no margin, and the canvas colour.
+/// Returns the frame around a picture: the canvas colour without a margin.
 pub(crate) fn canvas_frame(ui: &Ui) -> Frame {
     Frame::new().fill(tokens(ui).canvas)
 }
@@ -213,8 +213,8 @@ pub(crate) fn card_frame(ui: &Ui) -> Frame {
     Frame::new().fill(tokens(ui).raised).corner_radius(RADIUS).inner_margin(Margin::same(space::S as i8))
 }
 
-/// Returns an icon for use among the texts of a button, menu entry or chip, in their colour. It adds nothing to the
-/// accessible name.
+/// Returns an icon for use beside the text of a button, menu entry or chip, in the colour of that text. It adds nothing
+/// to the accessible name.
 pub(crate) fn icon(icon: Icon) -> Atom<'static> {
     Atom::paint(Vec2::splat(ICON_SIZE), move |ui, place| {
         paint_icon(ui.painter(), place.rect.center(), icon, ICON_SIZE, place.fallback_text_color);
@@ -232,8 +232,9 @@ fn icon_family() -> FontFamily {
     FontFamily::Name("icons".into())
 }
 
-/// Returns the toolkit's fonts, and the icons in a family of their own, because their private code points collide with
-/// those of other fonts. The monospace font is the proportional font's fallback for arrows and mathematical symbols.
+/// Returns the toolkit's fonts and the icon font. The icons are a separate family, because their private code points
+/// collide with those of other fonts. For arrows and mathematical symbols, proportional text falls back to the
+/// monospace font.
 fn fonts() -> FontDefinitions {
     const ICON_FONT: &str = "lucide";
     let mut fonts = FontDefinitions::default();
@@ -315,11 +316,12 @@ fn visuals(dark_mode: bool, tokens: &Tokens) -> Visuals {
     visuals
 }
 
-/// Gamma of text in the light theme. Values below 1 thicken dark text, whose thin stems look washed out on a light
-/// background.
+/// Gamma of text in the light theme. Values below 1 thicken dark text, whose thin stems would look washed out on a
+/// light background.
 const LIGHT_TEXT_GAMMA: f32 = 0.7;
 
-/// Returns the visuals of controls at rest, hovered, and pressed or focused. Only colours change, so nothing moves.
+/// Returns the visuals of controls at rest, hovered, and pressed or focused. They differ only in colour, so nothing
+/// moves.
 fn widgets(tokens: &Tokens) -> Widgets {
     let state = |fill, line, text| WidgetVisuals {
         bg_fill: fill,

@@ -1,14 +1,14 @@
-//! Grid lines and labels of plots, at round values and close enough that even a low plot has several of them.
+//! Grid lines and labels of plots, at round values and so close that even a low plot has several of them.
 
 use std::ops::RangeInclusive;
 
 use egui_plot::{GridInput, GridMark};
 
-/// Minimum distance between labels, in lines of the finest grid that the plot would draw.
+/// Minimum distance between labels, in spacings of the finest grid that the plot would draw.
 const LINES_APART: f64 = 3.5;
 
-/// Returns the steps of an axis: between unlabelled lines, between labels (1, 2 or 5 times a power of ten), and ten
-/// times the latter.
+/// Returns the grid spacings of an axis: between unlabelled lines, between labels (1, 2 or 5 times a power of ten), and
+/// ten times the distance between labels.
 pub(crate) fn round_steps(input: &GridInput) -> [f64; 3] {
     let least = (input.base_step_size * LINES_APART).max(f64::MIN_POSITIVE);
     let power = 10_f64.powf(least.log10().floor());
@@ -20,14 +20,14 @@ pub(crate) fn round_steps(input: &GridInput) -> [f64; 3] {
     [step / parts, step, 10.0 * step]
 }
 
-/// Formats the label of a mark, with enough decimals to distinguish it from its neighbours.
+/// Formats the label of a grid mark, with enough decimals to distinguish it from its neighbours.
 pub(crate) fn number(mark: GridMark, _shown: &RangeInclusive<f64>) -> String {
     let decimals = (-mark.step_size.log10().floor()).clamp(0.0, 9.0) as usize;
     format!("{:.decimals$}", mark.value)
 }
 
-/// Returns the marks of a logarithmic axis to base ten: 1 to 9 times each power of ten, where powers, then 2 and 5
-/// times a power have priority for labels.
+/// Returns the marks of a base-10 logarithmic axis: 1 to 9 times each power of ten. Powers of ten have priority for
+/// labels, then 2 and 5 times a power.
 pub(crate) fn log_marks(input: &GridInput) -> Vec<GridMark> {
     /// Nominal spacing of the marks of the digits 1 to 9, in powers of ten; it determines which marks have a label.
     const APART: [f64; 9] = [1.0, 0.45, 0.1, 0.1, 0.45, 0.1, 0.1, 0.1, 0.1];
@@ -48,7 +48,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_stand_at_round_steps_that_contain_the_finer_lines() {
+    fn labels_are_at_round_steps_that_contain_the_finer_lines() {
         for (base, step) in [(0.9, 5.0), (1.0, 5.0), (0.5, 2.0), (0.28, 1.0), (12.0, 50.0), (0.000_17, 0.001)] {
             let [fine, numbered, coarse] = round_steps(&GridInput { bounds: (0.0, 1.0), base_step_size: base });
             assert!((numbered / step - 1.0).abs() < 1e-9, "{base}: {numbered}");
@@ -58,14 +58,14 @@ mod tests {
     }
 
     #[test]
-    fn numbers_of_neighbouring_marks_differ() {
+    fn labels_of_neighbouring_marks_differ() {
         let shown = |value, step_size| number(GridMark { value, step_size }, &(0.0..=2.0));
         assert_eq!([shown(0.5, 0.5), shown(1.0, 0.5), shown(1.5, 0.5)], ["0.5", "1.0", "1.5"]);
         assert_eq!([shown(0.02, 0.02), shown(5.0, 5.0), shown(200.0, 100.0)], ["0.02", "5", "200"]);
     }
 
     #[test]
-    fn an_axis_of_logarithms_has_all_digits_of_all_powers_within() {
+    fn a_logarithmic_axis_has_all_digits_of_all_powers_within_its_bounds() {
         let marks = log_marks(&GridInput { bounds: (-1.0, 1.0), base_step_size: 0.1 });
         assert_eq!(marks.len(), 19);
         assert!(marks.windows(2).all(|pair| pair[0].value < pair[1].value));

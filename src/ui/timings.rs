@@ -1,6 +1,6 @@
-//! Frame times, kept separately for each configuration that they were measured on: the recent frames of the current
-//! scene, settings and size as a line for each upscaler, with the slowest frames of all lines, and the last measurement
-//! of all upscalers. Times of different pictures never share a line.
+//! Recorded frame times: the recent frames of the current scene, settings and size, with one line per upscaler and the
+//! slowest frames of all lines, and the last measurement of all upscalers. Times of different pictures never share a
+//! line.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -14,33 +14,33 @@ use crate::measure::timing::{Summary, summarize};
 use crate::report::upscaling::tradeoff::{Standing, standings};
 use crate::upscale::Upscaling;
 
-/// Number of recent frames kept for each upscaler.
+/// Maximum number of recent frames stored for each upscaler.
 const RECENT: usize = 240;
 
-/// Number of slowest frames kept, regardless of their age.
+/// Maximum number of slowest frames stored, regardless of their age.
 const SLOWEST: usize = 5;
 
-/// Plot of frame times.
+/// Kind of plot of frame times.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TimingsView {
-    /// Frame time over frames.
+    /// Frame time of each frame, in drawing order.
     #[default]
     Lines,
-    /// Cumulative distribution: the share of frames that took at most a given time.
+    /// Cumulative distribution: the fraction of frames that took at most a given time.
     Distribution,
 }
 
 /// All recorded frame times, in milliseconds.
 #[derive(Debug, Default)]
 pub struct Timings {
-    /// Selected plot.
+    /// Plot that the tab shows.
     pub(crate) view: TimingsView,
     /// Whether recording of recent frames is paused.
     pub(crate) paused: bool,
     recent: BTreeMap<Upscaling, VecDeque<f64>>,
     slowest: Vec<(Upscaling, f64)>,
     recent_request: Option<Request>,
-    /// Camera motion over the frames that the next measurement judges and times.
+    /// Camera motion over the frames of the next measurement.
     pub turn: Turn,
     measured: BTreeMap<Upscaling, Vec<f64>>,
     errors: BTreeMap<Upscaling, MethodError>,
@@ -48,14 +48,14 @@ pub struct Timings {
     measurement_request: Option<MeasureRequest>,
 }
 
-/// Cost and error of a method.
+/// Frame time and error of an upscaler.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TradeOff {
-    /// The method.
+    /// Upscaler with its options.
     pub upscaling: Upscaling,
-    /// Frame times, in milliseconds.
+    /// Statistics of the frame times, in milliseconds.
     pub ms: Summary,
-    /// Error against the reference of the measurement; the error in motion ranks the methods.
+    /// Error against the reference of the measurement. The error in motion ranks the upscalers.
     pub error: MethodError,
     /// Position relative to the Pareto front of time and FLIP in motion.
     pub standing: Standing<Upscaling>,
@@ -65,7 +65,7 @@ pub struct TradeOff {
 
 impl Timings {
     /// Adds the time of a frame that was drawn for `request`, unless recording is paused. A new scene, recipe or size
-    /// discards the recent frames; the camera may change, and each upscaler has a line of its own.
+    /// discards the recent frames. The camera may change, and each upscaler has its own line.
     pub(crate) fn record_recent(&mut self, request: &Request, milliseconds: f64) {
         if self.paused {
             return;
@@ -90,8 +90,8 @@ impl Timings {
         self.slowest.truncate(SLOWEST);
     }
 
-    /// Returns the median time of the recent frames of a method in milliseconds, without the first one, which was drawn
-    /// with cold caches and buffers; `None` if there is no other.
+    /// Returns the median time of the recent frames of an upscaler, in milliseconds. Excludes the first frame, which
+    /// was drawn with cold caches and buffers; `None` if there is no other frame.
     pub(crate) fn warm_median_ms(&self, upscaling: Upscaling) -> Option<f64> {
         let times: Vec<f64> = self.recent.get(&upscaling)?.iter().skip(1).copied().collect();
         Some(summarize(&times)?.median)
@@ -122,7 +122,7 @@ impl Timings {
         text
     }
 
-    /// Starts a measurement.
+    /// Starts a measurement of all upscalers, discarding the previous one.
     pub(crate) fn begin_measurement(&mut self, request: MeasureRequest) {
         self.measured.clear();
         self.errors.clear();
@@ -130,14 +130,14 @@ impl Timings {
         self.measurement_request = Some(request);
     }
 
-    /// Adds a sample of the measurement.
+    /// Adds a frame time to the measurement, in milliseconds.
     pub(crate) fn record_measured(&mut self, upscaling: Upscaling, milliseconds: f64) {
         if self.measurement_request.is_some() {
             self.measured.entry(upscaling).or_default().push(milliseconds);
         }
     }
 
-    /// Records the error of a method, as far as it is known.
+    /// Records the error of an upscaler over the frames measured so far.
     pub(crate) fn record_error(&mut self, upscaling: Upscaling, error: MethodError) {
         if self.measurement_request.is_some() {
             self.errors.insert(upscaling, error);
@@ -156,15 +156,15 @@ impl Timings {
         self.noise
     }
 
-    /// Whether the difference between the measured times of a method and native is within noise.
+    /// Whether the measured times of an upscaler and of native rendering differ by no more than the noise.
     pub(crate) fn is_within_noise_of_native(&self, upscaling: Upscaling) -> bool {
         let median = |u| summarize(self.measured.get(&u)?).map(|summary| summary.median);
         let times = self.noise.zip(median(Upscaling::NATIVE)).zip(median(upscaling));
         !upscaling.is_native() && times.is_some_and(|((noise, native), own)| noise.covers(native, own))
     }
 
-    /// Returns every method of the measurement whose time and error are known, in the order of the methods. Empty
-    /// before the first round is complete.
+    /// Returns every upscaler of the measurement whose time and error are known. Empty before the first round is
+    /// complete.
     pub fn tradeoff(&self) -> Vec<TradeOff> {
         let Some(noise) = self.noise else { return Vec::new() };
         let known = self
@@ -189,7 +189,7 @@ impl Timings {
         *self = Self { view: self.view, paused: self.paused, turn: self.turn, ..Self::default() };
     }
 
-    /// Whether there is a measurement to show, begun or complete.
+    /// Whether there is a running or complete measurement to show.
     pub fn has_measurement(&self) -> bool {
         !self.measured.is_empty()
     }
@@ -199,7 +199,7 @@ impl Timings {
         self.measurement_request.as_ref()
     }
 
-    /// Whether the measurement was made on the view of `request`, regardless of its upscaler.
+    /// Whether the measurement was made with the view of `request`, apart from its upscaler.
     pub(crate) fn measurement_fits(&self, request: &Request) -> bool {
         let upscaler = Upscaling::NATIVE;
         let plain = |r: &Request| Request {
@@ -214,20 +214,22 @@ impl Timings {
         self.measurement_request.as_ref().is_some_and(|measured| plain(&measured.of).same_view(&plain(request)))
     }
 
-    /// Returns the median of a method divided by the median of native, if both were measured on the view of `request`.
+    /// Returns the median time of an upscaler divided by that of native rendering, if both were measured with the view
+    /// of `request`.
     pub(crate) fn share_of_native(&self, request: &Request, upscaling: Upscaling) -> Option<f64> {
         let median = |u| summarize(self.measured.get(&u)?).map(|summary| summary.median);
         let fits = self.measurement_fits(request);
         fits.then(|| Some(median(upscaling)? / median(Upscaling::NATIVE)?)).flatten()
     }
 
-    /// Returns the times of the measurement, or else of the recent frames, per method; oldest first.
+    /// Returns the times of each upscaler, oldest first: those of the measurement, or of the recent frames if there is
+    /// none.
     pub fn series(&self) -> Vec<(Upscaling, Vec<f64>)> {
         if self.has_measurement() { per_method(&self.measured) } else { per_method(&self.recent) }
     }
 }
 
-/// Returns the times of every method, oldest first.
+/// Returns the times of every upscaler, oldest first.
 fn per_method<T>(times: &BTreeMap<Upscaling, T>) -> Vec<(Upscaling, Vec<f64>)>
 where
     for<'a> &'a T: IntoIterator<Item = &'a f64>,
@@ -268,7 +270,7 @@ mod tests {
     }
 
     #[test]
-    fn methods_are_ranked_by_their_error_in_motion_and_beyond_the_noise() {
+    fn upscalers_are_ranked_by_error_in_motion_and_by_times_above_noise() {
         let mut timings = Timings::default();
         timings.begin_measurement(measurement(request()));
         let black = crate::image::Image::filled(8, 8, [0, 0, 0, 255]);
@@ -330,7 +332,7 @@ mod tests {
     }
 
     #[test]
-    fn spikes_outlive_their_line_and_a_pause_takes_nothing_in() {
+    fn slowest_frames_outlive_their_line_and_a_pause_records_nothing() {
         let (mut timings, request) = (Timings::default(), request());
         timings.record_recent(&request, 90.0);
         for _ in 0..2 * RECENT {
@@ -352,7 +354,7 @@ mod tests {
         assert_eq!(timings.csv().lines().nth(1), Some(&*recent));
         timings.begin_measurement(measurement(request));
         timings.record_measured(Upscaling::NATIVE, 1.5);
-        assert_eq!(timings.csv().lines().nth(1), Some(&*recent), "a measurement leaves them in");
+        assert_eq!(timings.csv().lines().nth(1), Some(&*recent), "a measurement keeps the recent frames");
         assert!(timings.csv().ends_with("measured,\"Native\",0,1.5\n"));
     }
 }

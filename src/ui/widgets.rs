@@ -1,8 +1,8 @@
-//! Building blocks of panels: rows, pickers, headers, chips, readouts.
+//! Building blocks of panels: rows, pickers, headers, chips and readouts.
 //!
 //! A panel is a column of rows as wide as the panel, one [`theme::ROW_HEIGHT`] apart. Each row has a label on the left,
 //! truncated if necessary, and a control or a number on the right, so that both align down the panel. Every widget has
-//! a name in the accessibility tree, which tests also use to find it: a control in a row is named by the row's label.
+//! a name in the accessibility tree, by which tests also find it. A control in a row is named after the row's label.
 
 use std::ops::RangeInclusive;
 
@@ -14,16 +14,16 @@ use eframe::egui::{
 
 use super::theme::{self, CONTROL_HEIGHT, Icon, space, tokens};
 
-/// Share of a row's width for its label.
+/// Fraction of a row's width for its label.
 const LABEL_SHARE: f32 = 0.4;
 
-/// Minimum padding on both sides of a name in joined buttons, in points.
+/// Minimum padding on both sides of the name in a joined button, in points.
 const SEGMENT_PADDING: f32 = space::XS;
 
 /// Time for which a copy button confirms copying, in seconds.
 const COPIED_SECONDS: f64 = 1.2;
 
-/// Adds a row with a control: `label` on the left, the controls added by `add_control` on the right.
+/// Adds a row with `label` on the left and the controls added by `add_control` on the right.
 ///
 /// Sliders and pickers fill the right column. Inputs without a name of their own are named `label` for accessibility.
 /// `tooltip` describes the control in one sentence. Labels must be unique within one parent.
@@ -39,9 +39,9 @@ pub(crate) fn row<R>(ui: &mut Ui, label: &str, tooltip: &str, add_control: impl 
     control.name_inputs(label, add_control)
 }
 
-/// Adds a row with a number: `label` on the left, `value` in monospace and right-aligned on the right.
+/// Adds a row with `label` on the left and `value` on the right, right-aligned and in monospace.
 ///
-/// The value can be selected with the mouse. Returns its response, for example for a context menu.
+/// The value can be selected with the mouse. Returns the response of the value, for example for a context menu.
 pub(crate) fn value_row(ui: &mut Ui, label: &str, value: &str, tooltip: &str) -> Response {
     let text = RichText::new(value).text_style(TextStyle::Monospace);
     let font = TextStyle::Monospace.resolve(ui.style());
@@ -76,7 +76,7 @@ fn row_label(ui: &mut Ui, rect: Rect, label: &str, tooltip: &str) {
     });
 }
 
-/// Picks one of `options`, each (value, name, tooltip). Returns `true` if the user changed `value`.
+/// Adds a picker for one of `options`, each (value, name, tooltip). Returns whether the user changed `value`.
 ///
 /// The picker is as wide as `ui.spacing().combo_width`, which fills the column in a [`row`]. It consists of joined
 /// buttons if all names fit, otherwise of a drop-down list. Outside a row, wrap it in [`Ui::push_id`] and
@@ -142,7 +142,7 @@ pub(crate) fn combo(id_salt: &str, shown: &str, width: f32) -> ComboBox<'static>
     )
 }
 
-/// Adds a number, right-aligned in a column of fixed width, so that columns line up and nothing jumps.
+/// Adds a number, right-aligned in a column of `width` points, so that columns line up and do not move.
 pub(crate) fn figure(ui: &mut Ui, text: &str, width: f32, color: Color32) -> Response {
     let (rect, response) = ui.allocate_exact_size(vec2(width, CONTROL_HEIGHT), Sense::hover());
     let font = TextStyle::Monospace.resolve(ui.style());
@@ -152,15 +152,15 @@ pub(crate) fn figure(ui: &mut Ui, text: &str, width: f32, color: Color32) -> Res
 }
 
 /// Adds a slider that changes `value` only on user input: out-of-range values stay, and only the text is rounded to
-/// `decimals`. Returns `true` if the value changed.
+/// `decimals`. Returns whether the value changed.
 pub(crate) fn slider(ui: &mut Ui, value: &mut f32, range: RangeInclusive<f32>, suffix: &str, decimals: usize) -> bool {
     let text = move |value: f64, _| super::format::fixed(value, decimals);
     let slider = Slider::new(value, range).clamping(SliderClamping::Edits).suffix(suffix).custom_formatter(text);
     ui.add(slider).changed()
 }
 
-/// Adds a number to drag or type that changes `value` only on user input. Dragging by one point changes it by a
-/// fiftieth of its value.
+/// Adds a number field that changes `value` only on user input. Dragging by one point changes the value by a fiftieth.
+/// Returns whether the value changed.
 pub(crate) fn drag(ui: &mut Ui, value: &mut f32, range: RangeInclusive<f32>) -> bool {
     let speed = f64::from(*value) * 0.02;
     let text = |value: f64, _| format!("{}", value as f32);
@@ -168,8 +168,8 @@ pub(crate) fn drag(ui: &mut Ui, value: &mut f32, range: RangeInclusive<f32>) -> 
     ui.add(drag).changed()
 }
 
-/// Adds a number of any sign to drag or type that changes `value` only on user input. Dragging by one point changes it
-/// by `step`.
+/// Adds a number field of any sign that changes `value` only on user input. Dragging by one point changes the value by
+/// `step`. Returns whether the value changed.
 pub(crate) fn drag_by(ui: &mut Ui, value: &mut f32, step: f64) -> bool {
     let range = f32::MIN..=f32::MAX;
     let text = |value: f64, _: RangeInclusive<usize>| format!("{}", value as f32);
@@ -187,7 +187,7 @@ pub(crate) fn section_header(ui: &mut Ui, title: &str, add_actions: impl FnOnce(
     });
 }
 
-/// Fills the remaining space with a placeholder for missing content: what will appear here, and how to get it.
+/// Fills the remaining space with a placeholder for missing content: `what` is missing, and `how` to get it.
 pub(crate) fn empty_state(ui: &mut Ui, icon: Icon, what: &str, how: &str) {
     const ICON_POINTS: f32 = 28.0;
     const CONTENT_POINTS: f32 = 84.0;
@@ -207,15 +207,15 @@ pub(crate) fn empty_state(ui: &mut Ui, icon: Icon, what: &str, how: &str) {
 /// Meaning of a [`chip`], expressed by its icon and its colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Status {
-    /// A passed test.
+    /// The test passed.
     Passed,
-    /// A rejected fragment or claim.
+    /// The fragment was rejected, or a check failed.
     Rejected,
-    /// A warning.
+    /// The chip is a warning.
     Warning,
-    /// An error.
+    /// The chip is an error.
     Error,
-    /// A fact that is neither good nor bad.
+    /// The chip states a fact that is neither good nor bad.
     Neutral,
 }
 
@@ -231,7 +231,7 @@ impl Status {
         }
     }
 
-    /// Returns the colour of this meaning.
+    /// Returns the colour of this status in a theme.
     pub(crate) fn color(self, tokens: &theme::Tokens) -> Color32 {
         match self {
             Self::Passed => tokens.passed,
@@ -243,7 +243,7 @@ impl Status {
     }
 }
 
-/// Adds a chip: icon and word on a background in the colour of its status.
+/// Adds a chip: an icon and a word on a background in the colour of the status.
 pub(crate) fn chip(ui: &mut Ui, status: Status, word: &str, tooltip: &str) -> Response {
     const GROUND_OPACITY: f32 = 0.16;
     let color = status.color(tokens(ui));
@@ -265,7 +265,7 @@ pub(crate) fn chip(ui: &mut Ui, status: Status, word: &str, tooltip: &str) -> Re
     if tooltip.is_empty() { response } else { response.on_hover_text(tooltip) }
 }
 
-/// Adds a square of a colour, named by its code in the accessibility tree: "#4CA6FF". Alpha is ignored.
+/// Adds a square of a colour. Its accessible name is the colour code, such as "#4CA6FF". Alpha is ignored.
 pub(crate) fn swatch(ui: &mut Ui, color: Color32) -> Response {
     let (place, response) = ui.allocate_exact_size(Vec2::splat(theme::ICON_SIZE), Sense::hover());
     ui.painter().rect(place, 2.0, color.to_opaque(), Stroke::new(1.0, tokens(ui).border), StrokeKind::Inside);
@@ -275,7 +275,7 @@ pub(crate) fn swatch(ui: &mut Ui, color: Color32) -> Response {
     response.on_hover_text(code)
 }
 
-/// Adds a square button with an icon only; `name` is its tooltip and its accessible name.
+/// Adds a square button with only an icon; `name` is its tooltip and its accessible name.
 pub(crate) fn icon_button(ui: &mut Ui, icon: Icon, name: &str) -> Response {
     let button = Button::new(theme::icon(icon)).frame_when_inactive(false).min_size(Vec2::splat(CONTROL_HEIGHT));
     let padding = (CONTROL_HEIGHT - theme::ICON_SIZE) / 2.0;
@@ -286,7 +286,7 @@ pub(crate) fn icon_button(ui: &mut Ui, icon: Icon, name: &str) -> Response {
     .inner
 }
 
-/// Adds a button that copies `text` to the clipboard and briefly confirms it. `what` completes "Copy …".
+/// Adds a button that copies `text` to the clipboard and briefly confirms it. Its tooltip is “Copy” followed by `what`.
 pub(crate) fn copy_button(ui: &mut Ui, what: &str, text: impl FnOnce() -> String) -> Response {
     let id = Id::unique(("copied", ui.next_auto_id()));
     let now = ui.input(|input| input.time);

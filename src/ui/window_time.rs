@@ -1,5 +1,5 @@
-//! Cost of the window itself, apart from the picture, which is drawn on threads of its own: laying out the panels,
-//! tessellating them and submitting the triangles to the graphics driver.
+//! Time of the user interface itself: laying out the panels, tessellating them and submitting the triangles to the
+//! graphics driver. The picture is not included, because other threads draw it.
 
 use std::collections::VecDeque;
 
@@ -28,10 +28,10 @@ use crate::pipeline::viewport::Viewport;
 use crate::upscale::Upscaling;
 use eframe::egui::{self, Event, Pos2, Vec2};
 
-/// Number of recent passes kept.
+/// Maximum number of recent passes whose times are stored.
 const RECENT: usize = 240;
 
-/// Times of the window's recent passes, in milliseconds.
+/// Times of the recent passes of the window, in milliseconds.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct WindowTimes {
     recent: VecDeque<f64>,
@@ -52,20 +52,20 @@ impl WindowTimes {
     }
 }
 
-/// Number of passes before measuring: sizes settle, pictures are drawn, fonts are rasterized.
+/// Number of passes before the measured ones, in which sizes converge, pictures are drawn and fonts are rasterized.
 const WARM_UP_PASSES: usize = 12;
 
-/// Number of frames per upscaler in the plots of frame times, the same as after a measurement.
+/// Number of frames per upscaler in the plots of frame times, as after a measurement.
 const PLOTTED_FRAMES: usize = 25;
 
-/// Times `passes` passes of a window of `size` pixels with each of its parts open in turn, and with as many as possible
-/// at once. The pointer moves over the picture, which does not change, so the times do not include drawing it. They do
-/// not include the work of a graphics card either.
+/// Times `passes` passes of a window of `size` pixels with each of its parts open in turn, and with as many parts as
+/// possible at once. The pointer moves over the picture, which does not change, so the times do not include drawing it.
+/// They do not include the work of a graphics card either.
 pub(crate) fn window_costs(start: &WindowStart, size: Viewport, passes: usize) -> Vec<WindowCost> {
     situations().into_iter().filter_map(|(what, first)| cost(start, size, passes.max(1), what, first)).collect()
 }
 
-/// Returns every timed situation: its name, and the commands that set it up.
+/// Returns every timed configuration of the window: its name, and the commands that set it up.
 fn situations() -> Vec<(String, Vec<Command>)> {
     let tabs = TABS.iter().map(|(tab, name, _)| {
         let (open, watch) = (Command::OpenTab(*tab), Command::Watch(watch::WatchChange::AddPick));
@@ -85,8 +85,8 @@ fn situations() -> Vec<(String, Vec<Command>)> {
     ];
     let compared = compared.map(|(name, change)| (name.to_owned(), vec![Command::Compare(change)]));
     let more = [
-        ("The scene from outside", vec![Command::MeshView(mesh_view::MeshViewChange::Toggle)]),
-        ("What changed", vec![Command::WhatIf(what_if::WhatIfChange::Toggle)]),
+        ("Mesh view", vec![Command::MeshView(mesh_view::MeshViewChange::Toggle)]),
+        ("What changed?", vec![Command::WhatIf(what_if::WhatIfChange::Toggle)]),
         ("Range and overlays", laid_over()),
         ("All stages", vec![Command::OpenStages(true)]),
         ("Keys", vec![Command::ToggleKeys]),
@@ -154,7 +154,7 @@ fn plot_something(app: &mut Workbench) {
     }
 }
 
-/// Returns an event of a pointer that moves to and fro near the middle of the window.
+/// Returns the pointer event of a pass. The pointer moves repeatedly along a diagonal near the middle of the window.
 fn pointer(window: Vec2, pass: usize) -> Event {
     const STEP_POINTS: f32 = 3.0;
     const TRAVEL_POINTS: usize = 40;
@@ -178,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn each_part_of_the_window_is_timed_and_at_rest_uploads_nothing() {
+    fn each_part_of_the_window_is_timed_and_uploads_no_textures_at_rest() {
         let source = crate::scene::SceneSource::named("triangle".into());
         let scene = source.load().unwrap().scene;
         let start = WindowStart {

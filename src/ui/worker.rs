@@ -1,4 +1,4 @@
-//! Renderer thread: the window sends requests without waiting, and is woken when there is an answer.
+//! Renderer thread: the window sends requests without waiting, and is woken when there is a response.
 //!
 //! Only the newest request counts; older ones that were not started are dropped. Between requests the thread works on
 //! deferred tasks: timing the stages of the frame on screen, and measuring all upscalers on request. A panic in a stage
@@ -22,15 +22,15 @@ pub use measurement::MeasureRequest;
 use measurement::Measurement;
 pub(crate) use measurement::MethodError;
 
-/// Time for which a frame must stay before its stages are timed; while the view moves, all time goes to new frames.
+/// Time for which a frame must stay before its stages are timed. While the view moves, all time goes to new frames.
 const SETTLED: Duration = Duration::from_millis(120);
 
-/// A request of the window.
+/// Request from the window to the renderer.
 #[derive(Debug)]
 pub enum WorkerRequest {
     /// Renders this view.
     Show(Box<Request>),
-    /// Renders this comparison; `None` ends the comparison.
+    /// Renders this comparison; `None` cancels the comparison.
     Compare(Option<Box<CompareRequest>>),
     /// Computes the effect of a settings change; `None` cancels the computation.
     WhatIf(Option<Box<WhatIfRequest>>),
@@ -42,35 +42,35 @@ pub enum WorkerRequest {
     CancelMeasure,
 }
 
-/// A message of the renderer.
+/// Response from the renderer to the window.
 #[derive(Debug)]
 pub enum WorkerResponse {
-    /// A view.
+    /// A rendered view.
     View(Box<RenderedView>),
     /// Results of the comparison so far.
     Compared(Box<Compared>),
     /// Values of the newest frame at the watched pixels.
     Watched(Vec<WatchedPixel>),
-    /// Known effects of the change of settings so far.
+    /// Effects of the change of settings, as far as they are known.
     WhatIf(Box<WhatIfResults>),
-    /// Counters and times of the stages of the last frame.
+    /// Counters and times of the pipeline stages of the last frame.
     Stages(Box<StageFigures>),
     /// One timed frame of a measurement.
     Sample {
-        /// Number of the measurement.
+        /// Number that identifies the measurement.
         of: u64,
-        /// Method that was timed.
+        /// Upscaler that was timed.
         upscaling: Upscaling,
         /// Frame time, in milliseconds.
         milliseconds: f64,
         /// Completed share of the measurement, in [0, 1].
         progress: f32,
     },
-    /// The error of a method, as far as it is known.
+    /// The error of an upscaler over the frames measured so far.
     MethodError {
-        /// Number of the measurement.
+        /// Number that identifies the measurement.
         of: u64,
-        /// Method that was judged.
+        /// Upscaler whose error was measured.
         upscaling: Upscaling,
         /// Error at rest and in motion.
         error: Box<MethodError>,
@@ -79,7 +79,7 @@ pub enum WorkerResponse {
     },
     /// The noise floor of the completed rounds.
     Noise {
-        /// Number of the measurement.
+        /// Number that identifies the measurement.
         of: u64,
         /// Noise floor of frame times.
         noise: Noise,
@@ -90,22 +90,22 @@ pub enum WorkerResponse {
     Panicked(String),
 }
 
-/// Handle to the renderer: a thread of its own, or synchronous for screenshots and tests.
+/// Handle to the renderer, which is a background thread, or synchronous for screenshots and tests.
 #[derive(Debug)]
 pub enum Worker {
-    /// Asynchronous: answers arrive later.
+    /// Asynchronous: responses arrive later.
     Thread {
         /// Sender of requests to the thread.
         jobs: Sender<WorkerRequest>,
-        /// Receiver of answers from the thread.
+        /// Receiver of responses from the thread.
         answers: Receiver<WorkerResponse>,
     },
-    /// Synchronous: answers are ready when [`Worker::send`] returns.
+    /// Synchronous: responses are ready when [`Worker::send`] returns.
     Inline(Box<RenderWorker>),
 }
 
 impl Worker {
-    /// Starts the thread. `wake` is called after every batch of answers. Falls back to a synchronous worker if no
+    /// Starts the thread. `wake` is called after every batch of responses. Falls back to a synchronous worker if no
     /// thread can be started.
     pub fn spawn(wake: impl Fn() + Send + 'static) -> Self {
         let (jobs, inbox) = channel();
@@ -133,7 +133,7 @@ impl Worker {
         }
     }
 
-    /// Returns the next answer that is ready.
+    /// Returns the next response that is ready, if any.
     pub fn poll(&mut self) -> Option<WorkerResponse> {
         match self {
             Self::Thread { answers, .. } => answers.try_recv().ok(),
@@ -142,7 +142,7 @@ impl Worker {
     }
 }
 
-/// Pending work and the state that it needs.
+/// Pending work of the renderer, and the state that it needs.
 #[derive(Debug, Default)]
 pub struct RenderWorker {
     engine: Engine,
@@ -152,9 +152,9 @@ pub struct RenderWorker {
     drawer: Drawer,
     watcher: PixelWatcher,
     to_evaluate: Option<Box<WhatIfRequest>>,
-    /// Current request, if one more frame would improve its answer.
+    /// Current request, if one more frame would improve its view.
     to_improve: Option<Box<Request>>,
-    /// Current request, if slow parts of its answer are still missing.
+    /// Current request, if slow parts of its view are still missing.
     to_complete: Option<Box<Request>>,
     to_time: Option<Box<StageMeasurement>>,
     measurement: Option<Measurement>,
@@ -189,8 +189,8 @@ impl RenderWorker {
         }
     }
 
-    /// Waits for a job as long as the pending work allows. Blocks without pending work, returns at once for work that
-    /// the user waits for, and waits [`SETTLED`] before work that a newer frame may make obsolete.
+    /// Waits for a request as long as the pending work allows. Blocks without pending work, returns immediately for
+    /// work that the user waits for, and waits [`SETTLED`] before work that a newer frame may make obsolete.
     fn wait(&self, inbox: &Receiver<WorkerRequest>) -> Result<Option<WorkerRequest>, RecvError> {
         let is_asked = self.to_show.is_some() || self.to_improve.is_some() || self.to_compare.is_some();
         if is_asked || self.to_evaluate.is_some() || self.watcher.has_work() || self.measurement.is_some() {
@@ -301,7 +301,7 @@ impl RenderWorker {
         }
     }
 
-    /// Runs one step of determining the effect of a change. A panic ends it.
+    /// Runs one step of a what-if comparison and queues its results. A panic ends the comparison.
     fn evaluate_change(&mut self, piece: impl FnOnce(&mut Drawer) -> Option<WhatIfResults>) {
         let drawer = &mut self.drawer;
         match catch_unwind(AssertUnwindSafe(|| piece(drawer))) {

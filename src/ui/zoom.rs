@@ -1,31 +1,31 @@
 //! Placement of a picture in a rectangle of the window: fitted, or zoomed at the pointer and panned.
 //!
-//! A fitted picture, and one with a large scale, has an integer scale, so that all squares are equal. Rectangles of the
-//! same size that share a [`Zoom`] show the same part of their pictures.
+//! A picture that is strongly enlarged, or fitted without shrinking, has an integer scale: all its pixels have equal
+//! size. Rectangles of the same size that share a [`Zoom`] show the same part of their pictures.
 
 use eframe::egui::{Pos2, Rect, Ui, Vec2, pos2, vec2};
 
-/// Range of the scale, in screen pixels per picture pixel.
+/// Minimum and maximum scale, in screen pixels per picture pixel.
 const SCALE_RANGE: (f32, f32) = (1.0 / 32.0, 256.0);
 
 /// Minimum scale of a fitted picture, which prevents division by zero on a canvas without height.
 const MIN_FIT: f32 = 1.0 / 65_536.0;
 
-/// Scale from which zooming rounds to an integer, in screen pixels per picture pixel.
+/// Minimum scale that zooming rounds to an integer, in screen pixels per picture pixel.
 const WHOLE_FROM: f32 = 8.0;
 
-/// Minimum scale for bringing a pixel into view, in screen pixels per picture pixel: its neighbours and the slope of an
-/// edge are visible, too.
+/// Minimum scale for bringing a pixel into view, in screen pixels per picture pixel. It is large enough to show the
+/// neighbours of the pixel and the slope of an edge.
 const SEEN_FROM: f32 = 16.0;
 
-/// Scale and position of a picture.
+/// Scale and position of a picture in a rectangle.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Zoom {
     /// Screen pixels per picture pixel; `None` fits the picture into the rectangle.
     scale: Option<f32>,
     /// Scale accumulated by the wheel, before rounding to an integer.
     wheeled: f32,
-    /// Position in the picture at the rectangle's top-left corner, in picture pixels.
+    /// Position in the picture of the rectangle's top-left corner, in picture pixels.
     origin: Vec2,
 }
 
@@ -34,7 +34,7 @@ pub(crate) struct Zoom {
 pub(crate) struct Placement {
     /// Rectangle that shows the picture, in points.
     pub(crate) canvas: Rect,
-    /// Points per picture pixel.
+    /// Scale, in points per picture pixel.
     pub(crate) points_per_px: f32,
     /// Top-left corner of the picture, in points.
     pub(crate) corner: Pos2,
@@ -91,7 +91,7 @@ impl Zoom {
         self.set_view(scale, canvas_px, (x as f32 + 0.5, y as f32 + 0.5));
     }
 
-    /// Pans no further than necessary to make a pixel and its neighbours visible; a fitted picture stays.
+    /// Pans no further than necessary to make a pixel and its neighbours visible. A fitted picture does not move.
     pub(crate) fn keep_in_view(&mut self, (x, y): (u32, u32), canvas_px: (u32, u32)) {
         let Some(scale) = self.scale else { return };
         let seen = vec2(canvas_px.0 as f32, canvas_px.1 as f32) / scale;
@@ -99,7 +99,7 @@ impl Zoom {
         self.origin = self.origin.max(last - seen).min(first);
     }
 
-    /// Returns screen pixels per picture pixel; `None` if the picture is fitted.
+    /// Returns the scale in screen pixels per picture pixel; `None` if the picture is fitted.
     pub(crate) fn scale(&self) -> Option<f32> {
         self.scale
     }
@@ -127,13 +127,13 @@ impl Zoom {
         Placement { canvas, points_per_px: scale / screen, corner }
     }
 
-    /// Pans the picture by `delta` points.
+    /// Pans the picture by `delta`, in points.
     pub(crate) fn pan(&mut self, ui: &Ui, placement: Placement, delta: Vec2) {
         self.keep(ui, placement);
         self.origin -= delta / placement.points_per_px;
     }
 
-    /// Zooms by `factor`; the position under the pointer stays in place.
+    /// Zooms by `factor` around the pointer, under which the picture does not move.
     pub(crate) fn enlarge(&mut self, ui: &Ui, placement: Placement, pointer: Pos2, factor: f32) {
         let under_pointer = placement.to_picture(pointer);
         self.keep(ui, placement);
@@ -150,7 +150,7 @@ impl Zoom {
         self.origin = placement.to_picture(placement.canvas.min);
     }
 
-    /// Returns the unrounded scale behind a rounded one, because wheel steps smaller than one must accumulate.
+    /// Returns the unrounded scale behind the rounded one, in which wheel steps smaller than 1 accumulate.
     fn wheeled_of(&self, shown: f32) -> f32 {
         if (self.wheeled - shown).abs() <= 0.5 && shown >= WHOLE_FROM { self.wheeled } else { shown }
     }
@@ -180,16 +180,16 @@ mod tests {
     }
 
     #[test]
-    fn a_pixel_is_kept_in_view_by_the_least_move() {
+    fn a_pixel_is_kept_in_view_by_the_smallest_pan() {
         let mut zoom = Zoom::default();
         zoom.keep_in_view((500, 0), (100, 80));
-        assert_eq!(zoom.scale(), None, "what is fitted stays so");
+        assert_eq!(zoom.scale(), None, "a fitted picture stays fitted");
         zoom.set_view(10.0, (100, 80), (50.0, 50.0));
         let before = zoom.origin;
         zoom.keep_in_view((50, 50), (100, 80));
-        assert_eq!(zoom.origin, before, "it is seen already");
+        assert_eq!(zoom.origin, before, "the pixel is already visible");
         zoom.keep_in_view((60, 50), (100, 80));
-        assert_eq!(zoom.origin, vec2(62.0 - 10.0, before.y), "ten columns are seen, the one beyond it is the last");
+        assert_eq!(zoom.origin, vec2(62.0 - 10.0, before.y), "ten columns are visible, the last beside the pixel");
         zoom.keep_in_view((20, 10), (100, 80));
         assert_eq!(zoom.origin, vec2(19.0, 9.0));
     }

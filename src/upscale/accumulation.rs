@@ -27,7 +27,7 @@ mod rows;
 /// Temporal accumulation of jittered samples.
 pub(crate) static ACCUMULATION: Accumulation = Accumulation;
 
-/// Type of [`ACCUMULATION`].
+/// [`Upscaler`] implementation of [`ACCUMULATION`].
 pub(crate) struct Accumulation;
 
 /// Number of jitter positions per pixel, one per frame.
@@ -141,7 +141,7 @@ fn sample_coordinate(lattice: Lattice, place: f64, at: u32) -> (i64, f32) {
     (index.floor() as i64, (index - index.floor()) as f32)
 }
 
-/// A frame with its history.
+/// Frame to upscale, with its history.
 struct FrameContext<'a> {
     light: FilterSpace,
     lattice: Lattice,
@@ -195,7 +195,7 @@ impl<'a> FrameContext<'a> {
         [encode(r), encode(g), encode(b), (alpha + 0.5) as u8]
     }
 
-    /// Returns the weighted mean of samples: RGB in the working space of [`FilterSpace`], alpha as an 8-bit value.
+    /// Returns the weighted mean of samples: RGB in the filtering colour space, alpha as an 8-bit value.
     fn mean(&self, taps: &[Tap]) -> [f32; 4] {
         let mut mean = [0.0; 4];
         for tap in taps {
@@ -268,8 +268,8 @@ impl<'a> FrameContext<'a> {
         (taps, INTERPOLATED)
     }
 
-    /// Returns the sample that lies within half an output pixel of its centre along one axis, if any. Takes the result
-    /// of [`sample_coordinate`].
+    /// Returns the index of the sample within half an output pixel of the pixel's centre along one axis, if any. `cell`
+    /// and `on` are the results of [`sample_coordinate`].
     fn own(&self, cell: i64, on: f32, samples: u32) -> Option<u32> {
         let half = (0.5 / self.lattice.scale.value()) as f32;
         let index = if on <= half { cell } else { cell + 1 };

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::Scale;
 use crate::image::{Image, Rgba8};
 
-/// Minimum number of rows in a band: outweighs the few sample rows that adjacent bands both process.
+/// Minimum number of rows in a band, large enough to outweigh the sample rows that adjacent bands both process.
 const MIN_ROWS: usize = 48;
 
 /// Bands per thread, so that one delayed thread does not delay the whole image.
@@ -36,8 +36,8 @@ pub(super) fn fill(full: &mut Image<Rgba8>, scale: Scale, fill: impl Fn(u32, usi
         .for_each(|(band, pixels)| fill((band * rows) as u32, pixels.len() / width, pixels));
 }
 
-/// Does the same as [`fill`] for two images of equal size; `fill` receives the first row of a band and its pixels in
-/// both images.
+/// Calls `fill` for every band of two images of equal size, like [`fill`]. The arguments are the first row of the band
+/// and its pixels in both images.
 pub(super) fn fill_both<A: Copy + Send, B: Copy + Send>(
     one: &mut Image<A>,
     other: &mut Image<B>,

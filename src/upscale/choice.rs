@@ -11,22 +11,22 @@ choice! {
     /// Colour space in which an upscaler filters.
     #[derive(PartialOrd, Ord)]
     FilterSpace {
-        Bytes = "bytes", "sRGB", "Filters sRGB codes, as most programs do: steps that look even are treated as even.";
+        Bytes = "bytes", "sRGB", "Filters sRGB codes, as most programs do: steps that look equal count as equal.";
         Linear = "linear", "Linear",
             "Filters linear light: physically correct averages, but dark edges ring more. Slower: each sample is \
              decoded and each pixel encoded.";
     }
 }
 
-/// Maximum sharpening, in percent.
+/// Maximum of [`Upscaling::sharpening`], in percent.
 pub(super) const MAX_SHARPENING: u32 = 100;
 
-/// Upscaler with its scale and options. Always valid: options that the upscaler does not offer are replaced by offered
-/// ones.
+/// Upscaler with its scale and options. It is always valid: options that the upscaler does not offer are replaced by
+/// offered ones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(try_from = "Written", into = "Written")]
 pub struct Upscaling {
-    /// Index into [`ALL`].
+    /// Index of the upscaler in [`ALL`].
     method: usize,
     scale: Scale,
     anchor: Anchor,
@@ -109,27 +109,27 @@ impl Upscaling {
         if self.method() == method { Some(self) } else { Self::new(method, self.scale) }
     }
 
-    /// Returns the choice with another scale per axis, or the nearest that the upscaler offers.
+    /// Returns a copy with another scale per axis, or with the nearest one that the upscaler offers.
     pub(crate) fn with_scale(self, scale: impl Into<Scale>) -> Self {
         Self { scale: scale.into(), ..self }.offered()
     }
 
-    /// Returns the choice with another anchor, if the upscaler offers it.
+    /// Returns a copy with another anchor, or with the default one if the upscaler does not offer it.
     pub fn with_anchor(self, anchor: Anchor) -> Self {
         Self { anchor, ..self }.offered()
     }
 
-    /// Returns the choice with another filtering colour space, if the upscaler offers it.
+    /// Returns a copy with another filtering colour space, or with the default one if the upscaler does not offer it.
     pub(crate) fn with_light(self, light: FilterSpace) -> Self {
         Self { light, ..self }.offered()
     }
 
-    /// Returns the choice with de-ringing on or off, if the upscaler supports it.
+    /// Returns a copy with de-ringing on or off; it stays off if the upscaler does not support it.
     pub(crate) fn with_deringing(self, deringing: bool) -> Self {
         Self { deringing, ..self }.offered()
     }
 
-    /// Returns the choice with `sharpening` percent of sharpening, at most 100, if the upscaler supports it.
+    /// Returns a copy with `sharpening` percent of sharpening, at most 100; 0 if the upscaler does not support it.
     pub(crate) fn with_sharpening(self, sharpening: u32) -> Self {
         Self { sharpening, ..self }.offered()
     }
@@ -139,17 +139,17 @@ impl Upscaling {
         self.method == Self::NATIVE.method
     }
 
-    /// Returns the upscaler.
+    /// Returns the selected upscaler, an entry of [`ALL`].
     pub fn upscaler(self) -> &'static dyn Upscaler {
         ALL[self.method]
     }
 
-    /// Returns the id of the upscaler.
+    /// Returns the id of the selected upscaler, in kebab case.
     pub fn method(self) -> &'static str {
         self.upscaler().id()
     }
 
-    /// Returns the scale per axis.
+    /// Returns the upscaling factor per axis.
     pub fn scale(self) -> Scale {
         self.scale
     }
@@ -164,7 +164,7 @@ impl Upscaling {
         (self.scale != Scale::ONE).then_some(self.anchor)
     }
 
-    /// Returns the filtering colour space.
+    /// Returns the colour space in which the upscaler filters.
     pub(crate) fn light(self) -> FilterSpace {
         self.light
     }
@@ -184,7 +184,7 @@ impl Upscaling {
         Lattice { scale: self.scale, anchor: self.anchor }
     }
 
-    /// Returns the samples to draw.
+    /// Returns the samples to draw, for upscalers with history those of the first frame.
     pub fn sampling(self) -> Sampling {
         self.upscaler().sampling(self)
     }

@@ -18,7 +18,7 @@ pub(crate) static CATMULL_ROM: Separable = Separable {
     deringing: true,
 };
 
-/// Mitchell-Netravali filter (B = C = ⅓), the compromise that viewers preferred in their study.
+/// Mitchell-Netravali filter (B = C = ⅓), the compromise that viewers preferred in the authors' study.
 pub(crate) static MITCHELL: Separable = Separable {
     id: "mitchell",
     name: "Mitchell",

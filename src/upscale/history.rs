@@ -11,8 +11,8 @@ mod wide;
 
 pub(super) use wide::{NOT_VISIBLE, same_surface};
 
-/// Visible surface of every pixel in the full image, found without shading. Alpha-tested and transparent surfaces count
-/// as opaque.
+/// Visible surface of every pixel in the full image, determined without shading. Alpha-tested and transparent surfaces
+/// count as opaque.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct GBuffer {
     /// Id colour of the object in each pixel; the background where there is none.
@@ -21,7 +21,8 @@ pub(crate) struct GBuffer {
     pub(crate) distance: Image<f32>,
 }
 
-/// Relative tolerance for equal distances: depths are rounded, and pixels sample slightly different positions.
+/// Relative tolerance within which distances count as equal: depths are rounded, and pixels sample slightly different
+/// positions.
 const SAME_DISTANCE: f32 = 0.02;
 
 impl GBuffer {
@@ -38,16 +39,16 @@ impl GBuffer {
     }
 }
 
-/// A previous frame.
+/// Previous frame, as read by upscalers with history.
 #[derive(Clone, Debug)]
 pub(crate) struct History {
     /// Full image of the frame; `None` if the upscaler stores its own history.
     pub(crate) picture: Option<Image<Rgba8>>,
-    /// Upscaler's own history, more precise than the image.
+    /// The upscaler's own history, with higher precision than the image.
     pub(crate) accumulated: Option<Image<[f32; 4]>>,
-    /// Visible surfaces of the frame.
+    /// Visible surfaces of the previous frame.
     pub(crate) surfaces: Arc<GBuffer>,
-    /// Camera of the frame.
+    /// Camera of the previous frame.
     pub(crate) camera: Camera,
     /// Number of consecutive frames before this one.
     pub(crate) frames: u32,
@@ -58,9 +59,9 @@ pub(crate) struct History {
 /// Inputs of the current frame besides its colours.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FrameInputs<'a> {
-    /// Visible surfaces of the frame.
+    /// Visible surfaces of the current frame.
     pub(crate) gbuffer: &'a GBuffer,
-    /// Camera of the frame.
+    /// Camera of the current frame.
     pub(crate) camera: &'a Camera,
     /// Previous frame, if it shows the same scene with the same recipe.
     pub(crate) history: Option<&'a History>,
@@ -91,7 +92,7 @@ impl<'a> FrameInputs<'a> {
 /// Camera motion since the previous frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Motion<'a> {
-    /// The previous frame.
+    /// Previous frame, into which pixels are reprojected.
     pub(crate) history: &'a History,
     gbuffer: &'a GBuffer,
     size: (u32, u32),
@@ -123,7 +124,7 @@ impl Motion<'_> {
 pub struct Reprojected {
     /// Position in pixels from the top left corner of the image.
     pub(crate) place: [f64; 2],
-    /// Whether the camera was the same, so that the position is the pixel itself.
+    /// Whether the camera is unchanged, so that the position is the centre of the pixel itself.
     pub(crate) is_still: bool,
 }
 
@@ -196,7 +197,7 @@ impl Lens {
     }
 }
 
-/// Transformation from one view to another.
+/// Transformation from the view of one camera to that of another.
 #[derive(Clone, Copy, Debug)]
 struct ViewChange {
     lenses: [Lens; 2],

@@ -8,53 +8,53 @@ use fearless_simd::{Avx2, i16x16, u8x16, u8x32, u32x8};
 
 use crate::image::Rgba8;
 
-/// Loads 16 values.
+/// Loads sixteen 16-bit values into a register.
 #[target_feature(enable = "avx2")]
 #[inline]
 pub(super) fn load(avx2: Avx2, values: &[i16; 16]) -> __m256i {
     i16x16::load_array_ref(avx2, values).into()
 }
 
-/// Loads 16 bytes.
+/// Loads 16 bytes into a 128-bit register.
 #[target_feature(enable = "avx2")]
 #[inline]
 pub(super) fn load_bytes(avx2: Avx2, bytes: &[u8; 16]) -> __m128i {
     u8x16::load_array_ref(avx2, bytes).into()
 }
 
-/// Loads 32 bytes.
+/// Loads 32 bytes into a register.
 #[target_feature(enable = "avx2")]
 #[inline]
 pub(super) fn load_codes(avx2: Avx2, bytes: &[u8; 32]) -> __m256i {
     u8x32::load_array_ref(avx2, bytes).into()
 }
 
-/// Loads eight 32-bit words.
+/// Loads eight 32-bit values into a register.
 #[target_feature(enable = "avx2")]
 #[inline]
 pub(super) fn load_words(avx2: Avx2, words: &[u32; 8]) -> __m256i {
     u32x8::load_array_ref(avx2, words).into()
 }
 
-/// Stores 16 values.
+/// Stores a register as sixteen 16-bit values.
 #[target_feature(enable = "avx2")]
 #[inline]
 pub(super) fn store(avx2: Avx2, register: __m256i, values: &mut [i16; 16]) {
     i16x16::simd_from(avx2, register).store_array(values);
 }
 
-/// Stores 32 bytes.
+/// Stores a register as 32 bytes.
 #[target_feature(enable = "avx2")]
 #[inline]
 pub(super) fn store_codes(avx2: Avx2, register: __m256i, codes: &mut [u8; 32]) {
     u8x32::simd_from(avx2, register).store_array(codes);
 }
 
-/// Returns the `N` values from index `at` on.
+/// Returns the window of `N` values that starts at index `at`.
 ///
 /// # Panics
 ///
-/// Panics if fewer are left.
+/// Panics if fewer than `N` values remain.
 #[inline(always)]
 pub(super) fn window<const N: usize, T>(values: &[T], at: usize) -> &[T; N] {
     values.get(at..).and_then(<[T]>::first_chunk).unwrap_or_else(|| panic!("fewer than {N} values remain"))
@@ -63,7 +63,7 @@ pub(super) fn window<const N: usize, T>(values: &[T], at: usize) -> &[T; N] {
 /// Maximum number of rows that a kernel writes at once.
 pub(super) const MAX_ROWS: usize = 4;
 
-/// Pixels of a row in blocks of eight.
+/// Pixels of an image row in blocks of eight, as bytes.
 pub(super) type Blocks<'a> = &'a mut [[u8; 32]];
 
 /// At most [`MAX_ROWS`] image rows, each split into head pixels, whole blocks and the remaining bytes.
@@ -74,7 +74,7 @@ pub(super) struct SplitRows<'a> {
 }
 
 impl<'a> SplitRows<'a> {
-    /// Splits contiguous rows of `width` px after `head` pixels.
+    /// Splits contiguous rows of `width` px: each into `head` pixels, whole blocks and the remaining bytes.
     pub(super) fn new(rows: &'a mut [Rgba8], width: usize, head: usize) -> Self {
         let mut split = Self {
             heads: array::from_fn(|_| [].as_mut_slice()),
@@ -90,7 +90,7 @@ impl<'a> SplitRows<'a> {
     }
 }
 
-/// Truncates the first `count` rows to the number of blocks of the first one, and the others to none. Known equal
+/// Truncates the first `count` rows to the number of blocks of the first one, and empties the others. Known equal
 /// lengths let the compiler remove bounds checks.
 #[inline(always)]
 pub(super) fn of_one_length(mut rows: [Blocks<'_>; MAX_ROWS], count: usize) -> [Blocks<'_>; MAX_ROWS] {

@@ -28,7 +28,7 @@ choice! {
 /// Regular spacing of samples along each axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Lattice {
-    /// Number of output pixels per sample.
+    /// Number of output pixels per sample and axis.
     pub(crate) scale: Scale,
     /// Position of a sample within its block.
     pub(crate) anchor: Anchor,
@@ -44,7 +44,7 @@ pub(crate) struct LatticePosition {
 }
 
 impl Lattice {
-    /// Returns the number of samples for `length` px.
+    /// Returns the number of samples along an axis of `length` output pixels.
     pub(crate) fn samples(self, length: u32) -> u32 {
         let (pixels, samples) = self.scale.ratio();
         (u64::from(length) * u64::from(samples)).div_ceil(u64::from(pixels)) as u32
@@ -59,12 +59,13 @@ impl Lattice {
         }
     }
 
-    /// Returns the position of output pixel `at`: `at / s` or `(at + ½) / s − ½` samples, for corner or centre.
+    /// Returns the position of output pixel `at` between the samples: at `at / s` samples with corner anchor, and at
+    /// `(at + ½) / s − ½` with centre anchor.
     pub(crate) fn place(self, at: u32) -> LatticePosition {
         self.place_beyond(i64::from(at))
     }
 
-    /// Does the same as [`Lattice::place`], also for pixels outside the image.
+    /// Returns the position of output pixel `at`, like [`Lattice::place`], but also outside the image.
     pub(super) fn place_beyond(self, at: i64) -> LatticePosition {
         let (pixels, samples) = self.scale.ratio();
         let (pixels, samples) = (i64::from(pixels), i64::from(samples));
@@ -75,8 +76,8 @@ impl Lattice {
         LatticePosition { cell: steps.div_euclid(phases) as i32, phase: steps.rem_euclid(phases) as u32 }
     }
 
-    /// Returns [`Lattice::place`] of output pixel `first` and of all after it. Positions are computed incrementally:
-    /// thousands of divisions would take a tenth of the time of a fast kernel.
+    /// Returns the positions of output pixel `first` and of all pixels after it; see [`Lattice::place`]. They are
+    /// computed incrementally: thousands of divisions would take a tenth of the time of a fast kernel.
     pub(super) fn places_from(self, first: u32) -> impl Iterator<Item = LatticePosition> {
         let phases = self.phases();
         let (_, samples) = self.scale.ratio();
@@ -120,7 +121,7 @@ impl Lattice {
 pub(super) mod tests {
     use super::*;
 
-    /// Returns every lattice.
+    /// Returns all lattices, one for each scale and anchor.
     pub(in crate::upscale) fn every() -> impl Iterator<Item = Lattice> {
         let scales = [Scale::ONE, Scale::ONE_AND_A_HALF, Scale::TWO, Scale::THREE, Scale::FOUR];
         scales.into_iter().flat_map(|scale| Anchor::ALL.iter().map(move |anchor| Lattice { scale, anchor: *anchor }))
@@ -143,7 +144,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn places_add_up_to_what_divisions_say() {
+    fn incremental_positions_equal_divided_ones() {
         for lattice in every() {
             for first in [0, 1, 7, 1000] {
                 for (at, place) in (first..first + 50).zip(lattice.places_from(first)) {

@@ -65,16 +65,16 @@ pub trait Upscaler: Sync {
     /// Returns the id used in recipes and on the command line, in kebab case.
     fn id(&self) -> &'static str;
 
-    /// Returns the display name.
+    /// Returns the display name of the upscaler.
     fn name(&self) -> &'static str;
 
     /// Returns a short description: algorithm, strengths, artefacts and source.
     fn help(&self) -> &'static str;
 
-    /// Returns the available options. In all methods below, `how` must be a choice of this upscaler.
+    /// Returns the available options. In all methods below, `how` must select this upscaler.
     fn offers(&self) -> Offers;
 
-    /// Returns the inputs besides the drawn colours.
+    /// Returns the inputs that the upscaler reads besides the drawn colours.
     fn reads(&self) -> Reads {
         Reads { gbuffer: false, history: false }
     }
@@ -93,21 +93,21 @@ pub trait Upscaler: Sync {
         (self.sampling(how), CENTRE)
     }
 
-    /// Overwrites an image with the upscaled samples.
+    /// Upscales the drawn samples into `full`, overwriting it.
     ///
     /// May panic if the samples are not packed as [`Upscaler::sampling`] specifies for the image size.
     fn upscale(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, full: &mut Image<Rgba8>);
 
-    /// Computes pixel `at` of the image that [`Upscaler::upscale`] produces for `size` px, using only the samples
-    /// listed by [`Upscaler::taps`].
+    /// Computes the same pixel `at` as [`Upscaler::upscale`] in an image of `size` px, using only the samples that
+    /// [`Upscaler::taps`] lists.
     fn pixel(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8;
 
-    /// Returns the distinct samples that contribute to pixel `at`. Samples of zero weight affect only clamping or
-    /// rounding. The weights sum to 1. The clamped weighted sum, in the filtering colour space, is the pixel up to
+    /// Returns the distinct samples that contribute to pixel `at`, with weights that sum to 1. Samples of zero weight
+    /// affect only clamping or rounding. The clamped weighted sum, in the filtering colour space, is the pixel up to
     /// rounding and non-linear steps of the upscaler.
     fn taps(&self, how: Upscaling, drawn: &UpscaleInputs<'_>, size: (u32, u32), at: (u32, u32)) -> Vec<Tap>;
 
-    /// Returns the position in the previous frame from which pixel `at` reads history; `None` for most upscalers.
+    /// Returns the position in the previous frame from which pixel `at` reads history, or `None` if it reads none.
     /// History is not a tap.
     fn history_position(
         &self,
@@ -119,8 +119,8 @@ pub trait Upscaler: Sync {
         None
     }
 
-    /// Upscales like [`Upscaler::upscale`], and returns history for the next frame besides the image; `None` for most
-    /// upscalers. May reuse `_memory`, an old history, as the buffer.
+    /// Upscales like [`Upscaler::upscale`] and returns the history for the next frame, or `None` if the upscaler stores
+    /// none. May reuse the buffer of `_memory`, an old history.
     fn upscale_with_history(
         &self,
         how: Upscaling,
@@ -139,24 +139,24 @@ pub(crate) const CENTRE: [f64; 2] = [0.5; 2];
 /// Inputs of an upscaler besides the drawn colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reads {
-    /// Whether it reads the visible surface of every pixel.
+    /// Whether the upscaler reads the [`GBuffer`]: the visible surface of every pixel.
     pub(crate) gbuffer: bool,
-    /// Whether it reads the previous frame; requires `surfaces`.
+    /// Whether the upscaler reads the previous frame; requires `gbuffer`.
     pub history: bool,
 }
 
 /// Options of an upscaler; the first value of each list is the default.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Offers {
-    /// Scales per axis, in ascending order; a single one if there is no choice.
+    /// Offered scales per axis, in ascending order; a single one if there is no choice.
     pub scales: &'static [Scale],
-    /// Positions of a sample within its block.
+    /// Offered positions of a sample within its block.
     pub anchors: &'static [Anchor],
-    /// Filtering colour spaces.
+    /// Offered filtering colour spaces.
     pub lights: &'static [FilterSpace],
-    /// Whether de-ringing is available.
+    /// Whether the upscaler offers de-ringing.
     pub deringing: bool,
-    /// Whether sharpening is available.
+    /// Whether the upscaler offers sharpening.
     pub sharpening: bool,
 }
 
@@ -213,10 +213,10 @@ impl Sampling {
     }
 }
 
-/// Inputs of an upscaler.
+/// Inputs of an upscaler: the drawn samples, surfaces and history.
 #[derive(Clone, Copy, Debug)]
 pub struct UpscaleInputs<'a> {
-    /// Colours of the drawn samples, packed.
+    /// Colours of the drawn samples, packed as [`Upscaling::sampling`] specifies.
     pub color: &'a Image<Rgba8>,
     /// Surfaces and history, if the upscaler reads them and they are available.
     pub(crate) frame: Option<FrameInputs<'a>>,
@@ -231,9 +231,9 @@ impl<'a> From<&'a Image<Rgba8>> for UpscaleInputs<'a> {
 /// A drawn sample and its weight in an output pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Tap {
-    /// Column in the drawn image: the full one, or the lower-resolution one of a [`Lattice`].
+    /// Column of the sample in the full image, or in the lower-resolution image of a [`Lattice`].
     pub x: u32,
-    /// Row in the drawn image.
+    /// Row of the sample in the same image.
     pub y: u32,
     /// Weight of the sample; negative weights sharpen.
     pub weight: f32,

@@ -7,7 +7,7 @@ use crate::pipeline::grid::SampleGrid;
 /// Native rendering: every pixel is drawn. Baseline for all other upscalers.
 pub(crate) static NATIVE: Native = Native;
 
-/// Type of [`NATIVE`].
+/// [`Upscaler`] implementation of [`NATIVE`].
 pub(crate) struct Native;
 
 impl Upscaler for Native {

@@ -16,7 +16,7 @@ use crate::pipeline::settings::Choice as _;
 /// Nearest-neighbour upscaling.
 pub(crate) static NEAREST: Nearest = Nearest;
 
-/// Type of [`NEAREST`].
+/// [`Upscaler`] implementation of [`NEAREST`].
 pub(crate) struct Nearest;
 
 impl Upscaler for Nearest {
@@ -66,8 +66,8 @@ impl Upscaler for Nearest {
     }
 }
 
-/// Returns the index of the sample that an output pixel copies, out of `samples`: with corner anchor the last one at or
-/// before the pixel, otherwise the nearest.
+/// Returns the index, below `samples`, of the sample that an output pixel copies: with corner anchor the last one at or
+/// before the pixel, otherwise the nearest one.
 fn source(lattice: Lattice, place: LatticePosition, samples: u32) -> u32 {
     match lattice.anchor {
         Anchor::Corner => (place.cell as u32).min(samples.saturating_sub(1)),
@@ -79,12 +79,12 @@ fn of_pixel(lattice: Lattice, at: u32, samples: u32) -> u32 {
     source(lattice, lattice.place(at), samples)
 }
 
-/// Returns the sample indices that the pixels from `first` on copy.
+/// Returns the indices of the samples that pixel `first` and all pixels after it copy.
 fn sources(lattice: Lattice, first: u32, samples: u32) -> impl Iterator<Item = u32> {
     lattice.places_from(first).map(move |place| source(lattice, place, samples))
 }
 
-/// Fills an image. `level` selects the instruction set, which does not affect the result.
+/// Upscales samples into an image. `level` selects the instruction set, which does not affect the result.
 fn fill(level: Level, lattice: Lattice, drawn: &Image<Rgba8>, full: &mut Image<Rgba8>) {
     let columns: Vec<_> = sources(lattice, 0, drawn.width()).take(full.width() as usize).collect();
     #[cfg(target_arch = "x86_64")]

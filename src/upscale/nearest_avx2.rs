@@ -1,8 +1,10 @@
-//! AVX2 version of [`super::nearest`], eight pixels at a time: they copy at most eight adjacent samples, which one
-//! permute distributes. Identical rows are stored at once, so that no row is read again to be copied. At ×4, this takes
-//! two thirds of the time on an AMD processor (Zen 3), but a tenth more on an Intel one (Emerald Rapids). If there are
-//! only two such rows, the second is copied from the first. At ×2, that takes three quarters of the time on Intel, but
-//! a tenth more on AMD.
+//! AVX2 version of [`super::nearest`], eight pixels at a time. Eight pixels copy at most eight adjacent samples, so a
+//! single permutation suffices.
+//!
+//! Identical rows are stored together, so that no row is read again to be copied. At ×4, this takes two thirds of the
+//! time of copying on an AMD processor (Zen 3), but a tenth more on an Intel one (Emerald Rapids). If there are only
+//! two such rows, the second is copied from the first. At ×2, copying takes three quarters of the time of storing
+//! together on Intel, but a tenth more on AMD.
 
 use std::arch::x86_64::_mm256_permutevar8x32_epi32;
 
@@ -11,14 +13,14 @@ use fearless_simd::{Avx2, kernel};
 use super::lanes::{Blocks, MAX_ROWS, SplitRows, load_codes, load_words, of_one_length, store_codes, window};
 use crate::image::Rgba8;
 
-/// Number of pixels in a block, and of the samples it may read.
+/// Number of pixels in a block, and maximum number of samples that a block reads.
 const BLOCK: usize = 8;
 
 /// Precomputed permutations that fill the rows of an image.
 pub(super) struct NearestAvx2<'a> {
     avx2: Avx2,
-    /// Sample indices of the pixels before the whole blocks, permutations of the blocks, and sample indices of the
-    /// pixels after them.
+    /// Sample indices of the pixels before the first block. `blocks` holds the permutations of the blocks, and `tail`
+    /// the sample indices of the pixels after them.
     head: &'a [u32],
     blocks: Vec<Deal>,
     tail: &'a [u32],
@@ -26,7 +28,7 @@ pub(super) struct NearestAvx2<'a> {
 
 /// Permutation of a block: the samples that its pixels copy.
 struct Deal {
-    /// Index of the first of eight samples.
+    /// Index of the first of the eight samples that the block reads.
     start: usize,
     /// Index of each pixel's sample among the eight.
     places: [u32; BLOCK],
@@ -64,7 +66,7 @@ impl<'a> NearestAvx2<'a> {
 }
 
 kernel! {
-    /// Fills the blocks of the first `count` rows: 1, 3 or 4.
+    /// Fills the blocks of the first `count` rows, which must be 1, 3 or 4.
     fn deal(avx2: Avx2, samples: &[Rgba8], deals: &[Deal], count: usize, rows: [Blocks<'_>; MAX_ROWS]) {
         match count {
             1 => deal_to::<1>(avx2, samples, deals, rows),
@@ -74,7 +76,7 @@ kernel! {
     }
 }
 
-/// Fills the blocks of `ROWS` rows.
+/// Fills the blocks of the first `ROWS` rows.
 #[target_feature(enable = "avx2")]
 fn deal_to<const ROWS: usize>(avx2: Avx2, samples: &[Rgba8], deals: &[Deal], rows: [Blocks<'_>; MAX_ROWS]) {
     let bytes = samples.as_flattened();

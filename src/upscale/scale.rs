@@ -15,19 +15,19 @@ impl Scale {
     /// Factor 1: no upscaling.
     pub const ONE: Self = Self { halves: 2 };
 
-    /// Factor 1.5: three pixels for two samples.
+    /// Factor 1.5: three output pixels for two samples per axis.
     pub(crate) const ONE_AND_A_HALF: Self = Self { halves: 3 };
 
-    /// Factor 2.
+    /// Factor 2: two output pixels per sample and axis.
     pub const TWO: Self = Self { halves: 4 };
 
-    /// Factor 3.
+    /// Factor 3: three output pixels per sample and axis.
     pub(crate) const THREE: Self = Self { halves: 6 };
 
-    /// Factor 4.
+    /// Factor 4: four output pixels per sample and axis.
     pub const FOUR: Self = Self { halves: 8 };
 
-    /// Returns the factor in lowest terms: the numbers of pixels and of samples in one period.
+    /// Returns the factor as a fraction in lowest terms: numbers of output pixels and of samples in one period.
     pub(crate) fn ratio(self) -> (u32, u32) {
         if self.halves.is_multiple_of(2) { (self.halves / 2, 1) } else { (self.halves, 2) }
     }
@@ -37,7 +37,7 @@ impl Scale {
         self.halves.is_multiple_of(2).then_some(self.halves / 2)
     }
 
-    /// Returns the factor as a number.
+    /// Returns the factor as a floating-point number.
     pub(crate) fn value(self) -> f64 {
         f64::from(self.halves) / 2.0
     }

@@ -7,8 +7,8 @@ fn noise(random: &mut fastrand::Rng, width: u32, height: u32) -> Image<Rgba8> {
     })
 }
 
-/// Simulates the rasterizer: the drawn pixels of `full`, and arbitrary values where the packed image has no sample. For
-/// a lower-resolution image, nearby pixels of `full`.
+/// Simulates the rasterizer: copies the drawn pixels of `full`, and fills packed pixels without a sample with an
+/// arbitrary colour. A lower-resolution image copies nearby pixels of `full`.
 fn draw(full: &Image<Rgba8>, how: Upscaling) -> Image<Rgba8> {
     let (raster_width, raster_height) = how.sampling().raster_size(full.width(), full.height());
     let (width, height) = how.grid().packed_size(raster_width, raster_height);
@@ -81,7 +81,7 @@ fn a_sample_stands_for_the_pixel_that_it_lies_in() {
 }
 
 #[test]
-fn what_the_picture_held_before_does_not_show() {
+fn previous_contents_of_the_image_do_not_matter() {
     for_every_method_and_size(|how, full, _, drawn| {
         let mut again = Image::filled(full.width(), full.height(), [7, 77, 177, 3]);
         how.upscaler().upscale(how, drawn, &mut again);
@@ -90,7 +90,7 @@ fn what_the_picture_held_before_does_not_show() {
 }
 
 #[test]
-fn a_pixel_alone_is_that_of_the_picture() {
+fn a_single_pixel_equals_that_of_the_whole_image() {
     for_every_method_and_size(|how, full, _, drawn| {
         for at in places(full) {
             let alone = how.upscaler().pixel(how, drawn, full.size(), at);
@@ -191,7 +191,7 @@ fn an_empty_picture_stays_empty() {
 }
 
 #[test]
-fn the_nearest_enlargement_on_offer_is_taken_and_what_is_not_offered_is_not_kept() {
+fn the_nearest_offered_scale_is_used_and_options_not_offered_are_dropped() {
     let labels = [("checkerboard", 4), ("bilinear", 1), ("bicubic", 99)]
         .map(|(method, scale)| Upscaling::new(method, Scale::from(scale)).map(Upscaling::label).unwrap_or_default());
     assert_eq!(labels, ["Checkerboard", "Bilinear ×1.5", "Bicubic ×4"]);
@@ -204,7 +204,7 @@ fn the_nearest_enlargement_on_offer_is_taken_and_what_is_not_offered_is_not_kept
 }
 
 #[test]
-fn a_choice_reads_back_as_written_and_an_unknown_one_names_the_known() {
+fn a_choice_round_trips_and_an_unknown_upscaler_lists_the_known_ones() {
     for how in everything() {
         let written = serde_json::to_string(&how).unwrap();
         assert_eq!(serde_json::from_str::<Upscaling>(&written).unwrap(), how, "{written}");

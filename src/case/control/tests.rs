@@ -85,7 +85,7 @@ fn every_kind_can_be_cancelled_in_the_middle() {
     }
 }
 
-/// Returns a case whose answer exceeds the memory limit for each kind whose answer size the input file does not bound.
+/// Returns one case for each kind that can have a large answer to a small input. Each answer exceeds the memory limit.
 fn too_large() -> Vec<(&'static str, Task)> {
     let large = Exactly([[0.0, 0.0], [16384.0, 3.0], [5.0, 2048.0]].map(|corner| Exactly(corner.map(Float))));
     let front =
@@ -120,13 +120,13 @@ fn too_large() -> Vec<(&'static str, Task)> {
 }
 
 #[test]
-fn answers_beyond_the_limit_are_refused_with_the_limit_and_soon() {
+fn answers_beyond_the_limit_are_refused_quickly_and_name_the_limit() {
     for (kind, task) in too_large() {
         let begun = Instant::now();
         let refusal = answer(&Case { id: "x".to_owned(), task }, Options::default(), &Control::default());
         let reason = refusal.expect_err(kind).to_string();
         assert!(reason.starts_with("the answer has more than ") && reason.ends_with("the limit"), "{reason}");
-        // Nearly all take milliseconds. Without the limit, they took up to minutes and gigabytes.
+        // Nearly all refusals take milliseconds. Without the limit, the answers took up to minutes and gigabytes.
         assert!(begun.elapsed() < Duration::from_secs(10), "{kind}: {:?}", begun.elapsed());
     }
 }

@@ -32,7 +32,7 @@ impl SampleRow {
         Self { row, offset: sample.offset(), width }
     }
 
-    /// Returns the height of the samples, px.
+    /// Returns the y coordinate of the samples, px.
     fn y(self) -> f64 {
         f64::from(self.row) + self.offset
     }
@@ -81,9 +81,9 @@ impl PolygonEdge {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slant {
     top: DVec2,
-    /// Change of x per row, px.
+    /// Change of x per row, in pixels.
     slope: f64,
-    /// Error bound of a crossing, px.
+    /// Bound on the rounding error of a crossing, in pixels.
     error_px: f64,
 }
 
@@ -123,8 +123,8 @@ impl Slant {
 /// Returns the whole number nearest to `x` and the smallest whole number not below it; `x` must lie in [−½, 2³¹].
 #[inline]
 fn ceil(x: f64) -> (f64, u32) {
-    /// At this magnitude floats are 1 apart. Adding the constant rounds to a whole number and leaves it in the low
-    /// bits. Without SSE 4.1, rounding by the standard library is a function call.
+    /// Magnitude at which floats are 1 apart. Adding it rounds to a whole number and leaves that in the low bits.
+    /// Without SSE 4.1, rounding by the standard library is a function call.
     const ROUNDING: f64 = 1.5 * (1_u64 << 52) as f64;
     let shifted = x + ROUNDING;
     let nearest = shifted - ROUNDING;

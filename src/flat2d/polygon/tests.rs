@@ -131,7 +131,7 @@ fn contours_without_area_and_no_contours_have_no_pixels() {
 }
 
 #[test]
-fn corners_at_the_end_of_the_range_are_no_trouble() {
+fn corners_at_the_limits_of_the_range_are_filled_exactly() {
     let far: f64 = f32::MAX.into();
     let tiny = 2.0_f64.powi(-149);
     let everything = [vec![DVec2::new(-far, -far), DVec2::new(far, -far), DVec2::new(far, far), DVec2::new(-far, far)]];

@@ -11,11 +11,11 @@ use crate::pipeline::viewport::ScreenTriangle;
 /// Tolerance for the sum of the weights: two units in the last place of 1.
 const SUM_SLACK: f32 = 2.0 * f32::EPSILON;
 
-/// Relative tolerance for the sum of non-integer edge values: four f64 roundings.
+/// Relative tolerance for the sum of non-integer edge function values: four f64 roundings.
 const EDGE_ROUNDINGS: f64 = 4.0 * f64::EPSILON;
 
-/// Depth difference that rounding explains, in steps of the depth buffer. Depth is computed from w, a sum of four
-/// products.
+/// Tolerance for a depth test result, in steps of the depth buffer. Covers the rounding of w, a sum of four products
+/// from which depth is computed.
 const PASS_STEPS: f64 = 8.0;
 
 /// A covered sample, as passed to the checks of coverage, weights and depth.
@@ -24,7 +24,7 @@ pub(super) struct CoveredSample<'a> {
     pub(super) scale: &'a DepthScale,
     pub(super) triangle: &'a ScreenTriangle,
     pub(super) sample: &'a RasterSample,
-    /// Depth that is stored if the fragment wins, in [0, 1].
+    /// Depth of the fragment as the depth buffer stores it, in [0, 1].
     pub(super) depth: f32,
     pub(super) owner: &'a Owner,
 }
@@ -32,17 +32,17 @@ pub(super) struct CoveredSample<'a> {
 /// A fragment that passed the depth test against an already stored depth.
 pub(super) struct PassedFragment<'a> {
     pub(super) settings: &'a Settings,
-    /// Depths of the fragment and of the stored one before quantisation, in that order.
+    /// Depths of the fragment and of the stored fragment, in that order, before quantisation.
     pub(super) depths: [f64; 2],
-    /// One step of the depth buffer at these depths, plus the uncertainty of the new depth.
+    /// Step of the depth buffer at the two depths, plus the uncertainty of the fragment's depth.
     pub(super) step: f64,
 }
 
 /// A fragment that was blended over another blended fragment.
 pub(super) struct Blend {
-    /// Stored depth of the fragment.
+    /// Depth of the fragment, quantised like a stored depth.
     pub(super) depth: f32,
-    /// Stored depth of the nearest fragment blended earlier at the same sample.
+    /// Quantised depth of the nearest fragment blended earlier at the same sample.
     pub(super) nearest: f32,
     /// Whether the earlier fragment is nearer to the viewer, so that the order is wrong.
     pub(super) is_wrong: bool,
@@ -57,14 +57,14 @@ pub(super) struct ShadedFragment<'a> {
 /// Description of a violation; `None` if the assertion holds.
 type ViolationText = Option<String>;
 
-/// The function of an assertion, by the pipeline event at which its inputs are known.
+/// The function that checks an assertion. The variant is the pipeline event at which its inputs are known.
 #[derive(Clone, Copy)]
 pub(super) enum AssertionCheck {
     Covered(fn(&CoveredSample<'_>) -> ViolationText),
     Pass(fn(&PassedFragment<'_>) -> ViolationText),
     Shaded(fn(&ShadedFragment<'_>) -> Option<ViolationText>),
     Blend(fn(&Blend) -> ViolationText),
-    /// Concerns no fragment: checked once, after all fragments.
+    /// The assertion concerns the mesh, not a fragment: it is checked once, after all fragments.
     Mesh,
 }
 
@@ -159,7 +159,7 @@ fn attributes(at: &ShadedFragment<'_>) -> ViolationText {
     (!holds).then(|| format!("texture coordinates {uv}, normal {normal}, colour {color}, light {light}"))
 }
 
-/// Checks the length of the normal of a lit fragment; returns `None` for unlit ones.
+/// Checks that the normal of a lit fragment has a non-zero length; returns `None` for unlit fragments.
 fn normal(at: &ShadedFragment<'_>) -> Option<ViolationText> {
     let length = at.fragment.normal.length();
     at.is_lit.then(|| {

@@ -14,8 +14,8 @@ pub(super) struct Owner {
 }
 
 impl Owner {
-    /// Builds the test for a triangle. It uses the corner positions that the arithmetic decides by, and the recipe's
-    /// fill rule. Top-left replaces a fill rule that does not draw shared edges exactly once.
+    /// Builds the test for a triangle from the corner positions that determine coverage, and the recipe's fill rule.
+    /// A fill rule that does not draw shared edges exactly once is replaced by top-left.
     pub(super) fn of(triangle: &ScreenTriangle, settings: &Settings) -> Self {
         let corners_px = match settings.arithmetic {
             Arithmetic::Fixed => triangle.snapped_px(),
@@ -46,8 +46,8 @@ pub(super) fn corner_depths(triangle: &ScreenTriangle, scale: &DepthScale) -> [f
     triangle.vertices.each_ref().map(|corner| corner.depth + offset)
 }
 
-/// Returns the depth of a sample before quantisation, in [0, 1], and its uncertainty. The depth is the mean of the
-/// corner depths in f64, weighted by edge values: a formula other than the pipeline's.
+/// Returns the depth of a sample before quantisation, in [0, 1], and its uncertainty. Independent of the pipeline's
+/// formula: the depth is the mean of the corner depths in f64, weighted by edge values.
 pub(super) fn depth(triangle: &ScreenTriangle, sample: &RasterSample, scale: &DepthScale) -> (f64, f64) {
     let depths = corner_depths(triangle, scale);
     if !scale.is_linear_in_space() {

@@ -1,4 +1,4 @@
-//! The assertion about the mesh: adjacent borders share their vertices.
+//! Check of the assertion about the mesh: adjacent borders share their vertices, so there are no T-junctions.
 
 use super::{Assertion, Finding, Violation};
 use crate::chain::{Frame, Recipe};
@@ -6,7 +6,7 @@ use crate::inspect::hits::{Hits, border_in_picture, junction_pixels};
 use crate::scene::Scene;
 use crate::scene::seams::{Junction, Seams};
 
-/// Checks the vertices of all open edges within the picture.
+/// Checks the vertices of all open edges within the picture for T-junctions and unwelded vertices.
 pub(super) fn check(scene: &Scene, recipe: &Recipe, frame: &Frame, seams: &Seams) -> Finding {
     let places = junction_pixels(scene, recipe, frame, seams);
     let mut there = seams.junctions().iter().zip(places).filter_map(|(junction, pixel)| Some((junction, pixel?)));

@@ -1,9 +1,9 @@
 //! Properties that must hold for every fragment, checked by drawing a frame again.
 //!
-//! Each [`Assertion`] is one small function in `checks`. It runs at the pipeline event at which its inputs are known:
-//! when a sample is covered, when it passes the depth test, or when it is shaded. [`check`] draws the triangles of a
-//! frame again with an observer and counts violations. It keeps the first violating fragment in drawing order for
-//! inspection. The frame itself has no overhead.
+//! Each [`Assertion`] is one small function in `checks`. It runs as soon as its inputs are known: when a sample is
+//! covered, when it passes the depth test, or when it is shaded. [`check`] draws the triangles of a frame again with an
+//! observer and counts violations. It keeps the first violating fragment in drawing order for inspection. The frame
+//! itself has no overhead.
 
 mod checks;
 
@@ -48,39 +48,39 @@ choice! {
 /// The first fragment that violates an assertion.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Violation {
-    /// Column of its pixel in the raster image, before upscaling.
+    /// Column of the violating pixel in the raster image, before upscaling.
     pub x: u32,
-    /// Row of its pixel in the raster image, before upscaling.
+    /// Row of the violating pixel in the raster image, before upscaling.
     pub y: u32,
-    /// Triangle of the fragment.
+    /// Triangle of the violating fragment.
     pub(crate) triangle: TriangleId,
-    /// Description of the violation, with the values.
+    /// Description of the violation, including the wrong values.
     pub text: String,
 }
 
-/// Result of one assertion.
+/// Result of checking one assertion on a frame.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Finding {
     /// The assertion that was checked.
     pub(crate) assertion: Assertion,
     /// Number of fragments, or of vertices of open edges, that were checked.
     pub(crate) checked: u64,
-    /// Number of checked fragments or pixels that violate the assertion.
+    /// Number of the checked fragments or vertices that violate the assertion.
     pub(crate) violated: u64,
     /// First violation in drawing order. For T-junctions, the first pixel in reading order with a crack or double hit,
     /// or else the first junction.
     pub(crate) first: Option<Violation>,
 }
 
-/// The findings of a frame, in the order of [`Assertion::ALL`].
+/// Results of all assertions that were checked on a frame.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AssertionReport {
-    /// One finding for each requested assertion.
+    /// One finding for each requested assertion, in the requested order.
     pub findings: Vec<Finding>,
 }
 
 impl AssertionReport {
-    /// Whether no assertion is violated.
+    /// Whether all assertions hold.
     #[cfg(test)]
     pub(crate) fn holds(&self) -> bool {
         self.findings.iter().all(|finding| finding.violated == 0)
@@ -95,8 +95,8 @@ impl AssertionReport {
 /// Maximum number of triangles drawn between two checks of the stop flag.
 const TRIANGLES_AT_ONCE: usize = 256;
 
-/// Maximum number of bounding-box pixels drawn between two checks of the stop flag. Cancelling then takes less than a
-/// second. A single triangle may exceed it.
+/// Maximum number of bounding-box pixels drawn between two checks of the stop flag. Limits the delay of a cancellation
+/// to less than a second. A single triangle may exceed the maximum.
 const PIXELS_AT_ONCE: u64 = 1 << 20;
 
 /// Number of rows drawn between two checks of the stop flag if fragments are sorted by depth.

@@ -18,7 +18,7 @@ fn report(id: &str, settings: &[&str]) -> AssertionReport {
 }
 
 #[test]
-fn all_hold_on_the_built_in_scenes_but_for_the_one_without_normals() {
+fn all_hold_on_the_built_in_scenes_except_the_one_without_normals() {
     for builtin in builtin::ALL {
         let report = report(builtin.id, &[]);
         let violated = || report.findings.iter().filter(|finding| finding.violated > 0);
@@ -51,7 +51,7 @@ fn all_hold_under_every_depth_bias() {
 }
 
 #[test]
-fn each_is_violated_by_something_that_is_wrong_on_purpose() {
+fn each_assertion_is_violated_by_a_deliberately_wrong_setting_or_scene() {
     let wrong: [(Assertion, &str, &[&str]); 12] = [
         (Assertion::Owner, "cubes", &["rasterizer=scanline-published"]),
         (Assertion::Owner, "shared-edges", &["fill-rule=inclusive"]),
@@ -79,7 +79,7 @@ fn each_is_violated_by_something_that_is_wrong_on_purpose() {
 }
 
 #[test]
-fn t_junctions_in_the_picture_are_counted_and_the_first_pixel_that_one_opens_is_named() {
+fn t_junctions_in_the_picture_are_counted_and_the_first_open_pixel_is_reported() {
     let (mut positions, triangles) = seams::fan(&[-0.7, -0.61, -0.3, 0.11, 0.27, 0.5]);
     positions[4..].iter_mut().for_each(|at| at.y = -2e-4);
     let mut scene = seams::scene(&[(positions, triangles)], Mat4::from_rotation_z(0.3));
@@ -105,7 +105,7 @@ fn t_junctions_in_the_picture_are_counted_and_the_first_pixel_that_one_opens_is_
     assert_eq!((first.x, first.y), (fault.x, fault.y));
     assert!(faults.len() > 3 && first.text.starts_with("T-junction: v"), "{first:?}");
     scene.home = far;
-    // Junctions outside the picture or on culled triangles are no violations of the frame.
+    // Junctions outside the picture or on culled triangles are not violations of the frame.
     scene.home.target = Vec3::new(9.0, 0.0, 3.0);
     let finding = found(&scene, 100).0;
     assert_eq!((finding.checked, finding.violated, finding.first), (0, 0, None));
@@ -114,7 +114,7 @@ fn t_junctions_in_the_picture_are_counted_and_the_first_pixel_that_one_opens_is_
 }
 
 #[test]
-fn only_what_is_asked_for_is_checked_and_it_can_be_stopped() {
+fn only_requested_assertions_are_checked_and_the_check_can_be_stopped() {
     let scene = builtin::by_id("triangle").unwrap().build();
     let recipe = Recipe::default();
     let frame = run(&scene, &scene.home, &recipe, VIEW, &mut ());
@@ -130,7 +130,7 @@ fn only_what_is_asked_for_is_checked_and_it_can_be_stopped() {
 }
 
 #[test]
-fn no_more_is_drawn_at_once_than_takes_a_moment() {
+fn batches_between_two_checks_of_the_stop_flag_stay_within_the_limits() {
     let large = Viewport { width: 4096, height: 4096 };
     let mut split = 0;
     for builtin in builtin::ALL {
@@ -146,7 +146,7 @@ fn no_more_is_drawn_at_once_than_takes_a_moment() {
             rest = &rest[count..];
         }
     }
-    assert!(split > 10, "only {split} times large triangles end it sooner");
+    assert!(split > 10, "large triangles ended only {split} batches early");
 }
 
 #[test]

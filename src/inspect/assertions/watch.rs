@@ -14,16 +14,16 @@ use crate::pipeline::raster::RasterSample;
 use crate::pipeline::settings::{Settings, Shading};
 use crate::pipeline::viewport::ScreenTriangle;
 
-/// Checks fragments in drawing order.
+/// Observer that checks the fragments of a frame in drawing order.
 pub(super) struct AssertionObserver<'a> {
     settings: &'a Settings,
     scale: DepthScale,
     plans: &'a [DrawPlan],
     entries: Vec<(AssertionCheck, Finding)>,
-    /// Depth of each sample before quantisation; NaN until a depth is stored.
+    /// Stored depth of each sample before quantisation; NaN until a depth is stored.
     stored: Image<f64>,
     blended: BlendedDepths<'a>,
-    /// Triangle of the previous sample, by address, and its ownership test.
+    /// Address of the triangle of the previous sample, and its ownership test, cached for the next sample.
     triangle: Option<(*const ScreenTriangle, Owner)>,
 }
 

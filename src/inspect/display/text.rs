@@ -8,7 +8,7 @@ use crate::inspect::view::Range;
 use crate::measure::region::PixelRegion;
 use crate::pipeline::settings::Choice as _;
 
-/// Letters of the channels, in order.
+/// Letters of the red, green and blue channels in the text form.
 const CHANNELS: [char; 3] = ['r', 'g', 'b'];
 
 impl Display {
@@ -111,7 +111,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_written_is_read_back_to_the_bit() {
+    fn settings_survive_a_round_trip_through_text_bit_for_bit() {
         let region = PixelRegion { left: 1, top: 2, right: 30, bottom: 40 };
         let fixed = |low: f32, high: f32| Rule::Fixed(Range { low, high });
         let rules = [
@@ -136,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn what_makes_no_sense_is_refused_with_what_does() {
+    fn invalid_text_is_rejected_with_the_valid_forms() {
         for (text, told) in [
             ("map=rainbow", "turbo"),
             ("range=2..1", "two numbers"),

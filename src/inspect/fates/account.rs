@@ -48,7 +48,7 @@ impl Account {
         self.complaints().is_empty()
     }
 
-    /// Returns one sentence for each mismatch.
+    /// Returns one sentence for each mismatch; empty if all counts match.
     pub fn complaints(&self) -> Vec<String> {
         let Self { triangles_in, triangles_out, fragments_in, fragments_out, .. } = self;
         let mut complaints = Vec::new();

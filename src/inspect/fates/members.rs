@@ -4,7 +4,7 @@ use super::{Fates, FragmentFate, ObjectFates, TriangleFate};
 use crate::pipeline::settings::Choice as _;
 use crate::scene::TriangleId;
 
-/// A selectable bin.
+/// A selectable bin of triangles that share a fate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bin {
     /// Triangles with this fate.
@@ -26,15 +26,15 @@ impl Bin {
 /// Conditions for members of a bin. An empty filter accepts every triangle.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct FateFilter {
-    /// Number of the triangle; `None` for any.
+    /// Required number of the triangle; `None` accepts any triangle.
     id: Option<u32>,
-    /// Lower and upper bound of the screen area, in px².
+    /// Lower and upper bound of the triangle's screen area, in px².
     area: [Option<f64>; 2],
     /// Whether the triangle must have been clipped by a frustum plane.
     is_cut: bool,
     /// Whether the triangle must have a NaN or infinite normal or texture coordinate.
     is_broken: bool,
-    /// Substring of the name of the object or of its material, in lower case.
+    /// Text in lower case that the name of the object or of its material must contain.
     name: String,
 }
 
@@ -118,7 +118,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bounds_are_read_however_they_are_spaced_and_names_are_left_alone() {
+    fn area_bounds_are_parsed_with_any_spacing_and_names_are_unchanged() {
         for text in ["area<1.5", "area <1.5", "area< 1.5", "Area < 1.5"] {
             assert_eq!(
                 FateFilter::parse(text),

@@ -37,7 +37,7 @@ use places::{ScreenShape, shapes};
 use tally::FateTally;
 
 choice! {
-    /// Fate of a triangle. A rasterized triangle has the best fate of its fragments.
+    /// Fate of a triangle. A rasterized triangle has the best fate of its fragments, the last one in this order.
     TriangleFate {
         Unaccounted = "unaccounted", "Unaccounted for", "Neither rejected nor rasterized. Always 0; any other number is a bug in this program.";
         Outside = "outside", "Outside the view", "All corners lie beyond the same plane of the view: left, right, top, bottom, near or far.";
@@ -56,7 +56,7 @@ choice! {
 }
 
 choice! {
-    /// Fate of a fragment.
+    /// Fate of a fragment that the rasterizer generated, from worst to best.
     FragmentFate {
         LostDepth = "lost-depth", "Depth failed", "It failed the depth test.";
         AlphaRejected = "cut-out", "Alpha failed", "It failed the alpha test.";
@@ -94,7 +94,7 @@ impl<N: Copy + Into<u64>> FragmentCounts<N> {
         self.0.iter().map(|count| (*count).into()).sum()
     }
 
-    /// Returns the best fate among the fragments; `None` without fragments.
+    /// Returns the best fate among the fragments, the last in [`FragmentFate::ALL`]; `None` without fragments.
     fn best(&self) -> Option<FragmentFate> {
         FragmentFate::ALL.iter().rev().copied().find(|fate| self.of(*fate) > 0)
     }
@@ -140,12 +140,12 @@ pub struct ObjectFates {
     pub name: String,
     /// Name of the object's material.
     pub(crate) material: String,
-    /// First triangle of the object.
+    /// Id of the first triangle of the object.
     #[serde(rename = "first_triangle")]
     pub(crate) first: TriangleId,
-    /// Numbers of its triangles by fate.
+    /// Numbers of the object's triangles by fate.
     pub(crate) triangles: TriangleCounts,
-    /// Numbers of its fragments by fate.
+    /// Numbers of the object's fragments by fate.
     pub(crate) fragments: FragmentCounts<u64>,
 }
 
@@ -154,11 +154,11 @@ pub struct ObjectFates {
 pub struct Fates {
     /// Fate of every triangle, in scene order.
     pub triangles: Vec<TriangleFate>,
-    /// Fragments of every triangle by fate, in scene order.
+    /// Numbers of fragments by fate for every triangle, in scene order.
     pub fragments: Vec<FragmentCounts>,
     /// Fates per object (instance), in scene order.
     pub objects: Vec<ObjectFates>,
-    /// Input and output totals, for checking that the sums match.
+    /// Totals at the input and output of the pipeline, for checking that every triangle and fragment is counted once.
     pub account: Account,
     /// Triangles that crossed a frustum plane and were clipped.
     pub(crate) cut: TriangleSelection,
@@ -166,7 +166,7 @@ pub struct Fates {
     pub broken: TriangleSelection,
     /// Triangle written last at each drawn sample, in the packed layout of the frame's framebuffer.
     top_triangle: Image<TriangleId>,
-    /// Shapes of all triangles on the screen, including those that culling drops, in scene order.
+    /// Shapes of all triangles on the screen, including culled ones, in scene order.
     shapes: Vec<ScreenShape>,
     recipe: Recipe,
     sampling: Sampling,
@@ -177,8 +177,8 @@ pub struct Fates {
 }
 
 impl Fates {
-    /// Computes the fates for the frame that `recipe` draws of `scene`. Includes all of its triangles, even if `frame`
-    /// contains only the first few.
+    /// Computes the fates of all triangles of `scene` and of their fragments when drawn by `recipe`. Includes triangles
+    /// that were left out of `frame` because it draws only the first few.
     ///
     /// # Examples
     /// ```
@@ -262,7 +262,7 @@ fn triangle_fates(geometry: &Geometry, rejections: &Rejections, fragments: &[Fra
     fates
 }
 
-/// Returns the geometry including the triangles that culling drops.
+/// Returns the geometry of a frame including the triangles that are culled as back-facing or front-facing.
 fn with_all_sides(scene: &Scene, recipe: &Recipe, frame: &Frame, geometry: Geometry) -> Geometry {
     if recipe.pipeline.culling == Culling::None {
         return geometry;

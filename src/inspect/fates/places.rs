@@ -11,13 +11,13 @@ use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::scene::TriangleId;
 use crate::upscale::Sampling;
 
-/// A triangle on the screen, or one piece of a clipped triangle.
+/// Screen-space shape of a triangle, or of one piece of a clipped triangle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ScreenShape {
     id: TriangleId,
-    /// Corners before snapping, in px.
+    /// Corners before snapping to the subpixel grid, in px.
     corners_px: [[f32; 2]; 3],
-    /// Area between the corners as the arithmetic uses them (snapped in fixed point), in px².
+    /// Area in px², from the corners that determine coverage (snapped in fixed point).
     area_px: f64,
 }
 
@@ -57,16 +57,16 @@ pub(crate) enum SelectionVisibility {
 }
 
 impl Fates {
-    /// Returns the screen area in px², summed over the pieces of a clipped triangle; `None` if no part is on the
-    /// screen.
+    /// Returns the screen area of a triangle in px², summed over its pieces if it is clipped. Returns `None` if no part
+    /// of the triangle is on the screen.
     pub(crate) fn area_px(&self, triangle: TriangleId) -> Option<f64> {
         let shapes = self.shapes_of(triangle);
         (!shapes.is_empty()).then(|| shapes.iter().map(|shape| shape.area_px).sum())
     }
 
     /// Returns a pixel of the full picture that represents a triangle; `None` if the triangle is outside the picture.
-    /// It is the most central pixel where the triangle is on top, or else the most central one that it covers. Without
-    /// any, it is the pixel that contains the triangle's centroid.
+    /// This is the most central pixel where the triangle is on top, or else the most central pixel that it covers. A
+    /// triangle that covers no pixel is represented by the pixel that contains its centroid.
     pub fn representative_pixel(&self, triangle: TriangleId) -> Option<(u32, u32)> {
         let width = self.top_triangle.width();
         let on_top = self.top_triangle.pixels().iter().zip(0..).filter(|(shown, _)| **shown == triangle);
@@ -107,7 +107,7 @@ impl Fates {
         &self.shapes[first..first + count]
     }
 
-    /// Returns the packed samples covered by the shapes, without a depth test.
+    /// Returns the samples that the shapes cover without a depth test, as columns and rows of the packed framebuffer.
     fn covered_by(&self, shapes: &[ScreenShape]) -> Vec<(u32, u32)> {
         let settings = &self.recipe.pipeline;
         let how = (settings.rasterizer, settings.arithmetic, settings.fill_rule);
@@ -117,7 +117,8 @@ impl Fates {
         spans.iter().flat_map(|span| (span.left..span.right).map(|column| (column, span.row))).collect()
     }
 
-    /// Returns the packed sample nearest to the centroid of a shape; `None` if the centroid is outside the picture.
+    /// Returns the sample nearest to the centroid of a shape, as column and row of the packed framebuffer. Returns
+    /// `None` if the centroid is outside the picture.
     fn sample_at_middle(&self, shape: &ScreenShape) -> Option<(u32, u32)> {
         let [x, y] = shape.centre_px();
         let Viewport { width, height } = self.raster;
@@ -135,7 +136,7 @@ fn middle(samples: &[(u32, u32)]) -> Option<(u32, u32)> {
     samples.iter().min_by_key(|sample| distance(sample)).copied()
 }
 
-/// Returns the packed sample nearest to a pixel of the full picture.
+/// Returns the sample nearest to a pixel of the full picture, as column and row of the packed framebuffer.
 fn nearest_sample(sampling: Sampling, raster: Viewport, (x, y): (u32, u32)) -> (u32, u32) {
     match sampling {
         Sampling::Grid(grid) => nearest_of_grid(grid, raster, (x, y)),

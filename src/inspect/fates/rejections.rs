@@ -1,4 +1,4 @@
-//! Triangles that the geometry stages reject, with the reasons, and triangles that they clip. An observer records both.
+//! An observer that records the triangles that the geometry stages reject, with the reasons, or clip.
 
 use crate::pipeline::observe::{Fate, Observer};
 use crate::pipeline::prepare;
@@ -29,7 +29,7 @@ pub(crate) struct Rejections {
 }
 
 impl Rejections {
-    /// Creates an empty record for this number of triangles.
+    /// Creates an empty record for a scene with this number of triangles.
     pub(crate) fn new(triangles: usize) -> Self {
         Self { fates: vec![None; triangles], rejected_again: Vec::new(), cut: Vec::new() }
     }
@@ -46,7 +46,7 @@ impl Rejections {
         self.cut.binary_search(&id).is_ok()
     }
 
-    /// Returns the result for every triangle, in scene order.
+    /// Returns the outcome of the geometry stages for every triangle, in scene order.
     pub(crate) fn outcomes(&self) -> impl Iterator<Item = GeometryOutcome> {
         let met = |(fate, id): (&Option<Fate>, u32)| match fate {
             Some(fate) => GeometryOutcome::Rejected(*fate),

@@ -11,7 +11,7 @@ use crate::pipeline::shade::Shader;
 use crate::pipeline::viewport::ScreenTriangle;
 use crate::scene::{Scene, Transparency, TriangleId};
 
-/// Index that means “no layer” in a list of layers.
+/// Sentinel index that ends the list of layers of a sample.
 const NO_LAYER: u32 = u32::MAX;
 
 /// A written fragment below later blended fragments.
@@ -22,14 +22,14 @@ struct WrittenFragment {
     below: u32,
 }
 
-/// Counts the fragments of each triangle by fate and tracks the top triangle of every sample.
+/// Numbers of fragments by triangle and fate, and the top triangle of every sample, collected while a frame is drawn.
 pub(super) struct FateTally<'a> {
     shaders: Vec<Shader<'a>>,
     /// Counts for each triangle of the scene. Fragments on top are counted only by [`FateTally::finish`].
     pub(super) fragments: Vec<FragmentCounts>,
     /// Number of fragments that the rasterizer generated, counted independently of their fates.
     pub(super) generated: u64,
-    /// Triangle written last at each sample.
+    /// Triangle written last at each sample, or [`TriangleId::NONE`].
     pub(super) top_triangle: Image<TriangleId>,
     /// Index of the first layer below the top triangle of each sample.
     below: Image<u32>,
@@ -50,7 +50,7 @@ impl<'a> FateTally<'a> {
         }
     }
 
-    /// Counts the fragments that are visible at every sample after the last triangle.
+    /// Counts the fragments that remain visible after the last triangle, including those seen through blended ones.
     pub(super) fn finish(&mut self) {
         for place in 0..self.top_triangle.pixels().len() {
             let top = self.top_triangle.pixels()[place];

@@ -40,7 +40,7 @@ fn inside(scene: &Scene) -> Camera {
 }
 
 #[test]
-fn every_sum_matches_in_every_scene_by_every_setting() {
+fn every_sum_matches_in_every_scene_with_every_setting() {
     let scenes: Vec<_> = builtin::ALL.iter().map(builtin::Builtin::build).collect();
     let cases: Vec<_> = scenes.iter().flat_map(|scene| recipes().into_iter().map(move |r| (scene, r))).collect();
     cases.par_iter().for_each(|(scene, recipe)| {
@@ -63,7 +63,7 @@ fn every_sum_matches_in_every_scene_by_every_setting() {
 
 /// Compares the fates of fragments with the outcomes of the replays of all pixels.
 #[test]
-fn fragments_end_as_the_replay_of_their_pixels_tells() {
+fn fragment_fates_match_the_replays_of_all_pixels() {
     for id in ["stained-glass", "cubes", "near-plane", "interpenetrating"] {
         let scene = builtin::by_id(id).unwrap().build();
         let recipe = Recipe::default();
@@ -85,7 +85,7 @@ fn fragments_end_as_the_replay_of_their_pixels_tells() {
     }
 }
 
-/// Builds triangles in front of an orthographic camera that sees the square from −1 to 1.
+/// Builds a scene of single triangles in front of an orthographic camera that sees x and y from −1 to 1.
 fn stage(objects: &[(&str, [Vec3; 3], f32)]) -> Scene {
     let mut library = Library::default();
     let instances = objects.iter().map(|(name, corners, opacity)| {
@@ -101,13 +101,13 @@ fn stage(objects: &[(&str, [Vec3; 3], f32)]) -> Scene {
     Scene { name: "stage".into(), library, instances, background: [0; 3], home }
 }
 
-/// Returns a triangle around a point, with this half width, at height `z` above the stage.
+/// Returns the corners of a triangle around (x, y) with half width `half`, at distance `z` in front of the plane z = 0.
 fn around(x: f32, y: f32, half: f32, z: f32) -> [Vec3; 3] {
     [[-half, -half], [half, -half], [0.0, half]].map(|[dx, dy]| Vec3::new(x + dx, y + dy, z))
 }
 
 #[test]
-fn each_triangle_of_a_stage_ends_as_it_was_placed() {
+fn each_staged_triangle_has_the_expected_fate() {
     let back = |[a, b, c]: [Vec3; 3]| [a, c, b];
     let cast = [
         ("visible", around(0.0, 0.0, 0.5, 0.0), 1.0, TriangleFate::Visible),
@@ -131,7 +131,7 @@ fn each_triangle_of_a_stage_ends_as_it_was_placed() {
     assert_eq!(told, cast.map(|(name, _, _, fate)| (name, fate)));
     assert!(fates.account.is_balanced());
 
-    // `place_of` returns a pixel that shows the triangle or that the triangle lies in.
+    // The representative pixel shows the triangle or contains it.
     let places: Vec<_> = (0..cast.len() as u32).map(|id| fates.representative_pixel(TriangleId(id))).collect();
     for (id, (name, _, _, fate)) in cast.iter().enumerate() {
         match fate {
@@ -163,14 +163,14 @@ fn each_triangle_of_a_stage_ends_as_it_was_placed() {
     assert_eq!(found(None, "#4"), [4]);
     assert_eq!(found(None, "area<1"), [6]);
     assert_eq!(found(None, "behind"), [1, 5]);
-    assert_eq!(found(None, "PLAIN").len(), cast.len(), "their material is called so");
+    assert_eq!(found(None, "PLAIN").len(), cast.len(), "all have a material of this name");
     assert_eq!(found(Some(Bin::Triangles(TriangleFate::Outside)), "the eye"), [5]);
     assert_eq!(found(Some(Bin::Fragments(FragmentFate::Overwritten)), ""), [7]);
     assert_eq!(fates.members(None, Some(8), &FateFilter::default()), [TriangleId(8)]);
 }
 
 #[test]
-fn clipped_pieces_of_one_triangle_are_one_triangle() {
+fn pieces_of_a_clipped_triangle_count_as_one_triangle() {
     let scene = builtin::by_id("near-plane").unwrap().build();
     let recipe = Recipe::default();
     let frame = run(&scene, &scene.home, &recipe, SIZE, &mut ());
@@ -186,7 +186,7 @@ fn clipped_pieces_of_one_triangle_are_one_triangle() {
 }
 
 #[test]
-fn what_does_not_add_up_is_told() {
+fn unbalanced_accounts_are_reported() {
     let scene = builtin::by_id("cubes").unwrap().build();
     let recipe = Recipe::default();
     let frame = run(&scene, &scene.home, &recipe, SIZE, &mut ());

@@ -6,8 +6,8 @@ use crate::inspect::vertices::{ObjectVertices, plane_name};
 use crate::scene::Scene;
 
 /// Parses "vertex 12 of knot", "v12 of knot" or "v12". Without a name, the vertex belongs to the object with the number
-/// `near`, or to the only object. Returns `None` if the text does not name a vertex; the error names the text that was
-/// not found.
+/// `near`, or to the only object. Returns `None` if the text does not name a vertex; the error states what was not
+/// found.
 pub(super) fn parse(text: &str, scene: &Scene, near: Option<u32>) -> Option<Result<(u32, u32), String>> {
     let text = text.trim().to_lowercase();
     let (number, name) = text.split_once(" of ").map_or((text.as_str(), None), |(number, name)| (number, Some(name)));
@@ -16,7 +16,7 @@ pub(super) fn parse(text: &str, scene: &Scene, near: Option<u32>) -> Option<Resu
     Some(object(scene, name, near).and_then(|object| checked(scene, object, number)))
 }
 
-/// Returns the number of the named object, or the default one without a name.
+/// Returns the number of the object with this name. Without a name, returns `near` or the number of the only object.
 fn object(scene: &Scene, name: Option<&str>, near: Option<u32>) -> Result<u32, String> {
     let Some(name) = name.map(str::trim) else {
         let only = (scene.instances.len() == 1).then_some(0);
@@ -38,13 +38,13 @@ fn checked(scene: &Scene, object: u32, number: u32) -> Result<(u32, u32), String
     }
 }
 
-/// Returns the display name of a vertex.
+/// Returns the display name of a vertex, such as `Vertex 7 of “knot”`.
 pub(super) fn words(scene: &Scene, object: u32, number: u32) -> String {
     let name = scene.instances.get(object as usize).map_or("", |instance| instance.name.as_str());
     format!("Vertex {number} of “{name}”")
 }
 
-/// Locates a vertex in a frame.
+/// Returns the pixel of a vertex in a frame, or the reason why the vertex has no pixel.
 pub(super) fn find(scene: &Scene, recipe: &Recipe, frame: &Frame, (object, number): (u32, u32)) -> SearchResult {
     let words = words(scene, object, number);
     let size = frame.viewport;
@@ -89,7 +89,7 @@ mod tests {
     const SIZE: Viewport = Viewport { width: 64, height: 48 };
 
     #[test]
-    fn vertices_are_read_by_number_and_object() {
+    fn vertices_are_parsed_by_number_and_object() {
         let scene = builtin::by_id("cubes").unwrap().build();
         let name = scene.instances[3].name.to_lowercase();
         for text in [format!("vertex 7 of {name}"), format!("V7 of {}", name.to_uppercase())] {
@@ -101,11 +101,11 @@ mod tests {
         assert!(parse("v999999", &scene, Some(5)).unwrap().unwrap_err().contains("vertices, numbered from 0"));
         assert!(parse("v7 of nothing", &scene, None).unwrap().unwrap_err().contains("nothing"));
         assert_eq!(parse("12,3", &scene, None), None);
-        assert_eq!(parse("vase", &scene, None), None, "an object may be called so");
+        assert_eq!(parse("vase", &scene, None), None, "this may be the name of an object");
     }
 
     #[test]
-    fn a_vertex_is_found_in_the_pixel_that_it_lies_in_and_what_is_outside_is_said() {
+    fn a_vertex_is_found_in_its_pixel_or_reported_as_outside() {
         let recipe = Recipe::default();
         let (mut inside, mut outside) = (0, 0);
         for id in ["cubes", "near-plane"] {

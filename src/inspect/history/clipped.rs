@@ -11,9 +11,9 @@ use glam::{DVec2, DVec4, Vec4};
 /// Intersection of a line of sight with a triangle in front of the eye, in clip space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Meeting {
-    /// z of the point, not divided by w.
+    /// Clip-space z of the intersection, before the division by w.
     pub(super) z: f64,
-    /// w of the point, > 0: in perspective its distance along the line of sight.
+    /// Clip-space w of the intersection, > 0. In perspective projections, this is the distance along the view axis.
     pub(super) w: f64,
     /// Whether the triangle is front-facing as seen from the eye.
     pub(super) shows_front: bool,
@@ -39,13 +39,13 @@ pub(super) fn meeting(corners: [Vec4; 3], ndc: DVec2) -> Option<Meeting> {
 mod tests {
     use super::*;
 
-    /// Returns a triangle that is counter-clockwise for the viewer, at distance `w` ahead of the eye.
+    /// Returns a front-facing (counter-clockwise) triangle at distance `w` ahead of the eye, in clip space.
     fn facing(w: f32) -> [Vec4; 3] {
         [(-1.0, -1.0), (1.0, -1.0), (0.0, 1.0)].map(|(x, y)| Vec4::new(x, y, w - 0.5, w))
     }
 
     #[test]
-    fn a_triangle_ahead_is_met_where_it_lies() {
+    fn a_triangle_ahead_of_the_eye_is_intersected_where_it_lies() {
         let met = meeting(facing(0.25), DVec2::new(0.0, 0.0)).unwrap();
         assert_eq!((met.z, met.w, met.shows_front), (-0.25, 0.25, true));
         let [a, b, c] = facing(0.25);
@@ -55,7 +55,7 @@ mod tests {
     }
 
     #[test]
-    fn a_triangle_behind_the_eye_is_not_met_and_one_through_it_is_where_it_is_ahead() {
+    fn only_the_part_of_a_triangle_ahead_of_the_eye_is_intersected() {
         assert_eq!(meeting(facing(-0.25), DVec2::ZERO), None);
         // The ground plane 1 below the eye, straight ahead and below the horizon.
         let ground =

@@ -1,9 +1,9 @@
 //! The history of a pixel: its fragments, and the triangles without a fragment there, each with its reason.
 //!
-//! A replay records only the fragments of a pixel. Most questions concern absent triangles: a back-facing one, one
-//! clipped by the near plane, or one whose edge misses the pixel's centre by a hundredth of a pixel. A [`Survey`] runs
-//! the geometry stages of a frame again and keeps the triangles that they dropped. [`explain`] combines the survey and
-//! the rasterized triangles for one pixel.
+//! A replay records only the fragments of a pixel. Most questions concern absent triangles: back-facing, clipped by the
+//! near plane, or with an edge that misses the pixel's centre by a hundredth of a pixel. A [`Survey`] runs the geometry
+//! stages of a frame again and stores the triangles that they dropped. [`explain`] combines the survey and the
+//! rasterized triangles for one pixel.
 
 mod clipped;
 
@@ -28,7 +28,7 @@ use crate::pipeline::settings::{Choice, choice};
 use crate::scene::{Scene, TriangleId};
 
 choice! {
-    /// Outcome of a triangle at a pixel; the groups by which its history is filtered.
+    /// Outcome of a triangle at a pixel. The history of the pixel can be filtered by these outcomes.
     Kind {
         Passed = "passed", "Passed", "Fragments that were written, whether or not they are still visible.";
         Failed = "failed", "Failed", "Fragments that failed the depth test or the alpha test.";
@@ -39,7 +39,7 @@ choice! {
 }
 
 impl Kind {
-    /// Returns the group of a fragment.
+    /// Returns the group that a fragment belongs to in the history of its pixel.
     pub(crate) fn of(fragment: &FragmentRecord) -> Self {
         if fragment.outcome.is_written() { Self::Passed } else { Self::Failed }
     }
@@ -56,7 +56,7 @@ impl Kind {
 pub(crate) struct SampleState {
     /// Colour of the sample (sRGB codes).
     pub(crate) color: Rgba8,
-    /// Stored depth; `None` without a depth buffer.
+    /// Stored depth of the sample; `None` without a depth buffer.
     pub(crate) depth: Option<DepthRecord>,
 }
 
@@ -74,11 +74,11 @@ pub(crate) enum Cause {
     NotDrawnYet,
     /// The pixel's centre lies on an edge that the fill rule does not assign to the triangle.
     Tie,
-    /// The pixel's centre lies inside, but the rasterizer or rounding omits it.
+    /// The pixel's centre lies inside the triangle, but the rasterizer skips it, by its algorithm or by rounding.
     LeftOut,
     /// The triangle would cover the pixel beyond the far plane.
     FarPlane,
-    /// A corner of the triangle is not finite, so it is never drawn at any pixel.
+    /// A corner of the triangle is NaN or infinite, so the triangle is not drawn at any pixel.
     NotFinite,
     /// The triangle passes through the pixel's centre, but its corners are collinear after snapping.
     ZeroArea,
@@ -87,7 +87,7 @@ pub(crate) enum Cause {
 }
 
 impl Cause {
-    /// Returns the display name, in one to three words.
+    /// Returns the display name of the cause, in one to three words.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::BackFacing => "back-facing",
@@ -103,7 +103,7 @@ impl Cause {
         }
     }
 
-    /// Returns the group that the cause belongs to.
+    /// Returns the group that the cause belongs to in the history of a pixel.
     pub(crate) fn kind(self) -> Kind {
         match self {
             Self::BackFacing | Self::FrontFacing | Self::ZeroArea | Self::NotDrawnYet => Kind::Culled,
@@ -116,23 +116,24 @@ impl Cause {
 /// A triangle without a fragment at a pixel, and the reason.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Absent {
-    /// Triangle of the scene.
+    /// Triangle that has no fragment at the pixel.
     pub(crate) triangle: TriangleId,
-    /// Name of the instance of the triangle.
+    /// Name of the instance that the triangle belongs to.
     pub(crate) instance: String,
-    /// Position in the list of rasterized triangles; `None` if it was dropped earlier.
+    /// Index of the triangle in the list of rasterized triangles; `None` if it was dropped earlier.
     pub(crate) submission: Option<usize>,
-    /// Reason in short form.
+    /// Reason why the triangle has no fragment, for filters and sorting.
     pub(crate) cause: Cause,
-    /// Reason as one sentence with the deciding number. The triangle is the subject: the text begins with “covers”,
-    /// “misses” or the like.
+    /// Reason as one sentence with the decisive number. The subject, the triangle, is omitted: the text begins with
+    /// “covers”, “misses” or a similar verb.
     pub reason: String,
-    /// Corners in px as used to decide coverage; `None` if the triangle has no position on the screen.
+    /// Corners that determine coverage, in px; `None` if the triangle has no position on the screen.
     pub(crate) corners_px: Option<[[f32; 2]; 3]>,
-    /// Distance from the pixel's centre to the triangle in px, if the centre is outside. Uses the snapped corners in
-    /// fixed point: numerator and denominator are then exact integers, and only the root and the quotient are rounded.
+    /// Distance from the pixel's centre to the triangle in px, if the centre is outside. In fixed point, uses the
+    /// snapped corners: numerator and denominator are exact integers, so only the root and the quotient are rounded.
     pub(crate) distance_px: Option<f64>,
-    /// Edge values at the pixel's centre, in the unit of the arithmetic; `None` if the triangle was not rasterized.
+    /// Edge function values at the pixel's centre, in the unit of the arithmetic; `None` if the triangle was not
+    /// rasterized.
     pub(crate) edges: Option<[f64; 3]>,
 }
 
@@ -180,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn each_fragment_begins_where_the_last_one_ended_and_the_last_is_the_frame() {
+    fn each_fragment_starts_from_the_previous_state_and_the_last_state_is_the_frame() {
         for id in ["stained-glass", "interpenetrating"] {
             let (frame, reports) = reports(id, &Recipe::default());
             for report in &reports {
@@ -201,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn a_centre_on_an_edge_that_nobody_owns_is_told_as_a_tie() {
+    fn a_centre_on_an_edge_without_owner_is_reported_as_a_tie() {
         let mut recipe = Recipe::default();
         recipe.pipeline.fill_rule = FillRule::Exclusive;
         let (_, reports) = reports("shared-edges", &recipe);
@@ -211,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_published_rasterizer_leaves_out_is_told_by_its_name() {
+    fn pixels_skipped_by_a_published_rasterizer_are_reported_with_its_name() {
         let mut recipe = Recipe::default();
         recipe.pipeline.rasterizer = Rasterizer::BoundingBoxPublished;
         let (_, reports) = reports("triangle", &recipe);
@@ -220,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn with_sound_settings_every_near_miss_has_a_negative_edge_and_they_come_sorted() {
+    fn with_default_settings_near_misses_have_a_negative_edge_and_are_sorted() {
         for id in ["slivers", "cubes"] {
             let (_, reports) = reports(id, &Recipe::default());
             let mut count = 0;

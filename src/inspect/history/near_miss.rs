@@ -1,7 +1,8 @@
-//! Rasterized triangles that narrowly miss a pixel's centre, with the distance and the deciding edge.
+//! Rasterized triangles that narrowly miss a pixel's centre, with the distance and the decisive edge.
 //!
-//! Distances are measured to the corners that decide coverage: the snapped ones in fixed point. These are multiples of
-//! 1/256 px within ±2¹⁵ px, so differences, products and cross products are exact in f64; see [`distance_px`].
+//! Distances are measured to the triangle that determines coverage. In fixed point, its corners are snapped to
+//! multiples of 1/256 px within ±2¹⁵ px. Differences, products and cross products are then exact in f64; see
+//! [`distance_px`].
 
 use std::collections::BTreeSet;
 
@@ -20,15 +21,15 @@ const NEAR_PX: f64 = 1.0;
 /// Maximum number of reported near misses; a corner of a fine mesh may have thousands.
 const MAX_NEAR_MISSES: usize = 40;
 
-/// A triangle that does not cover the pixel's centre.
+/// A rasterized triangle without a fragment at the pixel, and its distance from the pixel's centre.
 #[derive(Clone, Copy)]
 struct Miss {
     place: usize,
     distance_px: f64,
 }
 
-/// Returns the rasterized triangles near a drawn pixel, except those in `there`, nearest first. Without any near
-/// triangle and with an empty `there`, returns the nearest triangle of all.
+/// Returns the rasterized triangles near a drawn pixel, except those in `there`, nearest first. If no triangle is near
+/// and `there` is empty, returns the nearest triangle of the frame.
 pub(super) fn at(
     scene: &Scene,
     recipe: &Recipe,
@@ -65,7 +66,7 @@ pub(super) fn at(
     near.into_iter().filter_map(|miss| absent(scene, settings, &triangles[miss.place], miss, pixel)).collect()
 }
 
-/// Returns the corners that coverage is decided by, in px.
+/// Returns the corners that determine coverage, in px: snapped in fixed point, otherwise unsnapped.
 fn corners(triangle: &ScreenTriangle, arithmetic: Arithmetic) -> [DVec2; 3] {
     decided_by(triangle, arithmetic).map(|[x, y]| DVec2::new(x.into(), y.into()))
 }
@@ -80,8 +81,8 @@ fn box_distance_px([a, b, c]: [DVec2; 3], point: DVec2) -> f64 {
     (low - point).max(point - high).max(DVec2::ZERO).length()
 }
 
-/// Returns the distance from a point to a triangle, in the unit of both; 0 inside and on the edges. For corners and
-/// points on a grid of 1/256 within ±2¹⁵ every sign is exact. Only the final root and quotient are rounded.
+/// Returns the distance from a point to a triangle, in the unit of the corners; 0 inside and on the edges. For corners
+/// and points on a grid of 1/256 within ±2¹⁵, every sign is exact. Only the final root and quotient are rounded.
 pub(super) fn distance_px(corners: [DVec2; 3], point: DVec2) -> f64 {
     let [a, b, c] = corners;
     let edges = [(b, c), (c, a), (a, b)];
@@ -107,8 +108,8 @@ fn segment_distance(from: DVec2, to: DVec2, side: f64, point: DVec2) -> f64 {
     }
 }
 
-/// Describes a miss. Returns `None` for triangles without edges in the recipe's arithmetic, which cannot cover any
-/// pixel.
+/// Creates the history entry of a miss. Returns `None` for a triangle without area in the recipe's arithmetic, which
+/// cannot cover any pixel.
 fn absent(
     scene: &Scene,
     settings: &Settings,
@@ -191,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn distances_are_those_of_whole_numbers() {
+    fn distances_match_integer_arithmetic() {
         let mut random = fastrand::Rng::with_seed(812);
         for _ in 0..20_000 {
             let mut place = || [random.i64(-9_000..9_000), random.i64(-9_000..9_000)];
@@ -209,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn one_step_of_the_grid_beside_an_edge_is_that_far() {
+    fn a_point_one_grid_step_from_an_edge_has_that_distance() {
         let beside = distance_px(points(CORNERS), DVec2::new(5.0, -1.0 / 256.0));
         assert_eq!(beside, 1.0 / 256.0);
         assert_eq!(distance_px(points(CORNERS), DVec2::new(5.0, 0.0)), 0.0, "on the edge");
@@ -217,12 +218,12 @@ mod tests {
         let flat = points([[0, 0], [256, 256], [512, 512]]);
         assert!(
             (distance_px(flat, DVec2::new(2.0, 0.0)) - 2.0_f64.sqrt()).abs() < 1e-15,
-            "without area a line is left"
+            "a triangle without area is a line"
         );
     }
 
     #[test]
-    fn distances_show_the_digits_that_count() {
+    fn distances_are_formatted_with_about_two_significant_digits() {
         assert_eq!([0.003_906, 0.04, 0.5, 37.2].map(px), ["0.0039", "0.040", "0.50", "37"]);
     }
 }

@@ -1,8 +1,8 @@
 //! Screen positions of a frame's triangles, and the triangles that its geometry stages dropped, for lookups at any
 //! pixel.
 //!
-//! The stages run again on all threads, with the matrices, plans and arithmetic of the frame. The survey takes some 5
-//! MB for 100 000 triangles. It is valid for every pixel and every earlier moment of the same frame.
+//! The stages run again on all threads, with the matrices, plans and arithmetic of the frame. The survey takes about
+//! 5 MB for 100 000 triangles. It is valid for every pixel of the frame and every position of the triangle slider.
 
 use std::sync::Arc;
 
@@ -32,7 +32,7 @@ const SNAPPED_BY_PX: f64 = 1.0 / 256.0;
 /// Minimum number of triangles or vertices that one thread processes at a time.
 const CHUNK: usize = 4096;
 
-/// The triangles of one frame that may be absent at a pixel.
+/// The triangles of one frame, with the reasons why they may have no fragment at a pixel.
 #[derive(Clone, Debug)]
 pub struct Survey {
     triangles: SurveyedTriangles,
@@ -42,7 +42,7 @@ pub struct Survey {
     seams: Option<Arc<Seams>>,
 }
 
-/// Surveyed triangles, in scene order.
+/// Surveyed triangles of a frame or of a part of it, in scene order.
 #[derive(Clone, Debug, Default)]
 struct SurveyedTriangles {
     /// Triangles that were projected to the screen and then culled.
@@ -62,7 +62,7 @@ impl SurveyedTriangles {
     }
 }
 
-/// A triangle, or a piece of one, on the screen, with the cause if it is absent at a pixel.
+/// A triangle projected to the screen, or a piece of one, with the cause for its absence at pixels that it would cover.
 #[derive(Clone, Copy, Debug)]
 struct PlacedTriangle {
     id: TriangleId,
@@ -87,7 +87,7 @@ struct SurveyedDraw<'a> {
     instance: u32,
     first: TriangleId,
     triangles: &'a [[u32; 3]],
-    /// Whether the plan transforms its vertices at all.
+    /// Whether the draw plan transforms vertices; otherwise no triangle of the draw reaches the screen.
     runs: bool,
     may_cross: bool,
     vertices: Vec<ClipVertex>,
@@ -135,7 +135,7 @@ impl<'a> SurveyedDraw<'a> {
         all
     }
 
-    /// Surveys a chunk of triangles; `place` is the index of the first one in the mesh.
+    /// Surveys a chunk of triangles; `place` is the index of its first triangle in the mesh.
     fn found_in(&self, place: usize, triangles: &[[u32; 3]]) -> SurveyedTriangles {
         let mut found = SurveyedTriangles::default();
         for (id, corners) in (self.first.0 + place as u32..).map(TriangleId).zip(triangles) {
@@ -157,7 +157,7 @@ impl<'a> SurveyedDraw<'a> {
         found
     }
 
-    /// Returns the screen corners of the pieces that clipping leaves of a triangle, in px.
+    /// Clips a triangle and returns the screen corners of the remaining pieces, in px.
     fn clipped(
         &self,
         id: TriangleId,
@@ -169,7 +169,7 @@ impl<'a> SurveyedDraw<'a> {
         pieces.iter().map(|piece| piece.vertices.each_ref().map(|corner| position_px(self.raster, corner))).collect()
     }
 
-    /// Adds the pieces of one triangle, sorted by cause.
+    /// Adds the pieces of one triangle to the rasterized or the dropped triangles, each with its cause.
     fn take_pieces(&self, pieces: &[[[f32; 2]; 3]], id: TriangleId, found: &mut SurveyedTriangles) {
         let causes = pieces.iter().map(|corners_px| {
             let (area, _) = doubled_area(self.settings.arithmetic, *corners_px);
@@ -197,7 +197,7 @@ fn position_px(raster: Viewport, vertex: &ClipVertex) -> [f32; 2] {
 }
 
 impl Survey {
-    /// Surveys a frame that `recipe` draws of `scene`.
+    /// Surveys the triangles of a frame that `recipe` draws of `scene`.
     pub fn of(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Self {
         let camera = frame.drawn_from(recipe);
         let mut triangles = SurveyedTriangles::default();
@@ -207,13 +207,14 @@ impl Survey {
         Self { triangles, camera, raster: frame.raster, seams: None }
     }
 
-    /// Whether the survey is also valid for a frame with the same recipe and scene: the view must match, even if the
-    /// frame stops at an earlier moment.
+    /// Whether the survey is also valid for another frame of the same recipe and scene. Camera and size must match, but
+    /// the frame may stop at an earlier triangle.
     pub(crate) fn fits(&self, recipe: &Recipe, frame: &Frame) -> bool {
         self.camera == frame.drawn_from(recipe) && self.raster == frame.raster
     }
 
-    /// Counts, for each packed sample of the frame, the triangles that would cover it but were culled by facing.
+    /// Counts the triangles that would cover each sample of the frame but were culled by facing. The image has the
+    /// packed layout of the framebuffer.
     pub(crate) fn culled_coverage(&self, settings: &Settings, frame: &Frame) -> Image<u32> {
         let (width, height) = frame.drawn.color.size();
         let mut counts = Image::filled(width, height, 0);
@@ -241,8 +242,8 @@ impl Survey {
         self.seams.as_deref()
     }
 
-    /// Returns the triangles that would cover a drawn pixel but were dropped before the rasterizer, and all non-finite
-    /// ones.
+    /// Returns the triangles that would cover a drawn pixel but were dropped before the rasterizer, and all triangles
+    /// with a non-finite corner.
     pub(super) fn dropped_at(&self, scene: &Scene, recipe: &Recipe, frame: &Frame, pixel: (u32, u32)) -> Vec<Absent> {
         let absent = |triangle, instance: u32, cause, reason| Absent {
             triangle,
@@ -277,8 +278,8 @@ impl Survey {
             .collect()
     }
 
-    /// Returns the near or far plane that clips a triangle away at a pixel, with the reason. `None` if neither does, or
-    /// if the triangle would be culled anyway.
+    /// Returns the near or far plane that clips a triangle away at a pixel, with the reason. Returns `None` if neither
+    /// plane does, or if the triangle would be culled anyway.
     fn cut_away(
         &self,
         triangle: &CrossingTriangle,
@@ -322,8 +323,8 @@ impl Survey {
 }
 
 impl PlacedTriangle {
-    /// Whether the recipe's rasterizer would cover the pixel; for a zero-area piece, whether it passes through the
-    /// centre.
+    /// Whether the triangle would cover the pixel with the recipe's rasterizer. For a triangle of zero area, whether it
+    /// passes through the pixel's centre.
     fn would_cover(&self, settings: &Settings, frame: &Frame, (x, y): (u32, u32)) -> bool {
         let scissor = Scissor::pixel(x, y);
         if !scissor.may_overlap(self.corners_px) {
@@ -363,7 +364,7 @@ impl PlacedTriangle {
     }
 }
 
-/// Whether a corner lies inside the view frustum: a triangle of three such corners is neither clipped nor rejected.
+/// Whether a clip-space position lies inside the view frustum. A triangle of three such corners needs no clipping.
 fn is_inside(position: Vec4) -> bool {
     position.is_finite() && ClipPlane::ALL.iter().all(|plane| plane.distance(position, 1.0) >= 0.0)
 }

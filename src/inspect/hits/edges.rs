@@ -5,18 +5,18 @@ use std::collections::HashMap;
 use crate::pipeline::raster::{AnyTriangle, doubled_area};
 use crate::pipeline::settings::{Arithmetic, FillRule};
 
-/// Maximum distance by which a rasterizer moves an edge, in px. The published ones test the pixel's corner instead of
-/// its centre. They also round both ends of a row towards its start, and a middle corner to whole pixels.
+/// Maximum distance by which a rasterizer moves an edge, in px. The published rasterizers test the pixel's corner
+/// instead of its centre. They also round both ends of a row towards its start, and a middle corner to whole pixels.
 const REACH_PX: f64 = 2.0;
 
-/// Bit patterns of an edge's ends, in an order independent of the triangle, and the instance of the edge.
+/// Key of an edge: its instance, and the bit patterns of its ends in an order that does not depend on the triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct EdgeEnds {
     instance: u32,
     bits: [[u32; 2]; 2],
 }
 
-/// An edge, and the side of it on which its triangle lies.
+/// An edge of a triangle, and the side of the edge on which the triangle lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct SidedEdge {
     ends: EdgeEnds,
@@ -53,8 +53,8 @@ fn edge(instance: u32, corners_px: [[f32; 2]; 3], opposite: usize) -> Option<Sid
     Some(SidedEdge { ends: EdgeEnds { instance, bits: [bits(from), bits(to)] }, side })
 }
 
-/// Returns the edge nearest to a pixel's centre inside a triangle; two edges if the centre lies on a corner. Empty if
-/// all are farther away than any rasterizer's faults reach.
+/// Returns the edge of a triangle nearest to a pixel's centre inside it; two edges if the centre lies on a corner.
+/// Returns no edge if all are farther away than any rasterizer moves an edge.
 pub(super) fn edges_near(instance: u32, corners_px: [[f32; 2]; 3], pixel: (u32, u32)) -> Vec<SidedEdge> {
     let Some(triangle) = AnyTriangle::new(Arithmetic::Exact, corners_px, FillRule::TopLeft) else { return Vec::new() };
     let sample = triangle.sample(pixel);
@@ -68,7 +68,7 @@ pub(super) fn edges_near(instance: u32, corners_px: [[f32; 2]; 3], pixel: (u32, 
     (0..3).filter(|i| distances_px[*i] <= nearest_px).filter_map(|i| edge(instance, corners_px, i)).collect()
 }
 
-/// Triangles by edge: the first one on each side.
+/// Map from edges to the first triangle on each side.
 #[derive(Default)]
 pub(super) struct EdgeTriangles(HashMap<EdgeEnds, [Option<usize>; 2]>);
 
@@ -78,12 +78,12 @@ impl EdgeTriangles {
         self.0.is_empty()
     }
 
-    /// Adds an edge without triangles.
+    /// Records an edge without triangles, unless it is already recorded.
     pub(super) fn expect(&mut self, edge: SidedEdge) {
         self.0.entry(edge.ends).or_default();
     }
 
-    /// Adds a triangle on its side of an edge.
+    /// Records an edge and the triangle on its side of the edge.
     pub(super) fn add(&mut self, edge: SidedEdge, triangle: usize) {
         self.expect(edge);
         self.add_expected(edge, triangle);
@@ -96,7 +96,7 @@ impl EdgeTriangles {
         }
     }
 
-    /// Returns the first triangle on the other side of an edge.
+    /// Returns the first recorded triangle on the other side of an edge.
     pub(super) fn across(&self, edge: SidedEdge) -> Option<usize> {
         self.0.get(&edge.ends)?[edge.side.opposite() as usize]
     }

@@ -52,8 +52,8 @@ pub(super) fn faults(scene: &Scene, recipe: &Recipe, frame: &Frame, seams: &Seam
     FaultSearch::of(frame, &recipe.pipeline, scissor).seam_faults(found)
 }
 
-/// Returns for each junction the pixel of the full picture that contains its vertex. `None` if the vertex is outside
-/// the picture or the triangle of the edge was not rasterized.
+/// Returns the pixel of the full picture that contains the vertex of each junction. The pixel is `None` if the vertex
+/// is outside the picture, or if the triangle of the edge was not rasterized.
 pub(in crate::inspect) fn junction_pixels(
     scene: &Scene,
     recipe: &Recipe,
@@ -75,11 +75,11 @@ pub(in crate::inspect) fn border_in_picture(scene: &Scene, recipe: &Recipe, fram
     seams.border().iter().filter(is_there).count()
 }
 
-/// Faults by row and column of their sample: the kind, the triangles of both sides, and the junction.
+/// Map from the row and column of a faulty sample to the kind of fault, the triangles of both sides, and the junction.
 pub(super) type FaultMap = BTreeMap<(u32, u32), (FaultKind, [TriangleId; 2], Junction)>;
 
 impl FaultSearch<'_> {
-    /// Adds the triangles that hit each faulty sample, and the triangles that should.
+    /// Completes faults with the triangles that hit each faulty sample, and those that should hit it.
     fn seam_faults(&self, found: FaultMap) -> Vec<Fault> {
         if found.is_empty() {
             return Vec::new();
@@ -103,23 +103,23 @@ impl FaultSearch<'_> {
     }
 }
 
-/// An edge on the screen.
+/// A triangle edge projected to the screen.
 #[derive(Clone, Copy)]
 struct ScreenEdge {
-    /// Ends in px as used to decide coverage, in the winding order of the triangle.
+    /// Ends that determine coverage, in px, in the winding order of the triangle.
     ends_px: [[f32; 2]; 2],
-    /// Facing of its triangle; `Edge` if the drawn part of the triangle is a line.
+    /// Facing of the edge's triangle; [`Facing::Edge`] if the drawn part of the triangle is a line.
     facing: Facing,
 }
 
-/// Projects edges of a frame's triangles to the screen.
+/// Projection of vertices and edges of a frame's triangles to the screen.
 struct Placing<'a> {
     scene: &'a Scene,
     settings: &'a Settings,
     first_triangles: Vec<TriangleId>,
     matrices: Vec<DrawMatrices>,
     raster: Viewport,
-    /// Triangles of the seams that are in the frame's list, ascending.
+    /// Wanted triangles that the frame rasterizes, ascending.
     drawn: Vec<TriangleId>,
 }
 
@@ -178,8 +178,8 @@ impl<'a> Placing<'a> {
         Some(((x as u32).min(width - 1), (y as u32).min(height - 1)))
     }
 
-    /// Returns the part of an edge that clipping leaves. `None` if the part has no length, or if its triangle was not
-    /// drawn for a reason other than zero area.
+    /// Returns the part of an edge that remains after clipping. Returns `None` if that part has no length, or if its
+    /// triangle was not drawn for a reason other than zero area.
     fn edge(&self, TriangleEdge { triangle, opposite }: TriangleEdge) -> Option<ScreenEdge> {
         let corners = self.corners(triangle)?;
         let mut polygon = Polygon::default();
@@ -211,15 +211,15 @@ impl<'a> Placing<'a> {
     }
 }
 
-/// Two edges on the screen with their triangles on opposite sides.
+/// Gap or overlap between two screen edges whose triangles lie on opposite sides.
 struct Gap {
     sides: [GapSide; 2],
 }
 
-/// One edge of a gap.
+/// One edge of a gap, and the side on which its surface lies.
 struct GapSide {
     ends_px: [[f64; 2]; 2],
-    /// Triangle whose edge opposite to its last corner is this edge, on the side of the surface.
+    /// Triangle on the side of the surface; its edge opposite to the last corner is this edge.
     triangle: AnyTriangle,
 }
 
@@ -233,13 +233,15 @@ impl GapSide {
         Some(Self { ends_px: ends_px.map(|end| end.map(f64::from)), triangle })
     }
 
-    /// Whether a pixel's centre lies on the inner side, or on the edge and is owned by its triangle.
+    /// Whether a pixel's centre lies on the side of the surface, or on the edge if the fill rule assigns it to the
+    /// triangle.
     fn covers(&self, pixel: (u32, u32)) -> bool {
         let value = self.triangle.sample(pixel).edges[2];
         value > 0.0 || value == 0.0 && self.triangle.owned()[2]
     }
 
-    /// Returns the coordinate across `axis` of the point on the edge's line at coordinate `along`, in px.
+    /// Returns the point of the edge's line whose coordinate on `axis` is `along`, as its coordinate on the other axis,
+    /// in px.
     fn across(&self, axis: usize, along: f64) -> f64 {
         let [from, to] = self.ends_px;
         let t = (along - from[axis]) / (to[axis] - from[axis]);
@@ -278,7 +280,8 @@ impl Gap {
         Some(Self { sides })
     }
 
-    /// Calls `sink` with each pixel within the scissor that lies on neither side or on both.
+    /// Calls `sink` with each pixel within the scissor that neither side covers (a crack), or that both cover (a double
+    /// hit).
     fn each_fault(&self, scissor: Scissor, mut sink: impl FnMut((u32, u32), FaultKind)) {
         let [host, guest] = &self.sides;
         let length = |axis: usize| host.range(axis)[1] - host.range(axis)[0];

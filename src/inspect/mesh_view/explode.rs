@@ -6,9 +6,9 @@ use crate::inspect::vertices::corners_of;
 use crate::scene::mesh::MeshData;
 use crate::scene::{Mesh, Scene, TriangleId};
 
-/// Returns a scene whose triangles are moved away from the centre of their mesh. Each moves by `apart` times its own
-/// distance from there; at 0, triangles stay in place but no longer share vertices. Triangles keep their numbers;
-/// texture coordinates and vertex colours are dropped.
+/// Returns a scene whose triangles are moved away from the centre of their mesh. Each triangle moves by `apart` times
+/// its distance from the centre. At 0, triangles stay in place but no longer share vertices. Triangles keep their
+/// numbers; texture coordinates and vertex colours are dropped.
 pub(crate) fn exploded(scene: &Scene, apart: f32) -> Scene {
     let library = scene.library.with_meshes(|mesh| {
         let corners = mesh.triangles.iter().flat_map(|corners| moved(mesh, *corners, apart));
@@ -23,7 +23,7 @@ pub(crate) fn exploded(scene: &Scene, apart: f32) -> Scene {
     Scene { library, ..scene.clone() }
 }
 
-/// Returns the moved corners of a triangle in model space; unmoved if a coordinate would overflow.
+/// Returns the corners of an exploded triangle in model space; the original corners if a coordinate would overflow.
 fn moved(mesh: &Mesh, corners: [u32; 3], apart: f32) -> [Vec3; 3] {
     let corners = corners.map(|corner| mesh.positions.get(corner as usize).copied().unwrap_or_default());
     let offset = ((corners[0] + corners[1] + corners[2]) / 3.0 - mesh.bounds().center()) * apart;

@@ -1,13 +1,13 @@
-//! Hatching: parallel lines over one convex polygon, except where another one covers it.
+//! Hatching: parallel lines over one convex polygon, except where another polygon covers it.
 
 /// A point of a picture, in px.
 pub(super) type ScreenPoint = [f32; 2];
 
-/// Maximum number of lines of one hatching; a polygon that needs more is not hatched.
+/// Maximum number of hatching lines in a polygon; a polygon that needs more is not hatched.
 const MAX_LINES: f32 = 600.0;
 
-/// Returns lines that rise to the right over `outer` but not over `inner`. They cross an axis every `step` px. Either
-/// polygon may be degenerate.
+/// Returns hatching lines, rising to the right, over the part of `outer` that `inner` does not cover. The lines cross
+/// each axis every `step` px. Either polygon may be degenerate.
 pub(super) fn hatch(outer: &[ScreenPoint], inner: &[ScreenPoint], step: f32) -> Vec<[ScreenPoint; 2]> {
     // x + y is constant along a line.
     let along = |p: &ScreenPoint| p[0] + p[1];
@@ -75,7 +75,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_and_the_boundless_are_not_hatched() {
+    fn degenerate_and_excessively_large_polygons_are_not_hatched() {
         assert!(hatch(&[], &[], 1.0).is_empty());
         assert!(hatch(&[[1.0, 1.0]; 3], &[], 1.0).is_empty());
         assert!(hatch(&[[0.0, 0.0], [1e30, 0.0], [0.0, 1e30]], &[], 1.0).is_empty());

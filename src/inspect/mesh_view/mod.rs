@@ -36,7 +36,7 @@ pub use picture::paint;
 pub(crate) use picture::shown_at;
 
 choice! {
-    /// Style in which triangles are drawn.
+    /// Style in which the mesh view draws triangles.
     MeshStyle {
         Flat = "flat", "Flat", "Flat-shaded in grey, by the orientation of each triangle.";
         Wire = "wire", "Wire", "Edges only: light if the render camera sees the front, red if it sees the back.";
@@ -46,10 +46,10 @@ choice! {
     }
 }
 
-/// The render camera and its pipeline, which the second camera looks at.
+/// The render camera, which the second camera looks at, with its settings and picture size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inner {
-    /// The render camera.
+    /// Camera that renders the inspected frame.
     pub camera: Camera,
     /// Pipeline settings of the render camera.
     pub settings: Settings,
@@ -65,7 +65,7 @@ impl Inner {
     }
 }
 
-/// Returns the display colour of a geometry-stage result.
+/// Returns the display colour of a triangle with this outcome of the geometry stages.
 pub(crate) fn met_color(met: GeometryOutcome) -> Rgba8 {
     match met {
         GeometryOutcome::Drawn => [120, 168, 216, 255],
@@ -78,7 +78,7 @@ pub(crate) fn met_color(met: GeometryOutcome) -> Rgba8 {
     }
 }
 
-/// Returns the legend of a style; empty if its colours only distinguish triangles or objects.
+/// Returns the legend of a style as names and colours; empty if the colours only distinguish triangles or objects.
 pub(crate) fn key(style: MeshStyle) -> Vec<(&'static str, Rgba8)> {
     let fates = [
         ("drawn", GeometryOutcome::Drawn),
@@ -101,7 +101,7 @@ pub(crate) fn key(style: MeshStyle) -> Vec<(&'static str, Rgba8)> {
     }
 }
 
-/// Whether an id refers to a triangle.
+/// Whether an id refers to a triangle, not to the background.
 fn is_triangle(id: TriangleId) -> bool {
     id != TriangleId::NONE
 }

@@ -9,10 +9,10 @@ use crate::scene::{Camera, Scene};
 /// Initial direction from the target to the second camera, in the render camera's right, up and backward axes.
 const FROM: Vec3 = Vec3::new(1.0, 0.6, 0.45);
 
-/// Minimum ratio of the near to the far distance; reversed depth has sufficient precision for it.
+/// Minimum ratio of the near to the far distance. Reversed depth has sufficient precision for this ratio.
 const MIN_NEAR: f32 = 1e-5;
 
-/// Returns the bounding box of the scene and the eye of the render camera.
+/// Returns the bounding box that encloses the scene and the eye of the render camera.
 fn bounds(scene: &Scene, inner: &Camera) -> Aabb {
     scene.bounds().union(Aabb::around(std::iter::once(inner.eye)))
 }

@@ -1,5 +1,5 @@
-//! Overlay of the mesh view: lines, polygons and dots for the frustum, the picked pixel's ray, and clipped and culled
-//! triangles, in pixels of the mesh view.
+//! Overlay of the mesh view: lines, polygons and dots, in pixels of the mesh view. They mark the frustum, the ray
+//! through the picked pixel, and clipped and culled triangles.
 
 use glam::{DMat4, DVec3, DVec4, Vec3};
 
@@ -12,16 +12,17 @@ use crate::pipeline::vertex::{ClipVertex, DrawMatrices};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, DepthMapping, Projection, Scene, TriangleId};
 
-/// Maximum number of clipped or culled triangles that are all marked; with more, only the selected one is.
+/// Maximum number of clipped or culled triangles for marking all of them. If there are more, only the selected triangle
+/// is marked.
 const MAX_MARKED: usize = 200;
 
 /// Distance between the lines of a hatching along an axis, in px.
 const HATCH_PX: f32 = 7.0;
 
-/// Minimum w of a projected point, as a fraction of the second camera's near distance.
+/// Minimum clip-space w of a projected point, as a fraction of the second camera's near distance.
 const MIN_W: f64 = 1e-6;
 
-/// Kind of a mark.
+/// Kind of a mark in the overlay of the mesh view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum MarkKind {
     /// An edge of the render camera's frustum.
@@ -30,11 +31,11 @@ pub(crate) enum MarkKind {
     NearPlane,
     /// The eye of the render camera, as a dot.
     Eye,
-    /// The ray from the eye through the picked pixel to the surface that it shows, or to the end of the frustum.
+    /// The ray from the eye through the picked pixel to the visible surface, or to the end of the frustum.
     Ray,
-    /// The part of the ray behind the hit.
+    /// The part of the ray behind the surface that it hits.
     RayBehind,
-    /// The hit of the ray, as a dot.
+    /// The point where the ray hits a surface, as a dot.
     Hit,
     /// The selected triangle, as a polygon.
     Selected,
@@ -42,8 +43,8 @@ pub(crate) enum MarkKind {
     RemainingPart,
     /// A hatching line over the clipped part of a triangle.
     CutAway,
-    /// A vertex created by clipping, as a dot. The value is its position along its edge, in [0, 1]; `None` if it lies
-    /// on no edge of the triangle.
+    /// A vertex created by clipping, as a dot. The value is its position along an edge of the triangle, in [0, 1];
+    /// `None` if it does not lie on an edge.
     NewVertex(Option<f32>),
     /// Outline of a triangle that was culled for its facing.
     Culled,
@@ -51,25 +52,25 @@ pub(crate) enum MarkKind {
     Vertex,
 }
 
-/// A dot (one point), a line (two) or a closed polygon (more).
+/// A mark in the mesh view: a dot (one point), a line (two points) or a closed polygon (more points).
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct MeshMark {
-    /// Kind of the mark.
+    /// Kind of the mark, which determines how it is drawn.
     pub(crate) kind: MarkKind,
     /// Points of the mark, in px of the mesh view.
     pub(crate) points: Vec<ScreenPoint>,
 }
 
-/// Parts of the scene to mark.
+/// Parts of the scene that the overlay of the mesh view marks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct OverlayInputs {
     /// Picked pixel of the render camera's picture.
     pub(crate) pixel: Option<(u32, u32)>,
     /// Distance along the line of sight to the surface at the picked pixel, in world units; `None` for the background.
     pub(crate) hit_distance: Option<f64>,
-    /// Selected triangle.
+    /// Selected triangle, marked as a polygon.
     pub(crate) selected: Option<TriangleId>,
-    /// Tracked vertex, in world space.
+    /// Position of the tracked vertex, in world space.
     pub(crate) vertex: Option<DVec3>,
     /// Whether culled triangles are outlined.
     pub(crate) culled: bool,
@@ -77,7 +78,7 @@ pub(crate) struct OverlayInputs {
     pub(crate) explode: f32,
 }
 
-/// Returns all marks, bottom to top.
+/// Returns all marks of the mesh view's overlay, in drawing order.
 pub(crate) fn drawn(
     scene: &Scene,
     inner: &Inner,
@@ -102,7 +103,7 @@ pub(crate) fn drawn(
     canvas.marks
 }
 
-/// Marks projected by the second camera.
+/// Projection of the second camera, and the marks projected so far.
 struct MarkProjector {
     clip_from_world: DMat4,
     size: Viewport,
@@ -186,8 +187,8 @@ impl<'a> CameraFrustum<'a> {
         Self { inner, far: end.min(f64::from(camera.far)) }
     }
 
-    /// Returns the point in world space at a position of the picture, in [−1, 1] with y up, at a distance along the
-    /// line of sight.
+    /// Returns the world-space point at a picture position, in [−1, 1] with y up, and a distance along the line of
+    /// sight.
     fn at(&self, [x, y]: [f64; 2], distance: f64) -> DVec3 {
         let camera = &self.inner.camera;
         let (right, forward) = (camera.right().as_dvec3(), camera.forward().as_dvec3());
@@ -232,7 +233,7 @@ impl<'a> CameraFrustum<'a> {
     }
 }
 
-/// Marks triangles that were clipped, and outlines triangles that were culled.
+/// Marks the triangles that were clipped, and outlines the triangles that were culled.
 fn cut_and_culled(scene: &Scene, inner: &Inner, look: &OverlayInputs, canvas: &mut MarkProjector) {
     let rejections = inner.rejections(scene, inner.settings.culling);
     let that_met = |wanted: fn(GeometryOutcome) -> bool| {
@@ -253,7 +254,7 @@ fn cut_and_culled(scene: &Scene, inner: &Inner, look: &OverlayInputs, canvas: &m
     }
 }
 
-/// Marks one clipped triangle: the remaining part, the clipped part, and the new vertices.
+/// Marks one clipped triangle: the remaining part, the removed part, and the new vertices.
 fn cut(scene: &Scene, inner: &Inner, id: TriangleId, canvas: &mut MarkProjector) {
     let Some((polygon, corners)) = clipped(scene, inner, id) else { return };
     let world = |vertex: &ClipVertex| {
@@ -273,7 +274,7 @@ fn cut(scene: &Scene, inner: &Inner, id: TriangleId, canvas: &mut MarkProjector)
     }
 }
 
-/// Returns the polygon that clipping leaves of a triangle, computed by the pipeline's own function, and the corners in
+/// Clips a triangle with the pipeline's own function. Returns the remaining polygon, and the corners of the triangle in
 /// world space.
 fn clipped(scene: &Scene, inner: &Inner, id: TriangleId) -> Option<(Vec<ClipVertex>, [DVec3; 3])> {
     let (instance, indices) = crate::inspect::vertices::corners_of(scene, id)?;
@@ -296,8 +297,8 @@ fn clipped(scene: &Scene, inner: &Inner, id: TriangleId) -> Option<(Vec<ClipVert
     Some((left, corners))
 }
 
-/// Returns the position of a new vertex along its edge, in [0, 1], from the corner with the lower number. `None` if it
-/// lies inside the triangle.
+/// Returns the position of a new vertex along its edge, in [0, 1], from the corner with the lower number. Returns
+/// `None` if the vertex lies inside the triangle.
 fn along_edge(weights: Vec3) -> Option<f32> {
     match weights.to_array() {
         [0.0, _, t] | [_, 0.0, t] | [_, t, 0.0] => Some(t),

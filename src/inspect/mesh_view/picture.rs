@@ -23,11 +23,11 @@ use crate::scene::{Camera, Scene, TriangleId};
 /// A rendered mesh view.
 #[derive(Clone, Debug)]
 pub struct MeshPicture {
-    /// The rendered image.
+    /// Rendered image of the mesh view.
     pub(crate) image: Image<Rgba8>,
     /// Triangle that each pixel shows, or [`TriangleId::NONE`].
     pub owner: Image<TriangleId>,
-    /// Second camera that it was rendered with.
+    /// Second camera, with which the mesh view was rendered.
     pub camera: Camera,
 }
 
@@ -60,14 +60,14 @@ fn settings() -> Settings {
     }
 }
 
-/// Style of a mesh view.
+/// Display settings of a mesh view.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Painting {
     /// Style that determines the colours of the triangles.
     pub style: MeshStyle,
     /// Factor by which triangles are moved apart, relative to their distance from the centre of their mesh.
     pub explode: f32,
-    /// Selected triangles; all others are dimmed. With an empty selection, none are.
+    /// Selected triangles; all others are dimmed. If the selection is empty, no triangle is dimmed.
     pub selection: TriangleSelection,
     /// Background colour (sRGB codes).
     pub backdrop: [u8; 3],
@@ -75,14 +75,14 @@ pub struct Painting {
     pub normals: MeshNormals,
 }
 
-/// Normals drawn over the triangles, without occlusion.
+/// Settings of the normals that are drawn over the triangles, without occlusion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshNormals {
     /// Whether vertex normals are drawn.
     pub vertices: bool,
     /// Whether face normals are drawn.
     pub faces: bool,
-    /// Length, as a fraction of the diagonal of the scene's bounding box.
+    /// Length of the drawn normals, as a fraction of the diagonal of the scene's bounding box.
     pub length: f32,
 }
 
@@ -93,7 +93,7 @@ impl Default for MeshNormals {
 }
 
 impl MeshNormals {
-    /// Returns the drawn kinds, each with its colour and display name.
+    /// Returns the kinds of normals to draw, each with its colour and display name.
     pub(crate) fn kinds(&self) -> impl Iterator<Item = (NormalKind, Rgba8, &'static str)> {
         let faces = self.faces.then_some((NormalKind::Face, FACE_NORMAL, "face normal"));
         faces.into_iter().chain(self.vertices.then_some((NormalKind::Vertex, VERTEX_NORMAL, "vertex normal")))
@@ -171,7 +171,7 @@ fn colors(scene: &Scene, inner: &Inner, style: MeshStyle) -> Vec<Rgba8> {
     }
 }
 
-/// Returns the brightness factor of each triangle, lit from the eye.
+/// Returns the brightness factor of each triangle when lit from the eye, in scene order.
 fn lights(scene: &Scene, eye: Vec3) -> Vec<f32> {
     let light = |instance: &crate::scene::Instance| {
         let mesh = scene.library.mesh(instance.mesh);
@@ -194,7 +194,7 @@ fn lit([r, g, b, a]: Rgba8, light: f32) -> Rgba8 {
     [channel(r), channel(g), channel(b), a]
 }
 
-/// Draws the edges of all triangles, front-facing ones on top.
+/// Draws the edges of all triangles, those of front-facing triangles on top.
 fn wires(geometry: &Geometry, colors: &[Rgba8], is_dim: impl Fn(TriangleId) -> bool, image: &mut Image<Rgba8>) {
     let front = met_color(GeometryOutcome::Drawn);
     let color = |triangle: &ScreenTriangle| colors.get(triangle.id.0 as usize).copied().unwrap_or(FLAT);

@@ -49,7 +49,7 @@ fn the_first_view_shows_the_eye_and_every_triangle_can_be_picked() {
 }
 
 #[test]
-fn fates_are_those_that_the_pipeline_deals_out() {
+fn fates_match_the_counters_of_the_pipeline() {
     let scene = scene("cubes");
     let inner = inner(&scene);
     let mut counters = crate::pipeline::observe::Counters::default();
@@ -87,7 +87,7 @@ fn culled_triangles_are_outlined_if_they_are_few_or_selected() {
 }
 
 #[test]
-fn what_crosses_the_near_plane_has_new_vertices_on_it() {
+fn triangles_across_the_near_plane_have_new_vertices_on_their_edges() {
     let scene = scene("near-plane");
     let marks = marks(&scene, &OverlayInputs::default());
     let new: Vec<_> =
@@ -99,7 +99,7 @@ fn what_crosses_the_near_plane_has_new_vertices_on_it() {
 }
 
 #[test]
-fn the_ray_of_a_pixel_ends_on_what_it_shows() {
+fn the_ray_of_a_pixel_ends_on_the_surface_that_it_shows() {
     let scene = scene("cubes");
     let inner = inner(&scene);
     let recipe = crate::chain::Recipe::default();
@@ -143,7 +143,7 @@ fn exploded_triangles_keep_their_numbers_and_move_away_from_the_middle() {
 }
 
 #[test]
-fn every_style_draws_and_keys_name_colours_apart() {
+fn every_style_draws_a_different_picture_and_legend_colours_are_distinct() {
     let scene = scene("near-plane");
     let inner = inner(&scene);
     let seen = outside(&scene, &inner);
@@ -163,7 +163,7 @@ fn every_style_draws_and_keys_name_colours_apart() {
 }
 
 #[test]
-fn what_is_singled_out_stays_bright() {
+fn selected_triangles_stay_bright() {
     let scene = scene("cubes");
     let inner = inner(&scene);
     let seen = outside(&scene, &inner);

@@ -1,16 +1,16 @@
-//! Progress and cancellation of a drawing.
+//! Progress and cancellation of a vector drawing.
 
 use std::fmt;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-/// Progress callback and cancellation flag of a drawing.
+/// Progress callback and cancellation flag of a vector drawing.
 #[derive(Clone, Copy)]
 pub(crate) struct OutlineControl<'a> {
     /// Receives the progress, in [0, 1], at most once per percent. With several threads, reports may arrive out of
     /// order.
     pub(crate) progress: &'a (dyn Fn(f32) + Sync),
-    /// Cancels the drawing once it is `true`.
+    /// Flag that cancels the drawing once it is `true`.
     pub(crate) cancel: &'a AtomicBool,
 }
 
@@ -27,12 +27,12 @@ impl fmt::Debug for OutlineControl<'_> {
     }
 }
 
-/// A step of a drawing, divided into equal parts that threads complete in any order.
+/// A step of a vector drawing, divided into equal parts that threads complete in any order.
 pub(super) struct ParallelStep<'a> {
     control: OutlineControl<'a>,
     /// Progress of the whole drawing before and after the step, in percent.
     percent: Range<usize>,
-    /// Number of equal parts, at least 1.
+    /// Number of equal parts of the step, at least 1.
     parts: usize,
     completed: AtomicUsize,
 }

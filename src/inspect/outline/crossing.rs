@@ -10,14 +10,14 @@ use crate::pipeline::viewport::ScreenTriangle;
 /// A point on the boundary of two regions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct BoundaryPoint {
-    /// Position, in samples.
+    /// Position of the point on the screen, in samples.
     pub(super) place: DVec2,
-    /// Unit normal of the straight line that the boundary follows there. `None` if it follows no line, as at the border
-    /// of a texture's transparent part.
+    /// Unit normal of the straight line that the boundary follows at the point. `None` if the boundary follows no line,
+    /// as at the border of a texture's transparent part.
     pub(super) normal: Option<DVec2>,
 }
 
-/// The triangles whose boundaries are searched.
+/// Input of the boundary search: the screen triangles, and the surfaces that each sample shows.
 pub(super) struct Surfaces<'a> {
     pub(super) visibility: &'a Visibility,
     pub(super) geometry: &'a Geometry,
@@ -25,8 +25,8 @@ pub(super) struct Surfaces<'a> {
 }
 
 impl Surfaces<'_> {
-    /// Adds the point between two sample positions, in samples, at which their stacks change. Adds two points if one
-    /// surface ends and the other begins elsewhere.
+    /// Adds the point between two sample positions, in samples, where the stack of visible surfaces changes. Adds two
+    /// points if one surface ends and the other begins elsewhere.
     pub(super) fn find_crossings(&self, path: [DVec2; 2], stacks: [StackId; 2], found: &mut Vec<BoundaryPoint>) {
         let [first, second] = self.changing(stacks).map(|index| index.map(|index| self.side(index, path)));
         let events = match (first, second) {
@@ -44,9 +44,9 @@ impl Surfaces<'_> {
         found.extend(events.map(|Event { along, normal }| crossing(along.clamp(0.0, 1.0), normal.try_normalize())));
     }
 
-    /// Returns the surface that only the first sample shows and the surface that replaces it at the second. These are
-    /// the opaque surfaces if they differ. Otherwise they are the first blended surface that is in one stack only, and
-    /// the opaque surface below on the other side.
+    /// Returns the surface that only the first sample shows, and the surface that replaces it at the second sample.
+    /// These are the opaque surfaces if they differ. Otherwise they are the first blended surface that is in one stack
+    /// only, and the opaque surface below on the other side.
     fn changing(&self, [first, second]: [StackId; 2]) -> [Option<u32>; 2] {
         let [first, second] = [first, second].map(|stack| self.visibility.surfaces(stack).collect::<Vec<_>>());
         let opaque = |stack: &[u32]| stack.last().copied().filter(|index| !self.is_blended(*index));
@@ -78,8 +78,8 @@ impl Surfaces<'_> {
         PathTriangle { enter, exit, gradient: plane.gradient, priority: path.map(|place| plane.at(place)) }
     }
 
-    /// Returns values at the corners of a triangle that are affine on the screen. They exceed the values of another
-    /// triangle where this one occludes it.
+    /// Returns the occlusion priorities at the corners of a triangle. Priorities are affine on the screen; a triangle
+    /// occludes another one where its priority is greater.
     fn priorities(&self, triangle: &ScreenTriangle, index: u32) -> [f64; 3] {
         let toward_viewer = |sign: f64| {
             let sign = if self.settings.reversed() { -sign } else { sign };
@@ -105,20 +105,21 @@ struct Event {
     normal: DVec2,
 }
 
-/// A triangle along the path between two samples.
+/// Crossings and occlusion priorities of a triangle along the path between two samples.
 #[derive(Clone, Copy, Debug)]
 struct PathTriangle {
-    /// Point where the path enters the triangle; `None` if it begins inside.
+    /// Point where the path enters the triangle; `None` if the path begins inside.
     enter: Option<Event>,
-    /// Point where the path leaves the triangle; `None` if it ends inside.
+    /// Point where the path leaves the triangle; `None` if the path ends inside.
     exit: Option<Event>,
-    /// Gradient of the priority, per sample.
+    /// Gradient of the occlusion priority on the screen, per sample.
     gradient: DVec2,
-    /// Priorities at the start and end of the path.
+    /// Occlusion priorities at the start and end of the path.
     priority: [f64; 2],
 }
 
 /// Returns the point at which `first`, visible at the start of the path, is replaced by `second`, visible at the end.
+/// Returns two points if `first` ends before `second` begins.
 fn change(first: &PathTriangle, second: &PathTriangle) -> [Option<Event>; 2] {
     let lead = |along: f64| {
         let at = |side: &PathTriangle| side.priority[0] + (side.priority[1] - side.priority[0]) * along;
@@ -164,7 +165,7 @@ fn events(corners: [DVec2; 3], [from, to]: [DVec2; 2]) -> [Option<Event>; 2] {
     [enter, exit]
 }
 
-/// An affine function of the screen.
+/// An affine function of the screen position.
 #[derive(Clone, Copy, Debug)]
 struct AffineFunction {
     origin: DVec2,
@@ -173,7 +174,7 @@ struct AffineFunction {
 }
 
 impl AffineFunction {
-    /// Returns the function with these values at the corners of a triangle.
+    /// Returns the affine function with these values at the corners of a triangle.
     fn through(corners: [DVec2; 3], values: [f64; 3]) -> Self {
         let [origin, b, c] = corners;
         let (to_b, to_c) = (b - origin, c - origin);

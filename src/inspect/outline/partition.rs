@@ -1,11 +1,11 @@
-//! Polygons with shared boundaries from the surfaces that samples show: dual contouring (Ju, Losasso, Schaefer, Warren,
-//! "Dual Contouring of Hermite Data", 2002) with as many materials as there are regions.
+//! Polygons with shared boundaries, computed from the surfaces that samples show. The method is dual contouring with
+//! one material per region (Ju, Losasso, Schaefer, Warren, "Dual Contouring of Hermite Data", 2002).
 //!
 //! Between two neighbouring samples of different regions lies one *crossing*, computed exactly with the line that the
 //! boundary follows there. Four samples form a *cell*. A cell with crossings has one *vertex*, at the point of the cell
-//! nearest to all of its lines: on the line if there is only one, at the corner if there are several. Vertices of
-//! neighbouring cells are connected across the crossing between them. Regions therefore meet without gaps or overlaps
-//! by construction, and boundaries are as straight as the triangles' edges at any zoom.
+//! nearest to all of its lines. This is on the line if there is only one, and at the corner if there are several.
+//! Vertices of neighbouring cells are connected across the crossing between them. By construction, regions meet without
+//! gaps or overlaps, and boundaries are as straight as the triangles' edges at any zoom.
 
 use std::ops::Range;
 
@@ -17,16 +17,16 @@ use super::crossing::{BoundaryPoint, Surfaces};
 use super::visible::{RegionId, StackId};
 use crate::drawing::PartitionRegion;
 
-/// Maximum deviation when vertices of nearly straight boundaries are removed, in px.
+/// Maximum deviation of a boundary by simplification, in px.
 const STRAIGHT_PX: f64 = 0.01;
 
 /// Threshold for the squared sine of half the angle between two lines, below which they count as one line.
 const PARALLEL: f64 = 1e-5;
 
-/// Progress of a drawing before and after the vertices are found, in percent.
+/// Part of a drawing's progress for finding the vertices, in percent.
 const VERTICES_PERCENT: Range<usize> = 50..80;
 
-/// Progress of a drawing before and after the boundaries are traced, in percent.
+/// Part of a drawing's progress for tracing the boundaries, in percent.
 const BOUNDARIES_PERCENT: Range<usize> = 80..100;
 
 /// A vertex on the boundary of regions, in the cell between four samples.
@@ -34,16 +34,16 @@ const BOUNDARIES_PERCENT: Range<usize> = 80..100;
 struct BoundaryVertex {
     /// Column of the cell, equal to the column of the samples on its right.
     column: u32,
-    /// Position, in samples.
+    /// Position of the vertex on the screen, in samples.
     place: DVec2,
-    /// Whether more than two boundaries meet here.
+    /// Whether more than two boundaries meet at the vertex.
     is_junction: bool,
 }
 
-/// All vertices, in reading order of their cells.
+/// All vertices on boundaries, in reading order of their cells.
 struct BoundaryVertices {
     all: Vec<BoundaryVertex>,
-    /// Index range of each row of cells.
+    /// Range of vertex indices of each row of cells.
     rows: Vec<Range<usize>>,
 }
 
@@ -66,15 +66,15 @@ impl BoundaryVertices {
         Some(Self { all: rows.concat(), rows: ranges })
     }
 
-    /// Returns the index of the vertex in a cell that has one.
+    /// Returns the index of the vertex in a cell. The cell must have a vertex.
     fn in_cell(&self, column: u32, row: u32) -> usize {
         let range = self.rows[row as usize].clone();
         range.start + self.all[range].partition_point(|vertex| vertex.column < column)
     }
 }
 
-/// Returns the regions of a picture with their boundaries; `None` if cancelled. Coordinates are in pixels of
-/// `samples_per_px` samples.
+/// Returns the regions of a picture with their boundaries; `None` if cancelled. Coordinates are in pixels, each with
+/// `samples_per_px` samples along a side.
 pub(super) fn partition(
     surfaces: &Surfaces<'_>,
     samples_per_px: u32,
@@ -101,12 +101,12 @@ pub(super) fn partition(
     Some(regions)
 }
 
-/// Returns the stacks of a row of samples; `None` outside the picture.
+/// Returns the stacks of visible surfaces in a row of samples; `None` outside the picture.
 fn row_of<'a>(surfaces: &Surfaces<'a>, row: Option<u32>) -> Option<&'a [StackId]> {
     row.filter(|row| *row < surfaces.visibility.height).map(|row| surfaces.visibility.row(row))
 }
 
-/// Returns the vertices of the cells between a row of samples and the one above it.
+/// Returns the vertices of the cells between a row of samples and the row above it.
 fn vertices_of(surfaces: &Surfaces<'_>, row: u32) -> Vec<BoundaryVertex> {
     let (above, below) = (row_of(surfaces, row.checked_sub(1)), row_of(surfaces, Some(row)));
     let width = surfaces.visibility.width;
@@ -124,8 +124,8 @@ fn vertices_of(surfaces: &Surfaces<'_>, row: u32) -> Vec<BoundaryVertex> {
     vertices
 }
 
-/// Returns the vertex of a cell; `None` if its samples all belong to one region. The stacks are in clockwise order,
-/// beginning with the upper left sample.
+/// Returns the vertex of a cell; `None` if all samples of the cell belong to one region. `stacks` holds the stack of
+/// visible surfaces at each sample, clockwise from the upper left.
 fn vertex_of(
     surfaces: &Surfaces<'_>,
     cell @ [column, row]: [u32; 2],
@@ -213,7 +213,7 @@ struct Outlines<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct SampleSide {
     sample: [u32; 2],
-    /// Unit step along the side.
+    /// Unit step along the side, in samples to the right and down.
     step: [i32; 2],
 }
 
@@ -223,7 +223,7 @@ impl SampleSide {
         [self.step[1], -self.step[0]]
     }
 
-    /// Returns the cell at the end of the side.
+    /// Returns the column and row of the cell at the end of the side.
     fn end_cell(self) -> [u32; 2] {
         let [right, down] = self.step;
         let [x, y] = self.sample;
@@ -272,7 +272,7 @@ impl Outlines<'_> {
         Some(boundaries)
     }
 
-    /// Returns the region one step away from a sample; `None` outside the picture.
+    /// Returns the region of the sample one step away from a sample; `None` outside the picture.
     fn beyond(&self, [x, y]: [u32; 2], [right, down]: [i32; 2]) -> Option<RegionId> {
         let visibility = self.surfaces.visibility;
         let (x, y) = (x.checked_add_signed(right)?, y.checked_add_signed(down)?);
@@ -295,8 +295,8 @@ impl Outlines<'_> {
     }
 }
 
-/// Simplification of nearly straight boundaries (Douglas and Peucker, 1973). Each vertex is decided once, for the
-/// regions on both sides.
+/// Simplification of nearly straight boundaries (Douglas and Peucker, 1973). Each vertex is kept or removed once, for
+/// the regions on both sides.
 struct Simplification<'a> {
     vertices: &'a [BoundaryVertex],
     /// Maximum distance of a removed vertex from the boundary, in samples.
@@ -305,7 +305,7 @@ struct Simplification<'a> {
 }
 
 impl Simplification<'_> {
-    /// Returns the kept vertices of a closed boundary.
+    /// Simplifies a closed boundary and returns the remaining vertices.
     fn of(&mut self, mut boundary: Vec<usize>) -> Vec<usize> {
         let place = |vertex: &usize| self.vertices[*vertex].place;
         let first_in_place = |a: &usize, b: &usize| {
@@ -331,7 +331,7 @@ impl Simplification<'_> {
         boundary
     }
 
-    /// Decides which inner vertices of a chain are kept; its ends always are.
+    /// Decides which inner vertices of a chain are kept; both ends are always kept.
     fn decide(&mut self, chain: &[usize]) {
         let [first, inner @ .., last] = chain else { return };
         self.decided[*first] = Some(true);

@@ -21,7 +21,7 @@ fn outline(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, viewport: Viewp
 }
 
 #[test]
-fn progress_ends_with_the_whole_and_cancelling_ends_at_the_next_report() {
+fn progress_ends_at_one_and_cancelling_takes_effect_at_the_next_report() {
     let scene = Arc::new(builtin::by_id("cubes").unwrap().build());
     let (camera, recipe) = (&scene.home, &Recipe::default());
     let request = OutlineRequest { scene: &scene, camera, recipe, viewport: SIZE, kind: OutlineKind::Polygons };
@@ -63,7 +63,7 @@ fn one_triangle_has_three_edges_and_all_are_visible() {
 }
 
 #[test]
-fn hidden_lines_are_a_part_of_all_and_shared_edges_come_once() {
+fn visible_lines_are_a_part_of_the_wireframe_and_shared_edges_occur_once() {
     let (all, visible) = (drawn("cubes", OutlineKind::Wireframe), drawn("cubes", OutlineKind::HiddenLine));
     assert!(length(&visible) < 0.9 * length(&all) && length(&visible) > 0.1 * length(&all));
     let mut ends: Vec<_> = all
@@ -79,7 +79,7 @@ fn hidden_lines_are_a_part_of_all_and_shared_edges_come_once() {
 }
 
 #[test]
-fn an_edge_that_reaches_far_outside_is_hidden_to_the_pixel() {
+fn an_edge_that_reaches_far_outside_the_picture_is_hidden_with_pixel_accuracy() {
     let depth = Image::from_fn(100, 10, |x, _| if (40..50).contains(&x) { 0.2 } else { 1.0 });
     let parts = visible_parts([(DVec2::new(-16_000.0, 5.5), 0.5), (DVec2::new(16_000.0, 5.5), 0.5)], Some(&depth));
     let ends: Vec<_> = parts
@@ -97,7 +97,7 @@ fn front() -> Camera {
     Camera::look_at(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO)
 }
 
-/// Builds a scene of quads with flat materials of their own. Each quad has four corners in outline order.
+/// Builds a scene of quads, each with its own flat material. Each quad has four corners in outline order.
 fn quads(quads: &[[[f64; 3]; 4]], materials: &[&str]) -> Arc<Scene> {
     let folder = tempfile::tempdir().unwrap();
     let (mut model, mut library) = ("mtllib quads.mtl\n".to_owned(), String::new());
@@ -134,8 +134,8 @@ fn rendered(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, zoom: u32) -> 
     Renderer::default().render(scene, camera, recipe, size, KeepDepth::No).image().clone()
 }
 
-/// Counts the pixels of the magnified drawing that differ from the rendered image although no edge is within `margin`
-/// pixels, and all pixels without such an edge. Edges come from a finer image.
+/// Returns two pixel counts of the magnified drawing: pixels that differ from the rendered image, and all pixels. Both
+/// exclude pixels with an edge within `margin` pixels. Edges come from a finer image.
 fn differing(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, [zoom, margin]: [u32; 2]) -> [usize; 2] {
     let drawing = outline(scene, camera, recipe, SIZE, OutlineKind::Polygons);
     let drawn = bitmap(&drawing, zoom.into());
@@ -160,7 +160,7 @@ fn assert_shows_the_picture(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe
 }
 
 #[test]
-fn bars_that_overlap_each_other_in_a_circle_are_drawn_as_they_lie() {
+fn cyclically_overlapping_bars_are_drawn_correctly() {
     // Each bar rises along its length, so its far end lies over the next one.
     let bars: Vec<_> = (0..3)
         .map(|bar| {
@@ -212,7 +212,7 @@ fn small_things_on_a_floor_are_not_hidden_by_it() {
 }
 
 #[test]
-fn panes_tint_the_parts_of_what_is_behind_them() {
+fn transparent_panes_tint_the_surfaces_behind_them() {
     let square = |x: f64, half: f64, z: f64| {
         [[x - half, -half, z], [x + half, -half, z], [x + half, half, z], [x - half, half, z]]
     };
@@ -228,7 +228,7 @@ fn panes_tint_the_parts_of_what_is_behind_them() {
 }
 
 #[test]
-fn a_triangle_has_its_own_corners_and_the_background_has_them_as_a_hole() {
+fn a_triangle_keeps_its_exact_corners_and_leaves_a_hole_in_the_background() {
     let scene = Arc::new(builtin::by_id("triangle").unwrap().build());
     let recipe = flat("triangle-id");
     let drawing = outline(&scene, &scene.home, &recipe, SIZE, OutlineKind::Polygons);
@@ -304,7 +304,7 @@ fn every_built_in_scene_is_drawn_as_it_is_rendered() {
 }
 
 #[test]
-fn polygons_lie_on_the_background_that_the_settings_ask_for() {
+fn polygons_lie_on_the_background_of_the_settings() {
     let scene = Arc::new(builtin::by_id("triangle").unwrap().build());
     let size = Viewport { width: 32, height: 24 };
     for (setting, expected) in [("background=scene", scene.background), ("background=#d04010", [0xd0, 0x40, 0x10])] {

@@ -18,11 +18,11 @@ use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::pipeline::{Extent, Geometry, LastStage, draw};
 use crate::scene::{Scene, TriangleId};
 
-/// Number of sample rows drawn together: enough to set up most triangles once, and few enough to give every thread
-/// several bands.
+/// Number of sample rows in a band, which one thread draws. Large enough that most triangles are set up only once, and
+/// small enough that every thread gets several bands.
 const ROWS: u32 = 64;
 
-/// Progress of a drawing before and after the visible surfaces are found, in percent.
+/// Part of a drawing's progress for finding the visible surfaces, in percent.
 const VISIBILITY_PERCENT: Range<usize> = 0..50;
 
 /// Index of a stack of surfaces in [`Stacks`].
@@ -31,18 +31,18 @@ pub(super) type StackId = u32;
 /// Index of a region, which consists of all samples that show the same triangles.
 pub(super) type RegionId = u32;
 
-/// The stack and the region of samples that no triangle covers.
+/// Index of the stack, and of the region, of samples that no triangle covers.
 pub(super) const BACKGROUND: u32 = 0;
 
 /// A surface and the stack below it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct SurfaceLayer<T> {
-    /// Stack below; the background for opaque surfaces, which hide everything below.
+    /// Index of the stack below; [`BACKGROUND`] for opaque surfaces, which hide everything below.
     below: u32,
     surface: T,
 }
 
-/// Deduplicated stacks of surfaces: an opaque surface and the blended ones drawn over it.
+/// Deduplicated stacks of surfaces. A stack consists of an opaque surface and the blended surfaces drawn over it.
 #[derive(Clone, Debug)]
 struct Stacks<T> {
     /// Top layer of each stack except the background, which has none.
@@ -55,7 +55,7 @@ impl<T: Copy + Eq + std::hash::Hash> Stacks<T> {
         Self { layers: Vec::new(), numbers: HashMap::new() }
     }
 
-    /// Returns the index of a stack, adding it if it is new.
+    /// Returns the index of the stack with this top layer, and adds the stack if it is new.
     fn number(&mut self, layer: SurfaceLayer<T>) -> u32 {
         *self.numbers.entry(layer).or_insert_with(|| {
             self.layers.push(layer);
@@ -77,7 +77,7 @@ pub(super) struct Visibility {
     pub(super) width: u32,
     /// Number of rows of samples.
     pub(super) height: u32,
-    /// The stack of each sample, row by row.
+    /// Stack of each sample, row by row.
     labels: Vec<StackId>,
     /// Stacks of indices into [`Geometry::triangles`].
     stacks: Stacks<u32>,
@@ -88,7 +88,8 @@ pub(super) struct Visibility {
 }
 
 impl Visibility {
-    /// Draws `geometry`, which must be prepared for a picture of `size`; `None` if cancelled.
+    /// Draws `geometry` and records the visible surfaces; returns `None` if cancelled. The geometry must be prepared
+    /// for a picture of `size`.
     pub(super) fn of(
         scene: &Scene,
         geometry: &Geometry,
@@ -141,12 +142,12 @@ impl Visibility {
         self.labels[y as usize * self.width as usize + x as usize]
     }
 
-    /// Returns the region of a stack.
+    /// Returns the region of the samples that show a stack.
     pub(super) fn region(&self, stack: StackId) -> RegionId {
         self.regions[stack as usize]
     }
 
-    /// Returns the colours of all regions.
+    /// Returns the mean colour of each region, in sRGB codes.
     pub(super) fn colors(&self) -> &[Rgb] {
         &self.colors
     }
@@ -170,14 +171,14 @@ impl Sum {
         self.count += other.count;
     }
 
-    /// Returns the mean, rounded to nearest; `None` without samples.
+    /// Returns the mean colour of the samples, rounded to nearest; `None` without samples.
     fn mean(&self) -> Option<Rgb> {
         let Self { codes, count } = *self;
         (count > 0).then(|| codes.map(|code| ((code + count / 2) / count) as u8))
     }
 }
 
-/// A band of rows of the picture, with its own numbering of stacks.
+/// A band of sample rows, with its own stack indices.
 struct RowBand {
     labels: Vec<u32>,
     stacks: Stacks<u32>,
@@ -213,7 +214,7 @@ struct StackRecorder<'a> {
     width: u32,
     labels: Vec<u32>,
     stacks: Stacks<u32>,
-    /// Index of the triangle of the previous fragment; most fragments have the same triangle.
+    /// Index of the triangle of the previous fragment, cached because most fragments have the same triangle.
     last_drawn: usize,
 }
 

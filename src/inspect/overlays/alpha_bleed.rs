@@ -11,12 +11,12 @@ use crate::inspect::view::Range;
 use crate::pipeline::LastStage;
 use crate::pipeline::settings::{AlphaMode, Settings};
 
-/// Returns the greatest difference of any channel, in codes.
+/// Returns the greatest difference between two colours in any channel, in sRGB codes.
 fn difference(a: Rgba8, b: Rgba8) -> u8 {
     a.iter().zip(b).map(|(a, b)| a.abs_diff(b)).max().unwrap_or(0)
 }
 
-/// Computes the difference from premultiplied filtering at each pixel, in codes.
+/// Computes the difference from premultiplied filtering at each pixel, in sRGB codes.
 pub(super) fn alpha_bleed(context: &OverlayContext<'_>) -> Sheet {
     let OverlayContext { scene, recipe, frame, .. } = context;
     let pipeline = Settings { alpha: AlphaMode::Premultiplied, ..recipe.pipeline };

@@ -25,12 +25,12 @@ fn badness(value: Value) -> Option<usize> {
     tests.iter().position(|test| channels(value).any(test))
 }
 
-/// Marks NaN, infinite and negative values.
+/// Marks NaN, infinite and negative values of the displayed quantity.
 pub(super) fn bad_numbers(context: &OverlayContext<'_>) -> Sheet {
     sheet(Overlay::BadNumbers, context, &BAD, badness)
 }
 
-/// Marks values outside the displayed range.
+/// Marks values of the displayed quantity outside its range.
 pub(super) fn clipped(context: &OverlayContext<'_>) -> Sheet {
     let Some(range) = context.range else {
         return Sheet::absent(Overlay::Clipped, context.frame.image().size(), "the displayed quantity has no range");

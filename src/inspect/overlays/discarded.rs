@@ -7,7 +7,7 @@ use super::{Overlay, OverlayContext};
 use crate::image::Image;
 use crate::inspect::history::Survey;
 
-/// Reasons, in the order that resolves ties between them.
+/// Reasons for discarding fragments. In a tie, the first reason is shown.
 const REASONS: [PixelKind; 3] = [
     PixelKind { name: "depth test", color: [230, 60, 50, 255], striped: false },
     PixelKind { name: "alpha test", color: [250, 200, 40, 255], striped: false },
@@ -35,7 +35,7 @@ fn most_frequent(counts: [u32; 3]) -> Option<usize> {
     counts.iter().position(|count| *count == most)
 }
 
-/// Returns the totals over all packed samples.
+/// Returns the totals of all reasons over all drawn samples.
 fn totals(packed: &Image<u32>, counts: impl Fn(u32, u32) -> [u32; 3]) -> Vec<Total> {
     let (width, height) = packed.size();
     let (mut sums, mut touched) = ([0_u64; 3], 0_u64);
@@ -55,7 +55,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_most_frequent_reason_is_shown_and_the_first_among_equals() {
+    fn the_most_frequent_reason_is_shown_or_the_first_in_a_tie() {
         assert_eq!(most_frequent([0; 3]), None);
         assert_eq!(most_frequent([1, 3, 2]), Some(1));
         assert_eq!(most_frequent([0, 2, 2]), Some(1));

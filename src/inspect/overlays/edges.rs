@@ -12,7 +12,7 @@ use crate::pipeline::wireframe::line_pixels;
 use crate::scene::Scene;
 use crate::upscale::Sampling;
 
-/// Draws all edges, between exact or snapped corners.
+/// Draws the edges of all rasterized triangles, between exact or snapped corners.
 pub(super) fn wireframe(overlay: Overlay, context: &OverlayContext<'_>) -> Sheet {
     let OverlayContext { scene, recipe, frame, .. } = context;
     let size = frame.image().size();
@@ -51,7 +51,7 @@ pub(super) fn each_triangle(scene: &Scene, recipe: &Recipe, frame: &Frame, sink:
 /// An edge of a triangle, with its inner side and ownership.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct EdgeMarks {
-    /// Ends in px, as rasterized.
+    /// Ends in px, at the corners that the rasterizer uses.
     pub(crate) ends_px: [[f32; 2]; 2],
     /// Unit vector from the edge into the triangle, y down.
     pub(crate) inward: [f32; 2],
@@ -60,8 +60,8 @@ pub(crate) struct EdgeMarks {
 }
 
 /// Returns the edges of rasterized triangles whose bounding box meets a rectangle (left, top, right, bottom in px of
-/// the picture). Stops after the triangle that reaches `most` edges. Empty for lattice sampling, which has no edges at
-/// the full resolution.
+/// the picture). Stops after the triangle that reaches `most` edges. Returns no edges for lattice sampling, which does
+/// not rasterize at the full resolution.
 pub(crate) fn edge_marks(
     frame: &Frame,
     recipe: &Recipe,

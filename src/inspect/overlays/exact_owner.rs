@@ -1,4 +1,4 @@
-//! Pixels that show a triangle other than exact arithmetic would.
+//! Pixels that show a different triangle than exact arithmetic would.
 //!
 //! The reference is drawn with exact predicates on unsnapped corners by the bounding-box rasterizer. It shares
 //! projection and depth with the frame. Differences come from rounding of corners and edges, or from a deliberately
@@ -18,7 +18,7 @@ const DIFFERENCES: [PixelKind; 3] = [
     PixelKind { name: "extra", color: [255, 150, 0, 255], striped: false },
 ];
 
-/// Returns the recipe of the reference.
+/// Returns the recipe that draws the exact reference.
 fn oracle(recipe: &Recipe) -> Recipe {
     let Settings { fill_rule, .. } = recipe.pipeline;
     let pipeline = Settings {
@@ -32,7 +32,7 @@ fn oracle(recipe: &Recipe) -> Recipe {
     Recipe { execution: Execution::Classic, pipeline, antialias, post, wireframe: false, ..*recipe }
 }
 
-/// Marks pixels whose owner differs from the reference.
+/// Marks pixels whose visible triangle differs from the exact reference.
 pub(super) fn exact_owner(context: &OverlayContext<'_>) -> Sheet {
     let OverlayContext { scene, recipe, frame, .. } = context;
     let overlay = Overlay::ExactOwner;

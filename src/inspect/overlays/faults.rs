@@ -12,7 +12,7 @@ const FAULTS: [PixelKind; 2] = [
     PixelKind { name: "double hit", color: DOUBLE_HIT, striped: false },
 ];
 
-/// Marks the faults of a frame.
+/// Marks the cracks and double hits of a frame.
 pub(super) fn faults(context: &OverlayContext<'_>) -> Sheet {
     let (width, height) = context.frame.image().size();
     let OverlayContext { scene, recipe, frame, .. } = context;

@@ -13,7 +13,7 @@ const OUTCOMES: [PixelKind; 3] = [
     PixelKind { name: "all rejected", color: [200, 40, 40, 255], striped: false },
 ];
 
-/// Shows one of the three fragment counts.
+/// Shows the number of rasterized, passed or visible fragments at each pixel.
 pub(super) fn count(overlay: Overlay, context: &OverlayContext<'_>) -> Sheet {
     let watched = context.stats();
     let counts = match overlay {
@@ -28,7 +28,7 @@ pub(super) fn count(overlay: Overlay, context: &OverlayContext<'_>) -> Sheet {
     Sheet::new(overlay, values, SheetLegend::Scale(scale), totals_of(counts))
 }
 
-/// Converts a count to a number; zero becomes NaN.
+/// Converts a count to an overlay value; zero becomes NaN, which is not drawn.
 fn positive(count: u32) -> f32 {
     if count > 0 { count as f32 } else { f32::NAN }
 }

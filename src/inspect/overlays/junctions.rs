@@ -12,7 +12,7 @@ const KINDS: [PixelKind; 2] = [
     PixelKind { name: "unwelded vertex", color: DOUBLE_HIT, striped: false },
 ];
 
-/// Marks the pixel of every such vertex whose triangle was rasterized, even if occluded.
+/// Marks the pixels of T-junctions and unwelded vertices whose triangle was rasterized, even if occluded.
 pub(super) fn junctions(context: &OverlayContext<'_>) -> Sheet {
     let OverlayContext { scene, recipe, frame, .. } = context;
     let (width, height) = frame.image().size();

@@ -12,9 +12,9 @@ use crate::pipeline::settings::Choice as _;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
 pub struct OverlayLayer {
-    /// Overlay of the layer.
+    /// Overlay that the layer shows.
     pub(crate) overlay: Overlay,
-    /// Opacity, in [0, 1].
+    /// Opacity of the layer, in [0, 1].
     pub opacity: f32,
     /// Length of normals, in [0, 1], as a fraction of the diagonal of the scene's bounding box; unused by other
     /// overlays.
@@ -46,12 +46,12 @@ impl OverlayLayer {
         self.overlay.has_length().then_some(self.length)
     }
 
-    /// Whether a sheet shows this layer's overlay with its current length.
+    /// Whether a sheet shows the overlay of this layer with the layer's current length.
     pub(crate) fn is_of(&self, sheet: &Sheet) -> bool {
         sheet.overlay == self.overlay && sheet.length == self.drawn_length()
     }
 
-    /// Computes the sheet of the overlay for a frame.
+    /// Computes the sheet of the layer's overlay for a frame.
     pub(crate) fn sheet(&self, context: &OverlayContext<'_>) -> Sheet {
         match self.drawn_length() {
             Some(length) => normals::normals(self.overlay, length, context),
@@ -102,7 +102,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn layers_are_read_as_they_are_written() {
+    fn layers_survive_a_round_trip_through_text() {
         for overlay in Overlay::ALL {
             for opacity in [overlay.first_opacity(), 0.0, 1.0 / 3.0, 1.0] {
                 for length in [DEFAULT_LENGTH, 0.25] {

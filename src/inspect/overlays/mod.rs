@@ -58,7 +58,7 @@ use crate::scene::Scene;
 use crate::scene::seams::Seams;
 
 choice! {
-    /// An overlay over the picture.
+    /// An overlay that can be drawn over any picture of a frame.
     Overlay {
         Wireframe = "wireframe", "Wireframe", "Edges of all rasterized triangles after projection, before snapping; light on dark and dark on light.";
         SnappedWireframe = "wireframe-snapped", "Wireframe, snapped", "The same edges between the corners that the rasterizer uses: snapped to 1/256 px in fixed point.";
@@ -84,21 +84,21 @@ choice! {
     }
 }
 
-/// Inputs of overlays.
+/// Inputs from which overlays are computed.
 pub struct OverlayContext<'a> {
-    /// Scene of the frame.
+    /// Scene that the frame shows.
     pub scene: &'a Scene,
     /// Recipe that the frame was drawn with.
     pub recipe: &'a Recipe,
-    /// Frame to overlay.
+    /// Frame for which overlays are computed.
     pub frame: &'a Frame,
     /// Whether all triangles of the frame were drawn.
     pub is_whole: bool,
-    /// Data recorded by the observer; computed on first use.
+    /// Cache of the data recorded while drawing the frame again; filled on first use.
     pub stats_cache: &'a OnceLock<FragmentStats>,
     /// Open seams of the scene; `None` until the search for them is complete.
     pub seams: Option<&'a Seams>,
-    /// Displayed quantity at a pixel of the full picture.
+    /// Function that returns the displayed quantity at a pixel of the full picture.
     pub shown: &'a dyn Fn(u32, u32) -> Value,
     /// Range of the displayed quantity, if it has one.
     pub range: Option<Range>,
@@ -110,7 +110,7 @@ impl OverlayContext<'_> {
         self.stats_cache.get_or_init(|| watch::watch(self.scene, self.recipe, self.frame))
     }
 
-    /// Expands a number per packed sample to the pixels of the full picture; NaN where nothing was drawn.
+    /// Expands one number per packed sample to the pixels of the full picture; NaN at pixels that were not drawn.
     fn spread(&self, number: impl Fn(u32, u32) -> f32) -> Image<f32> {
         let (width, height) = self.frame.image().size();
         let at = |x, y| self.frame.sample_at(x, y).map_or(f32::NAN, |(column, row)| number(column, row));
@@ -141,7 +141,7 @@ impl Overlay {
         }
     }
 
-    /// Whether the overlay may take longer than a frame: it draws the scene again with slower arithmetic.
+    /// Whether computing the overlay may take longer than a frame, because it draws the scene with slower arithmetic.
     pub(crate) fn is_slow(self) -> bool {
         self == Self::ExactOwner
     }
@@ -166,7 +166,7 @@ impl Overlay {
         Sheet::absent(self, context.frame.image().size(), why)
     }
 
-    /// Computes the overlay for a frame with default settings.
+    /// Computes the overlay for a frame, with the default length of normals.
     pub fn sheet(self, context: &OverlayContext<'_>) -> Sheet {
         match self {
             Self::Wireframe | Self::SnappedWireframe => edges::wireframe(self, context),

@@ -1,4 +1,4 @@
-//! Vertex and face normals as lines.
+//! Overlays of vertex and face normals, drawn as lines.
 
 use super::edges::each_triangle;
 use super::sheet::{PixelKind, Sheet, SheetLegend, Total};
@@ -7,10 +7,10 @@ use crate::image::{Image, Rgba8};
 use crate::inspect::normals::{NormalKind, Projector, normal_lines, world_length};
 use crate::pipeline::wireframe::line_pixels;
 
-/// Colour of vertex normals.
+/// Colour of vertex normals, in sRGB codes.
 pub(crate) const VERTEX_NORMAL: Rgba8 = [64, 220, 232, 255];
 
-/// Colour of face normals.
+/// Colour of face normals, in sRGB codes.
 pub(crate) const FACE_NORMAL: Rgba8 = [255, 208, 64, 255];
 
 const VERTEX: [PixelKind; 1] = [PixelKind { name: "vertex normal", color: VERTEX_NORMAL, striped: false }];

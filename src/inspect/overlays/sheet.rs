@@ -7,18 +7,18 @@ use crate::inspect::view::Range;
 use crate::pipeline::settings::Choice as _;
 use crate::pipeline::wireframe::line_color;
 
-/// A kind of pixel in an overlay, identified by its index in the list.
+/// A kind of pixel in the legend of an overlay. Its index in the legend is the value of its pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PixelKind {
-    /// Display name.
+    /// Display name of the kind, shown in the legend.
     pub(crate) name: &'static str,
-    /// Colour of the kind.
+    /// Colour of pixels of the kind, in sRGB codes.
     pub(crate) color: Rgba8,
-    /// Whether it is drawn as stripes, so that the picture below remains readable.
+    /// Whether pixels of the kind are striped, so that the picture below remains readable.
     pub(crate) striped: bool,
 }
 
-/// Mapping of numbers to colours.
+/// Mapping of an overlay's numbers to colours.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ColorScale {
     /// Numbers at both ends of the colour map.
@@ -29,7 +29,7 @@ pub(crate) struct ColorScale {
     pub(crate) map: ColorMap,
     /// Whether the colour map is reversed.
     pub(crate) reversed: bool,
-    /// Unit displayed after the number.
+    /// Unit displayed after numbers.
     pub(crate) unit: &'static str,
 }
 
@@ -51,7 +51,7 @@ impl ColorScale {
         if self.logarithmic { (low.ln() + (high.ln() - low.ln()) * share).exp() } else { low + (high - low) * share }
     }
 
-    /// Returns the colour of a number.
+    /// Returns the colour of a number on the scale.
     pub(crate) fn color(&self, number: f32) -> Rgba8 {
         self.map.color(self.position(number))
     }
@@ -68,18 +68,18 @@ pub(crate) enum SheetLegend {
     Scale(ColorScale),
 }
 
-/// A total over the picture.
+/// A total of an overlay's values over the whole picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Total {
-    /// Display name.
+    /// Display name of the total.
     pub(crate) name: &'static str,
-    /// Value, in `unit`.
+    /// Value of the total, in `unit`.
     pub number: f64,
     /// Unit displayed after the value; may be empty.
     pub(crate) unit: &'static str,
 }
 
-/// Result of an overlay for a frame.
+/// Result of computing an overlay for a frame.
 #[derive(Clone, Debug)]
 pub struct Sheet {
     /// Overlay that the sheet shows.
@@ -91,13 +91,13 @@ pub struct Sheet {
     pub(crate) counts: Vec<Image<f32>>,
     /// Legend of the colours.
     pub(crate) key: SheetLegend,
-    /// Totals over all drawn samples.
+    /// Totals of the overlay over all drawn samples.
     pub totals: Vec<Total>,
     /// Lines in px, for overlays that consist of lines: three edges per triangle, or normals.
     pub lines: Vec<[[f32; 2]; 2]>,
     /// Length of normals as a fraction of the diagonal of the scene's bounding box; `None` for other overlays.
     pub(crate) length: Option<f32>,
-    /// Reason why the sheet has no values; `None` if it has some.
+    /// Reason why the sheet has no values; `None` if it has values.
     pub(crate) absence: Option<String>,
 }
 
@@ -113,14 +113,14 @@ impl Sheet {
         Self { overlay, values, counts: Vec::new(), key, totals, lines: Vec::new(), length: None, absence: None }
     }
 
-    /// Creates a sheet without values, with the reason.
+    /// Creates a sheet without values, with the reason for their absence.
     pub(super) fn absent(overlay: Overlay, (width, height): (u32, u32), why: impl Into<String>) -> Self {
         let values = Image::filled(width, height, f32::NAN);
         Self { absence: Some(why.into()), ..Self::new(overlay, values, SheetLegend::Lines, Vec::new()) }
     }
 
-    /// Returns the colour at a pixel over the picture below, and its relative opacity in [0, 1]; `None` without a
-    /// value.
+    /// Returns the overlay's colour at a pixel and its relative opacity in [0, 1]; `None` without a value. `below` is
+    /// the colour of the picture below.
     fn color(&self, x: u32, y: u32, below: Rgba8) -> Option<(Rgba8, f32)> {
         let value = self.values.at(x, y);
         if value.is_nan() {
@@ -145,7 +145,7 @@ impl Sheet {
         }
     }
 
-    /// Describes the value at a pixel; `None` without a value.
+    /// Returns the value at a pixel as text; `None` if the pixel has no value.
     pub(crate) fn text(&self, x: u32, y: u32) -> Option<String> {
         let value = self.values.get(x, y).filter(|value| !value.is_nan())?;
         match &self.key {
@@ -163,7 +163,8 @@ impl Sheet {
         }
     }
 
-    /// Returns the next pixel after `from` with a value in reading order, or the previous one; wraps around at the end.
+    /// Returns the next pixel with a value after `from` in reading order, or the previous one if not `forwards`. Wraps
+    /// around at both ends of the picture.
     pub fn next_pixel(&self, from: Option<(u32, u32)>, forwards: bool) -> Option<(u32, u32)> {
         let (width, height) = self.values.size();
         let count = u64::from(width) * u64::from(height);
@@ -205,7 +206,7 @@ pub fn compose<'a>(base: &Image<Rgba8>, layers: impl IntoIterator<Item = (&'a Sh
     picture
 }
 
-/// Interpolates sRGB codes: for display, not for measurement.
+/// Interpolates two colours in sRGB codes, which suits display but not measurement.
 fn mixed(below: Rgba8, above: Rgba8, share: f32) -> Rgba8 {
     let mut mixed = below;
     for (code, above) in mixed.iter_mut().zip(above).take(3) {

@@ -7,25 +7,25 @@ use crate::inspect::display::ColorMap;
 use crate::inspect::view::Range;
 use crate::pipeline::viewport::Viewport;
 
-/// The two facings.
+/// Kinds of pixels of the facing overlay.
 const SIDES: [PixelKind; 2] = [
     PixelKind { name: "front", color: [40, 120, 230, 255], striped: false },
     PixelKind { name: "back", color: [240, 150, 20, 255], striped: false },
 ];
 
-/// Area at the low end of the colour scale, in px².
+/// Triangle area at the low end of the colour scale, in px².
 const MIN_AREA_PX2: f32 = 0.01;
 
-/// Height at the low end of the colour scale, in px: a quarter of the snapping step.
+/// Triangle height at the low end of the colour scale, in px: a quarter of the snapping step.
 const MIN_HEIGHT_PX: f32 = 1.0 / 1024.0;
 
 /// Area (px²) or height (px) below which triangles count as small or thin.
 const ONE_PX: f64 = 1.0;
 
-/// Texel densities at both ends of the colour scale, by the same factor below and above 1.
+/// Texel densities at both ends of the colour scale, in texels per pixel: the same factor below and above 1.
 const DENSITIES: Range = Range { low: 1.0 / 16.0, high: 16.0 };
 
-/// Shows whether the visible triangle is front-facing.
+/// Shows whether the visible triangle at each pixel is front-facing.
 pub(super) fn facing(context: &OverlayContext<'_>) -> Sheet {
     let surfaces = &context.stats().surface;
     let values = context.spread(|column, row| {
@@ -41,7 +41,7 @@ pub(super) fn facing(context: &OverlayContext<'_>) -> Sheet {
     Sheet::new(Overlay::Facing, values, SheetLegend::Kinds(&SIDES), totals)
 }
 
-/// Shows the area of the visible triangle, in px².
+/// Shows the area of the visible triangle at each pixel, in px².
 pub(super) fn size(context: &OverlayContext<'_>) -> Sheet {
     let surfaces = &context.stats().surface;
     let values = context.spread(|column, row| surfaces.at(column, row).area_px2);
@@ -51,7 +51,7 @@ pub(super) fn size(context: &OverlayContext<'_>) -> Sheet {
     Sheet::new(Overlay::TriangleSize, values, key, triangles(context, 0, "smaller than 1 px²", "px²"))
 }
 
-/// Shows the least height of the visible triangle, in px.
+/// Shows the least height of the visible triangle at each pixel, in px.
 pub(super) fn sliver(context: &OverlayContext<'_>) -> Sheet {
     let surfaces = &context.stats().surface;
     let values = context.spread(|column, row| surfaces.at(column, row).height_px);
@@ -61,7 +61,7 @@ pub(super) fn sliver(context: &OverlayContext<'_>) -> Sheet {
     Sheet::new(Overlay::Sliver, values, key, triangles(context, 1, "thinner than 1 px", "px"))
 }
 
-/// Shows the texel density of the visible triangle, in texels per pixel.
+/// Shows the texel density of the visible triangle at each pixel, in texels per pixel.
 pub(super) fn texel_density(context: &OverlayContext<'_>) -> Sheet {
     let surfaces = &context.stats().surface;
     let values = context.spread(|column, row| surfaces.at(column, row).texels_per_px);

@@ -75,7 +75,7 @@ fn count(value: f32) -> usize {
 }
 
 #[test]
-fn counts_are_those_of_every_triangle_and_every_pixel_taken_alone() {
+fn counts_match_single_triangles_and_the_replay_of_every_pixel() {
     for scene in ["interpenetrating", "stained-glass"] {
         let mut recipe = Recipe::default();
         recipe.pipeline.culling = Culling::None;
@@ -119,7 +119,7 @@ fn counts_are_those_of_every_triangle_and_every_pixel_taken_alone() {
 }
 
 #[test]
-fn discarded_fragments_are_those_of_every_pixel_taken_alone() {
+fn discarded_fragments_match_the_replay_of_every_pixel() {
     let (mut discarded, mut of_kinds) = (0, [0_usize; 3]);
     for scene in ["interpenetrating", "stained-glass", "cubes", "near-plane"] {
         for method in ["native", "checkerboard"] {
@@ -155,7 +155,7 @@ fn discarded_fragments_are_those_of_every_pixel_taken_alone() {
 }
 
 #[test]
-fn culled_coverage_is_what_is_rasterized_if_the_other_side_is_culled() {
+fn culled_coverage_equals_rasterized_coverage_with_the_other_side_culled() {
     let with = |culling| {
         let mut recipe = Recipe::default();
         (recipe.pipeline.culling, recipe.pipeline.depth_test) = (culling, DepthTest::Off);
@@ -170,7 +170,7 @@ fn culled_coverage_is_what_is_rasterized_if_the_other_side_is_culled() {
 }
 
 #[test]
-fn sizes_are_those_of_the_snapped_corners_in_whole_numbers() {
+fn sizes_match_integer_arithmetic_on_snapped_corners() {
     let bench = OverlayBench::new("shared-edges", Recipe::default(), (40, 30));
     let sizes = bench.sheet(Overlay::TriangleSize);
     let heights = bench.sheet(Overlay::Sliver);
@@ -200,7 +200,7 @@ fn sizes_are_those_of_the_snapped_corners_in_whole_numbers() {
 }
 
 #[test]
-fn the_snapped_wireframe_is_the_one_that_recipes_draw() {
+fn the_snapped_wireframe_matches_the_wireframe_setting() {
     let bench = OverlayBench::new("slivers", Recipe::default(), (60, 40));
     let sheet = bench.sheet(Overlay::SnappedWireframe);
     let mut on_line = Image::filled(60, 40, false);
@@ -215,12 +215,12 @@ fn the_snapped_wireframe_is_the_one_that_recipes_draw() {
 }
 
 #[test]
-fn both_sides_are_told_apart() {
+fn front_and_back_faces_are_distinguished() {
     let mut recipe = Recipe::default();
     recipe.pipeline.culling = Culling::None;
     let mut bench = OverlayBench::new("cubes", recipe, (32, 24));
     let sheet = bench.sheet(Overlay::Facing);
-    assert_eq!(total(&sheet, "back"), 0.0, "closed bodies hide their backs");
+    assert_eq!(total(&sheet, "back"), 0.0, "closed meshes hide their back faces");
     assert!(total(&sheet, "front") > 50.0);
     bench.recipe.pipeline.culling = Culling::Front;
     let inside_out = OverlayBench::new("cubes", bench.recipe, (32, 24)).sheet(Overlay::Facing);
@@ -229,7 +229,7 @@ fn both_sides_are_told_apart() {
 }
 
 #[test]
-fn texel_density_is_what_neighbours_differ_by() {
+fn texel_density_matches_the_differences_between_neighbouring_pixels() {
     let bench = OverlayBench::new("chess", Recipe::default(), (160, 120));
     let sheet = bench.sheet(Overlay::TexelDensity);
     let at = |x: u32, y: u32| {
@@ -259,7 +259,7 @@ fn texel_density_is_what_neighbours_differ_by() {
 }
 
 #[test]
-fn faults_lie_where_hits_are_wrong() {
+fn faults_are_marked_where_hit_counts_are_wrong() {
     let mut recipe = Recipe::default();
     for (rule, kind, color) in [(FillRule::Exclusive, "crack", CRACK), (FillRule::Inclusive, "double hit", DOUBLE_HIT)]
     {
@@ -276,7 +276,7 @@ fn faults_lie_where_hits_are_wrong() {
 }
 
 #[test]
-fn exact_arithmetic_agrees_with_itself_and_finds_what_a_wrong_rule_does() {
+fn exact_arithmetic_agrees_with_itself_and_reveals_a_wrong_fill_rule() {
     let mut recipe = Recipe::default();
     recipe.pipeline.arithmetic = Arithmetic::Exact;
     let exact = OverlayBench::new("slivers", recipe, (60, 40)).sheet(Overlay::ExactOwner);
@@ -301,15 +301,15 @@ fn exact_arithmetic_agrees_with_itself_and_finds_what_a_wrong_rule_does() {
 }
 
 #[test]
-fn tiles_are_handed_what_the_tiled_way_says() {
+fn tile_loads_match_the_bins_of_the_tiled_renderer() {
     let mut smooth = Recipe::default();
     smooth.set("antialias.method=multisample").unwrap();
     for recipe in [Recipe::default(), smooth] {
-        tiles_are_handed_what_is_said_of(recipe);
+        assert_tile_loads_match_the_bins(recipe);
     }
 }
 
-fn tiles_are_handed_what_is_said_of(recipe: Recipe) {
+fn assert_tile_loads_match_the_bins(recipe: Recipe) {
     let mut bench = OverlayBench::new("cubes", recipe, (200, 150));
     bench.frame = Renderer::default().render(
         &bench.scene,
@@ -338,7 +338,7 @@ fn tiles_are_handed_what_is_said_of(recipe: Recipe) {
 }
 
 #[test]
-fn what_is_no_proper_number_is_marked_and_stepped_to() {
+fn invalid_numbers_are_marked_and_can_be_stepped_through() {
     let bench = OverlayBench::new("triangle", Recipe::default(), (8, 4));
     let shown = |x: u32, y: u32| match (x, y) {
         (1, 0) => Value::Number(f32::NAN),
@@ -356,7 +356,7 @@ fn what_is_no_proper_number_is_marked_and_stepped_to() {
     assert_eq!(bad.totals.iter().map(|total| total.number).collect::<Vec<_>>(), [1.0, 1.0, 1.0]);
     assert_eq!(bad.next_pixel(None, true), Some((1, 0)));
     assert_eq!(bad.next_pixel(Some((1, 0)), true), Some((5, 1)));
-    assert_eq!(bad.next_pixel(Some((2, 3)), true), Some((1, 0)), "round the end");
+    assert_eq!(bad.next_pixel(Some((2, 3)), true), Some((1, 0)), "wraps around");
     assert_eq!(bad.next_pixel(Some((1, 0)), false), Some((2, 3)));
     assert_eq!(bad.next_pixel(None, false), Some((2, 3)));
     let clipped = bench.sheet_over(Overlay::Clipped, range, &shown);
@@ -368,7 +368,7 @@ fn what_is_no_proper_number_is_marked_and_stepped_to() {
 }
 
 #[test]
-fn sheets_are_laid_in_order_and_change_nothing_below() {
+fn sheets_are_composed_in_order_and_leave_the_picture_unchanged() {
     let bench = OverlayBench::new("shared-edges", Recipe::default(), (32, 24));
     let (facing, size) = (bench.sheet(Overlay::Facing), bench.sheet(Overlay::TriangleSize));
     let base = bench.frame.image().clone();
@@ -402,7 +402,7 @@ fn owners_of_edges_follow_the_fill_rule() {
 }
 
 #[test]
-fn totals_are_a_table() {
+fn totals_are_written_as_comma_separated_values() {
     let bench = OverlayBench::new("triangle", Recipe::default(), (16, 12));
     let sheet = bench.sheet(Overlay::Rasterized);
     let table = csv([&sheet]);
@@ -414,7 +414,7 @@ fn totals_are_a_table() {
 }
 
 #[test]
-fn normals_are_those_of_rasterized_triangles_and_as_long_as_their_layer_says() {
+fn normals_of_rasterized_triangles_have_the_length_of_their_layer() {
     let layer = |text: &str| text.parse::<OverlayLayer>().unwrap();
     let mut recipe = Recipe::default();
     let lines = |bench: &OverlayBench, text: &str| bench.layer_sheet(&layer(text)).lines;

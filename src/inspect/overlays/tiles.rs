@@ -8,7 +8,7 @@ use crate::inspect::view::Range;
 use crate::pipeline::tiled::{self, TILE_SIDE};
 use crate::upscale::Sampling;
 
-/// Shows the number of triangles per tile.
+/// Shows the number of triangles that are binned to each tile.
 pub(super) fn load(context: &OverlayContext<'_>) -> Sheet {
     let OverlayContext { scene, recipe, frame, .. } = context;
     let absent = |why: &str| Sheet::absent(Overlay::TileLoad, frame.image().size(), why);

@@ -12,44 +12,44 @@ use crate::pipeline::shade::Shader;
 use crate::pipeline::viewport::ScreenTriangle;
 use crate::scene::{Scene, TriangleId};
 
-/// Recorded data, in the packed layout of the framebuffer.
+/// Fragment counts and visible triangles of all samples, in the packed layout of the framebuffer.
 #[derive(Clone, Debug)]
 pub struct FragmentStats {
-    /// Number of fragments of each sample.
+    /// Number of fragments that the rasterizer generated at each sample.
     pub(crate) rasterized: Image<u32>,
-    /// Number of fragments that passed the depth test when drawn; all of them without a depth test.
+    /// Number of fragments at each sample that passed the depth test when drawn; all fragments without a depth test.
     pub(crate) passed: Image<u32>,
-    /// Number of fragments that passed the depth test but were discarded by the alpha test.
+    /// Number of fragments at each sample that passed the depth test but were discarded by the alpha test.
     pub(crate) alpha_rejected: Image<u32>,
-    /// Number of fragments that are visible in the finished frame.
+    /// Number of fragments at each sample that are visible in the finished frame.
     pub(crate) visible: Image<u32>,
-    /// Triangle written last at each sample, or [`TriangleId::NONE`]. Where triangles are blended, this is normally the
+    /// Triangle written last at each sample, or [`TriangleId::NONE`]. Among blended triangles, this is normally the
     /// nearest.
     pub(crate) owner: Image<TriangleId>,
-    /// Properties of that triangle.
+    /// Properties of the triangle written last at each sample.
     pub(crate) surface: Image<VisibleSurface>,
 }
 
 /// Properties of the visible triangle at a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct VisibleSurface {
-    /// Area as rasterized, in px²; for a clipped triangle, the area of the piece.
+    /// Area of the triangle as rasterized, in px²; for a clipped triangle, the area of the visible piece.
     pub(crate) area_px2: f32,
-    /// Least height in px: doubled area over the longest side.
+    /// Least height of the triangle in px: its doubled area divided by its longest side.
     pub(crate) height_px: f32,
     /// Whether the triangle is front-facing.
     pub(crate) is_front: bool,
-    /// Texels per pixel along one axis; NaN without a texture.
+    /// Texel density at the sample, in texels per pixel along one axis; NaN without a texture.
     pub(crate) texels_per_px: f32,
 }
 
 impl VisibleSurface {
-    /// Value at samples without a visible triangle.
+    /// Placeholder for samples without a visible triangle.
     pub(crate) const NONE: Self =
         Self { area_px2: f32::NAN, height_px: f32::NAN, is_front: false, texels_per_px: f32::NAN };
 }
 
-/// Draws a frame again and records the data of its samples.
+/// Draws a frame again and records fragment counts and the visible triangle of each sample.
 pub(crate) fn watch(scene: &Scene, recipe: &Recipe, frame: &Frame) -> FragmentStats {
     let (width, height) = frame.drawn.color.size();
     let mut watcher = FragmentStatsRecorder {
@@ -78,7 +78,7 @@ struct FragmentStatsRecorder<'a> {
     scene: &'a Scene,
     recipe: &'a Recipe,
     frame: &'a Frame,
-    /// Triangle of the previous fragment, by address, and its constant properties.
+    /// Address of the triangle of the previous fragment, and its constant properties, cached for the next fragment.
     current: Option<(*const ScreenTriangle, TriangleProperties)>,
     has_depth: bool,
     /// Shaders, one for each instance.
@@ -90,7 +90,7 @@ struct FragmentStatsRecorder<'a> {
 #[derive(Clone, Copy)]
 struct TriangleProperties {
     surface: VisibleSurface,
-    /// Number of texels of its texture, width times height; 0 without a texture.
+    /// Number of texels of the triangle's texture, width times height; 0 without a texture.
     texels: f32,
     is_blended: bool,
 }
@@ -180,7 +180,7 @@ fn increase(counts: &mut Image<u32>, sample: &RasterSample) {
     counts.set(sample.column, sample.row, counts.at(sample.column, sample.row) + 1);
 }
 
-/// Returns the corners that a triangle is rasterized with, in px.
+/// Returns the corners with which a triangle is rasterized, in px: snapped in fixed point.
 pub(crate) fn corners_px(triangle: &ScreenTriangle, arithmetic: Arithmetic) -> [[f32; 2]; 3] {
     match arithmetic {
         Arithmetic::Fixed => triangle.snapped_px(),

@@ -1,4 +1,4 @@
-//! The observer that records a replay, fragment by fragment.
+//! Observer that records every fragment while one pixel is replayed.
 
 use super::{FragmentOutcome, FragmentRecord, ShadingRecord, TexelRecord, TextureMap};
 use crate::chain::{Frame, Recipe};
@@ -17,7 +17,7 @@ use crate::pipeline::viewport::ScreenTriangle;
 use crate::scene::material::ALPHA_TEST_THRESHOLD;
 use crate::scene::{Scene, Transparency};
 
-/// Records every fragment of a replay.
+/// Observer that records every fragment at the sample of a replayed pixel.
 pub(super) struct FragmentRecorder<'a> {
     scene: &'a Scene,
     shaders: Vec<Shader<'a>>,
@@ -26,14 +26,14 @@ pub(super) struct FragmentRecorder<'a> {
     arithmetic: Arithmetic,
     interpolation: Interpolation,
     records: Vec<FragmentRecord>,
-    /// State of the sample before the first fragment.
+    /// Colour and depth of the sample before the first fragment.
     pub(super) clear: SampleState,
-    /// State of the sample after the fragments so far.
+    /// Colour and depth of the sample after the fragments so far.
     state: SampleState,
 }
 
 impl<'a> FragmentRecorder<'a> {
-    /// Creates a recorder for a frame that `recipe` draws of `scene`.
+    /// Creates a recorder for a pixel of `frame`, which was drawn from `scene` with `recipe`.
     pub(super) fn new(scene: &'a Scene, recipe: &'a Recipe, frame: &'a Frame) -> Self {
         let shaders = scene.instances.iter().zip(&frame.plans);
         let [r, g, b] = recipe.pipeline.background.resolve(scene.background);
@@ -53,8 +53,8 @@ impl<'a> FragmentRecorder<'a> {
         }
     }
 
-    /// Returns the fragments with their outcomes. The last written fragment is visible. Earlier ones remain visible
-    /// through it, down to the first fragment that covers completely.
+    /// Returns the recorded fragments with their final outcomes. The last written fragment is visible. An earlier one
+    /// is overwritten if any later one covers it completely, or else blended over.
     pub(super) fn finish(mut self) -> Vec<FragmentRecord> {
         let written: Vec<usize> = (0..self.records.len()).filter(|i| self.records[*i].outcome.is_written()).collect();
         let mut is_covered = false;
@@ -152,12 +152,12 @@ impl Observer for FragmentRecorder<'_> {
     }
 }
 
-/// Returns the verb for a fragment that passes, in the past tense.
+/// Returns the past-tense verb for a fragment that passes its tests: "blended" or "written".
 fn verb(transparency: Transparency) -> &'static str {
     if transparency == Transparency::Blended { "blended" } else { "written" }
 }
 
-/// Returns the texture of one map that is read for a fragment, and how it is sampled.
+/// Returns the texture and the sampler that the shader uses for one map of a fragment; `None` if it reads no texture.
 fn texture_of<'a>(map: TextureMap, shader: &Shader<'a>, fragment: &Fragment) -> Option<(Readable<'a>, Sampler)> {
     let texture = match map {
         TextureMap::Color => shader.texture_for(fragment),
@@ -168,7 +168,7 @@ fn texture_of<'a>(map: TextureMap, shader: &Shader<'a>, fragment: &Fragment) -> 
     texture.map(|texture| (texture, shader.sampler()))
 }
 
-/// Returns the texels of one map that are read for a fragment.
+/// Returns the texels that the sampler reads from one map for a fragment, with their filter weights.
 fn texels_of(map: TextureMap, texture: Readable<'_>, sampler: Sampler, fragment: &Fragment) -> Vec<TexelRecord> {
     let (levels, count) = texture.levels(fragment);
     let of_level = |&(level, share): &(usize, f32)| {

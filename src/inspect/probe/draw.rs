@@ -1,4 +1,4 @@
-//! A picture with the owner of every pixel, for comparison between runs.
+//! Drawing of a picture together with the owner of every pixel, for comparison between probe runs.
 
 use super::{Probe, ProbedView, jitter};
 use crate::image::{Image, Rgba8};
@@ -10,14 +10,14 @@ use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::pipeline::{Extent, LastStage, draw, prepare};
 use crate::scene::{Camera, Scene, TriangleId};
 
-/// The compared aspects of a picture.
+/// Images of one run that the stability probe compares.
 pub(super) struct ProbeImages {
-    /// Triangle shaded last at each pixel, or [`TriangleId::NONE`]. Where triangles are blended, this is normally the
-    /// nearest.
+    /// Triangle shaded last at each pixel, or [`TriangleId::NONE`]. With blending, this is normally the nearest
+    /// triangle.
     pub(super) owner: Image<TriangleId>,
-    /// Stored depth; `None` without a depth test.
+    /// Stored depth of each pixel; `None` without a depth test.
     pub(super) depth: Option<Image<f32>>,
-    /// Colours, as sRGB codes.
+    /// Colour of each pixel, as sRGB codes.
     pub color: Image<Rgba8>,
 }
 
@@ -29,12 +29,12 @@ impl Observer for OwnerRecorder {
     }
 }
 
-/// Draws the subject without jitter.
+/// Draws the probed view without jitter.
 pub(super) fn draw_still(subject: &ProbedView) -> ProbeImages {
     picture(subject, &subject.scene, &subject.camera)
 }
 
-/// Draws the subject with the jitter of one run of the probe.
+/// Draws the probed view with the jitter of one run.
 pub(super) fn jittered(subject: &ProbedView, probe: Probe, run: u16) -> ProbeImages {
     match probe.what {
         super::JitterTarget::Camera => picture(subject, &subject.scene, &jitter::camera(&subject.camera, probe, run)),

@@ -1,4 +1,4 @@
-//! Heat map of a result: bright colours on changed pixels, and a dim grey picture of the scene elsewhere.
+//! Heat map of a probe result: bright colours on changed pixels, and a dim grey picture of the scene elsewhere.
 
 use super::ProbeResult;
 use crate::image::color::luma;
@@ -6,7 +6,7 @@ use crate::image::{Image, Rgba8};
 use crate::pipeline::settings::{Choice, choice};
 
 choice! {
-    /// The aspect in which pixels are compared.
+    /// Aspect in which the stability probe compares pixels.
     Heat {
         Owner = "owner", "Owner", "Number of runs in which a different triangle won the pixel.";
         Depth = "depth", "Depth", "Number of runs in which a different depth was stored, even by one step.";
@@ -18,10 +18,10 @@ choice! {
 /// visible on the dim picture.
 const MIN_POSITION: f64 = 0.25;
 
-/// Brightness factor of the scene's picture behind the changes.
+/// Brightness factor of the grey picture of the scene, which is shown on unchanged pixels.
 const DIM: f32 = 0.4;
 
-/// Returns the colour at a position on the map: 0 for almost no changed runs, 1 for the pixel that changed most often.
+/// Returns the colour-map colour at `position`: 0 for almost no changed runs, 1 for the pixel that changed most often.
 pub(crate) fn map_color(position: f32) -> Rgba8 {
     let position = MIN_POSITION + (1.0 - MIN_POSITION) * f64::from(position.clamp(0.0, 1.0));
     let [r, g, b] = colorous::INFERNO.eval_continuous(position).as_array();

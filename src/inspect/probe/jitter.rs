@@ -1,7 +1,7 @@
 //! Jitter of positions by a few units in the last place.
 //!
-//! The unit belongs to the position's largest coordinate: it is the rounding error of computing the position near its
-//! place. A zero coordinate therefore moves by as much as the others.
+//! The unit is that of the position's largest coordinate, which is the size of the rounding error of computing the
+//! position. A zero coordinate therefore moves by as much as the others.
 
 use glam::Vec3;
 
@@ -9,14 +9,15 @@ use super::Probe;
 use crate::scene::mesh::MeshData;
 use crate::scene::{Camera, Mesh, Scene};
 
-/// Returns the camera of run `run`. Eye and target move independently, by units of the largest coordinate of both.
+/// Returns the jittered camera of run `run`. Eye and target move independently, in units of the largest coordinate of
+/// both.
 pub(super) fn camera(camera: &Camera, probe: Probe, run: u16) -> Camera {
     let mut random = fastrand::Rng::with_seed(mixed(probe.seed, u64::from(run)));
     let unit = unit_of(camera.eye.abs().max(camera.target.abs()));
     let eye = moved(camera.eye, unit, probe.ulps, &mut random);
     let target = moved(camera.target, unit, probe.ulps, &mut random);
     let seen = Camera { eye, target, ..*camera };
-    // Near the limits of the float range, a camera that cannot be drawn from is rejected.
+    // Near the limits of the float range, the jittered camera may be invalid.
     if seen.check().is_ok() { seen } else { *camera }
 }
 
@@ -89,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn vertices_at_one_place_stay_together_and_no_jitter_is_none() {
+    fn vertices_at_one_position_move_together_and_zero_ulps_move_nothing() {
         let (probe, still) = (Probe { ulps: 3, ..Probe::default() }, Probe { ulps: 0, ..Probe::default() });
         let cubes = builtin::by_id("cubes").unwrap().build();
         let (moved, same) = (scene(&cubes, probe, 5), scene(&cubes, still, 5));

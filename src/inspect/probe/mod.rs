@@ -32,19 +32,19 @@ pub(crate) use heat::map_color;
 pub(crate) use heat::picture;
 
 choice! {
-    /// The moved part of a view.
+    /// Part of a view that the stability probe moves.
     JitterTarget {
         Camera = "camera", "Camera", "Eye and target move along x, y and z by up to k units in the last place of their largest coordinate: the whole picture is recomputed.";
         Vertices = "vertices", "Vertices", "Every vertex moves along x, y and z by up to k units in the last place of its largest coordinate; vertices at the same position move together.";
     }
 }
 
-/// Parameters of a probe.
+/// Parameters of a stability probe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Probe {
-    /// Moved part of the view.
+    /// Part of the view that is moved.
     pub(crate) what: JitterTarget,
-    /// Maximum movement k, in units in the last place.
+    /// Maximum movement k of a coordinate, in units in the last place.
     pub ulps: u32,
     /// Number of jittered runs.
     pub runs: u16,
@@ -58,46 +58,46 @@ impl Default for Probe {
     }
 }
 
-/// The probed view, with all inputs of its picture.
+/// View that is probed, with everything needed to draw it.
 #[derive(Clone, Debug)]
 pub(crate) struct ProbedView {
     /// Scene of the view.
     pub(crate) scene: Arc<Scene>,
     /// Camera without jitter.
     pub(crate) camera: Camera,
-    /// Pipeline settings that it is drawn with.
+    /// Pipeline settings for drawing the view.
     pub(crate) settings: Settings,
     /// Size of the picture, in pixels.
     pub(crate) viewport: Viewport,
 }
 
 impl ProbedView {
-    /// Whether both subjects give the same picture.
+    /// Whether both views give the same picture.
     pub(crate) fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.scene, &other.scene)
             && (self.camera, self.settings, self.viewport) == (other.camera, other.settings, other.viewport)
     }
 }
 
-/// A triangle that gained or lost pixels.
+/// Triangle that gained or lost pixels during a stability probe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Fragile {
-    /// Fragile triangle.
+    /// Triangle that gained or lost pixels.
     pub triangle: TriangleId,
-    /// Number of pixels that it lost or gained, summed over all runs.
+    /// Number of pixels that the triangle gained or lost, summed over all runs.
     pub(crate) changes: u64,
-    /// The most often changed of these pixels: column and row.
+    /// Column and row of the gained or lost pixel that changed its owner most often.
     pub worst_pixel: (u32, u32),
-    /// Number of runs in which that pixel had a different owner.
+    /// Number of runs in which `worst_pixel` had a different owner.
     pub(crate) worst_changes: u16,
 }
 
-/// Result of a probe. All images have the size of the subject's viewport; counts are numbers of runs.
+/// Result of a stability probe. All images have the size of the probed view, and all counts are numbers of runs.
 #[derive(Clone, Debug)]
 pub struct ProbeResult {
     /// Parameters of the probe.
     pub(crate) probe: Probe,
-    /// Probed view.
+    /// View that was probed.
     pub(crate) subject: ProbedView,
     /// Number of runs in which the owner of each pixel differed from the picture without jitter. A missing or
     /// additional owner counts as a difference.
@@ -106,7 +106,7 @@ pub struct ProbeResult {
     pub(crate) depth_changes: Option<Image<u16>>,
     /// Number of runs in which the colour of each pixel differed.
     pub(crate) color_changes: Image<u16>,
-    /// Owner of each pixel without jitter.
+    /// Triangle that owns each pixel in the picture without jitter.
     #[cfg_attr(not(test), expect(dead_code, reason = "tests compare it with the exact owners"))]
     pub(crate) owners: Image<TriangleId>,
     /// Picture without jitter, as sRGB codes.
@@ -115,32 +115,32 @@ pub struct ProbeResult {
     pub ranking: Vec<Fragile>,
 }
 
-/// Changes in one aspect, as part of a [`ProbeSummary`].
+/// Summary of the pixels that changed in one aspect, such as depth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub(crate) struct Changed {
     /// Number of pixels that changed in at least one run.
     pub(crate) pixels: u64,
-    /// Number of changed runs of the pixel that changed most often.
+    /// Maximum number of changed runs of any pixel.
     pub(crate) most: u16,
 }
 
-/// Summary of a result.
+/// Summary of the result of a stability probe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub(crate) struct ProbeSummary {
-    /// Number of pixels of the picture.
+    /// Number of pixels in the picture.
     pub(crate) pixels: u64,
-    /// Changes of the owner.
+    /// Changes of the triangle that owns a pixel.
     pub(crate) owner: Changed,
-    /// Changes of the depth; `None` without a depth test.
+    /// Changes of the stored depth; `None` without a depth test.
     pub(crate) depth: Option<Changed>,
-    /// Changes of the colour.
+    /// Changes of the pixel colour.
     pub(crate) color: Changed,
     /// Number of triangles that lost or gained pixels.
     pub(crate) fragile_triangles: usize,
 }
 
 impl ProbeResult {
-    /// Returns the summary of the result.
+    /// Summarises the changes over all pixels.
     pub(crate) fn summary(&self) -> ProbeSummary {
         let changed = |counts: &Image<u16>| Changed {
             pixels: counts.pixels().iter().filter(|count| **count > 0).count() as u64,
@@ -164,8 +164,8 @@ impl ProbeResult {
         }
     }
 
-    /// Returns a fragile triangle as drawn without jitter. Among the pieces of a clipped triangle, returns the one that
-    /// covers its worst pixel, or else the first. `None` if the triangle is not rasterized without jitter.
+    /// Returns a fragile triangle as rasterized without jitter; `None` if it is not rasterized. For a clipped triangle,
+    /// returns the piece that covers its worst pixel, or else the first piece.
     pub(crate) fn triangle_of(&self, fragile: &Fragile) -> Option<ScreenTriangle> {
         let ProbedView { scene, camera, settings, viewport } = &self.subject;
         let geometry = prepare(scene, camera, settings, *viewport, &mut ());
@@ -175,7 +175,7 @@ impl ProbeResult {
     }
 }
 
-/// Whether a triangle covers the centre of a pixel, decided by the rasterizer that draws it.
+/// Whether a triangle covers the centre of a pixel, according to the rasterizer in `settings`.
 fn covers(triangle: &ScreenTriangle, settings: &Settings, (x, y): (u32, u32)) -> bool {
     let mut spans = Vec::new();
     let how = (settings.rasterizer, settings.arithmetic, settings.fill_rule);
@@ -183,8 +183,8 @@ fn covers(triangle: &ScreenTriangle, settings: &Settings, (x, y): (u32, u32)) ->
     !spans.is_empty()
 }
 
-/// Probes a view on the threads of the current rayon pool. Calls `tell` with the progress, in [0, 1]. Returns `None`
-/// once `stop` is set. Equal probes of equal subjects give equal results on any number of threads.
+/// Probes a view on the threads of the current rayon pool. Calls `tell` with the progress in [0, 1]. Returns `None`
+/// once `stop` is set. Equal probes of equal views give equal results on any number of threads.
 pub(crate) fn run(subject: &ProbedView, probe: Probe, tell: &dyn Fn(f32), stop: &AtomicBool) -> Option<ProbeResult> {
     let mut tally = tally::ProbeTally::new(draw::draw_still(subject), subject.scene.triangle_count());
     let at_once = rayon::current_num_threads().max(1);

@@ -1,21 +1,21 @@
-//! Counts of changes between runs.
+//! Counts of the pixels that change between runs of the stability probe.
 
 use super::draw::ProbeImages;
 use super::{Fragile, Probe, ProbeResult, ProbedView};
 use crate::image::Image;
 use crate::scene::TriangleId;
 
-/// Changes so far, relative to the picture without jitter.
+/// Running counts of changes relative to the picture without jitter.
 pub(super) struct ProbeTally {
     baseline: ProbeImages,
     owner: Image<u16>,
     depth: Option<Image<u16>>,
     color: Image<u16>,
-    /// Changes of each triangle, in scene order.
+    /// Pixels gained or lost by each triangle, in scene order.
     triangles: Vec<TriangleChanges>,
 }
 
-/// Changes of one triangle.
+/// Pixels that one triangle gained or lost in the runs so far.
 #[derive(Clone, Copy, Default)]
 struct TriangleChanges {
     changes: u64,
@@ -36,7 +36,7 @@ impl ProbeTally {
         }
     }
 
-    /// Counts the changes of one run.
+    /// Adds the changes of one run to the counts.
     pub(super) fn add(&mut self, drawn: &ProbeImages) {
         count(&mut self.color, &self.baseline.color, &drawn.color, |a, b| a == b);
         if let (Some(counts), Some(still), Some(new)) = (&mut self.depth, &self.baseline.depth, &drawn.depth) {
@@ -60,7 +60,7 @@ impl ProbeTally {
         }
     }
 
-    /// Returns the result, with the most fragile triangle first.
+    /// Returns the result of the probe, with the triangles ranked from most to least fragile.
     pub(super) fn finish(self, subject: ProbedView, probe: Probe) -> ProbeResult {
         let named = self.triangles.iter().zip(0..).filter(|(share, _)| share.changes > 0);
         let mut ranking: Vec<Fragile> = named

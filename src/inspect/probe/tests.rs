@@ -16,7 +16,7 @@ fn found(subject: &ProbedView, probe: Probe) -> ProbeResult {
 const FEW: Probe = Probe { what: JitterTarget::Camera, ulps: 32, runs: 8, seed: 7 };
 
 #[test]
-fn surfaces_that_fight_are_fragile_and_one_triangle_is_not() {
+fn z_fighting_surfaces_are_fragile_and_a_single_triangle_is_not() {
     // Depth steps on the far panels are coarse relative to the vertex jitter, so fewer pixels change.
     for (what, least) in [(JitterTarget::Camera, 50), (JitterTarget::Vertices, 5)] {
         let probe = Probe { what, ..FEW };
@@ -43,7 +43,7 @@ fn without_jitter_nothing_changes() {
 }
 
 #[test]
-fn equal_seeds_find_the_same_on_any_number_of_threads_and_others_do_not() {
+fn equal_seeds_give_equal_results_on_any_number_of_threads() {
     let subject = subject("z-fighting");
     let on = |threads: usize, seed| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

@@ -5,13 +5,14 @@ use crate::pipeline::Geometry;
 use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 
-/// Maximum number of copies: with more, drawing from one to the next takes less time than copying.
+/// Maximum number of checkpoints. With more, drawing from one checkpoint to the next would take less time than copying
+/// the framebuffer.
 const MAX_COPIES: usize = 64;
 
-/// Estimated fixed cost of a triangle, in units of the cost of one pixel.
+/// Estimated fixed cost of drawing a triangle, relative to the cost of one pixel.
 const TRIANGLE_COST_PX: f64 = 60.0;
 
-/// Positions of the checkpoints, and the copies made so far.
+/// Checkpoints of one frame: their positions, and the framebuffer copies made so far.
 #[derive(Debug)]
 pub(super) struct Checkpoints {
     /// Number of triangles drawn before each checkpoint, ascending from 0, and the copy once it was made.
@@ -19,8 +20,8 @@ pub(super) struct Checkpoints {
 }
 
 impl Checkpoints {
-    /// Distributes checkpoints so that the estimated cost between any two is about equal. `cleared` is the framebuffer
-    /// before the first triangle; `budget` is in bytes.
+    /// Distributes checkpoints so that the estimated drawing cost between neighbours is about equal. `cleared` is the
+    /// framebuffer before the first triangle; `budget` is in bytes.
     pub(super) fn new(geometry: &Geometry, raster: Viewport, cleared: &Framebuffer, budget: usize) -> Self {
         let count = (budget / bytes(cleared).max(1)).clamp(2, MAX_COPIES);
         let costs = || geometry.triangles.iter().map(|triangle| cost(triangle, raster));
@@ -37,7 +38,7 @@ impl Checkpoints {
     }
 
     /// Restores the last copy at or before `triangles` triangles into `frame`, unless `frame` is closer. `frame`
-    /// contains `at` triangles. Returns the number of triangles of the restored copy.
+    /// contains `at` triangles. Returns the number of triangles in the restored copy.
     pub(super) fn restore_before(&self, triangles: usize, at: usize, frame: &mut Framebuffer) -> Option<usize> {
         let before = &self.copies[..self.copies.partition_point(|(place, _)| *place <= triangles)];
         let (place, copy) = before.iter().rev().find_map(|(place, copy)| Some((*place, copy.as_ref()?)))?;
@@ -52,20 +53,20 @@ impl Checkpoints {
         Some(place)
     }
 
-    /// Returns the position of the next checkpoint after `at` triangles, or `usize::MAX`.
+    /// Returns the number of triangles at the next checkpoint after `at` triangles, or `usize::MAX` if there is none.
     pub(super) fn next_after(&self, at: usize) -> usize {
         let next = self.copies.partition_point(|(place, _)| *place <= at);
         self.copies.get(next).map_or(usize::MAX, |(place, _)| *place)
     }
 
-    /// Copies `frame` if `at` is the position of a checkpoint without a copy.
+    /// Stores a copy of `frame` if `at` is the position of a checkpoint without a copy.
     pub(super) fn store_checkpoint(&mut self, at: usize, frame: &Framebuffer) {
         if let Ok(found) = self.copies.binary_search_by_key(&at, |(place, _)| *place) {
             self.copies[found].1.get_or_insert_with(|| frame.clone());
         }
     }
 
-    /// Returns the number of copies, and their size in bytes.
+    /// Returns the number of stored framebuffer copies and their total size in bytes.
     pub(super) fn memory(&self) -> (usize, usize) {
         let made = self.copies.iter().filter_map(|(_, copy)| copy.as_ref());
         made.fold((0, 0), |(count, sum), copy| (count + 1, sum + bytes(copy)))
@@ -76,7 +77,7 @@ fn bytes(frame: &Framebuffer) -> usize {
     frame.color.bytes() + frame.depth.as_ref().map_or(0, Image::bytes)
 }
 
-/// Estimates the cost of a triangle, in pixels: half its bounding box within the picture, plus a fixed cost.
+/// Estimates the cost of drawing a triangle, in pixels: half its bounding box within the picture, plus a fixed cost.
 fn cost(triangle: &ScreenTriangle, Viewport { width, height }: Viewport) -> f64 {
     let corners = triangle.corners_px();
     let side = |axis: usize, length: u32| {

@@ -1,4 +1,4 @@
-//! A frame at any moment of its drawing: after any triangle, or after any fragment of one.
+//! Playback of a frame's drawing: draws the frame as it was after any triangle or fragment.
 //!
 //! Triangles are drawn one by one in the order of the frame, regardless of how the frame itself was drawn. Checkpoints
 //! of the framebuffer make steps backwards as fast as steps forwards: drawing starts at the last checkpoint before the
@@ -29,20 +29,20 @@ use crate::pipeline::{Extent, Geometry, LastStage, draw, draw_samples, partial};
 use crate::scene::Scene;
 use checkpoints::Checkpoints;
 
-/// Memory for copies of the framebuffer, in bytes: enough for fifteen of a full HD picture.
+/// Memory budget for framebuffer checkpoints, in bytes: enough for 16 copies at 1920 × 1080.
 pub(crate) const BUDGET: usize = 256 << 20;
 
-/// A moment in the drawing of a frame.
+/// Moment in the drawing of a frame: after a number of triangles and fragments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Moment {
     /// Number of rasterized triangles drawn, including a partially drawn last one.
     pub triangles: usize,
-    /// Number of fragments drawn of the last triangle; `None` for all.
+    /// Number of drawn fragments of the last triangle; `None` if it is complete.
     pub fragments: Option<usize>,
 }
 
 impl Moment {
-    /// Returns the moment after this number of complete triangles.
+    /// Returns the moment after `triangles` complete triangles.
     pub fn after(triangles: usize) -> Self {
         Self { triangles, fragments: None }
     }
@@ -53,24 +53,24 @@ impl Moment {
     }
 }
 
-/// Draws arbitrary moments of one frame.
+/// Player that redraws one frame as it was at arbitrary moments of its drawing.
 #[derive(Debug)]
 pub(crate) struct Scrubber {
     scene: Arc<Scene>,
     recipe: Recipe,
-    /// All triangles of the frame.
+    /// All rasterized triangles of the frame.
     geometry: Geometry,
     grid: SampleGrid,
     raster: Viewport,
     checkpoints: Checkpoints,
-    /// Framebuffer after `at` complete triangles.
+    /// Framebuffer after `completed_triangles` triangles.
     framebuffer: Framebuffer,
     completed_triangles: usize,
 }
 
 impl Scrubber {
-    /// Creates a scrubber for the frame that `recipe` draws of `scene`, with one sample per pixel. Checkpoints take at
-    /// most `budget` bytes, or two copies of the framebuffer if that is too little.
+    /// Creates a scrubber for `frame`, which was drawn from `scene` with `recipe`. It draws one sample per pixel.
+    /// Checkpoints take at most `budget` bytes, or the size of two framebuffers if that is larger.
     pub(crate) fn new(scene: &Arc<Scene>, recipe: &Recipe, frame: &Frame, budget: usize) -> Self {
         let geometry = prepare_again(scene, recipe, frame, &mut ());
         let (grid, raster) = (frame.sampling.grid(), frame.raster);
@@ -88,12 +88,12 @@ impl Scrubber {
         }
     }
 
-    /// Returns all triangles of the frame, in drawing order.
+    /// Returns all rasterized triangles of the frame, in drawing order.
     pub(crate) fn geometry(&self) -> &Geometry {
         &self.geometry
     }
 
-    /// Draws the frame at a moment. Moments past the end give the complete frame.
+    /// Draws the frame as it was at `moment`. Moments past the end give the complete frame.
     pub(crate) fn frame_at(&mut self, moment: Moment) -> Framebuffer {
         let all = self.geometry.triangles.len();
         let triangles = moment.triangles.min(all);
@@ -112,8 +112,8 @@ impl Scrubber {
         drawn
     }
 
-    /// Draws a moment with depth-sorted fragments: sorts the triangles from `first` to the moment as if there were no
-    /// later ones.
+    /// Draws a moment with depth-sorted fragments: sorts the triangles from `first` up to the moment and ignores later
+    /// ones.
     fn draw_sorted(&mut self, moment: Moment, first: usize) -> Framebuffer {
         self.seek(first);
         let mut drawn = self.framebuffer.clone();
@@ -124,20 +124,19 @@ impl Scrubber {
         drawn
     }
 
-    /// Returns the triangles drawn at a moment, the last one partially if necessary. They share the memory of the full
-    /// list.
+    /// Returns the triangles drawn up to a moment; the last one may be partial. They share memory with the full list.
     pub(crate) fn geometry_at(&self, moment: Moment) -> Geometry {
         let mut first = Geometry { partial: self.first_samples(moment), ..self.geometry.clone() };
         first.triangles.truncate(moment.triangles);
         first
     }
 
-    /// Returns the number of fragments of a rasterized triangle; 0 past the last one.
+    /// Returns the number of fragments of the rasterized triangle at index `place`; 0 past the last one.
     pub(crate) fn fragments_of(&self, place: usize) -> usize {
         partial::count(&self.samples_of(place))
     }
 
-    /// Returns the number of framebuffer copies, and their total size in bytes.
+    /// Returns the number of stored checkpoints and their total size in bytes.
     pub(crate) fn memory(&self) -> (usize, usize) {
         self.checkpoints.memory()
     }
@@ -154,7 +153,7 @@ impl Scrubber {
         (most < partial::count(&samples)).then(|| partial::first(&samples, most))
     }
 
-    /// Draws until exactly `triangles` complete triangles are in the framebuffer.
+    /// Moves the framebuffer to the moment after exactly `triangles` complete triangles.
     fn seek(&mut self, triangles: usize) {
         if let Some(at) = self.checkpoints.restore_before(triangles, self.completed_triangles, &mut self.framebuffer) {
             self.completed_triangles = at;

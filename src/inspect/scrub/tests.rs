@@ -42,13 +42,13 @@ fn recipes() -> Vec<Recipe> {
 }
 
 #[test]
-fn every_moment_is_what_drawing_from_the_start_gives_bit_for_bit() {
+fn every_moment_equals_drawing_from_the_start_bit_for_bit() {
     let mut dice = fastrand::Rng::with_seed(7);
     for id in ["interpenetrating", "stained-glass", "cubes", "near-plane"] {
         let scene = scene(id);
         for recipe in recipes() {
             let frame = run(&scene, &scene.home, &recipe, SIZE, &mut ());
-            // A budget for few checkpoints, far apart, and one for many.
+            // The first budget allows few checkpoints, far apart; the second allows many.
             for budget in [0, BUDGET] {
                 let mut scrubber = Scrubber::new(&scene, &recipe, &frame, budget);
                 let all = scrubber.geometry().triangles.len();
@@ -70,7 +70,7 @@ fn differing(a: &Framebuffer, b: &Framebuffer) -> usize {
 }
 
 #[test]
-fn fragments_come_one_by_one_until_their_triangle_is_whole() {
+fn fragments_are_added_one_by_one_until_their_triangle_is_complete() {
     for id in ["interpenetrating", "stained-glass"] {
         let scene = scene(id);
         let recipe = Recipe::default();
@@ -90,7 +90,7 @@ fn fragments_come_one_by_one_until_their_triangle_is_whole() {
 }
 
 #[test]
-fn the_inspector_tells_of_the_frame_at_that_moment() {
+fn the_inspector_agrees_with_the_frame_at_every_moment() {
     let scene = scene("interpenetrating");
     let recipe = Recipe::default();
     let frame = run(&scene, &scene.home, &recipe, SIZE, &mut ());
@@ -114,7 +114,7 @@ fn the_inspector_tells_of_the_frame_at_that_moment() {
 }
 
 #[test]
-fn touches_are_the_moments_at_which_the_replay_has_one_fragment_more() {
+fn each_touch_adds_one_fragment_to_the_replay() {
     let scene = scene("stained-glass");
     let recipe = Recipe::default();
     let frame = run(&scene, &scene.home, &recipe, SIZE, &mut ());
@@ -143,7 +143,7 @@ fn touches_are_the_moments_at_which_the_replay_has_one_fragment_more() {
 }
 
 #[test]
-fn copies_stay_within_their_budget() {
+fn checkpoints_stay_within_their_memory_budget() {
     let scene = scene("cubes");
     let recipe = Recipe::default();
     let frame = run(&scene, &scene.home, &recipe, SIZE, &mut ());
@@ -154,8 +154,8 @@ fn copies_stay_within_their_budget() {
     assert!((3..=5).contains(&count) && bytes <= 5 * one, "{count} copies, {bytes} bytes");
 }
 
-/// Builds three draws of 2, 3 and 1 triangles with 4 fragments each. Triangles 1 and 4 touch the pixel with their third
-/// fragment.
+/// Returns a timeline of three draws with 2, 3 and 1 triangles of 4 fragments each. The third fragments of triangles 1
+/// and 4 touch the picked pixel.
 fn timeline() -> Timeline {
     let touch = |place: usize| Touch {
         triangle: crate::scene::TriangleId(place as u32),
@@ -200,7 +200,7 @@ fn steps_lead_through_every_moment_and_end() {
 }
 
 #[test]
-fn many_steps_at_once_end_where_the_frame_ends() {
+fn several_steps_at_once_stop_at_the_end_of_the_frame() {
     let timeline = timeline();
     let steps = |from: Moment, unit, count| timeline.steps(from, unit, count, false);
     assert_eq!(steps(Moment::after(1), Unit::Triangle, 3), Moment::after(4));

@@ -1,11 +1,11 @@
-//! Moments of a frame in order, and the steps between them.
+//! Steps forwards and backwards between the moments of a frame's drawing.
 
 use super::{Moment, Touch};
 use crate::pipeline::Geometry;
 use crate::pipeline::settings::{Choice, choice};
 
 choice! {
-    /// Size of a step.
+    /// Size of one step when a frame's drawing is played back.
     Unit {
         Stage = "stage", "Stage", "Step to the next stage of the pipeline, at the same point in time.";
         Draw = "draw", "Draw", "Step to the next object.";
@@ -14,21 +14,21 @@ choice! {
     }
 }
 
-/// Counts and indices that [`Timeline::step`] needs.
+/// Positions of draws and touches in a frame, with the triangle and fragment counts needed for stepping.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Timeline {
-    /// Number of all triangles.
+    /// Number of rasterized triangles in the frame.
     pub(crate) triangles: usize,
-    /// Index of the first triangle of each draw, ascending, and its instance.
+    /// Index of the first triangle of each draw, in ascending order, and the instance that it draws.
     pub(crate) draws: Vec<(usize, u32)>,
-    /// Number of fragments of the last drawn triangle (partial or complete) and of the following one.
+    /// Fragment counts of the last drawn triangle, partial or complete, and of the next triangle.
     pub(crate) fragments: [usize; 2],
     /// Fragments at the picked pixel, in drawing order.
     pub(crate) touches: Vec<Touch>,
 }
 
 impl Timeline {
-    /// Creates the timeline of a frame with all of its triangles, without fragments and touches.
+    /// Creates the timeline of a frame from its complete geometry, without fragment counts and touches.
     pub(crate) fn new(geometry: &Geometry) -> Self {
         let mut draws: Vec<(usize, u32)> = Vec::new();
         for (place, triangle) in geometry.triangles.iter().enumerate() {
@@ -46,8 +46,8 @@ impl Timeline {
         self.draws[..after].last().map(|(_, instance)| *instance)
     }
 
-    /// Returns the moment one step forwards or backwards. With `touching`, only moments that touch the picked pixel
-    /// count. Stages are not moments.
+    /// Returns the moment one step after or before `now`. With `touching`, steps by triangle or fragment stop only at
+    /// moments that touch the picked pixel. [`Unit::Stage`] does not change the moment.
     pub(crate) fn step(&self, now: Moment, unit: Unit, forwards: bool, touching: bool) -> Moment {
         let now = if now.triangles > self.triangles { Moment::after(self.triangles) } else { now };
         match unit {
@@ -62,8 +62,8 @@ impl Timeline {
         }
     }
 
-    /// Returns the moment after this number of steps forwards, or backwards if negative. Stops early at the ends, or
-    /// where the number of fragments is unknown.
+    /// Returns the moment `steps` steps after `now`, or before it if negative. Stops early at either end of the frame,
+    /// or where the number of fragments is unknown.
     pub(crate) fn steps(&self, now: Moment, unit: Unit, steps: i64, touching: bool) -> Moment {
         let forwards = steps > 0;
         if unit == Unit::Triangle && !touching && now.fragments.is_none() {

@@ -1,4 +1,4 @@
-//! Moments of a frame at which a pixel was touched.
+//! Moments of a frame's drawing at which a triangle touches a given pixel.
 
 use super::Moment;
 use crate::chain::Recipe;
@@ -12,26 +12,27 @@ use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::pipeline::{Extent, Geometry, LastStage, draw, partial};
 use crate::scene::{Scene, TriangleId};
 
-/// Precision of the moments of touches.
+/// Precision with which the moments of touches are located.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum TouchPrecision {
-    /// Only the triangle of each touch is known.
+    /// Each touch is located by its triangle only.
     Triangles,
-    /// Fragments are counted while the triangles so far have at most [`MAX_FRAGMENTS`] in total.
+    /// Each touch is located by its fragment, until the traversed triangles have more than [`MAX_FRAGMENTS`] fragments
+    /// in total.
     Fragments,
 }
 
-/// Maximum number of fragments traversed to locate touches; takes a fraction of a second.
+/// Maximum number of fragments traversed to locate touches, which takes a fraction of a second.
 pub(crate) const MAX_FRAGMENTS: usize = 8_000_000;
 
-/// A fragment at a pixel.
+/// Fragment that touches the picked pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Touch {
-    /// Triangle of the fragment.
+    /// Triangle that produced the fragment.
     pub(crate) triangle: TriangleId,
     /// Moment immediately after the fragment.
     pub(crate) moment: Moment,
-    /// Whether the fragment was written.
+    /// Whether the fragment was written to the framebuffer.
     pub(crate) written: bool,
 }
 

@@ -1,4 +1,4 @@
-//! Trace of the attributes, interpolated from the corners by their weights.
+//! Trace of the vertex attributes, interpolated with the weights of the corners.
 
 use glam::Vec2;
 
@@ -14,7 +14,7 @@ use crate::pipeline::vertex::Varyings;
 /// Names of the colour channels.
 pub(super) const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
-/// Writes every attribute that the draw interpolates.
+/// Writes the trace lines of every attribute that the draw interpolates.
 pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     scribe.enter(TraceStage::Attributes);
     let attributes = subject.shader.attributes();
@@ -51,7 +51,7 @@ pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     }
 }
 
-/// Returns a₀ + p₁·(a₁ − a₀) + p₂·(a₂ − a₀) for one component.
+/// Returns the interpolation formula a₀ + p₁·(a₁ − a₀) + p₂·(a₂ − a₀) for one attribute component.
 fn mixed(subject: &TracedFragment<'_>, component: impl Fn(&Varyings) -> f32) -> Formula {
     let [a, b, c] = subject.triangle.vertices.each_ref().map(|vertex| component(&vertex.varyings));
     let [_, p1, p2] = subject.fragment.weights;
@@ -59,7 +59,7 @@ fn mixed(subject: &TracedFragment<'_>, component: impl Fn(&Varyings) -> f32) -> 
     given("a₀", a) + from_first("a₁", b) * given("weight 1", p1) + from_first("a₂", c) * given("weight 2", p2)
 }
 
-/// Writes the changes of weights and texture coordinates per pixel, to the right and downwards.
+/// Writes the screen-space derivatives of weights and texture coordinates, per pixel to the right and downwards.
 fn gradient(subject: &TracedFragment<'_>, arithmetic: Arithmetic, scribe: &mut TraceRecorder) {
     const DIRECTIONS: [&str; 2] = ["to the right", "downwards"];
     const NAMES: [[&str; 2]; 2] = [["du/dx", "dv/dx"], ["du/dy", "dv/dy"]];
@@ -89,7 +89,7 @@ fn gradient(subject: &TracedFragment<'_>, arithmetic: Arithmetic, scribe: &mut T
     }
 }
 
-/// Returns the change of an edge value per pixel: the opposite side rotated by a right angle, in the unit of edge
+/// Returns the formula for the change of an edge value per pixel: the opposite side rotated by 90°, in the unit of edge
 /// values.
 fn edge_change(subject: &TracedFragment<'_>, arithmetic: Arithmetic, direction: usize, corner: usize) -> Formula {
     let corners = subject.triangle.corners_in(arithmetic);
@@ -101,7 +101,8 @@ fn edge_change(subject: &TracedFragment<'_>, arithmetic: Arithmetic, direction: 
     side * (given("doubled area", subject.triangle.doubled_area) / area)
 }
 
-/// Returns (qᵢ′ − pᵢ·Σ qⱼ′) / Σ qⱼ with qᵢ = edgeᵢ·rᵢ and pᵢ = qᵢ / Σ qⱼ, where ′ denotes the change per pixel.
+/// Returns the formula for the change of a weight per pixel: (qᵢ′ − pᵢ·Σ qⱼ′) / Σ qⱼ with qᵢ = edgeᵢ·rᵢ and pᵢ = qᵢ / Σ
+/// qⱼ, where ′ denotes the change per pixel.
 fn weight_change(subject: &TracedFragment<'_>, slopes: [f32; 3], corner: usize) -> Formula {
     const EDGES: [&str; 3] = ["edge 0", "edge 1", "edge 2"];
     const CHANGES: [&str; 3] = ["change of edge 0", "change of edge 1", "change of edge 2"];

@@ -1,4 +1,4 @@
-//! Trace of coverage: the side of each edge that the pixel's centre lies on, and the owner of centres on an edge.
+//! Trace of coverage: the edge values at the pixel's centre, and the fill rule's decision for a centre on an edge.
 
 use super::Number;
 use super::formula::{Formula, given};
@@ -11,10 +11,10 @@ use crate::pipeline::raster::numbers::Inward;
 use crate::pipeline::raster::steps::{EdgeNumbers, EdgeSteps, FloatSteps};
 use crate::pipeline::settings::{Arithmetic, Choice as _};
 
-/// Buffers of the three edge values.
+/// Buffers that display the three edge values.
 const EDGE_BUFFERS: [Intermediate; 3] = [Intermediate::Edge0, Intermediate::Edge1, Intermediate::Edge2];
 
-/// Writes the area, the edge values and the coverage decisions.
+/// Writes the trace lines of the triangle's area, the edge values and the coverage decisions.
 pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     scribe.enter(TraceStage::Coverage);
     area(subject, scribe);
@@ -46,7 +46,7 @@ pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     }
 }
 
-/// Writes the signed doubled area, whose sign decides facing.
+/// Writes the signed doubled area of the triangle; its sign determines the facing.
 fn area(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     let arithmetic = subject.settings.arithmetic;
     let (area, scale) = doubled_area(arithmetic, subject.triangle.corners_px());
@@ -81,7 +81,7 @@ fn raw_value(numbers: &EdgeNumbers) -> Number {
     }
 }
 
-/// Writes an edge value in fixed point: A·x + B·y + C.
+/// Writes the computation of an edge value in fixed point: A·x + B·y + C.
 fn fixed<'s>(
     name: &str,
     (a, b, c): (i64, i64, i64),
@@ -92,7 +92,7 @@ fn fixed<'s>(
     let corners = subject.triangle.vertices.each_ref().map(|v| [i64::from(v.x), i64::from(v.y)]);
     let (from, to) = (corners[(edge + 1) % 3], corners[(edge + 2) % 3]);
     let ends = |first: (&'static str, i64), second: (&'static str, i64), product: i64| {
-        // The sign that makes edge values inside the triangle positive.
+        // Negates the difference if necessary, because edge values inside the triangle are positive.
         let formula = given(first.0, first.1) - given(second.0, second.1);
         if first.1 - second.1 == product { formula } else { -formula }
     };
@@ -104,7 +104,7 @@ fn fixed<'s>(
     scribe.compute(format!("{name} · value"), value, &formula)
 }
 
-/// Writes an edge value in floating point: the difference of two products.
+/// Writes the computation of an edge value in floating point: the difference of two products.
 fn float<'s, F: Copy + Into<Number>>(
     name: &str,
     steps: &FloatSteps<F>,
@@ -132,7 +132,7 @@ fn float<'s, F: Copy + Into<Number>>(
     scribe.compute(format!("{name} · value"), steps.value, &formula)
 }
 
-/// Writes an edge value by the exact predicate.
+/// Writes the computation of an edge value by the exact predicate.
 fn exact<'s>(
     name: &str,
     [from, to, centre]: [[f64; 2]; 3],
@@ -146,7 +146,7 @@ fn exact<'s>(
     scribe.compute(format!("{name} · value"), value, &formula)
 }
 
-/// Writes the decision: inside, outside, or on the edge and owned or not.
+/// Writes whether the pixel's centre is inside or outside an edge. For a centre on the edge, the fill rule decides.
 fn decide(name: &str, steps: &EdgeSteps, value: Number, scribe: &mut TraceRecorder) {
     let value = value.to_f64();
     let kind = edge_kind(steps.inward);
@@ -162,7 +162,7 @@ fn decide(name: &str, steps: &EdgeSteps, value: Number, scribe: &mut TraceRecord
     scribe.decide(format!("{name} · decision"), words, decision).flag(Notable::Tie, value == 0.0);
 }
 
-/// Returns the name of an edge by the direction of its inner side.
+/// Returns the kind of an edge, such as "left edge", from the direction of its inner side.
 fn edge_kind(inward: Inward) -> &'static str {
     match (inward.right, inward.down) {
         (1.., _) => "left edge",

@@ -1,4 +1,4 @@
-//! Text form of exact numbers.
+//! Exact numbers as text: decimals and short fractions.
 
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -6,15 +6,15 @@ use num_traits::{Signed as _, Zero as _};
 
 use super::exact::ExactNumber;
 
-/// Maximum number of digits, numerator and denominator together, of a short fraction.
+/// Maximum number of digits of a short fraction, numerator and denominator together.
 const SHORT_DIGITS: usize = 12;
 
-/// Maximum number of bits, numerator and denominator together, of a fraction that is reduced.
+/// Maximum number of bits of a fraction that is worth reducing, numerator and denominator together.
 const SHORT_BITS: u64 = 256;
 
 impl ExactNumber {
-    /// Returns the number with this many significant digits, and whether they are complete. Further digits are
-    /// truncated.
+    /// Returns the number as decimal text with at most `significant` digits, and whether the text is exact. Further
+    /// digits are truncated.
     pub(crate) fn decimal(&self, significant: u32) -> (String, bool) {
         /// Decimal exponents that are written without exponent notation.
         const PLAIN: std::ops::Range<i64> = -6..22;
@@ -47,7 +47,7 @@ impl ExactNumber {
         (format!("{sign}{text}"), complete)
     }
 
-    /// Returns the integer part of the magnitude times 10^`power`, and whether the remainder is zero.
+    /// Returns the digits of the integer part of |x| · 10^`power`, and whether the remainder is zero.
     fn digits(&self, power: i64) -> (String, bool) {
         let (mut numerator, mut denominator) = self.parts();
         let ten = BigInt::from(10).pow(power.unsigned_abs() as u32);
@@ -62,7 +62,7 @@ impl ExactNumber {
         (whole.to_string(), complete)
     }
 
-    /// Returns numerator / denominator if that is short and not an integer.
+    /// Returns the number as a fraction, such as "1/3"; `None` if the text is long or the number is an integer.
     pub(crate) fn short_fraction(&self) -> Option<String> {
         let (numerator, denominator) = self.parts();
         if numerator.bits() + denominator.bits() > SHORT_BITS {
@@ -83,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn decimals_are_cut_off_and_say_so() {
+    fn truncated_decimals_are_marked_with_an_ellipsis() {
         let third = ExactNumber::ratio(1, 3).unwrap();
         assert_eq!(third.decimal(5), ("0.33333…".to_owned(), false));
         assert_eq!(third.short_fraction(), Some("1/3".to_owned()));

@@ -1,4 +1,4 @@
-//! Trace of the fragment's depth as stored, and of the depth test.
+//! Trace of the fragment's depth, from interpolation to the stored format, and of the depth test.
 
 use super::formula::{Formula, given, sum, whole};
 use super::line::{Notable, TraceRecorder, TraceStage};
@@ -8,7 +8,7 @@ use crate::inspect::intermediate::Intermediate;
 use crate::pipeline::depth::{DepthComparison, TriangleBias, depth_at, unquantised_depth_at};
 use crate::pipeline::settings::DepthBias;
 
-/// Writes the depth and its test.
+/// Writes the trace lines of the fragment's depth and of the depth test.
 pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     scribe.enter(TraceStage::Depth);
     if subject.record.stored_depth.is_none() {
@@ -39,7 +39,7 @@ pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     test(subject, &depth, scribe);
 }
 
-/// Writes the depth bias, if one is set: its terms, and the resulting least depth.
+/// Writes the depth bias, if one is set: its terms, and the biased minimum depth of the corners.
 fn bias(subject: &TracedFragment<'_>, least: f64, biased_least: f64, scribe: &mut TraceRecorder) {
     let Some(bias) = subject.frame.geometry.depth_scale.bias_of(&subject.triangle.vertices) else { return };
     let TriangleBias { gradient: [along_x, along_y], slope, step, offset } = bias;
@@ -70,7 +70,7 @@ fn in_space(subject: &TracedFragment<'_>, least: f64, rises: [f64; 3]) -> Formul
     given("least", least) + above / sum((0..3).map(weight))
 }
 
-/// Writes the depth in the format of the depth buffer.
+/// Writes the conversion of the depth to the format of the depth buffer.
 fn stored(unquantised: f64, depth: &DepthRecord, subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     let depth64 = || given("depth in f64", unquantised);
     match depth.code.zip(subject.frame.depth_scale().encoding().largest_code()) {

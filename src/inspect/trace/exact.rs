@@ -1,5 +1,5 @@
-//! Exact numbers: a fraction of integers times a power of two. Fractions are never reduced, so sums and products of
-//! floats are cheap. Independent of the pipeline's arithmetic, which they serve to verify.
+//! Exact numbers: fractions of integers times a power of two. Fractions are never reduced, so sums and products of
+//! floats are cheap. Exact numbers verify the pipeline's arithmetic and do not depend on it.
 
 use std::cmp::Ordering;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -7,7 +7,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use num_bigint::BigInt;
 use num_traits::{One as _, Signed as _, ToPrimitive as _, Zero as _};
 
-/// Number of bits that roots are computed to, far more than in an f64. Roots are the only inexact numbers here.
+/// Precision of computed roots in bits, far more than that of an f64. Roots are the only inexact results.
 const ROOT_BITS: i64 = 160;
 
 /// A number without rounding error: numerator / denominator · 2^exponent.
@@ -20,10 +20,11 @@ pub(crate) struct ExactNumber {
 }
 
 impl ExactNumber {
-    /// Converts a float; `None` for NaN and the infinities.
+    /// Converts an f64 exactly; `None` for NaN and the infinities.
     pub(crate) fn from_f64(value: f64) -> Option<Self> {
-        /// Bits of the fraction field, and the exponent of the last place of subnormal numbers.
+        /// Width of the fraction field of an f64, in bits.
         const FRACTION_BITS: u32 = 52;
+        /// Binary exponent of the last place of subnormal numbers.
         const MIN_EXPONENT: i64 = -1074;
         if !value.is_finite() {
             return None;
@@ -42,12 +43,12 @@ impl ExactNumber {
         Some(Self { numerator, denominator: BigInt::one(), exponent })
     }
 
-    /// Converts an integer.
+    /// Converts an integer exactly.
     pub(crate) fn whole(value: i64) -> Self {
         Self { numerator: value.into(), denominator: BigInt::one(), exponent: 0 }
     }
 
-    /// Returns a fraction of integers; `None` if the denominator is 0.
+    /// Returns the fraction `numerator` / `denominator`; `None` if the denominator is 0.
     pub(crate) fn ratio(numerator: i64, denominator: i64) -> Option<Self> {
         Self::whole(numerator).divided_by(&Self::whole(denominator))
     }
@@ -63,7 +64,7 @@ impl ExactNumber {
         Self { numerator: self.numerator.abs(), ..self.clone() }
     }
 
-    /// Returns the quotient; `None` for division by 0.
+    /// Returns the number divided by `other`; `None` for division by 0.
     pub(crate) fn divided_by(&self, other: &Self) -> Option<Self> {
         if other.is_zero() {
             return None;
@@ -79,7 +80,7 @@ impl ExactNumber {
         Self { exponent: self.exponent + places, ..self.clone() }
     }
 
-    /// Returns numerator and denominator with the power of two multiplied in.
+    /// Returns the number as numerator and denominator, with the power of two multiplied in.
     pub(super) fn parts(&self) -> (BigInt, BigInt) {
         let shift = self.exponent.unsigned_abs();
         if self.exponent >= 0 {
@@ -89,13 +90,13 @@ impl ExactNumber {
         }
     }
 
-    /// Returns the largest integer not above the number.
+    /// Returns the largest integer less than or equal to the number.
     pub(crate) fn floor(&self) -> Self {
         let (numerator, denominator) = self.parts();
         Self { numerator: div_floor(&numerator, &denominator), denominator: BigInt::one(), exponent: 0 }
     }
 
-    /// Returns the nearest integer, ties to even.
+    /// Returns the nearest integer, with ties to even.
     pub(crate) fn round_ties_even(&self) -> Self {
         let below = self.floor();
         let twice_rest = (self - &below).shifted(1);
@@ -106,7 +107,7 @@ impl ExactNumber {
         }
     }
 
-    /// Returns the root of this degree, truncated to about [`ROOT_BITS`] bits; `None` for a negative number.
+    /// Returns the `degree`-th root, truncated to about [`ROOT_BITS`] bits; `None` for a negative number.
     pub(crate) fn root(&self, degree: u32) -> Option<Self> {
         if self.numerator.is_negative() {
             return None;
@@ -144,9 +145,9 @@ impl ExactNumber {
         Some(guess - i64::from(is_less) + self.exponent)
     }
 
-    /// Returns an approximation as a float.
+    /// Returns an f64 that approximates the number.
     pub(crate) fn approximate(&self) -> f64 {
-        /// Bits kept before the conversion: more than an f64 has, so truncation is negligible.
+        /// Number of bits kept before the conversion, more than an f64 has, so truncation is negligible.
         const BITS: i64 = 66;
         let Some(magnitude) = self.floor_log2() else { return 0.0 };
         let shift = BITS - magnitude;
@@ -158,7 +159,7 @@ impl ExactNumber {
     }
 }
 
-/// Divides rounding down, for negative numbers too.
+/// Divides two integers, and rounds the quotient toward negative infinity.
 fn div_floor(numerator: &BigInt, denominator: &BigInt) -> BigInt {
     let quotient = numerator / denominator;
     if numerator.is_negative() && &quotient * denominator != *numerator { quotient - 1 } else { quotient }
@@ -246,7 +247,7 @@ mod tests {
     }
 
     #[test]
-    fn it_is_the_arithmetic_of_fractions() {
+    fn arithmetic_matches_that_of_rational_numbers() {
         let mut rng = fastrand::Rng::with_seed(8);
         let rational = |x: &ExactNumber| {
             let (numerator, denominator) = x.parts();
@@ -270,7 +271,7 @@ mod tests {
     }
 
     #[test]
-    fn roots_are_right_to_many_more_digits_than_a_float_has() {
+    fn roots_are_far_more_precise_than_a_float() {
         for (value, degree) in [(2.0, 2), (3e-40, 2), (1e300, 5), (0.25, 12), (0.0, 3)] {
             let x = exact(value);
             let root = x.root(degree).unwrap();
@@ -289,7 +290,7 @@ mod tests {
     }
 
     #[test]
-    fn the_magnitude_is_that_of_the_leading_bit() {
+    fn floor_log2_is_the_exponent_of_the_leading_bit() {
         for (value, magnitude) in [(1.0, 0), (0.75, -1), (2.0, 1), (3.99, 1), (-8.0, 3)] {
             assert_eq!(exact(value).floor_log2(), Some(magnitude), "{value}");
         }

@@ -1,4 +1,4 @@
-//! Trace from the drawn samples to the pixel of the full picture: resolve, upscaler, post filter, wireframe.
+//! Trace from the drawn samples to the pixel of the full picture: resolve, upscaler, post filter and wireframe.
 
 use super::attributes::CHANNELS;
 use super::formula::{given, sum, whole};
@@ -12,7 +12,7 @@ use crate::inspect::pixel::PixelReport;
 use crate::pipeline::settings::{Choice as _, ColorSpace};
 use crate::upscale::FilterSpace;
 
-/// Writes the stages after shading.
+/// Writes the trace lines of all stages after shading.
 pub(super) fn write(recipe: &Recipe, frame: &Frame, report: &PixelReport, scribe: &mut TraceRecorder) {
     scribe.enter(TraceStage::Resolve);
     resolve(frame, report, scribe);
@@ -37,7 +37,7 @@ fn code_lines(what: &str, words: &str, color: Rgba8, scribe: &mut TraceRecorder)
     }
 }
 
-/// Writes the mean of the samples of a drawn pixel.
+/// Writes the samples of a drawn pixel and their mean.
 fn resolve(frame: &Frame, report: &PixelReport, scribe: &mut TraceRecorder) {
     let (count, light) = (report.samples.len(), frame.antialias.light);
     if count == 0 {

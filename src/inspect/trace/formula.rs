@@ -9,29 +9,29 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use super::exact::ExactNumber;
 use super::number::Number;
 
-/// A formula over named numbers.
+/// Formula over named numbers, as an expression tree.
 #[derive(Clone, Debug)]
 pub(crate) enum Formula {
     /// A named number of the pipeline.
     Given(Cow<'static, str>, Number),
     /// A constant of the formula, with its text.
     Constant(&'static str, ExactNumber),
-    /// An operation on two formulas.
+    /// A binary operation on two formulas.
     Binary(Op, Box<Self>, Box<Self>),
     /// A function of one formula.
     Unary(Function, Box<Self>),
 }
 
-/// An operation on two numbers.
+/// Binary operation in a formula.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Op {
-    /// a + b.
+    /// The sum a + b.
     Add,
-    /// a − b.
+    /// The difference a − b.
     Subtract,
-    /// a · b.
+    /// The product a · b.
     Multiply,
-    /// a / b.
+    /// The quotient a / b.
     Divide,
     /// The maximum of a and b.
     Max,
@@ -41,48 +41,48 @@ pub(crate) enum Op {
     Power,
 }
 
-/// A function of one number.
+/// Function of one number in a formula.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Function {
-    /// −x.
+    /// The negation −x.
     Negate,
-    /// √x.
+    /// The square root √x.
     SquareRoot,
-    /// x to the power of 5/12, which is 1/2.4.
+    /// x to the power of 5/12 = 1/2.4, for sRGB encoding.
     SrgbRoot,
-    /// x to the power of 12/5, which is 2.4.
+    /// x to the power of 12/5 = 2.4, for sRGB decoding.
     SrgbPower,
-    /// ⌊x⌋.
+    /// The floor ⌊x⌋.
     Floor,
-    /// The nearest integer, ties to even.
+    /// The integer nearest to x, with ties to even.
     Round,
 }
 
-/// Result of a formula.
+/// Exact result of a formula.
 #[derive(Clone, Debug)]
 pub(crate) struct Evaluated {
     /// Exact value of the formula.
     pub(crate) value: ExactNumber,
-    /// Greatest number of leading bits cancelled by any sum or difference in the formula.
+    /// Maximum number of leading bits cancelled by any sum or difference in the formula.
     pub(crate) lost_bits: u32,
 }
 
-/// Creates a named number of the pipeline.
+/// Creates a formula that is a named number of the pipeline.
 pub(crate) fn given(name: impl Into<Cow<'static, str>>, number: impl Into<Number>) -> Formula {
     Formula::Given(name.into(), number.into())
 }
 
-/// Creates an integer constant of a formula.
+/// Creates a formula that is an integer constant, with its text.
 pub(crate) fn whole(text: &'static str, value: i64) -> Formula {
     Formula::Constant(text, ExactNumber::whole(value))
 }
 
-/// Creates a fractional constant of a formula with its decimal text; the denominator must not be 0.
+/// Creates a formula that is a fractional constant, with its decimal text. The denominator must not be 0.
 pub(crate) fn fraction(text: &'static str, numerator: i64, denominator: i64) -> Formula {
     Formula::Constant(text, ExactNumber::ratio(numerator, denominator).unwrap_or_else(|| ExactNumber::whole(0)))
 }
 
-/// Returns the sum of formulas; 0 for none.
+/// Returns the sum of formulas; 0 if there are none.
 pub(crate) fn sum(terms: impl IntoIterator<Item = Formula>) -> Formula {
     terms.into_iter().reduce(|a, b| a + b).unwrap_or_else(|| whole("0", 0))
 }
@@ -98,7 +98,7 @@ impl Formula {
         Self::Binary(Op::Min, Box::new(self), Box::new(other))
     }
 
-    /// Raises a formula, whose value must not be negative, to the power of another one.
+    /// Raises the formula to the power of another one. The value of the base must not be negative.
     pub(crate) fn raised_to(self, exponent: Self) -> Self {
         Self::Binary(Op::Power, Box::new(self), Box::new(exponent))
     }
@@ -129,7 +129,7 @@ impl Formula {
         .0
     }
 
-    /// Returns the number of operations that round if each is performed separately.
+    /// Returns the number of rounding operations if every operation is performed separately.
     pub(crate) fn operations(&self) -> usize {
         match self {
             Self::Given(..) | Self::Constant(..) => 0,
@@ -142,7 +142,7 @@ impl Formula {
         }
     }
 
-    /// Returns the types of the inputs, each as often as it occurs.
+    /// Returns the type names of all inputs, including repetitions.
     pub(crate) fn kinds(&self) -> Vec<&'static str> {
         match self {
             Self::Given(_, number) => vec![number.kind()],
@@ -152,7 +152,7 @@ impl Formula {
         }
     }
 
-    /// Returns the exact value; `None` for a non-finite input or a division by 0.
+    /// Evaluates the formula exactly; `None` for a non-finite input or a division by 0.
     pub(crate) fn evaluate(&self) -> Option<Evaluated> {
         match self {
             Self::Given(_, number) => Some(Evaluated { value: number.exact()?, lost_bits: 0 }),
@@ -189,7 +189,7 @@ impl Formula {
         }
     }
 
-    /// Returns the text, and the precedence of its outermost operator.
+    /// Returns the text of the formula, and the precedence of its outermost operator.
     fn text(&self, name: &impl Fn(&Self) -> String) -> (String, Precedence) {
         let inside = |part: &Self, least: Precedence| {
             let (text, binding) = part.text(name);
@@ -275,7 +275,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn words_and_numbers_have_the_brackets_that_they_need() {
+    fn words_and_numbers_have_the_necessary_parentheses() {
         let (a, b, c) = (|| given("a", 2.0_f32), || given("b", -3.0_f32), || given("c", 0.5_f32));
         assert_eq!((a() * (b() + c())).words(), "a · (b + c)");
         assert_eq!((a() - (b() - c())).words(), "a − (b − c)");
@@ -287,7 +287,7 @@ mod tests {
     }
 
     #[test]
-    fn the_exact_value_is_without_rounding() {
+    fn exact_values_are_not_rounded() {
         let formula = given("a", 0.1_f32) + given("b", 0.2_f32);
         let exact = formula.evaluate().unwrap().value;
         assert_eq!(
@@ -299,7 +299,7 @@ mod tests {
     }
 
     #[test]
-    fn lost_bits_are_those_that_cancel() {
+    fn lost_bits_count_cancelled_leading_bits() {
         let near = given("a", 1.0_f32 + 1.0 / 1024.0) - given("b", 1.0_f32);
         assert_eq!(near.evaluate().unwrap().lost_bits, 10);
         let far = given("a", 4.0_f32) - given("b", 1.0_f32);

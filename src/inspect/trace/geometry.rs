@@ -20,8 +20,8 @@ pub(super) struct NamedVertex {
     pub(super) vertex: ClipVertex,
 }
 
-/// Writes the stages from model to clip. Returns the corners of the fragment's triangle in clip space: those of the
-/// mesh, or of a piece that clipping leaves. Empty if no piece matches the fragment, which cannot happen if the frame
+/// Writes the stages from model to clip. Returns the corners of the fragment's triangle, or of its piece after
+/// clipping, in clip space. Returns no corners if no piece matches the fragment, which cannot happen if the frame
 /// belongs to the scene.
 pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) -> Vec<NamedVertex> {
     scribe.enter(TraceStage::Model);
@@ -93,7 +93,7 @@ fn part(what: &str, axis: usize) -> &'static str {
     }
 }
 
-/// Writes the entries of clip from model, each rounded once from an f64 product.
+/// Writes the entries of the clip-from-model matrix, each rounded once from an f64 product.
 fn matrix(subject: &TracedFragment<'_>, matrices: &DrawMatrices, scribe: &mut TraceRecorder) {
     let mapping = subject.settings.depth_format.mapping();
     let product =
@@ -107,7 +107,7 @@ fn matrix(subject: &TracedFragment<'_>, matrices: &DrawMatrices, scribe: &mut Tr
     }
 }
 
-/// Returns the name of a matrix entry.
+/// Returns the name of a matrix entry, such as "m03".
 fn entry(row: usize, column: usize) -> String {
     format!("m{row}{column}")
 }
@@ -123,7 +123,7 @@ fn asides(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     }
 }
 
-/// Transforms a point by a matrix, and writes the result as asides.
+/// Transforms a point by a matrix, and writes the components of the result as explanatory lines.
 fn transformed(matrix: &DMat4, point: DVec4, what: &str, scribe: &mut TraceRecorder) -> DVec4 {
     let result = *matrix * point;
     for row in 0..3 {
@@ -134,7 +134,7 @@ fn transformed(matrix: &DMat4, point: DVec4, what: &str, scribe: &mut TraceRecor
     result
 }
 
-/// Returns the formula of a matrix row times a point.
+/// Returns the formula for the product of a matrix row and a point.
 fn product_of(entries: impl Fn(usize) -> super::Number, point: [super::Number; 3], row: usize) -> Formula {
     let term = |column: usize| given(entry(row, column), entries(column)) * given(AXES[column], point[column]);
     sum((0..3).map(term)) + given(entry(row, 3), entries(3))
@@ -184,14 +184,14 @@ fn normal(
     }
 }
 
-/// Returns the formula of a component of a normalised vector.
+/// Returns the formula for one component of a normalised vector.
 pub(super) fn unit_component(vector: [f32; 3], axis: usize) -> Formula {
     let component = |axis: usize| given(AXES[axis], vector[axis]);
     let square = sum((0..3).map(|axis| component(axis) * component(axis)));
     component(axis) / square.apply(super::formula::Function::SquareRoot)
 }
 
-/// Writes the clipping steps. Returns the corners of the fragment's piece.
+/// Writes the clipping steps. Returns the corners of the piece that contains the fragment.
 fn clip(subject: &TracedFragment<'_>, corners: Vec<NamedVertex>, scribe: &mut TraceRecorder) -> Vec<NamedVertex> {
     if let PlanStep::LeftOut(reason) = subject.plan.step(PipelinePart::Clipping) {
         scribe.decide("clipping", reason, "skipped");
@@ -277,7 +277,7 @@ fn plane_name(plane: ClipPlane) -> &'static str {
     }
 }
 
-/// Writes a new vertex: its position along its edge, and in clip space.
+/// Writes a vertex that clipping creates: its position along the clipped edge, and in clip space.
 fn write_cut(
     cut: &EdgeCut,
     (name, plane, widening): (&str, &str, f32),
@@ -303,7 +303,7 @@ fn write_cut(
     }
 }
 
-/// Returns the formula of a component that is set exactly onto the plane; `None` for the other components.
+/// Returns the formula for a component that clipping sets exactly onto the plane; `None` for the other components.
 fn pinned(cut: &EdgeCut, axis: usize, widening: f32) -> Option<Formula> {
     let w = || given("w", cut.vertex.position.w);
     let side = || w() * given("guard band", widening);

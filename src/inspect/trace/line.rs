@@ -1,4 +1,4 @@
-//! One line of a trace: the quantity, its formula, the pipeline's value, and the exact value.
+//! Lines of a trace: each has a quantity, its formula, the pipeline's value, and the exact value.
 
 use serde::Serialize;
 
@@ -8,7 +8,7 @@ use crate::inspect::intermediate::Intermediate;
 use crate::pipeline::settings::{Choice, choice};
 
 choice! {
-    /// Pipeline stage that a line belongs to.
+    /// Pipeline stage to which a trace line belongs.
     TraceStage {
         Model = "model", "Model", "The corners of the triangle as stored in the mesh.";
         Transform = "transform", "Transform", "One matrix per draw transforms corners from model space through world and view to clip space.";
@@ -27,7 +27,7 @@ choice! {
 }
 
 choice! {
-    /// A notable property of a line.
+    /// Notable property of a trace line, such as a tie.
     Notable {
         NotFinite = "not-finite", "NaN or infinite", "The result is NaN or infinite.";
         Tie = "tie", "Tie", "A value lies exactly on a border: a rule decides.";
@@ -37,10 +37,10 @@ choice! {
     }
 }
 
-/// A notable property of a line, with details.
+/// Notable property of a trace line, with details.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub(crate) struct Flag {
-    /// Kind of the property.
+    /// Kind of property, such as a tie or cancellation.
     pub(crate) kind: Notable,
     /// Number of leading bits lost to cancellation; `None` for other kinds.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -48,7 +48,7 @@ pub(crate) struct Flag {
 }
 
 impl Flag {
-    /// Returns a short description.
+    /// Returns a short description of the flag, such as "Cancellation of 12 bits".
     pub(crate) fn words(self) -> String {
         match self.lost_bits {
             Some(bits) => format!("{} of {bits} bits", self.kind.name()),
@@ -57,27 +57,27 @@ impl Flag {
     }
 }
 
-/// Result of a line.
+/// Result on a trace line: a number or a decision.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub(crate) enum LineResult {
-    /// A number.
+    /// Number that the pipeline computed or read.
     Number(Number),
-    /// A decision.
+    /// Decision that the pipeline made, as text.
     Words(String),
 }
 
-/// An exact number as text.
+/// Exact number as text.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct ExactText {
     /// Decimal digits; truncation is marked with “…”.
     pub(crate) decimal: String,
-    /// The number as a fraction, if that is short.
+    /// The number as a fraction, such as "1/3"; `None` if the decimal is complete or the fraction is long.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) fraction: Option<String>,
 }
 
-/// One line of a trace.
+/// One line of a trace: a value of the pipeline, its formula, and its exact result.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TraceLine {
     /// Pipeline stage of the line.
@@ -88,11 +88,11 @@ pub struct TraceLine {
     pub(crate) formula: String,
     /// Formula with numbers instead of names; empty for values that are read.
     pub(crate) numbers: String,
-    /// Result of the pipeline.
+    /// Number or decision that the pipeline computed.
     pub(crate) value: LineResult,
-    /// Type of the number; empty for decisions.
+    /// Type of the number, such as "f32"; empty for decisions.
     pub(crate) kind: &'static str,
-    /// Bit pattern of the number; empty for decisions.
+    /// Bit pattern of the number in hexadecimal; empty for decisions.
     pub(crate) bits: String,
     /// Exact result of the formula for the inputs of this line.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -102,7 +102,7 @@ pub struct TraceLine {
     pub rounding_ulp: Option<f64>,
     /// Whether the value results from at most one correctly rounded operation, with an error of at most half an ulp.
     pub(crate) rounded_once: bool,
-    /// Greatest number of leading bits cancelled by any sum or difference in the formula.
+    /// Maximum number of leading bits cancelled by any sum or difference in the formula.
     #[serde(skip_serializing_if = "is_zero")]
     pub(crate) lost_bits: u32,
     /// Whether the line is only explanatory and not computed by the pipeline.
@@ -120,7 +120,7 @@ impl TraceLine {
         self.flags.iter().any(|flag| flag.kind == kind)
     }
 
-    /// Returns the number; `None` for a decision.
+    /// Returns the number on the line; `None` for a decision.
     pub fn number(&self) -> Option<Number> {
         match &self.value {
             LineResult::Number(number) => Some(*number),
@@ -144,7 +144,7 @@ impl TraceLine {
         }
     }
 
-    /// Returns the value as text.
+    /// Returns the number or the decision as text.
     pub(crate) fn value_text(&self) -> String {
         match &self.value {
             LineResult::Number(number) => number.to_string(),
@@ -153,7 +153,7 @@ impl TraceLine {
     }
 }
 
-/// Records trace lines, stage by stage.
+/// Recorder of trace lines, stage by stage.
 #[derive(Debug)]
 pub(super) struct TraceRecorder {
     stage: TraceStage,
@@ -161,7 +161,7 @@ pub(super) struct TraceRecorder {
 }
 
 impl TraceRecorder {
-    /// Creates an empty record.
+    /// Creates a recorder without lines.
     pub(super) fn new() -> Self {
         Self { stage: TraceStage::Model, lines: Vec::new() }
     }
@@ -221,7 +221,7 @@ impl TraceRecorder {
         line
     }
 
-    /// Records a decision, with the deciding numbers.
+    /// Records a decision; `words` contains its reason.
     pub(super) fn decide(
         &mut self,
         what: impl Into<String>,
@@ -287,10 +287,10 @@ fn is_zero(bits: &u32) -> bool {
     *bits == 0
 }
 
-/// Number of significant digits of exact numbers: more than an f64 has.
+/// Number of significant digits written for exact numbers, more than an f64 has.
 const EXACT_DIGITS: u32 = 20;
 
-/// Denominator of the fraction of its type's bits that a cancellation must lose to be flagged.
+/// Cancellation is flagged if it loses at least the type's precision in bits divided by this number.
 const CANCELLATION_DIVISOR: u32 = 3;
 
 /// Whether a number results from at most one operation on inputs of its own type, or from one conversion.

@@ -1,8 +1,8 @@
 //! Trace of the arithmetic of one fragment, line by line: from the corners of its triangle to the final pixel.
 //!
-//! Every value is the pipeline's own: its functions are called again on the same inputs, and drawing and trace share
-//! the code of intermediate steps. Next to each value is the exact result of its formula ([`exact`]) for the inputs of
-//! that line. The difference is therefore the rounding error of that line alone, without earlier errors.
+//! Every value is the pipeline's own: the trace calls the pipeline's functions again on the same inputs, and shares the
+//! code of intermediate steps with drawing. Next to each value is the exact result of its formula ([`exact`]) for the
+//! inputs of that line. The difference is therefore the rounding error of that line alone, without earlier errors.
 //!
 //! Geometry is replayed for one triangle only, so the cost of a trace does not depend on the size of the scene.
 
@@ -39,28 +39,29 @@ use super::pixel::PixelReport;
 use crate::chain::{Frame, Recipe};
 use crate::scene::{Scene, TriangleId};
 
-/// Complete trace of one fragment.
+/// Trace of the arithmetic of one fragment, from the mesh to the final pixel.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Trace {
-    /// Inspected pixel, in the full picture.
+    /// Column and row of the inspected pixel in the full picture.
     pub pixel: [u32; 2],
-    /// Drawn pixel that contains the fragment; equal to the inspected one if that was drawn itself.
+    /// Drawn pixel that contains the fragment; equal to `pixel` if the inspected pixel was drawn.
     pub(crate) drawn_at: [u32; 2],
-    /// Index of the fragment among those of the drawn pixel, in drawing order; `None` if there are none.
+    /// Index of the fragment at the drawn pixel, in drawing order; `None` if the pixel has no fragments.
     pub fragment: Option<usize>,
     /// Number of fragments at the drawn pixel.
     pub(crate) fragments: usize,
-    /// Triangle of the fragment.
+    /// Triangle that produced the fragment; `None` without a fragment.
     pub triangle: Option<TriangleId>,
-    /// Name of the instance of the triangle.
+    /// Name of the instance that contains the triangle; empty without a fragment.
     pub(crate) instance: String,
-    /// All lines, in pipeline order.
+    /// Lines of the trace, in pipeline order.
     pub lines: Vec<TraceLine>,
 }
 
 impl Trace {
-    /// Traces a fragment of a replayed pixel. `fragment` is an index into [`PixelReport::fragments`]; by default it is
-    /// the visible one. Without any fragment, the trace contains only the steps from drawn samples to the pixel.
+    /// Traces a fragment of a replayed pixel. `fragment` is an index into [`PixelReport::fragments`]; `None` selects
+    /// the visible fragment, or else the last. Without any fragment, the trace contains only the steps from drawn
+    /// samples to the pixel.
     ///
     /// # Examples
     /// ```
@@ -112,13 +113,13 @@ impl Trace {
         }
     }
 
-    /// Returns the next or previous line after `from` with a flag of this kind, or with any flag for `None`. Skips
-    /// asides, which are not part of the pipeline.
+    /// Returns the index of the nearest line after or before `from` with a flag of this kind, or with any flag for
+    /// `None`. Skips asides, which are not part of the pipeline.
     pub(crate) fn next(&self, from: usize, kind: Option<Notable>, direction: StepDirection) -> Option<usize> {
         self.find(from, direction, |line| !line.aside && kind.map_or(!line.flags.is_empty(), |kind| line.has(kind)))
     }
 
-    /// Returns the first line of the next or previous stage relative to the line `from`.
+    /// Returns the index of the first line of the next or previous stage, relative to the stage of the line `from`.
     pub(crate) fn next_stage(&self, from: usize, direction: StepDirection) -> Option<usize> {
         let stage = self.lines.get(from)?.stage;
         let place = self.find(from, direction, |line| line.stage != stage)?;
@@ -140,16 +141,16 @@ impl Trace {
     }
 }
 
-/// Direction of a step.
+/// Direction of a step through the lines of a trace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StepDirection {
-    /// Towards the final pixel.
+    /// Forwards, towards the final pixel.
     Forward,
-    /// Towards the mesh.
+    /// Backwards, towards the mesh.
     Back,
 }
 
-/// Returns the index of the visible fragment, or else of the last one.
+/// Returns the index of the visible fragment, or else of the last fragment.
 fn main_fragment(report: &PixelReport) -> Option<usize> {
     let visible = report.visible();
     let place = visible.and_then(|visible| report.fragments.iter().position(|record| std::ptr::eq(record, visible)));

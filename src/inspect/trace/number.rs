@@ -1,4 +1,4 @@
-//! A number as the pipeline stores it: value, type, bit pattern, and rounding error relative to an exact number.
+//! Numbers as the pipeline stores them: value, type, bit pattern, and rounding error relative to an exact number.
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use serde::{Serialize, Serializer};
 
 use super::exact::ExactNumber;
 
-/// A number of the pipeline, with its type.
+/// Number as the pipeline stores it, with its type.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Number {
     /// Single-precision float.
@@ -22,7 +22,7 @@ pub enum Number {
 }
 
 impl Number {
-    /// Returns the name of the type.
+    /// Returns the name of the number's type, such as "f32".
     pub(crate) fn kind(self) -> &'static str {
         match self {
             Self::F32(_) => "f32",
@@ -44,12 +44,12 @@ impl Number {
         }
     }
 
-    /// Whether the type is a floating-point type.
+    /// Whether the number is a float.
     pub(crate) fn is_float(self) -> bool {
         matches!(self, Self::F32(_) | Self::F64(_))
     }
 
-    /// Converts the number without error; `None` for NaN and the infinities.
+    /// Converts the number to an exact number; `None` for NaN and the infinities.
     pub(crate) fn exact(self) -> Option<ExactNumber> {
         match self {
             Self::I64(value) => Some(ExactNumber::whole(value)),
@@ -57,7 +57,7 @@ impl Number {
         }
     }
 
-    /// Returns the precision of the type in bits; `None` for integers, which never lose digits.
+    /// Returns the precision of the number's type in bits; `None` for integers, which are not rounded.
     pub(crate) fn precision(self) -> Option<u32> {
         match self {
             Self::F32(_) => Some(f32::MANTISSA_DIGITS),
@@ -84,7 +84,7 @@ impl Number {
         }
     }
 
-    /// Returns the bit pattern in hexadecimal.
+    /// Returns the number's bit pattern in hexadecimal, with the prefix `0x`.
     pub(crate) fn bits(self) -> String {
         match self {
             Self::F32(value) => format!("0x{:08X}", value.to_bits()),
@@ -102,10 +102,11 @@ impl Number {
         Some(error.shifted(-self.last_place(exact)).approximate())
     }
 
-    /// Returns the binary exponent of the last place of the type for a number of this magnitude.
+    /// Returns the binary exponent of the unit in the last place of this type at the magnitude of `exact`.
     fn last_place(self, exact: &ExactNumber) -> i64 {
-        /// Binary exponents of the smallest positive subnormal numbers.
+        /// Binary exponent of the smallest positive subnormal `f32`.
         const MIN_EXPONENT_F32: i64 = -149;
+        /// Binary exponent of the smallest positive subnormal `f64`.
         const MIN_EXPONENT_F64: i64 = -1074;
         let least = match self {
             Self::F32(_) => MIN_EXPONENT_F32,
@@ -117,7 +118,7 @@ impl Number {
     }
 }
 
-/// Writes the shortest decimal that identifies the number.
+/// Writes the shortest decimal text that identifies the number.
 impl fmt::Display for Number {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let text = match self {
@@ -187,7 +188,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_ulp_is_the_distance_of_neighbouring_floats() {
+    fn an_ulp_is_the_distance_between_neighbouring_floats() {
         for value in [1.0_f32, 1.5, 0.1, 3e38, 1e-40, 1e-45] {
             let exact = Number::from(value).exact().unwrap();
             assert_eq!(Number::from(value.next_up()).rounding_ulp(&exact), Some(1.0), "{value:e}");
@@ -200,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_has_words() {
+    fn non_finite_numbers_are_written_as_symbols() {
         assert_eq!(Number::from(-f32::INFINITY).to_string(), "−∞");
         assert_eq!(Number::from(f64::NAN).to_string(), "NaN");
         assert_eq!(Number::from(-0.1_f32).to_string(), "−0.1");

@@ -1,4 +1,4 @@
-//! Trace from clip space to the snapped corners on the screen: division, viewport, snapping, and the depth of each
+//! Trace from clip space to screen space: perspective division, viewport transform, snapping, and the depth of each
 //! corner.
 
 use super::formula::{Formula, Function, fraction, given, whole};
@@ -14,7 +14,7 @@ use crate::pipeline::vertex::ClipVertex;
 use crate::pipeline::viewport::{ScreenVertex, divided};
 use crate::scene::DepthMapping;
 
-/// Writes the lines of all corners.
+/// Writes the trace lines for projecting all corners of the triangle.
 pub(super) fn write(subject: &TracedFragment<'_>, corners: &[NamedVertex], scribe: &mut TraceRecorder) {
     scribe.enter(TraceStage::Project);
     for (corner, NamedVertex { name, vertex }) in corners.iter().enumerate() {
@@ -60,7 +60,7 @@ fn position(
     }
 }
 
-/// Returns the formula of the depth in [0, 1] from the distance.
+/// Returns the formula for a corner's depth in [0, 1].
 fn depth_formula(subject: &TracedFragment<'_>, vertex: &ClipVertex, screen: &ScreenVertex) -> Formula {
     let scale = &subject.frame.geometry.depth_scale;
     let [near, far, factor] = scale.planes_and_factor();
@@ -81,7 +81,7 @@ fn depth_formula(subject: &TracedFragment<'_>, vertex: &ClipVertex, screen: &Scr
     depth.max(whole("0", 0)).min(whole("1", 1))
 }
 
-/// Writes 1/w of each corner relative to the largest, from which the weights are computed.
+/// Writes 1/w of each corner relative to the largest 1/w, from which the weights are computed.
 fn relative(subject: &TracedFragment<'_>, corners: &[NamedVertex], scribe: &mut TraceRecorder) {
     if let PlanStep::LeftOut(reason) = subject.plan.step(PipelinePart::PerspectiveDivision) {
         scribe.decide("relative 1/w", reason, "1 at all corners");

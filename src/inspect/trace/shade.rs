@@ -17,7 +17,7 @@ use crate::pipeline::shade::{CEL_THRESHOLD, Highlight, NormalMap};
 use crate::scene::Transparency;
 use crate::scene::material::ALPHA_TEST_THRESHOLD;
 
-/// Writes the light and the colour.
+/// Writes the trace lines of the fragment's lighting, opacity and colour.
 pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     scribe.enter(TraceStage::Light);
     if subject.runs(PipelinePart::Normals) && subject.settings.shading != Shading::Gouraud {
@@ -54,7 +54,7 @@ fn unit_normal(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     }
 }
 
-/// Writes the normal-mapped normal that replaces the interpolated one.
+/// Writes the normal from the normal map, which replaces the interpolated normal.
 fn mapped_normal(subject: &TracedFragment<'_>, map: &NormalMap<'_>, smooth: Vec3, scribe: &mut TraceRecorder) {
     let fragment = &subject.fragment;
     let vector = map.vector(fragment);
@@ -88,7 +88,7 @@ fn mapped_normal(subject: &TracedFragment<'_>, map: &NormalMap<'_>, smooth: Vec3
     }
 }
 
-/// Writes N·L and the light factor.
+/// Writes the computation of N·L and the light factor.
 fn light(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     let (shader, fragment) = (&subject.shader, &subject.fragment);
     let factor = shader.light(fragment);
@@ -117,7 +117,7 @@ fn light(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     }
 }
 
-/// Writes H, N·H and the factor of the specular colour.
+/// Writes the halfway vector H, N·H, and the factor of the specular colour.
 fn write_highlight(subject: &TracedFragment<'_>, highlight: &Highlight<'_>, cosine: f32, scribe: &mut TraceRecorder) {
     let (shader, fragment) = (&subject.shader, &subject.fragment);
     let factor = shader.highlight_factor(fragment);
@@ -153,13 +153,13 @@ fn dot(normal: [f32; 3], direction: [f32; 3]) -> Formula {
         .map(|axis| given(["nx", "ny", "nz"][axis], normal[axis]) * given(["lx", "ly", "lz"][axis], direction[axis])))
 }
 
-/// Returns the formula ambient + (1 − ambient)·max(0, N·L).
+/// Returns the Lambert formula ambient + (1 − ambient)·max(0, N·L).
 pub(super) fn lambert_formula(normal: [f32; 3], direction: [f32; 3], ambient: f32) -> Formula {
     let share = || given("ambient", ambient);
     share() + (whole("1", 1) - share()) * dot(normal, direction).max(whole("0", 0))
 }
 
-/// Writes the alpha of the fragment, and the alpha test.
+/// Writes the alpha of the fragment and the alpha test.
 fn opacity(subject: &TracedFragment<'_>, alpha: f32, scribe: &mut TraceRecorder) {
     let own = given("opacity", subject.shader.opacity());
     let formula = match subject.shader.texture_for(&subject.fragment) {
@@ -194,7 +194,8 @@ fn opacity(subject: &TracedFragment<'_>, alpha: f32, scribe: &mut TraceRecorder)
     }
 }
 
-/// Writes the surface colour: material × texture × light, blended with the colour below if the material is transparent.
+/// Writes the computation of the surface colour: material × texture × light, blended with the colour below if the
+/// material is transparent.
 fn material(subject: &TracedFragment<'_>, below: Option<Rgba8>, code: Rgba8, scribe: &mut TraceRecorder) {
     let (shader, fragment) = (&subject.shader, &subject.fragment);
     let (plain, albedo, light) = (shader.plain_albedo(fragment), shader.albedo(fragment), shader.light(fragment));
@@ -266,7 +267,7 @@ fn behind_formula(subject: &TracedFragment<'_>, code: u8) -> Formula {
     }
 }
 
-/// Returns the formula of the filtered texture colour by channel; `None` if no texture is read.
+/// Returns a function from channel to the formula of the filtered texture colour; `None` if no texture is read.
 fn texture_color<'a>(subject: &'a TracedFragment<'_>) -> Option<impl Fn(usize) -> Formula + 'a> {
     let texture = subject.shader.texture_for(&subject.fragment)?;
     let (levels, count) = texture.levels(&subject.fragment);
@@ -298,12 +299,12 @@ fn texture_color<'a>(subject: &'a TracedFragment<'_>) -> Option<impl Fn(usize) -
     })
 }
 
-/// Returns the formula of the code of a value: the sRGB curve in linear light, or else 255 equal steps.
+/// Returns the formula that encodes a value as an 8-bit code: the sRGB curve in linear light, or else 255 equal steps.
 fn code_formula(value: f32, space: ColorSpace) -> Formula {
     encoded(&given("value", value), space)
 }
 
-/// Returns the formula of the code of another formula's value.
+/// Returns the formula that encodes the value of another formula as an 8-bit code.
 pub(super) fn encoded(value: &Formula, space: ColorSpace) -> Formula {
     /// End of the linear segment of the sRGB curve.
     const STRAIGHT: f64 = 0.003_130_8;

@@ -1,4 +1,4 @@
-//! Subject of a trace: a fragment with all inputs of its drawing, found without preparing the scene again.
+//! Subject of a trace: a fragment with all inputs of its drawing, collected without processing the geometry again.
 
 use crate::chain::{Frame, Recipe};
 use crate::inspect::pixel::{FragmentRecord, PixelReport};
@@ -13,7 +13,7 @@ use crate::pipeline::vertex::{DrawMatrices, Transformer};
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::scene::{Camera, Instance, Mesh, Scene};
 
-/// A fragment and the inputs that it was drawn from.
+/// Fragment to trace, with all inputs from which it was drawn.
 pub(super) struct TracedFragment<'a> {
     pub(super) settings: &'a Settings,
     pub(super) record: &'a FragmentRecord,
@@ -25,7 +25,7 @@ pub(super) struct TracedFragment<'a> {
     pub(super) plan: &'a DrawPlan,
     pub(super) shader: Shader<'a>,
     pub(super) frame: &'a Frame,
-    /// Camera that was drawn with. It differs slightly from the frame's if samples lie between pixels.
+    /// Camera used for drawing. It differs slightly from the frame's camera if samples lie between pixels.
     pub(super) camera: Camera,
     /// Size of the drawn picture, in pixels.
     pub(super) raster: Viewport,
@@ -35,7 +35,7 @@ pub(super) struct TracedFragment<'a> {
 }
 
 impl<'a> TracedFragment<'a> {
-    /// Collects the inputs of a fragment; `None` if the record belongs to another frame.
+    /// Collects the inputs of the fragment in `record`; `None` if the record belongs to another frame.
     pub(super) fn of(
         scene: &'a Scene,
         recipe: &'a Recipe,
@@ -79,17 +79,18 @@ impl<'a> TracedFragment<'a> {
         DrawMatrices::new(self.instance, self.camera.clip_from_world_f64(self.raster.aspect(), mapping))
     }
 
-    /// Returns the plane of the view that a clip-space plane corresponds to.
+    /// Maps a clip-space plane to the plane of the view. Near and far are swapped if the view has z = 0 at its far
+    /// plane.
     pub(super) fn plane_of_view(&self, plane: ClipPlane) -> ClipPlane {
         plane.of_view(self.camera.has_zero_at_far(self.settings.depth_format.mapping()))
     }
 
-    /// Returns the vertex transformer of the mesh.
+    /// Returns the vertex transformer for the fragment's mesh.
     pub(super) fn transformer<'b>(&'b self, matrices: &'b DrawMatrices) -> Transformer<'b> {
         Transformer::new(self.mesh, matrices, self.settings, self.plan)
     }
 
-    /// Whether the plan of the fragment's draw runs a part.
+    /// Whether the fragment's draw plan runs a pipeline part.
     pub(super) fn runs(&self, part: PipelinePart) -> bool {
         self.plan.runs(part)
     }

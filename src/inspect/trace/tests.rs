@@ -10,7 +10,7 @@ use crate::scene::builtin;
 
 const VIEW: Viewport = Viewport { width: 12, height: 9 };
 
-/// Traces all fragments of a small picture drawn with a recipe.
+/// Traces all fragments of a small picture of scene `id`, and calls `check` with each trace.
 fn all(id: &str, recipe: &Recipe, mut check: impl FnMut(&PixelReport, &Frame, &Trace)) {
     let scene = builtin::by_id(id).unwrap().build();
     let frame = run(&scene, &scene.home, recipe, VIEW, &mut ());
@@ -67,7 +67,7 @@ fn f64s(trace: &Trace, what: &str) -> Option<f64> {
 }
 
 #[test]
-fn every_trace_is_true() {
+fn every_trace_matches_the_frame_and_its_formulas() {
     for recipe in recipes() {
         let (mut traced, mut once) = (0, 0);
         for id in ["stained-glass", "near-plane", "cubes"] {
@@ -121,7 +121,7 @@ fn is_same(trace: &Trace, what: &str, expected: f32) {
     assert!(told.is_some_and(|told| told.same_bits(expected.into())), "{what}: {told:?}, not {expected}");
 }
 
-/// Whether a line is one correctly rounded operation. Asserts that its error is then at most half an ulp.
+/// Whether a line is a single correctly rounded operation. If so, asserts that its error is at most half an ulp.
 fn single_operation(line: &TraceLine) -> bool {
     if line.rounded_once {
         assert!(line.rounding_ulp.is_some_and(|ulps| ulps.abs() <= 0.5), "{line:#?}");
@@ -130,8 +130,8 @@ fn single_operation(line: &TraceLine) -> bool {
 }
 
 /// Asserts that a line is near its formula. Errors add up over operations and double with each cancelled leading bit,
-/// but a formula that differs from the pipeline's has far larger errors. Exact results of 0 have no last place to
-/// measure by.
+/// but a formula that differs from the pipeline's has far larger errors. Exact results of 0 are skipped, because they
+/// have no last place.
 fn is_near_its_formula(line: &TraceLine) {
     const MOST_ULP: f64 = 16.0;
     let Some(ulps) = line.rounding_ulp.filter(|_| line.exact.as_ref().is_some_and(|exact| exact.decimal != "0")) else {
@@ -159,7 +159,7 @@ fn clipped_triangles_show_the_polygon_and_where_edges_were_cut() {
 }
 
 #[test]
-fn what_the_near_plane_cuts_is_told_of_it_in_every_format() {
+fn traces_name_the_near_plane_in_every_depth_format() {
     for format in DepthFormat::ALL {
         let mut recipe = Recipe::default();
         recipe.pipeline.depth_format = *format;
@@ -193,7 +193,7 @@ fn a_depth_bias_is_written_out_as_a_sum_and_leads_to_the_stored_depth() {
 }
 
 #[test]
-fn the_next_line_is_the_nearest_with_such_a_flag() {
+fn the_next_line_is_the_nearest_with_the_flag() {
     let scene = builtin::by_id("shared-edges").unwrap().build();
     let recipe = Recipe::default();
     let frame = run(&scene, &scene.home, &recipe, VIEW, &mut ());
@@ -219,7 +219,7 @@ fn the_next_line_is_the_nearest_with_such_a_flag() {
 }
 
 #[test]
-fn stages_are_stepped_to_their_first_lines() {
+fn steps_by_stage_lead_to_the_first_line_of_the_stage() {
     all("cubes", &Recipe::default(), |_, _, trace| {
         let firsts: Vec<usize> =
             trace.stages().map(|(stage, _)| trace.lines.iter().position(|line| line.stage == stage).unwrap()).collect();
@@ -231,7 +231,7 @@ fn stages_are_stepped_to_their_first_lines() {
 }
 
 #[test]
-fn what_is_not_finite_or_cancels_is_flagged() {
+fn non_finite_results_and_cancellation_are_flagged() {
     use formula::{given, whole};
     let mut scribe = TraceRecorder::new();
     scribe.compute("finite", 0.5_f32, &(whole("1", 1) / given("two", 2.0_f32)));

@@ -10,7 +10,7 @@ use crate::pipeline::settings::Interpolation;
 const LAMBDAS: [Intermediate; 3] = [Intermediate::Lambda0, Intermediate::Lambda1, Intermediate::Lambda2];
 const WEIGHTS: [Intermediate; 3] = [Intermediate::Weight0, Intermediate::Weight1, Intermediate::Weight2];
 
-/// Writes both kinds of weights.
+/// Writes the trace lines of the screen-space weights and the attribute weights.
 pub(super) fn write(subject: &TracedFragment<'_>, scribe: &mut TraceRecorder) {
     scribe.enter(TraceStage::Weights);
     let (triangle, sample) = (subject.triangle, &subject.sample);
@@ -53,7 +53,7 @@ fn in_space(subject: &TracedFragment<'_>, (edges, weights): ([f32; 3], [f32; 3])
     }
 }
 
-/// Writes the published formula, which divides by the width of one edge.
+/// Writes the computation of the weights by the published formula, which divides by the width of one edge.
 fn published(subject: &TracedFragment<'_>, weights: [f32; 3], scribe: &mut TraceRecorder) {
     let corners = subject.triangle.corners_px();
     let coordinate = |corner: usize, axis: usize| given(format!("{}{corner}", ["x", "y"][axis]), corners[corner][axis]);
@@ -69,7 +69,7 @@ fn published(subject: &TracedFragment<'_>, weights: [f32; 3], scribe: &mut Trace
     scribe.compute("weight 0", first, &rest).shown_by(WEIGHTS[0]);
 }
 
-/// Writes the distance of the surface, which the pipeline does not compute.
+/// Writes 1/w and w at the sample as explanatory lines, because the pipeline does not compute them.
 fn asides(subject: &TracedFragment<'_>, lambda: [f32; 3], scribe: &mut TraceRecorder) {
     let inv_w = subject.triangle.vertices.each_ref().map(|vertex| vertex.inv_w);
     let at_sample = inv_w_at(subject.triangle, &subject.sample);

@@ -1,11 +1,11 @@
-//! Explanation of a pixel that shows the background: fragments that lost, absent triangles, or the nearest miss.
+//! Explanation of a pixel that shows the background: rejected fragments, absent triangles, or the nearest miss.
 
 use super::count_triangles;
 use crate::inspect::history::{Absent, Cause, px};
 use crate::inspect::pixel::{FragmentOutcome, FragmentRecord};
 
-/// Explains a pixel that shows none of its fragments. Without any fragment, names the most relevant absent triangle, if
-/// known.
+/// Explains a pixel that shows none of its fragments. If the pixel has no fragments, names the most relevant absent
+/// triangle, if known.
 pub(super) fn verdict(fragments: &[FragmentRecord], absent: &[Absent]) -> String {
     let with = |outcome| count_triangles(fragments.iter().filter(|f| f.outcome == outcome));
     match (with(FragmentOutcome::DepthRejected), with(FragmentOutcome::CutOut)) {
@@ -20,7 +20,7 @@ pub(super) fn verdict(fragments: &[FragmentRecord], absent: &[Absent]) -> String
     }
 }
 
-/// Explains the absence of fragments. `absent` must be in the order of [`Cause`].
+/// Explains why a pixel has no fragments. `absent` must be in the order of [`Cause`].
 fn absence(absent: &[Absent]) -> String {
     let there = absent.iter().filter(|a| !matches!(a.cause, Cause::NotFinite | Cause::Missed));
     let nearest = absent.iter().find(|a| a.cause == Cause::Missed);
@@ -53,7 +53,7 @@ fn absence(absent: &[Absent]) -> String {
     }
 }
 
-/// Returns a reason without the trailing area in parentheses, which only matters in the history.
+/// Returns a reason without the trailing area in parentheses, which is only relevant in the pixel history.
 fn without_area(reason: &str) -> &str {
     reason.split_once(" (doubled area").map_or(reason, |(words, _)| words)
 }
@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn what_would_be_there_is_told_before_what_is_near() {
+    fn culled_triangles_are_reported_before_near_misses() {
         let near = absent(9, Cause::Missed, "misses", Some(0.0039));
         let back = absent(12, Cause::BackFacing, "covers it, but is back-facing (doubled area 7 > 0)", None);
         assert_eq!(
@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_never_drawn_is_told_where_nothing_else_is() {
+    fn triangles_that_are_never_drawn_are_reported_last() {
         let never = absent(3, Cause::NotFinite, "has a NaN corner", None);
         assert_eq!(
             absence(std::slice::from_ref(&never)),

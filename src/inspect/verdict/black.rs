@@ -12,7 +12,7 @@ use crate::pipeline::settings::{ColorSpace, Settings, Shading};
 use crate::pipeline::shade::{CEL_THRESHOLD, to_working_space};
 use crate::scene::{Instance, Scene};
 
-/// Explains a black pixel; `None` if it is not black, or not due to a completely covering fragment.
+/// Explains a black pixel; `None` if it is not black, or if its visible fragment is partly transparent.
 pub(super) fn why(report: &PixelReport, scene: &Scene, recipe: &Recipe) -> Option<String> {
     let visible = report.visible().filter(|fragment| fragment.covers_all())?;
     let shading = visible.shading.as_ref().filter(|shading| is_black(shading.color))?;
@@ -29,14 +29,14 @@ pub(super) fn why(report: &PixelReport, scene: &Scene, recipe: &Recipe) -> Optio
     Some(format!("Black: {why}."))
 }
 
-/// Whether a factor alone makes a product black, in the colour space of the recipe.
+/// Whether a colour factor is so small that it alone makes the product black, in the colour space of the settings.
 fn is_nothing(factor: f32, settings: &Settings) -> bool {
     let code = f32::from(BLACK_CODE) / 255.0;
     let limit = if settings.color_space == ColorSpace::Linear { decode_rgb(Vec3::splat(code)).x } else { code };
     factor <= limit
 }
 
-/// Describes the factors that are black by themselves, each with its value.
+/// Describes the factors of the pixel's colour that are black by themselves, each with its value.
 fn factors(
     scene: &Scene,
     settings: &Settings,
@@ -72,7 +72,7 @@ fn factors(
     found
 }
 
-/// Explains the missing light on a fragment. `lost` names the corners of its triangle without a valid normal.
+/// Explains why a fragment receives no light. `lost` names the corners of its triangle without a valid normal.
 fn darkness(settings: &Settings, shading: &ShadingRecord, lost: &[&str]) -> String {
     let ambient = settings.light.ambient;
     let has_none = shading.normal == Some([0.0; 3]) || settings.shading == Shading::Gouraud;
@@ -99,7 +99,7 @@ fn darkness(settings: &Settings, shading: &ShadingRecord, lost: &[&str]) -> Stri
     }
 }
 
-/// Describes a product that is black although no single factor is.
+/// Describes a product of colour factors that is black although no single factor is.
 fn product(scene: &Scene, settings: &Settings, instance: &Instance, shading: &ShadingRecord) -> String {
     let material = scene.library.material(instance.material);
     let mut factors = vec![format!("material {}", numbers(material.diffuse * instance.tint))];
@@ -195,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn a_product_of_dark_factors_is_told_as_one_and_bright_pixels_need_no_reason() {
+    fn a_product_of_dark_factors_is_explained_and_a_bright_pixel_is_not() {
         let dim = |_: &mut Library| Material::plain("dim", Vec3::splat(0.1));
         let why = verdict(dim, vec![Vec3::splat(0.2); 3], &[]);
         assert!(after_black(&why).starts_with("a product of dark factors: material (0.1, 0.1, 0.1) × vertex"), "{why}");

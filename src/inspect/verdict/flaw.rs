@@ -1,4 +1,4 @@
-//! Flaws of the input scene that affect a pixel: the loader repaired them, but the cause remains.
+//! Flaws of the scene file that affect a pixel. The loader repaired them, but the cause remains.
 
 use glam::Vec3;
 
@@ -8,10 +8,10 @@ use crate::inspect::pixel::{FragmentRecord, PixelReport};
 use crate::pipeline::plan::PipelinePart;
 use crate::scene::Scene;
 
-/// Phrase for a normal that the loader discarded.
+/// Phrase for a normal that the loader discarded because it was not finite.
 pub(super) const LOST_NORMALS: &str = "is not finite (NaN) in the model";
 
-/// Returns the corners of the fragment's triangle whose input normals were not finite.
+/// Returns the names of the corners of the fragment's triangle whose normals were not finite in the model.
 pub(super) fn lost_normals(visible: &FragmentRecord, scene: &Scene) -> Vec<&'static str> {
     const CORNERS: [&str; 3] = ["v0", "v1", "v2"];
     let lost = || {
@@ -25,8 +25,8 @@ pub(super) fn lost_normals(visible: &FragmentRecord, scene: &Scene) -> Vec<&'sta
     lost().unwrap_or_default()
 }
 
-/// Describes repaired or missing parts of the visible surface that the shading would have read. `None` if there are
-/// none, or if `said` mentions them already.
+/// Describes repaired or missing data of the visible surface that the shading reads. `None` if there is none, or if
+/// `said` already mentions it.
 pub(super) fn describe_flaws(
     report: &PixelReport,
     scene: &Scene,

@@ -1,11 +1,12 @@
-//! Explanation of a pixel with a wrong colour because its fragments were not blended from far to near.
+//! Explanation of a pixel whose colour is wrong because its fragments were not blended from far to near.
 
 use crate::chain::{Frame, Recipe};
 use crate::inspect::blending::{is_nearer, sorted};
 use crate::inspect::pixel::{FragmentRecord, PixelReport, centre_color};
 use crate::scene::{Scene, Transparency};
 
-/// Names a fragment that was blended over a nearer one, the colour in the exact order, and the remedy.
+/// Reports a fragment that was blended over a nearer one, with the colour in the exact order and the remedy; `None` if
+/// there is no such fragment.
 pub(super) fn verdict(report: &PixelReport, scene: &Scene, recipe: &Recipe, frame: &Frame) -> Option<String> {
     let blended = |f: &&FragmentRecord| f.transparency == Transparency::Blended && f.outcome.is_written();
     let blended: Vec<_> = report.fragments.iter().filter(blended).collect();

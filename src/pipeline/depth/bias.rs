@@ -17,7 +17,7 @@ use crate::math::fixed::SUBPIXELS;
 use crate::pipeline::settings::{Arithmetic, DepthBias, Settings};
 use crate::pipeline::viewport::ScreenVertex;
 
-/// Depth bias of all triangles of a view.
+/// Depth-bias settings of a view, from which the bias of each triangle is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct BiasRule {
     factors: DepthBias,
@@ -28,32 +28,32 @@ pub(super) struct BiasRule {
 /// Depth bias of one triangle, with its intermediate values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct TriangleBias {
-    /// ∂z/∂x and ∂z/∂y, per px; 0 if the corners are collinear.
+    /// Depth gradient ∂z/∂x and ∂z/∂y, per pixel; 0 if the corners are collinear.
     pub(crate) gradient: [f64; 2],
     /// Slope m: the larger magnitude of the two gradient components.
     pub(crate) slope: f64,
-    /// Smallest resolvable difference r of depths.
+    /// Smallest difference r between depths that the depth format resolves.
     pub(crate) step: f64,
     /// Offset added to every depth of the triangle.
     pub(crate) offset: f64,
 }
 
 impl BiasRule {
-    /// No bias.
+    /// Rule that adds no bias.
     pub(super) const OFF: Self = Self { factors: DepthBias { constant: 0.0, slope: 0.0 }, is_snapped: true };
 
-    /// Returns the bias that the settings select.
+    /// Returns the bias rule that the settings select.
     pub(super) fn new(settings: &Settings) -> Self {
         Self { factors: settings.depth_bias, is_snapped: settings.arithmetic == Arithmetic::Fixed }
     }
 
-    /// Whether the bias is zero for every triangle.
+    /// Returns whether the bias is zero for every triangle.
     #[inline(always)]
     pub(super) fn is_off(&self) -> bool {
         self.factors.constant == 0.0 && self.factors.slope == 0.0
     }
 
-    /// Returns the corner positions from which slopes are computed, in px.
+    /// Returns the corner positions from which slopes are computed, in pixels.
     #[inline(always)]
     pub(super) fn positions_px(&self, corners: &[ScreenVertex; 3]) -> [[f64; 2]; 3] {
         corners.each_ref().map(|corner| {
@@ -65,7 +65,7 @@ impl BiasRule {
         })
     }
 
-    /// Computes the bias of a triangle from the positions, in px, and depths of its corners.
+    /// Computes the bias of a triangle from the positions, in pixels, and the depths of its corners.
     pub(super) fn of(&self, positions_px: [[f64; 2]; 3], depths: [f64; 3], encoding: DepthEncoding) -> TriangleBias {
         let gradient = gradient(positions_px, depths);
         let slope = gradient[0].abs().max(gradient[1].abs());
@@ -75,7 +75,7 @@ impl BiasRule {
     }
 }
 
-/// Returns ∂z/∂x and ∂z/∂y of the plane through three corners; 0 if they are collinear.
+/// Returns ∂z/∂x and ∂z/∂y of the plane through three corners, or 0 if they are collinear.
 fn gradient([origin, first, second]: [[f64; 2]; 3], [z, z1, z2]: [f64; 3]) -> [f64; 2] {
     let [x1, y1] = [first[0] - origin[0], first[1] - origin[1]];
     let [x2, y2] = [second[0] - origin[0], second[1] - origin[1]];
@@ -83,8 +83,8 @@ fn gradient([origin, first, second]: [[f64; 2]; 3], [z, z1, z2]: [f64; 3]) -> [f
     if area == 0.0 { [0.0; 2] } else { [(z1 * y2 - z2 * y1) / area, (x1 * z2 - x2 * z1) / area] }
 }
 
-/// Returns the smallest resolvable difference of depths in a triangle whose greatest corner depth is `greatest`, in [0,
-/// 1].
+/// Returns the smallest difference between depths that `encoding` resolves in a triangle. `greatest` is the largest
+/// corner depth, in [0, 1].
 fn smallest_step(greatest: f64, encoding: DepthEncoding) -> f64 {
     match encoding.largest_code() {
         Some(largest) => 1.0 / f64::from(largest),

@@ -5,7 +5,7 @@ use crate::math::lanes::{F32, F64, Simd, SimdFloat as _, widen};
 /// Number format of a depth buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DepthEncoding {
-    /// 32-bit float: steps are relative, ever finer towards 0.
+    /// 32-bit float, whose steps become finer towards 0.
     F32,
     /// 24-bit unsigned normalised integer: uniform steps of 1/(2²⁴ − 1).
     Unorm24,
@@ -14,7 +14,7 @@ pub enum DepthEncoding {
 }
 
 impl DepthEncoding {
-    /// Returns the integer code of depth 1; `None` for floats.
+    /// Returns the integer code of depth 1, or `None` for floats.
     #[inline]
     pub fn largest_code(self) -> Option<u32> {
         match self {
@@ -24,8 +24,8 @@ impl DepthEncoding {
         }
     }
 
-    /// Returns the stored value of a depth in [0, 1]. For floats it is the nearest f32; else the f32 nearest to
-    /// code/(2ⁿ − 1) with code = ⌊depth·(2ⁿ − 1) + ½⌋. Distinct codes give distinct floats.
+    /// Returns the value stored for a depth in [0, 1]. For floats it is the nearest f32. For n-bit codes it is the f32
+    /// nearest to code/(2ⁿ − 1) with code = ⌊depth·(2ⁿ − 1) + ½⌋. Distinct codes give distinct floats.
     #[inline]
     pub fn quantize(self, depth: f64) -> f32 {
         match self.largest_code() {
@@ -35,14 +35,14 @@ impl DepthEncoding {
         }
     }
 
-    /// Returns the integer code of a stored value; `None` for floats.
+    /// Returns the integer code of a stored value, or `None` for floats.
     pub fn code(self, stored: f32) -> Option<u32> {
         // A stored float is less than half a step away from the exact value of its code.
         self.largest_code().map(|largest| (f64::from(stored) * f64::from(largest) + 0.5) as u32)
     }
 
-    /// Returns the depth of a stored value, and the next storable depth: the next larger one, or the next smaller one
-    /// for depth 1.
+    /// Returns the depth that a stored value represents, and the next storable depth. The latter is the next larger one
+    /// or, for depth 1, the next smaller one.
     pub(crate) fn depth_and_next(self, stored: f32) -> [f64; 2] {
         match self.largest_code().zip(self.code(stored)) {
             None => [stored, if stored < 1.0 { stored.next_up() } else { stored.next_down() }].map(f64::from),
@@ -52,7 +52,7 @@ impl DepthEncoding {
         }
     }
 
-    /// Returns the depths of eight stored values.
+    /// Returns the depths that eight stored values represent.
     #[inline(always)]
     pub(super) fn depths_of<S: Simd>(self, simd: S, stored: F32<S>) -> F64<S> {
         let stored = widen(simd, stored);

@@ -2,9 +2,9 @@
 //!
 //! z/w is an affine function of the screen, so it is interpolated with the edge values themselves, never with
 //! perspective-correct weights. A depth that is linear in space is interpolated with perspective-correct weights. Both
-//! are computed as the least corner depth plus each corner's rise above it, weighted by a non-negative weight. So
+//! are computed as the smallest corner depth plus each corner's rise above it, weighted by a non-negative weight. So
 //! nothing cancels, a constant depth is returned exactly, and no sample inside leaves the range of the corners. A depth
-//! bias is added to the least depth. Depth is computed in f64 and rounded once.
+//! bias is added to the smallest depth. Depth is computed in f64 and rounded once.
 
 use super::DepthEncoding;
 use crate::pipeline::raster::RasterSample;
@@ -15,13 +15,14 @@ use crate::pipeline::viewport::ScreenTriangle;
 pub struct DepthFunction {
     course: Interpolant,
     encoding: DepthEncoding,
-    /// Least of the corner depths, after the depth bias.
+    /// Smallest corner depth, after the depth bias.
     min_depth: f64,
-    /// Rise of each corner's depth above the least; per unit of its edge value if depth is affine on the screen.
+    /// Rise of each corner's depth above the smallest. If depth is affine on the screen, it is per unit of the edge
+    /// value.
     rises: [f64; 3],
 }
 
-/// Domain in which depth is linear.
+/// Space in which depth is linear.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Interpolant {
     /// Screen space, as for z/w.
@@ -31,14 +32,14 @@ enum Interpolant {
 }
 
 impl DepthFunction {
-    /// Returns the function of a triangle with these corner depths. `doubled_area` is in the unit of edge values.
+    /// Returns a depth function that is affine on the screen, from the corner depths. `doubled_area` is in the unit of
+    /// edge values.
     pub fn affine_on_screen(corners: [f64; 3], doubled_area: f64, encoding: DepthEncoding) -> Self {
         let (min_depth, rises) = rises(corners);
         Self { course: Interpolant::Screen, encoding, min_depth, rises: rises.map(|rise| rise / doubled_area) }
     }
 
-    /// Returns the function of a triangle with these corner depths, linear in space whatever the distances of the
-    /// corners.
+    /// Returns a depth function that is linear in space, from the corner depths.
     pub fn linear_in_space(corners: [f64; 3], encoding: DepthEncoding) -> Self {
         let (min_depth, rises) = rises(corners);
         Self { course: Interpolant::Space, encoding, min_depth, rises }
@@ -50,26 +51,26 @@ impl DepthFunction {
         Self { min_depth: self.min_depth + offset, ..self }
     }
 
-    /// Whether depth is linear in space rather than on the screen.
+    /// Returns whether depth is linear in space rather than on the screen.
     pub(crate) fn is_linear_in_space(&self) -> bool {
         self.course == Interpolant::Space
     }
 
-    /// Returns the least depth, and one factor per corner. Each factor multiplies the corner's edge value or, if depth
-    /// is linear in space, its weight.
+    /// Returns the smallest depth, and one factor per corner. Each factor multiplies the corner's edge value or, if
+    /// depth is linear in space, its weight.
     #[inline(always)]
     pub(crate) fn terms(&self) -> (f64, [f64; 3]) {
         (self.min_depth, self.rises)
     }
 }
 
-/// Returns the least depth, and the rise of each corner above it.
+/// Returns the smallest corner depth, and the rise of each corner above it.
 fn rises(corners: [f64; 3]) -> (f64, [f64; 3]) {
     let least = corners[0].min(corners[1]).min(corners[2]);
     (least, corners.map(|depth| depth - least))
 }
 
-/// Returns the quantised depth of a covered sample, as it is stored.
+/// Returns the depth of a covered sample as the depth buffer stores it.
 #[inline]
 pub fn depth_at(triangle: &ScreenTriangle, sample: &RasterSample) -> f32 {
     triangle.depth.encoding.quantize(unquantised_depth_at(triangle, sample))
@@ -84,11 +85,11 @@ pub(crate) fn unquantised_depth_at(triangle: &ScreenTriangle, sample: &RasterSam
         Interpolant::Screen => weighted(sample.edges),
         Interpolant::Space => {
             let [a, b, c] = triangle.vertices.each_ref().map(|v| f64::from(v.inv_w));
-            // Inexact arithmetic also covers samples beyond an edge, where distances would run to infinity and back.
+            // Inexact arithmetic may also cover samples beyond an edge, where the distance can pass through infinity.
             let [e0, e1, e2] = sample.edges.map(|edge| edge.max(0.0));
             let weights = [e0 * a, e1 * b, e2 * c];
             let sum = weights[0] + weights[1] + weights[2];
-            // In floats, no edge value may be above 0.
+            // In float arithmetic, it may happen that no edge value is above 0.
             if sum > 0.0 { weighted(weights) / sum } else { 0.0 }
         }
     };

@@ -25,7 +25,7 @@ pub use scale::DepthScale;
 
 use super::settings::{DepthTest, Settings};
 
-/// Comparison of stored depth values.
+/// Comparison by which a new depth passes the test against the stored one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum DepthComparison {
     /// Always passes.
@@ -52,7 +52,7 @@ impl DepthComparison {
         }
     }
 
-    /// Whether a fragment of depth `new` passes the test against `stored`.
+    /// Returns whether a fragment of depth `new` passes the test against `stored`.
     #[inline]
     pub(crate) fn passes(self, new: f32, stored: f32) -> bool {
         match self {
@@ -64,7 +64,7 @@ impl DepthComparison {
         }
     }
 
-    /// Returns the symbol to display between the new and the stored value of a fragment that passed.
+    /// Returns the symbol to display between the new and the stored depth of a fragment that passed.
     pub(crate) fn symbol(self) -> &'static str {
         match self {
             Self::Always => "always",
@@ -76,7 +76,7 @@ impl DepthComparison {
     }
 }
 
-/// Returns the clear value of the depth buffer, against which every depth inside (0, 1) passes the test.
+/// Returns the clear value of the depth buffer, against which every depth strictly between 0 and 1 passes the test.
 pub(crate) fn clear_value(settings: &Settings) -> f32 {
     match DepthComparison::of(settings) {
         DepthComparison::Greater | DepthComparison::GreaterEqual => 0.0,

@@ -26,8 +26,8 @@ use crate::pipeline::vertex::ClipVertex;
 use crate::pipeline::viewport::ScreenVertex;
 use crate::scene::{Camera, DepthMapping, Projection};
 
-/// Mapping between distances and stored depths for one view. Distances are measured from the eye along the line of
-/// sight, in world units.
+/// Mapping between distances and stored depths for one view. Distances are measured from the eye along the view
+/// direction, in world units.
 ///
 /// The default is for vertices without a camera: depth is z/w, stored as a float. Distances and depths of vertices
 /// exclude depth bias, which is computed per triangle.
@@ -58,12 +58,12 @@ impl Default for DepthScale {
 }
 
 impl DepthScale {
-    /// Returns the mapping of a view drawn with these settings.
+    /// Returns the mapping of a view drawn with the given settings.
     pub(crate) fn of(settings: &Settings, camera: &Camera) -> Self {
         Self { bias: BiasRule::new(settings), ..Self::new(settings.depth_format, camera) }
     }
 
-    /// Returns the mapping of a view drawn with this format and without depth bias.
+    /// Returns the mapping of a view drawn with the given depth format and without depth bias.
     pub fn new(format: DepthFormat, camera: &Camera) -> Self {
         let law = match camera.projection {
             Projection::Perspective { .. } => DepthLaw::Perspective(format.mapping()),
@@ -72,7 +72,7 @@ impl DepthScale {
         Self::with_law(law, format.encoding(), [camera.near, camera.far])
     }
 
-    /// Returns the mapping of a perspective view with these planes, 0 < `near` < `far`.
+    /// Returns the mapping of a perspective view with the given planes, 0 < `near` < `far`.
     /// [`DepthMapping::ReversedInfinite`] ignores `far`.
     ///
     /// # Examples
@@ -125,7 +125,7 @@ impl DepthScale {
         self.encoding.quantize(self.depth(distance.into()).clamp(0.0, 1.0))
     }
 
-    /// Returns the distance that a stored depth represents, up to rounding; infinite for the depth of points at
+    /// Returns the distance that a stored depth represents, up to rounding. Infinite for the depth of points at
     /// infinity.
     pub(crate) fn distance_of(&self, stored: f32) -> f64 {
         let Self { near, far, factor, .. } = *self;
@@ -154,7 +154,7 @@ impl DepthScale {
         }
     }
 
-    /// [`DepthScale::distance_of`] for eight depths.
+    /// Computes [`DepthScale::distance_of`] for eight depths.
     #[inline(always)]
     fn distances_of<S: Simd>(&self, simd: S, stored: F32<S>) -> F64<S> {
         let Self { near, far, factor, .. } = *self;
@@ -203,7 +203,7 @@ impl DepthScale {
         depth.clamp(0.0, 1.0) + 0.0
     }
 
-    /// [`DepthScale::of_vertex`] for eight unclipped vertices, from their z and w.
+    /// Computes [`DepthScale::of_vertex`] for eight unclipped vertices, from their z and w.
     #[inline(always)]
     pub(crate) fn of_lanes<S: Simd>(&self, simd: S, z: F32<S>, w: F32<S>) -> F64<S> {
         let Self { near, far, factor, .. } = *self;
@@ -218,7 +218,7 @@ impl DepthScale {
         clamp_f64(depth, 0.0, 1.0) + 0.0
     }
 
-    /// Whether depth is linear in space rather than on the screen.
+    /// Returns whether depth is linear in space rather than on the screen.
     pub(crate) fn is_linear_in_space(&self) -> bool {
         self.law == DepthLaw::Perspective(DepthMapping::Linear)
     }
@@ -233,20 +233,20 @@ impl DepthScale {
         }
     }
 
-    /// Whether a depth bias is added to the depths of triangles.
+    /// Returns whether a depth bias is added to the depths of triangles.
     #[inline(always)]
     pub(crate) fn is_biased(&self) -> bool {
         !self.bias.is_off()
     }
 
-    /// Returns the depth bias of a triangle; `None` if no bias is set.
+    /// Returns the depth bias of a triangle, or `None` if no bias is set.
     pub(crate) fn bias_of(&self, corners: &[ScreenVertex; 3]) -> Option<TriangleBias> {
         let depths = corners.each_ref().map(|v| v.depth);
         self.is_biased().then(|| self.bias.of(self.bias.positions_px(corners), depths, self.encoding))
     }
 
-    /// Returns the depth offset of a triangle's bias, from its snapped corner positions in px and its corner depths; 0
-    /// without a bias.
+    /// Returns the offset that the depth bias adds to a triangle's depths, from its snapped corners in pixels and its
+    /// corner depths; 0 without a bias.
     #[inline(always)]
     pub(in crate::pipeline) fn offset(&self, snapped_px: [[f64; 2]; 3], depths: [f64; 3]) -> f64 {
         if self.is_biased() { self.bias.of(snapped_px, depths, self.encoding).offset } else { 0.0 }
@@ -262,7 +262,7 @@ impl DepthScale {
         }
     }
 
-    /// Returns the least corner depth of a triangle, and one factor per corner, both without depth bias. Each factor
+    /// Returns the smallest corner depth of a triangle, and one factor per corner, both without depth bias. Each factor
     /// multiplies the corner's edge value or, if depth is linear in space, its weight.
     #[inline(always)]
     pub(in crate::pipeline) fn terms(&self, depths: [f64; 3], doubled_area: f64) -> (f64, [f64; 3]) {
@@ -277,7 +277,7 @@ impl DepthScale {
         }
     }
 
-    /// Returns the depth at a distance; outside [0, 1] for distances beyond the planes.
+    /// Returns the depth at a distance. It lies outside [0, 1] for distances beyond the planes.
     #[inline]
     fn depth(&self, distance: f64) -> f64 {
         let Self { near, far, factor, .. } = *self;
@@ -306,7 +306,7 @@ mod tests {
     use crate::pipeline::settings::Choice as _;
 
     #[test]
-    fn many_depths_become_the_distances_that_each_becomes_alone() {
+    fn simd_lanes_return_the_distances_of_scalar_code() {
         let mut random = fastrand::Rng::with_seed(9);
         let camera = Camera { near: 0.03, far: 700.0, ..Camera::look_at(glam::Vec3::Z, glam::Vec3::ZERO) };
         for (format, orthographic) in DepthFormat::ALL.iter().flat_map(|format| [(format, false), (format, true)]) {

@@ -1,21 +1,21 @@
-//! The active edge list (Wylie, Romney, Evans and Erdahl, "Half-tone perspective drawings by computer", 1967). Edges
-//! are kept in a table by their first row. Edges that the current row crosses are active: each steps to the next row by
+//! Active edge list (Wylie, Romney, Evans and Erdahl, "Half-tone perspective drawings by computer", 1967). Edges are
+//! stored in a table by their first row. Edges that the current row crosses are active: each steps to the next row by
 //! its slope, and the row is filled between pairs of them.
 //!
-//! Designed for polygons with any number of edges; a triangle has two active ones at a time. In integers the step is
-//! Bresenham's and exact. In floats it accumulates the slope, which drifts.
+//! The algorithm is designed for polygons with any number of edges; a triangle has two active ones at a time. In
+//! integers the step is Bresenham's and exact. In floats it accumulates the slope, which drifts.
 
 use super::numbers::{BoundaryWalk, Numbers, RasterEdge};
 use super::{PixelRange, RasterTarget, RasterTriangle};
 
-/// An edge in the table, with the rows on which it is active.
+/// Entry of the edge table: an edge, and the rows on which it is active.
 #[derive(Clone, Copy)]
 struct EdgeEntry<E> {
     edge: E,
     rows: PixelRange,
 }
 
-/// An active edge: its walk, its side and its last row.
+/// Active edge: its walk, its side and its last row.
 struct Active<W> {
     walk: W,
     is_left: bool,

@@ -1,11 +1,12 @@
-//! A triangle in an arithmetic that is chosen at run time, for callers that examine a few of its pixels.
+//! Triangle in an arithmetic that is chosen at run time, for callers that examine a few of its pixels.
 
 use super::numbers::RasterEdge;
 use super::steps::EdgeSteps;
 use super::{Exact, Fixed, Floating, RasterSample, RasterTriangle, within_fixed_point};
 use crate::pipeline::settings::{Arithmetic, FillRule};
 
-/// A [`RasterTriangle`] in any arithmetic. Its edge values decide the coverage that [`super::cover`] returns.
+/// [`RasterTriangle`] in an arithmetic chosen at run time. Its edge values decide the coverage that [`super::cover`]
+/// returns.
 #[derive(Clone, Copy, Debug)]
 pub enum AnyTriangle {
     /// Triangle in fixed point.
@@ -31,8 +32,8 @@ macro_rules! each {
 }
 
 impl AnyTriangle {
-    /// Sets up the edges of a triangle from its vertices in pixels, which may lie anywhere; `None` if a coordinate is
-    /// not finite or there is no area.
+    /// Sets up the edges of a triangle from its vertices in pixels, which may lie anywhere. Returns `None` if a
+    /// coordinate is not finite or if the triangle has no area.
     pub fn new(arithmetic: Arithmetic, corners_px: [[f32; 2]; 3], rule: FillRule) -> Option<Self> {
         let (corners_px, arithmetic) = within_fixed_point(corners_px, arithmetic);
         Some(match arithmetic {
@@ -43,7 +44,7 @@ impl AnyTriangle {
         })
     }
 
-    /// Returns the edge values at a pixel's centre, inside the triangle or not.
+    /// Returns the sample at a pixel's centre with its edge values, inside the triangle or not.
     pub fn sample(&self, pixel: (u32, u32)) -> RasterSample {
         each!(self, triangle => triangle.sample(pixel, pixel))
     }

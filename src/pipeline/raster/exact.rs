@@ -14,18 +14,18 @@ use super::steps::{EdgeNumbers, EdgeSteps};
 use crate::pipeline::settings::FillRule;
 use crate::pipeline::viewport::MAX_SIDE_PX;
 
-/// Adaptive exact predicates on coordinates in pixels.
+/// Arithmetic with exact decisions by adaptive predicates, on coordinates in pixels.
 #[derive(Clone, Copy, Debug)]
 pub struct Exact;
 
-/// An edge by its ends in pixels.
+/// Edge of a triangle in exact arithmetic, given by its ends in pixels.
 #[derive(Clone, Copy, Debug)]
 pub struct ExactEdge {
     from: [f64; 2],
     to: [f64; 2],
-    /// Vector from one end to the other, rounded.
+    /// Vector from `from` to `to`, rounded.
     along: [f64; 2],
-    /// Magnitude above which a value computed in f64 has the right sign at every pixel of a picture.
+    /// Magnitude above which an edge value computed in f64 has the right sign at every pixel of a picture.
     certain_beyond: f64,
     sign: f64,
     scale: f64,
@@ -64,15 +64,15 @@ impl Numbers for Exact {
     }
 }
 
-/// Returns (b − a) × (c − a). The sign is exact. The magnitude has full f64 precision unless coordinates differ by more
-/// than a factor of 2²⁹ in size.
+/// Returns the doubled signed area (b − a) × (c − a). The sign is exact. The magnitude has full f64 precision unless
+/// coordinates differ by more than a factor of 2²⁹ in size.
 fn oriented(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     let exact_sign = orient2d(coord(a), coord(b), coord(c));
     let magnitude = difference_of_products([b[0] - a[0], c[1] - a[1]], [c[0] - a[0], b[1] - a[1]]);
     if magnitude * exact_sign > 0.0 { magnitude } else { exact_sign }
 }
 
-/// Returns a bound of the error of along × (p − from), computed in f64, for every pixel centre p in a picture. Each
+/// Returns a bound on the error of along × (p − from), computed in f64, for every pixel centre p in a picture. Each
 /// product has two factors that are rounded once. With the rounding of the products and of their difference the error
 /// is at most 4 half ulps of the magnitude. The bound is twice that, for safety.
 fn rounding_bound(from: [f64; 2], along: [f64; 2]) -> f64 {
@@ -106,19 +106,19 @@ impl ExactEdge {
         sign * self.sign
     }
 
-    /// Returns the exact sign by the slow path: adaptive predicates.
+    /// Returns the exact sign of the edge function by adaptive predicates, which is the slow path.
     #[cold]
     #[inline(never)]
     fn exact_sign(&self, centre: [f64; 2]) -> f64 {
         orient2d(coord(self.from), coord(self.to), coord(centre))
     }
 
-    /// Whether a column lies beyond the edge on a row.
+    /// Returns whether a column lies beyond the edge on a row.
     fn is_beyond(&self, column: i64, row: i64) -> bool {
         self.contains(column, row) == (self.inward.right > 0)
     }
 
-    /// Returns an estimate of the x in pixels at which a row crosses the edge.
+    /// Returns an estimate of the x, in pixels, at which a row crosses the edge.
     fn estimate(&self, row: i64) -> f64 {
         let t = (row as f64 + 0.5 - self.from[1]) / (self.to[1] - self.from[1]);
         self.from[0] * (1.0 - t) + self.to[0] * t
@@ -190,7 +190,7 @@ impl RasterEdge for ExactEdge {
     }
 }
 
-/// Walk that finds the boundary of every row anew, because there is no exact incremental step.
+/// Walk down an edge that computes the boundary of every row anew, because there is no exact incremental step.
 #[derive(Clone, Copy, Debug)]
 pub struct ExactWalk {
     edge: ExactEdge,

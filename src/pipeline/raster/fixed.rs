@@ -20,11 +20,11 @@ use crate::pipeline::settings::FillRule;
 /// Largest magnitude of a coordinate in pixels for which all integers fit into 64 bits.
 pub(super) const LIMIT_PX: f32 = 1_048_576.0;
 
-/// Arithmetic in grid steps of 1/256 px.
+/// Fixed-point arithmetic in grid steps of 1/256 px.
 #[derive(Clone, Copy, Debug)]
 pub struct Fixed;
 
-/// An edge as an affine function of the position in grid steps.
+/// Edge of a triangle in fixed point: an affine function of the position in grid steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FixedEdge {
     a: i64,
@@ -69,7 +69,8 @@ impl FixedEdge {
         self.a * centre(column) + self.b * centre(row) + self.c
     }
 
-    /// Returns the quotient whose ceiling is the boundary on a row: A·x ≥ −(B·y + C), or > where a tie is not beyond.
+    /// Returns the fraction whose ceiling is the boundary column of a row. It solves A·x ≥ −(B·y + C), or > if a pixel
+    /// centre on the edge does not count as beyond it.
     fn crossing(&self, row: i64) -> Ratio {
         let tie = i64::from(!self.inward().tie_is_beyond(self.owned));
         let numerator = -(self.b * centre(row) + self.c) * self.a.signum() + tie - HALF_PIXEL * self.a.abs();
@@ -77,13 +78,13 @@ impl FixedEdge {
     }
 }
 
-/// Returns the centre of a pixel in grid steps.
+/// Returns the centre of a pixel along one axis, in grid steps.
 #[inline]
 fn centre(pixel: i64) -> i64 {
     pixel * SUBPIXELS + HALF_PIXEL
 }
 
-/// A fraction with a positive denominator.
+/// Fraction with a positive denominator.
 #[derive(Clone, Copy, Debug)]
 struct Ratio {
     numerator: i64,
@@ -136,11 +137,11 @@ impl RasterEdge for FixedEdge {
     }
 }
 
-/// Bresenham's walk down an edge: integer columns and an exact remainder, without drift.
+/// Walk down an edge by Bresenham's algorithm: integer columns and an exact remainder, without drift.
 #[derive(Clone, Copy, Debug)]
 pub struct FixedWalk {
     boundary: i64,
-    /// Distance of the crossing before the boundary, in 1/denominator of a column: 0 ≤ shortfall < denominator.
+    /// Distance from the crossing to the boundary, in 1/denominator of a column: 0 ≤ shortfall < denominator.
     shortfall: i64,
     denominator: i64,
     whole_step: i64,

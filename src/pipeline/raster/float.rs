@@ -15,7 +15,8 @@ use crate::pipeline::settings::FillRule;
 #[derive(Clone, Copy, Debug)]
 pub struct Floating<F>(std::marker::PhantomData<F>);
 
-/// An edge by its ends in pixels, the upper one first (of two at one height, the left one).
+/// Edge of a triangle in float arithmetic, given by its ends in pixels. Of two ends at equal height, the left one
+/// counts as the upper.
 #[derive(Clone, Copy, Debug)]
 pub struct FloatEdge<F> {
     upper: [F; 2],
@@ -26,9 +27,9 @@ pub struct FloatEdge<F> {
     scale: f64,
 }
 
-/// A float type with a variant of its own in [`EdgeNumbers`].
+/// Float type with a variant of its own in [`EdgeNumbers`].
 pub trait Explained: Sized {
-    /// Wraps the intermediate values of an edge in the variant of this type.
+    /// Wraps the intermediate values of an edge function in the variant of this type.
     fn numbers(steps: FloatSteps<Self>) -> EdgeNumbers;
 }
 
@@ -80,7 +81,7 @@ pub(super) fn unit_scale(area: f64) -> f64 {
     if area.is_normal() { 2.0_f64.powi(-(area.abs().log2().floor() as i32)) } else { 1.0 }
 }
 
-/// Bound of pixel coordinates: outside any picture, and far from overflow when a pixel is added or subtracted.
+/// Limit of pixel coordinates: outside any picture, and far from overflow when a pixel is added or subtracted.
 const FARTHEST_PIXEL: f64 = 1e9;
 
 fn to_pixel<F: Into<f64>>(whole: F) -> i64 {
@@ -91,7 +92,8 @@ fn half<F: Float>() -> F {
     F::one() / (F::one() + F::one())
 }
 
-/// Returns the centre of a pixel in pixels. Exact, because pixel coordinates of pictures are small integers.
+/// Returns the coordinate of a pixel's centre along one axis, in pixels. Exact, because pixel coordinates of pictures
+/// are small integers.
 #[inline]
 fn centre<F: Float>(pixel: i64) -> F {
     F::from(pixel).unwrap_or_else(F::nan) + half()
@@ -115,7 +117,7 @@ impl<F: Float + Default + Into<f64> + Explained> FloatEdge<F> {
         FloatSteps { upper, lower, centre, along, to_centre, products, negated, value }
     }
 
-    /// Returns the x in pixels at which the centre line of a row crosses the edge.
+    /// Returns the x, in pixels, at which the centre line of a row crosses the edge.
     fn crossing(&self, row: i64) -> F {
         let t = (centre::<F>(row) - self.upper[1]) / (self.lower[1] - self.upper[1]);
         self.upper[0] * (F::one() - t) + self.lower[0] * t
@@ -168,8 +170,8 @@ impl<F: Float + Default + Into<f64> + Explained> RasterEdge for FloatEdge<F> {
         self.column_beyond(self.crossing(row))
     }
 
-    /// Starts with the crossing of the edge's first row within the picture and adds the slope for every row from there,
-    /// even if `row` lies below. The result for a row must not depend on which rows are visited.
+    /// Starts a walk on `row`. It takes the crossing of the edge's first row within the picture and adds the slope for
+    /// every row from there, even if `row` lies below. The result for a row must not depend on which rows are visited.
     fn walk(&self, row: i64) -> FloatWalk<F> {
         let first = Floating::<F>::first_centre(self.upper[1]).max(0).min(row);
         let slope = (self.lower[0] - self.upper[0]) / (self.lower[1] - self.upper[1]);
@@ -181,7 +183,7 @@ impl<F: Float + Default + Into<f64> + Explained> RasterEdge for FloatEdge<F> {
     }
 }
 
-/// The textbook walk down an edge: x += dx/dy for every row.
+/// Walk down an edge by the textbook method: x += dx/dy for every row.
 #[derive(Clone, Copy, Debug)]
 pub struct FloatWalk<F> {
     edge: FloatEdge<F>,

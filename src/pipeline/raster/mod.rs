@@ -1,8 +1,8 @@
 //! Rasterization: finds the samples that lie inside a triangle.
 //!
-//! A rasterizer knows nothing of depth or colour. It takes a [`RasterTriangle`] and emits the covered samples as [`Span`]s.
-//! Five algorithms, one file each, run in four arithmetics ([`numbers`]). In fixed point and in exact arithmetic all
-//! five find exactly the same samples; in floats they differ by rounding.
+//! A rasterizer knows nothing of depth or colour. It takes a [`RasterTriangle`] and emits the covered samples as
+//! [`Span`]s. Five algorithms, one file each, run in four arithmetics ([`numbers`]). In fixed point and in exact
+//! arithmetic all five find exactly the same samples; in floats they differ by rounding.
 
 pub(crate) mod numbers;
 
@@ -44,16 +44,16 @@ use super::triangle_list::{PixelBox, box_around};
 use super::viewport::Viewport;
 use crate::math::fixed::{snap, to_pixels};
 
-/// A covered sample: its position and its three edge values.
+/// Sample of a triangle: its position and its three edge values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RasterSample {
     /// Column in the packed picture.
     pub column: u32,
     /// Row in the packed picture.
     pub row: u32,
-    /// Column of its pixel in the full picture.
+    /// Column of the sample's pixel in the full picture.
     pub x: u32,
-    /// Row of its pixel in the full picture.
+    /// Row of the sample's pixel in the full picture.
     pub y: u32,
     /// Values of the edge functions, each belonging to the vertex opposite the edge. Up to rounding they sum to the
     /// doubled area. In fixed point they are integers in units of 1/2¹⁶ px². Otherwise they are in px² times a power of
@@ -61,27 +61,27 @@ pub struct RasterSample {
     pub edges: [f64; 3],
 }
 
-/// A run of adjacent covered samples on a row of the packed picture, half open.
+/// Run of adjacent covered samples on a row of the packed picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Span {
-    /// Row in the packed picture.
+    /// Row of the run in the packed picture.
     pub row: u32,
-    /// First column.
+    /// First column of the run in the packed picture.
     pub left: u32,
-    /// One past the last column.
+    /// One past the last column of the run.
     pub right: u32,
 }
 
-/// A rectangle of full-picture pixels, half open. Pixels outside of it are not visited.
+/// Rectangle of pixels of the full picture. Pixels outside of it are not visited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Scissor {
-    /// First column.
+    /// First column of pixels inside.
     pub left: u32,
-    /// First row.
+    /// First row of pixels inside.
     pub top: u32,
-    /// One past the last column.
+    /// One past the last column of pixels inside.
     pub right: u32,
-    /// One past the last row.
+    /// One past the last row of pixels inside.
     pub bottom: u32,
 }
 
@@ -96,13 +96,13 @@ impl Scissor {
         Self { left: x, top: y, right: x + 1, bottom: y + 1 }
     }
 
-    /// Whether the bounding box of a triangle is near enough for any rasterizer to find samples within. Avoids the
-    /// setup of distant triangles, which are nearly all of them when a single pixel is drawn.
+    /// Returns whether the bounding box of a triangle is near enough for any rasterizer to find samples inside. This
+    /// avoids the setup of distant triangles: nearly all of them if a single pixel is drawn.
     pub(crate) fn may_overlap(&self, corners_px: [[f32; 2]; 3]) -> bool {
         self.may_overlap_box(box_around(corners_px))
     }
 
-    /// [`Scissor::may_overlap`] for the bounding box of a triangle.
+    /// Returns the result of [`Scissor::may_overlap`] for the bounding box of a triangle.
     pub(crate) fn may_overlap_box(&self, [left, right, top, bottom]: PixelBox) -> bool {
         /// Margin in pixels: snapping moves vertices by a fraction of a pixel, published rasterizers by a whole one.
         const MARGIN_PX: f32 = 2.0;
@@ -170,12 +170,12 @@ impl RasterTarget<'_> {
         [(left, right), (top, bottom)].map(|(first, end)| PixelRange { first: first.into(), last: i64::from(end) - 1 })
     }
 
-    /// Adds to the number of visited samples.
+    /// Adds `samples` to the number of visited samples.
     fn visit(&mut self, samples: usize) {
         self.visited += samples as u64;
     }
 
-    /// Appends a span of covered samples; no-op if it is empty.
+    /// Appends a span of covered samples; does nothing if it is empty.
     fn emit(&mut self, row: u32, columns: std::ops::Range<u32>) {
         if !columns.is_empty() {
             self.spans.push(Span { row, left: columns.start, right: columns.end });
@@ -255,8 +255,9 @@ pub fn cover(
 /// Height of a band of [`cover_in_bands`] in rows: a multiple of the largest square side of the tiled rasterizer.
 const BAND_ROWS: u32 = 64;
 
-/// [`cover`] in bands of rows from the top, with the same spans in the same order. `take` receives the spans of each
-/// band and the first row below it. Stops at the first error of `take`. Bands far from the triangle are skipped.
+/// Works like [`cover`], but in bands of rows from the top, with the same spans in the same order. `take` receives the
+/// spans of each band and the first row below it. Stops at the first error of `take`. Bands far from the triangle are
+/// skipped.
 pub(crate) fn cover_in_bands<E>(
     how: (Rasterizer, settings::Arithmetic, FillRule),
     corners_px: [[f32; 2]; 3],
@@ -280,7 +281,7 @@ pub(crate) fn cover_in_bands<E>(
     Ok(())
 }
 
-/// [`cover`] for the samples of a grid within a rectangle, appended to `spans`.
+/// Works like [`cover`], but for the samples of a grid within a rectangle, which are appended to `spans`.
 pub(crate) fn cover_within(
     (rasterizer, arithmetic, rule): (Rasterizer, settings::Arithmetic, FillRule),
     corners_px: [[f32; 2]; 3],
@@ -295,7 +296,7 @@ pub(crate) fn cover_within(
     });
 }
 
-/// Returns vertices and an arithmetic that decide the triangle in the same way. Beyond the range of 64-bit integers,
+/// Returns vertices and an arithmetic with the same decisions for the triangle. Beyond the range of 64-bit integers,
 /// exact predicates on the snapped vertices replace fixed point.
 fn within_fixed_point(
     corners_px: [[f32; 2]; 3],

@@ -7,11 +7,11 @@
 use super::steps::EdgeSteps;
 use crate::pipeline::settings::FillRule;
 
-/// An arithmetic to rasterize with.
+/// Arithmetic in which triangles are rasterized.
 pub trait Numbers: Copy {
-    /// Coordinate of a vertex.
+    /// Coordinate of a vertex in this arithmetic.
     type Coordinate: Copy + PartialOrd;
-    /// Edge between two vertices.
+    /// Edge between two vertices in this arithmetic.
     type Edge: RasterEdge;
 
     /// Converts a finite screen coordinate in pixels to this arithmetic.
@@ -26,28 +26,28 @@ pub trait Numbers: Copy {
     /// multiplies edge values.
     fn edge(ends: [[Self::Coordinate; 2]; 2], sign: f64, scale: f64, rule: FillRule) -> Self::Edge;
 
-    /// Returns the first pixel whose centre is not before a coordinate.
+    /// Returns the first pixel, along one axis, whose centre does not lie before a coordinate.
     fn first_centre(coordinate: Self::Coordinate) -> i64;
 
-    /// Returns the last pixel whose centre is not after a coordinate.
+    /// Returns the last pixel, along one axis, whose centre does not lie after a coordinate.
     fn last_centre(coordinate: Self::Coordinate) -> i64;
 }
 
-/// One edge of a triangle. Edge values are positive inside the triangle and zero on the line.
+/// Edge of a triangle. Edge values are positive inside the triangle and zero on the line.
 pub trait RasterEdge: Copy {
-    /// Walk down the rows that the edge crosses.
+    /// Type of a walk down the rows that the edge crosses.
     type Walk: BoundaryWalk;
 
     /// Returns the direction from the edge to the inside.
     fn inward(&self) -> Inward;
 
-    /// Whether pixel centres on the line belong to the triangle.
+    /// Returns whether pixel centres on the line belong to the triangle.
     fn owned(&self) -> bool;
 
     /// Returns the edge value at the centre of a pixel, scaled as the doubled area is.
     fn value(&self, column: i64, row: i64) -> f64;
 
-    /// Whether the centre of a pixel is inside, or on the line and owned.
+    /// Returns whether the centre of a pixel is inside, or on the line and owned.
     fn contains(&self, column: i64, row: i64) -> bool;
 
     /// Returns the intermediate values of the edge function at the centre of a pixel.
@@ -61,32 +61,32 @@ pub trait RasterEdge: Copy {
     fn walk(&self, row: i64) -> Self::Walk;
 }
 
-/// Boundary of an edge, row by row.
+/// Walk down an edge, with its boundary on each row.
 pub trait BoundaryWalk {
-    /// [`RasterEdge::boundary`] of the current row.
+    /// Returns the boundary of the edge on the current row: see [`RasterEdge::boundary`].
     fn boundary(&self) -> i64;
 
     /// Advances to the next row.
     fn step(&mut self);
 }
 
-/// Direction from an edge to the inside of its triangle: horizontally and vertically.
+/// Direction from an edge to the inside of its triangle, as horizontal and vertical signs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Inward {
-    /// −1 to the left (a right edge), 1 to the right (a left edge), 0 for a horizontal edge.
+    /// Horizontal sign: −1 to the left (a right edge), 1 to the right (a left edge), 0 for a horizontal edge.
     pub(crate) right: i8,
-    /// −1 upwards (a bottom edge), 1 downwards (a top edge), 0 for a vertical edge.
+    /// Vertical sign: −1 upwards (a bottom edge), 1 downwards (a top edge), 0 for a vertical edge.
     pub(crate) down: i8,
 }
 
 impl Inward {
-    /// Creates the direction from the signs of the edge function's derivatives by x and y.
+    /// Returns the direction for the derivatives of the edge function by x and y, of which only the signs count.
     pub(crate) fn new<T: PartialOrd + Default>(by_x: T, by_y: T) -> Self {
         let sign = |v: T| i8::from(v > T::default()) - i8::from(v < T::default());
         Self { right: sign(by_x), down: sign(by_y) }
     }
 
-    /// Whether the fill rule assigns pixel centres on such an edge to the triangle.
+    /// Returns whether the fill rule assigns pixel centres on such an edge to the triangle.
     pub(crate) fn owned(self, rule: FillRule) -> bool {
         let Self { right, down } = self;
         match rule {
@@ -99,8 +99,8 @@ impl Inward {
         }
     }
 
-    /// Whether a pixel centre exactly on the edge counts as beyond it. This holds for a left edge that owns it, and for
-    /// a right edge that does not.
+    /// Returns whether a pixel centre exactly on the edge counts as beyond it. This holds for a left edge that owns it,
+    /// and for a right edge that does not.
     pub(crate) fn tie_is_beyond(self, owned: bool) -> bool {
         (self.right > 0) == owned
     }

@@ -7,8 +7,9 @@ use super::{PixelRange, RasterTarget};
 /// Height in pixels below which a side counts as horizontal.
 const FLAT_PX: f64 = 1e-6;
 
-/// The bounding-box test with three faults. Samples lie at the pixels' top-left corners, which shifts the triangle by
-/// half a pixel. Samples on a shared edge are drawn by both triangles. Clockwise triangles are not drawn.
+/// Emits the samples found by the bounding-box test with three faults. Samples lie at the pixels' top-left corners,
+/// which shifts the triangle by half a pixel. Samples on a shared edge are drawn by both triangles. Clockwise triangles
+/// are not drawn.
 pub(super) fn bounding_box(corners_px: [[f32; 2]; 3], canvas: &mut RasterTarget<'_>) {
     let [a, b, c] = corners_px.map(|corner| corner.map(f64::from));
     let range = |axis: usize| PixelRange {
@@ -32,8 +33,9 @@ pub(super) fn bounding_box(corners_px: [[f32; 2]; 3], canvas: &mut RasterTarget<
     }
 }
 
-/// Scan conversion with three faults. A rounded fourth vertex bends the long edge. Sides start at the vertex instead of
-/// at the first row's centre, which shifts rows by up to a pixel times the slope. Both ends of a row are drawn.
+/// Emits the samples found by scan conversion with three faults. A rounded fourth vertex bends the long edge. Sides
+/// start at the vertex instead of at the first row's centre, which shifts rows by up to a pixel times the slope. Both
+/// ends of a row are drawn.
 pub(super) fn scanline(corners_px: [[f32; 2]; 3], canvas: &mut RasterTarget<'_>) {
     let mut corners = corners_px.map(|corner| corner.map(f64::from));
     corners.sort_by(|a, b| a[1].total_cmp(&b[1]));

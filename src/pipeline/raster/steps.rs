@@ -1,9 +1,8 @@
-//! Intermediate values of an edge function at one pixel's centre, for explanations. The final value is the one that
-//! decides coverage.
+//! Intermediate values of an edge function at one pixel's centre, for explanations. The final value decides coverage.
 
 use super::numbers::Inward;
 
-/// An edge function evaluated at one pixel's centre.
+/// Edge function evaluated at one pixel's centre, with its intermediate values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgeSteps {
     /// Direction from the edge to the inside.
@@ -12,7 +11,7 @@ pub struct EdgeSteps {
     pub(crate) owned: bool,
     /// Whether this pixel centre is inside, or on the line and owned.
     pub(crate) contains: bool,
-    /// Factor that turns the value into an edge value.
+    /// Factor that converts the computed value to an edge value.
     pub(crate) scale: f64,
     /// Intermediate values in the edge's arithmetic.
     pub(crate) numbers: EdgeNumbers,
@@ -29,26 +28,26 @@ pub enum EdgeNumbers {
         b: i64,
         /// Constant term C.
         c: i64,
-        /// Pixel centre in grid steps.
+        /// Position of the pixel's centre, in grid steps.
         centre: [i64; 2],
         /// Edge value in units of 1/2¹⁶ px².
         value: i64,
     },
-    /// Single precision.
+    /// Intermediate values in single precision.
     F32(FloatSteps<f32>),
-    /// Double precision.
+    /// Intermediate values in double precision.
     F64(FloatSteps<f64>),
-    /// Exact predicate.
+    /// Intermediate values of an exact predicate.
     Exact {
-        /// Start of the edge, px.
+        /// Start of the edge, in pixels.
         from: [f64; 2],
-        /// End of the edge, px.
+        /// End of the edge, in pixels.
         to: [f64; 2],
-        /// Pixel centre, px.
+        /// Position of the pixel's centre, in pixels.
         centre: [f64; 2],
         /// Sign of the triangle's area: 1 or −1.
         sign: f64,
-        /// Value before scaling, px². Its sign is exact.
+        /// Value before scaling, in px². Its sign is exact.
         value: f64,
     },
 }
@@ -57,20 +56,20 @@ pub enum EdgeNumbers {
 /// side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FloatSteps<F> {
-    /// Upper end, px.
+    /// Upper end of the edge, in pixels.
     pub(crate) upper: [F; 2],
-    /// Lower end, px.
+    /// Lower end of the edge, in pixels.
     pub(crate) lower: [F; 2],
-    /// Pixel centre, px.
+    /// Position of the pixel's centre, in pixels.
     pub(crate) centre: [F; 2],
-    /// Vector from the upper end to the lower, px.
+    /// Vector from the upper to the lower end, in pixels.
     pub(crate) along: [F; 2],
-    /// Vector from the upper end to the centre, px.
+    /// Vector from the upper end to the pixel's centre, in pixels.
     pub(crate) to_centre: [F; 2],
-    /// The two products whose difference is the value, px².
+    /// The two products whose difference is the value, in px².
     pub(crate) products: [F; 2],
-    /// Whether the difference is negated.
+    /// Whether the difference is negated, because the inside lies on the other side.
     pub(crate) negated: bool,
-    /// Value before scaling, px².
+    /// Value before scaling, in px².
     pub(crate) value: F,
 }

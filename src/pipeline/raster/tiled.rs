@@ -2,9 +2,9 @@
 //! squares that an edge crosses are subdivided (Greene, "Hierarchical Polygon Tiling with Coverage Masks", SIGGRAPH
 //! 1996).
 //!
-//! An edge function grows in one direction. A square is therefore outside an edge if its innermost pixel is, and inside
-//! if its outermost one is. Squares lie on a fixed lattice and are never cut at the scissor, so a pixel's coverage does
-//! not depend on what else is drawn.
+//! An edge function grows in one direction. A square is therefore outside an edge if its innermost pixel is outside,
+//! and inside if its outermost pixel is inside. Squares lie on a fixed lattice and are never cut at the scissor, so a
+//! pixel's coverage does not depend on what else is drawn.
 
 use super::numbers::{Numbers, RasterEdge};
 use super::{PixelRange, RasterTarget, RasterTriangle};
@@ -12,7 +12,7 @@ use super::{PixelRange, RasterTarget, RasterTriangle};
 /// Sides of the squares in pixels, from coarse to fine.
 const SIDES_PX: [i64; 2] = [64, 8];
 
-/// A square of pixels, by its top-left pixel.
+/// Square of pixels, given by its top-left pixel and its side in pixels.
 #[derive(Clone, Copy)]
 struct Square {
     column: i64,
@@ -109,7 +109,7 @@ impl Square {
         PixelRange { first: self.row, last: self.row + self.side - 1 }
     }
 
-    /// Returns the column and row of the pixel farthest in a direction.
+    /// Returns the column and row of the square's pixel that is farthest in a direction.
     fn extreme(self, right: i8, down: i8) -> (i64, i64) {
         let pick = |range: PixelRange, direction: i8| if direction > 0 { range.last } else { range.first };
         (pick(self.columns(), right), pick(self.rows(), down))

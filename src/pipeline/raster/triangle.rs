@@ -1,10 +1,10 @@
-//! A triangle as rasterizers use it: three edges, and the rows and columns that they enclose.
+//! Triangle as rasterizers use it: three edges, and the rows and columns that they enclose.
 
 use super::numbers::{Numbers, RasterEdge};
 use super::{PixelRange, RasterSample};
 use crate::pipeline::settings::FillRule;
 
-/// A triangle of nonzero area in one of the arithmetics.
+/// Triangle of nonzero area, set up for rasterization in one of the arithmetics.
 #[derive(Clone, Copy, Debug)]
 pub struct RasterTriangle<N: Numbers> {
     corners: [[N::Coordinate; 2]; 3],
@@ -14,8 +14,8 @@ pub struct RasterTriangle<N: Numbers> {
 }
 
 impl<N: Numbers> RasterTriangle<N> {
-    /// Sets up the edges of a triangle from its vertices in pixels; `None` if a coordinate is not finite or there is no
-    /// area.
+    /// Sets up the edges of a triangle from its vertices in pixels. Returns `None` if a coordinate is not finite or if
+    /// the triangle has no area.
     pub(crate) fn new(corners_px: [[f32; 2]; 3], rule: FillRule) -> Option<Self> {
         let (area, scale) = doubled_area::<N>(corners_px)?;
         let corners = corners_px.map(|corner| corner.map(N::coordinate));
@@ -29,7 +29,7 @@ impl<N: Numbers> RasterTriangle<N> {
         self.doubled_area
     }
 
-    /// Whether the triangle covers the centre of a pixel, by its fill rule.
+    /// Returns whether the triangle covers the centre of a pixel, by its fill rule.
     #[inline]
     pub(crate) fn contains(&self, column: i64, row: i64) -> bool {
         self.edges.iter().all(|edge| edge.contains(column, row))
@@ -86,8 +86,8 @@ impl<N: Numbers> RasterTriangle<N> {
     }
 }
 
-/// Returns the doubled signed area, positive if clockwise for the viewer (y down), and the scale of edge values; `None`
-/// without area.
+/// Returns the doubled signed area of a triangle, positive if clockwise for the viewer (y down), and the scale of its
+/// edge values. Returns `None` if the triangle has no area.
 pub(super) fn doubled_area<N: Numbers>(corners_px: [[f32; 2]; 3]) -> Option<(f64, f64)> {
     if !corners_px.as_flattened().iter().all(|c| c.is_finite()) {
         return None;
@@ -96,7 +96,7 @@ pub(super) fn doubled_area<N: Numbers>(corners_px: [[f32; 2]; 3]) -> Option<(f64
     (area != 0.0 && !area.is_nan()).then_some((area, scale))
 }
 
-/// The long edge of a triangle, which spans all of its rows, and the two short edges on the other side.
+/// Long edge of a triangle, which spans all of its rows, and the two short edges on the other side.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sides<E> {
     /// Edge from the top to the bottom vertex.
@@ -117,7 +117,7 @@ impl<E: RasterEdge> Sides<E> {
         if row <= self.last_upper { self.upper } else { self.lower }
     }
 
-    /// Whether the long edge is the left side.
+    /// Returns whether the long edge is the left side.
     pub(super) fn long_is_left(&self) -> bool {
         self.long.inward().right > 0
     }

@@ -1,4 +1,4 @@
-//! The highlight of Blinn–Phong shading: Ks·max(0, N·H)^Ns (Blinn, "Models of Light Reflection for Computer Synthesized
+//! Highlight of Blinn–Phong shading: Ks·max(0, N·H)^Ns (Blinn, "Models of Light Reflection for Computer Synthesized
 //! Pictures", 1977).
 //!
 //! H is the unit vector halfway between the directions to the light and to the eye. There is no highlight where N·L ≤
@@ -13,17 +13,17 @@ use crate::math::unit_or;
 use crate::pipeline::interpolate::Fragment;
 use crate::scene::{Camera, Projection};
 
-/// Viewpoint of a scene.
+/// Viewpoint of a camera: a position or, in orthographic views, a direction.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(crate) enum Viewpoint {
     /// World-space position of the eye.
     At(Vec3),
-    /// World-space unit vector towards the eye, the same everywhere: orthographic views.
+    /// World-space unit vector towards the eye, which is the same everywhere in orthographic views.
     Towards(Vec3),
 }
 
 impl Viewpoint {
-    /// Returns the eye of a camera.
+    /// Returns the viewpoint of a camera.
     pub(crate) fn of(camera: &Camera) -> Self {
         match camera.projection {
             Projection::Perspective { .. } => Self::At(camera.eye),
@@ -40,12 +40,12 @@ impl Viewpoint {
     }
 }
 
-/// Highlight of a draw.
+/// Inputs for computing the highlight of a draw.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Highlight<'a> {
     /// Specular colour Ks, in the working colour space.
     pub(crate) specular: Vec3,
-    /// Exponent Ns.
+    /// Specular exponent Ns.
     pub(crate) shininess: f32,
     pub(crate) eye: Viewpoint,
     pub(crate) mesh: PlacedMesh<'a>,
@@ -63,7 +63,7 @@ impl Highlight<'_> {
         unit_or((to_light + self.eye_direction(fragment)).as_dvec3(), Vec3::ZERO)
     }
 
-    /// Returns max(0, N·H)^Ns; 0 where N·L ≤ 0.
+    /// Returns the highlight factor max(0, N·H)^Ns, or 0 if N·L ≤ 0.
     pub(crate) fn factor(&self, normal: Vec3, to_light: Vec3, fragment: &Fragment) -> f32 {
         if normal.dot(to_light) > 0.0 {
             libm::powf(normal.dot(self.halfway(to_light, fragment)).max(0.0), self.shininess)

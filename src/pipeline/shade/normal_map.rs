@@ -13,19 +13,19 @@ use super::surface::PlacedMesh;
 use crate::pipeline::interpolate::Fragment;
 use crate::pipeline::sample::Sampler;
 
-/// Normal map of a draw.
+/// Tangent-space normal map of a draw, with the mesh that provides tangents.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NormalMap<'a> {
     pub(super) texture: Readable<'a>,
     pub(super) sampler: Sampler,
-    /// Factor of the x and y components.
+    /// Factor of the x and y components of the map's vectors.
     pub(super) scale: f32,
     pub(super) uv_scale: Vec2,
     pub(super) mesh: PlacedMesh<'a>,
 }
 
 impl<'a> NormalMap<'a> {
-    /// Returns the texture and its sampler.
+    /// Returns the texture of the map, and its sampler.
     pub(crate) fn texture(&self) -> (Readable<'a>, Sampler) {
         (self.texture, self.sampler)
     }
@@ -36,8 +36,8 @@ impl<'a> NormalMap<'a> {
         Vec3::new(x * self.scale, y * self.scale, z)
     }
 
-    /// Returns tangent and bitangent of a fragment: unit vectors perpendicular to its unit `normal`. `None` if its
-    /// triangle has no tangent.
+    /// Returns the tangent and the bitangent of a fragment: unit vectors perpendicular to its unit `normal`. Returns
+    /// `None` if its triangle has no tangent.
     pub(crate) fn frame(&self, normal: Vec3, fragment: &Fragment) -> Option<[Vec3; 2]> {
         let [along_u, along_v] = self.mesh.tangents(fragment.triangle, self.uv_scale)?;
         let tangent = (along_u - normal * normal.dot(along_u)).try_normalize()?;
@@ -46,7 +46,7 @@ impl<'a> NormalMap<'a> {
         Some([tangent, bitangent * up])
     }
 
-    /// Returns the unit normal that replaces the interpolated unit `normal`; `normal` itself where there is no tangent.
+    /// Returns the unit normal that replaces the interpolated unit `normal`, or `normal` itself if there is no tangent.
     pub(crate) fn apply(&self, normal: Vec3, fragment: &Fragment) -> Vec3 {
         let Some([tangent, bitangent]) = self.frame(normal, fragment) else { return normal };
         let vector = self.vector(fragment);

@@ -9,7 +9,7 @@ use crate::pipeline::interpolate::Fragment;
 use crate::pipeline::plan::DrawPlan;
 use crate::scene::{Instance, Library, Mesh, TriangleId};
 
-/// Mesh with the transform of its instance.
+/// Mesh placed in the world by the transform of its instance.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PlacedMesh<'a> {
     mesh: &'a Mesh,
@@ -23,13 +23,13 @@ impl<'a> PlacedMesh<'a> {
         Self { mesh, world_from_model: instance.world_from_model, first: plan.first_triangle() }
     }
 
-    /// Returns the mesh indices of a triangle's vertices.
+    /// Returns the vertex indices of a triangle in the mesh, or `None` if the mesh does not contain it.
     fn corners(&self, triangle: TriangleId) -> Option<[usize; 3]> {
         let index = triangle.0.checked_sub(self.first.0)?;
         Some(self.mesh.triangles.get(index as usize)?.map(|vertex| vertex as usize))
     }
 
-    /// Returns the world-space corners of a triangle before clipping.
+    /// Returns the world-space corners of a triangle before clipping, or `None` if the mesh does not contain it.
     pub(crate) fn positions(&self, triangle: TriangleId) -> Option<[Vec3; 3]> {
         let corners = self.corners(triangle)?;
         Some(corners.map(|vertex| self.world_from_model.transform_point3(self.mesh.positions[vertex])))
@@ -41,8 +41,8 @@ impl<'a> PlacedMesh<'a> {
         Some(a + (b - a) * fragment.source_weights.y + (c - a) * fragment.source_weights.z)
     }
 
-    /// Returns the directions in which u and v grow on a triangle, in world space and of any length. `None` if its
-    /// texture coordinates, times `uv_scale`, have no area.
+    /// Returns the directions in which u and v grow on a triangle, in world space and of any length. Returns `None` if
+    /// its texture coordinates, times `uv_scale`, have no area.
     ///
     /// Source: Lengyel, "Computing Tangent Space Basis Vectors for an Arbitrary Mesh", 2001.
     pub(crate) fn tangents(&self, triangle: TriangleId, uv_scale: Vec2) -> Option<[Vec3; 2]> {

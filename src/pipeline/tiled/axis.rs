@@ -1,39 +1,39 @@
-//! Texel positions of texture coordinates along one axis: [`crate::pipeline::sample`] on lanes, bit for bit.
+//! SIMD mapping of texture coordinates to texels along one axis, bit for bit equal to [`crate::pipeline::sample`].
 
 use crate::math::lanes::*;
 use crate::pipeline::settings::AddressMode;
 
-/// The two texels around a coordinate along one axis, and the weight of the second one.
+/// The two texels nearest to each of eight texture coordinates along one axis, and the weight of the second texel.
 pub(super) struct TexelNeighbours<S: Simd> {
     pub(super) first: i32x8<S>,
     pub(super) second: i32x8<S>,
     pub(super) weight: F32<S>,
 }
 
-/// Length in texels, along one axis, of the images that eight samples are read from.
+/// Size along one axis of the images that eight samples read, one image per lane.
 #[derive(Clone, Copy)]
 pub(super) struct TexelAxis<S: Simd> {
-    /// Number of texels.
+    /// Number of texels along the axis.
     pub(super) length: F64<S>,
-    /// Index of the last texel.
+    /// Index of the last texel along the axis.
     pub(super) last: i32x8<S>,
 }
 
 impl<S: Simd> TexelAxis<S> {
-    /// Returns an axis with the same length for all samples.
+    /// Creates an axis with the same number of texels in all lanes.
     #[inline(always)]
     pub(super) fn splat(simd: S, length: u32) -> Self {
         Self { length: F64::splat(simd, length.into()), last: i32x8::splat(simd, length as i32 - 1) }
     }
 
-    /// Returns an axis with a length for each sample.
+    /// Creates an axis from the number of texels in each lane.
     #[inline(always)]
     pub(super) fn of(simd: S, length: i32x8<S>) -> Self {
         Self { length: widen(simd, length.to_float()), last: length - 1 }
     }
 }
 
-/// Maps coordinates into [0, 1] by an addressing mode.
+/// Maps texture coordinates into [0, 1] according to an addressing mode.
 #[inline(always)]
 pub(super) fn apply_address_mode<S: Simd>(simd: S, u: F32<S>, address: AddressMode) -> F64<S> {
     let unit = match address {
@@ -47,14 +47,15 @@ pub(super) fn apply_address_mode<S: Simd>(simd: S, u: F32<S>, address: AddressMo
     unit.is_nan().select(F64::splat(simd, 0.0), unit)
 }
 
-/// Returns the index of the texel, of `size`, that contains each coordinate in [0, 1].
+/// Returns the index of the texel that contains each coordinate. Coordinates lie in [0, 1], and the axis has `size`
+/// texels.
 #[inline(always)]
 pub(super) fn nearest<S: Simd>(simd: S, unit: F64<S>, size: u32) -> i32x8<S> {
     let place = (unit * f64::from(size)).trunc().min(f64::from(size - 1));
     narrow(simd, place).to_int()
 }
 
-/// Returns the two texels around coordinates in [0, 1], and the weight of the second one.
+/// Returns the two texels around each coordinate in [0, 1], and the weight of the second texel.
 #[inline(always)]
 pub(super) fn neighbours<S: Simd>(
     simd: S,
@@ -79,48 +80,51 @@ pub(super) fn neighbours<S: Simd>(
     }
 }
 
-/// Returns the first texel around each position of a repeated coordinate, and the weight of the texel after it.
-/// Positions are in texels, along axes whose lengths are powers of two; texels may be off by multiples of the lengths.
-/// Returns `None` if some positions are outside the range of this fast path. At the exact centre of a texel the result
-/// may be the texel before it, which then has no weight.
+/// Returns the lower of the two texels around each position in a repeating texture, and the weight of the upper one.
+///
+/// Positions are in texels, along axes whose lengths are powers of two. Texel indices may be off by multiples of the
+/// length. At the exact centre of a texel, the result may be the texel before it; the upper one then has all the
+/// weight. Returns `None` if a position is outside the range of this fast path.
 #[inline(always)]
 pub(super) fn below_repeated<S: Simd>([x, y]: [f32x16<S>; 2]) -> Option<[(i32x16<S>, f32x16<S>); 2]> {
     let are_exact = (are_small(x) & are_small(y)) || (are_moderate(x) & are_moderate(y));
     if are_exact { Some(each!(position in [x, y] => below(position))) } else { None }
 }
 
-/// Whether all positions are non-negative and small enough to have a fraction.
+/// Returns `true` if all positions are non-negative and small enough to have fraction bits.
 #[inline(always)]
 fn are_small<S: Simd>(position: f32x16<S>) -> bool {
-    // Bits of non-negative floats have the order of their values; bits of negative floats are greater.
+    // As unsigned integers, the bits of non-negative floats are ordered like their values. Those of negative floats are
+    // greater.
     position.bitcast::<u32x16<S>>().simd_lt(ALL_INTEGERS.to_bits()).all_true()
 }
 
-/// Whether all positions are small enough to have a fraction, and none is so close below zero that [`neighbours`]
-/// rounds it.
+/// Returns `true` if all positions are small enough to have fraction bits, and none is so close below zero that
+/// [`neighbours`] rounds it.
 #[inline(always)]
 fn are_moderate<S: Simd>(position: f32x16<S>) -> bool {
     let least_below_zero = (-LEAST_BELOW_ZERO).to_bits() as i32;
-    // Bits of negative floats, as signed integers, begin with the least integer and grow away from zero.
+    // As signed integers, the bits of negative floats begin with the least integer and increase away from zero.
     let far_enough = position.bitcast::<i32x16<S>>().simd_ge(least_below_zero);
     (position.abs().simd_lt(ALL_INTEGERS) & far_enough).all_true()
 }
 
-/// Returns the result of [`neighbours`] for the position of a repeated coordinate in texels, for a size that is a power
-/// of two. The texel may be off by multiples of the size.
+/// Computes [`neighbours`] for positions in a repeating texture whose size is a power of two. Positions are in texels.
+/// The texel index may be off by multiples of the size.
 ///
-/// Every step is exact in f32 except the last sum, which rounds as f64 does at its end. The product with a power of two
-/// is exact. So is the distance from the nearest integer, which whole repeats do not change. Halfway between two
-/// integers either may be chosen: the texel then has all the weight, as the first or as the second of the two.
+/// Every step is exact in f32 except the last sum, which rounds like the final conversion from f64 in [`neighbours`].
+/// The position is exact, because it is a product with a power of two. So is its distance from the nearest integer,
+/// which whole repeats do not change. Halfway between two integers either may be chosen: the texel then has all the
+/// weight, as the first or as the second of the two.
 #[inline(always)]
 fn below<S: Simd>(position: f32x16<S>) -> (i32x16<S>, f32x16<S>) {
     let nearest = position.round_ties_even();
     (nearest.to_int::<i32x16<S>>() - 1, (position - nearest) + 0.5)
 }
 
-/// Magnitude below which negative positions, in textures of up to 2¹⁶ texels, have digits that f64 cannot hold next to
-/// 1.
+/// Magnitude below which a negative position has bits that f64 cannot hold in a sum with 1, in textures of up to 2¹⁶
+/// texels.
 pub(super) const LEAST_BELOW_ZERO: f32 = 1.0 / 16384.0;
 
-/// Magnitude from which every float is an integer: 2²³.
+/// Magnitude at and above which every f32 is an integer: 2²³.
 pub(super) const ALL_INTEGERS: f32 = 8_388_608.0;

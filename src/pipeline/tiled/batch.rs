@@ -1,4 +1,4 @@
-//! Batches of eight triangles of a tile that are set up together, as doubles and as integers.
+//! Setup of triangles in a tile, eight at a time, with edge functions both in f64 and in i32.
 
 use super::edge_number::EdgeNumber;
 use super::geometry::PackedVertex;
@@ -9,52 +9,56 @@ use crate::math::lanes::*;
 use crate::pipeline::depth::DepthScale;
 use crate::pipeline::settings::FillRule;
 
-/// Edge functions of eight triangles.
+/// Edge functions a·x + b·y + c of eight triangles, indexed by edge and lane.
 #[derive(Clone, Debug, Default)]
 #[repr(align(32))]
 struct EdgeArrays<E> {
     a: [[E; LANES]; 3],
     b: [[E; LANES]; 3],
     c: [[E; LANES]; 3],
-    /// Least edge value that is inside.
+    /// Least edge value that counts as inside the triangle.
     inside: [[E; LANES]; 3],
 }
 
-/// Eight triangles that are set up together.
+/// Batch of eight triangles that are set up together with SIMD.
 #[derive(Clone, Debug, Default)]
 #[repr(align(32))]
 pub(super) struct TriangleBatch {
     doubles: EdgeArrays<f64>,
     integers: EdgeArrays<i32>,
-    /// Bit mask of the triangles whose edge values fit into 32-bit integers over the whole tile.
+    /// Bit mask of the triangles whose edge values fit into 32-bit integers in the whole tile.
     fit: u64,
-    /// Least depth of a vertex, with the depth bias; `greatest` is the greatest depth.
+    /// Least vertex depth of each triangle, with the depth bias.
     least: [f64; LANES],
+    /// Greatest vertex depth of each triangle, with the depth bias.
     greatest: [f64; LANES],
-    /// Depth terms per edge (see [`Setup::rises`]), in the edge order of the doubles and in that of the integers.
+    /// Depth terms of each edge (see [`Setup::rises`]): first in the edge order of `doubles`, then in that of
+    /// `integers`.
     rises: [[[f64; LANES]; 3]; 2],
     inv_w: [[f64; LANES]; 3],
     columns: [[i32; LANES]; 2],
     rows: [[i32; LANES]; 2],
     /// Bit mask of the triangles that cover all samples of the tile.
     cover_tile: u64,
-    /// Least and greatest coordinate along each axis, in grid steps; only valid if pixels have several samples.
+    /// Bounding boxes: least and greatest coordinate along each axis, in steps of 1/256 px. Only valid if pixels have
+    /// several samples.
     boxes: [[[f32; LANES]; 2]; 2],
 }
 
-/// A batch of triangles after setup.
+/// Batch of triangles that are set up for one tile.
 pub(super) trait Triangles {
-    /// Whether 32-bit integers hold the edge values of a triangle at all samples of the tile.
+    /// Returns `true` if the edge values of a triangle fit into 32-bit integers at all samples of the tile.
     fn fits(&self, lane: usize) -> bool;
 
-    /// Returns the setup of one triangle; as integers only if these fit.
+    /// Returns the setup of one triangle. `E` may be `i32` only if [`Triangles::fits`] returns `true`.
     fn triangle<E: EdgeNumber>(&self, lane: usize, slot: Slot) -> Setup<E>;
 }
 
 impl TriangleBatch {
-    /// Sets up eight triangles as [`Setup::new`] does, as doubles and as integers, and fills their records. Returns two
-    /// bit masks. The first has the triangles that may have a sample in the tile. The second has those of them whose
-    /// edge values exceed 32 bits at samples of pixels in which they cover another sample.
+    /// Sets up eight triangles like [`Setup::new`], with edge functions in f64 and in i32, and fills their records.
+    ///
+    /// Returns two bit masks. The first selects the triangles that may cover a sample of the tile. The second selects
+    /// those among them whose edge values may exceed 32 bits in a pixel that they cover at least in part.
     #[inline(never)]
     #[expect(
         clippy::too_many_arguments,
@@ -151,7 +155,7 @@ impl TriangleBatch {
         )
     }
 
-    /// Adds the depth bias to the least and the greatest depths.
+    /// Adds the depth bias of each triangle to its least and greatest depth.
     #[cold]
     fn offset_depths(&mut self, triangles: &[[&PackedVertex; 3]; LANES], scale: &DepthScale) {
         for (lane, vertices) in triangles.iter().enumerate() {
@@ -162,14 +166,14 @@ impl TriangleBatch {
         }
     }
 
-    /// Returns the number of triangles in `alive` whose last column or row is at least `least` beyond the first.
+    /// Counts the triangles selected by `alive` whose last column or row is at least `least` greater than the first.
     pub(super) fn count_large(&self, alive: u64, least: i32) -> u32 {
         let reaches = |range: &[[i32; LANES]; 2], lane: usize| range[1][lane] - range[0][lane] >= least;
         let is_large = |lane: &usize| reaches(&self.columns, *lane) || reaches(&self.rows, *lane);
         (0..LANES).filter(|lane| alive >> lane & 1 != 0).filter(is_large).count() as u32
     }
 
-    /// Whether the bounding box of any triangle contains the whole tile.
+    /// Returns `true` if the bounding box of any triangle contains the whole tile.
     #[inline(always)]
     fn fill_a_box<S: Simd>(&self, simd: S) -> bool {
         let [columns, rows] = each!(ranges in [&self.columns, &self.rows] => each!(end in [0, 1] => i32x8::load_array(simd, ranges[end])));
@@ -177,8 +181,9 @@ impl TriangleBatch {
         (columns[0].max(rows[0]).simd_eq(0) & last.simd_eq((TILE - 1) as i32)).any_true()
     }
 
-    /// Returns the same triangles for the samples of a moved lattice, and the bit mask of those that may have a sample
-    /// in the tile. Only the constant terms of the edge functions and the sample ranges differ.
+    /// Translates the batch to a lattice with another sample offset. Returns the bit mask of the triangles that may
+    /// cover a sample of the tile, and the translated batch. It differs only in the constant terms of the edge
+    /// functions and in the sample ranges.
     #[inline(always)]
     pub(super) fn moved<S: Simd>(&self, simd: S, lattice: &TileLattice, first: [f32; 2]) -> (u64, MovedBatch<'_>) {
         let boxes = each!(axis in [0, 1] => each!(end in [0, 1] => F32::load_array_ref(simd, &self.boxes[axis][end])));
@@ -219,7 +224,7 @@ impl Triangles for TriangleBatch {
 }
 
 impl EdgeArrays<f64> {
-    /// Returns bit masks of the triangles that may have a sample in the tile, and of those that cover all samples of
+    /// Returns two bit masks: the triangles that may cover a sample of the tile, and those that cover all samples of
     /// all its pixels.
     #[inline(always)]
     fn in_tile<S: Simd>(&self, simd: S, lattice: &TileLattice) -> [u64; 2] {
@@ -239,7 +244,7 @@ impl EdgeArrays<f64> {
 }
 
 impl EdgeArrays<i32> {
-    /// Stores the edge functions, given as a, b and c of all three edges, and their least inside values.
+    /// Stores edge functions, given as a, b and c of all three edges, and computes their inside thresholds.
     #[inline(always)]
     fn fill<S: Simd>(&mut self, simd: S, [a, b, c]: [[i32x8<S>; 3]; 3], rule: FillRule) {
         let zero_and_one = [i32x8::splat(simd, 0), i32x8::splat(simd, 1)];
@@ -253,7 +258,7 @@ impl EdgeArrays<i32> {
 }
 
 impl<E: EdgeNumber> EdgeArrays<E> {
-    /// Returns the constant terms c for the samples of a moved lattice.
+    /// Returns the constant terms c of the edge functions, translated to a lattice with another sample offset.
     #[inline(always)]
     fn moved<S: Simd>(&self, simd: S, lattice: &TileLattice) -> [[E; LANES]; 3] {
         let [right, down] = lattice.offset().map(E::of);
@@ -264,7 +269,7 @@ impl<E: EdgeNumber> EdgeArrays<E> {
     }
 }
 
-/// A batch of triangles for the samples of a moved lattice.
+/// Batch of triangles that is translated to a lattice with another sample offset.
 #[derive(Debug)]
 #[repr(align(32))]
 pub(super) struct MovedBatch<'a> {
@@ -290,14 +295,14 @@ impl Triangles for MovedBatch<'_> {
     }
 }
 
-/// Returns the three values of one of eight triangles.
+/// Returns the three values, one per edge or vertex, of the triangle in a lane.
 #[inline(always)]
 fn of_lane<T: Copy>(values: &[[T; LANES]; 3], lane: usize) -> [T; 3] {
     each!(i in [0, 1, 2] => values[i][lane])
 }
 
-/// Rotates three values per lane: the first moves to the end in lanes of the first mask, otherwise the second does in
-/// lanes of the second mask. Other lanes stay as they are.
+/// Rotates three values in each lane. The first value moves to the end in lanes selected by the first mask; otherwise
+/// the second value does in lanes selected by the second mask. All other lanes are unchanged.
 #[inline(always)]
 fn rotated<S: Simd, V: SimdBase<S>>([first, second]: [V::Mask; 2], [a, b, c]: [V; 3]) -> [V; 3] {
     each!((of_first, of_second, of_third) in [(b, c, a), (c, a, b), (a, b, c)] => {
@@ -305,14 +310,14 @@ fn rotated<S: Simd, V: SimdBase<S>>([first, second]: [V::Mask; 2], [a, b, c]: [V
     })
 }
 
-/// Returns the first and last column or row of one of eight triangles.
+/// Returns the first and last column or row of the triangle in a lane.
 #[inline(always)]
 fn range_of(ranges: &[[i32; LANES]; 2], lane: usize) -> [usize; 2] {
     [ranges[0][lane] as usize, ranges[1][lane] as usize]
 }
 
-/// Computes the first and last columns and rows of the samples in a tile that eight triangles may cover, from bounding
-/// boxes in grid steps. Returns the bit mask of the triangles that have any.
+/// Computes the ranges of columns and rows, within a tile, of the samples that eight triangles may cover. `boxes` are
+/// their bounding boxes in steps of 1/256 px. Returns the bit mask of the triangles with nonempty ranges.
 #[inline(always)]
 fn ranges_lanes<S: Simd>(
     simd: S,
@@ -332,8 +337,8 @@ fn ranges_lanes<S: Simd>(
     alive
 }
 
-/// Returns a, b and c of the edges of eight triangles, and their doubled areas: low 32 bits. Positions are in grid
-/// steps.
+/// Returns a, b and c of the edge functions of eight triangles, and their doubled areas, all as the low 32 bits of
+/// integers. Vertex positions are in steps of 1/256 px.
 #[inline(always)]
 fn integer_edges<S: Simd>(
     simd: S,
@@ -366,8 +371,8 @@ mod tests {
     use crate::pipeline::settings::Choice as _;
     use crate::scene::DepthMapping;
 
-    /// Returns three vertices at most `extent` grid steps apart on each axis, near a position. Often some have equal
-    /// depths.
+    /// Returns three random vertices near a position, at most `extent` steps of 1/256 px apart on each axis. Some of
+    /// their depths are often equal.
     fn corners(random: &mut fastrand::Rng, around: [f64; 2], extent: i32) -> [PackedVertex; 3] {
         let place = around.map(|along| along as i32 + random.i32(-8192..8192));
         [(); 3].map(|()| {
@@ -377,14 +382,14 @@ mod tests {
         })
     }
 
-    /// Returns the edge values at an offset from the tile's first sample, without rounding.
+    /// Returns the exact edge values at an offset from the tile's first sample.
     fn values<E: EdgeNumber>(triangle: &Setup<E>, [x, y]: [i64; 2]) -> [i64; 3] {
         let EdgeFunctions { a, b, c } = triangle.edges;
         std::array::from_fn(|i| a[i].double() as i64 * x + b[i].double() as i64 * y + c[i].double() as i64)
     }
 
     #[test]
-    fn integers_are_the_doubles_in_turn_and_fit() {
+    fn integer_edges_fit_and_equal_the_double_edges_up_to_rotation() {
         let mut random = fastrand::Rng::with_seed(4);
         let (mut small, mut large) = (0, 0);
         let grids = [SampleGrid::Block { step: 1 }, SampleGrid::Block { step: 3 }, SampleGrid::Checkerboard];
@@ -395,8 +400,8 @@ mod tests {
             let centres = TileLattice::new(grid);
             let (lattice, sample) = (centres.with_samples(&offsets), centres.moved(offsets[1]));
             let (origin, first) = (lattice.origin((3, 2)), [3.0 * TILE as f32, 2.0 * TILE as f32]);
-            // Corners of the region that steps of eight columns and two rows reach, enlarged by at least the distance
-            // of the samples.
+            // Corners of the region that is computed eight columns and two rows at a time, enlarged by at least the
+            // distance between the samples of a pixel.
             let [right, _] = lattice.place((TILE + LANES - 3, 2));
             let [_, below] = lattice.place((0, TILE));
             let [left, right, below] = [-192, right + 384, below + 384].map(i64::from);
@@ -430,14 +435,14 @@ mod tests {
                             })
                         })
                     };
-                    let turn = (0..3).find(is_turned).expect("the same edges, in turn");
+                    let turn = (0..3).find(is_turned).expect("the integer edges are the double edges, rotated");
                     for i in 0..3 {
                         assert_eq!(integers.0.rises[i], doubles.0.rises[(i + turn) % 3]);
                         assert_eq!(integers.0.inside[i].double(), doubles.0.inside[(i + turn) % 3]);
                     }
                     assert_eq!(integers.0.min_depth, doubles.0.min_depth);
                     if *is_linear {
-                        assert_eq!(turn, 0, "weights are divided by distances, which are in order");
+                        assert_eq!(turn, 0, "edges are not rotated if depth is linear in view space");
                     } else {
                         assert_eq!(integers.0.rises[2], 0.0);
                     }
@@ -448,7 +453,7 @@ mod tests {
     }
 
     #[test]
-    fn triangles_that_miss_or_cover_the_tile_are_told() {
+    fn triangles_that_miss_or_cover_the_tile_are_detected() {
         let mut random = fastrand::Rng::with_seed(6);
         let (mut missing, mut covering) = (0, 0);
         let grids = [SampleGrid::Block { step: 1 }, SampleGrid::Checkerboard];

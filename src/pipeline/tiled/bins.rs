@@ -1,7 +1,7 @@
 //! Culling and binning: finds the triangles that may be visible, and the tiles that each of them overlaps.
 //!
-//! Triangles are processed in chunks of their submission order. A chunk culls eight at a time and sorts the survivors
-//! by tile. Chunks run in parallel, and a tile that reads them in order gets its triangles in submission order.
+//! Triangles are processed in chunks, in submission order. Each chunk culls eight triangles at a time and sorts the
+//! survivors by tile. Chunks run in parallel. A tile reads them in order, so it gets its triangles in submission order.
 
 use rayon::prelude::*;
 
@@ -17,20 +17,20 @@ use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::pipeline::{ClipSpaceDraw, Geometry, finish_draw};
 use crate::scene::TriangleId;
 
-/// Key of a triangle within a frame: its identifier, or, with the highest bit set, a piece made by clipping.
+/// Key of a triangle within a frame: its identifier, or a piece made by clipping if the highest bit is set.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct TriangleKey(pub(super) u32);
 
 impl TriangleKey {
     const PIECE: u32 = 1 << 31;
-    /// Bits for the index of a piece within its chunk. Clipping gives at most eight pieces per triangle.
+    /// Number of bits for the index of a piece within its chunk. Clipping makes at most eight pieces per triangle.
     const PIECE_BITS: u32 = 17;
 
     fn piece(chunk: usize, index: usize) -> Self {
         Self(Self::PIECE | (chunk as u32) << Self::PIECE_BITS | index as u32)
     }
 
-    /// Returns the chunk and the index of a piece; `None` for a whole triangle.
+    /// Returns the chunk of a piece and its index there; `None` for a whole triangle.
     #[inline(always)]
     pub(super) fn as_piece(self) -> Option<(usize, usize)> {
         let index = self.0 & !Self::PIECE;
@@ -39,32 +39,36 @@ impl TriangleKey {
     }
 }
 
-/// Triangles per chunk: few enough to keep all threads busy, and enough that a tile reads its triangles from few
-/// places. [`TriangleKey::PIECE_BITS`] can number eight pieces of each triangle.
+/// Number of triangles per chunk: few enough to keep all threads busy, and so many that a tile reads its triangles from
+/// few chunks.
+///
+/// The indices of eight pieces per triangle fit into [`TriangleKey::PIECE_BITS`] bits.
 const CHUNK: usize = 16_384;
 
-/// Largest number of triangles in a frame: chunk numbers must fit into the remaining bits of a piece's [`TriangleKey`].
+/// Maximum number of triangles in a frame. Chunk numbers must fit into the remaining bits of a piece's [`TriangleKey`].
 pub(super) const MAX_TRIANGLES: usize = CHUNK * ((1 << (31 - TriangleKey::PIECE_BITS)) - 1);
 
-/// A chunk of triangles in submission order, with those that may be visible sorted by tile.
+/// Chunk of triangles in submission order, and its potentially visible triangles sorted by tile.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Chunk {
-    /// Ranges of triangle identifiers (first, end), each with the index of its draw.
+    /// Ranges of triangle identifiers: index of the draw, first identifier, one past the last.
     parts: Vec<(usize, u32, u32)>,
     survivors: Survivors,
-    /// Start of each tile's keys, and the end of the last.
+    /// Start of each tile's entries in `keys`, followed by the end of the last tile's entries.
     starts: Vec<u32>,
     keys: Vec<TriangleKey>,
-    /// Pieces made by clipping.
+    /// Pieces of clipped triangles.
     pub(super) pieces: Vec<ScreenTriangle>,
-    /// Vertices of each piece, in the layout that lanes read.
+    /// Vertices of each piece, in the packed layout that SIMD kernels read.
     pub(super) corners: Vec<[(PackedVertex, PackedSurface); 3]>,
-    /// Number of triangles and pieces that pass facing culling, with or without samples.
+    /// Number of triangles and pieces that pass face culling, whether or not they contain samples.
     pub(super) rasterized: usize,
 }
 
-/// Tiles that a triangle's bounding box overlaps. Bits 0 to 15 hold the number of the first tile. Bits 16 to 23 hold
-/// the number of columns to the last tile, bits 24 to 31 the number of rows.
+/// Range of tiles that a triangle's bounding box overlaps, packed into 32 bits.
+///
+/// Bits 0 to 15 hold the number of the first tile. Bits 16 to 23 hold the number of columns from there to the last
+/// tile, and bits 24 to 31 the number of rows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct TileRange(u32);
 
@@ -72,23 +76,24 @@ impl TileRange {
     const COLUMNS: u32 = 16;
     const ROWS: u32 = 24;
 
-    /// Packs a first and a last tile, given as column and row, of a picture with `row` tiles in a row.
+    /// Packs the range from a first to a last tile, each given as column and row. `row` is the number of tiles in a row
+    /// of the picture.
     fn new([x0, y0]: [u32; 2], [x1, y1]: [u32; 2], row: usize) -> Self {
         Self((y0 * row as u32 + x0) | (x1 - x0) << Self::COLUMNS | (y1 - y0) << Self::ROWS)
     }
 
-    /// [`TileRange::new`] for eight triangles, as bits.
+    /// Packs the ranges of eight triangles like [`TileRange::new`]. The result has the bits of each range.
     #[inline(always)]
     fn of_lanes<S: Simd>([x0, y0]: [i32x8<S>; 2], [x1, y1]: [i32x8<S>; 2], row: usize) -> i32x8<S> {
         (y0 * row as i32 + x0) | (x1 - x0) << Self::COLUMNS | (y1 - y0) << Self::ROWS
     }
 
-    /// Calls `visit` with the number of each tile.
+    /// Calls `visit` with the number of each tile in the range. `row` is the number of tiles in a row of the picture.
     #[inline(always)]
     fn for_each(self, row: usize, mut visit: impl FnMut(usize)) {
         let first = (self.0 & ((1 << Self::COLUMNS) - 1)) as usize;
         if self.0 < 1 << Self::COLUMNS {
-            // A single tile: the case of most small triangles.
+            // Fast path for a single tile, which is all that most small triangles overlap.
             return visit(first);
         }
         let (columns, rows) = ((self.0 >> Self::COLUMNS & 0xff) as usize, (self.0 >> Self::ROWS) as usize);
@@ -100,17 +105,19 @@ impl TileRange {
     }
 }
 
-/// Triangles that may be visible, in submission order, and the tiles that each of them overlaps.
+/// Potentially visible triangles in submission order, each with the range of tiles that it overlaps.
 #[derive(Clone, Debug, Default)]
 struct Survivors {
-    /// Longer than `used`, so that eight entries can be stored at once; likewise `tiles`.
+    /// Key of each triangle. The list is longer than `used`, so that eight keys can be stored at once.
     keys: Vec<u32>,
+    /// Bits of each triangle's [`TileRange`]. The list is as long as `keys`.
     tiles: Vec<u32>,
+    /// Number of valid entries in `keys` and `tiles`.
     used: usize,
 }
 
 impl Survivors {
-    /// Makes room for eight more entries.
+    /// Reserves space for eight more entries.
     #[inline(always)]
     fn reserve(&mut self) {
         if self.keys.len() < self.used + LANES {
@@ -126,7 +133,7 @@ impl Survivors {
         self.used += 1;
     }
 
-    /// Appends the lanes selected by `mask`, of which there are `count`.
+    /// Appends the lanes selected by `mask`. `count` is the number of selected lanes.
     #[inline(always)]
     fn push_lanes<S: Simd>(&mut self, keys: i32x8<S>, tiles: i32x8<S>, mask: mask32x8<S>, count: u32) {
         self.reserve();
@@ -144,23 +151,23 @@ impl Survivors {
 }
 
 impl Chunk {
-    /// Returns the triangles that overlap a tile, in submission order.
+    /// Returns the keys of the triangles whose bounding boxes overlap a tile, in submission order.
     #[inline(always)]
     pub(super) fn keys(&self, tile: usize) -> &[TriangleKey] {
         &self.keys[self.starts[tile] as usize..self.starts[tile + 1] as usize]
     }
 
-    /// Returns the number of triangles that may be visible.
+    /// Returns the number of triangles and pieces that may be visible.
     pub(super) fn kept(&self) -> usize {
         self.survivors.used
     }
 
-    /// Returns the number of bin entries over all tiles.
+    /// Returns the total number of bin entries of all tiles.
     pub(super) fn binned(&self) -> usize {
         self.keys.len()
     }
 
-    /// Returns the number of bytes held.
+    /// Returns the memory use in bytes.
     pub(super) fn bytes(&self) -> usize {
         let Survivors { keys, tiles, .. } = &self.survivors;
         (keys.capacity() + tiles.capacity() + self.starts.capacity() + self.keys.capacity()) * size_of::<u32>()
@@ -169,7 +176,7 @@ impl Chunk {
     }
 }
 
-/// Inputs of binning that are the same for all triangles of a frame.
+/// Inputs of binning that are common to all triangles of a frame.
 pub(super) struct Binning<'a> {
     pub(super) draws: &'a [InstanceDraw<'a>],
     pub(super) arrays: &'a Arrays,
@@ -177,9 +184,9 @@ pub(super) struct Binning<'a> {
     pub(super) viewport: Viewport,
     pub(super) scale: DepthScale,
     pub(super) lattice: TileLattice,
-    /// Width and height of the packed picture.
+    /// Width and height of the packed picture, in samples.
     pub(super) packed: (u32, u32),
-    /// Number of tiles in a row and in a column.
+    /// Number of columns and of rows of tiles.
     pub(super) tiles: (usize, usize),
 }
 
@@ -227,7 +234,7 @@ impl Binning<'_> {
         chunks.truncate(number + usize::from(room < CHUNK as u32));
     }
 
-    /// Culls triangles of a draw, and appends those that may be visible to a chunk.
+    /// Culls a range of triangles of one draw, and appends those that may be visible to a chunk.
     #[inline(always)]
     fn cull<S: Simd>(&self, simd: S, draw: usize, ids: std::ops::Range<u32>, chunk_number: usize, chunk: &mut Chunk) {
         let leaves_frustum = self.arrays.leaves_frustum[draw];
@@ -253,8 +260,7 @@ impl Binning<'_> {
                     continue;
                 }
             }
-            // Excludes the padding lanes: a vertex without a position on the screen (NaN) may give even these a nonzero
-            // area.
+            // Excludes the padding lanes: a vertex whose screen position is NaN may give even them a nonzero area.
             whole &= u64::from(u32::MAX) >> (u32::BITS as usize - group.len());
             let (shown, alive, tiles) = self.cull_lanes(simd, vertices, corners, whole);
             chunk.rasterized += shown.count_ones() as usize;
@@ -276,8 +282,8 @@ impl Binning<'_> {
         }
     }
 
-    /// Culls the triangles selected by `whole`, of eight. Returns two bit masks, and the tiles that each triangle
-    /// overlaps. The masks select triangles that pass facing culling, and those among them that may be visible.
+    /// Culls those of eight triangles that `whole` selects. Returns two bit masks, and the tile range of each triangle.
+    /// The masks select the triangles that pass face culling, and those among them that may be visible.
     #[inline(always)]
     fn cull_lanes<S: Simd>(
         &self,
@@ -316,7 +322,7 @@ impl Binning<'_> {
         (shown, shown & has_samples.to_bitmask(), TileRange::of_lanes(first, last, self.tiles.0))
     }
 
-    /// Clips one triangle as the classic path does, and bins its pieces.
+    /// Clips one triangle with the code of the classic (scalar) path, and bins its pieces.
     fn cut(&self, draw: &InstanceDraw<'_>, id: u32, corners: [u32; 3], chunk_number: usize, chunk: &mut Chunk) {
         let vertices = corners.map(|corner| draw.clip_vertex(draw.first_vertex + corner as usize, self.arrays));
         let one = ClipSpaceDraw {
@@ -355,7 +361,7 @@ impl Binning<'_> {
         }
     }
 
-    /// Sorts the survivors of a chunk by tile. The sort is stable.
+    /// Sorts the survivors of a chunk by tile, keeping the submission order within each tile.
     fn sort(&self, chunk: &mut Chunk) {
         let Chunk { survivors, starts, keys, .. } = chunk;
         let tiles = self.tiles.0 * self.tiles.1;
@@ -382,7 +388,7 @@ impl Binning<'_> {
     }
 }
 
-/// Returns bit masks of the triangles entirely within the guard band, and of those that must be clipped.
+/// Returns two bit masks: the triangles that lie entirely within the guard band, and those that must be clipped.
 #[inline(always)]
 fn crossings(outcodes: &[Outcode], triangles: &[[u32; 3]]) -> (u64, u64) {
     let codes = triangles.as_flattened().iter().map(|corner| outcodes[*corner as usize]);
@@ -408,8 +414,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_box_touches_the_same_tiles_however_it_is_kept() {
-        /// Number of tile columns of the widest picture.
+    fn packed_tile_ranges_visit_exactly_the_tiles_of_a_box() {
+        /// Number of columns of tiles in the widest picture.
         const ROW: usize = 256;
         let mut random = fastrand::Rng::with_seed(3);
         for _ in 0..2000 {

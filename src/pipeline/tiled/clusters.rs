@@ -1,37 +1,37 @@
-//! Cluster culling: finds the clusters of a mesh that are entirely invisible, and the ranges of the mesh that remain. A
-//! cluster is culled if it is outside the view or back-facing. With front-face culling, “back-facing” means the culled
-//! side.
+//! Cluster culling: finds the clusters of a mesh that cannot be visible, and the ranges of the mesh that remain. A
+//! cluster is culled if it is outside the view or back-facing. With front-face culling, “back-facing” refers to the
+//! culled side.
 //!
-//! A cluster is culled only if the classic path drops every triangle of it as well, *by the numbers that the pipeline
-//! computes*. Vertices that overflow do not matter: their triangles are dropped for that reason, whatever cluster they
-//! are in.
+//! A cluster is culled only if the classic (scalar) path also drops every triangle of it, *with the rounded numbers
+//! that the pipeline computes*. Vertices that overflow need no special treatment, because their triangles are dropped
+//! anyway.
 //!
-//! **Outside**: all three vertices are beyond the same plane. Computed coordinates differ from the exact ones by
-//! rounding. Let u = 2⁻²⁴, half of a float's last place. A clip-space component of a vertex v is a sum of four terms.
-//! Each term is rounded once as a product and at most three times in sums. The component is off by at most 4u (1 +
-//! O(u)) · M, where M = Σ |mᵢ| |vᵢ| is that sum with every term positive. Where products underflow, it is off by 3 ·
-//! 2⁻¹⁵⁰ more. The distance from a plane is the difference of two components, or a single one, in doubles: its sign is
-//! that of the exact difference. So if the exact distance is less than −(8u · max M + 2⁻¹⁴⁷) for every point of a box,
-//! the pipeline finds no vertex in it inside. [`ROUNDING`] and [`UNDERFLOW`] exceed these terms by a factor of four and
-//! more. This covers the rounding of the test itself, which is computed in doubles. Over a box, an affine function is
-//! greatest at the corner that the signs of its coefficients select. M is greatest at the largest magnitudes on each
+//! **Outside**: all vertices are beyond the same plane. Computed coordinates differ from the exact ones by rounding.
+//! Let u = 2⁻²⁴, half of a float's last place. A clip-space component of a vertex v is a sum of four terms. Each term
+//! is rounded once as a product and at most three times in sums. The component is off by at most 4u (1 + O(u)) · M,
+//! where M = Σ |mᵢ| |vᵢ| is that sum with every term positive. If products underflow, it is off by 3 · 2⁻¹⁵⁰ more. The
+//! distance from a plane is the difference of two components, or a single one, in doubles: its sign is that of the
+//! exact difference. So if the exact distance is less than −(8u · max M + 2⁻¹⁴⁷) for every point of a box, the pipeline
+//! computes every vertex in the box as outside. [`ROUNDING`] and [`UNDERFLOW`] exceed these terms by at least a factor
+//! of four. This covers the rounding of the test itself, which is computed in doubles. Over a box, an affine function
+//! is greatest at the corner that the signs of its coefficients select. M is greatest at the largest magnitudes on each
 //! axis.
 //!
 //! **Back-facing**: the doubled area of the snapped vertices has the sign of the culled side, or is zero. The exact
 //! doubled area on the screen, before snapping, is S = −(W·H/4) · D / (w₀ w₁ w₂). D is the determinant of the
-//! clip-space x, y and w of the three vertices. By Cauchy and Binet, D = 2A · (n·e + d·f) for a triangle of area A in
-//! the plane n·p = d. Here (e, f) are the minors of the three rows of the matrix: the eye, if there is one. Bounds of n
-//! and d give a lower bound of |n·e + d·f| over a cluster. Snapped vertices are off from the exact ones by at most δ on
-//! each axis: half a grid step plus rounding. This changes S by at most √2 δ times the perimeter and 8δ². An edge of
-//! length ℓ is at most κℓ/w px long on the screen. With the longest edge ℓ and the altitude h = 2A/ℓ the sign is
-//! certain where
+//! clip-space x, y and w of the three vertices. By the Cauchy–Binet formula, D = 2A · (n·e + d·f) for a triangle of
+//! area A in the plane n·p = d. (e, f) are the minors of the three rows of the matrix: the homogeneous position of the
+//! eye, if there is one. Bounds of n and d give a lower bound of |n·e + d·f| over a cluster. Snapped vertices differ
+//! from the exact ones by at most δ on each axis: half a step of 1/256 px plus rounding. This changes S by at most √2 δ
+//! times the perimeter plus 8δ². An edge of length ℓ is at most κℓ/w px long on the screen. With the longest edge ℓ and
+//! the altitude h = 2A/ℓ, the sign is certain if
 //!
 //! ```text
 //! (W·H/4) · h · |n·e + d·f| / w_max³  >  3 √2 δ κ / w_min + 8δ² / h
 //! ```
 //!
-//! This requires altitudes of about a hundredth of a pixel. The triangles must not be clipped, because pieces are
-//! snapped anew: the box must be between the depth planes and within the guard band.
+//! This requires altitudes of about a hundredth of a pixel. The triangles must not be clipped, because the pieces are
+//! snapped again: the box must lie between the depth planes and within the guard band.
 
 use std::ops::Range;
 
@@ -47,7 +47,7 @@ use crate::math::lanes::*;
 use crate::scene::Mesh;
 use crate::scene::clusters::{BLOCK, Boxes, ClusterPlanes, Clusters};
 
-/// Ranges in ascending order with gaps between them; in most cases a single one.
+/// Disjoint index ranges in ascending order; in most cases there is only one.
 #[derive(Clone, Debug)]
 pub(super) enum Ranges {
     One(Range<usize>),
@@ -55,7 +55,7 @@ pub(super) enum Ranges {
 }
 
 impl Ranges {
-    /// Returns all ranges.
+    /// Returns the ranges as a slice.
     pub(super) fn as_slice(&self) -> &[Range<usize>] {
         match self {
             Self::One(range) => std::slice::from_ref(range),
@@ -69,21 +69,21 @@ impl Ranges {
     }
 }
 
-/// Parts of a mesh that are drawn.
+/// Parts of a mesh that remain after cluster culling.
 #[derive(Clone, Debug)]
 pub(super) struct VisibleClusters {
     pub(super) triangles: Ranges,
-    /// Vertices that the triangles refer to, and perhaps others.
+    /// Ranges that contain all vertices of the triangles, and possibly others.
     pub(super) vertices: Ranges,
 }
 
 impl VisibleClusters {
-    /// Returns all of a mesh.
+    /// Returns all triangles and vertices of a mesh.
     pub(super) fn all(mesh: &Mesh) -> Self {
         Self { triangles: Ranges::One(0..mesh.triangles.len()), vertices: Ranges::One(0..mesh.positions.len()) }
     }
 
-    /// Returns a mesh without its invisible clusters, and the count of clusters culled for each reason.
+    /// Culls the clusters of a mesh. Returns the parts that remain, and the number of clusters culled for each reason.
     pub(super) fn cull_clusters(mesh: &Mesh, view: &ClusterCulling, lanes: Lanes) -> (Self, CullStats) {
         let clusters = mesh.clusters();
         let fates = fates(clusters, view, lanes);
@@ -109,21 +109,21 @@ impl VisibleClusters {
     }
 }
 
-/// Result of culling a cluster.
+/// Result of the culling tests of a cluster.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ClusterFate {
-    /// The cluster may be visible: its triangles are processed.
+    /// The cluster may be visible, so its triangles are processed.
     Kept,
-    /// All of the cluster is beyond one plane.
+    /// The cluster lies entirely beyond one clip plane.
     Outside,
-    /// All triangles of the cluster show the culled side.
+    /// All triangles of the cluster are culled by their facing.
     BackFacing,
 }
 
-/// Returns ranges of `len` vertices that contain all of the given blocks, whose ranges may overlap. The time grows with
-/// the number of ranges and of blocks, not with the lengths of the ranges.
+/// Returns the union of ranges of blocks as ranges of vertices, in a mesh of `len` vertices. The given ranges may
+/// overlap. The running time is proportional to the number of ranges plus the number of blocks in the mesh.
 fn union(ranges: impl Iterator<Item = Range<usize>>, len: usize) -> Vec<Range<usize>> {
-    // Number of ranges that begin at a block, minus the number of those that end before it.
+    // For each block, the number of ranges that begin at it minus the number of ranges that end before it.
     let mut changes = vec![0_i32; len.div_ceil(BLOCK) + 1];
     for range in ranges {
         changes[range.start] += 1;
@@ -147,7 +147,8 @@ fn union(ranges: impl Iterator<Item = Range<usize>>, len: usize) -> Vec<Range<us
     out
 }
 
-/// An affine function of model space, such as the distance from a plane, with magnitudes that bound its rounding error.
+/// An affine function of a model-space position, such as the distance from a plane, with magnitudes that bound its
+/// rounding error.
 #[derive(Clone, Copy, Debug)]
 struct Affine {
     coefficients: [f64; 4],
@@ -155,7 +156,8 @@ struct Affine {
 }
 
 impl Affine {
-    /// Returns the distance from a plane. `widening`, a power of two, moves the sides of the view out.
+    /// Creates the distance from a clip plane. `widening`, a power of two, is the factor by which the side planes are
+    /// moved outward.
     fn distance(plane: ClipPlane, clip_from_model: Mat4, widening: f32) -> Self {
         let columns: [Vec4; 4] = std::array::from_fn(|column| clip_from_model.col(column));
         let factor = f64::from(widening);
@@ -165,13 +167,13 @@ impl Affine {
         }
     }
 
-    /// Returns a component of clip space.
+    /// Creates the clip-space coordinate of an axis: 0 to 3 for x, y, z and w.
     fn component(axis: usize, clip_from_model: Mat4) -> Self {
         let row = clip_from_model.row(axis).as_dvec4();
         Self { coefficients: row.to_array(), magnitudes: row.abs().to_array() }
     }
 
-    /// Returns the exact greatest value over eight boxes.
+    /// Returns the maximum of the exact function over each of eight boxes.
     #[inline(always)]
     fn greatest<S: Simd>(&self, simd: S, [least, greatest]: &[[F64<S>; 3]; 2]) -> F64<S> {
         let mut most = F64::splat(simd, self.coefficients[3]);
@@ -182,13 +184,14 @@ impl Affine {
         most
     }
 
-    /// Returns the exact least value over eight boxes.
+    /// Returns the minimum of the exact function over each of eight boxes.
     #[inline(always)]
     fn least<S: Simd>(&self, simd: S, [least, greatest]: &[[F64<S>; 3]; 2]) -> F64<S> {
         self.greatest(simd, &[*greatest, *least])
     }
 
-    /// Returns the sum of the magnitudes of all terms, at the largest magnitudes on each axis.
+    /// Returns the sum of the magnitudes of all terms. `farthest` has the largest magnitude of the coordinates in each
+    /// of eight boxes.
     #[inline(always)]
     fn magnitude<S: Simd>(&self, simd: S, farthest: &[F64<S>; 3]) -> F64<S> {
         let [x, y, z, one] = self.magnitudes;
@@ -196,25 +199,25 @@ impl Affine {
         far_x * x + far_y * y + far_z * z + F64::splat(simd, one)
     }
 
-    /// Returns a bound of the difference between the pipeline's value and the exact one.
+    /// Returns a bound on the difference between the value that the pipeline computes and the exact one.
     #[inline(always)]
     fn slack<S: Simd>(&self, simd: S, farthest: &[F64<S>; 3]) -> F64<S> {
         self.magnitude(simd, farthest) * ROUNDING + UNDERFLOW
     }
 }
 
-/// Planes that clusters are tested against. The plane of the eye adds nothing to those of depth: where w < 0, z ≥ 0 and
-/// w ≥ z do not both hold.
+/// Clip planes that clusters are tested against. The eye plane is redundant next to the depth planes, because z ≥ 0 and
+/// z ≤ w imply w ≥ 0.
 const PLANES: [ClipPlane; 6] =
     [ClipPlane::Near, ClipPlane::Far, ClipPlane::Left, ClipPlane::Right, ClipPlane::Bottom, ClipPlane::Top];
 
-/// Cluster culling tests for a view of one mesh.
+/// Cluster culling tests of one mesh in one view.
 #[derive(Clone, Debug)]
 pub(super) struct ClusterCulling {
-    /// Whether all of the mesh is inside the view: no cluster is outside, and no triangle is clipped.
+    /// Whether all of the mesh is inside the view, so that no cluster is outside and no triangle is clipped.
     all_inside: bool,
     distances: [Affine; PLANES.len()],
-    /// Back-facing test; `None` if nothing is culled.
+    /// Back-facing test; `None` if face culling is off.
     side: Option<BackFacingTest>,
 }
 
@@ -232,34 +235,35 @@ impl ClusterCulling {
     }
 }
 
-/// Factor by which the sides of the view are moved out for the back-facing test. The moved sides lie within the guard
-/// band of every picture size.
+/// Factor by which the side planes are moved outward for the back-facing test. The moved planes lie within the guard
+/// band for every picture size.
 const BAND: f32 = 2.0;
 const _: () = assert!(BAND * MAX_SIDE_PX as f32 <= 2.0 * GUARD_BAND_PX);
 
-/// Rounding error of an affine function computed in doubles, relative to its magnitude: a generous bound.
+/// Generous bound on the rounding error of an affine function computed in doubles, relative to its magnitude.
 const DOUBLE_ROUNDING: f64 = 1e-12;
 
-/// Data of the back-facing test.
+/// Back-facing test of the clusters of one mesh in one view.
 #[derive(Clone, Debug)]
 struct BackFacingTest {
-    /// Distances from the planes within which no triangle is clipped.
+    /// Distances from the clip planes with the sides moved outward. No triangle inside all of them is clipped.
     distances: [Affine; PLANES.len()],
     x: Affine,
     y: Affine,
     w: Affine,
-    /// D / 2A as a function of n and d, positive on the culled side, and the sums of the magnitudes of its terms.
+    /// Coefficients of D / 2A as a function of n and d, positive on the culled side, and the sum of the magnitudes of
+    /// the terms of each. The symbols are those of the module documentation.
     seen_from: ([f64; 4], [f64; 4]),
-    /// The factor κ: an edge of length ℓ is at most κℓ/w px long on the screen.
+    /// Factor κ: an edge of model-space length ℓ is at most κℓ/w px long on the screen.
     stretch: f64,
-    /// Longer side of the picture, px.
+    /// Length of the longer side of the picture, in pixels.
     longer_px: f64,
-    /// W·H/4, in px².
+    /// A quarter of the picture's area W·H, in px².
     quarter: f64,
 }
 
 impl BackFacingTest {
-    /// Creates the test. `sign` is the sign of D for culled triangles.
+    /// Creates the test. `sign` is the sign of the determinant D for culled triangles.
     fn new(clip_from_model: Mat4, Viewport { width, height }: Viewport, sign: f64) -> Self {
         let (width, height) = (f64::from(width), f64::from(height));
         let rows = [0, 1, 3].map(|row| clip_from_model.row(row).as_dvec4().to_array());
@@ -278,7 +282,7 @@ impl BackFacingTest {
             (products.iter().sum::<f64>(), products.iter().map(|product| product.abs()).sum::<f64>())
         };
         let [x, y, z, one] = [0, 1, 2, 3].map(minor);
-        // Largest stretch of an edge by one row, including the effect of the change of w on the other components.
+        // Largest stretch of an edge along one screen axis, including the effect of a change of w.
         let length = |row: usize| clip_from_model.row(row).xyz().as_dvec3().length();
         let along = |row: usize, size: f64| 0.5 * size * (length(row) + f64::from(BAND) * length(3));
         Self {
@@ -293,7 +297,7 @@ impl BackFacingTest {
         }
     }
 
-    /// Returns the bit mask of the clusters, of eight, all of whose triangles show the culled side.
+    /// Returns the bit mask of those of eight clusters whose triangles all show the culled side.
     #[inline(always)]
     fn back_facing<S: Simd>(
         &self,
@@ -325,12 +329,12 @@ impl BackFacingTest {
         }
         let slack = self.w.slack(simd, farthest);
         let (w_min, w_max) = (self.w.least(simd, bounds) - slack, self.w.greatest(simd, bounds) + slack);
-        // Within these limits floats neither underflow nor overflow.
+        // Within these limits, floats neither underflow nor overflow.
         bits &= (w_min.simd_gt(MIN_W) & w_max.simd_lt(MAX_W)).to_bitmask();
         if bits == 0 {
             return 0;
         }
-        // x/w ± 1 is off by 4u (M_x + 2 M_w) / w, the quotient and later steps by less than 6u.
+        // x/w ± 1 is off by 4u (M_x + 2 M_w) / w. The quotient and later steps are off by less than 6u.
         let of_x = self.x.magnitude(simd, farthest).max(self.y.magnitude(simd, farthest));
         let relative = (of_x + self.w.magnitude(simd, farthest) * 2.0) / w_min + 1.0;
         let off_px = relative * (SCREEN_ROUNDING * self.longer_px) + 0.5 / SUBPIXELS as f64;
@@ -342,16 +346,17 @@ impl BackFacingTest {
     }
 }
 
-/// Least w of a cluster that the back-facing test may cull.
+/// Lower bound of w for clusters that the back-facing test may cull.
 const MIN_W: f64 = 1e-20;
 
-/// Greatest w of a cluster that the back-facing test may cull.
+/// Upper bound of w for clusters that the back-facing test may cull.
 const MAX_W: f64 = 1e20;
 
-/// Rounding error of a screen position, relative to the longer side and to the magnitudes that it is computed from: 8u.
+/// Bound on the rounding error of a screen position, relative to the longer side of the picture and to the magnitudes
+/// of its terms: 8u with u = 2⁻²⁴.
 const SCREEN_ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
 
-/// Returns the fate of each cluster.
+/// Returns the culling result of each cluster.
 fn fates(clusters: &Clusters, view: &ClusterCulling, lanes: Lanes) -> Vec<ClusterFate> {
     let mut out = vec![ClusterFate::Kept; clusters.len()];
     on_lanes!(lanes, simd => {
@@ -372,7 +377,7 @@ fn fates(clusters: &Clusters, view: &ClusterCulling, lanes: Lanes) -> Vec<Cluste
     out
 }
 
-/// Returns two bit masks of eight clusters: those whose vertices the pipeline all finds beyond one of the planes, and
+/// Returns two bit masks of eight clusters: those that the pipeline computes as entirely beyond one clip plane, and
 /// those that are back-facing.
 #[inline(always)]
 fn eight_fates<S: Simd>(simd: S, boxes: &Boxes, planes: &ClusterPlanes, view: &ClusterCulling) -> [u64; 2] {
@@ -392,7 +397,7 @@ fn eight_fates<S: Simd>(simd: S, boxes: &Boxes, planes: &ClusterPlanes, view: &C
     [outside, turned_away]
 }
 
-/// Bit mask of all eight clusters.
+/// Bit mask that selects all eight clusters.
 const ALL: u64 = (1 << LANES) - 1;
 
 #[cfg(test)]
@@ -410,7 +415,7 @@ mod tests {
 
     const VIEWPORT: Viewport = Viewport { width: 640, height: 360 };
 
-    /// Returns eight boxes, each from two opposite corners.
+    /// Returns eight boxes, each spanned by two opposite corners.
     fn boxes(corners: &[[Vec3; 2]; LANES]) -> Boxes {
         let end = |end: fn(Vec3, Vec3) -> Vec3| -> [[f32; LANES]; 3] {
             std::array::from_fn(|axis| corners.map(|[a, b]| end(a, b)[axis]))
@@ -428,16 +433,16 @@ mod tests {
         outside
     }
 
-    /// Whether the pipeline finds all `vertices` beyond one plane.
+    /// Returns `true` if the pipeline computes all `vertices` as beyond the same plane.
     fn is_outside(vertices: &[Vec3], matrix: Mat4) -> bool {
         let clip = || vertices.iter().map(|vertex| matrix * vertex.extend(1.0));
         ClipPlane::ALL.iter().any(|plane| clip().all(|position| plane.distance(position, 1.0) < 0.0))
     }
 
-    /// Tests matrices and boxes next to a plane. The exact distance is zero or nearly so, at scales from underflowing
+    /// Tests matrices and boxes next to a plane. The exact distance is zero or nearly zero, at scales from underflowing
     /// products to huge ones.
     #[test]
-    fn what_is_left_out_has_all_its_vertices_beyond_a_plane() {
+    fn clusters_culled_as_outside_have_all_vertices_beyond_a_plane() {
         let mut random = fastrand::Rng::with_seed(21);
         let (mut left_out, mut kept_though_outside) = (0, 0);
         for round in 0..6000 {
@@ -477,14 +482,14 @@ mod tests {
                 }
             }
         }
-        // Some boxes next to a plane, or with underflowing numbers, are kept; far fewer than are culled.
+        // Some boxes next to a plane or with underflowing numbers are kept, but far fewer than are culled.
         assert!(left_out > 3 * kept_though_outside && kept_though_outside > 0, "{left_out} {kept_though_outside}");
     }
 
-    /// Tests sheets of many sizes, bent, creased and squeezed to far less than a pixel, in views that mirror and shear
-    /// them.
+    /// Tests mesh sheets of many sizes, bent, creased and squeezed to far less than a pixel, in views that mirror and
+    /// shear them.
     #[test]
-    fn what_is_turned_away_is_culled_triangle_by_triangle() {
+    fn clusters_culled_as_back_facing_have_only_culled_triangles() {
         let mut random = fastrand::Rng::with_seed(22);
         let (mut turned_away, mut kept_though_culled, mut smallest) = (0, 0, f64::INFINITY);
         for round in 0..1500 {
@@ -538,8 +543,8 @@ mod tests {
         assert!(smallest < 0.25, "{smallest}");
     }
 
-    /// Returns the doubled area in px² of a triangle that the classic path culls; `None` if it is not culled, or is
-    /// clipped.
+    /// Returns the doubled area in px² of a triangle that the classic (scalar) path culls; `None` if it is not culled,
+    /// or is clipped.
     fn fate_of(corners: [Vec3; 3], matrix: Mat4, culling: Culling) -> Option<f64> {
         let widening = guard_band_widening(VIEWPORT.width, VIEWPORT.height);
         let corners = corners.map(|corner| ClipVertex::at(matrix * corner.extend(1.0)));
@@ -555,7 +560,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_that_are_none_leave_nothing_out() {
+    fn matrices_that_are_not_finite_cull_nothing() {
         let corners = [[Vec3::splat(5.0), Vec3::splat(6.0)]; LANES];
         for lanes in Lanes::all() {
             assert_eq!(bits(&corners, Mat4::IDENTITY, lanes), 0xff);
@@ -566,7 +571,7 @@ mod tests {
 
     #[test]
     fn blocks_are_joined() {
-        /// Returns the union of blocks; ranges are pairs of start and end.
+        /// Returns the union of ranges of blocks. All ranges are pairs of start and end.
         fn joined<const N: usize>(ranges: [[usize; 2]; N], len: usize) -> Vec<[usize; 2]> {
             let joined = union(ranges.into_iter().map(|[start, end]| start..end), len);
             joined.into_iter().map(|range| [range.start, range.end]).collect()

@@ -1,4 +1,4 @@
-//! Depths of samples on lanes, and their bounds. The operations and their order are those of
+//! SIMD computation of sample depths and of bounds on them, by the same operations in the same order as in
 //! [`crate::pipeline::depth`].
 
 use super::edge_number::EdgeNumber;
@@ -7,23 +7,23 @@ use crate::math::lanes::*;
 use crate::pipeline::depth::{DepthComparison, DepthEncoding, DepthScale, clear_value};
 use crate::pipeline::settings::Settings;
 
-/// Rules for storing and comparing depths, the same in all tiles of a frame.
+/// Rules for storing and comparing depths. They are the same in all tiles of a frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DepthRules {
     pub(super) comparison: DepthComparison,
     pub(super) encoding: DepthEncoding,
-    /// Whether depth is linear in space instead of on the screen.
+    /// Whether depth is linear in view space instead of on the screen.
     pub(super) linear_in_space: bool,
-    /// Whether a depth bias may move depths below 0 or above 1, to which they are then clamped.
+    /// Whether there is a depth bias. It may move depths below 0 or above 1, so they are clamped.
     pub(super) biased: bool,
-    /// Depth of samples before anything is drawn.
+    /// Depth of all samples before anything is drawn.
     pub(super) clear: f32,
     /// Whether depths are computed and stored at all.
     pub(super) stored: bool,
 }
 
 impl DepthRules {
-    /// Creates the rules of a frame. `asked_for` is whether the caller reads its depths.
+    /// Creates the rules of a frame. `asked_for` is `true` if the caller reads its depths.
     pub(super) fn new(settings: &Settings, scale: &DepthScale, asked_for: bool) -> Self {
         let comparison = DepthComparison::of(settings);
         Self {
@@ -36,7 +36,7 @@ impl DepthRules {
         }
     }
 
-    /// Returns the rules of most frames as compile-time constants if `COMMON`, which requires
+    /// Returns the rules with compile-time constants if `COMMON`, which removes branches. `COMMON` requires
     /// [`DepthRules::are_common`].
     #[inline(always)]
     pub(super) fn known<const COMMON: bool>(self) -> Self {
@@ -54,7 +54,7 @@ impl DepthRules {
         }
     }
 
-    /// Whether these are the rules of most frames.
+    /// Returns `true` if these are the rules of most frames, for which there is specialised code.
     #[inline(always)]
     pub(super) fn are_common(&self) -> bool {
         let Self { comparison, encoding, linear_in_space, biased, stored, .. } = *self;
@@ -62,7 +62,7 @@ impl DepthRules {
     }
 }
 
-/// Returns the mask of the lanes that pass the depth test.
+/// Returns the mask of the lanes whose new depth passes the depth test against the stored one.
 #[inline(always)]
 pub(super) fn passes<S: Simd>(new: F32<S>, stored: F32<S>, comparison: DepthComparison) -> mask32x8<S> {
     match comparison {
@@ -74,8 +74,8 @@ pub(super) fn passes<S: Simd>(new: F32<S>, stored: F32<S>, comparison: DepthComp
     }
 }
 
-/// Returns depths as they are stored: [`crate::pipeline::depth::depth_at`] for eight samples. Valid only where the
-/// triangle covers them.
+/// Computes the stored depths of eight samples from their edge values, like [`crate::pipeline::depth::depth_at`]. Valid
+/// only for samples that the triangle covers.
 #[inline(always)]
 pub(super) fn depth<S: Simd, E: EdgeNumber>(
     simd: S,
@@ -96,11 +96,11 @@ pub(super) fn depth<S: Simd, E: EdgeNumber>(
         if E::LAST_HAS_MIN_DEPTH { first + second } else { first + second + E::doubles(simd, e[2]) * rises[2] }
     };
     let depth = (rise + *least).min(1.0);
-    // Where the triangle covers the sample, only a bias makes a depth negative.
+    // At covered samples, only a bias can make a depth negative.
     quantize(simd, if rules.biased { depth.max(0.0) } else { depth }, rules.encoding)
 }
 
-/// [`DepthEncoding::quantize`] for eight depths.
+/// Quantises eight depths like [`DepthEncoding::quantize`].
 #[inline(always)]
 fn quantize<S: Simd>(simd: S, depth: F64<S>, encoding: DepthEncoding) -> F32<S> {
     match encoding.largest_code() {
@@ -112,27 +112,29 @@ fn quantize<S: Simd>(simd: S, depth: F64<S>, encoding: DepthEncoding) -> F32<S> 
     }
 }
 
-/// Rounding error of a depth and of its bounds, relative to the sum of the magnitudes of its terms: about 23 operations
-/// of 2⁻⁵³ each.
+/// Bound on the rounding error of a depth and of its bounds, relative to the sum of the magnitudes of its terms: about
+/// 23 operations of 2⁻⁵³ each.
 const ROUNDING: f64 = 1.0 / (1_u64 << 48) as f64;
 
 /// Depth of a triangle as a plane over the samples of a tile, without rounding.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DepthPlane {
-    /// Depth at the tile's first sample.
+    /// Depth of the plane at the tile's first sample.
     at_first: f64,
-    /// Change of depth per grid step to the right, and per grid step down.
+    /// Change of depth per 1/256 px to the right, and per 1/256 px down.
     rise: [f64; 2],
-    /// Largest distance of stored depths from the plane before quantisation. Infinite if depths are linear in space,
-    /// because they are then no plane.
+    /// Largest difference between the plane and the depth of a sample, before quantisation. Infinite if depth is linear
+    /// in view space, because it is then not a plane on the screen.
     slack: f64,
-    /// Bounds of the triangle's depths anywhere.
+    /// Lower bound of all depths of the triangle, in [0, 1].
     least: f64,
+    /// Upper bound of all depths of the triangle, in [0, 1].
     greatest: f64,
 }
 
 impl DepthPlane {
-    /// Creates the plane of a triangle in a tile of this width and height from its first sample, in grid steps.
+    /// Creates the depth plane of a triangle in a tile. Width and height are the distances from the tile's first sample
+    /// to its last one, in steps of 1/256 px.
     #[inline(always)]
     pub(super) fn new<E: EdgeNumber>(triangle: &Setup<E>, [width, height]: [f64; 2], rules: &DepthRules) -> Self {
         let Setup { edges: EdgeFunctions { a, b, c }, rises, .. } = triangle;
@@ -146,15 +148,16 @@ impl DepthPlane {
         Self { at_first: at_first + triangle.min_depth, rise: [across, down], slack, least, greatest }
     }
 
-    /// Returns the depth at the tile's first sample; meaningless if depths are linear in space.
+    /// Returns the depth of the plane at the tile's first sample. Meaningless if depth is linear in view space.
     #[inline(always)]
     pub(super) fn at_first(&self) -> f64 {
         self.at_first
     }
 
-    /// Returns bounds of the stored depths in eight rectangles. They are given by the positions of their first samples
-    /// and the distance to their last ones, in grid steps. Where the triangle covers nothing of a rectangle, the bounds
-    /// may lie beyond all depths.
+    /// Returns bounds of the stored depths in eight rectangles. `x` and `y` are the positions of their first samples.
+    /// Width and height are the distances to their last samples, in steps of 1/256 px.
+    ///
+    /// For rectangles that the triangle does not cover anywhere, the bounds may lie outside its range of depths.
     #[inline(always)]
     pub(super) fn bounds<S: Simd>(
         &self,
@@ -169,15 +172,15 @@ impl DepthPlane {
         let at = x * across + (down * y + at_first);
         let mut ends = [(at + nearest).max(least), (at + farthest).min(greatest)];
         if rules.biased {
-            // Depths of a whole rectangle may be clamped to 0 or 1.
+            // The depths of a whole rectangle may be clamped to 0 or 1.
             ends = [ends[0].min(greatest), ends[1].max(least)];
         }
         each!(i in [0, 1] => quantize(simd, ends[i], rules.encoding))
     }
 }
 
-/// Returns bit masks of the rectangles in which no depth within the bounds passes against the stored ones, and in which
-/// all do.
+/// Compares depth bounds of eight rectangles with bounds of the stored depths. Returns two bit masks: the rectangles in
+/// which every depth fails the depth test, and those in which every depth passes.
 #[inline(always)]
 pub(super) fn compare_bounds<S: Simd>(
     [low, high]: [F32<S>; 2],
@@ -194,13 +197,13 @@ pub(super) fn compare_bounds<S: Simd>(
     }
 }
 
-/// Returns the sum of the magnitudes of the least and the greatest depth, which no term of a depth exceeds.
+/// Returns the sum of the magnitudes of the least and the greatest depth. No term of a depth exceeds it.
 #[inline(always)]
 fn magnitude<E>(triangle: &Setup<E>) -> f64 {
     triangle.min_depth.abs() + triangle.max_depth.abs()
 }
 
-/// Returns bounds of all stored depths of a triangle.
+/// Returns bounds of the stored depths at all samples of a triangle.
 #[inline(always)]
 pub(super) fn whole_depths<E: EdgeNumber>(triangle: &Setup<E>, rules: &DepthRules) -> [f32; 2] {
     let slack = ROUNDING * magnitude(triangle);
@@ -217,7 +220,7 @@ mod tests {
     use crate::pipeline::grid::SampleGrid;
     use crate::pipeline::settings::FillRule;
 
-    /// Returns the depths at eight sample positions, and the bit mask of those that the triangle covers.
+    /// Returns the depths at eight sample positions, and the bit mask of the samples that the triangle covers.
     #[inline(always)]
     fn depths_at<S: Simd>(
         simd: S,
@@ -231,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn bounds_of_depths_hold_and_are_close() {
+    fn depth_bounds_hold_and_are_tight() {
         let mut random = fastrand::Rng::with_seed(9);
         let mut tested = 0;
         let encodings = [DepthEncoding::F32, DepthEncoding::Unorm16];

@@ -1,14 +1,16 @@
-//! Number types for a triangle's edge values within a tile. All edge values are integers. Doubles hold those of every
-//! triangle, 32-bit integers those of most, and a register holds twice as many integers.
+//! Number types for the edge values of a triangle within a tile.
+//!
+//! All edge values are integers. Doubles can hold those of every triangle, and 32-bit integers those of most triangles.
+//! A register holds twice as many integers as doubles.
 
 use std::ops::{Add, Mul, Sub};
 
 use super::lattice::{LatticeSteps, TileLattice};
 use crate::math::lanes::*;
 
-/// A number type for edge values, one or eight at a time.
+/// Number type for edge values: a scalar, and a vector of eight.
 pub(super) trait EdgeNumber: Copy + Add<Output = Self> + Mul<Output = Self> {
-    /// Eight numbers in lanes.
+    /// Vector of eight numbers.
     type Eight<S: Simd>: Copy
         + Add<Output = Self::Eight<S>>
         + Sub<Output = Self::Eight<S>>
@@ -16,44 +18,44 @@ pub(super) trait EdgeNumber: Copy + Add<Output = Self> + Mul<Output = Self> {
         + Mul<Output = Self::Eight<S>>
         + Mul<Self, Output = Self::Eight<S>>;
 
-    /// Whether the last edge is opposite a vertex of least depth, so that its depth term is zero. Depths that are
-    /// linear in space are an exception.
+    /// Whether the last edge is opposite a vertex of least depth, so that its depth term is zero. This does not hold if
+    /// depth is linear in view space.
     const LAST_HAS_MIN_DEPTH: bool;
 
     /// Converts an integer to this type.
     fn of(number: i32) -> Self;
 
-    /// Converts to a double, without rounding.
+    /// Converts the number to a double, without rounding.
     fn double(self) -> f64;
 
     /// Returns the least and the greatest a·x + b·y for x from 0 to `width` and y from 0 to `height`.
     fn reach(a: Self, b: Self, width: Self, height: Self) -> [Self; 2];
 
-    /// Returns the sample distances of a lattice in this type.
+    /// Returns the sample distances of a lattice as numbers of this type.
     fn steps(lattice: &TileLattice) -> &LatticeSteps<Self>;
 
-    /// Returns the numbers of eight triangles that have this type.
+    /// Returns the array that has this type: `doubles` or `integers`.
     fn pick<'a>(doubles: &'a [[f64; LANES]; 3], integers: &'a [[i32; LANES]; 3]) -> &'a [[Self; LANES]; 3];
 
-    /// Loads eight numbers.
+    /// Loads eight numbers into a vector.
     fn load<S: Simd>(simd: S, numbers: &[Self; LANES]) -> Self::Eight<S>;
 
-    /// Returns eight numbers as an array.
+    /// Returns the numbers of a vector as an array.
     fn store<S: Simd>(numbers: Self::Eight<S>) -> [Self; LANES];
 
-    /// Returns a number in all eight lanes.
+    /// Returns a vector with a number in all eight lanes.
     fn repeat<S: Simd>(simd: S, number: Self) -> Self::Eight<S>;
 
-    /// Converts floats with integer values.
+    /// Converts floats with integer values to this type.
     fn of_floats<S: Simd>(simd: S, floats: F32<S>) -> Self::Eight<S>;
 
     /// Converts eight numbers to doubles, without rounding.
     fn doubles<S: Simd>(simd: S, numbers: Self::Eight<S>) -> F64<S>;
 
-    /// Returns the mask of the lanes in which no edge value is below the least one that is inside.
+    /// Returns the mask of the lanes inside the triangle, in which no edge value is less than its threshold in `least`.
     fn inside<S: Simd>(values: [Self::Eight<S>; 3], least: [Self::Eight<S>; 3]) -> mask32x8<S>;
 
-    /// Returns the mask of [`EdgeNumber::inside`] as bits.
+    /// Returns the mask of [`EdgeNumber::inside`] as the bits of an integer.
     fn inside_bits<S: Simd>(values: [Self::Eight<S>; 3], least: [Self::Eight<S>; 3]) -> u64;
 }
 
@@ -181,7 +183,7 @@ impl EdgeNumber for i32 {
 
     #[inline(always)]
     fn inside<S: Simd>(values: [i32x8<S>; 3], least: [i32x8<S>; 3]) -> mask32x8<S> {
-        // Integer “greater” is an instruction, “greater or equal” is not.
+        // There is an instruction for integer “greater”, but none for “greater or equal”.
         let outside = least[0].simd_gt(values[0]) | least[1].simd_gt(values[1]) | least[2].simd_gt(values[2]);
         !outside
     }

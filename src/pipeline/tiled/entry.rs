@@ -1,4 +1,4 @@
-//! Gathers the triangles of a tile's bin and sets them up.
+//! Gathering and setup of the triangles in a tile's bin.
 
 use super::TiledFrame;
 use super::batch::TriangleBatch;
@@ -9,14 +9,14 @@ use super::setup::Origin;
 use crate::math::lanes::*;
 use crate::math::prefetch::prefetch;
 
-/// Batches of a tile's triangles whose vertices are fetched together.
+/// Number of triangle batches whose vertices are fetched together.
 pub(super) const BATCHES: usize = 4;
 
-/// Triangles in [`BATCHES`] batches.
+/// Number of triangles in [`BATCHES`] batches.
 pub(super) const GROUP: usize = BATCHES * LANES;
 
 impl TiledFrame<'_> {
-    /// Gathers the triangles of a tile's bin from all chunks.
+    /// Collects the triangles of a tile from all chunks into a bin. `number` is the index of the tile.
     #[inline(always)]
     pub(super) fn gather_bin(&self, number: usize, entrants: &mut TileBin) {
         entrants.clear();
@@ -36,8 +36,9 @@ impl TiledFrame<'_> {
     }
 
     /// Sets up a group of a tile's triangles before the first of them is drawn, which hides the latency of the setup.
-    /// Returns two bit masks per batch: triangles that may have a sample in the tile, and triangles among them whose
-    /// edge values exceed 32 bits.
+    ///
+    /// Returns two bit masks per batch: the triangles that may cover a sample of the tile, and those among them whose
+    /// edge values may exceed 32 bits.
     #[inline(always)]
     pub(super) fn set_up_group<S: Simd>(
         &self,
@@ -75,9 +76,11 @@ impl TiledFrame<'_> {
         (alive, large)
     }
 
-    /// Finds the vertices of a group of a tile's triangles, and sets a bit of `divides_by_w` for each with perspective
-    /// division. Vertices are scattered in memory. All vertex indices are therefore prefetched before the first is
-    /// read, and each vertex as soon as it is found.
+    /// Looks up the vertices of a group of a tile's triangles, and sets a bit in `divides_by_w` for each triangle with
+    /// perspective division.
+    ///
+    /// Vertices are scattered in memory. All vertex indices are therefore prefetched before the first is read, and each
+    /// vertex is prefetched as soon as its index is known.
     #[inline(always)]
     fn find_vertices<'a>(
         &'a self,
@@ -110,7 +113,7 @@ impl TiledFrame<'_> {
         }
     }
 
-    /// Fills the surface records of up to eight triangles of a tile, from `first` on.
+    /// Fills the surface records (normals and colours) of up to eight triangles of a tile, starting at index `first`.
     #[inline(always)]
     fn fill_surfaces<S: Simd>(&self, simd: S, entrants: &mut TileBin, first: usize, count: usize) {
         let nothing = PackedSurface::default();
@@ -127,21 +130,24 @@ impl TiledFrame<'_> {
     }
 }
 
-/// Triangle count of a tile from which hierarchical Z is disabled, unless most of the triangles are large.
+/// Number of triangles in a tile at or above which hierarchical Z is disabled, unless most of them are large.
 const HIZ_MAX_TRIANGLES: usize = 96;
 
-/// Extent in columns or rows from which a triangle is large: it then spans more than two blocks.
+/// Extent in columns or rows at or above which a triangle counts as large: it then spans more than two blocks.
 const LARGE: i32 = 2 * BLOCK as i32;
 
-/// Whether a tile with this number of triangles keeps depth bounds of its blocks (hierarchical Z). Judged by the first
-/// triangles that were set up; `alive` has a bit for each of these that may have a sample in the tile.
+/// Returns `true` if a tile with this number of triangles uses hierarchical Z, that is, keeps depth bounds of its
+/// blocks.
+///
+/// Decides by the sizes of the `first` triangles that were set up. `alive` selects those that may cover a sample of the
+/// tile.
 #[inline(always)]
 pub(super) fn uses_hiz(triangles: usize, first: &[TriangleBatch; BATCHES], alive: &[u64; BATCHES]) -> bool {
     let large = || first.iter().zip(alive).map(|(batch, alive)| batch.count_large(*alive, LARGE)).sum::<u32>();
     triangles < HIZ_MAX_TRIANGLES || 2 * large() > alive.iter().map(|alive| alive.count_ones()).sum()
 }
 
-/// Fills the parts of eight surface records that the frame reads.
+/// Fills the normals and the colours of eight surface records, each only if the frame reads it.
 #[inline(never)]
 fn fill_parts<S: Simd>(
     simd: S,

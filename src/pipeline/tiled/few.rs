@@ -1,12 +1,13 @@
-//! Sixteen samples of a few triangles: the data of each triangle is loaded once and permuted to its samples.
+//! Triangle data for sixteen samples of only a few triangles: data is loaded once per triangle and permuted to its
+//! samples.
 
 use super::record::{Record, Slot, TileBin, TriangleSource};
 use crate::math::lanes::*;
 
-/// Largest number of triangles that count as few.
+/// Maximum number of distinct triangles for which [`Few`] is used.
 const FEW: usize = LANES;
 
-/// Source of the triangle data for 16 samples of at most [`FEW`] triangles.
+/// Source of the triangle data for sixteen samples of at most [`FEW`] distinct triangles.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Few<'a> {
     records: [&'a Record; FEW],
@@ -15,14 +16,14 @@ pub(super) struct Few<'a> {
     which: TriangleIndices,
 }
 
-/// Index of each sample's triangle among the few.
+/// Index of each sample's triangle in the list of distinct triangles.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 struct TriangleIndices([u32; WIDE]);
 
 impl<'a> Few<'a> {
-    /// Finds the triangles of the samples selected by `mine`; the other samples get any of them. `None` if there are
-    /// more than [`FEW`], or if the processor has no AVX-512.
+    /// Finds the distinct triangles of the samples selected by `mine`; all other samples are assigned any of these.
+    /// Returns `None` if there are more than [`FEW`] triangles, or if the processor has no AVX-512.
     #[inline(always)]
     pub(super) fn find<S: Simd>(simd: S, entrants: &'a TileBin, slots: &[u32; WIDE], mine: u32) -> Option<Self> {
         let (slots, which) = distinct(simd, slots, mine)?;
@@ -30,7 +31,8 @@ impl<'a> Few<'a> {
         Some(Self { records, bin: entrants, slots, which })
     }
 
-    /// Returns the numbers of each sample's triangle, from the numbers of all triangles.
+    /// Permutes a quad of numbers of each distinct triangle to the samples. Returns the four numbers of each sample's
+    /// triangle.
     #[inline(always)]
     fn deal<S: Simd>(self, rows: [f32x4<S>; FEW]) -> [f32x16<S>; 4] {
         let simd = rows[0].simd;
@@ -53,8 +55,8 @@ impl<'a> Few<'a> {
 }
 
 impl TriangleSource for Few<'_> {
-    /// Texels of few triangles lie close together: prefetching them for all samples takes longer than the misses it
-    /// avoids.
+    /// Prefetches for every fifth sample. The texels of few triangles lie close together, so prefetching them for all
+    /// samples takes longer than the cache misses that it avoids.
     const PREFETCH_STEP: Option<usize> = Some(5);
 
     #[inline(always)]
@@ -70,8 +72,8 @@ impl TriangleSource for Few<'_> {
     }
 }
 
-/// Returns the distinct slots of the samples selected by `mine`, and the index of each sample's slot among them; other
-/// samples get any index. `None` if there are more than [`FEW`], or without AVX-512.
+/// Returns the distinct slots of the samples selected by `mine`, and the index of each sample's slot among them. All
+/// other samples get an arbitrary index. Returns `None` if there are more than [`FEW`] slots, or without AVX-512.
 #[inline(always)]
 fn distinct<S: Simd>(simd: S, slots: &[u32; WIDE], mine: u32) -> Option<([u32; FEW], TriangleIndices)> {
     #[cfg(target_arch = "x86_64")]
@@ -98,7 +100,8 @@ mod x86 {
     use fearless_simd::kernel;
 
     kernel! {
-        /// Returns a bit mask of the first occurrences, and for each number a bit mask of the equal numbers before it.
+        /// Returns the bit mask of the lanes whose number occurs for the first time, and for each lane the bit mask of
+        /// the earlier lanes with the same number.
         #[inline]
         pub(super) fn firsts(avx512: Avx512, numbers: __m512i) -> (u16, __m512i) {
             let earlier = _mm512_conflict_epi32(numbers);
@@ -107,14 +110,16 @@ mod x86 {
     }
 
     kernel! {
-        /// Returns the distinct numbers in order, and the index of each number among them.
+        /// Returns the distinct numbers in the order of their first occurrence, and the index of each lane's number
+        /// among them.
         #[inline]
         pub(super) fn distinct(avx512: Avx512, numbers: __m512i, firsts: u16, earlier: __m512i) -> (__m512i, __m512i) {
             let own = _mm512_setr_epi32(
                 1, 1 << 1, 1 << 2, 1 << 3, 1 << 4, 1 << 5, 1 << 6, 1 << 7,
                 1 << 8, 1 << 9, 1 << 10, 1 << 11, 1 << 12, 1 << 13, 1 << 14, 1 << 15,
             );
-            // The lowest bit is the first occurrence. The index is the number of first occurrences before it.
+            // The lowest bit of `equal` marks the first occurrence. The index is the number of first occurrences before
+            // it.
             let equal = _mm512_or_si512(earlier, own);
             let before = _mm512_andnot_si512(equal, _mm512_sub_epi32(equal, _mm512_set1_epi32(1)));
             let before = _mm512_and_si512(before, _mm512_set1_epi32(firsts.into()));
@@ -123,7 +128,8 @@ mod x86 {
     }
 
     kernel! {
-        /// Returns four columns of sixteen lanes, permuted from eight rows of four numbers, four rows in each register.
+        /// Selects one of eight rows of four numbers for each of sixteen lanes, and returns the result as four columns.
+        /// Each register of `rows` holds four rows.
         #[inline]
         pub(super) fn deal(avx512: Avx512, rows: [__m512; 2], which: __m512i) -> [__m512; 4] {
             let first = _mm512_slli_epi32::<2>(which);
@@ -143,12 +149,12 @@ mod tests {
     use super::super::record::{Quad, SurfaceRecord};
     use super::*;
 
-    /// Returns quads with consecutive numbers from `first` on.
+    /// Returns quads of consecutive numbers, starting at `first`.
     fn numbered<const N: usize>(first: usize) -> [Quad; N] {
         std::array::from_fn(|quad| std::array::from_fn(|i| (first + 4 * quad + i) as f32))
     }
 
-    /// Returns triangles whose numbers are all different.
+    /// Returns a bin with records of `count` triangles in which no number occurs twice.
     fn entrants(count: usize) -> TileBin {
         let mut entrants = TileBin::default();
         for first in (0..count).step_by(LANES) {
@@ -161,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn samples_are_dealt_what_is_loaded_for_each() {
+    fn permuted_triangle_data_equals_data_loaded_per_sample() {
         let (entrants, mut random) = (entrants(40), fastrand::Rng::with_seed(11));
         let (mut few_times, mut many_times) = (0, 0);
         for round in 0..2000 {
@@ -204,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn every_way_to_deal_gives_the_same() {
+    fn all_instruction_sets_permute_triangle_data_alike() {
         let mut random = fastrand::Rng::with_seed(12);
         let (entrants, slots) = (entrants(8), [0, 1, 2, 3, 4, 5, 6, 7]);
         for _ in 0..100 {

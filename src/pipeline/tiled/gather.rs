@@ -1,22 +1,26 @@
-//! Texel loads from several places at once: by hardware gathers where these are fast, otherwise by scalar loads.
+//! Loads of texels at several indices at once: with hardware gathers where these are fast, otherwise with scalar loads.
 
 use crate::math::lanes::*;
 
-/// Texels that sixteen samples read, and the weights of the right and of the lower ones.
+/// Texture taps of sixteen samples: indices of the texels that they read, and bilinear weights.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(64))]
 pub(super) struct Taps {
-    /// Places of the texels; of quads only that of the upper left texel.
+    /// Indices of up to four texels per sample. For quads, the first array has the upper left texels, and the others
+    /// are unused.
     pub(super) index: [[u32; WIDE]; 4],
+    /// Weights of the right texels.
     pub(super) right: [f32; WIDE],
+    /// Weights of the lower texels.
     pub(super) down: [f32; WIDE],
 }
 
-/// Returns the texels at as many places as a register holds. Uses hardware gathers if `by_gathers` and available, else
-/// scalar loads.
+/// Returns the texels at as many indices as a register holds. Uses AVX-512 gathers if `by_gathers` is `true` and they
+/// are available, otherwise scalar loads.
 ///
 /// # Panics
-/// If a place lies outside of the texels, or there are fewer places than lanes.
+///
+/// Panics if an index is out of bounds, or if there are fewer indices than lanes.
 #[inline(always)]
 pub(super) fn gather<S: Simd>(simd: S, by_gathers: bool, texels: &[u32], places: &[u32]) -> S::u32s {
     let places = &places[..S::u32s::LEN];
@@ -29,14 +33,17 @@ pub(super) fn gather<S: Simd>(simd: S, by_gathers: bool, texels: &[u32], places:
     S::u32s::from_fn(simd, |lane| texels[places[lane] as usize])
 }
 
-/// Returns the upper left, upper right, lower left and lower right texels of as many quads as a register holds. `upper`
-/// and `lower` are rows of texels and the rows below them; `places` are the indices of the left texels.
+/// Returns the upper left, upper right, lower left and lower right texels of as many quads as a register holds.
+/// `places` are the indices of the upper left texels in `upper`; `lower` holds the texels one row below at the same
+/// indices.
 ///
-/// Uses hardware gathers if `by_gathers`, else scalar loads. AVX2 has a gather as well. On many processors it is as
-/// slow as scalar loads, and several times slower on those with the mitigation for CVE-2022-40982.
+/// Uses AVX-512 gathers if `by_gathers` is `true` and they are available, otherwise scalar loads. The gather of AVX2 is
+/// not used: on many processors it is as slow as scalar loads, and several times slower on those with the mitigation
+/// for CVE-2022-40982.
 ///
 /// # Panics
-/// If a quad lies outside of the texels.
+///
+/// Panics if a quad is out of bounds.
 #[inline(always)]
 pub(super) fn quads<S: Simd>(simd: S, by_gathers: bool, [upper, lower]: [&[u32]; 2], places: &[u32]) -> [S::u32s; 4] {
     // Equal lengths, so that one bounds check covers both.
@@ -81,8 +88,8 @@ pub(super) fn quads<S: Simd>(simd: S, by_gathers: bool, [upper, lower]: [&[u32];
     each!(corner in [0, 1, 2, 3] => S::u32s::from_slice(simd, &corners[corner][..S::u32s::LEN]))
 }
 
-/// Returns two texels of a row and the two below. Each place is checked on its own: checking eight in a register and
-/// extracting them takes longer.
+/// Returns the quad of texels at an index: two texels of a row and the two below. Each index is checked on its own,
+/// because checking eight in a register and extracting them takes longer.
 #[inline(always)]
 fn quad_at([upper, lower]: [&[u32]; 2], place: u32) -> [u32; 4] {
     let place = place as usize;
@@ -102,21 +109,21 @@ mod x86 {
         pub(super) fn gather(avx512: Avx512, texels: &[u32], places: __m512i) -> __m512i {
             let end = _mm512_set1_epi32(texels.len().min(i32::MAX as usize) as i32);
             assert!(_mm512_cmpge_epu32_mask(places, end) == 0, "all texels are within the texture");
-            // SAFETY: every place is less than the number of texels, as asserted above, and not negative as an i32.
+            // SAFETY: every index is less than the number of texels, as asserted above, and not negative as an i32.
             unsafe { _mm512_i32gather_epi32::<4>(places, texels.as_ptr().cast()) }
         }
     }
 
     kernel! {
-        /// Returns the texels at some places of a row, and their right neighbours.
+        /// Returns the texels at sixteen indices, and their right neighbours.
         #[inline]
         #[expect(unsafe_code, reason = "one bounds check for 16 reads: fills are shaded a fifth faster than eight at a time")]
         pub(super) fn gather_pairs(avx512: Avx512, texels: &[u32], places: __m512i) -> [__m512i; 2] {
             let end = _mm512_set1_epi32(texels.len().saturating_sub(1).min(i32::MAX as usize) as i32);
             assert!(_mm512_cmpge_epu32_mask(places, end) == 0, "all texels are within the texture");
             let (low, high) = (_mm512_castsi512_si256(places), _mm512_extracti64x4_epi64::<1>(places));
-            // SAFETY: every place is less than the last one, as asserted above, and not negative as an i32. It and the
-            // next one therefore lie within the slice; the instruction requires no alignment.
+            // SAFETY: every index is less than that of the last texel, as asserted above, and not negative as an i32.
+            // This texel and the next one therefore lie within the slice; the instruction requires no alignment.
             let (low, high) = unsafe {
                 let texels = texels.as_ptr().cast();
                 (_mm512_i32gather_epi64::<4>(low, texels), _mm512_i32gather_epi64::<4>(high, texels))
@@ -132,20 +139,20 @@ mod x86 {
 mod tests {
     use super::*;
 
-    /// Distance from one row to the next, in texels.
+    /// Distance between adjacent rows, in texels.
     const STRIDE: usize = 100;
 
     fn texels() -> Vec<u32> {
         (0..1000_u32).map(|i| i.wrapping_mul(2_654_435_761)).collect()
     }
 
-    /// Returns the quads at as many places as a register holds.
+    /// Returns the quads at as many indices as a register holds.
     #[inline(always)]
     fn quads_at<S: Simd>(simd: S, by_gathers: bool, texels: &[u32], places: &[u32]) -> [Vec<u32>; 4] {
         quads(simd, by_gathers, [texels, &texels[STRIDE..]], places).map(|texels| texels.as_slice().to_vec())
     }
 
-    /// Returns the last lane that is loaded at once.
+    /// Returns the index of the last lane of a register.
     fn last_lane(lanes: Lanes) -> usize {
         #[inline(always)]
         fn last<S: Simd>(_: S) -> usize {
@@ -155,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn texels_are_those_at_their_places() {
+    fn gathers_return_the_texels_at_their_indices() {
         let texels = texels();
         let mut random = fastrand::Rng::with_seed(7);
         for (lanes, by_gathers) in Lanes::all_with_and_without_gathers() {
@@ -175,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn places_beyond_the_texels_are_refused() {
+    fn indices_beyond_the_texels_panic() {
         let texels = texels();
         let cases = [(899, true), (1000, false), (u32::MAX, true), (u32::MAX, false), (i32::MAX as u32 + 1, true)];
         for (lanes, by_gathers) in Lanes::all_with_and_without_gathers() {

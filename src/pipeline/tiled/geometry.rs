@@ -1,7 +1,8 @@
-//! Vertex processing of the tiled path: each mesh vertex once, eight at a time, straight to the screen.
+//! Vertex processing of tiled execution: transforms each mesh vertex once, eight at a time, from model space to the
+//! screen.
 //!
-//! The arithmetic is that of the classic stages ([`super::super::vertex`], [`super::super::viewport`],
-//! [`super::super::depth::DepthScale`]), operation by operation, so every bit agrees.
+//! The arithmetic is the same as in the classic stages ([`super::super::vertex`], [`super::super::viewport`],
+//! [`super::super::depth::DepthScale`]), operation by operation, so results are equal bit for bit.
 
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
@@ -20,8 +21,8 @@ use crate::pipeline::vertex::{ClipVertex, DrawMatrices, Varyings};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Mesh, TriangleId};
 
-/// A vertex on the screen with the attributes of most shading, in half a cache line. A single array, so that lanes can
-/// load it whole.
+/// Screen-space vertex with the attributes that most shading reads, in half a cache line. It is a single array, so that
+/// SIMD code can load it whole.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C, align(32))]
 pub(super) struct PackedVertex {
@@ -29,17 +30,17 @@ pub(super) struct PackedVertex {
 }
 
 impl PackedVertex {
-    /// Index of the snapped x in grid steps, to the right: an integer below 2²⁴.
+    /// Index of the snapped x coordinate in steps of 1/256 px, pointing right: an integer below 2²⁴.
     pub(super) const X: usize = 0;
-    /// Index of the snapped y in grid steps, down.
+    /// Index of the snapped y coordinate in steps of 1/256 px, pointing down.
     pub(super) const Y: usize = 1;
-    /// Index of the lower half of the depth's bits; the upper half follows.
+    /// Index of the lower 32 bits of the depth, an f64. The upper 32 bits follow.
     const DEPTH: usize = 2;
-    /// Index of 1/w.
+    /// Index of 1/w, the reciprocal of clip-space w.
     pub(super) const INV_W: usize = 4;
-    /// Index of the light (Gouraud only).
+    /// Index of the light at the vertex, for Gouraud shading only.
     pub(super) const LIGHT: usize = 5;
-    /// Indices of the texture coordinates, v down.
+    /// Indices of the texture coordinates u and v, with v pointing down.
     pub(super) const UV: [usize; 2] = [6, 7];
 
     pub(super) fn new([x, y]: [f32; 2], depth: f64, inv_w: f32, light: f32, [u, v]: [f32; 2]) -> Self {
@@ -48,14 +49,14 @@ impl PackedVertex {
         Self { numbers: [x, y, low, high, inv_w, light, u, v] }
     }
 
-    /// Returns the bits of the snapped position, x in the lower half.
+    /// Returns the bits of the snapped position, with x in the lower 32 bits and y in the upper 32 bits.
     #[inline(always)]
     pub(super) fn position_bits(&self) -> u64 {
         let [x, y] = self.position().map(f32::to_bits);
         u64::from(x) | u64::from(y) << 32
     }
 
-    /// Returns the snapped position in grid steps.
+    /// Returns the snapped position in steps of 1/256 px.
     #[inline(always)]
     pub(super) fn position(&self) -> [f32; 2] {
         [self.numbers[Self::X], self.numbers[Self::Y]]
@@ -68,19 +69,19 @@ impl PackedVertex {
         f64::from_bits(half(0) | half(1) << 32)
     }
 
-    /// Returns 1/w.
+    /// Returns 1/w, the reciprocal of clip-space w.
     #[inline(always)]
     pub(super) fn inv_w(&self) -> f32 {
         self.numbers[Self::INV_W]
     }
 
-    /// Returns 1/w, light and texture coordinates of eight vertices.
+    /// Returns 1/w, light, u and v of eight vertices.
     #[inline(always)]
     pub(super) fn attributes<S: Simd>(simd: S, vertices: &[&Self; LANES]) -> [F32<S>; 4] {
         transpose_quads(each!(i in [0, 1, 2, 3, 4, 5, 6, 7] => f32x4::from_slice(simd, &vertices[i].numbers[4..])))
     }
 
-    /// Returns positions in grid steps and depths of eight vertices.
+    /// Returns the snapped positions of eight vertices, in steps of 1/256 px, and their depths.
     #[inline(always)]
     pub(super) fn positions_and_depths<S: Simd>(simd: S, vertices: &[&Self; LANES]) -> ([F32<S>; 2], F64<S>) {
         let rows = each!(i in [0, 1, 2, 3, 4, 5, 6, 7] => f32x4::from_slice(simd, &vertices[i].numbers[..4]));
@@ -90,7 +91,7 @@ impl PackedVertex {
     }
 }
 
-/// Further attributes of a vertex: normal and colour.
+/// Normal and colour of a vertex, for shading that reads them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C, align(32))]
 pub(super) struct PackedSurface {
@@ -100,7 +101,7 @@ pub(super) struct PackedSurface {
 impl PackedSurface {
     /// Indices of the components of the world-space normal.
     pub(super) const NORMAL: [usize; 3] = [0, 1, 2];
-    /// Indices of the channels of the colour.
+    /// Indices of the red, green and blue channels of the vertex colour.
     pub(super) const COLOR: [usize; 3] = [4, 5, 6];
 
     pub(super) fn new(normal: Vec3, color: Vec3) -> Self {
@@ -113,7 +114,7 @@ impl PackedSurface {
     }
 }
 
-/// One instance that is drawn.
+/// Draw of one instance of the scene.
 #[derive(Clone, Debug)]
 pub(super) struct InstanceDraw<'a> {
     /// Index of the instance in the scene.
@@ -121,11 +122,11 @@ pub(super) struct InstanceDraw<'a> {
     pub(super) mesh: &'a Mesh,
     pub(super) plan: DrawPlan,
     matrices: DrawMatrices,
-    /// Identifier of the first triangle.
+    /// Identifier of the draw's first triangle in the scene.
     pub(super) first: TriangleId,
-    /// Index of the first vertex in the arrays of all draws.
+    /// Index of the draw's first vertex in [`Arrays`].
     pub(super) first_vertex: usize,
-    /// Ranges that remain after cluster culling; nothing else is transformed or processed.
+    /// Ranges of the mesh that remain after cluster culling. Nothing else is transformed or processed.
     pub(super) kept: VisibleClusters,
 }
 
@@ -141,31 +142,31 @@ impl<'a> InstanceDraw<'a> {
         Self { instance, mesh, plan, matrices, first, first_vertex, kept }
     }
 
-    /// Whether triangles may cross the frustum.
+    /// Returns `true` if triangles of the draw may cross the frustum.
     pub(super) fn may_cross(&self) -> bool {
         self.plan.runs(PipelinePart::Clipping)
     }
 
-    /// Returns the vertices of a triangle as indices into the arrays of all draws.
+    /// Returns the indices of a triangle's vertices in [`Arrays`].
     #[inline(always)]
     pub(super) fn corners(&self, id: u32) -> [usize; 3] {
         let [a, b, c] = self.mesh.triangles[(id - self.first.0) as usize];
         [a as usize + self.first_vertex, b as usize + self.first_vertex, c as usize + self.first_vertex]
     }
 
-    /// Prefetches the vertex indices of a triangle.
+    /// Prefetches the vertex indices of a triangle, which is given by its identifier in the scene.
     #[inline(always)]
     pub(super) fn prefetch(&self, id: u32) {
         prefetch(&self.mesh.triangles, (id - self.first.0) as usize);
     }
 
-    /// Returns a vertex in clip space as the classic path computes it.
+    /// Returns a vertex in clip space, as the classic (scalar) path computes it.
     pub(super) fn clip_vertex(&self, index: usize, arrays: &Arrays) -> ClipVertex {
         let position = self.matrices.clip_from_model * self.mesh.positions[index - self.first_vertex].extend(1.0);
         ClipVertex { position, cut_at: None, varyings: self.varyings(index, arrays) }
     }
 
-    /// Returns the varyings of a vertex as the classic path computes them.
+    /// Returns the varyings of a vertex, as the classic (scalar) path computes them.
     pub(super) fn varyings(&self, index: usize, arrays: &Arrays) -> Varyings {
         let vertex = &arrays.vertices[index];
         let surface = arrays.surfaces.get(index);
@@ -182,21 +183,21 @@ impl<'a> InstanceDraw<'a> {
     }
 }
 
-/// Vertex data that all draws write and later stages read, one entry per vertex; memory is reused from frame to frame.
-/// Entries of vertices that no remaining triangle refers to are meaningless.
+/// Vertex data of all draws of a frame, one entry per vertex. Entries of vertices that no remaining triangle refers to
+/// are meaningless. The memory is reused from frame to frame.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Arrays {
     pub(super) vertices: Vec<PackedVertex>,
-    /// World-space normals and vertex colours; empty if no draw of the frame reads them in pixels.
+    /// World-space normals and vertex colours; empty if no draw of the frame reads them per pixel.
     pub(super) surfaces: Vec<PackedSurface>,
-    /// Frustum planes that each vertex is beyond; empty if no triangle may cross the frustum.
+    /// Outcode of each vertex: the frustum planes that it is beyond. Empty if no triangle may cross the frustum.
     pub(super) outcodes: Vec<Outcode>,
-    /// Whether any transformed vertex of a draw lies outside the frustum, for each draw.
+    /// For each draw, whether any of its transformed vertices lies outside the frustum.
     pub(super) leaves_frustum: Vec<bool>,
 }
 
 impl Arrays {
-    /// Returns the number of bytes held.
+    /// Returns the memory use of the arrays in bytes.
     pub(super) fn bytes(&self) -> usize {
         self.vertices.capacity() * size_of::<PackedVertex>()
             + self.surfaces.capacity() * size_of::<PackedSurface>()
@@ -205,22 +206,22 @@ impl Arrays {
     }
 }
 
-/// Vertices of a draw that are transformed together.
+/// Batch of a draw's vertices that one task transforms.
 struct VertexBatch<'a, 'b> {
-    /// Index in the list of draws.
+    /// Index of the draw in the list of draws.
     number: usize,
     draw: &'b InstanceDraw<'a>,
-    /// Index of the first vertex in the mesh.
+    /// Index of the batch's first vertex in the mesh.
     first: usize,
     vertices: &'b mut [PackedVertex],
     surfaces: &'b mut [PackedSurface],
     outcodes: &'b mut [Outcode],
 }
 
-/// Vertices per batch: enough to outweigh the cost of a task, and few enough to balance the threads.
+/// Number of vertices per batch: enough to outweigh the overhead of a task, and few enough to balance the threads.
 const BATCH: usize = 4096;
 
-/// Transforms the vertices of all draws.
+/// Transforms the vertices of all draws into `arrays`, on all threads.
 pub(super) fn transform(
     draws: &[InstanceDraw<'_>],
     settings: &Settings,
@@ -277,7 +278,7 @@ fn batches<'a, 'b>(draws: &'b [InstanceDraw<'a>], arrays: &'b mut Arrays) -> Vec
     batches
 }
 
-/// Splits off the first `len` entries, or all if there are fewer.
+/// Splits off the first `len` entries of a slice, or all entries if there are fewer.
 fn take_front<'b, T>(slice: &mut &'b mut [T], len: usize) -> &'b mut [T] {
     let len = len.min(slice.len());
     let (front, rest) = std::mem::take(slice).split_at_mut(len);
@@ -285,7 +286,7 @@ fn take_front<'b, T>(slice: &mut &'b mut [T], len: usize) -> &'b mut [T] {
     front
 }
 
-/// Inputs that are the same for all vertices of a frame.
+/// Inputs of vertex processing that are common to all vertices of a frame.
 struct TransformContext<'a> {
     settings: &'a Settings,
     viewport: Viewport,
@@ -294,7 +295,7 @@ struct TransformContext<'a> {
     light_direction: Vec3,
 }
 
-/// Mesh data of eight vertices; `None` for attributes that the draw does not read.
+/// Mesh data of eight vertices. Attributes that the draw does not read are `None`.
 #[derive(Clone, Copy)]
 struct VertexGroup<'a> {
     positions: &'a [Vec3; LANES],
@@ -302,7 +303,8 @@ struct VertexGroup<'a> {
     uvs: Option<&'a [Vec2; LANES]>,
 }
 
-/// Returns eight items from `first` on. If there are fewer, the last one is repeated, in `padded`.
+/// Returns eight items, starting at index `first`. If there are fewer, copies them to `padded` and repeats the last
+/// one.
 #[inline(always)]
 fn eight<'a, T: Copy + Default>(items: &'a [T], first: usize, padded: &'a mut [T; LANES]) -> &'a [T; LANES] {
     let items = items.get(first..).unwrap_or_default();
@@ -316,7 +318,7 @@ fn eight<'a, T: Copy + Default>(items: &'a [T], first: usize, padded: &'a mut [T
     padded
 }
 
-/// Stores the first of eight items at the start of `out`, as many as it holds.
+/// Copies eight items to the start of `out`, or as many of them as fit.
 #[inline(always)]
 fn put<T: Copy>(out: &mut [T], items: &[T; LANES]) {
     match out.first_chunk_mut() {
@@ -325,13 +327,13 @@ fn put<T: Copy>(out: &mut [T], items: &[T; LANES]) {
     }
 }
 
-/// Eight vertices before they are stored, column by column.
+/// Eight vertices in SIMD layout, one vector per attribute, before they are stored.
 struct VertexColumns<S: Simd> {
     position: [F32<S>; 2],
     depth: F64<S>,
     inv_w: F32<S>,
     light: F32<S>,
-    /// Texture coordinates: both of a vertex in the bits of one double.
+    /// Texture coordinates: u and v of each vertex as the bits of one f64.
     uv: F64<S>,
 }
 
@@ -350,14 +352,14 @@ impl<S: Simd> VertexColumns<S> {
     }
 }
 
-/// Interleaves two columns of floats into pairs, each in the bits of a double.
+/// Interleaves two vectors of floats into pairs, each as the bits of an f64.
 #[inline(always)]
 fn pairs<S: Simd>(simd: S, a: F32<S>, b: F32<S>) -> F64<S> {
     let (first, last) = a.interleave(b);
     simd.combine_f64x4(first.bitcast(), last.bitcast())
 }
 
-/// Returns the bits of eight doubles as four vectors of two pairs of floats.
+/// Reinterprets eight doubles as four vectors of four floats.
 #[inline(always)]
 fn quads<S: Simd>(simd: S, doubles: F64<S>) -> [f32x4<S>; 4] {
     let (first, last) = simd.split_f64x8(doubles);
@@ -366,7 +368,7 @@ fn quads<S: Simd>(simd: S, doubles: F64<S>) -> [f32x4<S>; 4] {
 }
 
 impl TransformContext<'_> {
-    /// Transforms a batch. Returns whether any vertex lies outside the frustum.
+    /// Transforms a batch of vertices. Returns `true` if any of them lies outside the frustum.
     #[inline(always)]
     fn run<S: Simd>(&self, simd: S, batch: VertexBatch<'_, '_>) -> bool {
         let VertexBatch { draw, first, vertices, surfaces, outcodes, .. } = batch;
@@ -410,7 +412,8 @@ impl TransformContext<'_> {
         leaves_frustum
     }
 
-    /// Stores further attributes of up to eight vertices with these world-space normals.
+    /// Stores the given world-space normals and the colours of up to eight vertices, starting at vertex `first` of the
+    /// mesh.
     fn surfaces(&self, draw: &InstanceDraw<'_>, first: usize, normals: [[f32; LANES]; 3], out: &mut [PackedSurface]) {
         let reads_colors = draw.plan.runs(PipelinePart::VertexColors);
         for (i, surface) in out.iter_mut().enumerate() {
@@ -423,8 +426,8 @@ impl TransformContext<'_> {
         }
     }
 
-    /// Returns eight vertices, their clip-space positions and their world-space unit normals, which are zero if none
-    /// are read.
+    /// Transforms eight vertices. Returns them with their clip-space positions and world-space unit normals. The
+    /// normals are zero if none are read.
     #[inline(always)]
     fn vertices<S: Simd>(
         &self,
@@ -456,11 +459,11 @@ impl TransformContext<'_> {
         (VertexColumns { position, depth, inv_w, light, uv }, clip, normal)
     }
 
-    /// Projects clip space to the screen: returns the snapped position in grid steps, depth and 1/w.
+    /// Projects clip-space positions to the screen. Returns snapped positions in steps of 1/256 px, depths and 1/w.
     #[inline(always)]
     fn project<S: Simd>(&self, simd: S, [x, y, z, w]: [F32<S>; 4]) -> ([F32<S>; 2], F64<S>, F32<S>) {
         let inv_w = F32::splat(simd, 1.0) / w;
-        // The number of grid steps per pixel is a power of two, so the product is not rounded.
+        // The number of steps per pixel is a power of two, so the product is not rounded.
         let Viewport { width, height } = self.viewport;
         let [width, height] = [width, height].map(|pixels| pixels as f32 * SUBPIXELS as f32);
         let x = ((x * inv_w * 0.5 + 0.5) * width).round_ties_even();
@@ -469,7 +472,7 @@ impl TransformContext<'_> {
     }
 }
 
-/// Transforms positions from model space to clip space, by component.
+/// Transforms eight positions from model space to clip space. Returns x, y, z and w.
 #[inline(always)]
 fn clip_positions<S: Simd>(simd: S, draw: &InstanceDraw<'_>, positions: &[Vec3; LANES]) -> [F32<S>; 4] {
     let [x, y, z] = split(simd, positions);
@@ -477,7 +480,7 @@ fn clip_positions<S: Simd>(simd: S, draw: &InstanceDraw<'_>, positions: &[Vec3; 
     each!(row in [0, 1, 2, 3] => x * columns[0][row] + y * columns[1][row] + z * columns[2][row] + columns[3][row])
 }
 
-/// [`lambert`] for as many unit normals as there are lanes.
+/// Computes [`lambert`] for one unit normal per lane.
 ///
 /// [`lambert`]: crate::pipeline::shade::lambert
 #[inline(always)]
@@ -490,10 +493,11 @@ pub(super) fn lambert_lanes<S: Simd, V: SimdFloat<S> + SimdBase<S, Element = f32
     cosine.max(0.0) * (1.0 - ambient) + ambient
 }
 
-/// Splits eight vectors into components.
+/// Splits eight vectors into their x, y and z components.
 #[inline(always)]
 fn split<S: Simd>(simd: S, vectors: &[Vec3; LANES]) -> [F32<S>; 3] {
-    // Loads four adjacent floats each, the last of which belongs to the next vector: one load.
+    // Each array is loaded by one instruction, because its four floats are adjacent. The last one belongs to the next
+    // vector.
     let rows = each!(i in [0, 1, 2, 3, 4, 5, 6, 7] => {
         let Vec3 { x, y, z } = vectors[i];
         f32x4::load_array(simd, [x, y, z, vectors[(i + 1) % LANES].x])

@@ -1,8 +1,7 @@
 //! Jittered supersampling: several samples at different positions in each pixel, all of them shaded.
 //!
-//! The triangles of a tile are set up once for all samples. The samples are then drawn and shaded one after the other,
-//! each as if it were the only one, and added to the sums of the pixels. A tile and the sums of its pixels are enough
-//! memory for any number of samples.
+//! The triangles of a tile are set up once for all samples. Each sample is then drawn and shaded as if it were the only
+//! one, and its colours are added to per-pixel sums. Memory use therefore does not depend on the number of samples.
 
 use std::time::{Duration, Instant};
 
@@ -18,49 +17,51 @@ use crate::image::Rgba8;
 use crate::math::lanes::*;
 use crate::pipeline::grid::SampleGrid;
 
-/// Number of positions from which a sample's position is chosen.
+/// Number of candidate positions of each sample.
 pub(crate) const JITTER_POSITIONS: usize = 16;
 
-/// Sums of colours over the samples of sixteen pixels, channel by channel.
+/// Colour sums of sixteen pixels over their samples: red, green and blue.
 pub(crate) type Sums = [[f32; WIDE]; 3];
 
-/// Chooses positions of a sample, given by number, for pixels, given by their columns in the full picture and their
-/// row. Writes the index of the chosen position for each pixel.
+/// Function that chooses the position of a sample in each pixel.
+///
+/// It receives the number of the sample, and the columns and the row of the pixels in the full picture. For each pixel,
+/// it writes the index of the chosen candidate position.
 pub(crate) type JitterChoice<'a> = &'a (dyn Fn(usize, (&[u32], u32), &mut [u8]) + Sync);
 
-/// Functions that combine samples into pixels, sixteen at a time.
+/// Functions that combine the samples of pixels into colours, sixteen pixels at a time.
 #[derive(Clone, Copy)]
 pub(crate) struct SumOfSamples<'a> {
-    /// Adds one sample of each pixel to the sums.
+    /// Adds the colour of one sample per pixel to the sums.
     pub(crate) add: &'a (dyn Fn(&[Rgba8], &mut [Sums]) + Sync),
-    /// Computes the pixels when all samples are added. If all samples of a pixel have one colour, the pixel has it as
-    /// well.
+    /// Computes the pixel colours from the sums of all samples. A pixel whose samples all have the same colour gets
+    /// exactly that colour.
     pub(crate) mean: &'a (dyn Fn(&[Sums], &mut [Rgba8]) + Sync),
 }
 
-/// Several samples of each pixel, and their combination into one colour.
+/// Jittered supersampling: positions of the samples, and their combination into pixels.
 #[derive(Clone, Copy)]
 pub(crate) struct Jittering<'a> {
-    /// Possible positions of each sample, in grid steps of 1/256 px right of and below the centre of its pixel.
+    /// Candidate positions of each sample: offsets right of and below the pixel centre, in steps of 1/256 px.
     pub(crate) places: &'a [[[i32; 2]; JITTER_POSITIONS]],
-    /// Choice among these positions.
+    /// Function that chooses one of the candidate positions in each pixel.
     pub(crate) chosen: JitterChoice<'a>,
-    /// Combination of samples into pixels.
+    /// Functions that combine the samples of a pixel into one colour.
     pub(crate) sum: SumOfSamples<'a>,
 }
 
-/// Jittering, prepared for tiles.
+/// Jittered supersampling, with the lattices on which tiles are drawn.
 pub(super) struct TileJitter<'a> {
     jittering: Jittering<'a>,
-    /// The samples of each pixel.
+    /// Lattice and candidate offsets of each sample of a pixel.
     samples: Vec<JitteredSample>,
 }
 
-/// One sample of every pixel.
+/// Lattice and candidate offsets of one sample of every pixel.
 struct JitteredSample {
-    /// Points; the sample lies to the right of and below its point in every pixel.
+    /// Lattice of reference points, one per pixel. The sample lies right of and below its point.
     lattice: TileLattice,
-    /// Possible offsets from the points along each axis, in grid steps.
+    /// Candidate offsets from the reference point along each axis, in steps of 1/256 px.
     offsets: [[f32; JITTER_POSITIONS]; 2],
 }
 
@@ -79,7 +80,7 @@ impl<'a> TileJitter<'a> {
         Self { jittering, samples: jittering.places.iter().map(sample).collect() }
     }
 
-    /// Finds the positions of a sample in the pixels of a tile, as offsets from the lattice points.
+    /// Computes the positions of a sample in all pixels of a tile, as offsets from the lattice points.
     fn place(&self, number: usize, grid: SampleGrid, tile: (usize, usize), offsets: &mut Offsets) {
         let [across, down] = &self.samples[number].offsets;
         let mut chosen = [0; TILE];
@@ -97,7 +98,7 @@ impl<'a> TileJitter<'a> {
     }
 }
 
-/// Memory that is reused from tile to tile.
+/// Buffers of jittered supersampling, reused from tile to tile.
 #[derive(Clone, Debug, Default)]
 pub(super) struct JitterMemory {
     groups: Vec<TriangleGroup>,
@@ -105,18 +106,18 @@ pub(super) struct JitterMemory {
     sums: Vec<Sums>,
 }
 
-/// A group of a tile's triangles after setup.
+/// Group of up to [`GROUP`] triangles of a tile, after setup.
 #[derive(Clone, Debug, Default)]
 struct TriangleGroup {
     batches: [TriangleBatch; BATCHES],
-    /// Bit masks of the triangles that may have a sample in the tile, one per batch.
+    /// Bit mask of each batch: triangles that may cover a sample of the tile.
     alive: [u64; BATCHES],
-    /// Bit masks of the triangles whose edge values exceed 32 bits, one per batch.
+    /// Bit mask of each batch: triangles whose edge values may exceed 32 bits.
     large: [u64; BATCHES],
 }
 
 impl JitterMemory {
-    /// Returns the number of bytes held.
+    /// Returns the memory use of the buffers in bytes.
     pub(super) fn bytes(&self) -> usize {
         self.groups.capacity() * size_of::<TriangleGroup>()
             + self.offsets.bytes()
@@ -128,8 +129,8 @@ impl JitterMemory {
 const SUMS_PER_ROW: usize = TILE / WIDE;
 
 impl TiledFrame<'_> {
-    /// Draws and shades a tile of a picture with jittered samples. Until all samples are added, the picture holds the
-    /// current one.
+    /// Draws and shades a tile of a picture with jittered samples. While samples are added to the sums, the picture
+    /// holds the colours of the current sample.
     #[inline(always)]
     pub(super) fn draw_jittered<S: Simd>(
         &self,
@@ -190,7 +191,7 @@ impl TiledFrame<'_> {
         work.add((times[0], times[1]), [counts], shaded);
     }
 
-    /// Draws triangles after setup into a tile, and lists those that are blended.
+    /// Draws triangles that are already set up into a tile, and appends those that are blended to `blended`.
     #[inline(always)]
     fn draw_groups<S: Simd>(
         &self,

@@ -1,7 +1,7 @@
-//! Shading of sixteen samples at a time, eight of each of two rows: once per visible sample.
+//! SIMD shading of sixteen samples at a time, eight in each of two rows. Each visible sample is shaded once.
 //!
-//! The arithmetic is that of [`crate::pipeline::interpolate`] and [`crate::pipeline::shade`], operation by operation.
-//! Shadings that show a single quantity call those functions themselves.
+//! The arithmetic is the same as in [`crate::pipeline::interpolate`] and [`crate::pipeline::shade`], operation by
+//! operation. Shadings without a SIMD kernel call those functions themselves.
 
 use glam::Vec3;
 
@@ -21,34 +21,34 @@ use crate::pipeline::interpolate::interpolate;
 use crate::pipeline::raster::RasterSample;
 use crate::pipeline::viewport::ScreenTriangle;
 
-/// Rows of samples of a block, or of adjacent blocks.
+/// Rectangle of samples in a tile: rows of a block, or of several adjacent blocks.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Patch {
     pub(super) tile: (usize, usize),
-    /// First column, within the tile.
+    /// Index of the first column, within the tile.
     pub(super) column: usize,
-    /// Number of columns that lie within the picture.
+    /// Number of the patch's columns that lie within the picture.
     pub(super) count: usize,
-    /// First row, within the tile.
+    /// Index of the first row, within the tile.
     pub(super) first: usize,
-    /// One past the last row.
+    /// Index one past the last row, within the tile.
     pub(super) end: usize,
-    /// Bit mask of the samples of a block's row that are shaded.
+    /// Bit mask of the samples to shade in a row of a block.
     pub(super) mine: u32,
 }
 
 impl Patch {
-    /// Splits the patch into blocks.
+    /// Splits the patch horizontally into blocks.
     pub(super) fn blocks(self) -> impl Iterator<Item = Self> {
         let columns = (self.column..self.column + self.count).step_by(BLOCK);
         columns.map(move |column| Self { column, count: (self.column + self.count - column).min(BLOCK), ..self })
     }
 }
 
-/// Bit mask of all samples of a row.
+/// Bit mask of all eight samples in a row of a block.
 pub(super) const ALL: u32 = (1 << LANES) - 1;
 
-/// Shades samples that belong to one triangle and lie on the lattice.
+/// Shades samples that belong to one triangle and lie on the lattice points.
 #[inline(never)]
 pub(super) fn shade_uniform<S: Simd>(
     simd: S,
@@ -82,16 +82,17 @@ pub(super) fn shade_uniform<S: Simd>(
     );
 }
 
-/// Source of the edge values of a patch's samples.
+/// Source of the edge values at the samples of a patch.
 pub(super) trait EdgeRows<S: Simd> {
-    /// Moves to one of the patch's blocks.
+    /// Moves to one of the blocks of the patch.
     fn begin(&mut self, simd: S, block: &Patch);
 
-    /// Returns the edge values of eight samples of each of two rows of the block, counted from the patch's first.
+    /// Returns the edge values of eight samples in each of two rows of the block. Rows are counted from the first row
+    /// of the patch.
     fn at(&self, simd: S, rows: [usize; 2]) -> [f32x16<S>; 3];
 }
 
-/// Shades rows of samples that belong to one triangle.
+/// Shades rows of samples that all belong to one triangle.
 #[inline(always)]
 pub(super) fn shade_rows<S: Simd>(
     simd: S,
@@ -109,7 +110,7 @@ pub(super) fn shade_rows<S: Simd>(
     }
 }
 
-/// [`shade_rows`] for a plan that may be a compile-time constant.
+/// Shades rows like [`shade_rows`], with a plan that may be a compile-time constant.
 #[inline(always)]
 fn shade_blocks<S: Simd>(
     simd: S,
@@ -131,9 +132,11 @@ fn shade_blocks<S: Simd>(
     }
 }
 
-/// Interpolates all attributes of the rows of a block. The first row is written at `start`, each other one a `stride`
-/// after the one before. Weights of all rows are computed first: each is a dependency chain with a division, and the
-/// chains of several rows overlap.
+/// Interpolates all attributes in the rows of a block. The first row is written at index `start`, and each following
+/// row `stride` further on.
+///
+/// The weights of all rows are computed first. Each is a dependency chain with a division, and the chains of several
+/// rows overlap.
 #[inline(always)]
 fn interpolate_rows<S: Simd>(
     simd: S,
@@ -146,7 +149,7 @@ fn interpolate_rows<S: Simd>(
     let (rows, relative_inv_w) = (patch.end - patch.first, one.relative_inv_w(simd));
     let mut row = QueuedRow::new(start, patch.count, patch.mine);
     for (i, (pair, weights)) in pairs.iter_mut().zip(ahead.iter_mut()).enumerate() {
-        // A last row without a second one is computed twice and written once.
+        // If the number of rows is odd, the last one is computed twice and written once.
         let (upper, lower) = (2 * i, (2 * i + 1).min(rows - 1));
         weights.store(plan, corner_weights(simd, edges.at(simd, [upper, lower]), relative_inv_w));
         pair.rows = [row, if lower > upper { row.after(stride) } else { row.none() }];
@@ -159,15 +162,15 @@ fn interpolate_rows<S: Simd>(
     }
 }
 
-/// Edge values of up to eight rows of a triangle whose edge values fit into 32 bits. Sums wrap around, and are correct
-/// where the triangle covers the sample.
+/// Edge values of up to eight rows in 32-bit integers, for triangles whose edge values fit. Sums may wrap around, but
+/// are correct at samples that the triangle covers.
 struct IntegerRows<'a, S: Simd> {
     lattice: &'a TileLattice,
-    /// Change of the edge values per grid step to the right.
+    /// Change of the first two edge values per 1/256 px to the right.
     a: [i32; 2],
-    /// Edge values of the eight samples of a block's row, relative to its start, twice.
+    /// Edge values of the eight samples in a row of the block, relative to the start of the row; repeated for two rows.
     along: [i32x16<S>; 2],
-    /// Edge values at the starts of the rows.
+    /// Edge values at the start of each row.
     down: [[i32; LANES]; 2],
     doubled_area: i32,
 }
@@ -203,14 +206,14 @@ impl<S: Simd> EdgeRows<S> for IntegerRows<'_, S> {
     }
 }
 
-/// Edge values of up to eight rows of any triangle, in doubles.
+/// Edge values of up to eight rows in doubles, for any triangle.
 struct ExactRows<'a, S: Simd> {
     lattice: &'a TileLattice,
-    /// Change of the edge values per grid step to the right.
+    /// Change of the edge values per 1/256 px to the right.
     a: [f64; 3],
-    /// Edge values of the eight samples of a block's row, relative to its start.
+    /// Edge values of the eight samples in a row of the block, relative to the start of the row.
     along: [F64<S>; 3],
-    /// Edge values at the starts of the rows.
+    /// Edge values at the start of each row.
     down: [[f64; LANES]; 3],
 }
 
@@ -243,7 +246,8 @@ impl<S: Simd> EdgeRows<S> for ExactRows<'_, S> {
     }
 }
 
-/// Shades a row by the functions of the classic path. Not inlined into lane code, where it would spill registers.
+/// Shades a row sample by sample with the code of the classic (scalar) path. Not inlined into SIMD code, where it would
+/// spill registers.
 #[inline(never)]
 pub(super) fn one_by_one(
     frame: &TiledFrame<'_>,
@@ -265,7 +269,7 @@ pub(super) fn one_by_one(
 }
 
 /// Returns the edge values of any triangle at positions right of and below the centre of the tile's first pixel, in
-/// grid steps.
+/// steps of 1/256 px.
 #[inline(always)]
 pub(super) fn exact_at<S: Simd>(simd: S, edges: &EdgeFunctions, places: [i32x16<S>; 2]) -> [f32x16<S>; 3] {
     // Offsets are small enough for floats to hold them exactly.
@@ -280,18 +284,18 @@ pub(super) fn exact_at<S: Simd>(simd: S, edges: &EdgeFunctions, places: [i32x16<
 /// Interpolation weights of attributes at sixteen samples.
 #[derive(Clone, Copy)]
 pub(super) struct AttributeWeights<S: Simd> {
-    /// Weights of the second and the third vertex.
+    /// Weights of the second and third vertex.
     pub(super) of_corners: [f32x16<S>; 2],
-    /// Reciprocal of the sum of the edge values, each times the relative 1/w of its vertex.
+    /// Reciprocal of the sum over the vertices of edge value × relative 1/w.
     inverse_sum: f32x16<S>,
 }
 
-/// [`AttributeWeights`] in memory.
+/// Interpolation weights of sixteen samples, stored in memory: see [`AttributeWeights`].
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(64))]
 pub(super) struct StoredWeights {
     of_corners: [[f32; WIDE]; 2],
-    /// Only valid if mip levels of a texture are read.
+    /// Only valid if the texture is mip-mapped.
     inverse_sum: [f32; WIDE],
 }
 
@@ -317,14 +321,15 @@ impl StoredWeights {
 }
 
 impl<S: Simd> AttributeWeights<S> {
-    /// Moves samples outside `mine` to the first vertex, so that meaningless values there do no harm.
+    /// Sets the weights of samples that `mine` does not select to those of the first vertex, so that meaningless values
+    /// do no harm.
     #[inline(always)]
     pub(super) fn of_some(self, simd: S, mine: u32) -> Self {
         let (wanted, nothing) = (mask32x16::from_bitmask(simd, mine.into()), f32x16::splat(simd, 0.0));
         Self { of_corners: each!(i in [0, 1] => wanted.select(self.of_corners[i], nothing)), ..self }
     }
 
-    /// Returns the change of the weights per pixel to the right, and per pixel down.
+    /// Returns the changes of the weights per pixel to the right and per pixel down.
     #[inline(always)]
     pub(super) fn gradient(&self, simd: S, source: impl TriangleSource) -> [[f32x16<S>; 2]; 2] {
         let (slopes, relative_inv_w) = (source.edge_slopes(simd), source.relative_inv_w(simd));
@@ -336,7 +341,7 @@ impl<S: Simd> AttributeWeights<S> {
     }
 }
 
-/// Computes weights from edge values.
+/// Computes interpolation weights from edge values and the relative 1/w of the vertices.
 #[inline(always)]
 pub(super) fn corner_weights<S: Simd>(
     simd: S,
@@ -348,7 +353,7 @@ pub(super) fn corner_weights<S: Simd>(
     AttributeWeights { of_corners: [q[1] * inverse_sum, q[2] * inverse_sum], inverse_sum }
 }
 
-/// Finds the texels that are read, if any are.
+/// Computes the texture taps of sixteen samples and prefetches their texels. Does nothing without a texture.
 #[inline(always)]
 pub(super) fn locate_texels<S: Simd, O: TriangleSource>(
     simd: S,
@@ -376,7 +381,7 @@ pub(super) fn locate_texels<S: Simd, O: TriangleSource>(
     }
 }
 
-/// Interpolates all attributes from weights.
+/// Interpolates all attributes of sixteen samples from their weights.
 #[inline(always)]
 pub(super) fn interpolate_pair<S: Simd>(
     simd: S,
@@ -404,11 +409,11 @@ pub(super) fn interpolate_pair<S: Simd>(
             color.store_array(&mut pair.color[channel]);
         }
     }
-    // Last, because it needs the most registers.
+    // Done last, because it needs the most registers.
     locate_texels(simd, shader, plan, source, weights, taps);
 }
 
-/// Returns the light on normals of any length; without direct light where the length is zero.
+/// Computes Lambertian light for normals of any length. Normals of zero length get only ambient light.
 #[inline(always)]
 fn lambert<S: Simd>(simd: S, normal: [f32x16<S>; 3], direction: Vec3, ambient: f32) -> f32x16<S> {
     let [x, y, z] = normal;

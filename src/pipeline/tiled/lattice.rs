@@ -1,63 +1,65 @@
-//! Lattice of a tile's samples: the packed samples of a [`SampleGrid`] as steps for lanes.
+//! Lattice of a tile's samples: the sample positions of a [`SampleGrid`], as distances for SIMD code.
 
 use super::edge_number::EdgeNumber;
 use crate::math::fixed::{HALF_PIXEL, SUBPIXELS};
 use crate::math::lanes::{F32, LANES, Simd, SimdBase as _, SimdFloat as _, i32x8};
 use crate::pipeline::grid::SampleGrid;
 
-/// Side of a tile in packed samples.
+/// Width and height of a tile, in samples of the packed picture.
 pub(super) const TILE: usize = 64;
 
-/// Number of samples of a tile.
+/// Number of samples in a tile.
 pub(super) const TILE_SAMPLES: usize = TILE * TILE;
 
-/// Side of a block in packed samples: the number of lanes.
+/// Width and height of a block, in samples of the packed picture: one sample per lane.
 pub(super) const BLOCK: usize = LANES;
 
-/// Number of blocks along a side of a tile.
+/// Number of blocks in a row and in a column of a tile.
 pub(super) const BLOCKS: usize = TILE / BLOCK;
 
-/// Number of rows after which row shifts repeat.
+/// Number of rows after which the horizontal shifts of rows repeat.
 const SHIFTS: usize = 4;
 
-/// Sample positions relative to a tile's first sample, in grid steps of 1/256 px.
+/// Sample positions in a tile relative to its first sample, in steps of 1/256 px.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TileLattice {
     grid: SampleGrid,
-    /// Distances as doubles; `integers` holds the same as integers.
+    /// Distances between samples as doubles.
     pub(super) doubles: LatticeSteps<f64>,
+    /// Distances between samples as 32-bit integers.
     pub(super) integers: LatticeSteps<i32>,
-    /// Whether the distance between rows is a power of two.
+    /// Whether the distance between rows is a power of two, so that its reciprocal is exact.
     has_exact_reciprocal: bool,
-    /// Offset of the samples, or of the points that they are jittered around, from the pixel centres, in grid steps.
+    /// Offset of the lattice points from the pixel centres, in steps of 1/256 px. Samples lie on the points, or are
+    /// jittered around them.
     offset: [i32; 2],
-    /// Least and greatest offset of any sample of a pixel along each axis, in grid steps.
+    /// Least and greatest offset of any sample from its pixel centre along each axis, in steps of 1/256 px.
     reach: [[f32; 2]; 2],
 }
 
-/// Distances of samples from a tile's first one, in grid steps. All numbers are integers.
+/// Distances of samples from a tile's first sample, in steps of 1/256 px. All numbers are integers.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LatticeSteps<T> {
-    /// Distance from one row to the next.
+    /// Vertical distance between adjacent rows, in steps of 1/256 px.
     row_step: T,
-    /// Distance to the next row in all lanes, loaded as is for products. `row_after_next` is that to the row after the
-    /// next.
+    /// Vertical distance to the next row, repeated in all lanes so that it can be loaded as a vector.
     pub(super) next_row: [T; LANES],
+    /// Vertical distance to the row after the next, repeated in all lanes.
     pub(super) row_after_next: [T; LANES],
-    /// Whether samples of different rows are vertically aligned.
+    /// Whether the samples of all rows are vertically aligned.
     pub(super) are_straight: bool,
-    /// Distances of the eight samples of a block's row from the first.
+    /// Horizontal distances of eight adjacent samples of a row from the first of them, in steps of 1/256 px.
     pub(super) lanes: [T; LANES],
-    /// Distances of the eight rows of a block from the first.
+    /// Vertical distances of eight adjacent rows from the first of them, in steps of 1/256 px.
     pub(super) rows: [T; LANES],
-    /// Shifts of eight rows to the right of a tile's first row, indexed by the first of these rows.
+    /// Horizontal shifts of eight rows relative to the leftmost rows, indexed by the first of the eight rows.
     shifts: [[T; LANES]; SHIFTS],
-    /// Distances of four samples of a row and of the four below: columns, then rows.
+    /// Distances of four samples of a row and of the four below from the first: horizontal, then vertical.
     pub(super) two_rows: [[T; LANES]; 2],
-    /// Distances of the first samples of a row's blocks.
+    /// Horizontal distances of the blocks in a row of blocks from the first of them.
     pub(super) blocks: [T; BLOCKS],
-    /// Width and height of a block: from the first to the last sample of a row, plus the shift between rows, and from
-    /// the first to the last row. Both include the distance of samples from their points.
+    /// Width and height of a block, from its first to its last sample. The width includes the shift between rows. Both
+    /// include the offsets of samples from the lattice points.
     pub(super) block: [T; 2],
 }
 
@@ -82,7 +84,7 @@ impl<T: EdgeNumber> LatticeSteps<T> {
         }
     }
 
-    /// Returns the distance of a column, in rows that are not shifted.
+    /// Returns the horizontal distance of a column from the first one in an unshifted row, in steps of 1/256 px.
     #[inline(always)]
     pub(super) fn column(&self, column: usize) -> T {
         // A checkerboard samples two of four pixels in a row; on both grids column steps are as long as row steps.
@@ -90,19 +92,19 @@ impl<T: EdgeNumber> LatticeSteps<T> {
         T::of(pixel as i32) * self.row_step
     }
 
-    /// Returns the distance of a row.
+    /// Returns the vertical distance of a row from the first one, in steps of 1/256 px.
     #[inline(always)]
     pub(super) fn row(&self, row: usize) -> T {
         T::of(row as i32) * self.row_step
     }
 
-    /// Returns the shift of a row's samples to the right of a tile's first row.
+    /// Returns the horizontal shift of a row relative to the leftmost rows, in steps of 1/256 px.
     #[inline(always)]
     pub(super) fn shift(&self, row: usize) -> T {
         self.shifts[0][row % SHIFTS]
     }
 
-    /// Returns the shifts of eight rows from `first` on.
+    /// Returns the horizontal shifts of eight rows, starting at row `first`, in steps of 1/256 px.
     #[inline(always)]
     pub(super) fn shifts(&self, first: usize) -> &[T; LANES] {
         &self.shifts[first % SHIFTS]
@@ -113,13 +115,14 @@ impl<T: EdgeNumber> LatticeSteps<T> {
 fn shift_of(grid: SampleGrid, row: usize) -> i64 {
     match grid {
         SampleGrid::Block { .. } => 0,
-        // Columns count from the start of the leftmost rows; tiles begin on a row of the first kind.
+        // Columns count from the start of the leftmost rows. Every tile begins on a row with the shift of the picture's
+        // first row.
         SampleGrid::Checkerboard | SampleGrid::OddCheckerboard => i64::from(grid.first_drawn(row as u32)) * SUBPIXELS,
     }
 }
 
 impl TileLattice {
-    /// Creates the lattice of pixel centres.
+    /// Creates the lattice of the pixel centres of a sample grid.
     pub(super) fn new(grid: SampleGrid) -> Self {
         let doubles = LatticeSteps::<f64>::new(grid);
         Self {
@@ -132,13 +135,13 @@ impl TileLattice {
         }
     }
 
-    /// Returns the lattice of the same pixels with each sample at an offset from the centre, in grid steps.
+    /// Returns the lattice with each sample moved from the pixel centre by an offset, in steps of 1/256 px.
     pub(super) fn moved(self, offset: [i32; 2]) -> Self {
         Self { offset, reach: offset.map(|along| [along as f32; 2]), ..self }
     }
 
-    /// Returns the lattice of the same pixels with samples at all of these offsets from the centre, in grid steps. Its
-    /// points are the centres; its ranges cover all samples.
+    /// Returns the lattice of pixels that have samples at all of these offsets from the centre, in steps of 1/256 px.
+    /// Its points are the pixel centres; its ranges include all samples.
     pub(super) fn with_samples(self, offsets: &[[i32; 2]]) -> Self {
         let reach = [0, 1].map(|axis| {
             let along = || offsets.iter().map(|offset| offset[axis]);
@@ -147,8 +150,8 @@ impl TileLattice {
         Self { reach, ..self }
     }
 
-    /// Returns the lattice of the same pixels with each sample between a least and a greatest offset from the centre,
-    /// in grid steps. Its points are at the least offset; its blocks extend to the greatest.
+    /// Returns the lattice of pixels whose samples are jittered between a least and a greatest offset from the centre,
+    /// in steps of 1/256 px. Its points are at the least offset; its blocks extend to the greatest.
     pub(super) fn spread(mut self, [least, greatest]: [[i32; 2]; 2]) -> Self {
         for axis in 0..2 {
             let spread = greatest[axis] - least[axis];
@@ -158,18 +161,18 @@ impl TileLattice {
         Self { offset: least, reach: [0, 1].map(|axis| [least[axis] as f32, greatest[axis] as f32]), ..self }
     }
 
-    /// Returns the offset of the samples from the pixel centres, in grid steps.
+    /// Returns the offset of the lattice points from the pixel centres, in steps of 1/256 px.
     pub(super) fn offset(&self) -> [i32; 2] {
         self.offset
     }
 
-    /// Returns the greatest distance along an axis between sample positions of one pixel, in grid steps.
+    /// Returns the greatest distance along an axis between sample positions of one pixel, in steps of 1/256 px.
     pub(super) fn extent(&self) -> f64 {
         let [across, down] = self.reach.map(|[least, greatest]| greatest - least);
         across.max(down).into()
     }
 
-    /// Returns the position of a tile's first sample, in grid steps.
+    /// Returns the position of a tile's first sample, in steps of 1/256 px.
     pub(super) fn origin(&self, tile: (usize, usize)) -> [f64; 2] {
         let (x, y) = self.grid.pixel((tile.0 * TILE) as u32, (tile.1 * TILE) as u32);
         let x = x - self.grid.pixel(0, 0).0;
@@ -177,44 +180,51 @@ impl TileLattice {
         [step(x) + f64::from(self.offset[0]), step(y) + f64::from(self.offset[1])]
     }
 
-    /// Returns the distance from the first sample of a tile to the last one along both axes, in grid steps.
+    /// Returns the distance from the first sample of a tile to the last one along both axes, in steps of 1/256 px.
     #[inline(always)]
     pub(super) fn tile_extent(&self) -> [f64; 2] {
         let LatticeSteps { blocks, block: [width, height], .. } = &self.doubles;
         [blocks[BLOCKS - 1] + width, self.doubles.row((BLOCKS - 1) * BLOCK) + height]
     }
 
-    /// Returns a bound of the distance of a tile's samples from its first pixel along either axis, in grid steps. It
-    /// includes samples beyond the tile that are computed eight at a time or two rows at a time. The lattice must cover
-    /// all samples of its pixels.
+    /// Returns an upper bound on the distance of a tile's samples from its first pixel along either axis, in steps of
+    /// 1/256 px.
+    ///
+    /// It includes samples beyond the tile that are computed only because samples are processed eight at a time or two
+    /// rows at a time. The lattice must include all samples of its pixels.
     #[inline(always)]
     pub(super) fn farthest(&self) -> f64 {
         let (columns, rows) = (self.doubles.column(TILE + LANES), self.doubles.row(TILE + LANES));
         columns.max(rows) + 2.0 * self.extent()
     }
 
-    /// Returns eight columns of a row from `column` on, without shift, as integers.
+    /// Returns the horizontal positions of eight columns of an unshifted row, starting at `column`, in steps of
+    /// 1/256 px.
     #[inline(always)]
     pub(super) fn columns_i32<S: Simd>(&self, simd: S, column: usize) -> i32x8<S> {
         i32x8::load_array(simd, self.integers.lanes) + self.integers.column(column)
     }
 
-    /// Returns eight rows from `first` on, and the shifts of their samples to the right, as integers.
+    /// Returns the vertical positions of eight rows, starting at row `first`, and their horizontal shifts, in steps of
+    /// 1/256 px.
     #[inline(always)]
     pub(super) fn rows_i32<S: Simd>(&self, simd: S, first: usize) -> [i32x8<S>; 2] {
         let rows = i32x8::load_array(simd, self.integers.rows) + self.integers.row(first);
         [rows, i32x8::load_array_ref(simd, self.integers.shifts(first))]
     }
 
-    /// Returns the distance of a sample from the tile's first one, by its column and row.
+    /// Returns the position of a sample, given by column and row, relative to the tile's first one, in steps of
+    /// 1/256 px.
     #[inline(always)]
     pub(super) fn place(&self, (column, row): (usize, usize)) -> [i32; 2] {
         let steps = &self.integers;
         [steps.column(column) + steps.shift(row), steps.row(row)]
     }
 
-    /// Returns the first and the last packed column or row that may lie within a range of grid steps; both may be
-    /// beyond the picture. The result is never too small and seldom too large.
+    /// Returns the first and the last column or row of the packed picture with samples from `least` to `greatest`, in
+    /// steps of 1/256 px.
+    ///
+    /// Both may lie outside the picture. The range never misses a sample, and is seldom too large.
     #[inline(always)]
     pub(super) fn range(&self, axis: usize, least: f32, greatest: f32) -> [f32; 2] {
         let half = HALF_PIXEL as f32;
@@ -235,15 +245,15 @@ impl TileLattice {
 }
 
 impl TileLattice {
-    /// Divides grid steps by the row step. The reciprocal of a power of two is exact, and a product is faster than a
-    /// quotient.
+    /// Divides distances by the distance between rows. Multiplies by the reciprocal where it is exact, because that is
+    /// faster.
     #[inline(always)]
     fn per_row<S: Simd>(&self, steps: F32<S>) -> F32<S> {
         let step = self.doubles.row_step as f32;
         if self.has_exact_reciprocal { steps * (1.0 / step) } else { steps / step }
     }
 
-    /// [`TileLattice::range`] for eight ranges.
+    /// Computes [`TileLattice::range`] for eight ranges.
     #[inline(always)]
     pub(super) fn range_lanes<S: Simd>(&self, simd: S, axis: usize, least: F32<S>, greatest: F32<S>) -> [F32<S>; 2] {
         let half = F32::splat(simd, HALF_PIXEL as f32);
@@ -265,7 +275,7 @@ mod tests {
     use crate::math::lanes::{Lanes, each, on_lanes};
 
     #[test]
-    fn eight_ranges_are_the_same_as_one_by_one() {
+    fn vectorized_ranges_equal_scalar_ranges() {
         let grids = [1, 2, 3, 4, 5].map(|step| SampleGrid::Block { step });
         let mut random = fastrand::Rng::with_seed(9);
         for grid in grids.into_iter().chain([SampleGrid::Checkerboard, SampleGrid::OddCheckerboard]) {

@@ -1,4 +1,4 @@
-//! Lookup of a frame's triangles by key, in the layout for lanes and in that of the classic path.
+//! Lookup of a frame's triangles by key, in the packed layout of SIMD kernels or in the layout of the classic path.
 
 use super::TiledFrame;
 use super::bins::TriangleKey;
@@ -13,7 +13,7 @@ use crate::scene::TriangleId;
 use crate::scene::material::Transparency;
 
 impl TiledFrame<'_> {
-    /// Whether samples can be shaded together whatever draws they belong to.
+    /// Returns `true` if samples of different draws can always be shaded together.
     pub(super) fn are_all_alike(&self) -> bool {
         self.shader_of_draw.iter().all(|first| *first == 0) && self.shaders.iter().all(|shader| shader.on_lanes)
     }
@@ -23,13 +23,13 @@ impl TiledFrame<'_> {
         &self.shaders[draw]
     }
 
-    /// Returns the transparency of a triangle's material.
+    /// Returns the kind of transparency of a triangle's material.
     #[inline(always)]
     pub(super) fn transparency(&self, entrant: BinEntry) -> Transparency {
         self.shader(entrant.draw as usize).shader.transparency()
     }
 
-    /// Returns the scene's triangle for a key.
+    /// Returns the identifier of the scene triangle that a key refers to.
     #[inline(always)]
     pub(super) fn id_of(&self, key: TriangleKey) -> TriangleId {
         match key.as_piece() {
@@ -70,7 +70,8 @@ impl TiledFrame<'_> {
         [a.0, b.0, c.0]
     }
 
-    /// Returns the vertices of a triangle in the layout for lanes, with further attributes if the frame has any.
+    /// Returns the vertices of a triangle in the packed layout of SIMD kernels, with normals and colours if the frame
+    /// reads any.
     #[inline(always)]
     pub(super) fn records(&self, key: TriangleKey, draw: usize) -> [(&PackedVertex, Option<&PackedSurface>); 3] {
         match key.as_piece() {
@@ -86,7 +87,7 @@ impl TiledFrame<'_> {
         }
     }
 
-    /// Returns a triangle in the layout of the classic path.
+    /// Returns a triangle in the layout of the classic (scalar) path.
     pub(super) fn screen_triangle(&self, key: TriangleKey, draw: usize) -> ScreenTriangle {
         if let Some((chunk, index)) = key.as_piece() {
             return self.chunks[chunk].pieces[index];

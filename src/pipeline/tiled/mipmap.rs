@@ -1,5 +1,5 @@
-//! Mip-mapped texture reads for sixteen samples: the two mip levels that each of them reads, and the texels within
-//! these. The arithmetic is that of [`weight_gradient`], [`uv_gradient`] and [`Sampler::levels`], operation by
+//! SIMD reads of mip-mapped textures for sixteen samples: the two mip levels that each sample reads, and the texels in
+//! both. The arithmetic is the same as in [`weight_gradient`], [`uv_gradient`] and [`Sampler::levels`], operation by
 //! operation.
 //!
 //! [`weight_gradient`]: crate::pipeline::interpolate::weight_gradient
@@ -14,27 +14,27 @@ use super::texture::{Images, Layout, TextureReader};
 use crate::math::lanes::*;
 use crate::math::log2::log2_lanes;
 
-/// Texels that sixteen samples read of the coarser of their two mip levels.
+/// Texture taps of sixteen samples in the coarser of their two mip levels.
 #[derive(Clone, Debug, Default)]
 #[repr(align(64))]
 pub(super) struct CoarseTaps {
     taps: Taps,
-    /// Weight of the coarser mip level.
+    /// Weight of the coarser mip level for each sample.
     share: [f32; WIDE],
-    /// Whether the weight is nonzero for any sample. If not, the texels are not valid.
+    /// Whether the weight is nonzero for any sample. Otherwise the taps are not valid.
     pub(super) is_read: bool,
 }
 
-/// A mip level of the texture for each of sixteen samples.
+/// A mip level of the texture for each of sixteen samples, one per lane.
 struct LevelOfEach<S: Simd> {
-    /// Index of the level's first texel.
+    /// Index of the first texel of each level.
     first: i32x16<S>,
-    /// Width and height in texels.
+    /// Width and height of each level, in texels.
     size: [i32x16<S>; 2],
 }
 
 impl CoarseTaps {
-    /// Prefetches texels that will be read, as [`TextureReader::prefetch`].
+    /// Prefetches the texels of every `step`th of sixteen samples, if the coarser level is read.
     #[inline(always)]
     pub(super) fn prefetch(&self, texture: &TextureReader<'_>, step: usize) {
         if self.is_read {
@@ -44,8 +44,8 @@ impl CoarseTaps {
 }
 
 impl TextureReader<'_> {
-    /// Finds the texels that sixteen samples read of two mip levels, as [`TextureReader::locate`]. Not inlined, so that
-    /// the code for textures without mip levels stays small.
+    /// Computes the texture taps of sixteen samples in two mip levels, like [`TextureReader::locate`]. Not inlined, so
+    /// that the code for textures without mip levels stays small.
     #[inline(never)]
     pub(super) fn locate_in_levels<S: Simd>(
         &self,
@@ -68,8 +68,8 @@ impl TextureReader<'_> {
                 let share = level - finer.to_float::<f32x16<S>>();
                 let [of_fine, of_coarse] = self.two_levels(simd, finer);
                 self.locate_in_level(simd, layout, uv, &of_fine, fine);
-                // A texel with weight zero adds nothing: texels are finite, and none is negative, so not even a sign
-                // changes.
+                // The coarser level need not be read if its weight is zero: texels are finite and not negative, so it
+                // would not even change a sign.
                 coarse.is_read = !share.simd_eq(0.0).all_true();
                 if coarse.is_read {
                     share.store_array(&mut coarse.share);
@@ -79,7 +79,8 @@ impl TextureReader<'_> {
         );
     }
 
-    /// Returns the level of detail (LOD), from 0, the full texture, to the index of the coarsest mip level.
+    /// Returns the level of detail (LOD) of each sample, from 0 for the full-size texture to the index of the coarsest
+    /// mip level.
     #[inline(always)]
     fn level<S: Simd>(&self, simd: S, gradient: [[f32x16<S>; 2]; 2]) -> f32x16<S> {
         let [right, down] = each!([u, v] in [gradient[0], gradient[1]] => {
@@ -93,7 +94,7 @@ impl TextureReader<'_> {
         (log2_lanes(longest) * 0.5).min((self.levels.len() - 1) as f32)
     }
 
-    /// Returns the mip levels with these indices, and the next coarser ones. The coarsest level is its own successor.
+    /// Returns the mip levels with these indices, and the next coarser levels. The coarsest level is its own successor.
     #[inline(always)]
     fn two_levels<S: Simd>(&self, simd: S, finer: i32x16<S>) -> [LevelOfEach<S>; 2] {
         let finer = finer.to_array();
@@ -140,7 +141,7 @@ impl TextureReader<'_> {
         }
     }
 
-    /// [`TextureReader::read_bytes`] of two mip levels, mixed; of a single one without mip-mapping.
+    /// Reads two mip levels by [`TextureReader::read_bytes`] and mixes them. Reads only one level without mip-mapping.
     #[inline(always)]
     pub(super) fn read_levels_bytes<S: Simd>(
         &self,
@@ -155,7 +156,7 @@ impl TextureReader<'_> {
         mix(simd, finer, coarser, S::f32s::from_slice(simd, &coarse.share[first..first + S::f32s::LEN]))
     }
 
-    /// Reads the alpha channel of two mip levels, mixed; of a single one without mip-mapping.
+    /// Reads the alpha channel of two mip levels and mixes them. Reads only one level without mip-mapping.
     #[inline(always)]
     pub(super) fn read_levels_alpha<S: Simd>(
         &self,
@@ -175,7 +176,7 @@ impl TextureReader<'_> {
         f32x16::load_array(simd, sixteen)
     }
 
-    /// [`TextureReader::read_linear`] of two mip levels, mixed; of a single one without mip-mapping.
+    /// Reads two mip levels by [`TextureReader::read_linear`] and mixes them. Reads only one level without mip-mapping.
     #[inline(always)]
     pub(super) fn read_levels_linear<S: Simd>(
         &self,
@@ -190,7 +191,7 @@ impl TextureReader<'_> {
     }
 }
 
-/// Mixes two colours with alpha; `share` is the weight of the second.
+/// Mixes two RGBA colours. `share` is the weight of the second one.
 #[inline(always)]
 fn mix<S: Simd, F: SimdFloat<S, Element = f32>>(simd: S, finer: [F; 4], coarser: [F; 4], share: F) -> [F; 4] {
     let rest = F::splat(simd, 1.0) - share;

@@ -1,8 +1,8 @@
-//! Mixed pixels: their samples see several triangles, or a triangle and the background, as at edges.
+//! Mixed pixels: pixels whose samples show several triangles, or a triangle and the background, as at edges.
 //!
-//! Each of the triangles is a *fragment* of the pixel. It is shaded once: at the centre of the pixel if the triangle
-//! covers it, otherwise at the first sample that it covers, visible there or not. Fragments are shaded sixteen at a
-//! time, whatever pixels they belong to.
+//! Each triangle in a mixed pixel is a *fragment*, which is shaded once: at the centre of the pixel if the triangle
+//! covers it, otherwise at the first sample that it covers, even if it is hidden there. Fragments are shaded sixteen at
+//! a time, whatever pixels they belong to.
 
 use super::TiledFrame;
 use super::kernel::ALL;
@@ -19,29 +19,30 @@ use crate::image::Rgba8;
 use crate::math::lanes::*;
 use crate::pipeline::settings::FillRule;
 
-/// The mixed pixels of a tile. Memory is reused from tile to tile.
+/// Mixed pixels of a tile. The memory is reused from tile to tile.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MixedPixels {
-    /// Columns and rows of the pixels within the tile.
+    /// Column and row of each pixel within the tile.
     places: Vec<(usize, usize)>,
-    /// Indices into `colors` of each sample of sixteen pixels.
+    /// Indices into `colors` of the samples of sixteen pixels, one entry per sample.
     picks: Vec<Picks>,
     fragments: Fragments,
-    /// The background colour, and from [`FIRST`] on the colours of the fragments.
+    /// Colours that samples refer to: the background, and from index [`FIRST`] on the fragments.
     colors: Vec<Rgba8>,
+    /// Combined colour of the samples of each pixel.
     means: Vec<Rgba8>,
-    /// Triangles of eight pixels, for each sample.
+    /// Slots of eight adjacent pixels, one entry per sample.
     slots: Vec<[u32; LANES]>,
 }
 
-/// Index of the background colour.
+/// Index of the background in the list of colours.
 const BACKGROUND: u32 = 0;
 
-/// Index of the first fragment's colour.
+/// Index of the first fragment in the list of colours.
 const FIRST: usize = WIDE;
 
 impl MixedPixels {
-    /// Returns the number of bytes held.
+    /// Returns the memory use in bytes.
     pub(super) fn bytes(&self) -> usize {
         self.places.capacity() * size_of::<(usize, usize)>()
             + self.picks.capacity() * size_of::<Picks>()
@@ -50,8 +51,10 @@ impl MixedPixels {
             + self.slots.capacity() * size_of::<[u32; LANES]>()
     }
 
-    /// Finds the pixels of a tile whose samples differ. If all samples of a pixel have the same triangle, stores it in
-    /// `agreed`; otherwise stores no triangle there and lists the pixel. `columns` and `rows` lie within the picture.
+    /// Finds the mixed pixels of a tile. If all samples of a pixel show the same triangle, stores it in `agreed`.
+    /// Otherwise stores no triangle there and lists the pixel.
+    ///
+    /// `columns` and `rows` are the numbers of the tile's columns and rows that lie within the picture.
     #[inline(always)]
     pub(super) fn find<S: Simd>(
         &mut self,
@@ -91,7 +94,7 @@ impl MixedPixels {
         }
     }
 
-    /// Lists the pixels selected by `mixed`, of eight pixels of a row.
+    /// Adds the pixels that `mixed` selects among eight adjacent pixels of a row to the list.
     #[inline(always)]
     fn list<S: Simd>(
         &mut self,
@@ -113,8 +116,8 @@ impl MixedPixels {
         }
     }
 
-    /// Lists a pixel: its column and row, its centre relative to the tile's first one in grid steps, and its lane of
-    /// eight.
+    /// Adds a pixel to the list. `place` is its column and row, and `lane` its lane among eight pixels. `centre` is its
+    /// centre relative to that of the tile's first pixel, in steps of 1/256 px.
     fn push(&mut self, place: (usize, usize), centre: [i32; 2], lane: usize) {
         let Self { places, picks, fragments, slots: seen, .. } = self;
         let (sixteen, pixel) = (places.len() / WIDE, places.len() % WIDE);
@@ -134,7 +137,7 @@ impl MixedPixels {
         }
     }
 
-    /// Shades the fragments and computes the colours of the pixels.
+    /// Shades the fragments and combines them into the colours of the pixels. Returns the shading work.
     #[inline(always)]
     pub(super) fn shade<S: Simd>(
         &mut self,
@@ -161,7 +164,8 @@ impl MixedPixels {
         shaded
     }
 
-    /// Writes the colour of each sample of the mixed pixels, sample by sample.
+    /// Writes the colour of each sample of the mixed pixels. `samples` has all pixels of the tile for each sample in
+    /// turn.
     pub(super) fn spread(&self, samples: &mut [Rgba8]) {
         let count = samples.len() / TILE_SAMPLES;
         for (pixel, (column, row)) in self.places.iter().enumerate() {
@@ -172,7 +176,7 @@ impl MixedPixels {
         }
     }
 
-    /// Writes the colours of the mixed pixels.
+    /// Writes the colours of the mixed pixels to the picture.
     pub(super) fn write(&self, picture: &mut ColorRows<'_>) {
         for ((column, row), color) in self.places.iter().zip(&self.means) {
             picture.values[row * picture.stride + picture.left + column] = *color;
@@ -180,22 +184,22 @@ impl MixedPixels {
     }
 }
 
-/// Fragments: pairs of a triangle and a pixel.
+/// List of fragments: pairs of a triangle and a pixel.
 #[derive(Clone, Debug, Default)]
 struct Fragments {
     list: Vec<SixteenFragments>,
     len: usize,
 }
 
-/// Sixteen fragments.
+/// Sixteen fragments that are shaded together.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub(super) struct SixteenFragments {
-    /// Slots of the triangles; the first triangle in unused lanes.
+    /// Slot of each fragment's triangle; unused lanes have that of the tile's first triangle.
     slots: [u32; WIDE],
-    /// Columns and rows of the pixels within the tile.
+    /// Column and row of each fragment's pixel within the tile.
     pixels: [(u8, u8); WIDE],
-    /// Pixel centres right of and below the tile's first one, in grid steps.
+    /// Pixel centres right of and below that of the tile's first pixel, in steps of 1/256 px.
     centres: [[i32; WIDE]; 2],
 }
 
@@ -205,8 +209,8 @@ impl Fragments {
         self.len = 0;
     }
 
-    /// Returns the colour index of a triangle in a pixel whose fragments begin with `first`. Adds the fragment if it is
-    /// new.
+    /// Returns the index of the colour of a triangle in a pixel. Adds the fragment if it is new. `first` is the index
+    /// of the pixel's first fragment.
     fn pick(&mut self, first: usize, slot: u32, (column, row): (usize, usize), [x, y]: [i32; 2]) -> u32 {
         let known = (first..self.len).find(|place| self.list[place / WIDE].slots[place % WIDE] == slot);
         let place = known.unwrap_or_else(|| {
@@ -226,8 +230,8 @@ impl Fragments {
 }
 
 impl ShadingJob<'_, &TileLattice> {
-    /// Shades the fragments selected by `open`, each at the first of the `offsets` in its pixel that its triangle
-    /// covers. Colours are written from `start` on.
+    /// Shades the fragments selected by `open`, each at the first position of `offsets` in its pixel that its triangle
+    /// covers. Writes their colours from index `start` on.
     #[inline(always)]
     fn fragments<S: Simd>(
         &mut self,
@@ -260,7 +264,8 @@ impl ShadingJob<'_, &TileLattice> {
         }
     }
 
-    /// Returns the shading positions of fragments, right of and below the tile's first pixel, in grid steps.
+    /// Returns the shading positions of fragments right of and below the centre of the tile's first pixel, in steps of
+    /// 1/256 px.
     #[inline(always)]
     fn shading_places<S: Simd>(
         &mut self,
@@ -283,7 +288,7 @@ impl ShadingJob<'_, &TileLattice> {
         places
     }
 
-    /// Shades one fragment by the functions of the classic path.
+    /// Shades one fragment with the code of the classic (scalar) path.
     fn by_itself(&mut self, slot: Slot, pixel: (usize, usize), place: [i32; 2]) -> Rgba8 {
         let BinEntry { key, draw } = self.bin.get(slot);
         let frame = self.frame;
@@ -299,9 +304,10 @@ impl ShadingJob<'_, &TileLattice> {
     }
 }
 
-/// [`Edges::first_covered`] for the triangles selected by `open`, of sixteen, whose edge values fit into 32 bits.
+/// Computes [`EdgeFunctions::first_covered`] for the triangles selected by `open`, whose edge values must fit into 32
+/// bits.
 ///
-/// [`Edges::first_covered`]: super::setup::EdgeFunctions::first_covered
+/// [`EdgeFunctions::first_covered`]: super::setup::EdgeFunctions::first_covered
 #[inline(always)]
 fn first_covered<S: Simd>(
     simd: S,
@@ -316,7 +322,7 @@ fn first_covered<S: Simd>(
     let (e0, e1) = (a0 * x + b0 * y + c0, a1 * x + b1 * y + c1);
     let (zero, one) = (i32x16::splat(simd, 0), i32x16::splat(simd, 1));
     let edges = [(a0, b0, e0), (a1, b1, e1), (zero - a0 - a1, zero - b0 - b1, area - e0 - e1)];
-    // Inside of an edge, no value is negative.
+    // Subtracting the thresholds makes the values inside an edge non-negative.
     let edges =
         each!((a, b, e) in [edges[0], edges[1], edges[2]] => (a, b, e - inside_thresholds([zero, one], a, b, rule)));
     let mut moved = [zero; 2];

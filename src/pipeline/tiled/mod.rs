@@ -1,5 +1,5 @@
-//! The fast execution path of the pipeline: tile by tile, on all threads. It draws eight samples at a time and shades
-//! sixteen.
+//! Tiled execution, the fast path of the pipeline: draws tile by tile, on all threads and with SIMD. Coverage and depth
+//! are computed for eight samples at a time, shading for sixteen.
 //!
 //! ```text
 //! transform ─► cull and bin ─┬─► tile: coverage and depth ─► shade ─┐
@@ -7,13 +7,14 @@
 //!                            └─► tile …                             ┘
 //! ```
 //!
-//! A tile first finds the visible triangle of each of its samples and only then shades, each sample once. Hidden
-//! surfaces therefore cost no shading. Vertices are snapped and edge functions are integers. Depth and attributes are
-//! computed by the same operations in the same order as on the classic path. The picture is therefore the same bit for
-//! bit, whatever the number of threads and the instruction set.
+//! Each tile first finds the visible triangle of every sample and only then shades each sample once, so hidden surfaces
+//! cost no shading. Vertices are snapped to 1/256 px, so edge functions are exact integers. Depth and attributes are
+//! computed by the same operations in the same order as on the classic (scalar) path. The picture is therefore
+//! identical bit for bit, for any number of threads and any instruction set.
 //!
-//! Multisampling shades once for each triangle visible in a pixel, and draws one tile per sample: [`Multisampling`].
-//! Jittered samples, at a different position in each pixel, are drawn and shaded one after the other: [`Jittering`].
+//! Multisampling shades a pixel once for each triangle visible in it and draws one tile per sample: see
+//! [`Multisampling`]. Jittered supersampling, with different sample positions in each pixel, draws and shades the
+//! samples one after the other: see [`Jittering`].
 
 mod axis;
 mod batch;
@@ -102,22 +103,22 @@ use crate::math::lanes::*;
 use crate::scene::material::Transparency;
 use crate::scene::{Camera, Scene};
 
-/// Returns the reason why a frame cannot be drawn tile by tile; `None` if it can.
+/// Returns the reason why tiled execution cannot draw a frame; `None` if it can.
 pub(crate) fn obstacle(scene: &Scene, settings: &Settings) -> Option<&'static str> {
     if settings.arithmetic != Arithmetic::Fixed {
         Some("tiled execution requires fixed-point arithmetic")
     } else if settings.rasterizer.is_published() {
-        Some("the rasterizers kept as published run in classic execution only")
+        Some("rasterizers as published run in classic execution only")
     } else if settings.interpolation == Interpolation::Published {
-        Some("the interpolation kept as published runs in classic execution only")
+        Some("interpolation as published runs in classic execution only")
     } else if scene.triangle_count() > MAX_TRIANGLES {
-        Some("the scene has more triangles than a tile can number")
+        Some("the scene has more triangles than tiled execution supports")
     } else {
         None
     }
 }
 
-/// Memory that is reused from frame to frame.
+/// Buffers of tiled execution, reused from frame to frame.
 #[derive(Debug, Default)]
 pub(crate) struct TiledMemory {
     arrays: Arrays,
@@ -126,20 +127,20 @@ pub(crate) struct TiledMemory {
 }
 
 impl TiledMemory {
-    /// Returns the number of bytes held.
+    /// Returns the memory use of the buffers in bytes.
     pub(crate) fn bytes(&self) -> usize {
         let workspaces = self.workspaces.lock().map_or(0, |all| all.iter().map(Workspace::bytes).sum());
         self.arrays.bytes() + self.chunks.iter().map(Chunk::bytes).sum::<usize>() + workspaces
     }
 }
 
-/// Memory in which a thread draws and shades a tile.
+/// Working memory in which one thread draws and shades a tile.
 #[derive(Clone, Debug)]
 struct Workspace {
     tile: Tile,
-    /// Private memory of a tile, for pictures that have few rows of tiles per thread.
+    /// Private colours and depths of one tile, used if the picture has few rows of tiles per thread.
     memory: Option<Box<TileMemory>>,
-    /// Tiles of a multisampled frame, one for each sample of the pixels.
+    /// Tiles of a multisampled frame: one per sample of a pixel, and one for the pixel centres if depths are kept.
     planes: Vec<Tile>,
     mixed: MixedPixels,
     transparency: TransparencyMemory,
@@ -180,7 +181,7 @@ impl Workspace {
     }
 }
 
-/// Data of a frame that all its tiles read.
+/// Per-frame data that all tiles read.
 struct TiledFrame<'a> {
     settings: &'a Settings,
     grid: SampleGrid,
@@ -191,20 +192,22 @@ struct TiledFrame<'a> {
     draws: &'a [InstanceDraw<'a>],
     arrays: &'a Arrays,
     chunks: &'a [Chunk],
-    /// Whether no draw is alpha-tested or blended.
+    /// Whether all draws are opaque: none is alpha-tested or blended.
     all_opaque: bool,
-    /// Whether any draw reads normals per pixel.
+    /// Whether any draw computes light from per-pixel normals.
     reads_normals: bool,
     /// Whether any draw reads vertex colours.
     reads_colors: bool,
-    /// Shaders, one per draw.
+    /// Shading state of each draw, in the order of `draws`.
     shaders: Vec<DrawShader<'a>>,
-    /// Index, for each draw, of the first draw that is shaded alike.
+    /// For each draw, index of the first draw whose samples can be shaded together with its own.
     shader_of_draw: Vec<usize>,
     samples: PreparedSamples<'a>,
 }
 
-/// Draws a scene into a framebuffer and overwrites all of it. [`obstacle`] must return `None` for the scene.
+/// Draws a scene into a framebuffer, overwriting all of its contents.
+///
+/// [`obstacle`] must return `None` for the scene and the settings.
 pub(crate) fn draw(
     scene: &Scene,
     camera: &Camera,
@@ -265,12 +268,14 @@ pub(crate) fn draw(
     TiledReport { plans, times, counts }
 }
 
-/// Side of a tile in samples.
+/// Width and height of a tile, in samples.
 pub(crate) const TILE_SIDE: u32 = TILE as u32;
 
-/// Returns the load of each tile: the number of triangles whose bounding boxes overlap it, before setup. The image has
-/// one value per tile of [`TILE_SIDE`] samples a side. Pixels are sampled at `offsets` from their centres, in grid
-/// steps of 1/256 px, or at their centres if there are none. [`obstacle`] must return `None` for the scene.
+/// Returns the load of each tile: the number of triangles whose bounding boxes overlap it, before setup.
+///
+/// The image has one value per tile of [`TILE_SIDE`] × [`TILE_SIDE`] samples. `offsets` are the sample positions
+/// relative to the pixel centre, in steps of 1/256 px; if it is empty, pixels are sampled at their centres.
+/// [`obstacle`] must return `None` for the scene and the settings.
 pub(crate) fn tile_loads(
     scene: &Scene,
     camera: &Camera,
@@ -294,7 +299,7 @@ pub(crate) fn tile_loads(
     })
 }
 
-/// Counters that all threads add to.
+/// Work counters and stage times of a frame, which all threads add to.
 #[derive(Debug, Default)]
 struct FrameCounters {
     rasterize_ns: AtomicU64,
@@ -306,7 +311,7 @@ struct FrameCounters {
 }
 
 impl FrameCounters {
-    /// Adds the rasterization and shading times of a tile, and its counts.
+    /// Adds the rasterization and shading times of one tile, and its work counts.
     fn add(
         &self,
         (rasterize, shade): (Duration, Duration),
@@ -330,12 +335,12 @@ impl FrameCounters {
     }
 }
 
-/// Returns the plans of all instances.
+/// Returns the draw plan of every instance of a scene, in instance order.
 pub fn plans(scene: &Scene, camera: &Camera, settings: &Settings, viewport: Viewport) -> Vec<DrawPlan> {
     plan(scene, camera, settings, viewport, Lanes::best()).1
 }
 
-/// Returns the draws that are not outside the view, and the plans of all instances.
+/// Plans all instances of a scene. Returns the draws of those that may be visible, and the plan of every instance.
 fn plan<'a>(
     scene: &'a Scene,
     camera: &Camera,
@@ -381,7 +386,7 @@ fn shaders<'a>(scene: &'a Scene, settings: &'a Settings, draws: &[InstanceDraw<'
 }
 
 impl TiledFrame<'_> {
-    /// Draws all tiles into the rows of the picture, on all threads.
+    /// Draws all tiles into the picture, on all threads. `rows` are its rows of tiles.
     fn draw_tiles(
         &self,
         lanes: Lanes,
@@ -410,7 +415,7 @@ impl TiledFrame<'_> {
         });
     }
 
-    /// Draws a run of tiles in a row of `columns` tiles.
+    /// Draws a run of tiles into a row of the picture that is `columns` tiles wide.
     fn draw_run(
         &self,
         lanes: Lanes,
@@ -440,7 +445,7 @@ impl TiledFrame<'_> {
         }
     }
 
-    /// Draws and shades a tile.
+    /// Draws and shades one tile in the sampling mode of the frame.
     fn draw_target(&self, lanes: Lanes, workspace: &mut Workspace, target: Target<'_>, work: &FrameCounters) {
         match &self.samples {
             PreparedSamples::Centre => on_lanes!(lanes, simd => self.draw_tile(simd, workspace, target, work)),
@@ -453,7 +458,7 @@ impl TiledFrame<'_> {
         }
     }
 
-    /// Returns the counts of the frame; `triangles_in` is the number of triangles in the scene.
+    /// Returns the work counts of the frame. `triangles_in` is the number of triangles in the scene.
     fn counts(&self, triangles_in: u64, work: FrameCounters) -> TiledCounts {
         TiledCounts {
             triangles_in,
@@ -526,7 +531,7 @@ impl TiledFrame<'_> {
         work.add((rasterized - start, rasterized.elapsed()), [tile.counts], shaded);
     }
 
-    /// Draws one triangle of a batch into a tile, or lists it if it is blended.
+    /// Draws one triangle of a batch into a tile, or appends it to `blended` if its material is blended.
     #[inline(always)]
     fn draw_triangle<S: Simd>(
         &self,
@@ -548,7 +553,7 @@ impl TiledFrame<'_> {
         }
     }
 
-    /// Draws one opaque triangle of a batch into a tile.
+    /// Draws one opaque triangle of a batch into a tile, with integer edge values if these fit into 32 bits.
     #[inline(always)]
     fn draw_opaque<S: Simd>(
         &self,
@@ -564,13 +569,14 @@ impl TiledFrame<'_> {
         }
     }
 
-    /// Returns the position of a tile's first sample in grid steps, and its packed column and row.
+    /// Returns the position of a tile's first sample in steps of 1/256 px, and that sample's column and row in the
+    /// packed picture. `place` is the column and row of the tile.
     #[inline(always)]
     fn origin(&self, lattice: &TileLattice, place: (usize, usize)) -> Origin {
         (lattice.origin(place), [(place.0 * TILE) as f32, (place.1 * TILE) as f32])
     }
 
-    /// Returns a function that sets up a triangle of the tile's bin again.
+    /// Returns a function that repeats the setup of a triangle of the tile's bin.
     #[inline(always)]
     fn owner(
         &self,
@@ -586,7 +592,7 @@ impl TiledFrame<'_> {
         }
     }
 
-    /// Copies the depths at pixel centres to the target.
+    /// Copies the depths of a tile, sampled at pixel centres, to its target.
     #[inline(always)]
     fn write_depths<S: Simd>(&self, simd: S, tile: &mut Tile, entrants: &TileBin, target: &mut Target<'_>) {
         let owner = self.owner(entrants, &self.lattice, target.place);

@@ -1,10 +1,11 @@
-//! Multisampling: coverage and depth at several samples of each pixel, one colour for each triangle visible in it.
+//! Multisampling (MSAA): coverage and depth at several samples per pixel, and one colour per triangle visible in the
+//! pixel.
 //!
-//! Every sample of the pixels has its own tile, whose lattice is moved from the centres by the sample's offset.
-//! Vertices and samples lie on one grid, so a triangle has the same edges for all samples, merely translated. It is set
-//! up once and then drawn into each tile. A pixel whose samples all see the same triangle is shaded as if it were
-//! sampled at its centre alone. The centre lies among the samples and therefore within the triangle. All other pixels
-//! are handled in [`super::mixed`].
+//! Each sample of a pixel has its own tile, whose lattice is moved from the pixel centres by the sample's offset.
+//! Vertices and samples lie on the same subpixel grid, so a triangle's edges differ between samples only by a
+//! translation. A triangle is set up once and then drawn into each tile. If all samples of a pixel show the same
+//! triangle, the pixel is shaded once, at its centre. The centre lies between the samples and therefore within the
+//! triangle. All other pixels are handled in [`super::mixed`].
 
 use std::time::Instant;
 
@@ -20,29 +21,32 @@ use crate::math::lanes::*;
 use crate::pipeline::grid::SampleGrid;
 use crate::scene::material::Transparency;
 
-/// Indices into a list of colours, of one sample for each of sixteen pixels.
+/// Indices into a list of colours: the colour of one sample in each of sixteen pixels.
 pub(crate) type Picks = [u32; WIDE];
 
-/// Computes the colours of pixels, sixteen at a time, from a list of colours and the picks of each sample. If all
-/// samples of a pixel have one colour, the pixel has it as well.
+/// Function that combines the samples of pixels into colours, sixteen pixels at a time.
+///
+/// It receives a list of colours and the [`Picks`] of every sample, and writes the pixel colours. A pixel whose samples
+/// all have the same colour gets exactly that colour.
 pub(crate) type MeanOfSamples<'a> = &'a (dyn Fn(&[Rgba8], &[Picks], &mut [Rgba8]) + Sync);
 
-/// Several samples of each pixel, and their combination into one colour.
+/// Multisampling: positions of the samples, and their combination into pixels.
 #[derive(Clone, Copy)]
 pub(crate) struct Multisampling<'a> {
-    /// Sample positions, in grid steps of 1/256 px right of and below the centre of their pixel. Their mean is the
-    /// centre, and they are not collinear.
+    /// Sample positions: offsets right of and below the pixel centre, in steps of 1/256 px. Their mean is the centre,
+    /// and they are not collinear.
     pub(crate) offsets: &'a [[i32; 2]],
-    /// Combination of samples into pixels.
+    /// Function that combines the samples of a pixel into one colour.
     pub(crate) mean: MeanOfSamples<'a>,
 }
 
-/// Sample planes: the tiles that are drawn for each tile of the picture.
+/// Sample planes of a frame. Each tile of the picture is drawn once per plane.
 pub(super) struct SamplePlanes<'a> {
     pub(super) samples: Multisampling<'a>,
-    /// Lattices, one for each sample, and one more for the pixel centres if their depths are kept.
+    /// Lattice of each sample, followed by that of the pixel centres if depths are kept.
     pub(super) lattices: Vec<TileLattice>,
-    /// Possible shading positions of a triangle in a pixel, in order of preference: the centre, then the samples.
+    /// Candidate shading positions of a triangle in a pixel, in order of preference: the centre, then the samples. They
+    /// are offsets from the centre, in steps of 1/256 px.
     pub(super) shading_places: Vec<[i32; 2]>,
 }
 
@@ -117,7 +121,7 @@ impl TiledFrame<'_> {
         work.add((rasterized - start, rasterized.elapsed()), tiles.iter().map(|tile| tile.counts), shaded);
     }
 
-    /// Draws a tile's triangles into the tiles of all samples, and lists those that are blended.
+    /// Draws the triangles of a tile into the tiles of all samples, and appends those that are blended to `blended`.
     #[inline(always)]
     fn draw_planes<S: Simd>(
         &self,

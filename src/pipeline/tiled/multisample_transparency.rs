@@ -1,9 +1,9 @@
-//! Transparency with multisampling.
+//! Alpha-tested and blended triangles with multisampling.
 //!
-//! A triangle has one fragment per pixel, as without transparency. If it fails the alpha test, it is dropped from all
-//! samples. If it is blended, it is blended over the colour of each sample separately. Tiles with blended triangles
-//! therefore keep the colours of all samples until the last of these triangles. A fragment is recomputed for each
-//! sample in which it is visible: sixteen at a time this is faster than a lookup.
+//! A triangle has one fragment per pixel, as without transparency. A fragment that fails the alpha test is dropped from
+//! all samples. A blended fragment is blended over the colour of each sample separately. Tiles with blended triangles
+//! therefore keep the colours of all samples until the last of these triangles is drawn. A fragment is recomputed for
+//! each sample in which it is visible: sixteen at a time, this is faster than a lookup.
 
 use super::TiledFrame;
 use super::lattice::{TILE, TILE_SAMPLES, TileLattice};
@@ -22,26 +22,26 @@ use crate::math::lanes::*;
 use crate::pipeline::settings::BlendingOrder;
 use crate::pipeline::viewport::ScreenTriangle;
 
-/// Memory for transparency, reused from tile to tile.
+/// Buffers for blending, reused from tile to tile.
 #[derive(Clone, Debug, Default)]
 pub(super) struct TransparencyMemory {
-    /// Blended triangles of the tile.
+    /// Slots of the tile's blended triangles, in submission order.
     pub(super) blended: Vec<Slot>,
-    /// Colours of all samples of the tile, sample by sample.
+    /// Colours of all samples of the tile: all pixels of the first sample, then those of the second, and so on.
     colors: Vec<Rgba8>,
-    /// Indices into `colors` of the samples of sixteen pixels.
+    /// Indices into `colors` of the samples of sixteen pixels, one entry per sample.
     picks: Vec<Picks>,
 }
 
 impl TransparencyMemory {
-    /// Returns the number of bytes held.
+    /// Returns the memory use of the buffers in bytes.
     pub(super) fn bytes(&self) -> usize {
         self.blended.capacity() * size_of::<Slot>()
             + self.colors.capacity() * size_of::<Rgba8>()
             + self.picks.capacity() * size_of::<Picks>()
     }
 
-    /// Resolves the samples to the colours of all pixels of a tile.
+    /// Resolves the sample colours to the pixels of a tile, and writes them to the picture.
     fn resolve(&mut self, mean: MeanOfSamples<'_>, picture: &mut ColorRows<'_>) {
         let Self { colors, picks, .. } = self;
         for (row, pixels) in picture.rows().enumerate() {
@@ -57,7 +57,7 @@ impl TransparencyMemory {
 }
 
 impl TiledFrame<'_> {
-    /// Draws an alpha-tested triangle into the tile of one of the samples, whose lattice is given.
+    /// Draws an alpha-tested triangle into the tile of one sample, which is given with its lattice.
     #[inline(always)]
     pub(super) fn draw_alpha_tested_sample<S: Simd>(
         &self,
@@ -73,8 +73,8 @@ impl TiledFrame<'_> {
         });
     }
 
-    /// Blends the blended triangles of a tile over its picture, once its mixed pixels are found. Returns the shading
-    /// work.
+    /// Blends the blended triangles of a tile over its picture, in which the opaque triangles are already shaded.
+    /// Returns the shading work.
     #[inline(always)]
     pub(super) fn blend_samples<S: Simd>(
         &self,
@@ -113,7 +113,7 @@ impl TiledFrame<'_> {
                     let mut tested = tested.at_first_covered(simd, &setup, lattice.offset(), &planes.shading_places);
                     tested.passed = tested.within(size);
                     samples += if shader.on_lanes {
-                        // The samples' rows are stacked, so that the queue need not be flushed between samples.
+                        // The rows of all samples are stacked, so that the queue need not be flushed between samples.
                         tested.place.1 += number * TILE;
                         let size = (TILE, colors.len() / TILE);
                         let mut below = TileRows { values: colors, stride: TILE, left: 0, size };
@@ -123,11 +123,11 @@ impl TiledFrame<'_> {
                         let mut below = TileRows { values, stride: TILE, left: 0, size };
                         self.blend_one_by_one((&triangle, subject.draw), (place, &tested), &mut below)
                     };
-                    // Blended samples hide nothing, so none is stored.
+                    // Blended samples do not occlude anything, so none is stored.
                     0
                 });
             }
-            // The next triangle may overlap this one.
+            // The next triangle may overlap this one, so all its pixels must be written first.
             flush(simd, self, queue, colors);
             shaded.add(shader, samples);
             shaded.texels += std::mem::take(&mut queue.coarse_texels);
@@ -136,8 +136,11 @@ impl TiledFrame<'_> {
         shaded
     }
 
-    /// Blends triangles of a tile over the colours of all samples with their fragments sorted. Returns the shading
-    /// work. `place` is the column and row of the tile, `size` its columns and rows within the picture.
+    /// Blends the triangles of a tile over the colours of all samples, with fragments sorted by depth in each sample.
+    /// Returns the shading work.
+    ///
+    /// `place` is the column and row of the tile, and `size` the number of its columns and rows that lie within the
+    /// picture.
     fn blend_sorted_samples<S: Simd>(
         &self,
         simd: S,
@@ -156,7 +159,7 @@ impl TiledFrame<'_> {
                     let mut shading = tested.at_first_covered(simd, &setup, lattice.offset(), &planes.shading_places);
                     shading.passed = shading.within(size);
                     list.add(self.settings, (triangle, number), (sample * TILE_SAMPLES, tested), &shading);
-                    // A blended fragment hides nothing, so none is stored.
+                    // Blended fragments do not occlude anything, so none is stored.
                     0
                 });
             }

@@ -1,4 +1,4 @@
-//! Outcodes of vertices, and the clipping verdicts of triangles: the tests of [`clip`] for eight vertices at a time.
+//! Outcodes of vertices and clipping verdicts of triangles: the tests of [`clip`] for eight vertices at a time.
 //!
 //! [`clip`]: crate::pipeline::clip
 
@@ -7,19 +7,19 @@ use std::ops::{BitAnd, BitOr};
 use crate::math::lanes::*;
 use crate::pipeline::clip::{ClipPlane, MIN_W};
 
-/// Outcode of a vertex: a bit for each plane of the frustum that it is beyond.
+/// Outcode of a vertex: one bit for each frustum plane that the vertex is beyond, and two flags.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Outcode(u16);
 
 impl Outcode {
     const NOT_FINITE: u16 = 1 << 14;
     const CROSSES: u16 = 1 << 15;
-    /// Outcode with every bit: the neutral element of `&`.
+    /// Outcode with all bits set: the neutral element of `&`.
     pub(super) const ALL: Self = Self(u16::MAX);
     const PLANES: u16 = (1 << ClipPlane::ALL.len()) - 1;
 
-    /// Returns the outcodes of eight vertices in clip space, by component, and whether any is nonzero. Triangles are
-    /// clipped only beyond the sides of the frustum moved out by the factor `widening`, the guard band.
+    /// Returns the outcodes of eight vertices in clip space, and whether any of them is nonzero. The side planes, moved
+    /// outward by the factor `widening`, form the guard band; only triangles that leave it are clipped.
     #[inline(always)]
     pub(super) fn of_lanes<S: Simd>(simd: S, [x, y, z, w]: [F32<S>; 4], widening: f32) -> ([Self; LANES], bool) {
         let between_sides = w.simd_ge(x.abs()) & w.simd_ge(y.abs());
@@ -27,7 +27,7 @@ impl Outcode {
         if (between_sides & in_depth).all_true() {
             return ([Self::default(); LANES], false);
         }
-        // Distances are differences of floats, so their signs are those of comparisons.
+        // Distances are differences of floats, so comparisons give their signs.
         let depth = each!(beyond in [z.simd_lt(0.0), w.simd_lt(MIN_W), w.simd_lt(z)] => beyond.to_bitmask());
         let offsets = [-x, x, -y, y];
         let sides = each!(i in [0, 1, 2, 3] => w.simd_lt(offsets[i]).to_bitmask());
@@ -48,7 +48,7 @@ impl Outcode {
         (codes, true)
     }
 
-    /// Returns the clipping verdict of a triangle with these vertices.
+    /// Returns the clipping verdict of a triangle, given the outcodes of its vertices.
     #[inline(always)]
     pub(super) fn verdict(corners: [Self; 3]) -> ClipVerdict {
         let [a, b, c] = corners;
@@ -62,13 +62,13 @@ impl Outcode {
         }
     }
 
-    /// Whether the outcode has a bit for a plane of the frustum.
+    /// Returns `true` if the bit of any frustum plane is set.
     #[inline(always)]
     pub(super) fn is_beyond(self) -> bool {
         self.0 & Self::PLANES != 0
     }
 
-    /// Whether the vertex lies within the frustum.
+    /// Returns `true` if the vertex lies within the frustum.
     #[inline(always)]
     pub(super) fn is_inside(self) -> bool {
         self.0 == 0
@@ -91,10 +91,10 @@ impl BitOr for Outcode {
     }
 }
 
-/// Clipping verdict of a triangle.
+/// Decision of the clipping stage about a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ClipVerdict {
-    /// No part is visible, or a vertex is not finite: the triangle is dropped.
+    /// The triangle is dropped: it is outside the frustum, or a vertex is not finite.
     Rejected,
     /// The triangle must be clipped.
     Cut,
@@ -108,7 +108,7 @@ mod tests {
 
     use super::*;
 
-    /// Returns the outcode from the distances that clipping computes.
+    /// Computes the outcode from plane distances, as the clipping stage does.
     fn expected(position: Vec4, widening: f32) -> Outcode {
         if !position.is_finite() {
             return Outcode(Outcode::NOT_FINITE | Outcode::CROSSES);
@@ -126,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn lanes_lie_where_clipping_has_them() {
+    fn outcodes_agree_with_plane_distances() {
         const WIDENING: f32 = 34.133_335;
         const SPECIAL: [f32; 12] = [
             0.0,
@@ -166,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_inside_has_no_bit() {
+    fn vertices_inside_have_no_outcode_bits() {
         let inside = Vec4::new(-1.0, 0.25, 0.0, 1.0).to_array();
         for lanes in Lanes::all() {
             let (codes, any) = on_lanes!(lanes, simd => {

@@ -1,8 +1,8 @@
 //! Shading of samples of several triangles, sixteen at a time.
 //!
-//! Shading sixteen samples is a long dependency chain: loads of their triangles' data, a division, the places of
-//! texels. Samples are therefore kept pending until there are four times sixteen. Each step is taken for all of them
-//! before the next one, so that their latencies overlap.
+//! Shading sixteen samples is a long dependency chain: it loads triangle data, divides, and computes texel indices.
+//! Samples are therefore collected until there are four groups of sixteen. Each step is done for all groups before the
+//! next one, so that their latencies overlap.
 
 use super::TiledFrame;
 use super::few::Few;
@@ -17,16 +17,16 @@ use super::shader::{DrawShader, ShadingPlan};
 use super::target::ColorRows;
 use crate::math::lanes::*;
 
-/// Positions of sixteen samples, and the destinations of their colours.
+/// Positions of sixteen samples, and destinations of their colours.
 pub(super) trait SampleTargets: Copy {
-    /// Returns the positions right of and below the centre of the tile's first pixel, in grid steps.
+    /// Returns the sample positions right of and below the centre of the tile's first pixel, in steps of 1/256 px.
     fn positions<S: Simd>(self, simd: S) -> [i32x16<S>; 2];
 
-    /// Returns the destinations of the samples selected by `mine`, eight at a time.
+    /// Returns the destinations of the samples selected by `mine`, as two rows of eight.
     fn rows(self, mine: u32, picture: &ColorRows<'_>) -> [QueuedRow; 2];
 }
 
-/// Eight samples of the first row of a patch, and eight of the row below it.
+/// Eight samples in the first row of a patch, and eight in the row below it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RowPair<'a, L> {
     pub(super) patch: &'a Patch,
@@ -49,12 +49,12 @@ impl<L: SamplePositions> SampleTargets for RowPair<'_, L> {
     }
 }
 
-/// Samples at arbitrary positions, whose colours are stored side by side.
+/// Samples at arbitrary positions, whose colours are stored one after the other.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scattered<'a> {
-    /// Positions right of and below the centre of the tile's first pixel, in grid steps.
+    /// Sample positions right of and below the centre of the tile's first pixel, in steps of 1/256 px.
     pub(super) places: [&'a [i32; WIDE]; 2],
-    /// Index of the first colour's destination.
+    /// Index at which the first colour is stored.
     pub(super) start: usize,
 }
 
@@ -71,47 +71,51 @@ impl SampleTargets for Scattered<'_> {
     }
 }
 
-/// Groups of sixteen samples that are shaded together.
+/// Number of groups of sixteen samples that are shaded together.
 const CAPACITY: usize = 4;
 
-/// Samples that are pending for shading, all by one shader. Memory is reused from tile to tile.
+/// Samples that wait to be shaded, all with the same shader. The memory is reused from tile to tile.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pending {
     sixteens: [SixteenSamples; CAPACITY],
     len: usize,
-    /// Index of the shader.
+    /// Index of the samples' shader in the frame's list of shaders.
     shader: usize,
-    /// Edges of triangles whose edge values exceed 32 bits: index of the group, bit mask of its samples, edges.
+    /// Triangles whose edge values exceed 32 bits: index of the group, bit mask of the triangle's samples in the group,
+    /// and edge functions.
     large: Vec<(usize, u32, EdgeFunctions)>,
 }
 
-/// A group of sixteen samples.
+/// Group of sixteen samples that are shaded together.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(64))]
 struct SixteenSamples {
-    /// Slots of the samples' triangles.
+    /// Slot of each sample's triangle in the tile's bin.
     slots: [u32; WIDE],
-    /// Positions right of and below the centre of the tile's first pixel, in grid steps.
+    /// Sample positions right of and below the centre of the tile's first pixel, in steps of 1/256 px.
     places: [[i32; WIDE]; 2],
-    /// Bit mask of the samples that are shaded.
+    /// Bit mask of the samples to shade.
     mine: u32,
     rows: [QueuedRow; 2],
 }
 
 impl Pending {
-    /// Returns the number of bytes held.
+    /// Returns the memory use in bytes.
     pub(super) fn bytes(&self) -> usize {
         size_of::<Self>() + self.large.capacity() * size_of::<(usize, u32, EdgeFunctions)>()
     }
 
-    /// Whether there is no room for sixteen more samples of a shader.
+    /// Returns `true` if sixteen more samples of a shader do not fit: the list is full, or holds samples of another
+    /// shader.
     #[inline(always)]
     pub(super) fn is_full(&self, shader: usize) -> bool {
         self.len == CAPACITY || self.len > 0 && self.shader != shader
     }
 
-    /// Adds sixteen samples of a shader; `mine` selects those that are shaded. `large` has the edges of triangles whose
-    /// edge values exceed 32 bits, each with the bit mask of its samples.
+    /// Adds sixteen samples of a shader, of which `mine` selects those to shade.
+    ///
+    /// `large` has the edge functions of triangles whose edge values exceed 32 bits, each with the bit mask of its
+    /// samples.
     #[inline(always)]
     pub(super) fn push<S: Simd>(
         &mut self,
@@ -132,7 +136,7 @@ impl Pending {
         self.len += 1;
     }
 
-    /// Shades the pending samples.
+    /// Shades all pending samples into the queue, and removes them from the list.
     #[inline(never)]
     pub(super) fn shade<S: Simd>(
         &mut self,
@@ -193,7 +197,7 @@ impl Pending {
         }
     }
 
-    /// Returns the weights of one group.
+    /// Returns the interpolation weights of one group of samples.
     #[inline(always)]
     fn weights<S: Simd>(&self, simd: S, number: usize, source: impl TriangleSource) -> AttributeWeights<S> {
         let SixteenSamples { places, mine, .. } = &self.sixteens[number];

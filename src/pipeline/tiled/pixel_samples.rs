@@ -1,22 +1,23 @@
-//! Sampling modes: the number and the positions of a pixel's samples.
+//! Sampling modes: number and positions of the samples of a pixel.
 
 use super::jitter::{Jittering, TileJitter};
 use super::multisample::{Multisampling, SamplePlanes};
 use crate::pipeline::grid::SampleGrid;
 
-/// Sampling mode of a frame's pixels.
+/// Sampling mode of a frame, with the sample positions in each pixel.
 #[derive(Clone, Copy)]
 pub(crate) enum PixelSamples<'a> {
-    /// One sample at each pixel's centre.
+    /// One sample at the centre of each pixel.
     Centre,
-    /// Multisampling: several samples of each pixel, drawn together.
+    /// Multisampling: several samples per pixel, drawn together and shaded once per visible triangle.
     Multisampled(Multisampling<'a>),
-    /// Jittered supersampling: several samples at different positions in each pixel, one after the other.
+    /// Jittered supersampling: several samples at different positions in each pixel, drawn one after the other.
     Jittered(Jittering<'a>),
 }
 
 impl PixelSamples<'_> {
-    /// Returns the possible sample offsets from the pixel centres, in grid steps; empty if only centres are sampled.
+    /// Returns the possible sample offsets from the pixel centre, in steps of 1/256 px; empty if only centres are
+    /// sampled.
     pub(super) fn offsets(&self) -> Vec<[i32; 2]> {
         match self {
             Self::Centre => Vec::new(),
@@ -26,7 +27,7 @@ impl PixelSamples<'_> {
     }
 }
 
-/// Sampling mode, prepared for tiles.
+/// Sampling mode of a frame, with the lattices on which tiles are drawn.
 pub(super) enum PreparedSamples<'a> {
     Centre,
     Multisampled(SamplePlanes<'a>),

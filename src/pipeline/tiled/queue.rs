@@ -1,5 +1,5 @@
-//! Queue of rows of samples that wait for their texels, and their final colour: colour × texture × light, encoded and
-//! written.
+//! Queue of samples that wait for their texels, and computation of their final colours: surface colour × texture ×
+//! light, encoded and written to the picture.
 
 use std::ops::Range;
 
@@ -15,24 +15,24 @@ use crate::image::color::Tables;
 use crate::math::lanes::*;
 use crate::pipeline::settings::ColorSpace;
 
-/// Rows of samples that wait for their texels, in pairs. The places of all texels are computed before the first texel
-/// is read, so that cache misses overlap.
+/// Queue of pairs of sample rows that wait for their texels. The indices of all texels are computed before the first
+/// texel is read, so that cache misses overlap.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Queue {
     pairs: [QueuedPair; QUEUED],
-    /// Texels of the pairs.
+    /// Texture taps of each pair.
     taps: [Taps; QUEUED],
-    /// Texels of the coarser mip levels; memory is only allocated in mip-mapped frames.
+    /// Texture taps of each pair in the coarser mip level. Allocated only in frames with mip-mapping.
     coarse: Vec<CoarseTaps>,
-    /// Number of texels read from coarser mip levels.
+    /// Number of texels read from coarser mip levels, until the caller resets it.
     pub(super) coarse_texels: u64,
     len: usize,
-    /// Index of the shader of all rows.
+    /// Index of the shader of all rows in the frame's list of shaders.
     shader: usize,
 }
 
 impl Queue {
-    /// Returns the number of bytes held.
+    /// Returns the memory use in bytes.
     pub(super) fn bytes(&self) -> usize {
         size_of::<Self>() + self.coarse.capacity() * size_of::<CoarseTaps>()
     }
@@ -41,63 +41,64 @@ impl Queue {
 /// Capacity in pairs of rows: four blocks, so that texels have arrived in the cache when the first of them is read.
 const QUEUED: usize = 4 * BLOCK / 2;
 
-/// Eight samples of each of two rows.
+/// Interpolated attributes of eight samples in each of two rows.
 #[derive(Clone, Debug, Default)]
 #[repr(align(64))]
 pub(super) struct QueuedPair {
     pub(super) light: [f32; WIDE],
-    /// Colour of the surface without the texture, if it varies.
+    /// Surface colour without the texture, by channel. Only valid if vertices have colours.
     pub(super) color: [[f32; WIDE]; 3],
     pub(super) rows: [QueuedRow; 2],
 }
 
-/// Destination of eight colours.
+/// Destination of the colours of up to eight adjacent samples.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct QueuedRow {
-    /// Index of the first sample in the rows that the tile is drawn into.
+    /// Index of the first sample in the destination rows.
     start: u32,
-    /// Number of samples that lie within the picture.
+    /// Number of samples that lie within the picture, 1 to 8.
     count: u16,
-    /// Bit mask of the samples that are written.
+    /// Bit mask of the samples to write.
     mine: u16,
 }
 
 impl QueuedRow {
-    /// Creates a row of `count` samples that lie within the picture, one to eight. Those selected by `mine` are
+    /// Creates a destination of `count` samples that lie within the picture, 1 to 8. Those selected by `mine` are
     /// written.
     #[inline(always)]
     pub(super) fn new(start: usize, count: usize, mine: u32) -> Self {
         Self { start: start as u32, count: count as u16, mine: (mine & (ALL >> (LANES - count))) as u16 }
     }
 
-    /// Returns the same samples of a row that lies `pixels` pixels farther on.
+    /// Returns the same destination, moved forward by `pixels` pixels in memory.
     #[inline(always)]
     pub(super) fn after(self, pixels: usize) -> Self {
         Self { start: self.start + pixels as u32, ..self }
     }
 
-    /// Returns the row without any sample that is written.
+    /// Returns the same destination, with no sample selected for writing.
     #[inline(always)]
     pub(super) fn none(self) -> Self {
         Self { mine: 0, ..self }
     }
 
-    /// Returns the index range of the samples in the destination rows.
+    /// Returns the index range of the samples within the destination rows.
     #[inline(always)]
     fn pixels(&self) -> Range<usize> {
         let start = self.start as usize;
         start..start + usize::from(self.count)
     }
 
-    /// Returns the number of samples that are written.
+    /// Returns the number of samples to write.
     #[inline(always)]
     fn written(&self) -> u32 {
         self.mine.count_ones()
     }
 }
 
-/// Returns room in the queue for pairs of rows of a shader. Flushes the queue first if it is full or holds rows of
-/// another shader.
+/// Reserves space in the queue for `pairs` pairs of rows of one shader. Flushes the queue first if it is full or holds
+/// rows of another shader. Returns the pairs, their texture taps, and their taps in the coarser mip level, which are
+/// empty without mip-mapping.
 #[inline(always)]
 pub(super) fn make_room<'q, S: Simd>(
     simd: S,
@@ -122,7 +123,7 @@ pub(super) fn make_room<'q, S: Simd>(
     (&mut queue.pairs[from..queue.len], &mut queue.taps[from..queue.len], coarse)
 }
 
-/// Reads the texels of all rows of the queue, finishes their colours and writes them.
+/// Reads the texels of all rows in the queue, computes their final colours and writes them to `pixels`.
 #[inline(never)]
 pub(super) fn flush<S: Simd>(simd: S, frame: &TiledFrame<'_>, queue: &mut Queue, pixels: &mut [Rgba8]) {
     simd.vectorize(
@@ -162,8 +163,9 @@ pub(super) fn flush<S: Simd>(simd: S, frame: &TiledFrame<'_>, queue: &mut Queue,
     );
 }
 
-/// [`finish_pair`] for pairs of rows of the most common plan. The shader and the texture are copies that stores cannot
-/// alias, so they are loaded once for all pairs. Whether texels are gathered is decided before the loop.
+/// Finishes pairs of rows of the most common plan by [`finish_pair`]. The shader and the texture are copies that stores
+/// cannot alias, so they are loaded once for all pairs. The caller decides outside the loop whether to use hardware
+/// gathers.
 #[inline(always)]
 fn finish_common<S: Simd>(
     simd: S,
@@ -178,7 +180,7 @@ fn finish_common<S: Simd>(
     }
 }
 
-/// [`finish_pair`] for pairs of rows of a blended draw.
+/// Finishes pairs of rows of a blended draw by [`finish_pair`].
 #[inline(never)]
 fn finish_blended<S: Simd>(
     simd: S,
@@ -197,7 +199,8 @@ fn finish_blended<S: Simd>(
     );
 }
 
-/// [`finish_pair`] for pairs of rows of a mip-mapped draw. Returns the number of texels read from coarser mip levels.
+/// Finishes pairs of rows of a mip-mapped draw by [`finish_pair`]. Returns the number of texels read from coarser mip
+/// levels.
 #[inline(never)]
 fn finish_mipmapped<S: Simd>(
     simd: S,
@@ -220,7 +223,7 @@ fn finish_mipmapped<S: Simd>(
     )
 }
 
-/// Multiplies colour, texture and light, and writes the encoded pixels.
+/// Computes surface colour × texture × light for a pair of rows, and writes the encoded pixels.
 #[inline(always)]
 fn finish_pair<S: Simd>(
     simd: S,
@@ -237,7 +240,8 @@ fn finish_pair<S: Simd>(
     }
     match plan.space {
         ColorSpace::Bytes => {
-            // Row by row and register by register: narrower registers cannot hold the data of all sixteen samples.
+            // Row by row and register by register, because narrower registers cannot hold the data of all sixteen
+            // samples.
             for start in (0..WIDE).step_by(LANES.max(S::f32s::LEN)) {
                 let rows = start..start + LANES.max(S::f32s::LEN);
                 for first in rows.clone().step_by(S::f32s::LEN) {
@@ -285,7 +289,7 @@ fn finish_pair<S: Simd>(
     }
 }
 
-/// Returns the colour and the opacity of the surface, without the texture, at samples from `first` on.
+/// Returns the surface colour and the opacity, without the texture, at the samples starting at `first`.
 #[inline(always)]
 fn surface_color<S: Simd, F: SimdFloat<S, Element = f32>>(
     simd: S,
@@ -304,7 +308,7 @@ fn surface_color<S: Simd, F: SimdFloat<S, Element = f32>>(
     [r, g, b, alpha]
 }
 
-/// Multiplies colours by the texture. Factors of one are skipped.
+/// Multiplies surface colours by texels. Skips the product of the colours if the surface is white.
 #[inline(always)]
 fn textured<S: Simd, F: SimdFloat<S>>(plan: ShadingPlan, [r, g, b, alpha]: [F; 4], texel: [F; 4]) -> [F; 4] {
     let white = !plan.tinted && !plan.colored;
@@ -313,7 +317,7 @@ fn textured<S: Simd, F: SimdFloat<S>>(plan: ShadingPlan, [r, g, b, alpha]: [F; 4
     [red, green, blue, alpha * texel[3]]
 }
 
-/// Multiplies colours by the light, at samples from `first` on.
+/// Multiplies colours by the light at the samples starting at `first`. Alpha is unchanged.
 #[inline(always)]
 fn lit<S: Simd, F: SimdFloat<S, Element = f32>>(
     simd: S,
@@ -329,7 +333,7 @@ fn lit<S: Simd, F: SimdFloat<S, Element = f32>>(
     [r * light, g * light, b * light, alpha]
 }
 
-/// Blends colours over those behind them.
+/// Blends colours over the colours in `below`, weighted by alpha.
 #[inline(always)]
 fn over<S: Simd, F: SimdFloat<S, Element = f32>>(simd: S, [r, g, b, alpha]: [F; 4], below: [F; 3]) -> [F; 4] {
     let rest = F::splat(simd, 1.0) - alpha;
@@ -338,7 +342,8 @@ fn over<S: Simd, F: SimdFloat<S, Element = f32>>(simd: S, [r, g, b, alpha]: [F; 
     [red, green, blue, alpha]
 }
 
-/// Reads the codes of eight pixels, as far as they lie within the picture; no-op if none is written.
+/// Reads the 8-bit RGBA colours of up to eight pixels that lie within the picture. Does nothing if none of them is
+/// written later.
 fn read_row(row: &QueuedRow, pixels: &[Rgba8], codes: &mut [u32]) {
     if row.mine == 0 {
         return;
@@ -372,7 +377,7 @@ fn write_row<S: Simd>(simd: S, codes: u32x8<S>, row: &QueuedRow, pixels: &mut [R
     codes.bitcast::<u8x32<S>>().store_slice(bytes);
 }
 
-/// [`crate::image::color::quantize`] for the channels of colours, as opaque pixels.
+/// Quantises colours like [`crate::image::color::quantize`], and packs them into opaque pixels.
 #[inline(always)]
 fn pack<S: Simd>(simd: S, [r, g, b, _]: [S::f32s; 4]) -> S::u32s {
     let scaled = each!(channel in [r, g, b] => channel * 255.0 + 0.5);
@@ -419,7 +424,8 @@ mod x86 {
     }
 
     kernel! {
-        /// Truncates, clamps and packs red, green and blue into sixteen opaque pixels.
+        /// Truncates red, green and blue toward zero, clamps them to [0, 255] and packs them into sixteen opaque
+        /// pixels.
         #[inline]
         pub(super) fn sixteen_opaque(avx512: Avx512, channels: [__m512; 3]) -> __m512i {
             let largest = _mm512_set1_ps(255.0);
@@ -432,7 +438,7 @@ mod x86 {
     }
 }
 
-/// Encodes colours in linear light as sRGB and packs them.
+/// Encodes colours in linear light as sRGB, and packs them into opaque pixels.
 #[inline(always)]
 fn encode<S: Simd>(simd: S, color: [f32x16<S>; 4]) -> u32x16<S> {
     let tables = Tables::get();
@@ -446,7 +452,7 @@ mod tests {
     use crate::image::color::quantize;
 
     #[test]
-    fn colors_are_packed_as_they_are_quantized() {
+    fn packed_colors_equal_quantized_colors() {
         let mut random = fastrand::Rng::with_seed(5);
         let unusual = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e30, -1e30, -0.0, 1.0, -0.002, 1.002, 0.998];
         let mut channel = || match random.usize(..3) {

@@ -1,4 +1,4 @@
-//! Triangle data that tile shading reads, in the order in which lanes load it.
+//! Per-triangle data that the shading of a tile reads, laid out for SIMD loads.
 
 use super::bins::TriangleKey;
 use super::geometry::PackedSurface;
@@ -6,10 +6,10 @@ use super::setup::EdgeFunctions;
 use crate::math::fixed::SUBPIXELS;
 use crate::math::lanes::*;
 
-/// Four numbers that are loaded together.
+/// Four floats that are loaded together.
 pub(super) type Quad = [f32; 4];
 
-/// Triangle data for one tile.
+/// Shading data of one triangle in one tile: edge functions, 1/w, texture coordinates and light.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(16))]
 pub(super) struct Record {
@@ -17,19 +17,22 @@ pub(super) struct Record {
 }
 
 impl Record {
-    /// Quad of a, b and c of the first edge and the doubled area, as the low 32 bits of integers.
+    /// Index of the quad with a, b and c of the first edge function and the doubled area, as the low 32 bits of
+    /// integers.
     const FIRST_EDGE: usize = 0;
-    /// Quad of a, b and c of the second edge, likewise, and the relative 1/w of the first vertex as a float.
+    /// Index of the quad with a, b and c of the second edge function, as the low 32 bits of integers, and the relative
+    /// 1/w of the first vertex, as a float.
     const SECOND_EDGE: usize = 1;
-    /// Quad of the relative 1/w of the other vertices, and the texture coordinates of the first.
+    /// Index of the quad with the relative 1/w of the second and third vertex, and u and v at the first vertex.
     const INV_W_AND_UV: usize = 2;
-    /// Quad of the changes of u from the first vertex to each of the others, and of those of v.
+    /// Index of the quad with the differences of u, then those of v, from the first vertex to the second and third.
     const UV_DELTAS: usize = 3;
-    /// Quad of the light at the first vertex, and its changes to each of the others.
+    /// Index of the quad with the light at the first vertex and its differences to the second and third. The last
+    /// number is unused.
     const LIGHT: usize = 4;
     const QUADS: usize = 5;
 
-    /// Returns a, b and c of the first two edges, and the doubled area: low 32 bits.
+    /// Returns a, b and c of the first two edge functions, and the doubled area, as the low 32 bits of integers.
     #[inline(always)]
     pub(super) fn integer_edges(&self) -> ([i32; 3], [i32; 3], i32) {
         let [a0, b0, c0, area] = self.quads[Self::FIRST_EDGE].map(|bits| bits.to_bits() as i32);
@@ -37,9 +40,11 @@ impl Record {
         ([a0, b0, c0], [a1, b1, c1], area)
     }
 
-    /// Fills the records of eight triangles: two edges (a, b, c) and the doubled area as low 32 bits, and the vertices'
-    /// 1/w, light and texture coordinates. `divides_by_w` has a bit for each triangle whose attributes are divided by
-    /// w.
+    /// Fills the records of eight triangles.
+    ///
+    /// `edges` are a, b and c of the first two edge functions. They and the doubled areas are the low 32 bits of
+    /// integers. `corners` are 1/w, light, u and v of each vertex. `divides_by_w` selects the triangles with
+    /// perspective division.
     #[inline(always)]
     pub(super) fn fill_eight<S: Simd>(
         simd: S,
@@ -75,7 +80,8 @@ impl Record {
     }
 }
 
-/// Returns [`crate::pipeline::viewport::relative_inv_w`] of eight triangles; 1 for triangles without a bit.
+/// Returns [`crate::pipeline::viewport::relative_inv_w`] of eight triangles, or 1 for those that `divides_by_w` does
+/// not select.
 #[inline(always)]
 fn relative_inv_w<S: Simd>(simd: S, inv_w: [F32<S>; 3], divides_by_w: u64) -> [F32<S>; 3] {
     let largest = inv_w[0].max(inv_w[1]).max(inv_w[2]);
@@ -83,7 +89,7 @@ fn relative_inv_w<S: Simd>(simd: S, inv_w: [F32<S>; 3], divides_by_w: u64) -> [F
     each!(i in [0, 1, 2] => divides.select((inv_w[i] / largest).max(f32::MIN_POSITIVE), F32::splat(simd, 1.0)))
 }
 
-/// Further triangle data that shading reads, normals and colours, in frames with a draw that needs it.
+/// Normals and colours of one triangle for shading. Filled only in frames in which a draw reads them.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(16))]
 pub(super) struct SurfaceRecord {
@@ -91,14 +97,15 @@ pub(super) struct SurfaceRecord {
 }
 
 impl SurfaceRecord {
-    /// First of three quads: each has a component of the normal at the first vertex, and its changes to each of the
-    /// others.
+    /// Index of the first of three quads, one per component of the normal: its value at the first vertex, and its
+    /// differences to the second and third.
     const NORMAL: usize = 0;
-    /// First of three quads: each has a channel of the colour, likewise.
+    /// Index of the first of three quads, one per colour channel: its value at the first vertex, and its differences to
+    /// the second and third.
     const COLOR: usize = 3;
     const QUADS: usize = 6;
 
-    /// Fills the normals or the colours of the records of eight triangles.
+    /// Fills the normals or the colours, selected by `part`, in the records of eight triangles.
     #[inline(always)]
     pub(super) fn fill_eight<S: Simd>(
         simd: S,
@@ -123,56 +130,56 @@ impl SurfaceRecord {
     }
 }
 
-/// Part of a [`SurfaceRecord`].
+/// Part of a [`SurfaceRecord`] that is filled on its own.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum SurfacePart {
     Normal,
     Color,
 }
 
-/// One triangle for which samples are shaded.
+/// Triangle whose samples are shaded.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ShadedTriangle<'a> {
     pub(super) one: One<'a>,
     pub(super) key: TriangleKey,
-    /// Index in the list of draws.
+    /// Index of the triangle's draw in the frame's list of draws.
     pub(super) draw: usize,
-    /// Edges as doubles, if edge values exceed 32 bits or the samples are not shaded on lanes.
+    /// Edge functions in f64, if edge values exceed 32 bits or no SIMD kernel supports the shading.
     pub(super) edges: Option<&'a EdgeFunctions>,
 }
 
-/// An attribute at the first vertex, and its changes to each of the others.
+/// Interpolated attribute: its value at the first vertex, and its differences to the second and third.
 #[derive(Clone, Copy)]
 pub(super) struct Attribute<S: Simd>(f32x16<S>, f32x16<S>, f32x16<S>);
 
 impl<S: Simd> Attribute<S> {
-    /// Returns the attribute at samples with these weights of the second and the third vertex.
+    /// Returns the attribute at samples with these weights of the second and third vertex.
     #[inline(always)]
     pub(super) fn at(self, weights: [f32x16<S>; 2]) -> f32x16<S> {
         self.0 + self.1 * weights[0] + self.2 * weights[1]
     }
 
-    /// Returns the change of the attribute for a change of the weights.
+    /// Returns the change of the attribute for a given change of the weights.
     #[inline(always)]
     pub(super) fn change(self, weights: [f32x16<S>; 2]) -> f32x16<S> {
         self.1 * weights[0] + self.2 * weights[1]
     }
 }
 
-/// Source of the triangle data for 16 samples.
+/// Source of the triangle data for sixteen samples.
 pub(super) trait TriangleSource: Copy {
-    /// Step between the samples whose texels are prefetched, from the first sample on, as texels may lie far apart.
-    /// `None` if prefetches take longer than the cache misses that they avoid.
+    /// Step between the samples whose texels are prefetched; 1 prefetches the texels of every sample. `None` if
+    /// prefetching takes longer than the cache misses that it avoids.
     const PREFETCH_STEP: Option<usize>;
 
-    /// Returns a quad of the [`Record`] of each sample's triangle.
+    /// Returns the quad with index `quad` in the [`Record`] of each sample's triangle.
     fn quad<S: Simd>(self, simd: S, quad: usize) -> [f32x16<S>; 4];
 
-    /// Returns a quad of the [`SurfaceRecord`] of each sample's triangle.
+    /// Returns the quad with index `quad` in the [`SurfaceRecord`] of each sample's triangle.
     fn surface_quad<S: Simd>(self, simd: S, quad: usize) -> [f32x16<S>; 4];
 
-    /// Returns a, b and c of the first two edges and the doubled areas, for triangles whose edge values fit into 32
-    /// bits.
+    /// Returns a, b and c of the first two edge functions, and the doubled areas. Valid only for triangles whose edge
+    /// values fit into 32 bits.
     #[inline(always)]
     fn integer_edges<S: Simd>(self, simd: S) -> ([[i32x16<S>; 3]; 2], i32x16<S>) {
         let (first, second) = (self.quad(simd, Record::FIRST_EDGE), self.quad(simd, Record::SECOND_EDGE));
@@ -180,8 +187,8 @@ pub(super) trait TriangleSource: Copy {
         (edges, first[3].bitcast::<i32x16<S>>())
     }
 
-    /// Returns the edge values of triangles whose edge values fit into 32 bits, at offsets from the tile's first
-    /// sample, in grid steps. Valid only where a triangle covers its sample.
+    /// Returns the edge values at positions relative to the tile's first sample, in steps of 1/256 px. Valid only if
+    /// they fit into 32 bits and the triangle covers its sample.
     #[inline(always)]
     fn edge_values<S: Simd>(self, simd: S, [x, y]: [i32x16<S>; 2]) -> [i32x16<S>; 3] {
         let (edges, area) = self.integer_edges(simd);
@@ -189,7 +196,7 @@ pub(super) trait TriangleSource: Copy {
         [first, second, area - first - second]
     }
 
-    /// Returns 1/w of the vertices relative to the largest.
+    /// Returns 1/w of the three vertices, divided by the largest of them.
     #[inline(always)]
     fn relative_inv_w<S: Simd>(self, simd: S) -> [f32x16<S>; 3] {
         let [_, _, _, r0] = self.quad(simd, Record::SECOND_EDGE);
@@ -197,7 +204,7 @@ pub(super) trait TriangleSource: Copy {
         [r0, r1, r2]
     }
 
-    /// Returns the change of the edge values per pixel to the right, and per pixel down.
+    /// Returns the changes of the edge values per pixel to the right and per pixel down.
     #[inline(always)]
     fn edge_slopes<S: Simd>(self, simd: S) -> [[f32x16<S>; 3]; 2] {
         let (first, second) = (self.quad(simd, Record::FIRST_EDGE), self.quad(simd, Record::SECOND_EDGE));
@@ -208,7 +215,7 @@ pub(super) trait TriangleSource: Copy {
         })
     }
 
-    /// Returns the texture coordinates, v down.
+    /// Returns the texture coordinates u and v, with v pointing down.
     #[inline(always)]
     fn uv<S: Simd>(self, simd: S) -> [Attribute<S>; 2] {
         let [_, _, u, v] = self.quad(simd, Record::INV_W_AND_UV);
@@ -216,26 +223,26 @@ pub(super) trait TriangleSource: Copy {
         [Attribute(u, du1, du2), Attribute(v, dv1, dv2)]
     }
 
-    /// Returns the light of Gouraud shading.
+    /// Returns the light of Gouraud shading, which is computed at the vertices.
     #[inline(always)]
     fn light<S: Simd>(self, simd: S) -> Attribute<S> {
         let [base, first, second, _] = self.quad(simd, Record::LIGHT);
         Attribute(base, first, second)
     }
 
-    /// Returns the world-space normal, by component.
+    /// Returns the x, y and z components of the world-space normal.
     #[inline(always)]
     fn normal<S: Simd>(self, simd: S) -> [Attribute<S>; 3] {
         each!(axis in [0, 1, 2] => self.surface_attribute(simd, SurfaceRecord::NORMAL + axis))
     }
 
-    /// Returns the vertex colour, by channel.
+    /// Returns the red, green and blue channels of the vertex colour.
     #[inline(always)]
     fn color<S: Simd>(self, simd: S) -> [Attribute<S>; 3] {
         each!(channel in [0, 1, 2] => self.surface_attribute(simd, SurfaceRecord::COLOR + channel))
     }
 
-    /// Returns the attribute in a quad of the [`SurfaceRecord`].
+    /// Returns the attribute in the quad with index `quad` of the [`SurfaceRecord`].
     #[inline(always)]
     fn surface_attribute<S: Simd>(self, simd: S, quad: usize) -> Attribute<S> {
         let [base, first, second, _] = self.surface_quad(simd, quad);
@@ -243,7 +250,7 @@ pub(super) trait TriangleSource: Copy {
     }
 }
 
-/// Source of samples that all belong to one triangle.
+/// Source of the triangle data for samples that all belong to one triangle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct One<'a> {
     pub(super) record: &'a Record,
@@ -264,7 +271,7 @@ impl TriangleSource for One<'_> {
     }
 }
 
-/// Source of samples that each belong to a triangle of their own.
+/// Source of the triangle data for samples that may all belong to different triangles.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Many<'a> {
     records: [&'a Record; WIDE],
@@ -290,22 +297,22 @@ impl TriangleSource for Many<'_> {
     }
 }
 
-/// A triangle in a tile's bin.
+/// Entry of a tile's bin: a triangle that may cover samples of the tile.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BinEntry {
     pub(super) key: TriangleKey,
-    /// Index in the list of draws.
+    /// Index of the triangle's draw in the frame's list of draws.
     pub(super) draw: u32,
 }
 
-/// Index of an [`BinEntry`] of a tile, with a bit for edge values that exceed 32 bits.
+/// Index of a [`BinEntry`] in a tile's bin, with a flag bit for edge values that exceed 32 bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Slot(pub(super) u32);
 
 impl Slot {
-    /// No triangle: the background.
+    /// Slot of samples that show the background.
     pub(super) const NONE: Self = Self(u32::MAX);
-    /// Bit of triangles whose edge values exceed 32 bits.
+    /// Flag bit of triangles whose edge values may exceed 32 bits.
     pub(super) const LARGE: u32 = 1 << 31;
 
     #[inline(always)]
@@ -313,104 +320,104 @@ impl Slot {
         Self(place as u32 | if is_large { Self::LARGE } else { 0 })
     }
 
-    /// Returns the index in the tile's bin.
+    /// Returns the index of the entry in the tile's bin.
     #[inline(always)]
     pub(super) fn place(self) -> usize {
         (self.0 & !Self::LARGE) as usize
     }
 
-    /// Whether edge values exceed 32 bits.
+    /// Returns `true` if edge values of the triangle may exceed 32 bits.
     #[inline(always)]
     pub(super) fn is_large(self) -> bool {
         self.0 & Self::LARGE != 0
     }
 }
 
-/// A tile's bin: its triangles in order, with the data that shading reads.
+/// Bin of a tile: its triangles in submission order, with the data that shading reads.
 #[derive(Clone, Debug, Default)]
 pub(super) struct TileBin {
     list: Vec<BinEntry>,
-    /// Records, one per triangle, and some unused ones.
+    /// Record of each triangle. There may be unused records at the end.
     records: Vec<Record>,
-    /// Surface records, likewise, in frames that read them.
+    /// Surface record of each triangle, in frames that read any. There may be unused records at the end.
     surfaces: Vec<SurfaceRecord>,
 }
 
 impl TileBin {
-    /// Removes all triangles.
+    /// Removes all triangles, but keeps the memory.
     pub(super) fn clear(&mut self) {
         self.list.clear();
     }
 
-    /// Returns the number of bytes held.
+    /// Returns the memory use in bytes.
     pub(super) fn bytes(&self) -> usize {
         self.list.capacity() * size_of::<BinEntry>()
             + self.records.capacity() * size_of::<Record>()
             + self.surfaces.capacity() * size_of::<SurfaceRecord>()
     }
 
-    /// Appends triangles of one draw.
+    /// Appends the triangles of one draw, given by their keys.
     #[inline(always)]
     pub(super) fn extend(&mut self, keys: &[TriangleKey], draw: usize) {
         self.list.extend(keys.iter().map(|key| BinEntry { key: *key, draw: draw as u32 }));
     }
 
-    /// Returns the record of a triangle.
+    /// Returns the shading record of a triangle.
     #[inline(always)]
     pub(super) fn record(&self, slot: Slot) -> &Record {
         &self.records[slot.place()]
     }
 
-    /// Returns the surface record of a triangle; zeros in frames that read none.
+    /// Returns the surface record of a triangle; all zeros in frames that read none.
     #[inline(always)]
     pub(super) fn surface(&self, slot: Slot) -> &SurfaceRecord {
         self.surfaces.get(slot.place()).unwrap_or(const { &SurfaceRecord { quads: [[0.0; 4]; SurfaceRecord::QUADS] } })
     }
 
-    /// Returns the number of triangles.
+    /// Returns the number of triangles in the bin.
     #[inline(always)]
     pub(super) fn len(&self) -> usize {
         self.list.len()
     }
 
-    /// Returns a triangle of the bin.
+    /// Returns the bin entry of a triangle.
     #[inline(always)]
     pub(super) fn get(&self, slot: Slot) -> BinEntry {
         self.list[slot.place()]
     }
 
-    /// Returns up to `most` triangles from `first` on.
+    /// Returns up to `most` bin entries, starting at index `first`.
     #[inline(always)]
     pub(super) fn group(&self, first: usize, most: usize) -> &[BinEntry] {
         &self.list[first..(first + most).min(self.list.len())]
     }
 
-    /// Returns the records of eight triangles from `first` on, to be filled.
+    /// Returns the records of eight triangles, starting at index `first`, to be filled.
     #[inline(always)]
     pub(super) fn eight_records(&mut self, first: usize) -> Option<&mut [Record; LANES]> {
         eight(&mut self.records, first)
     }
 
-    /// Returns the surface records of eight triangles from `first` on, to be filled.
+    /// Returns the surface records of eight triangles, starting at index `first`, to be filled.
     #[inline(always)]
     pub(super) fn eight_surfaces(&mut self, first: usize) -> Option<&mut [SurfaceRecord; LANES]> {
         eight(&mut self.surfaces, first)
     }
 
-    /// Returns a triangle to shade samples for, without edges as doubles.
+    /// Returns a triangle for shading, without edge functions in f64.
     #[inline(always)]
     pub(super) fn subject(&self, slot: Slot) -> ShadedTriangle<'_> {
         let BinEntry { key, draw } = self.get(slot);
         ShadedTriangle { one: self.one(slot), key, draw: draw as usize, edges: None }
     }
 
-    /// Returns the source of samples of one triangle.
+    /// Returns the data source for samples that all belong to one triangle.
     #[inline(always)]
     pub(super) fn one(&self, slot: Slot) -> One<'_> {
         One { record: self.record(slot), surface: self.surface(slot) }
     }
 
-    /// Returns the source of samples of sixteen triangles.
+    /// Returns the data source for sixteen samples, given the slot of each sample's triangle.
     #[inline(always)]
     pub(super) fn many<'a>(&'a self, slots: &'a [u32; WIDE]) -> Many<'a> {
         let records = each!(i in [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15] => self.record(Slot(slots[i])));
@@ -418,7 +425,7 @@ impl TileBin {
     }
 }
 
-/// Returns eight items from `first` on of a list that grows as needed.
+/// Returns eight items of a list, starting at index `first`. Grows the list as needed.
 #[inline(always)]
 fn eight<T: Clone + Default>(list: &mut Vec<T>, first: usize) -> Option<&mut [T; LANES]> {
     if list.len() < first + LANES {

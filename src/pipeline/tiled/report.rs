@@ -1,21 +1,23 @@
-//! Report of a frame drawn by tiles.
+//! Report of a frame drawn by tiled execution.
 
 use std::ops::AddAssign;
 use std::time::Duration;
 
 use crate::pipeline::plan::DrawPlan;
 
-/// Wall-clock time of each stage. All threads draw and shade tiles in turn: the time of both is divided in proportion
+/// Wall-clock time of each stage of a frame.
+///
+/// Each thread rasterizes and shades tiles in alternation. The wall-clock time of both stages is divided in proportion
 /// to the thread time spent on each.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct TiledTimes {
-    /// Planning and vertex processing.
+    /// Time of planning and vertex processing.
     pub(crate) transform: Duration,
-    /// Culling, clipping and binning.
+    /// Time of culling, clipping and binning.
     pub(crate) cull: Duration,
-    /// Coverage and depth.
+    /// Time of rasterization: coverage and depth.
     pub(crate) rasterize: Duration,
-    /// Interpolation and shading.
+    /// Time of interpolation and shading.
     pub(crate) shade: Duration,
 }
 
@@ -29,38 +31,38 @@ impl AddAssign for TiledTimes {
     }
 }
 
-/// Counts of triangles, vertices, samples and texels of a frame.
+/// Work counts of a frame: triangles, vertices, samples and texels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TiledCounts {
-    /// Triangles in the scene.
+    /// Number of triangles in the scene.
     pub(crate) triangles_in: u64,
-    /// Triangles in draws that are not entirely outside the view.
+    /// Number of triangles in draws that are not entirely outside the view.
     pub(crate) considered: u64,
-    /// Triangles, and pieces of clipped ones, that pass facing culling.
+    /// Number of triangles that pass face culling, including pieces of clipped triangles.
     pub(crate) rasterized: u64,
-    /// Rasterized triangles that may contain a sample.
+    /// Number of rasterized triangles that may contain a sample.
     pub(crate) kept: u64,
-    /// Bin entries: pairs of a triangle and a tile.
+    /// Number of bin entries: pairs of a triangle and a tile.
     pub(crate) binned: u64,
-    /// Samples tested individually.
+    /// Number of samples whose coverage was tested individually.
     pub(crate) visited: u64,
-    /// Samples accepted in whole blocks.
+    /// Number of samples in blocks that were accepted as a whole.
     pub(crate) uniform: u64,
-    /// Vertices transformed.
+    /// Number of vertices transformed.
     pub(crate) vertices: u64,
-    /// Samples shaded.
+    /// Number of samples shaded.
     pub shaded: u64,
-    /// Texels read.
+    /// Number of texels read.
     pub texels: u64,
 }
 
-/// Report of a finished frame.
+/// Report of a finished frame: draw plans, stage times and work counts.
 #[derive(Clone, Debug, Default)]
 pub struct TiledReport {
-    /// One plan per instance.
+    /// Draw plan of each instance.
     pub(crate) plans: Vec<DrawPlan>,
-    /// Time of each stage.
+    /// Wall-clock time of each stage.
     pub(crate) times: TiledTimes,
-    /// Counts of the frame.
+    /// Work counts of the frame.
     pub counts: TiledCounts,
 }

@@ -1,31 +1,31 @@
 //! Distribution of tiles over threads.
 //!
-//! If a picture has many rows of tiles per thread, a thread takes a row and draws straight into the picture. Otherwise
-//! some threads would wait for the last rows of others. A thread then takes a few tiles of a row, draws each in private
-//! memory and copies it. A single thread never waits, and takes rows.
+//! If the picture has many rows of tiles per thread, a thread takes whole rows and draws directly into the picture.
+//! Otherwise some threads would idle while others draw the last rows. A thread then takes a few tiles of a row, draws
+//! each of them in private memory and copies it into the picture. A single thread never idles, so it takes whole rows.
 
 use std::cmp::Reverse;
 use std::ops::Range;
 
 use super::bins::Chunk;
 
-/// Rows of tiles per thread from which whole rows balance the load. Shorter runs would then gain less than their copies
-/// cost.
+/// Number of rows of tiles per thread at or above which whole rows balance the load. Shorter runs would then gain less
+/// than copying their tiles costs.
 const ROWS_PER_THREAD: usize = 8;
 
-/// Runs per thread if there are fewer rows.
+/// Number of runs per thread, if there are fewer than [`ROWS_PER_THREAD`] rows per thread.
 const RUNS_PER_THREAD: usize = 16;
 
-/// Adjacent tiles that one thread draws in sequence, because they often share triangles.
+/// Adjacent tiles that one thread draws in sequence, because such tiles often share triangles.
 pub(super) struct TileRun {
     pub(super) row: usize,
     pub(super) columns: Range<usize>,
-    /// Number of triangles in the bins of the tiles.
+    /// Number of triangles in the bins of all tiles of the run.
     pub(super) load: usize,
 }
 
-/// Divides all tiles, given as columns and rows, into runs: whole rows, or shorter ones. Runs with the most work come
-/// first, so that no thread starts one when the others are done.
+/// Divides a picture of `columns` × `rows` tiles into runs: whole rows, or parts of rows. Runs with the most work come
+/// first, so that no thread starts a long one when all others are done.
 pub(super) fn split_into_runs(chunks: &[Chunk], (columns, rows): (usize, usize), threads: usize) -> Vec<TileRun> {
     let runs_per_row = if rows >= threads * ROWS_PER_THREAD || threads == 1 {
         1
@@ -55,7 +55,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rows_are_cut_where_there_are_few_for_each_thread() {
+    fn rows_are_split_if_there_are_few_per_thread() {
         let lengths = |tiles, threads| {
             split_into_runs(&[], tiles, threads).iter().map(|run| run.columns.len()).collect::<Vec<_>>()
         };

@@ -1,4 +1,4 @@
-//! Sample positions of a tile: on a lattice, or jittered around the points of one.
+//! Sample positions of a tile: on a regular lattice, or jittered around its points.
 //!
 //! In fixed point, a sample's offset from its lattice point changes each edge value by an integer. Edge values of
 //! samples off the lattice therefore stay exact.
@@ -9,16 +9,16 @@ use super::setup::EdgeFunctions;
 use super::tile::{ROWS, STRIDE};
 use crate::math::lanes::*;
 
-/// Sample positions, one for each point of a lattice.
+/// Sample positions in a tile, one for each point of a lattice.
 pub(super) trait SamplePositions: Copy {
-    /// Whether all samples are the lattice points themselves.
+    /// Whether all samples lie exactly on the lattice points.
     const ON_LATTICE: bool;
 
-    /// Returns the lattice, whose blocks extend as far as any of their samples.
+    /// Returns the lattice. Its blocks are large enough to contain all their samples.
     fn lattice(&self) -> &TileLattice;
 
-    /// Returns the edge values at eight samples of a row from those at the points. `first` is the column and row of the
-    /// first.
+    /// Converts the edge values at eight lattice points of a row to those at their samples. `first` is the column and
+    /// row of the first sample.
     fn jittered<S: Simd, E: EdgeNumber>(
         self,
         simd: S,
@@ -27,7 +27,7 @@ pub(super) trait SamplePositions: Copy {
         first: (usize, usize),
     ) -> [E::Eight<S>; 3];
 
-    /// [`SamplePositions::jittered`] for four samples of a row and the four below.
+    /// Converts edge values like [`SamplePositions::jittered`], for four samples of a row and the four below.
     fn jittered_in_two_rows<S: Simd, E: EdgeNumber>(
         self,
         simd: S,
@@ -36,8 +36,8 @@ pub(super) trait SamplePositions: Copy {
         first: (usize, usize),
     ) -> [E::Eight<S>; 3];
 
-    /// Returns the positions of eight samples of each of two rows, from a column on: right of and below the centre of
-    /// the tile's first pixel, in grid steps.
+    /// Returns the positions of eight samples in each of two rows, starting at `column`. They are right of and below
+    /// the centre of the tile's first pixel, in steps of 1/256 px.
     fn positions<S: Simd>(self, simd: S, column: usize, rows: [usize; 2]) -> [i32x16<S>; 2];
 }
 
@@ -82,28 +82,28 @@ impl SamplePositions for &TileLattice {
     }
 }
 
-/// Offsets of a tile's samples right of and below the points of a lattice, in grid steps. Memory is reused from tile to
-/// tile.
+/// Offsets of a tile's samples right of and below the lattice points, in steps of 1/256 px. The memory is reused from
+/// tile to tile.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Offsets {
-    /// Offsets along each axis, by row and column as in a [`super::tile::Tile`].
+    /// Offsets along each axis, in the memory layout of a [`super::tile::Tile`].
     along: [Vec<f32>; 2],
 }
 
 impl Offsets {
-    /// Returns the number of bytes held.
+    /// Returns the memory use in bytes.
     pub(super) fn bytes(&self) -> usize {
         self.along.iter().map(|offsets| offsets.capacity() * size_of::<f32>()).sum()
     }
 
-    /// Makes room for a tile.
+    /// Allocates memory for the offsets of a tile.
     pub(super) fn reserve(&mut self) {
         for offsets in &mut self.along {
             offsets.resize(STRIDE * ROWS, 0.0);
         }
     }
 
-    /// Returns the offsets of a row, to be filled.
+    /// Returns the offsets of a row along each axis, to be filled.
     pub(super) fn row_mut(&mut self, row: usize) -> [&mut [f32]; 2] {
         self.along.each_mut().map(|offsets| &mut offsets[row * STRIDE..][..TILE])
     }
@@ -123,11 +123,11 @@ impl Offsets {
     }
 }
 
-/// Jittered samples, at a different position in each pixel.
+/// Jittered sample positions, different in each pixel.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct JitteredPositions<'a> {
     pub(super) lattice: &'a TileLattice,
-    /// Offsets from the lattice points to the samples.
+    /// Offsets of the samples from the lattice points.
     pub(super) offsets: &'a Offsets,
 }
 
@@ -169,7 +169,7 @@ impl SamplePositions for JitteredPositions<'_> {
     }
 }
 
-/// Returns edge values at offsets from where they are known. Their sum, the doubled area, is unchanged.
+/// Returns edge values after moving each sample by an offset. Their sum, the doubled area, is unchanged.
 #[inline(always)]
 fn moved<S: Simd, E: EdgeNumber>(
     simd: S,
@@ -182,17 +182,17 @@ fn moved<S: Simd, E: EdgeNumber>(
     [e[0] + first, e[1] + second, e[2] - (first + second)]
 }
 
-/// Edge values at eight points, row by row. They are integers, so stepping adds no error.
+/// Edge values at eight lattice points in successive rows. They are integers, so incremental steps add no error.
 pub(super) struct EdgeValueRows<S: Simd, E: EdgeNumber> {
-    /// Edge values of the next row, without its shift.
+    /// Edge values of the next row, before its horizontal shift.
     next: [E::Eight<S>; 3],
-    /// Change of the edge values from row to row.
+    /// Change of the edge values from one row to the next.
     step: [E::Eight<S>; 3],
     are_straight: bool,
 }
 
 impl<S: Simd, E: EdgeNumber> EdgeValueRows<S, E> {
-    /// Starts at row `first`, whose points lie at `x`, in grid steps, in a row that is not shifted.
+    /// Starts at row `first`. `x` has the horizontal positions of the points in an unshifted row, in steps of 1/256 px.
     #[inline(always)]
     pub(super) fn new(simd: S, edges: &EdgeFunctions<E>, x: E::Eight<S>, first: usize, lattice: &TileLattice) -> Self {
         let (steps, EdgeFunctions { a, b, c }) = (E::steps(lattice), edges);
@@ -204,7 +204,7 @@ impl<S: Simd, E: EdgeNumber> EdgeValueRows<S, E> {
         }
     }
 
-    /// Returns the edge values of the next row, which is `row`, and advances.
+    /// Returns the edge values of the next row, which must be `row`, and advances by one row.
     #[inline(always)]
     pub(super) fn next(&mut self, edges: &EdgeFunctions<E>, row: usize, lattice: &TileLattice) -> [E::Eight<S>; 3] {
         let e = self.next;
@@ -217,7 +217,7 @@ impl<S: Simd, E: EdgeNumber> EdgeValueRows<S, E> {
     }
 }
 
-/// Returns the edge values at eight samples of a row.
+/// Returns the edge values at eight samples of a row, given the column and row of the first sample.
 #[inline(always)]
 pub(super) fn edge_values<S: Simd>(
     simd: S,

@@ -1,4 +1,4 @@
-//! Setup of a triangle in one tile: edge functions and depth, relative to the tile's first sample.
+//! Setup of a triangle in one tile: edge functions and depth terms relative to the tile's first sample.
 
 use super::edge_number::EdgeNumber;
 use super::geometry::PackedVertex;
@@ -11,14 +11,14 @@ use crate::pipeline::raster::numbers::Inward;
 use crate::pipeline::settings::FillRule;
 use crate::pipeline::viewport::ScreenVertex;
 
-/// A vertex of a triangle.
+/// Vertex of a triangle, snapped to the subpixel grid.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SnappedVertex {
-    /// Snapped position in grid steps.
+    /// Snapped position in steps of 1/256 px.
     pub(super) position: [f64; 2],
-    /// Depth before quantisation.
+    /// Depth in [0, 1], before quantisation.
     pub(super) depth: f64,
-    /// 1/w.
+    /// Reciprocal of clip-space w.
     pub(super) inv_w: f32,
 }
 
@@ -44,13 +44,14 @@ impl From<&ScreenVertex> for SnappedVertex {
     }
 }
 
-/// Position of a tile's first sample in grid steps, and its column and row in the packed picture.
+/// Position of a tile's first sample in steps of 1/256 px, and its column and row in the packed picture.
 pub(super) type Origin = ([f64; 2], [f32; 2]);
 
-/// Edge functions of a triangle, each belonging to the vertex opposite: e(x, y) = a·x + b·y + c, in units of 1/2¹⁶ px²,
-/// for (x, y) in grid steps from an origin. As doubles they are in the order of the vertices, and integers below 2⁵³,
-/// so f64 holds them and their sums exactly. As integers they may begin with another vertex:
-/// [`EdgeNumber::LAST_HAS_MIN_DEPTH`].
+/// Edge functions of a triangle, each belonging to the opposite vertex: e(x, y) = a·x + b·y + c.
+///
+/// x and y are in steps of 1/256 px from an origin, and e is in units of 1/2¹⁶ px². Edges in f64 are in the order of
+/// the vertices. Their values are integers below 2⁵³, so f64 holds them and their sums exactly. Edges in i32 may begin
+/// with another vertex: see [`EdgeNumber::LAST_HAS_MIN_DEPTH`].
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct EdgeFunctions<E = f64> {
     pub(super) a: [E; 3],
@@ -59,7 +60,7 @@ pub(super) struct EdgeFunctions<E = f64> {
 }
 
 impl EdgeFunctions {
-    /// Returns the edge functions of a triangle and its doubled area, > 0; `None` without area.
+    /// Returns the edge functions of a triangle and its doubled area, which is positive; `None` if it has no area.
     #[inline(always)]
     pub(super) fn new(corners: &[SnappedVertex; 3], origin: [f64; 2]) -> Option<(Self, f64)> {
         let p = each!(i in [0, 1, 2] => [corners[i].position[0] - origin[0], corners[i].position[1] - origin[1]]);
@@ -78,14 +79,16 @@ impl EdgeFunctions {
         Some((Self { a, b, c }, area.abs()))
     }
 
-    /// Returns the edge values at an offset from the origin, in grid steps.
+    /// Returns the edge values at an offset from the origin, in steps of 1/256 px.
     pub(super) fn at(&self, place: [i32; 2]) -> [f64; 3] {
         let [x, y] = place.map(f64::from);
         each!(i in [0, 1, 2] => self.a[i] * x + self.b[i] * y + self.c[i])
     }
 
-    /// Returns the first candidate position of a pixel that the triangle covers; there must be one. `offsets` are the
-    /// candidates, relative to the pixel's centre. The centre and the result are relative to the origin, in grid steps.
+    /// Returns the first candidate position in a pixel that the triangle covers; there must be one.
+    ///
+    /// `offsets` are the candidates, relative to the pixel centre. The centre and the result are relative to the
+    /// origin. All are in steps of 1/256 px.
     pub(super) fn first_covered(&self, [x, y]: [i32; 2], offsets: &[[i32; 2]], rule: FillRule) -> [i32; 2] {
         let inside = self.inside(rule);
         let covers = |place: &[i32; 2]| self.at(*place).iter().zip(inside).all(|(value, least)| *value >= least);
@@ -93,8 +96,8 @@ impl EdgeFunctions {
         offsets.iter().map(moved).find(covers).unwrap_or([x, y])
     }
 
-    /// Returns the least value of each edge that is inside: 0 where the fill rule gives the edge to the triangle, else
-    /// 1.
+    /// Returns the inside threshold of each edge, the least value that is inside: 0 if the fill rule assigns the edge
+    /// to the triangle, otherwise 1.
     #[inline(always)]
     pub(super) fn inside(&self, rule: FillRule) -> [f64; 3] {
         each!(i in [0, 1, 2] => {
@@ -104,31 +107,33 @@ impl EdgeFunctions {
     }
 }
 
-/// A triangle within a tile. Values of vertices are in the order of the edges.
+/// Triangle that is set up for one tile. Vertex data is in the order of the edges.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Setup<E = f64> {
     pub(super) slot: Slot,
     pub(super) edges: EdgeFunctions<E>,
-    /// Least edge value that is inside: 0 where the fill rule gives the edge to the triangle, else 1.
+    /// Inside threshold of each edge, the least value that is inside: 0 if the fill rule assigns the edge to the
+    /// triangle, otherwise 1.
     pub(super) inside: [E; 3],
-    /// Least depth of a vertex, with the depth bias. A depth is this plus the sum of edge values (or weights) times
-    /// `rises`.
+    /// Least vertex depth, with the depth bias. The depth at a sample is this plus the sum of `rises` times edge
+    /// values, or times weights if depth is linear in view space.
     pub(super) min_depth: f64,
+    /// Depth terms of the edges: factors of the edge values or weights in a depth.
     pub(super) rises: [f64; 3],
-    /// Greatest depth of a vertex, with the depth bias.
+    /// Greatest vertex depth, with the depth bias.
     pub(super) max_depth: f64,
-    /// 1/w of the vertices, for depths that are linear in space.
+    /// 1/w of the vertices, for depth that is linear in view space.
     pub(super) inv_w: [f64; 3],
-    /// First and last column of samples that may be covered.
+    /// First and last column of the tile with samples that the triangle may cover.
     pub(super) columns: [usize; 2],
-    /// First and last row of samples that may be covered.
+    /// First and last row of the tile with samples that the triangle may cover.
     pub(super) rows: [usize; 2],
     /// Whether the triangle is known to cover all samples of the tile.
     pub(super) covers_tile: bool,
 }
 
 impl<E: EdgeNumber> Setup<E> {
-    /// Returns the least edge values that are inside, in all lanes.
+    /// Returns the inside thresholds of the edges, repeated in all lanes.
     #[inline(always)]
     pub(super) fn inside_thresholds<S: Simd>(&self, simd: S) -> [E::Eight<S>; 3] {
         each!(i in [0, 1, 2] => E::repeat(simd, self.inside[i]))
@@ -137,7 +142,7 @@ impl<E: EdgeNumber> Setup<E> {
 
 impl Setup {
     /// Sets up a triangle in the tile at `origin`, whose first sample is column `first[0]` and row `first[1]` of the
-    /// packed picture. Returns `None` if its bounding box contains no sample of the tile, or it has no area.
+    /// packed picture. Returns `None` if its bounding box contains no sample of the tile, or if it has no area.
     #[inline(always)]
     pub(super) fn new(
         slot: Slot,
@@ -175,8 +180,8 @@ impl Setup {
     }
 }
 
-/// Returns zero where the rule gives the edge to the triangle, else one: [`Inward::owned`] for as many edges as there
-/// are lanes.
+/// Returns the inside threshold of one edge per lane: zero if the fill rule assigns the edge to the triangle, otherwise
+/// one. This is the vectorised form of [`Inward::owned`].
 #[inline(always)]
 pub(super) fn inside_thresholds<S: Simd, V: SimdBase<S>>([zero, one]: [V; 2], a: V, b: V, rule: FillRule) -> V {
     let upright = a.simd_eq(zero);

@@ -1,7 +1,7 @@
-//! Shading of a tile: groups the samples that are shaded together.
+//! Shading of a tile: groups samples that can be shaded together.
 //!
-//! Blocks and rows that one triangle covers are shaded as such. Other rows are taken in pairs: samples whose triangles
-//! are shaded alike are shaded together, each with its own triangle.
+//! Blocks and rows that show a single triangle are shaded as a whole. All other rows are processed in pairs. Samples
+//! whose triangles have equivalent shaders are shaded together, each with the data of its own triangle.
 
 use std::ops::AddAssign;
 
@@ -20,7 +20,7 @@ use super::tile::Tile;
 use crate::image::Rgba8;
 use crate::math::lanes::*;
 
-/// Amount of shading work.
+/// Shading work: number of samples shaded and of texels read.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ShadingWork {
     pub(super) samples: u64,
@@ -42,19 +42,19 @@ impl AddAssign for ShadingWork {
     }
 }
 
-/// A tile of the picture to be shaded, and memory for it.
+/// A tile of the picture to be shaded, with the buffers that shading needs.
 pub(super) struct ShadingTarget<'a, L> {
     pub(super) tile: &'a Tile,
     pub(super) locations: L,
     pub(super) bin: &'a TileBin,
     pub(super) pending: &'a mut Pending,
     pub(super) queue: &'a mut Queue,
-    /// Column and row among the tiles.
+    /// Column and row of the tile in the picture, in tiles.
     pub(super) place: (usize, usize),
     pub(super) picture: ColorRows<'a>,
 }
 
-/// Shades the samples of a tile.
+/// Shades all visible samples of a tile. Returns the shading work.
 #[inline(always)]
 pub(super) fn shade_tile<S: Simd>(
     simd: S,
@@ -88,28 +88,28 @@ pub(super) fn shade_tile<S: Simd>(
     job.finish(simd)
 }
 
-/// Returns the triangle of all sixteen samples; `None` if they differ.
+/// Returns the slot that sixteen samples share; `None` if their slots differ.
 #[inline(always)]
 fn uniform_slot<S: Simd>(slots: u32x16<S>) -> Option<Slot> {
     let first = slots[0];
     (slots.simd_eq(first).to_bitmask() == 0xFFFF).then_some(Slot(first))
 }
 
-/// Shading job of one tile.
+/// State of the shading of one tile.
 pub(super) struct ShadingJob<'a, L> {
     pub(super) frame: &'a TiledFrame<'a>,
     locations: L,
     pub(super) bin: &'a TileBin,
     pending: &'a mut Pending,
     queue: &'a mut Queue,
-    /// Column and row among the tiles.
+    /// Column and row of the tile in the picture, in tiles.
     pub(super) tile: (usize, usize),
-    /// Whether all samples are shaded together, whatever triangles they belong to.
+    /// Whether samples of all triangles can be shaded together.
     pub(super) alike: bool,
-    /// Cache of edges as doubles, for triangles whose edge values exceed 32 bits or that are not shaded on lanes.
+    /// Cache of edge functions in f64, for triangles whose edge values exceed 32 bits or that no SIMD kernel can shade.
     exact: Vec<(Slot, EdgeFunctions)>,
-    /// Triangles with edge values over 32 bits among the samples that are shaded together: bit mask of the samples,
-    /// edges.
+    /// Triangles whose edge values exceed 32 bits, among the samples that are shaded together: bit mask of the samples,
+    /// and edge functions.
     pub(super) large: Vec<(u32, EdgeFunctions)>,
     pub(super) picture: ColorRows<'a>,
     pub(super) shaded: ShadingWork,
@@ -138,7 +138,7 @@ impl<'a, L: SamplePositions> ShadingJob<'a, L> {
         }
     }
 
-    /// Shades the pending samples, and flushes the queue.
+    /// Shades the pending samples and flushes the queue. Returns the shading work of the tile.
     #[inline(always)]
     pub(super) fn finish<S: Simd>(mut self, simd: S) -> ShadingWork {
         self.pending.shade(simd, self.frame, self.bin, self.queue, &mut self.picture);
@@ -147,7 +147,7 @@ impl<'a, L: SamplePositions> ShadingJob<'a, L> {
         self.shaded
     }
 
-    /// Shades a block that is not covered by one triangle, two rows at a time.
+    /// Shades a block that shows more than one triangle, two rows at a time.
     #[inline(always)]
     fn rows<S: Simd>(&mut self, simd: S, tile: &Tile, block: &Patch) {
         let mut row = block.first;
@@ -166,7 +166,7 @@ impl<'a, L: SamplePositions> ShadingJob<'a, L> {
         }
     }
 
-    /// Shades rows of samples that all belong to one triangle; no-op if they show the background.
+    /// Shades rows of samples that all belong to one triangle. Does nothing if they show the background.
     #[inline(always)]
     fn one_triangle<S: Simd>(&mut self, simd: S, slot: Slot, patch: &Patch) {
         if slot == Slot::NONE {
@@ -189,9 +189,9 @@ impl<'a, L: SamplePositions> ShadingJob<'a, L> {
         }
     }
 
-    /// Returns the edges of a triangle as doubles; `None` if it has no area, in which case it is never visible.
+    /// Returns the edge functions of a triangle in f64; `None` if it has no area, in which case it is never visible.
     pub(super) fn exact_edges(&mut self, slot: Slot) -> Option<EdgeFunctions> {
-        // Searched from the back, because most requests repeat the last one.
+        // Searches from the back, because most requests repeat the last one.
         if let Some((_, edges)) = self.exact.iter().rev().find(|(known, _)| *known == slot) {
             return Some(*edges);
         }
@@ -202,7 +202,7 @@ impl<'a, L: SamplePositions> ShadingJob<'a, L> {
         Some(edges)
     }
 
-    /// Fills the samples of a patch that are shaded with one colour.
+    /// Fills the samples that a patch selects with one colour.
     fn fill(&mut self, patch: &Patch, color: Rgba8) {
         for row in patch.first..patch.end {
             let row = self.picture.row(patch, row);
@@ -216,7 +216,7 @@ impl<'a, L: SamplePositions> ShadingJob<'a, L> {
         }
     }
 
-    /// Shades samples of two rows that belong to different triangles or to the background; the second row may be
+    /// Shades two rows of samples that belong to different triangles or to the background. The second row may be
     /// missing.
     #[inline(always)]
     fn mixed_rows<S: Simd>(&mut self, simd: S, slots: u32x16<S>, patch: &Patch) {
@@ -250,7 +250,7 @@ impl<'a, L: SamplePositions> ShadingJob<'a, L> {
         }
     }
 
-    /// Adds the samples selected by `mine`, of sixteen, to the pending ones of a shader.
+    /// Adds those of sixteen samples that `mine` selects to the pending samples of a shader.
     #[inline(always)]
     pub(super) fn together<S: Simd>(
         &mut self,
@@ -268,7 +268,7 @@ impl<'a, L: SamplePositions> ShadingJob<'a, L> {
         self.pending.push(simd, shader, (slots, &self.large), (spots, mine), &self.picture);
     }
 
-    /// Returns the bit mask of the samples in `open` that belong to a shader.
+    /// Returns the bit mask of the samples in `open` that are shaded by a shader.
     pub(super) fn shaded_by(&self, shader: usize, mut open: u32, slots: &[u32; WIDE]) -> u32 {
         let mut mine = 0;
         while open != 0 {
@@ -280,7 +280,7 @@ impl<'a, L: SamplePositions> ShadingJob<'a, L> {
         mine
     }
 
-    /// Lists the triangles of samples in `mine` whose edge values exceed 32 bits.
+    /// Collects the triangles of samples in `mine` whose edge values exceed 32 bits.
     #[inline(always)]
     pub(super) fn find_large<S: Simd>(&mut self, simd: S, mut mine: u32, slots: &[u32; WIDE]) {
         self.large.clear();
@@ -296,13 +296,13 @@ impl<'a, L: SamplePositions> ShadingJob<'a, L> {
     }
 }
 
-/// Returns the bit mask of the samples that belong to one triangle.
+/// Returns the bit mask of the samples that belong to the triangle of a slot.
 #[inline(always)]
 fn same<S: Simd>(simd: S, slots: &[u32; WIDE], slot: Slot) -> u32 {
     u32x16::load_array_ref(simd, slots).simd_eq(slot.0).to_bitmask() as u32
 }
 
-/// Splits a bit mask into those of the first row and of the second.
+/// Splits a bit mask of sixteen samples into those of the first and of the second row.
 fn halves_of(lanes: u32) -> [u32; 2] {
     [lanes & ALL, lanes >> LANES]
 }

@@ -1,7 +1,7 @@
 //! Shading of jittered samples that belong to one triangle.
 //!
-//! The edge values of adjacent samples differ by varying steps, so they are computed from the samples' positions.
-//! Everything else is as for samples on a lattice.
+//! The edge values of adjacent samples differ by varying steps, so they are computed from the positions of the samples.
+//! Everything else is the same as for samples on a lattice.
 
 use super::TiledFrame;
 use super::kernel::{EdgeRows, Patch, exact_at, one_by_one, shade_rows};
@@ -12,7 +12,7 @@ use super::setup::EdgeFunctions;
 use super::target::ColorRows;
 use crate::math::lanes::*;
 
-/// Shades rows of jittered samples.
+/// Shades rows of jittered samples that belong to one triangle.
 #[inline(never)]
 pub(super) fn shade_jittered<S: Simd>(
     simd: S,
@@ -42,11 +42,11 @@ pub(super) fn shade_jittered<S: Simd>(
     );
 }
 
-/// Edge values computed from the samples' positions.
+/// Source of edge values that are computed from the positions of the samples.
 struct PlacedRows<'a, L> {
     subject: &'a ShadedTriangle<'a>,
     locations: L,
-    /// First column and row of the current block.
+    /// Column and row of the current block's first sample, within the tile.
     first: (usize, usize),
 }
 
@@ -68,7 +68,7 @@ impl<S: Simd, L: SamplePositions> EdgeRows<S> for PlacedRows<'_, L> {
     }
 }
 
-/// Returns the edge values of eight samples, at the first eight of the given positions.
+/// Returns the edge values at the first eight of sixteen positions, indexed by edge and lane.
 fn edges_of_row(edges: &EdgeFunctions, [x, y]: [[i32; WIDE]; 2]) -> [[f64; LANES]; 3] {
     let mut of_row = [[0.0; LANES]; 3];
     for lane in 0..LANES {

@@ -1,4 +1,4 @@
-//! Shading state of a draw's samples, prepared once per frame.
+//! Shading state of a draw, prepared once per frame.
 
 use std::collections::HashMap;
 
@@ -9,36 +9,36 @@ use crate::pipeline::settings::{ColorSpace, Shading, TexelFilter};
 use crate::pipeline::shade::Shader;
 use crate::scene::{Texture, Transparency};
 
-/// Shading features of a draw, by which its kernel is selected.
+/// Shading features of a draw, which select its SIMD kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct ShadingPlan {
-    /// Layout of the texels, if any are read.
+    /// Layout of the texels that a sample reads; `None` without a texture.
     pub(super) texture: Option<Layout>,
-    /// Whether texels are read from two mip levels.
+    /// Whether the texture is mip-mapped, so that texels of two mip levels are read.
     pub(super) mipmapped: bool,
     pub(super) light: LightSource,
-    /// Whether the material's own colour is not white.
+    /// Whether the diffuse colour of the material differs from white.
     pub(super) tinted: bool,
-    /// Whether vertices have colours.
+    /// Whether colours are interpolated from vertex colours.
     pub(super) colored: bool,
     pub(super) space: ColorSpace,
-    /// Whether the draw is blended over what lies behind.
+    /// Whether the draw is blended over the picture behind it.
     pub(super) blended: bool,
 }
 
-/// Source of the light.
+/// Source of the light that shading multiplies colours by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum LightSource {
-    /// No light.
+    /// Colours are unlit.
     None,
-    /// Interpolated from the vertices.
+    /// Light is computed at the vertices and interpolated.
     Vertices,
-    /// Computed from interpolated normals.
+    /// Light is computed from interpolated normals.
     Normals,
 }
 
 impl ShadingPlan {
-    /// Plan of most fast scenes. Has a branch-free kernel.
+    /// Most common plan, for which there is a specialised kernel without branches.
     pub(super) const COMMON: Self = Self {
         texture: Some(Layout::PowerOfTwoQuads),
         mipmapped: false,
@@ -50,27 +50,27 @@ impl ShadingPlan {
     };
 }
 
-/// Number of texels read around a position in one mip level.
+/// Number of texels that bilinear filtering reads in one mip level.
 pub(super) const TEXELS_AROUND: u64 = 4;
 
-/// Shading state of one draw.
+/// Shading state of one draw: shader, texture and plan.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DrawShader<'a> {
     pub(super) shader: Shader<'a>,
     pub(super) divides_by_w: bool,
     pub(super) texture: Option<TextureReader<'a>>,
     pub(super) plan: ShadingPlan,
-    /// Whether there is lane code for the shading.
+    /// Whether a SIMD kernel supports the shading.
     pub(super) on_lanes: bool,
-    /// Texels read per sample. For mip-mapped shading on lanes, only those of the finer level.
+    /// Number of texels read per sample. For mip-mapped shading with SIMD, only those of the finer level.
     pub(super) texels_per_sample: u64,
 }
 
 impl<'a> DrawShader<'a> {
-    /// Creates the shading state; `texture` is the material's.
+    /// Creates the shading state of a draw. `texture` is the texture of its material.
     pub(super) fn new(shader: Shader<'a>, texture: Option<&'a Texture>, divides_by_w: bool) -> Self {
         let settings = shader.settings;
-        // Without a highlight, Blinn–Phong is Lambert.
+        // Blinn–Phong without a highlight equals Lambert.
         let has_lanes =
             matches!(settings.shading, Shading::Texture | Shading::Gouraud | Shading::Lambert | Shading::BlinnPhong);
         let on_lanes = has_lanes && shader.fits_lanes();
@@ -101,8 +101,8 @@ impl<'a> DrawShader<'a> {
         Self { shader, divides_by_w, texture, plan, on_lanes, texels_per_sample }
     }
 
-    /// Returns for each shader the index of the first one whose samples can be shaded together with its own.
-    /// Perspective division makes no difference: it is done per triangle.
+    /// Returns, for each shader, the index of the first shader whose samples can be shaded together with its own.
+    /// Perspective division makes no difference, because it is done per triangle.
     pub(super) fn first_alike(shaders: &[Self]) -> Vec<usize> {
         let mut firsts = HashMap::new();
         let first = |(number, shader): (usize, &Self)| {

@@ -1,4 +1,4 @@
-//! The blended fragments of a tile, sorted by sample and depth before they are blended.
+//! Blended fragments of a tile, sorted by sample and depth before they are blended.
 
 use super::lattice::TILE;
 use super::tested::{TestedRows, TestedSample};
@@ -7,19 +7,19 @@ use crate::pipeline::raster::RasterSample;
 use crate::pipeline::settings::Settings;
 use crate::pipeline::viewport::ScreenTriangle;
 
-/// A fragment that passed the depth test and is not yet blended.
+/// Fragment that passed the depth test and is not yet blended.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SortedFragment {
     /// Index of the fragment's sample in the tile.
     pub(super) at: usize,
     nearness: f32,
-    /// Number of the fragment's triangle.
+    /// Index of the fragment's triangle in the list of blended triangles.
     pub(super) triangle: usize,
-    /// Edge values at the shading position.
+    /// Edge values at the shading position, one per edge.
     pub(super) edges: [f64; 3],
 }
 
-/// The blended fragments of a tile.
+/// List of the blended fragments of a tile.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SortedFragments {
     fragments: Vec<SortedFragment>,
@@ -31,8 +31,10 @@ impl SortedFragments {
         self.fragments.len()
     }
 
-    /// Adds the samples of a numbered triangle that pass in `shading`, which has the edge values at the shading
-    /// positions. `tested` has the edge values at the samples themselves, whose indices begin at `first`.
+    /// Adds the fragments of a triangle, one for each sample that passed in `shading`.
+    ///
+    /// `shading` has the edge values at the shading positions, and `tested` those at the samples themselves. `number`
+    /// is the index of the triangle, and `first` the index of the tile's first sample.
     pub(super) fn add(
         &mut self,
         settings: &Settings,
@@ -42,7 +44,7 @@ impl SortedFragments {
     ) {
         let own = TestedRows { passed: shading.passed, ..*tested };
         for (TestedSample { place: (column, row), edges, .. }, shaded) in own.samples().zip(shading.samples()) {
-            // Depth depends on the edge values alone.
+            // The position may be zero, because depth depends only on the edge values.
             let sample = RasterSample { column: 0, row: 0, x: 0, y: 0, edges };
             self.fragments.push(SortedFragment {
                 at: first + row * TILE + column,
@@ -53,8 +55,8 @@ impl SortedFragments {
         }
     }
 
-    /// Returns all fragments sample by sample, from far to near; fragments of equal depth by the numbers of their
-    /// triangles.
+    /// Returns all fragments ordered by sample, and within each sample from far to near. Fragments of equal depth are
+    /// in the order of their triangles.
     pub(super) fn sorted(mut self) -> impl Iterator<Item = SortedFragment> {
         let key = |one: &SortedFragment| (one.at, one.triangle);
         self.fragments

@@ -1,4 +1,5 @@
-//! Destination of a tile's colours and depths: rows of the picture, or private memory that is copied afterwards.
+//! Destination of a tile's colours and depths: rows of the picture, or private memory that is copied into it
+//! afterwards.
 
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -8,73 +9,73 @@ use super::lattice::{TILE, TILE_SAMPLES};
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 
-/// Rows that contain the rows of a tile: those of the picture, or of private memory.
+/// Rows of memory that contain the rows of a tile, in the picture or in private memory.
 pub(super) struct TileRows<'a, T> {
     pub(super) values: &'a mut [T],
-    /// Distance from one row to the next.
+    /// Distance between adjacent rows, in values.
     pub(super) stride: usize,
-    /// Index in the first row at which the tile begins.
+    /// Index of the tile's first value in the first row.
     pub(super) left: usize,
-    /// Number of columns and rows of the tile that lie within the picture.
+    /// Number of the tile's columns and rows that lie within the picture.
     pub(super) size: (usize, usize),
 }
 
-/// Rows of colours.
+/// Rows of colours that contain the rows of a tile.
 pub(super) type ColorRows<'a> = TileRows<'a, Rgba8>;
 
 impl<T> TileRows<'_, T> {
-    /// Borrows the rows for a shorter lifetime.
+    /// Reborrows the rows for a shorter lifetime.
     #[inline(always)]
     pub(super) fn reborrow(&mut self) -> TileRows<'_, T> {
         TileRows { values: self.values, ..*self }
     }
 
-    /// Returns the index at which a row of a patch begins.
+    /// Returns the index of the first value of a patch in a row of the tile.
     #[inline(always)]
     pub(super) fn start(&self, patch: &Patch, row: usize) -> usize {
         row * self.stride + self.left + patch.column
     }
 
-    /// Returns the samples of a row of a patch.
+    /// Returns the values of a patch in a row of the tile.
     #[inline(always)]
     pub(super) fn row(&mut self, patch: &Patch, row: usize) -> &mut [T] {
         let start = self.start(patch, row);
         &mut self.values[start..start + patch.count]
     }
 
-    /// Returns the part of each row that lies in the tile.
+    /// Returns an iterator over the rows of the tile.
     pub(super) fn rows(&mut self) -> impl Iterator<Item = &mut [T]> {
         let (left, (columns, rows)) = (self.left, self.size);
         self.values.chunks_mut(self.stride).take(rows).map(move |row| &mut row[left..left + columns])
     }
 }
 
-/// Destination of a tile of the picture.
+/// Destination of one tile of the picture.
 pub(super) struct Target<'a> {
-    /// Column and row among the tiles.
+    /// Column and row of the tile in the picture, in tiles.
     pub(super) place: (usize, usize),
     pub(super) number: usize,
-    /// Colours, filled with the background beforehand.
+    /// Colours, which are filled with the background beforehand.
     pub(super) picture: ColorRows<'a>,
-    /// Stored depths, if they are kept.
+    /// Destination of the depths; `None` if they are not kept.
     pub(super) depths: Option<TileRows<'a, f32>>,
 }
 
 impl Target<'_> {
-    /// Fills the depths with the clear value.
+    /// Fills the depths, if they are kept, with the clear value.
     pub(super) fn clear_depths(&mut self, clear: f32) {
         self.depths.iter_mut().flat_map(TileRows::rows).for_each(|row| row.fill(clear));
     }
 }
 
-/// One row of tiles of the packed picture, and of its depths; the bottom one may have fewer pixel rows.
+/// One row of tiles of the packed picture, with its colours and depths. The bottom one may have fewer rows of pixels.
 pub(super) struct PictureRows<'p> {
     width: usize,
     colors: &'p mut [Rgba8],
     depths: Option<&'p mut [f32]>,
 }
 
-/// Splits a picture, and its depths if they are kept, into rows of tiles.
+/// Splits a picture, and its depths if they are kept, into rows of tiles that threads can lock.
 pub(super) fn picture_rows<'p>(
     colors: &'p mut Image<Rgba8>,
     depths: Option<&'p mut Image<f32>>,
@@ -89,19 +90,19 @@ pub(super) fn picture_rows<'p>(
         .collect()
 }
 
-/// Locks rows of the picture, even if another thread panicked while it held them.
+/// Locks a row of tiles, even if another thread panicked while it held the lock.
 pub(super) fn lock<'a, 'p>(rows: &'a Mutex<PictureRows<'p>>) -> MutexGuard<'a, PictureRows<'p>> {
     rows.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl PictureRows<'_> {
-    /// Fills all colours at once, which brings the pixels into the cache before samples are written.
+    /// Fills all colours with the background. This brings the pixels into the cache before samples are written.
     #[inline(always)]
     pub(super) fn fill<S: Simd>(&mut self, simd: S, background: Rgba8) {
         fill(simd, self.colors, background);
     }
 
-    /// Fills some columns of tiles with the background and the clear depth.
+    /// Clears a range of columns of tiles to the background and the clear depth.
     #[inline(always)]
     pub(super) fn clear<S: Simd>(&mut self, simd: S, columns: &Range<usize>, (background, depth): (Rgba8, f32)) {
         let part = columns.start * TILE..self.width.min(columns.end * TILE);
@@ -117,19 +118,19 @@ impl PictureRows<'_> {
         }
     }
 
-    /// Returns one of the tiles as a destination.
+    /// Returns one of the tiles as a destination. `place` is its column and row, and `number` its index in the picture.
     pub(super) fn target(&mut self, place: (usize, usize), number: usize) -> Target<'_> {
         let (stride, left, size) = (self.width, place.0 * TILE, self.size(place.0));
         let depths = self.depths.as_deref_mut().map(|values| TileRows { values, stride, left, size });
         Target { place, number, picture: TileRows { values: self.colors, stride, left, size }, depths }
     }
 
-    /// Returns the columns and rows of a tile that lie within the picture.
+    /// Returns the number of columns and rows of a tile, given by its column, that lie within the picture.
     fn size(&self, column: usize) -> (usize, usize) {
         ((self.width - column * TILE).min(TILE), self.colors.len() / self.width)
     }
 
-    /// Copies a tile from private memory to its place in the picture.
+    /// Copies a tile from private memory into the picture.
     #[inline(always)]
     fn put<S: Simd>(&mut self, simd: S, column: usize, memory: &TileMemory) {
         let ((columns, _), left) = (self.size(column), column * TILE);
@@ -163,7 +164,7 @@ impl TileMemory {
         Box::new(Self { colors: [[0; 4]; TILE_SAMPLES], depths: [0.0; TILE_SAMPLES] })
     }
 
-    /// Draws a tile in private memory and copies it into the picture.
+    /// Draws a tile into private memory and copies it into the picture.
     pub(super) fn draw(
         &mut self,
         lanes: Lanes,
@@ -184,7 +185,7 @@ impl TileMemory {
     }
 }
 
-/// Fills pixels with one colour, by stores of whole cache lines, which need not be read first.
+/// Fills pixels with one colour. Stores whole cache lines, which need not be read from memory first.
 #[inline(always)]
 fn fill<S: Simd>(simd: S, pixels: &mut [Rgba8], color: Rgba8) {
     let line = u32x16::splat(simd, u32::from_le_bytes(color));
@@ -203,7 +204,8 @@ mod tests {
     use super::super::runs::{TileRun, split_into_runs};
     use super::*;
 
-    /// Draws a tile: writes its number to every pixel and increments their third channel. Counts the tile in `drawn`.
+    /// Pretends to draw a tile: writes its number to every pixel and increments their third channel. Counts the tile in
+    /// `drawn`.
     fn draw(target: Target<'_>, drawn: &mut [usize]) {
         let [low, high, ..] = target.number.to_le_bytes();
         drawn[target.number] += 1;
@@ -253,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn where_nothing_is_all_is_cleared_and_nothing_else() {
+    fn clearing_columns_of_tiles_leaves_others_unchanged() {
         let (mut colors, mut depths) = (Image::from_fn(200, 3, |_, _| [1; 4]), Image::from_fn(200, 3, |_, _| 1.0));
         let rows = picture_rows(&mut colors, Some(&mut depths));
         on_lanes!(Lanes::best(), simd => lock(&rows[0]).clear(simd, &(1..2), ([2; 4], 2.0)));

@@ -1,5 +1,4 @@
-//! Samples of a triangle that passed the depth test, eight of a row and eight of the row below, before it is known
-//! which are stored.
+//! Samples of a triangle that passed the depth test but are not yet stored, eight in each of two adjacent rows.
 
 use super::TiledFrame;
 use super::edge_number::EdgeNumber as _;
@@ -14,34 +13,34 @@ use super::target::ColorRows;
 use crate::math::lanes::*;
 use crate::scene::material::ALPHA_TEST_THRESHOLD;
 
-/// Returns the indices of the set bits among the lowest [`WIDE`].
+/// Returns the indices of the set bits among the lowest [`WIDE`], in ascending order.
 pub(super) fn set_bits(bits: u64) -> impl Iterator<Item = usize> {
     (0..WIDE).filter(move |bit| bits >> bit & 1 != 0)
 }
 
-/// Depth test results of two rows of eight samples.
+/// Results of the depth test for eight samples in each of two adjacent rows.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct TestedRows {
-    /// Column of the first sample of both rows, and the upper row, within the tile.
+    /// Column of the first sample in both rows, and the upper row, within the tile.
     pub(super) place: (usize, usize),
-    /// Edge values by row, edge and lane.
+    /// Edge values, indexed by row, edge and lane.
     pub(super) edges: [[[f64; LANES]; 3]; 2],
-    /// Bit mask of the samples that passed; bits of the lower row begin at [`LANES`].
+    /// Bit mask of the samples that passed. The bits of the lower row begin at bit [`LANES`].
     pub(super) passed: u64,
 }
 
-/// A sample that passed the depth test.
+/// Sample that passed the depth test.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TestedSample {
     /// Bit of the sample in [`TestedRows::passed`].
     pub(super) bit: u64,
-    /// Column and row within the tile.
+    /// Column and row of the sample within the tile.
     pub(super) place: (usize, usize),
     pub(super) edges: [f64; 3],
 }
 
 impl TestedRows {
-    /// Returns the samples that passed, one by one.
+    /// Returns an iterator over the samples that passed.
     pub(super) fn samples(&self) -> impl Iterator<Item = TestedSample> {
         let (column, row) = self.place;
         set_bits(self.passed).map(move |i| {
@@ -54,7 +53,8 @@ impl TestedRows {
         })
     }
 
-    /// Returns the bit mask of the samples that passed and lie within this number of columns and rows.
+    /// Returns the bit mask of the samples that passed and lie within the first `columns` columns and `rows` rows of
+    /// the tile.
     pub(super) fn within(&self, (columns, rows): (usize, usize)) -> u64 {
         let (column, first) = self.place;
         let of_row = (1 << columns.saturating_sub(column).min(LANES)) - 1;
@@ -63,9 +63,11 @@ impl TestedRows {
         self.passed & inside
     }
 
-    /// Returns the samples with edge values at their shading positions: for each, the first of `places` that the
-    /// triangle covers. `places` and `sample`, the position of the samples, are offsets from the pixel's centre in grid
-    /// steps. `sample` must be among `places`.
+    /// Returns the samples with edge values at their shading positions: the first of `places` in each pixel that the
+    /// triangle covers.
+    ///
+    /// `sample` is the current position of the samples, and must be among `places`. All positions are offsets from the
+    /// pixel centre, in steps of 1/256 px.
     #[inline(never)]
     pub(super) fn at_first_covered<S: Simd>(
         &self,
@@ -100,8 +102,8 @@ impl TestedRows {
         )
     }
 
-    /// Computes interpolation weights. Samples that did not pass are moved to the first vertex, so that meaningless
-    /// values there do no harm.
+    /// Computes interpolation weights. Samples that did not pass get the weights of the first vertex, so that
+    /// meaningless values do no harm.
     #[inline(always)]
     fn weights<S: Simd>(&self, simd: S, subject: &ShadedTriangle<'_>) -> AttributeWeights<S> {
         let e = each!(i in [0, 1, 2] => {
@@ -112,7 +114,7 @@ impl TestedRows {
     }
 }
 
-/// Shades samples that passed, into the queue. Returns their number. Only for shaders with lane code.
+/// Shades the samples that passed into the queue. Returns their number. A SIMD kernel must support the shader.
 #[inline(never)]
 pub(super) fn shade_tested<S: Simd>(
     simd: S,
@@ -142,7 +144,8 @@ pub(super) fn shade_tested<S: Simd>(
     )
 }
 
-/// Returns the bit mask of the samples that passed and also pass the alpha test. Only for shaders with lane code.
+/// Returns the bit mask of the samples that passed the depth test and also pass the alpha test. A SIMD kernel must
+/// support the shader.
 #[inline(never)]
 pub(super) fn keep_tested<S: Simd>(
     simd: S,

@@ -1,4 +1,4 @@
-//! Texture reads for sixteen samples: [`crate::pipeline::sample::Sampler`] on lanes, bit for bit.
+//! SIMD texture reads for sixteen samples, bit for bit equal to [`crate::pipeline::sample::Sampler`].
 
 use super::axis::{TexelAxis, apply_address_mode, below_repeated, nearest, neighbours};
 use super::gather::{Taps, gather, quads};
@@ -8,44 +8,45 @@ use crate::pipeline::sample::{ALPHA_SCALE, Sampler};
 use crate::pipeline::settings::{AddressMode, ColorSpace, TexelFilter};
 use crate::scene::{LevelLocation, Texture};
 
-/// Arrangement of the texels of a sample in memory.
+/// Memory layout of the texels that a sample reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Layout {
     /// One texel per sample.
     Single,
-    /// Four texels per sample, each with its own place.
+    /// Four texels per sample, at four separate indices.
     Four,
-    /// A quad of 2 × 2 adjacent texels of the repeated texture per sample.
+    /// One quad of 2 × 2 adjacent texels per sample, in a repeating texture.
     Quads,
-    /// Quads of a texture whose sides are both powers of two.
+    /// One quad per sample, in a repeating texture whose width and height are powers of two.
     PowerOfTwoQuads,
 }
 
-/// A texture with its sampler, prepared for reads on lanes.
+/// Texture and sampler, prepared for SIMD reads.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TextureReader<'a> {
     pub(super) layout: Layout,
-    /// Texels; of mip-mapped textures those of all levels. Empty if texels are mixed in linear light.
+    /// 8-bit RGBA texels, of all levels if the texture is mip-mapped. Empty if filtering is done in linear light.
     texels: TexelRows<'a, u32>,
-    /// Texels in linear light, likewise. Empty unless texels are mixed in linear light.
+    /// Texels in linear light, of all levels if the texture is mip-mapped. Empty unless filtering is done in linear
+    /// light.
     linear: TexelRows<'a, [f32; 4]>,
-    /// Places of the mip levels among the texels; empty without mip-mapping.
+    /// Location of each mip level in the texel array; empty without mip-mapping.
     pub(super) levels: &'a [LevelLocation],
-    /// Texels from one row to the next.
+    /// Distance between adjacent rows, in texels.
     stride: i32,
     size: (u32, u32),
-    /// Width and height as floats.
+    /// Width and height of the texture in texels, as floats.
     pub(super) extent: [f32; 2],
     pub(super) sampler: Sampler,
-    /// Whether texels are read by hardware gathers.
+    /// Whether texels are read with hardware gather instructions.
     pub(super) gathers: bool,
 }
 
-/// Rows of texels, with one extra texel at the end of each, and one extra row after the last.
+/// Rows of texels, padded with one extra texel at the end of each row and one extra row after the last.
 #[derive(Clone, Copy, Debug)]
 struct TexelRows<'a, T> {
     all: &'a [T],
-    /// Texels from the second row on: a texel's lower neighbour has the same index here.
+    /// Texels from the second row on, so that a texel's lower neighbour has the same index in this slice.
     below: &'a [T],
 }
 
@@ -55,11 +56,11 @@ impl<'a, T> TexelRows<'a, T> {
     }
 }
 
-/// Images that eight samples are read from.
+/// Images that eight samples read, one per lane: the texture itself or one of its mip levels.
 pub(super) struct Images<S: Simd> {
-    /// Index of each image's first texel.
+    /// Index of the first texel of each image in the texel array.
     pub(super) first: i32x8<S>,
-    /// Axes of columns and rows.
+    /// Width and height of each image.
     pub(super) axes: [TexelAxis<S>; 2],
 }
 
@@ -100,25 +101,26 @@ impl<'a> TextureReader<'a> {
         }
     }
 
-    /// Returns the reader with hardware gathers on or off.
+    /// Returns the reader with hardware gathers enabled or disabled.
     #[inline(always)]
     pub(super) fn that_gathers(self, gathers: bool) -> Self {
         Self { gathers, ..self }
     }
 
-    /// Returns an address that identifies the texture.
+    /// Returns the memory address of the texels, which identifies the texture.
     pub(super) fn address(&self) -> usize {
         if self.mixes_light() { self.linear.all.as_ptr().addr() } else { self.texels.all.as_ptr().addr() }
     }
 
-    /// Whether texels are mixed in linear light.
+    /// Returns `true` if texels are filtered in linear light.
     #[inline(always)]
     pub(super) fn mixes_light(&self) -> bool {
         !self.linear.all.is_empty()
     }
 
-    /// Finds the texels that sixteen samples read (v down). Separate from reading them, so that many cache misses
-    /// overlap.
+    /// Computes the indices and bilinear weights of the texels that sixteen samples read. `v` points down.
+    ///
+    /// This is separate from reading the texels, so that many cache misses overlap.
     #[inline(always)]
     pub(super) fn locate<S: Simd>(&self, simd: S, layout: Layout, [u, v]: [f32x16<S>; 2], taps: &mut Taps) {
         if layout == Layout::PowerOfTwoQuads {
@@ -144,7 +146,8 @@ impl<'a> TextureReader<'a> {
         }
     }
 
-    /// Handles rare coordinates. Kept out of line, so that it does not slow down the common path.
+    /// Locates texels for coordinates outside the range of the fast path. Not inlined, so that it does not slow down
+    /// the common case.
     #[cold]
     #[inline(never)]
     fn locate_unusual<S: Simd>(&self, simd: S, uv: [f32x16<S>; 2], taps: &mut Taps) {
@@ -169,14 +172,14 @@ impl<'a> TextureReader<'a> {
         down.store_array(&mut taps.down);
     }
 
-    /// Returns the places of texels by column and row, in a texture whose sides are powers of two.
+    /// Returns the indices of texels given by column and row, in a texture whose width and height are powers of two.
     #[inline(always)]
     pub(super) fn place<S: Simd>(&self, x: i32x16<S>, y: i32x16<S>) -> i32x16<S> {
-        // Rows have one texel more than a power of two: a shift and a sum are faster than a product.
+        // The stride is a power of two plus one: a shift and a sum are faster than a product.
         (y << self.size.0.trailing_zeros()) + (y + x)
     }
 
-    /// Finds the single texel of each of eight samples, from `first` on.
+    /// Locates the nearest texel of eight of the sixteen samples, starting at sample `first`.
     #[inline(always)]
     fn locate_nearest<S: Simd>(&self, simd: S, [u, v]: [F32<S>; 2], taps: &mut Taps, first: usize) {
         let Sampler { address, .. } = self.sampler;
@@ -185,7 +188,7 @@ impl<'a> TextureReader<'a> {
         (y * self.stride + x).bitcast::<u32x8<S>>().store_slice(&mut taps.index[0][first..first + LANES]);
     }
 
-    /// Finds the four texels of each of eight samples, from `first` on.
+    /// Locates the four texels of eight of the sixteen samples, starting at sample `first`.
     #[inline(always)]
     pub(super) fn locate_eight<S: Simd>(
         &self,
@@ -210,7 +213,7 @@ impl<'a> TextureReader<'a> {
         }
     }
 
-    /// Prefetches the texels that every `step`th of sixteen samples will read.
+    /// Prefetches the texels of every `step`th of sixteen samples.
     #[inline(always)]
     pub(super) fn prefetch(&self, taps: &Taps, step: usize) {
         for place in taps.index[0].into_iter().step_by(step) {
@@ -225,7 +228,8 @@ impl<'a> TextureReader<'a> {
         }
     }
 
-    /// Reads red, green, blue and alpha from 8-bit texels, for as many samples as a register holds, from `first` on.
+    /// Reads and filters 8-bit texels, for as many samples as a register holds, starting at sample `first`. Returns
+    /// red, green, blue and alpha in [0, 1].
     #[inline(always)]
     pub(super) fn read_bytes<S: Simd>(&self, simd: S, layout: Layout, taps: &Taps, first: usize) -> [S::f32s; 4] {
         let places = |tap: usize| &taps.index[tap][first..first + S::u32s::LEN];
@@ -255,7 +259,7 @@ impl<'a> TextureReader<'a> {
         })
     }
 
-    /// Reads red, green, blue and alpha from texels in linear light.
+    /// Reads and filters texels in linear light, for sixteen samples. Returns red, green, blue and alpha in [0, 1].
     #[inline(always)]
     pub(super) fn read_linear<S: Simd>(&self, simd: S, layout: Layout, taps: &Taps) -> [f32x16<S>; 4] {
         let scales = self.scales();
@@ -279,15 +283,15 @@ impl<'a> TextureReader<'a> {
         each!(channel in [0, 1, 2, 3] => low[channel].combine(high[channel]) * scales[channel])
     }
 
-    /// Returns the factors that bring mixed channels into [0, 1].
+    /// Returns the factors that scale the filtered channels to [0, 1].
     #[inline(always)]
     fn scales(&self) -> [f32; 4] {
         let Sampler { scale, .. } = self.sampler;
         [scale, scale, scale, ALPHA_SCALE]
     }
 
-    /// Mixes four texels in linear light for each of eight samples, from `first` on. Takes two samples at a time with
-    /// all their channels, because looking up twelve channels per sample takes longer.
+    /// Filters four texels in linear light for each of eight samples, starting at sample `first`. Processes two samples
+    /// at a time with all their channels, because loading channels separately, twelve per sample, takes longer.
     #[inline(always)]
     fn mix_linear<S: Simd>(
         &self,
@@ -326,7 +330,7 @@ impl<'a> TextureReader<'a> {
     }
 }
 
-/// Returns the bilinear weights of the upper left, upper right, lower left and lower right texels.
+/// Returns the bilinear weights of the upper left, upper right, lower left and lower right texel.
 #[inline(always)]
 fn weights<S: Simd, F: SimdFloat<S, Element = f32>>(simd: S, right: F, down: F) -> [F; 4] {
     let one = F::splat(simd, 1.0);
@@ -334,29 +338,30 @@ fn weights<S: Simd, F: SimdFloat<S, Element = f32>>(simd: S, right: F, down: F) 
     [left * up, right * up, left * down, right * down]
 }
 
-/// Returns the red, green, blue and alpha codes of texels.
+/// Unpacks 8-bit texels into red, green, blue and alpha, as floats from 0 to 255.
 #[inline(always)]
 pub(super) fn codes<S: Simd>(texels: S::u32s) -> [S::f32s; 4] {
     each!(shift in [0, 8, 16, 24] => ((texels >> shift) & 255).bitcast::<S::i32s>().to_float::<S::f32s>())
 }
 
-/// Returns the texels at eight places of a row, each with its right neighbour.
+/// Returns the texels at eight indices, each with its right neighbour.
 ///
 /// # Panics
-/// If a place, or its right neighbour, lies outside of the row.
+///
+/// Panics if a texel or its right neighbour is out of bounds.
 #[inline(always)]
 #[expect(
     unsafe_code,
     reason = "one bounds check for eight reads: a fully textured picture is drawn an eighth faster than with one each"
 )]
 fn neighbours_at<S: Simd, T: Copy>(_: S, texels: &[T], index: u32x8<S>) -> [[T; 2]; LANES] {
-    // Lengths are below 2³²: texture sizes are limited.
+    // Lengths are below 2³², because texture sizes are limited.
     let last = texels.len().saturating_sub(1) as u32;
     assert!(index.simd_lt(last).to_bitmask() == 0xFF, "all texels are within the texture");
     let index = index.to_array();
     each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => {
-        // SAFETY: `index[lane]` is less than the place of the last texel, as asserted above. It and the next texel
-        // therefore lie within the slice, and an array has the alignment of its items.
+        // SAFETY: `index[lane]` is less than the index of the last texel, as asserted above. This texel and the next
+        // one therefore lie within the slice, and an array has the alignment of its items.
         unsafe { texels.as_ptr().add(index[lane] as usize).cast::<[T; 2]>().read() }
     })
 }
@@ -367,7 +372,7 @@ mod tests {
     use super::*;
     use crate::image::Image;
 
-    /// Returns coordinates everywhere, and near texel boundaries and the limits of the fast paths.
+    /// Returns a random texture coordinate: anywhere, near a texel boundary, or near a limit of the fast paths.
     fn coordinate(random: &mut fastrand::Rng, size: u32) -> f32 {
         let least_below_zero = LEAST_BELOW_ZERO / size as f32;
         let u = match random.u32(..6) {
@@ -383,8 +388,8 @@ mod tests {
         (0..steps.abs()).fold(u, |u, _| if steps < 0 { u.next_down() } else { u.next_up() })
     }
 
-    /// Returns the column and row of the first of a sample's four texels, each with the bits of the second texel's
-    /// weight. If the second of two texels has all the weight, it is returned as the first.
+    /// Returns the column and row of the first of a sample's four texels, each with the weight of the next texel as
+    /// bits. If the next texel has all the weight, it is returned instead, with a weight of zero for the one after it.
     fn first_with_weight(taps: &Taps, lane: usize, (width, height): (u32, u32)) -> [(u32, u32); 2] {
         let (x, y) = (taps.index[0][lane] % (width + 1), taps.index[0][lane] / (width + 1));
         let along =
@@ -393,7 +398,7 @@ mod tests {
     }
 
     #[test]
-    fn powers_of_two_are_found_as_all_sizes_are() {
+    fn power_of_two_path_finds_the_same_texels_as_the_general_path() {
         let mut random = fastrand::Rng::with_seed(3);
         for size in [(1, 1), (2, 64), (1024, 16), (256, 512)] {
             let texture = Texture::new("", Image::from_fn(size.0, size.1, |_, _| [0; 4])).expect("it has texels");

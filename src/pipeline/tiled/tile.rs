@@ -1,11 +1,11 @@
-//! One tile of the picture while its triangles are drawn: the visible triangle of each sample, and its depth.
+//! A tile of the picture while it is rasterized: the visible triangle and the depth of each sample.
 //!
 //! Samples are grouped in blocks of 8 × 8. A block is *uniform* if one triangle covers all of it, in front of
-//! everything drawn before. Its samples are then neither written nor cleared; the block stores the triangle alone. The
-//! samples are written when another triangle first covers the block in part. The least and greatest stored depth of
-//! every block are known, so a triangle behind all of it is skipped there (Greene, Kass and Miller, "Hierarchical
-//! Z-buffer visibility", SIGGRAPH 1993). As long as all blocks show one triangle, or nothing, these bounds are kept for
-//! the whole tile.
+//! everything drawn before. Only that triangle is stored for a uniform block; its samples are written when another
+//! triangle first covers the block in part. The least and the greatest stored depth of every block are known, so a
+//! triangle behind all of a block is skipped there (Greene, Kass and Miller, "Hierarchical Z-buffer visibility",
+//! SIGGRAPH 1993). While the whole tile shows a single triangle, or nothing, these bounds are stored once for the whole
+//! tile.
 
 mod bounds;
 
@@ -22,19 +22,19 @@ use super::setup::{EdgeFunctions, Setup};
 use super::tested::TestedRows;
 use crate::math::lanes::*;
 
-/// Distance from one row of samples to the next in memory. Rows may be read and written eight samples beyond the last
-/// block.
+/// Distance between adjacent rows of samples in memory. Rows may be read and written up to eight samples beyond the
+/// last block.
 pub(super) const STRIDE: usize = TILE + LANES;
 
-/// Rows of samples in memory. Narrow triangles are drawn two rows at a time, and the second may be one too many.
+/// Number of rows of samples in memory. One row is extra, because narrow triangles are drawn two rows at a time.
 pub(super) const ROWS: usize = TILE + 1;
 
-/// Amount of drawing work for a tile.
+/// Rasterization work of a tile, in samples.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct TileCounts {
-    /// Samples tested individually.
+    /// Number of samples whose coverage was tested individually.
     pub(super) visited: u64,
-    /// Samples of blocks accepted as a whole.
+    /// Number of samples in blocks that were accepted as a whole.
     pub(super) uniform: u64,
 }
 
@@ -45,23 +45,25 @@ impl AddAssign for TileCounts {
     }
 }
 
-/// A tile while it is drawn. Memory is reused from tile to tile.
+/// A tile while it is rasterized. Its memory is reused from tile to tile.
 #[derive(Clone, Debug)]
 pub(super) struct Tile {
-    /// Slots of the visible triangles, by row and column.
+    /// Slot of the visible triangle at each sample, row by row.
     ids: Vec<u32>,
-    /// Stored depths, by row and column.
+    /// Stored depth of each sample, row by row.
     depths: Vec<f32>,
-    /// Triangle of each uniform block.
+    /// Slot of the visible triangle in each uniform block.
     owners: [u32; BLOCKS * BLOCKS],
-    /// Least stored depth of each block; `greatest` is the greatest. Not valid while there is a full-tile occluder.
+    /// Least stored depth of each block. Not valid while there is a full-tile occluder.
     min_depths: [f32; BLOCKS * BLOCKS],
+    /// Greatest stored depth of each block. Not valid while there is a full-tile occluder.
     max_depths: [f32; BLOCKS * BLOCKS],
-    /// Full-tile occluder. Depth bounds of blocks are computed only when a triangle is drawn into some of them.
+    /// Triangle that covers the whole tile in front of everything drawn before, or the background. `None` after another
+    /// triangle was drawn into some of the blocks, or if no depth bounds are kept.
     occluder: Option<FullTileOccluder>,
-    /// Bit mask of the uniform blocks.
+    /// Bit mask of the uniform blocks, row by row.
     uniform: u64,
-    /// Whether depth bounds are kept. They cost more than they save if triangles are as small as blocks.
+    /// Whether depth bounds of the blocks are kept. They cost more than they save if triangles are as small as blocks.
     bounded: bool,
     pub(super) counts: TileCounts,
 }
@@ -81,12 +83,12 @@ impl Tile {
         }
     }
 
-    /// Returns the number of bytes held.
+    /// Returns the memory use in bytes.
     pub(super) fn bytes(&self) -> usize {
         self.ids.capacity() * size_of::<u32>() + self.depths.capacity() * size_of::<f32>() + size_of::<Self>()
     }
 
-    /// Clears the tile. If `bounded` is false, all samples are cleared at once and no depth bounds are kept.
+    /// Clears the tile. If `bounded` is `false`, clears all samples at once and keeps no depth bounds.
     pub(super) fn clear(&mut self, rules: &DepthRules, bounded: bool) {
         self.bounded = bounded;
         self.counts = TileCounts::default();
@@ -106,32 +108,33 @@ impl Tile {
         }
     }
 
-    /// Returns the triangle of a block; `None` if the block is not uniform.
+    /// Returns the slot of the visible triangle in a uniform block; `None` if the block is not uniform.
     #[inline(always)]
     pub(super) fn owner(&self, block: usize) -> Option<Slot> {
         (self.uniform >> block & 1 != 0).then(|| Slot(self.owners[block]))
     }
 
-    /// Returns the uniform blocks, whose samples are not yet written, with their triangles.
+    /// Returns the indices of the uniform blocks, whose samples are not yet written, and the slots of their triangles.
     pub(super) fn uniform_blocks(&self) -> impl Iterator<Item = (usize, Slot)> + use<> {
         let (plain, owners) = (self.uniform, self.owners);
         (0..BLOCKS * BLOCKS).filter(move |block| plain >> block & 1 != 0).map(move |block| (block, Slot(owners[block])))
     }
 
-    /// Returns the triangles of eight samples of a row, which must have been written.
+    /// Returns the slots of the visible triangles at eight samples of a row, whose block must not be uniform.
     #[inline(always)]
     pub(super) fn slots(&self, column: usize, row: usize) -> &[u32] {
         &self.ids[row * STRIDE + column..][..LANES]
     }
 
-    /// Returns the triangles of eight samples of a row and of the eight below, which must have been written.
+    /// Returns the slots of the visible triangles at eight samples of a row and the eight below, whose block must not
+    /// be uniform.
     #[inline(always)]
     pub(super) fn slots_of_two_rows<S: Simd>(&self, simd: S, column: usize, row: usize) -> u32x16<S> {
         let [upper, lower] = each!(y in [row, row + 1] => u32x8::from_slice(simd, self.slots(column, y)));
         upper.combine(lower)
     }
 
-    /// Returns the triangles of eight samples of a row, written or not.
+    /// Returns the slots of the visible triangles at eight samples of a row, whether or not their block is uniform.
     #[inline(always)]
     pub(super) fn visible_slots<S: Simd>(&self, simd: S, column: usize, row: usize) -> u32x8<S> {
         match self.owner(row / BLOCK * BLOCKS + column / BLOCK) {
@@ -140,7 +143,7 @@ impl Tile {
         }
     }
 
-    /// Makes a block uniform with one triangle, or leaves it to its samples.
+    /// Marks a block as uniform with the triangle of a slot, or as not uniform if there is none.
     pub(super) fn set_owner(&mut self, block: usize, owner: Option<Slot>) {
         match owner {
             Some(slot) => {
@@ -151,20 +154,21 @@ impl Tile {
         }
     }
 
-    /// Stores the triangles of eight samples of a row.
+    /// Stores the slots of the visible triangles at eight samples of a row.
     #[inline(always)]
     pub(super) fn set_seen<S: Simd>(&mut self, column: usize, row: usize, slots: u32x8<S>) {
         slots.store_slice(&mut self.ids[row * STRIDE + column..][..LANES]);
     }
 
-    /// Returns the stored depths of a row.
+    /// Returns the stored depths of the samples in a row.
     pub(super) fn depths(&self, row: usize) -> &[f32] {
         &self.depths[row * STRIDE..][..TILE]
     }
 
-    /// Draws a triangle. `owner` sets up the triangle of a uniform block that must be expanded. The drawing code is
-    /// compiled separately for [common rules](DepthRules::are_common): the branches in every row are a tenth of its
-    /// work.
+    /// Draws a triangle. `owner` repeats the setup of the triangle of a uniform block that must be expanded.
+    ///
+    /// The code is compiled separately for the [most common depth rules](DepthRules::are_common): branches on the rules
+    /// in every row are a tenth of the work.
     #[inline(always)]
     pub(super) fn draw<S: Simd, E: EdgeNumber>(
         &mut self,
@@ -185,8 +189,8 @@ impl Tile {
         }
     }
 
-    /// Draws a triangle at most 16 samples wide, in columns of eight; one at most four samples wide on aligned rows is
-    /// drawn two rows at a time.
+    /// Draws a triangle at most 16 samples wide, in columns of eight. Triangles at most four samples wide are drawn two
+    /// rows at a time if the rows are aligned.
     #[inline(never)]
     fn draw_small<S: Simd, E: EdgeNumber, const COMMON: bool>(
         &mut self,
@@ -279,7 +283,7 @@ impl Tile {
         self.counts.visited += ((row - top) * LANES / 2) as u64;
     }
 
-    /// Tests the covered samples of four in a row and of the four below, and stores those that pass.
+    /// Depth-tests the covered samples among four of a row and the four below, and stores those that pass.
     #[inline(always)]
     fn write_two<S: Simd, E: EdgeNumber>(
         &mut self,
@@ -315,7 +319,7 @@ impl Tile {
         high.store_slice(&mut ids[STRIDE..]);
     }
 
-    /// Draws a larger triangle block by block.
+    /// Draws a large triangle, block by block.
     #[inline(never)]
     fn draw_large<S: Simd, E: EdgeNumber, const COMMON: bool>(
         &mut self,
@@ -388,8 +392,8 @@ impl Tile {
         );
     }
 
-    /// Draws the samples of a triangle that `keep` selects. It receives the samples that pass the depth test, two rows
-    /// at a time, and returns the bit mask of those to store.
+    /// Draws a triangle with an additional test of its samples, such as the alpha test. `keep` receives the samples
+    /// that pass the depth test, two rows at a time, and returns the bit mask of those to store.
     #[inline(never)]
     pub(super) fn draw_kept<S: Simd>(
         &mut self,
@@ -437,8 +441,8 @@ impl Tile {
         );
     }
 
-    /// Computes the edge values at eight samples of a row. Returns the bit mask of the samples that are covered and
-    /// pass the depth test.
+    /// Computes the edge values at eight samples of a row into `edges`. Returns the bit mask of the samples that are
+    /// covered and pass the depth test.
     #[inline(never)]
     fn test<S: Simd>(
         &self,
@@ -464,7 +468,7 @@ impl Tile {
         )
     }
 
-    /// Draws the samples of one block.
+    /// Draws the part of a triangle that lies in one block.
     #[inline(always)]
     fn draw_block<S: Simd, E: EdgeNumber>(
         &mut self,
@@ -493,7 +497,7 @@ impl Tile {
         }
     }
 
-    /// Tests the covered samples of eight in a row, and stores those that pass. Returns whether there are any.
+    /// Depth-tests the covered samples among eight of a row, and stores those that pass. Returns `true` if any passed.
     #[inline(always)]
     fn write<S: Simd, E: EdgeNumber>(
         &mut self,
@@ -522,7 +526,7 @@ impl Tile {
         passed.any_true()
     }
 
-    /// Expands a uniform block: writes its samples. No-op for other blocks.
+    /// Expands a uniform block: writes the slot and the depth of each of its samples. Does nothing for other blocks.
     #[inline(never)]
     pub(super) fn expand_block<S: Simd>(
         &mut self,
@@ -561,21 +565,21 @@ impl Tile {
     }
 }
 
-/// Whether a masked store of the selected lanes is worthwhile: if there are any, or if lanes are stored by masks
-/// (AVX-512). There an empty store costs less than the branch that would skip it, because a misprediction takes twice
-/// as long.
+/// Returns `true` if a masked store of the selected lanes is worthwhile: if any lane is selected, and always with
+/// AVX-512. There, an empty masked store costs less than the branch that would skip it, because a misprediction takes
+/// twice as long.
 #[inline(always)]
 fn is_worth_storing<S: Simd>(some: mask32x8<S>) -> bool {
     S::f32s::LEN >= WIDE || some.any_true()
 }
 
-/// Returns the columns and rows of the blocks that a triangle may touch.
+/// Returns the columns and rows of the blocks that a triangle may overlap.
 fn blocks(triangle: &Setup) -> impl Iterator<Item = (usize, usize)> + use<> {
     let Setup { columns: [left, right], rows: [top, bottom], .. } = *triangle;
     (top / BLOCK..=bottom / BLOCK).flat_map(move |by| (left / BLOCK..=right / BLOCK).map(move |bx| (bx, by)))
 }
 
-/// Returns the rows of a triangle that lie in a row of blocks.
+/// Returns the range of a triangle's rows that lie in the row of blocks `by`.
 fn rows_in<E>(triangle: &Setup<E>, by: usize) -> Range<usize> {
     let [top, bottom] = triangle.rows;
     top.max(by * BLOCK)..(bottom + 1).min((by + 1) * BLOCK)

@@ -1,9 +1,9 @@
 //! Transparency: alpha-tested and blended triangles.
 //!
-//! Alpha-tested triangles are drawn among the opaque ones, because samples that fail the test neither hide nor store
-//! anything. Blended triangles are drawn over the shaded tile, in the order of the setting. Both are shaded on lanes,
-//! two rows at a time, if there is lane code for their shading. Otherwise the functions of the classic path shade them
-//! sample by sample. Fragments that are sorted individually are always blended by these functions.
+//! Alpha-tested triangles are drawn together with the opaque ones, because samples that fail the test are simply not
+//! stored. Blended triangles are drawn over the shaded tile, in the order that the settings select. Both are shaded
+//! with SIMD, two rows at a time, if a kernel supports their shading. Otherwise the code of the classic path shades
+//! them sample by sample. Fragments that are sorted individually are always blended by that code.
 
 use super::TiledFrame;
 use super::lattice::TILE;
@@ -25,7 +25,7 @@ use crate::pipeline::settings::BlendingOrder;
 use crate::pipeline::viewport::ScreenTriangle;
 
 impl TiledFrame<'_> {
-    /// Interpolates a sample as the classic path does.
+    /// Interpolates the attributes of one sample with the code of the classic (scalar) path.
     pub(super) fn fragment(
         &self,
         triangle: &ScreenTriangle,
@@ -53,8 +53,8 @@ impl TiledFrame<'_> {
         tile.draw_kept(simd, triangle, locations, &self.rules, owner, keep);
     }
 
-    /// Returns the alpha test of a triangle: a function from samples that passed the depth test to the bit mask of
-    /// those that remain.
+    /// Returns a function that performs the alpha test of a triangle. It receives samples that passed the depth test
+    /// and returns the bit mask of those to keep.
     pub(super) fn alpha_test<'a, S: Simd>(
         &'a self,
         simd: S,
@@ -73,8 +73,8 @@ impl TiledFrame<'_> {
         }
     }
 
-    /// Returns triangles of a tile, given in submission order, in blending order. If their fragments are sorted
-    /// individually, that is the submission order.
+    /// Returns the blended triangles of a tile, given in submission order, in blending order. They stay in submission
+    /// order if their fragments are sorted individually.
     pub(super) fn in_order(&self, entrants: &TileBin, blended: &[Slot]) -> Vec<(Slot, ScreenTriangle)> {
         let measured = |slot: &Slot| {
             let BinEntry { key, draw } = entrants.get(*slot);
@@ -88,7 +88,7 @@ impl TiledFrame<'_> {
         sorted.into_iter().map(|(_, slot, triangle)| (slot, triangle)).collect()
     }
 
-    /// Blends triangles of a tile, given in submission order, over its picture. Returns the shading work.
+    /// Blends the blended triangles of a tile, given in submission order, over its picture. Returns the shading work.
     pub(super) fn blend<S: Simd>(
         &self,
         simd: S,
@@ -109,13 +109,13 @@ impl TiledFrame<'_> {
             let subject = entrants.subject(slot);
             let shader = self.shader(subject.draw);
             let mut samples = 0;
-            // Blended samples hide nothing, so none is stored.
+            // Blended samples do not occlude anything, so none is stored.
             if shader.on_lanes {
                 tile.draw_kept(simd, &setup, locations, &self.rules, &owner, |tested| {
                     samples += shade_tested(simd, self, &subject, (place, tested), queue, picture);
                     0
                 });
-                // The next triangle may overlap this one.
+                // The next triangle may overlap this one, so all its pixels must be written first.
                 flush(simd, self, queue, picture.values);
                 shaded.add(shader, samples);
                 shaded.texels += std::mem::take(&mut queue.coarse_texels);
@@ -131,7 +131,7 @@ impl TiledFrame<'_> {
         shaded
     }
 
-    /// Blends triangles of a tile over its picture with their fragments sorted. Returns the shading work.
+    /// Blends triangles of a tile over its picture, with all fragments sorted by depth. Returns the shading work.
     fn blend_sorted<S: Simd>(
         &self,
         simd: S,
@@ -145,7 +145,7 @@ impl TiledFrame<'_> {
         for (number, (slot, triangle)) in triangles.iter().enumerate() {
             let Some(setup) = owner(*slot) else { continue };
             let before = list.len();
-            // A blended fragment hides nothing, so none is stored.
+            // Blended fragments do not occlude anything, so none is stored.
             tile.draw_kept(simd, &setup, locations, &self.rules, &owner, |tested| {
                 let within = TestedRows { passed: tested.within(picture.size), ..*tested };
                 list.add(self.settings, (triangle, number), (0, &within), &within);
@@ -165,7 +165,8 @@ impl TiledFrame<'_> {
         shaded
     }
 
-    /// Blends samples that passed over their colours by the functions of the classic path. Returns their number.
+    /// Blends the samples that passed over the colours in `below`, one by one, with the code of the classic path.
+    /// Returns their number.
     pub(super) fn blend_one_by_one(
         &self,
         (triangle, draw): (&ScreenTriangle, usize),

@@ -12,10 +12,10 @@ use super::wire;
 use crate::pipeline::settings::FillRule;
 use crate::pipeline::viewport::Viewport;
 
-/// A test case.
+/// Numerically hard test case for one part of the engine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StabilityCase {
-    /// Unique id.
+    /// Unique id of the case, shown in reports.
     pub id: String,
     /// Id of the class that the case belongs to.
     pub(crate) class: String,
@@ -41,11 +41,11 @@ pub enum Body {
     ClipTri(ClipSpace),
     /// Depth buffer values of ascending distances.
     Depth(DepthCase),
-    /// Number of pairs of close distances whose order a depth buffer loses.
+    /// Random pairs of close distances, whose order a depth buffer may lose.
     DepthPairs(DepthPairs),
 }
 
-/// Screen-space triangles.
+/// Screen-space triangles whose coverage is tested.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Coverage {
     /// Image width, in pixels.
@@ -77,7 +77,7 @@ pub struct AttributeCase {
     pub eval: Vec<[u32; 2]>,
 }
 
-/// Two coplanar triangles.
+/// Two coplanar triangles, whose depths should be equal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CoplanarPairCase {
     /// Image width, in pixels.
@@ -94,7 +94,7 @@ pub struct CoplanarPairCase {
     pub(crate) eval: Vec<[u32; 2]>,
 }
 
-/// Clip-space triangles, with 0 ≤ z ≤ w inside the view and y up.
+/// Clip-space triangles to clip, project and rasterize, with 0 ≤ z ≤ w inside the view and y up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ClipSpace {
     /// Image width, in pixels.
@@ -113,13 +113,13 @@ pub struct DepthCase {
     pub mapping: DepthMapping,
     /// Storage format of the depth buffer.
     pub format: DepthStorage,
-    /// Distance of the near plane.
+    /// Distance of the near plane from the eye.
     #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
     pub near: f32,
-    /// Distance of the far plane; `None` for infinity.
+    /// Distance of the far plane from the eye; `None` for infinity.
     #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
     pub far: Option<f32>,
-    /// Distances, in ascending order.
+    /// View-space distances to store, in ascending order.
     #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
     pub z: Vec<f32>,
 }
@@ -131,15 +131,15 @@ pub struct DepthPairs {
     pub(crate) mapping: DepthMapping,
     /// Storage format of the depth buffer.
     pub(crate) format: DepthStorage,
-    /// Distance of the near plane.
+    /// Distance of the near plane from the eye.
     #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
     pub(crate) near: f32,
-    /// Distance of the far plane.
+    /// Distance of the far plane from the eye.
     #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
     pub(crate) far: f32,
     /// Relative difference between the two distances of a pair.
     pub(crate) gap: f64,
-    /// Number of pairs.
+    /// Number of random pairs.
     pub(crate) pairs: u32,
     /// Seed of the random number generator.
     pub(crate) seed: u64,
@@ -158,7 +158,7 @@ impl StabilityCase {
         Some(Viewport { width, height })
     }
 
-    /// Returns the number of triangles.
+    /// Returns the number of triangles in the case; 0 for depth cases.
     pub(crate) fn triangle_count(&self) -> usize {
         match &self.body {
             Body::TriCoverage(c) => c.triangles.len(),
@@ -246,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_written_is_read_back_bit_for_bit() {
+    fn cases_round_trip_bit_for_bit() {
         let corner = ScreenCorner { x: 0.1, y: -7.5, z: 0.3, w: 1e30, uv: [1e6, -0.7] };
         let bodies = [
             coverage().body,
@@ -268,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn case_files_are_read_with_their_corners_that_are_no_numbers() {
+    fn case_files_may_contain_non_finite_corners() {
         use crate::case::{Answer, Case as FileCase, Control, Options, Task};
         let corners = [[0.3, -0.0, f32::INFINITY, 1.0], [f32::NAN, 1e-45, 0.5, 2.0], [-f32::INFINITY, 3e38, 0.0, 1.0]];
         let body = Body::ClipTri(ClipSpace { width: 8, height: 4, triangles: vec![corners] });
@@ -280,15 +280,15 @@ mod tests {
         let Task::ClipTri(task) = &clipped.task else { panic!("{clipped:?}") };
         assert_eq!(task.corners(0).map(bits), Some(bits(corners)));
         let Ok(Answer::ClipTri(drawn)) = answer(&clipped) else { panic!("not answered") };
-        assert!(drawn.triangles[0].spans.is_empty(), "its corners cost the triangle");
+        assert!(drawn.triangles[0].spans.is_empty(), "a triangle with non-finite corners covers nothing");
 
         let Ok(Answer::TriCoverage(drawn)) = answer(&read(&coverage())) else { panic!("not answered") };
         assert!(drawn.triangles.iter().all(|covered| covered.spans.is_empty()));
     }
 
     #[test]
-    fn a_part_of_a_mesh_is_no_mesh() {
-        let Body::TriCoverage(part) = coverage().only(&[1]).body else { unreachable!("it stays what it is") };
+    fn a_part_of_a_mesh_need_not_cover_the_image() {
+        let Body::TriCoverage(part) = coverage().only(&[1]).body else { unreachable!("still a coverage case") };
         assert_eq!((part.triangles.len(), part.exactly_once), (1, false));
     }
 }

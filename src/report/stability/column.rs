@@ -10,11 +10,11 @@ use crate::pipeline::settings::{Choice as _, DepthFormat};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(untagged)]
 pub enum ReportColumn {
-    /// A rasterizer and its arithmetic.
+    /// Rasterizer and its arithmetic.
     Coverage(Configuration),
-    /// An interpolation formula and its arithmetic.
+    /// Interpolation formula and its arithmetic.
     Weights(Weighting),
-    /// A depth buffer format.
+    /// Depth buffer format.
     Depth(#[serde(serialize_with = "depth_format")] DepthFormat),
 }
 
@@ -70,7 +70,7 @@ impl ReportColumn {
         }
     }
 
-    /// Whether the method is kept as commonly published, with its faults.
+    /// Whether the method is implemented as commonly published, with its faults.
     pub(crate) fn is_published(self) -> bool {
         match self {
             Self::Coverage(by) => by.rasterizer.is_published(),
@@ -79,7 +79,7 @@ impl ReportColumn {
         }
     }
 
-    /// Returns the ids of the method and the arithmetic.
+    /// Returns the ids of the method and the arithmetic, such as "tiled · f64".
     pub fn label(self) -> String {
         self.arithmetic().map_or_else(|| self.method().to_owned(), |numbers| format!("{} · {numbers}", self.method()))
     }

@@ -12,7 +12,7 @@ const KEYS: [&str; 10] =
 /// Headings of the columns after the metrics.
 const TIMES: [&str; 5] = ["ns_per_pixel", "ns_per_pixel_p10", "ns_per_pixel_p90", "ns_per_triangle", "rounds"];
 
-/// Formats the whole table with its header. Values that were not measured are left empty.
+/// Formats the stability report with its header. Values that were not measured are left empty.
 pub(crate) fn csv(report: &StabilityReport) -> String {
     let metrics = Metric::ALL.iter().map(|metric| metric.id().replace('-', "_"));
     let head: Vec<String> =
@@ -23,8 +23,8 @@ pub(crate) fn csv(report: &StabilityReport) -> String {
     std::iter::once(head.join(",")).chain(lines).chain(mark).map(|line| line + "\n").collect()
 }
 
-/// Formats one line. Quoting is unnecessary: every field is a name or number from this program, without commas or
-/// quotation marks.
+/// Formats one line of the table. Quoting is unnecessary: every field is a name or number from this program, without
+/// commas or quotation marks.
 fn line(report: &StabilityReport, class: &ClassReport, cell: &ReportCell) -> String {
     let keys = [
         class.class.family.id().to_owned(),

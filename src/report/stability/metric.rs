@@ -12,7 +12,7 @@ choice! {
     Metric {
         Pixels = "pixels", "pixels", "Pixels that the exact answer covers.";
         Wrong = "wrong", "wrong",
-            "Pixels drawn that should not be, and the reverse, relative to the corners that the configuration declares.";
+            "Pixels drawn by mistake or missing, relative to the corners that the configuration declares.";
         WrongUnsnapped = "wrong-unsnapped", "wrong unsnapped",
             "Wrong pixels relative to the corners as given, which includes the effect of snapping.";
         WrongStrict = "wrong-strict", "clearly wrong",
@@ -21,7 +21,7 @@ choice! {
         Cracks = "cracks", "cracks", "Pixels of a mesh that were not drawn at all.";
         Doubles = "doubles", "double hits", "Pixels of a mesh that were drawn more than once.";
         Samples = "samples", "samples", "Pixel centres at which weights and depth were checked.";
-        AffineError = "affine-error", "screen weight error", "Largest error of a weight on the screen.";
+        AffineError = "affine-error", "screen weight error", "Largest error of a screen-space (affine) weight.";
         WeightError = "weight-error", "weight error",
             "Largest error of a weight for attributes, relative to perspective-correct weights.";
         SumError = "sum-error", "sum error", "Largest distance of the sum of three weights from 1.";
@@ -38,7 +38,7 @@ choice! {
         Lost = "lost", "lost pairs", "Share of pairs that are tied or inverted, in per cent.";
         OutOfRange = "out-of-range", "out of range", "Stored depths outside 0…1.";
         NotFinite = "not-finite", "NaN or ∞", "Answers that are NaN or infinite.";
-        Stiffness = "stiffness", "stiffness", "Time as a multiple of the time of a compact triangle of as many pixels.";
+        Stiffness = "stiffness", "stiffness", "Time as a multiple of that of a compact triangle with as many pixels.";
     }
 }
 
@@ -47,7 +47,7 @@ choice! {
 enum Join {
     Sum,
     Largest,
-    /// Computed from other metrics.
+    /// Value is computed from other metrics.
     Derived,
 }
 
@@ -69,7 +69,7 @@ impl Metric {
         }
     }
 
-    /// Whether the metric is a count.
+    /// Whether the metric is a count, which is summed over cases.
     pub(crate) fn is_count(self) -> bool {
         self.join() == Join::Sum
     }
@@ -79,7 +79,7 @@ impl Metric {
         !matches!(self, Self::Pixels | Self::Samples | Self::Pairs | Self::IdealTies | Self::Stiffness)
     }
 
-    /// Returns the metric of the total that a count is a part of.
+    /// Returns the metric that counts the total, for metrics that count a part of it.
     fn whole(self) -> Option<Self> {
         match self {
             Self::Wrong | Self::WrongUnsnapped | Self::WrongStrict | Self::Seams | Self::Cracks | Self::Doubles => {
@@ -147,18 +147,18 @@ pub(crate) fn short(value: f64) -> String {
 pub(crate) struct Measures([Option<f64>; Metric::ALL.len()]);
 
 impl Measures {
-    /// Returns a value, or `None` if the metric does not apply.
+    /// Returns the value of a metric, or `None` if the metric does not apply.
     pub(crate) fn get(&self, metric: Metric) -> Option<f64> {
         self.0[metric as usize]
     }
 
-    /// Returns the measures with a value set.
+    /// Returns the measures with the value of a metric set.
     pub(crate) fn with(mut self, metric: Metric, value: f64) -> Self {
         self.0[metric as usize] = Some(value);
         self
     }
 
-    /// Adds to a count, or raises a maximum.
+    /// Adds `value` to a count, or raises a maximum to at least `value`.
     pub(crate) fn note(&mut self, metric: Metric, value: f64) {
         let slot = &mut self.0[metric as usize];
         *slot = Some(match (*slot, metric.join()) {
@@ -168,7 +168,7 @@ impl Measures {
         });
     }
 
-    /// Adds the measures of more cases, and updates derived metrics.
+    /// Adds the measures of more cases, and updates derived metrics such as the share of lost pairs.
     pub(crate) fn join(&mut self, more: &Self) {
         for (metric, value) in more.iter() {
             if metric.join() != Join::Derived {
@@ -210,7 +210,7 @@ impl Serialize for Measures {
 pub(crate) struct Bound {
     /// Bounded metric.
     pub(crate) metric: Metric,
-    /// Largest value that passes.
+    /// Largest value of the metric that passes.
     pub(crate) most: f64,
 }
 
@@ -220,7 +220,7 @@ impl Bound {
         Self { metric, most }
     }
 
-    /// Creates a bound of zero.
+    /// Creates a bound that only the value 0 meets.
     pub(crate) const fn none(metric: Metric) -> Self {
         Self { metric, most: 0.0 }
     }
@@ -238,7 +238,7 @@ impl Display for Bound {
     }
 }
 
-/// Verdict of a cell.
+/// Verdict on one configuration in one class.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "UPPERCASE")]
 pub(crate) enum Verdict {
@@ -251,7 +251,7 @@ pub(crate) enum Verdict {
 }
 
 impl Verdict {
-    /// Returns the verdict as a word.
+    /// Returns the verdict in upper case, as reports show it.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Pass => "PASS",
@@ -286,7 +286,7 @@ mod tests {
     }
 
     #[test]
-    fn severity_goes_by_shares_where_there_is_a_whole() {
+    fn the_severity_of_a_partial_count_depends_on_its_share() {
         let at = |wrong: f64| {
             Measures::default().with(Metric::Pixels, 1000.0).with(Metric::Wrong, wrong).severity(Metric::Wrong)
         };
@@ -297,7 +297,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_short_and_tell_their_magnitude() {
+    fn numbers_are_short_and_show_their_magnitude() {
         for (value, text) in [
             (0.0, "0"),
             (3.456_789e-9, "3.5e-9"),

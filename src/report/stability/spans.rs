@@ -7,12 +7,12 @@ fn length(span: &Span) -> u64 {
     span.right.saturating_sub(span.left).into()
 }
 
-/// Returns the number of pixels in spans; pixels that occur several times are counted as often.
+/// Returns the number of pixels in spans, counting a pixel once for each span that contains it.
 pub(crate) fn pixel_count(spans: &[Span]) -> u64 {
     spans.iter().map(length).sum()
 }
 
-/// Returns the same set of pixels as sorted, disjoint, non-empty spans.
+/// Returns the set of pixels in the spans as sorted, disjoint, non-empty spans.
 pub(crate) fn normalized(spans: &[Span]) -> Vec<Span> {
     let mut sorted: Vec<Span> = spans.iter().copied().filter(|s| s.left < s.right).collect();
     sorted.sort_unstable_by_key(|s| (s.row, s.left, s.right));
@@ -123,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn hits_are_counted_and_what_lies_outside_is_not() {
+    fn hits_are_counted_only_inside_the_image() {
         let mut hits = HitCounts::none(Viewport { width: 4, height: 2 });
         hits.add(&[span(0, 0, 4), span(0, 1, 2), span(1, 0, 3), span(1, 2, 900), span(7, 0, 4)]);
         assert_eq!((hits.cracks(), hits.doubles(), hits.first_fault()), (0, 2, Some((1, 0))));

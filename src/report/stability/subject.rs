@@ -21,9 +21,9 @@ const RULE: FillRule = FillRule::TopLeft;
 /// Configuration of triangle rasterization.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 pub struct Configuration {
-    /// Rasterization algorithm.
+    /// Algorithm that finds the covered pixels.
     pub(crate) rasterizer: Rasterizer,
-    /// Number type of its arithmetic.
+    /// Number type of the rasterizer's arithmetic.
     pub(crate) arithmetic: Arithmetic,
 }
 
@@ -46,7 +46,7 @@ impl Configuration {
 /// Configuration of attribute interpolation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 pub struct Weighting {
-    /// Interpolation formula.
+    /// Formula that computes the weights of the vertices.
     pub(crate) interpolation: Interpolation,
     /// Number type in which edges are evaluated.
     pub(crate) arithmetic: Arithmetic,
@@ -65,7 +65,7 @@ impl Weighting {
     }
 }
 
-/// Whether a formula is kept as commonly published, with its faults.
+/// Whether a formula is implemented as commonly published, with its faults.
 pub(crate) fn is_published(interpolation: Interpolation) -> bool {
     interpolation == Interpolation::Published
 }
@@ -75,7 +75,7 @@ pub(crate) fn cover(by: Configuration, corners_px: [[f32; 2]; 3], rule: FillRule
     raster::cover(by.rasterizer, by.arithmetic, corners_px, rule, viewport)
 }
 
-/// Interpolated values at one pixel.
+/// Values that the engine interpolates at one pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Sampled {
     /// Screen-space (affine) weights of the vertices.
@@ -89,7 +89,7 @@ pub(crate) struct Sampled {
 }
 
 impl Sampled {
-    /// Returns all values.
+    /// Returns all interpolated values, in field order.
     pub(crate) fn numbers(&self) -> impl Iterator<Item = f64> {
         self.affine.into_iter().chain(self.weights).chain([self.depth]).chain(self.uv)
     }
@@ -142,7 +142,7 @@ pub(crate) struct ClipFragment {
     pub(crate) pixel: [u32; 2],
     /// Weights of the original vertices, before clipping.
     pub(crate) weights: [f64; 3],
-    /// Interpolated depth.
+    /// Interpolated depth at the pixel.
     pub(crate) depth: f64,
 }
 

@@ -20,7 +20,7 @@ use crate::measure::machine::Machine;
 use crate::measure::noise::{Noise, Pairs};
 use crate::pipeline::settings::{Arithmetic, Choice as _, Rasterizer};
 
-/// Selection of what to run.
+/// Selection of the classes and configurations to run.
 #[derive(Clone, Debug)]
 pub struct StabilityPlan {
     /// Classes to run, in this order.
@@ -29,7 +29,7 @@ pub struct StabilityPlan {
     pub rasterizers: Vec<Rasterizer>,
     /// Arithmetics to run, in classes that vary them.
     pub arithmetics: Vec<Arithmetic>,
-    /// Seed of the random cases.
+    /// Seed from which the random cases are generated.
     pub seed: u64,
     /// Whether to measure times as well.
     pub timed: bool,
@@ -64,10 +64,10 @@ impl StabilityPlan {
     }
 }
 
-/// Progress of a run.
+/// Progress of a stability report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StabilityProgress {
-    /// Current stage.
+    /// Stage that is running.
     pub(crate) stage: SweepStage,
     /// Number of completed steps in this stage.
     pub(crate) done: usize,
@@ -75,17 +75,17 @@ pub struct StabilityProgress {
     pub(crate) of: usize,
 }
 
-/// Stages of a run.
+/// Stages of a stability report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum SweepStage {
-    /// Judging the cases.
+    /// Comparing the engine's answers with the exact ones.
     Judging,
-    /// Timing the classes.
+    /// Timing the classes, one after the other.
     Timing,
 }
 
 impl SweepStage {
-    /// Returns the display name.
+    /// Returns the display name of the stage.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Judging => "checking cases",
@@ -97,16 +97,16 @@ impl SweepStage {
 /// Complete stability report.
 #[derive(Clone, Debug, Serialize)]
 pub struct StabilityReport {
-    /// Seed of the random cases.
+    /// Seed from which the random cases were generated.
     pub(crate) seed: u64,
     /// Machine that ran the report.
     pub(crate) machine: Machine,
-    /// Duration of the run.
+    /// Duration of the whole run; serialised in seconds.
     #[serde(serialize_with = "seconds")]
     pub(crate) duration: Duration,
     /// Noise floor, from timing the first configuration of each class against itself; `None` without times.
     pub(crate) timing_noise: Option<Noise>,
-    /// Results per class.
+    /// Results of each class.
     pub classes: Vec<ClassReport>,
     /// Whether the run was cancelled before all classes were judged and timed.
     pub(crate) partial: bool,
@@ -119,16 +119,16 @@ fn seconds<S: serde::Serializer>(duration: &Duration, to: S) -> Result<S::Ok, S:
 /// Results of one class.
 #[derive(Clone, Debug, Serialize)]
 pub struct ClassReport {
-    /// Class of the cases.
+    /// Class whose cases were run.
     #[serde(flatten)]
     pub class: &'static Class,
-    /// Number of cases.
+    /// Number of cases in the class.
     pub(crate) cases: usize,
     /// Total number of triangles in the cases.
     pub(crate) triangles: usize,
     /// Total number of pixels, samples or depths in the cases.
     pub(crate) units: u64,
-    /// Results per column.
+    /// Results of each column.
     pub cells: Vec<ReportCell>,
     /// Complete cases named by [`Worst::of`], without duplicates; the counts of the cells can be recomputed from them.
     pub(crate) worst_cases: Vec<StabilityCase>,
@@ -140,11 +140,11 @@ pub struct ReportCell {
     /// Configuration of the engine.
     #[serde(flatten)]
     pub column: ReportColumn,
-    /// Summary as one word.
+    /// Verdict that summarises the measures in one word.
     pub(crate) verdict: Verdict,
     /// Number of cases without an answer.
     pub(crate) refused: usize,
-    /// Measures over all cases.
+    /// Measures combined over all cases.
     pub(crate) measures: Measures,
     /// Time measured for the cell; `None` without timing.
     pub(crate) time: Option<Time>,
@@ -155,7 +155,7 @@ pub struct ReportCell {
     pub(crate) by_case: Vec<CaseMeasures>,
 }
 
-/// Results of one case.
+/// Results of one case in one configuration.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct CaseMeasures {
     /// Id of the case.
@@ -169,11 +169,11 @@ pub(crate) struct CaseMeasures {
 /// Worst case, reduced to the part that shows the fault.
 #[derive(Clone, Debug, Serialize)]
 pub struct Worst {
-    /// Id of the complete case.
+    /// Id of the complete case, which is in [`ClassReport::worst_cases`].
     pub(crate) of: String,
     /// Measures of the complete case; `None` if it was not answered.
     pub(crate) measures: Option<Measures>,
-    /// Reduced case to open.
+    /// Reduced case, which can be opened in the window.
     pub case: StabilityCase,
 }
 
@@ -214,8 +214,8 @@ pub fn run(
     Some(StabilityReport { seed: plan.seed, machine, duration: start.elapsed(), timing_noise, classes, partial })
 }
 
-/// Judges all cases in all columns. Returns the report of each class, and the number of pixels, samples or depths of
-/// each of its cases. Classes that were incomplete on cancellation are `None`.
+/// Compares the answers to all cases in all columns. Returns the report of each class, and the number of pixels,
+/// samples or depths of each of its cases. Classes that were incomplete on cancellation are `None`.
 fn evaluate(
     plan: &StabilityPlan,
     cases: &[Vec<StabilityCase>],

@@ -12,7 +12,7 @@ const CLASS_WIDTH: usize = 17;
 /// Width of the other columns, in characters.
 const CELL_WIDTH: usize = 22;
 
-/// Formats the whole report.
+/// Formats the stability report as plain text.
 pub(crate) fn text(report: &StabilityReport) -> String {
     let mut lines = vec![
         format!(

@@ -30,7 +30,7 @@ const CLASS_BUDGET: Duration = Duration::from_millis(900);
 /// Minimum number of rounds, however long they take.
 const MIN_ROUNDS: usize = 5;
 
-/// Maximum number of rounds.
+/// Maximum number of rounds, however short they are.
 const MAX_ROUNDS: usize = 31;
 
 /// Number of distances timed in place of a case of random pairs.
@@ -39,11 +39,11 @@ const DISTANCES: usize = 2000;
 /// Median and spread of a quantity over the rounds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(crate) struct Spread {
-    /// 50th percentile.
+    /// Median over the rounds.
     pub(crate) median: f64,
-    /// 10th percentile.
+    /// 10th percentile over the rounds.
     pub(crate) p10: f64,
-    /// 90th percentile.
+    /// 90th percentile over the rounds.
     pub(crate) p90: f64,
 }
 
@@ -66,7 +66,7 @@ type ClassWork<'a> = Box<dyn Fn(&AtomicBool) + 'a>;
 /// Timed work of one case.
 type CaseWork<'a> = Box<dyn Fn() + 'a>;
 
-/// Times every column of a class with at least one column. `units` holds the number of pixels, samples or depths of
+/// Times every column of a class; there must be at least one. `units` holds the number of pixels, samples or depths of
 /// each case. Also returns the A/A pairs of the first column. Returns `None` if cancelled.
 pub(super) fn time_class(
     class: &Class,
@@ -104,7 +104,7 @@ pub(super) fn time_class(
     Some((times.collect(), pairs))
 }
 
-/// Converts seconds to nanoseconds per unit.
+/// Summarizes the seconds of all rounds as nanoseconds per unit. Returns `None` if there are no units.
 fn spread(seconds: &[f64], units: u64) -> Option<Spread> {
     let per_unit: Vec<f64> = seconds.iter().map(|s| s * 1e9 / units as f64).collect();
     let summary = summarize(&per_unit).filter(|_| units > 0)?;
@@ -287,7 +287,7 @@ mod tests {
     }
 
     #[test]
-    fn every_work_is_run_as_often_in_each_round_and_rounds_are_as_many_as_said() {
+    fn each_round_runs_every_work_equally_often_and_rounds_are_counted() {
         let runs = [Cell::new(0), Cell::new(0)];
         let works = runs.each_ref().map(|runs| -> ClassWork<'_> { Box::new(move |_| runs.set(runs.get() + 1)) });
         let seconds = interleaved(&works, &AtomicBool::new(false)).unwrap();
@@ -325,7 +325,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_per_no_pixel() {
+    fn without_pixels_there_is_no_time_per_pixel() {
         assert_eq!(spread(&[1.0, 2.0], 0), None);
         assert_eq!(spread(&[1e-6, 3e-6], 1000).unwrap().median, 2.0);
     }

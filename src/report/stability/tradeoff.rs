@@ -17,9 +17,9 @@ use crate::report::upscaling::tradeoff::{Standing, standings};
 pub(crate) struct TradeoffPoint {
     /// Configuration of the engine.
     pub(crate) column: ReportColumn,
-    /// Nanoseconds per pixel or sample.
+    /// Time per pixel or sample, in nanoseconds.
     pub(crate) ns: Spread,
-    /// Error; 0 if every answer is correct.
+    /// Error of the answers; 0 if every answer is correct.
     pub(crate) error: f64,
     /// Number of non-finite answers, which the error does not include.
     pub(crate) not_finite: f64,

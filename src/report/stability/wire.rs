@@ -8,10 +8,10 @@ use crate::case::Float;
 
 /// Conversion between numbers or lists of numbers and JSON.
 pub(super) trait Wire: Sized {
-    /// Converts to JSON.
+    /// Converts the value to JSON.
     fn write(&self) -> Value;
 
-    /// Converts from JSON, or returns a description of the error.
+    /// Converts a value from JSON, or returns a description of the error.
     fn read(value: &Value) -> Result<Self, String>;
 }
 
@@ -56,12 +56,12 @@ impl<T: Wire, const N: usize> Wire for [T; N] {
     }
 }
 
-/// Serialises a value; for `serialize_with`.
+/// Serialises a value; the function for `serialize_with`.
 pub(super) fn serialize<T: Wire, S: Serializer>(value: &T, serializer: S) -> Result<S::Ok, S::Error> {
     value.write().serialize(serializer)
 }
 
-/// Deserialises a value; for `deserialize_with`.
+/// Deserialises a value; the function for `deserialize_with`.
 pub(super) fn deserialize<'de, T: Wire, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
     T::read(&Value::deserialize(deserializer)?).map_err(D::Error::custom)
 }

@@ -4,13 +4,13 @@ use super::sweep::{SceneReport, UpscalingReport, UpscalingRow};
 use crate::pipeline::settings::Choice as _;
 use crate::report::PARTIAL;
 
-/// Header line.
+/// Header line of the CSV table.
 const HEAD: &str = "scene,triangles,width,height,threads,reference,method,scale,anchor,light,label,drawn,rounds,frame_ms,\
     frame_ms_p10,frame_ms_p90,frame_ms_max,geometry_ms,pixels_ms,upscale_ms,mse,psnr_db,ssim,flip,max_abs,differing_pixels,\
     turn_degrees,motion_frames,motion_mse,motion_psnr_db,motion_ssim,motion_flip,worst_psnr_db,worst_flip,dominated_by,within_noise_of,\
     native_within_noise,noise,noise_pairs";
 
-/// Formats the whole table with its header. Text is quoted; values that do not apply are left empty.
+/// Formats the upscaling report with its header. Text is quoted; values that do not apply are left empty.
 pub(crate) fn csv(report: &UpscalingReport) -> String {
     let rows = report.scenes.iter().flat_map(|scene| scene.rows.iter().map(move |row| (scene, row)));
     let lines = rows.map(|(scene, row)| line(report, scene, row));

@@ -15,10 +15,10 @@ use crate::pipeline::settings::Choice as _;
 use crate::report::html::{document, escaped, partial, tiles};
 use crate::upscale::Anchor;
 
-/// Styles specific to this page.
+/// CSS rules specific to this page.
 const STYLE: &str = include_str!("page.css");
 
-/// Formats the whole page.
+/// Formats the upscaling report as an HTML page.
 ///
 /// # Errors
 ///
@@ -79,7 +79,7 @@ fn section(report: &UpscalingReport, scene: &SceneReport) -> io::Result<String> 
     ))
 }
 
-/// Returns a sentence that lists the methods by anchor if their anchors differ; empty otherwise.
+/// Returns a sentence that lists the methods by anchor, or an empty string if all anchors are equal.
 fn anchors(rows: &[UpscalingRow]) -> String {
     let names = |anchor: Anchor| {
         let mut names: Vec<_> = Vec::new();
@@ -219,13 +219,13 @@ fn line(row: &UpscalingRow, native: Option<&UpscalingRow>) -> String {
     )
 }
 
-/// Returns the speed-up relative to native; greyed out and labelled if the difference is within noise.
+/// Returns the speed-up relative to native rendering; greyed out and labelled if the difference is within noise.
 fn faster(native: &UpscalingRow, row: &UpscalingRow) -> String {
     let text = format!("{:.2}×", native.frame_ms.median / row.frame_ms.median.max(f64::MIN_POSITIVE));
     if row.native_within_noise { format!("<span class=\"noise\">{text} {WITHIN}</span>") } else { text }
 }
 
-/// Returns the crops of native and of every other method at its largest scale.
+/// Returns the crops of native rendering and of every other method at its largest scale, as HTML figures.
 fn crops(rows: &[UpscalingRow]) -> io::Result<String> {
     let mut figures = String::new();
     for family in rows.chunk_by(|a, b| a.recipe.upscaler.method() == b.recipe.upscaler.method()) {
@@ -269,7 +269,7 @@ fn method(report: &UpscalingReport) -> String {
          history. Recipes spread over the list are drawn twice per round as A/A pairs; the noise floor is the 90th \
          percentile of the relative differences of such pairs, each of medians over a block of rounds. {} Reading \
          files and measuring errors are not timed.</p>\n<p>FLIP is the mean over all pixels, at 67 pixels per degree: \
-         0 is equal, 1 black against white. PSNR and MSE count sRGB codes. SSIM has a Gaussian window of 11 × 11 px, σ \
+         0 is equal, 1 black against white. PSNR and MSE use sRGB codes. SSIM has a Gaussian window of 11 × 11 px, σ \
          1.5, on luma. A reference of one sample per pixel is aliased itself, so a method that smooths has an error \
          against it.</p>\n</section>\n",
         escaped(&report.machine.summary()),
@@ -284,7 +284,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn base_64_as_the_standard_has_it() {
+    fn base64_matches_the_standard() {
         let cases = [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")];
         for (plain, coded) in cases {
             assert_eq!(base64(plain.as_bytes()), coded);

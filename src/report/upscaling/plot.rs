@@ -17,7 +17,7 @@ pub(super) fn color(row: &UpscalingRow) -> usize {
     upscale::ALL.iter().position(|upscaler| upscaler.id() == method).unwrap_or(0)
 }
 
-/// Plots error against time; empty without rows.
+/// Returns an SVG plot of error against time, or an empty string if there are no rows.
 pub(super) fn tradeoff(scene: &SceneReport) -> String {
     let times = scene.rows.iter().flat_map(|row| [row.frame_ms.p10, row.frame_ms.median, row.frame_ms.p90]);
     let Some(x) = PlotAxis::log(times) else { return String::new() };
@@ -41,7 +41,7 @@ fn place(plot: &Plot, row: &UpscalingRow) -> (f64, f64) {
     (plot.x(row.frame_ms.median), plot.y(row.motion.mean.flip))
 }
 
-/// Returns the Pareto front as a step line.
+/// Returns the Pareto front as an SVG step line.
 fn front(plot: &Plot, rows: &[UpscalingRow]) -> String {
     let mut best: Vec<&UpscalingRow> = rows.iter().filter(|row| row.is_on_front()).collect();
     best.sort_by(|a, b| a.frame_ms.median.total_cmp(&b.frame_ms.median));
@@ -58,7 +58,7 @@ fn front(plot: &Plot, rows: &[UpscalingRow]) -> String {
     if path.is_empty() { path } else { format!("<path class=\"front\" d=\"{path}\"/>") }
 }
 
-/// Returns a point with its bar from the 10th to the 90th percentile.
+/// Returns the SVG marker of a row, with a bar from the 10th to the 90th percentile of its time.
 fn drawn(plot: &Plot, row: &UpscalingRow) -> String {
     let ((x, y), color) = (place(plot, row), color(row));
     let style = if row.is_on_front() { "" } else { "beaten" };
@@ -77,7 +77,7 @@ fn drawn(plot: &Plot, row: &UpscalingRow) -> String {
     )
 }
 
-/// Returns labels beside the markers where they fit; those on the Pareto front come first.
+/// Returns the labels that fit beside their markers. Labels on the Pareto front are placed first.
 fn labels(plot: &Plot, rows: &[UpscalingRow]) -> String {
     let mut taken: Vec<[f64; 4]> = Vec::new();
     for row in rows {
@@ -110,10 +110,11 @@ fn labels(plot: &Plot, rows: &[UpscalingRow]) -> String {
     svg
 }
 
-/// A way to draw fewer pixels: CSS class and times.
+/// One of two ways to draw fewer pixels: its CSS class and an accessor of its times.
 type SkippingVariant = (&'static str, fn(&PixelShareTimes) -> Split);
 
-/// Plots time against the fraction of pixels drawn, for both ways, split into rasterization and shading.
+/// Returns an SVG plot of time against the fraction of pixels drawn, for both ways, split into rasterization and
+/// shading.
 pub(super) fn shares(shares: &[PixelShareTimes]) -> String {
     let x = PlotAxis { low: 0.0, high: 1.04, is_log: false };
     let y = PlotAxis::from_zero(shares.iter().flat_map(|share| [share.skipping.whole.p90, share.visiting.whole.p90]));
@@ -140,7 +141,7 @@ pub(super) fn shares(shares: &[PixelShareTimes]) -> String {
             let split = of(share);
             let (x, y) = (plot.x(share.drawn), plot.y(split.whole.median));
             let title = format!(
-                "{:.1} % of the pixels: {:.2} ms, of which raster {:.2} and shade {:.2}",
+                "{:.1} % of the pixels: {:.2} ms, of which rasterization {:.2} and shading {:.2}",
                 share.drawn * 100.0,
                 split.whole.median,
                 split.raster.median,

@@ -181,7 +181,7 @@ mod tests {
     use crate::image::Image;
     use crate::scene::builtin;
 
-    /// Returns the wanted pixels of a full image, packed.
+    /// Packs the wanted pixels of a full image.
     fn packed<T: Copy>(full: &Image<T>, grid: SampleGrid) -> Image<T> {
         let (width, height) = grid.packed_size(full.width(), full.height());
         Image::from_fn(width, height, |column, row| {

@@ -25,10 +25,10 @@ use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
 use crate::upscale::Upscaling;
 
-/// A scene and its view.
+/// Scene to measure, with its view.
 #[derive(Clone, Debug)]
 pub struct NamedView {
-    /// Display name.
+    /// Display name of the scene.
     pub name: String,
     /// Scene to draw.
     pub scene: Arc<Scene>,
@@ -39,9 +39,9 @@ pub struct NamedView {
 /// Scenes, recipes, image size and measurement parameters of a report.
 #[derive(Clone, Debug)]
 pub struct UpscalingPlan {
-    /// Scenes to measure.
+    /// Scenes to measure, each from one view.
     pub subjects: Vec<NamedView>,
-    /// Recipes to measure.
+    /// Recipes to measure on every scene.
     pub recipes: Vec<Recipe>,
     /// Size of the full image, in pixels.
     pub viewport: Viewport,
@@ -53,17 +53,17 @@ pub struct UpscalingPlan {
     pub turn: Turn,
 }
 
-/// Returns the recipe with every upscaler at every scale.
+/// Returns copies of the recipe with every upscaler at every scale.
 pub fn every_upscaler(recipe: Recipe) -> Vec<Recipe> {
     Upscaling::every().map(|upscaler| Recipe { upscaler, ..recipe }).collect()
 }
 
-/// Progress of a sweep.
+/// Progress of an upscaling report.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UpscalingProgress {
-    /// Name of the current scene.
+    /// Name of the scene that is being measured.
     pub(crate) scene: String,
-    /// Name of the current stage.
+    /// Name of the current stage, such as "errors at rest".
     pub(crate) stage: &'static str,
     /// Number of completed steps in this stage.
     pub(crate) done: usize,
@@ -76,17 +76,17 @@ pub struct UpscalingProgress {
 pub struct UpscalingReport {
     /// Machine and build, with the load at the start and at the end.
     pub(crate) machine: Machine,
-    /// Number of render threads.
+    /// Number of threads that draw.
     pub(crate) threads: usize,
     /// Width and height of the full image, in pixels.
     pub(crate) size: [u32; 2],
-    /// Number of measured rounds.
+    /// Number of timed rounds.
     pub(crate) rounds: usize,
-    /// Name of the reference for errors.
+    /// Name of the reference that errors are relative to.
     pub(crate) reference: &'static str,
     /// Camera motion over the frames that are measured for error and time.
     pub(crate) turn: Turn,
-    /// Results per scene.
+    /// Results of each scene.
     pub scenes: Vec<SceneReport>,
     /// Whether the sweep was cancelled before all scenes and rounds were complete.
     pub(crate) partial: bool,
@@ -95,13 +95,13 @@ pub struct UpscalingReport {
 /// Results of one scene.
 #[derive(Clone, Debug, Serialize)]
 pub struct SceneReport {
-    /// Name of the scene.
+    /// Display name of the scene.
     pub(crate) scene: String,
-    /// Number of triangles.
+    /// Number of triangles in the scene.
     pub(crate) triangles: usize,
-    /// Noise floor of the times.
+    /// Noise floor of the times measured on this scene.
     pub(crate) noise: Noise,
-    /// Results per recipe.
+    /// Results of each recipe.
     pub rows: Vec<UpscalingRow>,
     /// Comparison of two ways to draw fewer pixels; `None` if the scene has transparency.
     pub(crate) shares: Option<Vec<PixelShareTimes>>,
@@ -114,7 +114,7 @@ pub struct SceneReport {
 pub struct UpscalingRow {
     /// Name of the upscaler with its options.
     pub label: String,
-    /// Recipe of the frames.
+    /// Recipe that drew the frames.
     pub recipe: Recipe,
     /// Fraction of the pixels that were drawn, in (0, 1].
     pub(crate) drawn: f64,
@@ -135,7 +135,7 @@ pub struct UpscalingRow {
     pub(crate) within_noise_of: Option<String>,
     /// Whether the difference from the native time is within noise.
     pub(crate) native_within_noise: bool,
-    /// Cropped image.
+    /// Image of the recipe, cropped to the region of the largest errors.
     #[serde(skip)]
     pub crop: Image<Rgba8>,
 }
@@ -150,11 +150,11 @@ impl UpscalingRow {
 /// Times of the parts of a frame, in milliseconds.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct Parts {
-    /// Geometry, from planning to culling.
+    /// Median geometry time, from planning to culling, in milliseconds.
     pub(crate) geometry: f64,
-    /// Pixels, from rasterization to shading.
+    /// Median pixel time, from rasterization to shading, in milliseconds.
     pub(crate) pixels: f64,
-    /// Upscaling.
+    /// Median upscaling time, in milliseconds.
     pub(crate) upscale: f64,
 }
 

@@ -15,7 +15,7 @@ pub enum Standing<M> {
 }
 
 impl<M> Standing<M> {
-    /// Converts the identification of the other method.
+    /// Converts the identifier of the other method with `name`.
     pub(crate) fn map<N>(self, name: impl FnOnce(M) -> N) -> Standing<N> {
         match self {
             Self::Front => Standing::Front,

@@ -1,6 +1,6 @@
-//! Five scenes with a black spot, each with a different cause: practice for finding out why a pixel is black.
+//! Five scenes with a black spot, each with a different cause, for practising to find out why a pixel is black.
 //!
-//! Each is minimal and resembles a user's bug report: a missing panel, a floor that ends too early, stripes on a
+//! Each scene is minimal and resembles a user's bug report: a missing panel, a floor that ends too early, stripes on a
 //! poster, a dark patch on a ball, and a crate without its picture.
 
 use std::f32::consts::{FRAC_PI_2, PI};
@@ -53,10 +53,10 @@ pub(super) const MISSING_TEXTURE: Builtin = Builtin {
     draft: draft_missing_texture,
 };
 
-/// Background of the scenes whose black spot is a hole; sRGB codes.
+/// Background of the scenes whose black spot is a hole, as sRGB codes.
 const NIGHT: [u8; 3] = [0, 0, 0];
 
-/// Background of the other scenes; sRGB codes.
+/// Background of the scenes whose black spot is a surface, as sRGB codes.
 const DUSK: [u8; 3] = [30, 32, 36];
 
 fn draft_back_facing() -> SceneDraft {
@@ -89,11 +89,11 @@ fn draft_near_clipped() -> SceneDraft {
 
 fn draft_z_fought() -> SceneDraft {
     const DISTANCE: f32 = 10.0;
-    /// Near-plane distance, world units. It makes a step of the depth buffer, 2⁻²⁴ · distance² / near, 0.3 units wide
-    /// at the poster, so that the stripes are wide enough to click.
+    /// Near-plane distance, in world units. It makes a step of the depth buffer, 2⁻²⁴ · distance² / near, 0.3 units
+    /// wide at the poster, so that the stripes are wide enough to click.
     const NEAR: f32 = 2e-5;
-    /// Distance of the poster from the wall, world units. At a third of a depth step, both have the same depth about
-    /// half of the time.
+    /// Distance of the poster from the wall, in world units. At a third of a depth step, both have the same depth at
+    /// about half of the pixels.
     const GAP: f32 = 0.1;
     let home = Camera { near: NEAR, far: 1e5, ..Camera::look_at(Vec3::ZERO, Vec3::Z * -DISTANCE) };
     let mut draft = SceneDraft::new(DUSK, home);

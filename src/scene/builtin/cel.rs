@@ -140,8 +140,8 @@ fn fir_color(v: f32) -> Vec3 {
     }
 }
 
-/// Returns `main` crossed by one stripe of `other` per unit; `share` is the fraction of the unit that the stripe
-/// covers.
+/// Returns the colour at `along` in a pattern of `main` with one stripe of `other` per unit. `share` is the fraction of
+/// the unit that the stripe covers.
 fn stripes(along: f32, main: Vec3, other: Vec3, share: f32) -> Vec3 {
     if along.fract() < share { other } else { main }
 }
@@ -152,7 +152,7 @@ fn on_ball(radius: f32, right: f32, up: f32) -> Vec3 {
     Vec3::new(right.sin() * up.cos(), up.sin(), right.cos() * up.cos()) * radius
 }
 
-/// Returns a placement without rotation.
+/// Returns the model matrix for a position and a scale, without rotation.
 fn at(place: Vec3, scale: Vec3) -> Mat4 {
     Mat4::from_scale_rotation_translation(scale, Quat::IDENTITY, place)
 }

@@ -1,9 +1,9 @@
 //! The default scene: solids and pawns on a chess floor that extends to the horizon.
 //!
-//! The floor has four by four large cells under a repeated texture. It shows errors of wrapping, filtering and
-//! especially interpolation without perspective immediately. The solids have textures, plain colours and vertex
-//! colours, and occlude each other. The floor begins below the bottom edge of the picture and beyond the near plane, so
-//! nothing is clipped.
+//! The floor has four by four large cells under a repeated texture. It immediately exposes errors of wrapping,
+//! filtering and especially interpolation without perspective correction. The solids have textures, plain colours and
+//! vertex colours, and occlude each other. The floor begins below the bottom edge of the picture and beyond the near
+//! plane, so nothing is clipped.
 
 use glam::{Mat4, Quat, Vec2, Vec3, Vec3Swizzles as _};
 
@@ -24,18 +24,19 @@ pub(super) const CHESS: Builtin = Builtin {
 
 const BACKGROUND: [u8; 3] = [62, 68, 78];
 
-/// Size of the floor along x and z, world units. It spans a wide picture at the horizon.
+/// Size of the floor along x and z, in world units. The floor spans a wide picture at the horizon.
 const FLOOR_SIZE: Vec2 = Vec2::new(104.0, 62.0);
 
-/// Front edge of the floor in z: between the point below the eye and the bottom of the picture, and beyond the near
-/// plane.
+/// World z of the front edge of the floor: below the bottom of the picture, but beyond the near plane.
 const FLOOR_FRONT_Z: f32 = 6.9;
 
-/// Edge of one tile in world units, and the number of tiles per texture repeat along u and v.
+/// Edge length of one tile, in world units.
 const TILE: f32 = 1.5;
+
+/// Number of tiles per texture repeat, along u and v.
 const TILES_PER_TEXTURE: f32 = 4.0;
 
-/// Rotation of the rows of tiles relative to the picture, radians.
+/// Rotation of the rows of tiles relative to the picture, in radians.
 const TILE_TURN: f32 = -0.2;
 
 fn draft() -> SceneDraft {
@@ -93,7 +94,7 @@ fn add_solids(draft: &mut SceneDraft) {
     draft.place("cone", cone, gold, placed(Vec3::new(4.5, 0.0, -2.6), Quat::IDENTITY, 1.1));
 }
 
-/// Returns a colour between coral, amber, green, azure and violet, cyclic for `u` from 0 to 1.
+/// Returns a colour of a cyclic gradient through coral, amber, green, azure and violet, for `u` from 0 to 1.
 fn ribbon_color(u: f32) -> Vec3 {
     let colors = [0xF2_5F_4C, 0xF7_B5_45, 0x5C_BF_6C, 0x35_A7_DF, 0x7C_58_D8].map(srgb);
     let place = u * colors.len() as f32;
@@ -133,7 +134,7 @@ fn pawn() -> MeshData {
         .revolve("pawn", 24)
 }
 
-/// Returns a placement with uniform scale.
+/// Returns the model matrix for a position, a rotation and a uniform scale.
 fn placed(place: Vec3, turn: Quat, scale: f32) -> Mat4 {
     Mat4::from_scale_rotation_translation(Vec3::splat(scale), turn, place)
 }
@@ -173,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_comes_before_the_near_plane() {
+    fn nothing_crosses_the_near_plane() {
         let scene = CHESS.build();
         let view_from_world = scene.home.view_from_world();
         for instance in &scene.instances {

@@ -18,7 +18,7 @@ pub(super) const CUBES: Builtin = Builtin {
 /// Number of cubes along x, y and z.
 const COUNT: [u32; 3] = [8, 4, 4];
 
-/// Distance between the centres of neighbours, world units; a cube's edge is 1.
+/// Distance between the centres of neighbouring cubes, in world units. The edge of a cube is 1.
 const SPACING: f32 = 1.75;
 
 fn draft() -> SceneDraft {
@@ -35,7 +35,7 @@ fn draft() -> SceneDraft {
     draft
 }
 
-/// Returns the placement of a cube. The rotation changes from cell to cell, so that rows look twisted.
+/// Returns the model matrix of a cube. The rotation changes from cell to cell, so that rows look twisted.
 fn placement(cell: [u32; 3]) -> Mat4 {
     let from_middle = |axis: usize| (cell[axis] as f32 - (COUNT[axis] - 1) as f32 * 0.5) * SPACING;
     let [along, up, near] = cell.map(|c| c as f32);

@@ -1,4 +1,4 @@
-//! Builder of a scene: takes generated meshes and images, returns identifiers, and finishes as a [`Scene`].
+//! Builder for built-in scenes: takes generated meshes and images, returns their ids, and finishes as a [`Scene`].
 //!
 //! Generated data is validated only here. All input comes from this crate, so invalid data is a bug; the tests of the
 //! built-in scenes build every scene.
@@ -35,7 +35,7 @@ impl SceneDraft {
         self.library.add_mesh(Mesh::repaired(data).expect("generated meshes are valid but for normals"))
     }
 
-    /// Adds a generated picture. Panics if it has no pixels.
+    /// Adds a generated picture as a texture. Panics if it has no pixels.
     pub(super) fn texture(&mut self, name: &str, image: Image<Rgba8>) -> TextureId {
         self.library.add_texture(Texture::new(name, image).expect("generated pictures have pixels"))
     }
@@ -46,18 +46,18 @@ impl SceneDraft {
         self.library.add_material(Material::textured(name, texture))
     }
 
-    /// Adds an opaque material without a texture. `diffuse` is in sRGB values.
+    /// Adds an opaque material without a texture. `diffuse` is an sRGB colour.
     pub(super) fn plain(&mut self, name: &str, diffuse: Vec3) -> MaterialId {
         self.library.add_material(Material::plain(name, diffuse))
     }
 
-    /// Adds an opaque material whose texture file is missing. `diffuse` is in sRGB values.
+    /// Adds an opaque material whose texture file is missing. `diffuse` is an sRGB colour.
     pub(super) fn without_texture(&mut self, name: &str, diffuse: Vec3, file: &str) -> MaterialId {
         let missing_texture = Some(file.to_owned());
         self.library.add_material(Material { missing_texture, ..Material::plain(name, diffuse) })
     }
 
-    /// Adds an untextured, blended material of this opacity in [0, 1]. `diffuse` is in sRGB values.
+    /// Adds an untextured, blended material with an opacity in [0, 1]. `diffuse` is an sRGB colour.
     pub(super) fn translucent(&mut self, name: &str, diffuse: Vec3, opacity: f32) -> MaterialId {
         self.library.add_material(Material { opacity, ..Material::plain(name, diffuse) })
     }
@@ -74,7 +74,7 @@ impl SceneDraft {
         self.library.add_material(material)
     }
 
-    /// Adds an object. Returns it with a white tint, for changes.
+    /// Adds an object with a white tint, and returns it for further changes.
     pub(super) fn place(
         &mut self,
         name: impl Into<String>,
@@ -86,7 +86,7 @@ impl SceneDraft {
         self.instances.push_mut(instance)
     }
 
-    /// Finishes the scene under this name.
+    /// Finishes the scene and gives it a name.
     pub(super) fn finish(self, name: &str) -> Scene {
         let Self { library, instances, background, home } = self;
         Scene { name: name.to_owned(), library, instances, background, home }

@@ -1,6 +1,6 @@
 //! Stained glass, a bottle and a wreath of leaves in front of a knot on a marble floor: blending and alpha test.
 //!
-//! The panes are drafted from near to far, the wrong order for blending, which exposes a pipeline that does not sort
+//! The panes are added from near to far, the wrong order for blending, which exposes a pipeline that does not sort
 //! them. Leaves are squares with an alpha-tested texture; they occlude and are occluded like opaque surfaces.
 
 use std::f32::consts::{FRAC_PI_2, TAU};

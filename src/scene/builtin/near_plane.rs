@@ -1,4 +1,4 @@
-//! The eye inside a corridor: long triangles that begin behind the eye and end far ahead.
+//! A corridor around the eye, with long triangles that begin behind the eye and end far ahead.
 //!
 //! Dividing by w before clipping would turn geometry behind the eye inside out, so this scene exposes every pipeline
 //! that does not clip. A beam crosses the near plane within the picture and is cut open there. A hoop passes around the
@@ -21,7 +21,7 @@ pub(super) const NEAR_PLANE: Builtin = Builtin {
     draft,
 };
 
-/// Half extents of the corridor, world units.
+/// Half extents of the corridor, in world units.
 const HALF_SIZE: Vec3 = Vec3::new(2.0, 1.6, 16.0);
 
 fn draft() -> SceneDraft {
@@ -82,7 +82,7 @@ mod tests {
     use super::*;
     use crate::scene::{Instance, Scene};
 
-    /// Returns the view depths of an instance's vertices, positive ahead.
+    /// Returns the view-space depths of an instance's vertices, positive in front of the eye.
     fn depths(scene: &Scene, instance: &Instance) -> Vec<f32> {
         let view_from_model = scene.home.view_from_world() * instance.world_from_model;
         scene.library.mesh(instance.mesh).positions.iter().map(|p| -view_from_model.transform_point3(*p).z).collect()

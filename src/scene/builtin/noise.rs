@@ -1,4 +1,4 @@
-//! Value noise: smoothly interpolated random numbers on a lattice, and sums of it at increasing frequency.
+//! Value noise: smoothly interpolated random numbers on a lattice, and sums of noise at increasing frequencies.
 //!
 //! The noise is periodic, so textures made of it tile. The numbers come from an integer hash instead of a stateful
 //! generator, so each texel can be computed independently and reproducibly. The interpolation uses Perlin's fade curve
@@ -6,7 +6,8 @@
 
 use glam::Vec2;
 
-/// Returns a number in [0, 1) for an integer position (the finalizer of MurmurHash3 over the mixed coordinates).
+/// Returns a pseudorandom number in [0, 1) for an integer position (the finalizer of MurmurHash3 over the mixed
+/// coordinates).
 pub(super) fn hash(x: u32, y: u32, seed: u32) -> f32 {
     let mut h = x.wrapping_mul(0x9E37_79B1) ^ y.wrapping_mul(0x85EB_CA77) ^ seed.wrapping_mul(0xC2B2_AE3D);
     h = (h ^ h >> 16).wrapping_mul(0x85EB_CA6B);

@@ -2,8 +2,8 @@
 //!
 //! The profile is a path from the top down, with the solid on its right. It consists of lines and arcs with given end
 //! points, so pieces meet exactly and a solid closes without rounding errors. Every piece has its own normals: a joint
-//! is smooth where tangents agree and sharp elsewhere. u runs once around, rightwards seen from outside; v is the
-//! normalised arc length down the profile.
+//! is smooth where tangents agree and sharp elsewhere. u runs once around the axis, to the right as seen from outside.
+//! v is the normalised arc length down the profile.
 
 use std::f32::consts::TAU;
 
@@ -19,14 +19,14 @@ struct ProfilePoint {
     normal: Vec2,
 }
 
-/// Profile path from the top down.
+/// Profile of a surface of revolution, as a path from the top down.
 pub(super) struct Profile {
     end: Vec2,
     points: Vec<ProfilePoint>,
 }
 
 impl Profile {
-    /// Starts a path at (`radius`, `height`).
+    /// Starts a profile at (`radius`, `height`).
     pub(super) fn from(radius: f32, height: f32) -> Self {
         Self { end: Vec2::new(radius, height), points: Vec::new() }
     }
@@ -61,7 +61,7 @@ impl Profile {
         self
     }
 
-    /// Returns the surface that the path sweeps in one full turn, with `segments` slices.
+    /// Returns the mesh that the profile sweeps in one full turn, with `segments` slices.
     pub(super) fn revolve(&self, name: &str, segments: u32) -> MeshData {
         let mut mesh = MeshData { name: name.to_owned(), ..MeshData::default() };
         for (point, v) in self.points.iter().zip(self.lengths()) {
@@ -89,7 +89,7 @@ impl Profile {
         mesh
     }
 
-    /// Returns the normalised arc length at each point, from 0 to 1.
+    /// Returns the normalised arc length at each point of the profile, from 0 to 1.
     fn lengths(&self) -> Vec<f32> {
         let mut length = 0.0;
         let mut previous = self.points.first().map_or(Vec2::ZERO, |p| p.at);
@@ -106,8 +106,8 @@ impl Profile {
     }
 }
 
-/// Adds a point of the profile, rotated to a segment. On the axis each slice has its own vertex, in the middle of the
-/// slice.
+/// Adds the vertex of a profile point, rotated to a segment. On the axis, each slice has its own vertex, in the middle
+/// of the slice.
 fn push_vertex(mesh: &mut MeshData, point: &ProfilePoint, segment: u32, segments: u32, v: f32) {
     let on_axis = point.at.x == 0.0;
     let turn = segment as f32 + if on_axis { 0.5 } else { 0.0 };

@@ -1,4 +1,4 @@
-//! Procedural meshes: solids around the origin, a floor, a knot.
+//! Procedural meshes: solids around the origin, a floor and a knot.
 //!
 //! All functions return indexed [`MeshData`] with unit normals, texture coordinates (v downwards) and counter-clockwise
 //! front faces. Solids are closed: seams repeat positions bit for bit, and with equal positions merged, every edge
@@ -11,7 +11,7 @@ use glam::{Vec2, Vec3};
 use super::revolve::Profile;
 use crate::scene::MeshData;
 
-/// Returns a cube from −1 to 1. Each face shows the whole texture upright.
+/// Returns a cube from −1 to 1 on each axis. Each face shows the whole texture upright.
 pub(super) fn cube() -> MeshData {
     // Outward normal and right direction of each face; up is their cross product.
     const FACES: [(Vec3, Vec3); 6] = [
@@ -42,7 +42,7 @@ pub(super) fn sphere(segments: u32) -> MeshData {
     Profile::from(0.0, 1.0).arc_to(0.0, -1.0, 180.0, segments / 2).revolve("sphere", segments)
 }
 
-/// Returns a torus around the y axis: a circle of radius `tube` whose centre moves at distance 1.
+/// Returns a torus around the y axis with major radius 1 and minor radius `tube`.
 pub(super) fn torus(tube: f32, segments: u32, sides: u32) -> MeshData {
     Profile::from(1.0, tube)
         .arc_to(1.0, -tube, 180.0, sides / 2)
@@ -121,7 +121,7 @@ pub(super) fn trefoil(tube: f32, segments: u32, sides: u32) -> MeshData {
     mesh
 }
 
-/// Returns the surface with reversed normals and winding, visible from inside.
+/// Returns the surface with reversed normals and winding, so that it is visible from inside.
 pub(super) fn inside_out(mut mesh: MeshData) -> MeshData {
     mesh.normals.iter_mut().for_each(|n| *n = -*n);
     mesh.triangles.iter_mut().for_each(|[_, b, c]| std::mem::swap(b, c));
@@ -140,7 +140,7 @@ pub(super) fn two_sided(mut mesh: MeshData) -> MeshData {
     mesh
 }
 
-/// Returns the mesh with new texture coordinates: `uv` of position and normal.
+/// Returns the mesh with new texture coordinates, which `uv` computes from position and normal.
 pub(super) fn mapped(mut mesh: MeshData, uv: impl Fn(Vec3, Vec3) -> Vec2) -> MeshData {
     mesh.uvs = mesh.positions.iter().zip(&mesh.normals).map(|(position, normal)| uv(*position, *normal)).collect();
     mesh

@@ -1,9 +1,9 @@
 //! Procedural pictures: chess tiles, marble, a wooden crate, bricks, a test card, stained glass, a leaf, and pairs for
 //! cel shading.
 //!
-//! All pictures are sRGB-encoded, have row 0 at v = 0, and tile. A picture is a function from (u, v) in [0, 1) to a
-//! colour in sRGB values, evaluated at texel centres. Colours are also mixed in sRGB values, because they represent
-//! paint instead of light.
+//! All pictures are sRGB-encoded, have row 0 at v = 0, and tile. A picture is a function from (u, v) in [0, 1) to an
+//! sRGB colour, evaluated at texel centres. Colours are also mixed in sRGB, because they represent paint instead of
+//! light.
 
 use std::f32::consts::TAU;
 
@@ -18,25 +18,25 @@ pub(super) const fn srgb(code: u32) -> Vec3 {
     Vec3::new(r as f32 / 255.0, g as f32 / 255.0, b as f32 / 255.0)
 }
 
-/// Returns a fully saturated colour of the colour circle, in sRGB values. `hue` 0 and 1 are the same red.
+/// Returns a fully saturated colour of the colour circle, as sRGB values. `hue` 0 and 1 are the same red.
 pub(super) fn hue(hue: f32) -> Vec3 {
     let wave = |shift: f32| 0.5 + 0.5 * ((hue + shift) * TAU).cos();
     Vec3::new(wave(0.0), wave(-1.0 / 3.0), wave(1.0 / 3.0))
 }
 
-/// Returns an opaque picture of `size`² texels.
+/// Returns an opaque picture of `size`² texels, with the colours that `paint` computes.
 pub(super) fn picture(size: u32, paint: impl Fn(Vec2) -> Vec3) -> Image<Rgba8> {
     transparent_picture(size, |uv| paint(uv).extend(1.0))
 }
 
-/// Returns a picture of `size`² texels with straight alpha.
+/// Returns a picture of `size`² texels, with the colours and the straight alpha that `paint` computes.
 fn transparent_picture(size: u32, paint: impl Fn(Vec2) -> Vec4) -> Image<Rgba8> {
     Image::from_fn(size, size, |x, y| {
         paint((UVec2::new(x, y).as_vec2() + 0.5) / size as f32).to_array().map(color::quantize)
     })
 }
 
-/// Returns 4 × 4 chess tiles of marble with thin joints and soft edges.
+/// Returns a picture of 4 × 4 marble chess tiles with thin joints and soft edges.
 pub(super) fn chess(size: u32, light: Vec3, dark: Vec3) -> Image<Rgba8> {
     const SIDE: f32 = 4.0;
     picture(size, |uv| {
@@ -54,7 +54,7 @@ pub(super) fn chess(size: u32, light: Vec3, dark: Vec3) -> Image<Rgba8> {
     })
 }
 
-/// Returns polished stone with veins, in colours from `base` to `vein`.
+/// Returns a picture of polished stone with veins, in colours from `base` to `vein`.
 pub(super) fn marble(size: u32, base: Vec3, vein: Vec3) -> Image<Rgba8> {
     picture(size, |uv| base.lerp(vein, veins(uv, 3)))
 }
@@ -70,7 +70,7 @@ fn veins(uv: Vec2, seed: u32) -> f32 {
     0.9 * ridge.powi(10) + 0.25 * field
 }
 
-/// Returns the side of a wooden crate: upright planks in a frame.
+/// Returns a picture of the side of a wooden crate: upright planks in a frame.
 pub(super) fn crate_side(size: u32, wood: Vec3) -> Image<Rgba8> {
     const FRAME: f32 = 0.14;
     const PLANKS: f32 = 5.0;
@@ -101,7 +101,7 @@ fn grain(along: f32, across: f32, plank: u32) -> f32 {
     0.5 * rings + 0.5 * fibres
 }
 
-/// Returns bricks in running bond.
+/// Returns a picture of bricks in running bond.
 pub(super) fn bricks(size: u32, brick: Vec3, mortar: Vec3) -> Image<Rgba8> {
     const COLUMNS: f32 = 4.0;
     const ROWS: f32 = 8.0;
@@ -142,7 +142,7 @@ pub(super) fn test_card(size: u32) -> Image<Rgba8> {
     })
 }
 
-/// Returns a window of diamond panes between opaque strips of lead, in hues around `middle`.
+/// Returns a picture of a window with diamond panes between opaque strips of lead, in hues around `middle`.
 ///
 /// The alpha of the glass varies with its thickness from 0.45 to 0.7, so a good half of the background is covered.
 pub(super) fn stained_glass(size: u32, middle: f32) -> Image<Rgba8> {
@@ -163,7 +163,7 @@ pub(super) fn stained_glass(size: u32, middle: f32) -> Image<Rgba8> {
     })
 }
 
-/// Returns a leaf of five lobes with its stalk down, on a transparent background.
+/// Returns a picture of a leaf with five lobes and its stalk down, on a transparent background.
 pub(super) fn leaf(size: u32) -> Image<Rgba8> {
     const BLADE: Vec3 = srgb(0x4E_8F_3C);
     const VEIN: Vec3 = srgb(0xA9_CB_7A);

@@ -77,7 +77,7 @@ fn triangle() -> MeshData {
     }
 }
 
-/// Drafts a square cut by its diagonals and its centre lines.
+/// Drafts the scene of a square that is cut by its diagonals and its centre lines.
 ///
 /// Some of these edges run through pixel centres for any picture size: the diagonals if width and height are both even,
 /// a centre line if one of them is odd.
@@ -134,8 +134,8 @@ fn strip() -> MeshData {
     flat("strip", triangles.into_iter())
 }
 
-/// Returns a mesh in the plane z = 0 with one colour per triangle, different from its neighbours'; vertices are not
-/// shared.
+/// Returns a mesh in the plane z = 0, without shared vertices. Each triangle has a colour that differs from its
+/// neighbours.
 fn flat(name: &str, triangles: impl Iterator<Item = [Vec2; 3]>) -> MeshData {
     let positions: Vec<Vec3> = triangles.flatten().map(|p| p.extend(0.0)).collect();
     let count = positions.len() as u32;

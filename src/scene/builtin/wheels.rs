@@ -1,4 +1,4 @@
-//! A turning wheel in successive frames: the reason why wheels in films appear to turn backwards.
+//! A turning wheel in successive frames, which shows why wheels in films appear to turn backwards.
 //!
 //! Each frame is a separate wheel, from left to right and row by row, so that a still picture shows the motion. All
 //! spokes look alike except one.
@@ -20,16 +20,16 @@ pub(super) const WHEELS: Builtin = Builtin {
     draft,
 };
 
-/// Number of spokes. The wheel looks the same after a twelfth of a turn.
+/// Number of spokes of the wheel. It looks the same after a twelfth of a turn.
 const SPOKES: u32 = 12;
 
-/// Rotation per frame, degrees, clockwise as seen.
+/// Clockwise rotation of the wheel per frame, in degrees.
 const TURN_DEGREES: f32 = 27.0;
 
-/// Frames per row, and number of rows.
+/// Number of frames per row, and number of rows.
 const FRAMES: [u32; 2] = [4, 2];
 
-/// Distance between the centres of neighbours, world units; a wheel has radius 1.
+/// Distance between the centres of neighbouring wheels, in world units. A wheel has radius 1.
 const SPACING: f32 = 2.3;
 
 fn draft() -> SceneDraft {
@@ -51,7 +51,7 @@ fn draft() -> SceneDraft {
     draft
 }
 
-/// Returns a ring from radius 0.88 to 1.
+/// Returns the rim of a wheel: a ring from radius 0.88 to 1.
 fn rim() -> MeshData {
     const SEGMENTS: u32 = 72;
     let mut mesh = MeshData { name: "rim".to_owned(), ..MeshData::default() };
@@ -66,7 +66,7 @@ fn rim() -> MeshData {
     mesh
 }
 
-/// Returns the bars of a range of spokes, from the hub to the rim.
+/// Returns the bars of a range of spokes, which reach from the hub to the rim.
 fn spokes(which: std::ops::Range<u32>) -> MeshData {
     const HALF_WIDTH: f32 = 0.035;
     let mut mesh = MeshData { name: format!("spokes {} to {}", which.start + 1, which.end), ..MeshData::default() };

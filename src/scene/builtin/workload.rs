@@ -1,4 +1,4 @@
-//! Scenes of any size for scaling measurements: a number of triangles, or a number of overlapping layers.
+//! Scenes of any size for scaling measurements, with a given number of triangles or of overlapping layers.
 
 use glam::{Mat4, Quat, Vec3};
 
@@ -6,10 +6,10 @@ use super::draft::SceneDraft;
 use super::{shapes, textures};
 use crate::scene::{Camera, Scene};
 
-/// Side of the texture, px.
+/// Side length of the texture, in px.
 const TEXTURE_PX: u32 = 256;
 
-/// Returns the camera of both scenes. A square of edge 2 around the origin just fits into a wide picture.
+/// Returns the camera of the workload scenes. A square of edge 2 around the origin just fits into a wide picture.
 fn camera() -> Camera {
     Camera { near: 0.5, far: 20.0, ..Camera::look_at(Vec3::new(0.0, 0.0, 3.2), Vec3::ZERO) }
 }
@@ -33,9 +33,9 @@ pub(crate) fn sheet(triangles: usize) -> Scene {
 /// Returns a scene of `count` textured squares behind each other. Each fills the picture, and the farthest is drawn
 /// first.
 pub(crate) fn layers(count: usize) -> Scene {
-    /// Edge of a square, world units, enough for a picture three times as wide as high.
+    /// Edge length of a square, in world units, enough for a picture three times as wide as high.
     const EDGE: f32 = 24.0;
-    /// Distance from the farthest to the nearest square, world units.
+    /// Distance from the farthest to the nearest square, in world units.
     const DEPTH: f32 = 2.0;
     let mut draft = SceneDraft::new([30, 32, 36], camera());
     let mesh = draft.mesh(shapes::grid(1));

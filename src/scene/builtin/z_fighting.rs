@@ -21,14 +21,14 @@ pub(super) const Z_FIGHTING: Builtin = Builtin {
     draft,
 };
 
-/// Gap between the panels of each pair, world units, from left to right.
+/// Gap between the two panels in each column, in world units, from left to right.
 const GAPS: [f32; 6] = [1.0, 1e-1, 1e-2, 1e-3, 1e-4, 0.0];
 
-/// Distance of each row from the eye, world units, from bottom to top.
+/// Distance of each row from the eye, in world units, from bottom to top.
 const DISTANCES: [f32; 3] = [10.0, 100.0, 1000.0];
 
-/// Distance between the centres of neighbouring panels, relative to the distance of their row; all rows look equally
-/// large.
+/// Distance between the centres of neighbouring panels, relative to the distance of their row. All rows therefore look
+/// equally large.
 const PITCH: f32 = 0.2;
 
 fn draft() -> SceneDraft {
@@ -47,8 +47,8 @@ fn draft() -> SceneDraft {
     draft
 }
 
-/// Adds two panels at `center` that lean away from the eye. The front panel is smaller, rotated in its plane and `gap`
-/// nearer.
+/// Adds two panels at `center` that lean away from the eye. The front panel is smaller, rotated in its plane, and
+/// nearer by `gap`.
 fn add_pair(draft: &mut SceneDraft, mesh: MeshId, [back, front]: [MaterialId; 2], center: Vec3, gap: f32) {
     let distance = -center.z;
     let lean = Quat::from_rotation_y(0.5) * Quat::from_rotation_x(1.2);
@@ -67,7 +67,7 @@ mod tests {
     use super::*;
     use crate::scene::DepthMapping;
 
-    /// Returns the depths of two points on the line of sight, at `distance` and `gap` in front of it.
+    /// Returns the depths of two points on the line of sight: one at `distance`, and one nearer by `gap`.
     fn depths(mapping: DepthMapping, distance: f32, gap: f32) -> [f32; 2] {
         let clip_from_view = Z_FIGHTING.build().home.clip_from_view(1.6, mapping);
         [distance, distance - gap].map(|z| {

@@ -1,8 +1,8 @@
-//! First pass: the numbered lists of an OBJ file (`v`, `vt`, `vn`).
+//! First pass over an OBJ file: reads the numbered lists of vertex attributes (`v`, `vt`, `vn`).
 //!
 //! The lists are read before any face, because a face may refer to lines below it. NaN and infinity are read with a
 //! warning: positions keep them, so that the faces that use them are shown as broken. Coordinates are taken as written.
-//! The optional weight `w` concerns rational curves only and is ignored.
+//! The optional weight `w` is only used by rational curves and is ignored.
 
 use std::path::Path;
 
@@ -14,7 +14,7 @@ use crate::math::unit_or;
 use crate::scene::SceneError;
 use crate::scene::load::Load;
 
-/// Maximum number of entries of one list: indices have 32 bits, and one value is reserved for “none”.
+/// Maximum number of entries in one list: indices have 32 bits, and one value is reserved for “none”.
 const MAX_ENTRIES: usize = u32::MAX as usize;
 
 /// Vertex attributes of an OBJ file (`v`, `vt`, `vn`), in file order.
@@ -22,15 +22,16 @@ const MAX_ENTRIES: usize = u32::MAX as usize;
 pub(super) struct AttributeLists {
     /// Positions (`v`), in file units.
     pub(super) positions: Vec<Vec3>,
-    /// Vertex colours after the positions, in [0, 1]. Empty if no vertex has one; otherwise white for vertices without.
+    /// Vertex colours, which follow the positions in the file, in [0, 1]. Empty if no vertex has a colour; otherwise,
+    /// vertices without a colour are white.
     pub(super) colors: Vec<Vec3>,
-    /// Texture coordinates (`vt`), with v up as in the file. May be NaN or infinite.
+    /// Texture coordinates (`vt`), with v pointing up as in the file. They may be NaN or infinite.
     pub(super) uvs: Vec<Vec2>,
     /// Unit normals (`vn`); zero for a normal of zero length, NaN for one that is not finite.
     pub(super) normals: Vec<Vec3>,
 }
 
-/// Reads the lists of a whole file.
+/// Reads the attribute lists of a whole OBJ file.
 pub(super) fn read(
     path: &Path,
     text: &str,
@@ -57,7 +58,7 @@ pub(super) fn read(
     Ok(lists)
 }
 
-/// Result of a line: success, a warning, or an error.
+/// Result of reading a line: success, a warning, or an error.
 type LineOutcome = Result<Option<&'static str>, String>;
 
 impl AttributeLists {
@@ -69,7 +70,7 @@ impl AttributeLists {
         load.free(self.normals);
     }
 
-    /// Reads `v x y z`, optionally followed by a weight, a colour, or a colour with alpha.
+    /// Reads a vertex: `v x y z`, optionally followed by a weight, a colour, or a colour with alpha.
     fn vertex<'a>(&mut self, words: impl Iterator<Item = &'a str>, load: &mut Load<'_>) -> LineOutcome {
         let words = Words::<7>::new(words);
         let count = words.count;
@@ -103,7 +104,8 @@ impl AttributeLists {
         Ok(broken.or(remark).or((clamped != color).then_some("vertex colour outside 0 to 1; clamped")))
     }
 
-    /// Reads `vt u`, `vt u v` or `vt u v w`. A missing v is 0; w applies only to volume textures and is ignored.
+    /// Reads a texture coordinate: `vt u`, `vt u v` or `vt u v w`. A missing v is 0; w applies only to volume textures
+    /// and is ignored.
     fn uv<'a>(&mut self, words: impl Iterator<Item = &'a str>, load: &mut Load<'_>) -> LineOutcome {
         let words = Words::<3>::new(words);
         if words.count == 0 || words.count > 3 {
@@ -115,7 +117,7 @@ impl AttributeLists {
         Ok((!uv.is_finite()).then_some("texture coordinate that is not finite; treated as 0 0"))
     }
 
-    /// Reads `vn x y z`.
+    /// Reads a normal: `vn x y z`.
     fn normal<'a>(&mut self, words: impl Iterator<Item = &'a str>, load: &mut Load<'_>) -> LineOutcome {
         let words = Words::<3>::new(words);
         if words.count != 3 {
@@ -131,7 +133,7 @@ impl AttributeLists {
     }
 }
 
-/// Appends an entry. Errors: the list has the maximum length, or the memory limit is reached.
+/// Appends an entry to a list. Returns an error if the list has its maximum length or the memory limit is reached.
 fn push<T>(list: &mut Vec<T>, entry: T, load: &mut Load<'_>) -> Result<(), String> {
     if list.len() == MAX_ENTRIES {
         return Err(format!("more than {MAX_ENTRIES} entries in one list: indices have 32 bits"));
@@ -181,7 +183,7 @@ fn any_number(word: &str) -> Result<f32, String> {
     })
 }
 
-/// Parses a finite number. Errors say what is wrong with the word.
+/// Parses a finite number. The error message says what is wrong with the word.
 pub(super) fn number(word: &str) -> Result<f32, String> {
     match word.parse::<f32>() {
         Ok(value) if value.is_finite() => Ok(value),

@@ -1,4 +1,4 @@
-//! Decodes the bytes of an OBJ or MTL file to text and splits it into lines.
+//! Decoding of OBJ and MTL files to text, and splitting of the text into lines.
 //!
 //! Neither format names an encoding. A byte-order mark decides for UTF-8 or UTF-16. Otherwise the text is UTF-8 if it
 //! is valid, and Latin-1 if not, which is what older exporters write. Names in OBJ and MTL then agree even if the two
@@ -9,7 +9,7 @@ use std::borrow::Cow;
 
 use memchr::memchr2;
 
-/// Decoded text, and whether padding was removed.
+/// Decoded text of a file, and whether padding was removed.
 #[derive(Debug, PartialEq)]
 pub(super) struct Decoded {
     /// Text without byte-order mark and trailing NUL bytes; line endings as in the file.
@@ -18,7 +18,7 @@ pub(super) struct Decoded {
     pub(super) padded: bool,
 }
 
-/// Decodes the text in `bytes`. Errors name the actual type of a file that is not text.
+/// Decodes the text in `bytes`. If the file is not text, the error message names its actual type.
 pub(super) fn decode(mut bytes: Vec<u8>) -> Result<Decoded, String> {
     if let [0xFE, 0xFF, rest @ ..] = bytes.as_slice() {
         return Ok(Decoded { text: from_utf16(rest, u16::from_be_bytes), padded: false });
@@ -80,8 +80,8 @@ fn foreign_format(bytes: &[u8]) -> Option<&'static str> {
     KNOWN.iter().find(|(signature, _)| start.starts_with(signature)).map(|(_, what)| *what)
 }
 
-/// Iterator over the lines of a text with their numbers from 1. Lines end with LF, CR LF or CR; a form feed is no line
-/// ending.
+/// Iterator over the lines of a text with their numbers from 1. Lines end with LF, CR LF or CR; a form feed does not
+/// end a line.
 pub(super) struct Lines<'a> {
     rest: &'a str,
     number: usize,
@@ -108,8 +108,8 @@ impl<'a> Iterator for Lines<'a> {
     }
 }
 
-/// Like [`Lines`], but joins a line that ends with a backslash with the next one, under the number of the first.
-/// Comments are not continued, because they may end with a path.
+/// Iterator like [`Lines`] that joins a line that ends with a backslash with the next one, under the number of the
+/// first. Comments are not continued, because they may end with a path.
 pub(super) struct JoinedLines<'a>(Lines<'a>);
 
 /// Returns the lines of `text`, with continued lines joined.
@@ -118,7 +118,7 @@ pub(super) fn joined_lines(text: &str) -> JoinedLines<'_> {
 }
 
 impl JoinedLines<'_> {
-    /// Returns the completed share of the text, from 0 to 1.
+    /// Returns the completed fraction of the text, from 0 to 1.
     pub(super) fn completed(&self) -> f32 {
         1.0 - self.0.rest.len() as f32 / self.0.length.max(1) as f32
     }
@@ -165,13 +165,13 @@ mod tests {
     }
 
     #[test]
-    fn a_tail_of_nul_bytes_is_cut_and_noted_but_others_are_binary() {
+    fn trailing_nul_bytes_are_removed_and_others_mean_binary_data() {
         assert_eq!(decode(b"v 0\n\0\0".to_vec()), Ok(Decoded { text: "v 0\n".to_owned(), padded: true }));
         assert!(decode(b"v\0 0\n".to_vec()).unwrap_err().contains("binary"));
     }
 
     #[test]
-    fn line_ends_of_all_systems_count_alike() {
+    fn line_endings_of_all_systems_are_recognised() {
         let expected = vec![(1, "a"), (2, ""), (3, "b")];
         for text in ["a\n\nb", "a\r\n\r\nb\r\n", "a\r\rb\r"] {
             assert_eq!(lines(text).collect::<Vec<_>>(), expected);

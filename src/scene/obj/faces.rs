@@ -1,8 +1,9 @@
-//! Second pass: faces, and their objects, groups and materials (`f`, `o`, `g`, `usemtl`, `mtllib`).
+//! Second pass over an OBJ file: reads faces with their objects, groups and materials (`f`, `o`, `g`, `usemtl`,
+//! `mtllib`).
 //!
-//! Faces become triangles that refer to the lists of the first pass by indices from 0. They are collected in [`MeshPart`]s:
-//! all triangles of one object in one material, with or without texture coordinates. Points, lines and curves are
-//! skipped with a warning, and so are faces without area.
+//! Faces become triangles that refer to the lists of the first pass by indices counted from 0. They are collected in
+//! [`MeshPart`]s: all triangles of one object in one material, with or without texture coordinates. Points, lines and
+//! curves are skipped with a warning, and so are faces without area.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -19,25 +20,25 @@ use crate::math::unit_or;
 use crate::scene::SceneError;
 use crate::scene::load::Load;
 
-/// Represents "no texture coordinate" and "no normal" in a [`FaceCorner`].
+/// Value that represents "no texture coordinate" and "no normal" in a [`FaceCorner`].
 pub(super) const NONE: u32 = u32::MAX;
 
 /// Maximum number of triangles of a scene: the indices of their corners have 32 bits.
 const MAX_TRIANGLES: usize = u32::MAX as usize / 3;
 
-/// Memory of a part in bytes, excluding its triangles; it becomes a mesh and an instance.
+/// Memory of a part in bytes, excluding its triangles. A part becomes a mesh and an instance.
 const PART_BYTES: u64 = 1024;
 
 /// Number of copies of a part's names, for memory accounting.
 const NAME_COPIES: u64 = 4;
 
-/// Cost of triangulating a self-intersecting face, relative to a simple one with as many corners.
+/// Cost of triangulating a self-intersecting face, relative to a simple face with the same number of corners.
 const WORK_OF_CROSSING: usize = 100;
 
 /// Memory per corner of a face during triangulation, in bytes.
 const CUTTING_BYTES: u64 = 256;
 
-/// Corner of a triangle: indices into the lists, from 0.
+/// Corner of a triangle, as indices into the attribute lists, counted from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct FaceCorner {
     pub(super) position: u32,
@@ -52,7 +53,7 @@ pub(super) struct MeshPart {
     pub(super) name: String,
     /// Material name in the file; `None` before the first `usemtl`.
     pub(super) material: Option<String>,
-    /// Line number of that `usemtl`.
+    /// Line number of the `usemtl` that set the material.
     pub(super) material_line: usize,
     /// Triangles of the part, as ranges of [`Faces::triangles`].
     pub(super) runs: Vec<Range<usize>>,
@@ -61,36 +62,36 @@ pub(super) struct MeshPart {
 /// Faces of a file, with their parts, material libraries and smoothing.
 #[derive(Debug, Default)]
 pub(super) struct Faces {
-    /// Triangles, in file order.
+    /// Triangles of all faces, in file order.
     pub(super) triangles: Vec<[FaceCorner; 3]>,
-    /// Parts, in order of first use; none is empty.
+    /// Parts that become meshes, in order of first use. No part is empty.
     pub(super) parts: Vec<MeshPart>,
-    /// Text after each `mtllib`, and its line number.
+    /// Text after each `mtllib` statement, and its line number.
     pub(super) libraries: Vec<(String, usize)>,
-    /// Runs of equal smoothing, in ascending order of triangles; empty if the file has no `s`.
+    /// Runs of equal smoothing, in ascending order of triangles; empty if the file has no `s` statement.
     pub(super) smoothing: Vec<SmoothingRun>,
 }
 
-/// Smoothing of the triangles from `first` to the next run.
+/// Smoothing of the triangles from `first` up to the next run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct SmoothingRun {
-    /// Index into [`Faces::triangles`].
+    /// Index of the run's first triangle in [`Faces::triangles`].
     pub(super) first: usize,
     pub(super) smoothing: Smoothing,
 }
 
-/// Smoothing of a triangle.
+/// Rule that decides which edges of a triangle are smooth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Smoothing {
-    /// Before the first `s` of the file: edges above a crease angle are hard.
+    /// No `s` statement precedes the triangle: edges above a crease angle are hard.
     Crease,
     /// All edges are hard (`s off` or `s 0`).
     Off,
-    /// Smooth with all triangles of the same group at any angle; other edges are hard.
+    /// Edges to triangles of the same group are smooth at any angle; other edges are hard.
     Group(i64),
 }
 
-/// Reads the faces of a whole file. Appends the self-intersection points of faces to `lists`.
+/// Reads the faces of a whole OBJ file. Appends the self-intersection points of faces to `lists`.
 pub(super) fn read(
     path: &Path,
     text: &str,
@@ -113,7 +114,7 @@ pub(super) fn read(
     Ok(faces)
 }
 
-/// Result of a statement: success, a warning, or an error.
+/// Result of reading a statement: success, a warning, or an error.
 type StatementOutcome = Result<Option<String>, String>;
 
 struct FaceReader<'a, 'l> {
@@ -186,7 +187,7 @@ impl<'a, 'l> FaceReader<'a, 'l> {
         Ok(None)
     }
 
-    /// Handles a comment, a statement in another case, or one that is not rendered.
+    /// Handles a comment, a keyword in another letter case, or a statement that is not rendered.
     fn other_statement(&mut self, line: usize, keyword: &str, rest: &str) -> StatementOutcome {
         match statements::find(Format::Obj, keyword) {
             Some(known) if known.treatment == Treatment::Warned => Ok(Some(known.not_rendered())),
@@ -197,7 +198,7 @@ impl<'a, 'l> FaceReader<'a, 'l> {
         }
     }
 
-    /// Reads `s N`, `s off` or `s 0`. Returns a warning if the group is no number.
+    /// Reads `s N`, `s off` or `s 0`. Returns a warning if the group is not a number.
     fn smoothing(&mut self, rest: &str) -> Option<String> {
         let word = rest.split_whitespace().next().unwrap_or_default();
         let group = if word.eq_ignore_ascii_case("off") { Ok(0) } else { word.parse::<i64>() };
@@ -255,7 +256,7 @@ impl<'a, 'l> FaceReader<'a, 'l> {
         self.corners.iter().any(|corner| !self.lists.positions[corner.position as usize].is_finite())
     }
 
-    /// Triangulates a face that has no plane as a fan.
+    /// Triangulates the current face as a fan, because a face with a corner that is not finite has no plane.
     fn fan(&mut self) -> TriangulationOutcome {
         self.local = Triangulation::default();
         self.local.triangles.extend((2..self.corners.len() as u32).map(|corner| [0, corner - 1, corner]));
@@ -286,7 +287,8 @@ impl<'a, 'l> FaceReader<'a, 'l> {
         Ok(())
     }
 
-    /// Creates a corner between two others, linearly interpolated; `place` runs from 0 at the first to 1 at the second.
+    /// Creates a corner that is linearly interpolated between two others. `place` runs from 0 at the first to 1 at the
+    /// second.
     fn between(&mut self, [a, b]: [FaceCorner; 2], place: f64) -> Result<FaceCorner, String> {
         let number = |list_length: usize| {
             u32::try_from(list_length).ok().filter(|n| *n != NONE).ok_or("more vertices than 32-bit indices")
@@ -349,7 +351,7 @@ impl<'a, 'l> FaceReader<'a, 'l> {
         Ok(part)
     }
 
-    /// Parses a corner: `v`, `v/vt`, `v//vn` or `v/vt/vn`.
+    /// Parses a face corner: `v`, `v/vt`, `v//vn` or `v/vt/vn`.
     fn corner(&self, word: &str) -> Result<FaceCorner, String> {
         let totals = self.totals;
         if word.bytes().filter(|b| *b == b'/').count() > 2 {
@@ -357,7 +359,7 @@ impl<'a, 'l> FaceReader<'a, 'l> {
         }
         let mut places = [NONE; 3];
         for (which, index) in word.split('/').enumerate() {
-            // Some exporters number normals that they do not write. Computed normals replace them.
+            // Some exporters refer to normals that they do not write. Computed normals replace them.
             let is_nowhere = which > 0 && totals[which] == 0;
             if which == 0 || !(index.is_empty() || is_nowhere) {
                 places[which] = list_index(index, KINDS[which], totals[which], self.seen[which])?;
@@ -371,8 +373,8 @@ impl<'a, 'l> FaceReader<'a, 'l> {
 
 const KINDS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
 
-/// Converts an index to a list position from 0. Positive indices start at 1; negative ones count back from the last of
-/// `seen` entries.
+/// Converts an index in the file to a list position, counted from 0. Positive indices start at 1; negative indices
+/// count back from the last of `seen` entries.
 fn list_index(index: &str, kind: &str, total: usize, seen: usize) -> Result<u32, String> {
     let digits = index.strip_prefix(['-', '+']).unwrap_or(index);
     if digits.is_empty() || !digits.bytes().all(|b| b.is_ascii_digit()) {
@@ -415,7 +417,7 @@ mod tests {
     }
 
     #[test]
-    fn indices_of_nothing_are_errors_with_the_line() {
+    fn invalid_indices_are_errors_with_the_line() {
         for (index, why) in [
             ("0", "indices start at 1"),
             ("5", "does not exist; the file has 4"),
@@ -451,7 +453,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_surface_is_left_out_with_one_warning_per_kind() {
+    fn statements_without_a_surface_are_skipped_with_one_warning_per_kind() {
         let (faces, warnings) =
             faces(&format!("{SQUARE}l 1 2 3\nf 1 1 2\nf 1 2\ncurv 0 1 1 2\nl 1 2\nf 1 2 3\n")).unwrap();
         assert_eq!(faces.triangles.len(), 1);
@@ -467,7 +469,7 @@ mod tests {
     }
 
     #[test]
-    fn keywords_count_in_any_case() {
+    fn keywords_are_recognised_in_any_case() {
         let text = |usual: bool| {
             let text = format!("{SQUARE}o x\ng y\ns 2\nusemtl m\nf 1/1/1 2/2/1 3/1/1\nmtllib a.mtl\n");
             if usual { text } else { text.to_uppercase().replace("X\n", "x\n").replace("Y\n", "y\n") }
@@ -488,7 +490,7 @@ mod tests {
     }
 
     #[test]
-    fn a_face_with_mixed_corners_loses_its_texture_coordinates_and_not_their_places() {
+    fn a_face_with_mixed_corners_loses_only_its_texture_coordinates() {
         let (faces, warnings) = faces(&format!("{SQUARE}f 1/1 2/2 3\n")).unwrap();
         assert_eq!(faces.triangles[0].map(|c| (c.position, c.uv)), [(0, NONE), (1, NONE), (2, NONE)]);
         assert!(warnings[0].contains("at some corners only"), "{warnings:?}");

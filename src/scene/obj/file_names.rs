@@ -18,7 +18,7 @@ pub(super) enum NameDifference {
     Case,
 }
 
-/// Returns the existing path that matches `path`, and the difference of its name; `None` if there is none.
+/// Returns the existing path that matches `path`, and the difference of its name; `None` if no such file exists.
 pub(super) fn existing(path: &Path) -> Option<(PathBuf, NameDifference)> {
     if path.exists() {
         return Some((path.to_owned(), NameDifference::None));

@@ -1,4 +1,4 @@
-//! Material libraries that `mtllib` refers to.
+//! Loading of the material libraries to which `mtllib` refers.
 //!
 //! A model file is untrusted and must not make the program open arbitrary files. A library is read only if it is a
 //! regular file inside the model's folder, after symbolic links are resolved. Names may contain spaces, and one
@@ -16,21 +16,21 @@ use super::opacity::{self, TrMeaning};
 use super::warnings::Warnings;
 use crate::disk;
 
-/// Maximum size of a library, in bytes.
+/// Maximum size of a material library, in bytes.
 const MAX_BYTES: u64 = 16 << 20;
 
 const OUTSIDE: &str = "it lies outside the model's folder";
 
-/// Materials of a model's libraries.
+/// Materials from all libraries of a model.
 #[derive(Debug, Default)]
 pub(super) struct Libraries {
     /// Material descriptions by name.
     pub(super) descriptions: Descriptions,
-    /// Whether MeshLab wrote one of the files.
+    /// Whether MeshLab wrote one of the library files.
     is_meshlab: bool,
 }
 
-/// Reads all libraries of `model`, given as the text after each `mtllib` and its line number.
+/// Reads all material libraries of `model`. `named` contains the text after each `mtllib` and its line number.
 pub(super) fn read(model: &Path, named: &[(String, usize)], warnings: &mut Warnings) -> Libraries {
     let mut libraries = Libraries::default();
     let mut done = HashSet::new();
@@ -59,8 +59,8 @@ pub(super) fn read(model: &Path, named: &[(String, usize)], warnings: &mut Warni
 }
 
 impl Libraries {
-    /// Returns whether `Tr` means opacity in a model of these parts. The materials in use count only if every part has
-    /// one.
+    /// Whether `Tr` means opacity in a model of these parts. The materials in use count only if every part has a
+    /// material.
     pub(super) fn tr_is_opacity(&self, meaning: TrMeaning, parts: &[MeshPart], warnings: &mut Warnings) -> bool {
         let names = parts.iter().filter_map(|part| part.material.as_ref());
         let used: Vec<&Description> = names.filter_map(|name| self.descriptions.get(name)).collect();
@@ -81,13 +81,13 @@ impl Libraries {
         warnings.add(model, line, text);
     }
 
-    /// Whether MeshLab wrote one of the files.
+    /// Whether MeshLab wrote one of the library files.
     pub(super) fn is_meshlab(&self) -> bool {
         self.is_meshlab
     }
 }
 
-/// Content of a library file.
+/// Content of a material library file.
 struct Opened {
     path: PathBuf,
     text: String,
@@ -103,7 +103,7 @@ fn split<'a>(model: &Path, names: &'a str) -> Vec<&'a str> {
     if is_one { vec![whole] } else { whole.split_whitespace().collect() }
 }
 
-/// Reads the library `name` of `model`. Errors: a path outside the model's folder, or an unreadable file.
+/// Reads the library `name` of `model`. Returns an error for a path outside the model's folder or an unreadable file.
 fn open(model: &Path, name: &str) -> Result<Opened, String> {
     let written = locate(model, name)?;
     let (path, difference) = file_names::existing(&written).unwrap_or((written, NameDifference::None));
@@ -116,7 +116,8 @@ fn open(model: &Path, name: &str) -> Result<Opened, String> {
     Ok(Opened { path, text: decode(bytes)?.text, difference })
 }
 
-/// Returns the path of a library. Fails if the name alone leads outside the model's folder, whether or not it exists.
+/// Returns the path of a library. Returns an error if the name leads outside the model's folder, whether or not the
+/// file exists.
 fn locate(model: &Path, name: &str) -> Result<PathBuf, String> {
     let name = name.replace('\\', "/");
     if name.is_empty() {

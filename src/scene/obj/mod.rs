@@ -1,4 +1,4 @@
-//! Wavefront OBJ and MTL (Alias|Wavefront, "Object Files", Advanced Visualizer manual, appendix B1).
+//! Loader for Wavefront OBJ and MTL files (Alias|Wavefront, "Object Files", Advanced Visualizer manual, appendix B1).
 //!
 //! Input: the path of an untrusted file. Output: a renderable [`Scene`] with warnings about skipped content, or an
 //! error with file and line. The stages:
@@ -10,8 +10,8 @@
 //! ```
 //!
 //! A [`Load`] limits the memory, reports progress and checks for cancellation throughout. Texture coordinates are
-//! flipped only here; afterwards v runs down the picture. Content that cannot be drawn as intended (an index out of
-//! range, a malformed number) is an error. Content that the rest can do without gives a warning.
+//! flipped only here; afterwards v points down. Content that cannot be drawn as intended (an index out of range, a
+//! malformed number) is an error. Content that can be skipped gives a warning.
 
 mod attributes;
 mod decode;
@@ -47,21 +47,21 @@ use super::{
 };
 use crate::disk;
 
-/// Shares of the steps in the loading time, for the progress percentage. They are those of a file of 10 million
-/// triangles without normals.
+/// Fractions of the loading time that the steps take, for the progress percentage. They are those of a file of 10
+/// million triangles without normals.
 const SHARES: [f32; 5] = [0.25, 0.35, 0.15, 0.15, 0.1];
 
-/// Maximum coordinate that is kept unscaled. A product of three such numbers, as in a determinant, is still finite in
-/// f32.
+/// Maximum coordinate of a model that is not scaled down. A product of three such numbers, as in a determinant, is
+/// still finite in f32.
 const MAX_COORDINATE: f32 = 1e12;
 
-/// Background of a model, sRGB codes: dark enough for bright surfaces, bright enough for dark ones.
+/// Background colour of a loaded model, as sRGB codes: dark enough for bright surfaces and bright enough for dark ones.
 const BACKGROUND: [u8; 3] = [38, 38, 38];
 
 /// Loaded scene, with warnings about skipped or repaired content.
 #[derive(Clone, Debug)]
 pub struct Loaded {
-    /// Valid scene with at least one triangle.
+    /// Loaded scene, which is valid and has at least one triangle.
     pub scene: Scene,
     /// Warnings in order of first occurrence; repetitions are counted instead of listed.
     pub warnings: Vec<Warning>,
@@ -71,8 +71,8 @@ pub struct Loaded {
 
 /// Loads a model with its materials and textures.
 ///
-/// Errors name the file and, if known, the line: an unreadable file, no OBJ text, a malformed number, an index out of
-/// range, no drawable face, or more memory than the default limit.
+/// Returns an error that names the file and, if known, the line. Causes are an unreadable file, no OBJ text, a
+/// malformed number, an index out of range, no drawable face, or more memory than the default limit.
 pub fn load(path: &Path) -> Result<Loaded, SceneError> {
     load_with(path, TrMeaning::Auto, LoadControl::quiet(MemoryLimit::default()))
 }
@@ -159,7 +159,7 @@ fn nothing_to_draw(path: &Path, warnings: &Warnings) -> SceneError {
     }
 }
 
-/// Creates one mesh and one instance per part, with shared materials.
+/// Assembles the scene: one mesh and one instance per part, with shared materials.
 fn assemble<'a>(
     faces: &'a Faces,
     mut meshes: Vec<MeshData>,
@@ -224,7 +224,7 @@ struct Materials<'a> {
     textures: Textures<'a>,
 }
 
-/// Key of a material.
+/// Key of a material in [`Materials`].
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 enum Name<'a> {
     Described(&'a str),
@@ -315,7 +315,7 @@ impl<'a> Materials<'a> {
 }
 
 impl Description {
-    /// Returns the options that place the textures, taken from the first texture. Warns if others differ.
+    /// Returns the texture placement of the material, taken from its first texture. Warns if other textures differ.
     fn placement(&self, warnings: &mut Warnings) -> TextureOptions {
         let all =
             [&self.picture, &self.alpha_picture, &self.emission_picture, &self.normal_picture, &self.bump_picture];

@@ -1,8 +1,8 @@
-//! Material libraries: parses MTL text into material descriptions.
+//! Parser for material libraries: converts MTL text to material descriptions.
 //!
 //! Keywords are case-insensitive, because programs differ in their spelling. A statement that is not rendered gives one
-//! warning per keyword and file ([`super::statements`]). A colour with one number is grey, as the format specifies; `d`
-//! takes precedence over `Tr`, its complement.
+//! warning per keyword and file ([`super::statements`]). A colour with one number is grey, as the format specifies. `d`
+//! takes precedence over its complement `Tr`.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use super::decode::lines;
 use super::statements::{self, Format, Treatment};
 use super::warnings::Warnings;
 
-/// Material description from a library.
+/// Description of a material, as parsed from a library.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Description {
     /// Diffuse colour (`Kd`) in [0, 1], if given.
@@ -52,27 +52,27 @@ pub(super) struct Located<T> {
 /// Reference to a picture file.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct PictureReference {
-    /// File name as written, with `/` between folders.
+    /// File name of the picture as written in the library, with `/` between folders.
     pub(super) name: String,
     /// Path of the library that names the picture.
     pub(super) library: PathBuf,
-    /// Line number in the library.
+    /// Line number in the library that names the picture.
     pub(super) line: usize,
     pub(super) options: TextureOptions,
 }
 
-/// Rendered options of a texture statement.
+/// Options of a texture statement that affect rendering.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct TextureOptions {
     /// Scale of u and v (`-s`).
     pub(super) scale: Vec2,
-    /// Offset of u and v, with v up (`-o`).
+    /// Offset of u and v (`-o`), with v pointing up.
     pub(super) offset: Vec2,
     /// Whether texture coordinates are clamped (`-clamp on`).
     pub(super) clamp: bool,
-    /// Bump factor (`-bm`).
+    /// Factor of the x and y components of a normal map (`-bm`).
     pub(super) bump: f32,
-    /// Channel of the picture (`-imfchan`), if given.
+    /// Channel of the picture to read (`-imfchan`), if given.
     pub(super) channel: Option<PictureChannel>,
 }
 
@@ -83,7 +83,7 @@ impl Default for TextureOptions {
 }
 
 impl TextureOptions {
-    /// Whether both options place the texture identically.
+    /// Whether two sets of options place the texture identically.
     pub(super) fn same_placement(&self, other: &Self) -> bool {
         (self.scale, self.offset, self.clamp) == (other.scale, other.offset, other.clamp)
     }
@@ -100,7 +100,7 @@ pub(super) enum PictureChannel {
     Luminance,
 }
 
-/// Materials by name, in an order that is the same in every run.
+/// Material descriptions by name, in an order that is the same in every run.
 pub(super) type Descriptions = BTreeMap<String, Description>;
 
 /// Text in a comment that identifies MeshLab, which writes opacity as `Tr`.
@@ -173,7 +173,7 @@ impl MtlReader<'_> {
     }
 
     /// Returns the first `COUNT` numbers of a statement; the first number replaces missing ones. Returns `None` with a
-    /// warning if a number is missing or malformed.
+    /// warning if all numbers are missing or one is malformed.
     fn numbers<const COUNT: usize>(&mut self, line: usize, keyword: &str, rest: &str) -> Option<[f32; COUNT]> {
         let words = rest.split_whitespace().take_while(|word| !word.starts_with('#'));
         let values: Result<Vec<f32>, String> = words.take(COUNT).map(number).collect();
@@ -187,7 +187,7 @@ impl MtlReader<'_> {
         }
     }
 
-    /// Returns the numbers of a statement, clamped to [0, 1] with a warning.
+    /// Returns the numbers of a statement, clamped to [0, 1]. Warns if clamping changes a number.
     fn shares<const COUNT: usize>(&mut self, line: usize, keyword: &str, rest: &str) -> Option<[f32; COUNT]> {
         let values = self.numbers::<COUNT>(line, keyword, rest)?;
         if values.iter().any(|v| !(0.0..=1.0).contains(v)) {
@@ -328,7 +328,7 @@ mod tests {
     }
 
     #[test]
-    fn keywords_count_in_any_case() {
+    fn keywords_are_recognised_in_any_case() {
         let (lower, none) = parsed("NEWMTL m\nkd 1 0 0\nKE 0 1 0\nkS 1 1 1\nNS 9\nD 0.5\nMAP_kd a.png\nNorm n.png\n");
         let (usual, _) = parsed("newmtl m\nKd 1 0 0\nKe 0 1 0\nKs 1 1 1\nNs 9\nd 0.5\nmap_Kd a.png\nnorm n.png\n");
         assert_eq!((lower, none), (usual, vec![]));
@@ -349,7 +349,7 @@ mod tests {
     }
 
     #[test]
-    fn texture_options_are_read_before_and_behind_the_name() {
+    fn texture_options_are_read_before_and_after_the_name() {
         let (known, warnings) = parsed(
             "newmtl m\nmap_Kd -o 0.5 -s 2 3 4 my file.png -clamp on\nmap_d -imfchan G m.png\nmap_bump b.png -bm 2\n",
         );

@@ -1,4 +1,4 @@
-//! Normals for corners without one.
+//! Computation of normals for face corners without one.
 //!
 //! Input: positions and triangles with a non-zero area. Output: unit normals, and their indices in the corners. A
 //! corner's normal is the mean of the normals of the faces around its vertex, weighted by their angles there (Thürmer
@@ -7,8 +7,8 @@
 //! contribute, so a box keeps its edges and a bunny is smooth. Faces are neighbours if they share a vertex in the file,
 //! across objects and materials, so no seam shows where the material changes.
 //!
-//! Comparing every face around a vertex with every other is quadratic. Around a crowded vertex (the tip of a fan of
-//! thousands), faces of nearly equal direction are therefore merged first, which bounds the work.
+//! Comparing every face around a vertex with every other is quadratic. Around a vertex of many faces, such as the tip
+//! of a fan of thousands, faces of nearly equal direction are therefore merged first, which bounds the work.
 
 use std::collections::HashMap;
 
@@ -20,20 +20,20 @@ use super::vertices::Stopped;
 use crate::math::unit_or;
 use crate::scene::load::{Load, bytes_of};
 
-/// Maximum angle between faces that are shaded as one surface, degrees.
+/// Maximum angle between faces that are shaded as one smooth surface, in degrees.
 pub(super) const CREASE_DEGREES: f64 = 45.0;
 
 /// Number of vertices between progress reports.
 const VERTICES_PER_REPORT: usize = 1 << 14;
 
-/// Number of faces around a vertex above which nearly equal directions are merged.
+/// Number of faces around a vertex above which faces of nearly equal direction are merged.
 const CROWD: usize = 32;
 
-/// Maximum angle between merged directions, degrees. Fewer than 300 directions can all differ by more.
+/// Maximum angle between merged directions, in degrees. Fewer than 300 directions can differ pairwise by more.
 const CROWD_DEGREES: f64 = 15.0;
 
 /// Computes a normal for every corner without one, appends it to `lists` and stores its index in `faces`. Returns
-/// whether the crease angle decided about an edge.
+/// whether the crease angle decided if an edge is hard.
 ///
 /// # Errors
 /// Returns an error if the load is cancelled or memory does not suffice.
@@ -112,7 +112,7 @@ fn face_normal(positions: &[Vec3], triangle: &[FaceCorner; 3]) -> Vec3 {
     if normal.is_finite() { unit_or(normal, Vec3::Z) } else { Vec3::Z }
 }
 
-/// Returns the angle of the triangle at its corner `k`, radians.
+/// Returns the angle of a triangle at its corner `k`, in radians.
 fn angle(positions: &[Vec3], triangle: &[FaceCorner; 3], k: usize) -> f64 {
     let at = |i: usize| positions[triangle[i % 3].position as usize].as_dvec3();
     let angle = (at(k + 1) - at(k)).angle_between(at(k + 2) - at(k));
@@ -120,7 +120,7 @@ fn angle(positions: &[Vec3], triangle: &[FaceCorner; 3], k: usize) -> f64 {
     if angle.is_finite() { angle } else { 0.0 }
 }
 
-/// Returns the index of `normal` among those from `first` on, appending it if it is new.
+/// Returns the index of `normal` among the normals from index `first` on, and appends it if it is new.
 fn number_of(normal: Vec3, first: usize, normals: &mut Vec<Vec3>) -> u32 {
     let known = normals[first..].iter().position(|n| *n == normal);
     let number = known.map_or(normals.len(), |offset| first + offset);
@@ -130,34 +130,34 @@ fn number_of(normal: Vec3, first: usize, normals: &mut Vec<Vec3>) -> u32 {
     number as u32
 }
 
-/// Face, as seen from one of its corners.
+/// Face around a vertex, with its contribution to the vertex normal.
 struct Face {
     /// Unit normal of the face.
     unit: DVec3,
-    /// Angle at the corner, radians.
+    /// Angle of the face at the corner, in radians.
     weight: f64,
     smoothing: Smoothing,
 }
 
-/// Merged faces around one vertex: of (nearly) equal direction, or of one smoothing group.
+/// Faces around one vertex, merged because of nearly equal directions or a common smoothing group.
 struct MergedNormal {
     unit: DVec3,
     smoothing: Smoothing,
-    /// Sum of the faces' unit normals, each weighted by its angle at the vertex in radians.
+    /// Sum of the faces' unit normals, each weighted by the face's angle at the vertex, in radians.
     weighted: DVec3,
 }
 
-/// Maximum difference of a cosine from 1 that is attributed to rounding.
+/// Maximum difference between a cosine and 1 that is attributed to rounding.
 const FLAT: f64 = 1e-6;
 
-/// Returns whether the crease angle decides about an edge between these directions.
+/// Whether the crease angle decides if an edge between these directions is hard.
 fn has_crease(directions: &[MergedNormal]) -> bool {
     let mut creased = directions.iter().filter(|direction| direction.smoothing == Smoothing::Crease);
     creased.next().is_some_and(|first| creased.any(|other| other.unit.dot(first.unit) < 1.0 - FLAT))
 }
 
 impl MergedNormal {
-    /// Returns the unit mean over all directions within the crease angle of this one.
+    /// Returns the normalised mean of all directions within the crease angle of this one.
     fn smooth(&self, all: &[Self]) -> Vec3 {
         let limit = CREASE_DEGREES.to_radians().cos();
         let alike = |d: &&Self| d.smoothing == self.smoothing && d.unit.dot(self.unit) >= limit;
@@ -200,7 +200,7 @@ fn merge_directions(faces: impl Iterator<Item = Face>, count: usize) -> (Vec<Mer
     (directions, membership)
 }
 
-/// Corners at each vertex: one flat list, and the start of each vertex's part.
+/// Corners at each vertex, as one flat list with the start of each vertex's range.
 struct Incidence {
     starts: Vec<u32>,
     corners: Vec<u32>,

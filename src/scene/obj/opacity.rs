@@ -1,4 +1,5 @@
-//! The meaning of `Tr`: transparency according to the format, opacity in files from MeshLab and some other programs.
+//! Meaning of the MTL statement `Tr`: transparency according to the format, but opacity in files from MeshLab and some
+//! other programs.
 
 use std::path::Path;
 
@@ -6,7 +7,7 @@ use super::libraries::Libraries;
 use super::mtl::{Description, Descriptions, Located};
 use super::warnings::Warnings;
 
-/// Meaning of the `Tr` statement.
+/// Meaning of the MTL statement `Tr`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TrMeaning {
     /// Opacity if the file indicates it, otherwise transparency.
@@ -18,10 +19,10 @@ pub enum TrMeaning {
     Opacity,
 }
 
-/// Minimum difference between two opacities that counts as different.
+/// Minimum difference at which two opacities count as different.
 const DIFFERENT: f32 = 1e-3;
 
-/// Returns whether `Tr` means opacity in a model that uses the materials `used`. Warns if that was inferred.
+/// Whether `Tr` means opacity in a model that uses the materials `used`. Warns if opacity was inferred.
 pub(super) fn tr_is_opacity(
     meaning: TrMeaning,
     used: &[&Description],
@@ -50,8 +51,8 @@ pub(super) fn tr_is_opacity(
     true
 }
 
-/// Returns whether `d` and `Tr` agree wherever both are given and their values distinguish the meanings. At least one
-/// material must have such a pair.
+/// Whether `d` and `Tr` agree in all materials that have both, with values that distinguish the meanings. `false` if
+/// there is no such material.
 fn agrees_with_dissolve(all: &Descriptions) -> bool {
     let mut pairs = all
         .values()
@@ -61,13 +62,13 @@ fn agrees_with_dissolve(all: &Descriptions) -> bool {
     pairs.peek().is_some() && pairs.all(|(d, tr)| (d - tr).abs() < DIFFERENT)
 }
 
-/// Returns whether `Tr` alone decides the opacity of one of the materials.
+/// Whether `Tr` alone decides the opacity of one of the materials.
 fn tr_decides(used: &[&Description]) -> bool {
     used.iter().any(|material| material.dissolve.is_none() && material.tr.is_some())
 }
 
 impl Description {
-    /// Returns the opacity: `d` if given, otherwise from `Tr`, otherwise 1.
+    /// Returns the opacity of the material: `d` if given, otherwise from `Tr`, otherwise 1.
     pub(super) fn opacity(&self, tr_is_opacity: bool) -> f32 {
         match (&self.dissolve, &self.tr) {
             (Some(dissolve), _) => dissolve.value,

@@ -2,7 +2,7 @@
 //!
 //! Input: the corners of one face, in order. Output: triples of corner indices with the winding of the face. The face
 //! is projected along its normal by Newell's method (Sutherland, Sproull and Schumacker, 1974), which also handles
-//! corners that are not exactly coplanar. The first suitable method of these is used:
+//! corners that are not exactly coplanar. The first suitable method in this list is used:
 //!
 //! - a fan, if all its triangles have positive area: linear, and keeps corners in the middle of an edge;
 //! - ear clipping (Meisters, 1975; Held, 2001, by the crate `earcut`), if there are few corners: cubic at worst;
@@ -35,8 +35,8 @@ const AREA_TOLERANCE: f64 = 1e-6;
 /// Minimum area of a triangle relative to its face; smaller areas are attributed to rounding.
 const SLIVER: f64 = 1e-14;
 
-/// Ratio of the area of a face to that without cancellation, below which Newell's normal is not used. A bow tie has no
-/// such normal.
+/// Ratio of the area of a face to its area without cancellation, below which Newell's normal is not used. For a bow
+/// tie, Newell's normal cancels.
 const CANCELLATION: f64 = 1e-4;
 
 /// Maximum height of a corner above the plane of a flat face, relative to the square root of the area.
@@ -64,7 +64,7 @@ struct Flat {
     /// Twice the reference area for slivers and heights: `doubled_area`, or the area without subtraction if that
     /// cancels.
     scale: f64,
-    /// Maximum distance of a corner from the plane through the first corner, model units.
+    /// Maximum distance of a corner from the plane through the first corner, in model units.
     height: f64,
 }
 
@@ -74,7 +74,7 @@ impl Flat {
     }
 }
 
-/// Triangles of one polygon.
+/// Triangulation of one polygon: its triangles, and the points where its outline crosses itself.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Triangulation {
     /// Corner indices of each triangle. Indices from the number of corners on refer to `crossings`.
@@ -83,7 +83,7 @@ pub(super) struct Triangulation {
     pub(super) crossings: Vec<OutlineCrossing>,
 }
 
-/// Triangulates polygons and reuses its buffers.
+/// Triangulator for polygons that reuses its buffers.
 #[derive(Default)]
 pub(super) struct Triangulator {
     flat: Vec<DVec2>,
@@ -92,7 +92,7 @@ pub(super) struct Triangulator {
 }
 
 impl Triangulator {
-    /// Replaces the content of `result` by the triangles of the polygon with these corners. After cancellation, the
+    /// Triangulates the polygon with these corners, and replaces the content of `result`. After cancellation, the
     /// result is a fan.
     pub(super) fn triangulate(
         &mut self,
@@ -169,9 +169,9 @@ impl Triangulator {
         covered > 0.0 && turns_alike && is_complete && (covered - doubled_area).abs() <= AREA_TOLERANCE * doubled_area
     }
 
-    /// Projects the corners along their normal, counter-clockwise.
+    /// Projects the corners along the face normal, so that they appear counter-clockwise.
     ///
-    /// Projecting along the nearest axis instead would fold corners over each other that are not coplanar.
+    /// Projecting along the nearest axis instead would fold faces whose corners are not coplanar.
     fn project(&mut self, corners: &[Vec3]) -> Flat {
         let origin = corners.first().map_or(DVec3::ZERO, |c| c.as_dvec3());
         let relative = |i: usize| corners[i % corners.len()].as_dvec3() - origin;
@@ -211,7 +211,7 @@ fn fan(apex: usize, count: usize) -> impl Iterator<Item = [usize; 3]> {
     (1..count - 1).map(move |i| [apex, (apex + i) % count, (apex + i + 1) % count])
 }
 
-/// Returns the triangles with a non-zero area in space, of the fan from the first corner.
+/// Returns those triangles of the fan from the first corner that have a non-zero area in space.
 fn solid_fan(corners: &[Vec3]) -> impl Iterator<Item = [u32; 3]> {
     let has_area = |[a, b, c]: &[usize; 3]| {
         let [a, b, c] = [a, b, c].map(|corner| corners[*corner].as_dvec3());
@@ -307,7 +307,7 @@ mod tests {
     }
 
     #[test]
-    fn corners_on_a_line_or_a_point_give_nothing() {
+    fn corners_on_a_line_or_a_point_give_no_triangles() {
         for points in [[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]], [[1.0, 1.0]; 3], [[0.0, 0.0], [1.0, 0.0], [1.0, 0.0]]] {
             assert_eq!(triangulate(&flat(&points)), (vec![], TriangulationOutcome::NoArea));
         }
@@ -372,7 +372,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pentagram_is_covered_whole() {
+    fn a_pentagram_is_covered_completely() {
         let star: Vec<_> = (0..5)
             .map(|i| (i as f32 * 2.0 * std::f32::consts::TAU / 5.0).sin_cos())
             .map(|(y, x)| Vec3::new(x, y, 0.0))
@@ -408,7 +408,7 @@ mod tests {
     }
 
     #[test]
-    fn large_outlines_are_cut_whole() {
+    fn large_outlines_are_triangulated_completely() {
         for (name, points) in large(20_000) {
             let corners = flat(&points);
             let (triangles, outcome) = triangulate(&corners);
@@ -427,7 +427,7 @@ mod tests {
     }
 
     #[test]
-    fn an_outline_that_runs_around_the_same_corners_again_and_again_ends() {
+    fn an_outline_that_repeats_the_same_corners_many_times_terminates() {
         let around = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::new(1.0, 1.5, 0.0)];
         let corners: Vec<Vec3> = (0..65_536).map(|i| around[i % 4]).collect();
         let (triangles, outcome) = triangles_in_space(&corners);
@@ -460,7 +460,7 @@ mod tests {
     }
 
     #[test]
-    fn a_bent_outline_that_crosses_itself_is_a_fan_and_said_to_be() {
+    fn a_bent_outline_that_crosses_itself_is_reported_as_not_flat() {
         let corners = [[0.0, 0.0, 0.0], [4.0, 4.0, 0.0], [4.0, 0.0, 0.5], [0.0, 2.0, 0.0]].map(Vec3::from_array);
         assert_eq!(triangulate(&corners).1, TriangulationOutcome::NotFlat);
     }

@@ -1,38 +1,38 @@
-//! Table of OBJ and MTL statements: rendered ones, and those that are read but do not change the picture.
+//! Table of the OBJ and MTL statements that the loader recognises, including those that do not change the picture.
 //!
-//! The loader takes its warning texts from here. A test compares the table in the manual with `markdown`, so that
+//! The loader takes its warning texts from this table. A test compares the table in the manual with `markdown`, so that
 //! both agree.
 
-/// File format of a statement.
+/// Kind of statement: of a model file, of a material library, or a texture option.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// Model file (OBJ).
+    /// Statement of a model file (OBJ).
     Obj,
-    /// Material library (MTL).
+    /// Statement of a material library (MTL).
     Mtl,
-    /// Option of a texture statement of a material library.
+    /// Option of a texture statement in a material library.
     Option,
 }
 
-/// Treatment of a statement.
+/// Treatment of a statement by the loader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Treatment {
-    /// Changes the picture, or names objects, groups or materials.
+    /// The statement changes the picture, or names objects, groups or materials.
     Rendered,
-    /// Has no effect. Gives one warning per file and keyword, with the first line and a count.
+    /// The statement has no effect. It gives one warning per file and keyword, with the first line and a count.
     Warned,
 }
 
 /// Statement that the loader recognises.
 #[derive(Clone, Copy, Debug)]
 pub struct Statement {
-    /// Keyword in its usual spelling; matching is case-insensitive.
+    /// Keyword of the statement in its usual spelling; matching is case-insensitive.
     pub keyword: &'static str,
-    /// File format that the statement belongs to.
+    /// Kind of file or statement to which the keyword belongs.
     pub format: Format,
-    /// Treatment by the loader.
+    /// Whether the statement is rendered or gives a warning.
     pub(crate) treatment: Treatment,
-    /// Meaning; for a rendered statement also its effect.
+    /// Meaning of the statement; for a rendered statement, also its effect.
     pub(crate) meaning: &'static str,
 }
 
@@ -47,12 +47,12 @@ macro_rules! table {
     };
 }
 
-/// All recognised statements. Any other keyword is reported as unknown.
+/// All statements that the loader recognises. Any other keyword is reported as unknown.
 pub const STATEMENTS: &[Statement] = table! {
     Obj Rendered {
         "v": "position; a weight is ignored, three or four further numbers are a vertex colour",
         "vt": "texture coordinate; w is ignored",
-        "vn": "normal; wins over smoothing groups",
+        "vn": "normal; takes precedence over smoothing groups",
         "f": "face",
         "fo": "face, in the older spelling",
         "o": "object",
@@ -105,7 +105,7 @@ pub const STATEMENTS: &[Statement] = table! {
         "Ks": "specular colour, with `shading=blinn-phong`",
         "Ns": "specular exponent, with `shading=blinn-phong`",
         "Ke": "emitted colour, added after lighting",
-        "d": "opacity; wins over `Tr`",
+        "d": "opacity; takes precedence over `Tr`",
         "Tr": "transparency, or opacity where the file indicates it (see `--tr`)",
         "map_Kd": "colour texture",
         "map_Ke": "texture of the emitted colour",
@@ -169,7 +169,7 @@ pub const STATEMENTS: &[Statement] = table! {
     }
 };
 
-/// Returns the statement with this keyword, in any case; `None` for an unknown one.
+/// Returns the statement with this keyword, ignoring case; `None` for an unknown keyword.
 pub(crate) fn find(format: Format, keyword: &str) -> Option<&'static Statement> {
     STATEMENTS.iter().find(|s| s.format == format && s.keyword.eq_ignore_ascii_case(keyword))
 }
@@ -181,7 +181,7 @@ impl Statement {
     }
 }
 
-/// Returns the table for the manual, one row for each format and treatment.
+/// Returns the table of statements for the manual, with one row for each format.
 #[cfg(test)]
 pub(crate) fn markdown() -> String {
     let mut text = "| | rendered | read, not rendered: one warning each |\n| --- | --- | --- |\n".to_owned();
@@ -209,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn keywords_are_unique_whatever_their_case() {
+    fn keywords_are_unique_ignoring_case() {
         for (i, a) in STATEMENTS.iter().enumerate() {
             let same = |b: &Statement| b.format == a.format && b.keyword.eq_ignore_ascii_case(a.keyword);
             assert!(!STATEMENTS[i + 1..].iter().any(same), "{}", a.keyword);

@@ -1,4 +1,4 @@
-//! Textures of materials: located, read once each, and limited by a memory budget.
+//! Loading of the textures of materials: each picture is located, read once, and limited by a memory budget.
 //!
 //! A picture may lie outside the model's folder (`../textures/x.png` is common), because only its pixels are shown. An
 //! absolute path on the exporter's machine (`C:\work\x.png`) is replaced by the file of that name beside the library.
@@ -21,28 +21,28 @@ use crate::scene::{Alpha, Library, SceneError, Texture, TextureId};
 /// rendering.
 const BYTES_PER_TEXEL: u64 = 32;
 
-/// Use of a picture.
+/// Use of a picture in a material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Use {
-    /// Colour and alpha.
+    /// Colour texture with alpha (`map_Kd`), or emission texture (`map_Ke`).
     Color,
-    /// One number per texel, moved to alpha. Without a channel, it is alpha if the picture has any, otherwise
-    /// luminance.
+    /// Opacity texture (`map_d`): one channel of the picture, which is moved to alpha. Without a given channel, alpha
+    /// is used if the picture has any, otherwise luminance.
     Opacity(Option<PictureChannel>),
-    /// Normal map named as such (`norm`).
+    /// Normal map that is declared as one (`norm`).
     Normals,
-    /// Normal map, or height map, which is not rendered (`map_Bump`).
+    /// Normal map or height map (`map_Bump`). A height map is not rendered.
     Bumps,
 }
 
-/// Textures of one model.
+/// Textures of one model, each read at its first use.
 pub(super) struct Textures<'a> {
     /// Result for each file and use; `None` if the picture was unusable.
     known: HashMap<(PathBuf, Use), Option<TextureId>>,
     load: Load<'a>,
 }
 
-/// Context of reading pictures: the model, the library to fill, and the warnings.
+/// Context for reading pictures: the model, the library to fill, and the warnings.
 pub(super) struct Reading<'a> {
     pub(super) model: &'a Path,
     pub(super) library: &'a mut Library,
@@ -50,12 +50,12 @@ pub(super) struct Reading<'a> {
 }
 
 impl<'a> Textures<'a> {
-    /// Creates an empty collection within the remaining memory of the load.
+    /// Creates an empty collection, which may use the remaining memory of `load`.
     pub(super) fn new(load: Load<'a>) -> Self {
         Self { known: HashMap::new(), load }
     }
 
-    /// Reports the completed share of all materials, from 0 to 1.
+    /// Reports the completed fraction of all materials, from 0 to 1.
     ///
     /// # Errors
     /// Returns an error if the load is cancelled.
@@ -126,7 +126,7 @@ fn read(path: &Path, load: &mut Load<'_>) -> Result<Image<Rgba8>, String> {
     })
 }
 
-/// Converts the picture for its use; `None` if it is unusable.
+/// Converts a picture for its use in a material; `None` if it is unusable.
 fn adapt(image: Image<Rgba8>, purpose: Use, path: &Path, warn: &mut impl FnMut(String)) -> Option<Image<Rgba8>> {
     let name = quoted(&path.file_name().unwrap_or_default().to_string_lossy());
     match purpose {
@@ -166,7 +166,7 @@ fn mapped(image: &Image<Rgba8>, map: impl Fn(Rgba8) -> Rgba8) -> Image<Rgba8> {
     Image::from_pixels(image.width(), image.height(), image.pixels().iter().map(|texel| map(*texel)).collect())
 }
 
-/// Returns alpha if any texel is not opaque, otherwise luminance.
+/// Returns the alpha channel if any texel is not opaque, otherwise luminance.
 pub(super) fn default_channel(image: &Image<Rgba8>) -> PictureChannel {
     let has_alpha = image.pixels().iter().any(|[.., alpha]| *alpha != u8::MAX);
     if has_alpha { PictureChannel::Matte } else { PictureChannel::Luminance }
@@ -185,18 +185,18 @@ fn value(channel: PictureChannel, [r, g, b, alpha]: Rgba8) -> u8 {
     }
 }
 
-/// Returns whether 32 bits per pixel do not imply an alpha channel: TGA and BMP files often leave the fourth byte
+/// Whether a picture with 32 bits per pixel may lack an alpha channel. TGA and BMP files often leave the fourth byte
 /// unused.
 fn may_lack_alpha(path: &Path) -> bool {
     let is_named = |extension: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension));
     is_named("tga") || disk::starts_with(path, b"BM")
 }
 
-/// Minimum share of the texels of a normal map that are unit vectors out of the surface.
+/// Minimum fraction of a normal map's texels that are unit vectors pointing out of the surface.
 const MIN_NORMAL_SHARE: f64 = 0.9;
 
-/// Returns whether nearly all texels decode to vectors of about unit length with z > 0. Grey texels, as in height maps,
-/// do not count.
+/// Whether nearly all texels decode to vectors of about unit length with z > 0. Grey texels, as in height maps, do not
+/// count.
 fn looks_like_normals(image: &Image<Rgba8>) -> bool {
     let is_normal = |[r, g, b, _]: &Rgba8| {
         let [x, y, z] = [r, g, b].map(|code| f32::from(*code) / 127.5 - 1.0);
@@ -207,7 +207,7 @@ fn looks_like_normals(image: &Image<Rgba8>) -> bool {
     normals as f64 >= MIN_NORMAL_SHARE * image.pixels().len() as f64
 }
 
-/// Returns whether `map_d` reads the alpha of the `map_Kd` file, which is already in use.
+/// Whether `map_d` refers to the alpha of the `map_Kd` file, which is already in use.
 pub(super) fn repeats_alpha(
     color: TextureId,
     opacity: &PictureReference,
@@ -219,7 +219,7 @@ pub(super) fn repeats_alpha(
     same_file && has_alpha && opacity.options.channel.is_none_or(|channel| channel == PictureChannel::Matte)
 }
 
-/// Returns the best existing location of the picture, in order of preference; if there is none, the first candidate.
+/// Returns the best existing path of a picture, in order of preference, or the first candidate if none exists.
 fn locate(picture: &PictureReference, model: &Path) -> (PathBuf, NameDifference) {
     let folder = |file: &Path| file.parent().map_or_else(PathBuf::new, Path::to_owned);
     let (beside_library, beside_model) = (folder(&picture.library), folder(model));
@@ -242,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn normal_maps_are_told_from_heights_by_their_texels() {
+    fn normal_maps_and_height_maps_are_distinguished_by_their_texels() {
         let normals = [[128, 128, 255, 255], [200, 128, 232, 255], [90, 60, 229, 255]];
         assert!(looks_like_normals(&image(&normals)));
         for level in 0..=u8::MAX {

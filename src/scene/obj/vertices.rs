@@ -1,8 +1,8 @@
-//! Converts corners that refer to three lists to meshes with one index per vertex.
+//! Conversion of face corners, which refer to three lists, to meshes with one index per vertex.
 //!
 //! OBJ indexes positions, texture coordinates and normals separately; a mesh has one index for all. Corners of one part
 //! that agree in all three indices become one vertex, numbered in order of first use. The numbering matches that of the
-//! crate `tobj`, which the tests compare with.
+//! crate `tobj`, with which the tests compare it.
 
 use std::collections::HashMap;
 
@@ -16,10 +16,11 @@ use crate::scene::{MeshData, SceneError};
 /// Number of triangles between progress reports.
 const TRIANGLES_PER_REPORT: usize = 1 << 14;
 
-/// Number of vertices at one position from which on a hash map finds them. Below it, a linear search compares them all.
+/// Number of vertices at one position from which on a hash map finds them. With fewer, a linear search compares them
+/// all.
 const CROWD: usize = 16;
 
-/// Returns the meshes of all parts, in the order of the parts. Names are left empty.
+/// Returns the meshes of all parts, in the order of the parts. The names of the meshes are empty.
 ///
 /// # Errors
 /// Returns an error if the load is cancelled or memory does not suffice.
@@ -43,7 +44,7 @@ pub(super) fn meshes(lists: &AttributeLists, faces: &Faces, load: &mut Load<'_>)
 /// Reason why a step of the load ended early.
 #[derive(Debug)]
 pub(super) enum Stopped {
-    /// Insufficient memory; the reason is one sentence.
+    /// The memory did not suffice; the message is one sentence.
     Memory(String),
     /// The load was cancelled.
     Cancelled(SceneError),
@@ -67,7 +68,7 @@ struct Numbering {
     /// Most recent vertex at each position; [`NONE`] if there is none.
     newest: Vec<u32>,
     vertices: Vec<NumberedVertex>,
-    /// Vertices at crowded positions, by their corners.
+    /// Vertices at positions with at least [`CROWD`] vertices, by their corners.
     crowded: HashMap<FaceCorner, u32>,
     crowded_bytes: u64,
 }
@@ -128,7 +129,7 @@ impl Numbering {
         })
     }
 
-    /// Returns the index of the vertex with this corner's attributes, adding the vertex if it is new.
+    /// Returns the index of the vertex with this corner's attributes, and adds the vertex if it is new.
     fn number(&mut self, corner: FaceCorner, load: &mut Load<'_>) -> Result<u32, String> {
         let newest = self.newest[corner.position as usize];
         let (mut older, mut compared) = (newest, 0);
@@ -158,7 +159,7 @@ impl Numbering {
         Ok(new)
     }
 
-    /// Adds the vertices at the position of `newest`, which has just become crowded, to the hash map.
+    /// Adds all vertices at the position of `newest` to the hash map, because their number has reached [`CROWD`].
     fn note_crowd(&mut self, newest: u32) {
         let mut number = newest;
         while number != NONE {
@@ -168,7 +169,7 @@ impl Numbering {
         }
     }
 
-    /// Removes all vertices.
+    /// Removes all vertices, so that the next part can be numbered.
     fn clear(&mut self) {
         for vertex in &self.vertices {
             self.newest[vertex.corner.position as usize] = NONE;
@@ -201,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn vertices_are_those_of_tobj() {
+    fn vertices_match_those_of_tobj() {
         let mut random = fastrand::Rng::with_seed(3);
         // Few positions with many normals create crowded positions; many positions with few faces create none.
         for (positions, others, triangles) in [(3, 2, 50), (5, 60, 3000), (500, 3, 400), (40, 40, 2000)] {

@@ -9,10 +9,10 @@ use std::path::{Path, PathBuf};
 
 use crate::scene::Warning;
 
-/// Maximum number of warnings kept; the rest is only counted.
+/// Maximum number of warnings kept; further warnings are only counted.
 const MAX_KEPT: usize = 100;
 
-/// Warnings in order of their first occurrence.
+/// Collected warnings, in order of their first occurrence.
 #[derive(Debug, Default)]
 pub(super) struct Warnings {
     kept: Vec<(Warning, usize)>,
@@ -35,7 +35,7 @@ impl Warnings {
         }
     }
 
-    /// Returns the first warning that has a line.
+    /// Returns the first warning that has a line number.
     pub(super) fn first_with_line(&self) -> Option<&Warning> {
         self.kept.iter().map(|(warning, _)| warning).find(|w| w.line.is_some())
     }
@@ -69,7 +69,7 @@ mod tests {
     }
 
     #[test]
-    fn a_flood_is_cut() {
+    fn the_number_of_warnings_is_limited() {
         let mut warnings = Warnings::default();
         for line in 0..1000 {
             warnings.add(Path::new("a.obj"), Some(line), format!("odd {line}"));

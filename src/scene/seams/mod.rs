@@ -7,10 +7,10 @@
 //!   so it deviates from the edge by a fraction of a pixel. Samples in between are hit by no triangle, or by two.
 //! * an **unwelded vertex**: two vertices whose positions are not bitwise equal lie closer together than the tolerance.
 //!
-//! Vertices are identical if their world-space positions are bitwise equal, whatever their indices, normals and texture
-//! coordinates: objects that share a transform share vertices, too. A vertex lies on an edge if two conditions hold: it
-//! is closer to the edge than the [`tolerance`], and one of its open edges runs along that edge. Neither depends on
-//! which way triangles face.
+//! Vertices are identical if their world-space positions are bitwise equal, regardless of indices, normals and texture
+//! coordinates. Objects with the same transform therefore share vertices, too. A vertex lies on an edge if two
+//! conditions hold: it is closer to the edge than the [`tolerance`], and one of its open edges runs along that edge.
+//! Neither depends on which way triangles face.
 //!
 //! Cost: all vertices and edges are sorted, and each open edge needs one search in a tree of the open vertices; about
 //! one second for a million triangles on two threads.
@@ -29,11 +29,11 @@ use self::tree::PointTree;
 use self::weld::{Welded, is_open};
 use super::{Scene, TriangleId};
 
-/// Maximum distance of a vertex that lies on an edge, relative to the diagonal of the scene's bounding box. It is the
+/// Maximum distance at which a vertex lies on an edge, relative to the diagonal of the scene's bounding box. It is the
 /// rounding error of coordinates of about 1 that a file stores with four decimals.
 const TOLERANCE_OF_SCENE: f64 = 1e-4;
 
-/// Maximum distance of a vertex that lies on an edge, relative to the edge's length. It keeps small details of a large
+/// Maximum distance at which a vertex lies on an edge, relative to the edge's length. It keeps small details of a large
 /// scene from being treated as one line.
 const TOLERANCE_OF_EDGE: f64 = 1e-2;
 
@@ -46,7 +46,7 @@ const LARGEST_SINE: f64 = 0.1;
 /// Number of open edges searched between cancellation checks.
 const CHUNK: usize = 1024;
 
-/// Kind of a fault of a mesh along an open edge.
+/// Kind of fault of a mesh along an open edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum JunctionKind {
@@ -76,16 +76,16 @@ pub(crate) struct TriangleEdge {
     pub(crate) opposite: u8,
 }
 
-/// Vertex on an open edge of which it is not an end.
+/// Vertex that lies on an open edge but is not one of its ends.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Junction {
-    /// Kind of the fault.
+    /// Kind of fault: T-junction or unwelded vertex.
     pub kind: JunctionKind,
     /// Vertex, as the corner of a triangle on the other side of the edge.
     pub(crate) vertex: TriangleCorner,
     /// Open edge on which the vertex lies.
     pub(crate) edge: TriangleEdge,
-    /// Distance of the vertex from the edge in world units; from the end of the edge if it is unwelded.
+    /// Distance of the vertex from the edge, in world units. For an unwelded vertex, distance from the end of the edge.
     pub(crate) distance: f64,
 }
 
@@ -111,13 +111,14 @@ impl Junction {
 /// Pair of open edges that run along one another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Seam {
-    /// Vertex of the second edge on the first one. If both kinds occur, the T-junction takes precedence.
+    /// Vertex of the second edge that lies on the first edge. If both kinds of fault occur, the T-junction takes
+    /// precedence.
     pub(crate) junction: Junction,
     /// Second edge of the pair.
     pub(crate) along: TriangleEdge,
 }
 
-/// Numbers of faults in a scene.
+/// Numbers of seam faults in a scene, by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct SeamCounts {
     /// Number of vertices within open edges.
@@ -126,7 +127,7 @@ pub struct SeamCounts {
     pub unwelded: usize,
 }
 
-/// Open seams of a scene.
+/// Open seams of a scene, with the faults along them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Seams {
     seams: Vec<Seam>,
@@ -164,7 +165,7 @@ impl Seams {
         &self.border
     }
 
-    /// Returns the numbers of faults.
+    /// Returns the number of faults of each kind.
     pub fn counts(&self) -> SeamCounts {
         let t_junctions = self.junctions.iter().filter(|j| j.kind == JunctionKind::TJunction).count();
         SeamCounts { t_junctions, unwelded: self.junctions.len() - t_junctions }
@@ -172,7 +173,7 @@ impl Seams {
 }
 
 impl SeamCounts {
-    /// Returns both numbers as text.
+    /// Returns the counts as text, such as "2 T-junctions · 1 unwelded vertex".
     pub(crate) fn text(self) -> String {
         let number = |count: usize, one: &str, many: &str| format!("{count} {}", if count == 1 { one } else { many });
         let t_junctions = number(self.t_junctions, "T-junction", "T-junctions");
@@ -180,7 +181,7 @@ impl SeamCounts {
     }
 }
 
-/// Returns the distance from an edge up to which a vertex lies on it, in world units.
+/// Returns the maximum distance at which a vertex lies on an edge, in world units.
 ///
 /// `edge` is the length of the edge; `diagonal` and `largest` are the diagonal and the largest coordinate of the scene.
 pub(crate) fn tolerance(edge: f64, diagonal: f64, largest: f64) -> f64 {
@@ -194,9 +195,9 @@ struct Hit {
     /// Index of the welded vertex.
     vertex: u32,
     corner: TriangleCorner,
-    /// Indices of both edges among the open ones.
+    /// Indices of both edges in the list of open edges.
     edges: [u32; 2],
-    /// Welded vertex to merge with.
+    /// Welded vertex with which `vertex` would be merged.
     other: u32,
     distance: f64,
 }
@@ -204,7 +205,7 @@ struct Hit {
 /// Search among the open edges of a mesh.
 struct OpenEdgeSearch<'a> {
     mesh: &'a Welded,
-    /// Welded vertices at the ends of open edges, ascending.
+    /// Welded vertices at the ends of open edges, in ascending order.
     vertices: Vec<u32>,
     tree: PointTree,
     /// Open edges by their ends: the edges of `vertices[i]` are `incident[starts[i]..starts[i + 1]]`.
@@ -243,7 +244,7 @@ impl<'a> OpenEdgeSearch<'a> {
         Some(Seams { seams: self.seams(&hits), junctions: self.junctions(&hits), border: self.border() })
     }
 
-    /// Finds the vertices on one open edge that have an open edge of their own along it.
+    /// Finds the vertices on one open edge from which another open edge runs along it.
     fn hits_of(&self, place: u32, hits: &mut Vec<Hit>) {
         let edge = &self.mesh.open[place as usize];
         let [from, to] = edge.ends.map(|end| self.mesh.positions[end as usize]);
@@ -311,7 +312,8 @@ impl<'a> OpenEdgeSearch<'a> {
         best.into_iter().map(seam).collect()
     }
 
-    /// Returns one junction for each vertex within an edge, and one for each vertex close to one with a lower index.
+    /// Returns one junction for each vertex within an edge, and one for each vertex close to another vertex with a
+    /// lower index.
     fn junctions(&self, hits: &[Hit]) -> Vec<Junction> {
         let is_counted = |hit: &&Hit| hit.kind == JunctionKind::TJunction || hit.other < hit.vertex;
         let mut best: Vec<&Hit> = hits.iter().filter(is_counted).collect();
@@ -344,7 +346,7 @@ struct OpenEdgeLine {
 }
 
 impl OpenEdgeLine {
-    /// Returns whether an edge whose first end lies on the line runs along it from there.
+    /// Whether an edge whose first end lies on the line runs along the line.
     fn has_along_it(&self, [at, far]: [DVec3; 2]) -> bool {
         let run = far - at;
         let own_length = run.length();

@@ -5,7 +5,7 @@ use crate::scene::builtin;
 use crate::scene::mesh::MeshData;
 use crate::scene::{Instance, Material, Mesh};
 
-/// Returns a scene with one mesh per list of triangles, all with the same placement.
+/// Returns a scene with one mesh per list of triangles, all with the same transform.
 pub(crate) fn scene(parts: &[(Vec<Vec3>, Vec<[u32; 3]>)], world_from_model: Mat4) -> Scene {
     let mut scene = builtin::by_id("triangle").unwrap().build();
     scene.instances.clear();
@@ -90,7 +90,7 @@ fn the_corner_of_a_junction_is_the_vertex_on_the_edge() {
 }
 
 #[test]
-fn a_vertex_farther_from_the_edge_than_the_tolerance_is_none() {
+fn a_vertex_beyond_the_tolerance_is_no_t_junction() {
     let diagonal = 2.0_f64.hypot(2.0).hypot(0.2);
     let reach = tolerance(2.0, diagonal, 1.0) as f32;
     for (height, found) in [(0.9 * reach, 1), (-0.9 * reach, 1), (1.1 * reach, 0), (-1.1 * reach, 0)] {
@@ -171,7 +171,7 @@ fn both_rims_of_a_thin_strip_are_no_seam() {
 }
 
 #[test]
-fn what_is_not_finite_or_has_no_area_is_left_out() {
+fn triangles_that_are_not_finite_or_have_no_area_are_ignored() {
     let (mut positions, mut triangles) = fan(&[0.3]);
     positions.extend([Vec3::NAN, Vec3::new(0.2, f32::INFINITY, 0.0)]);
     triangles.extend([[0, 5, 1], [6, 0, 4], [0, 0, 1], [1, 4, 4]]);

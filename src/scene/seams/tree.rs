@@ -1,4 +1,4 @@
-//! Point tree for searches near a segment.
+//! Tree of points that finds all points near a segment.
 
 use glam::DVec3;
 
@@ -93,8 +93,7 @@ fn bounds(points: impl Iterator<Item = DVec3>) -> [DVec3; 2] {
     })
 }
 
-/// Returns whether the box, extended by `reach`, intersects the segment. Near the corners of the box this is
-/// conservative.
+/// Whether the box, extended by `reach`, intersects the segment. The test is conservative near the corners of the box.
 fn may_be_near([least, greatest]: [DVec3; 2], [from, to]: [DVec3; 2], reach: f64) -> bool {
     let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
     for axis in 0..3 {
@@ -124,7 +123,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn points_near_a_segment_are_those_found_one_by_one() {
+    fn the_tree_finds_the_same_points_as_a_linear_search() {
         let mut rng = fastrand::Rng::with_seed(5);
         for count in [1, 7, 8, 9, 100, 1000, 20_000] {
             let mut point = || DVec3::new(rng.f64(), rng.f64(), rng.f64() * 0.1);

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::{TriangleCorner, TriangleEdge};
 use crate::scene::{Scene, TriangleId};
 
-/// Represents a vertex whose position is not finite.
+/// Index that represents a vertex whose position is not finite.
 const NOT_FINITE: u32 = u32::MAX;
 
 /// Edge of a triangle, given by its welded vertices.
@@ -18,20 +18,21 @@ pub(super) struct WeldedEdge {
     pub(super) ends: [u32; 2],
     /// Welded vertex of the triangle opposite the edge.
     pub(super) opposite: u32,
-    /// Identifier of the triangle.
+    /// Identifier of the triangle that the edge belongs to.
     pub(super) triangle: TriangleId,
-    /// Corner index of the opposite vertex, and whether the triangle lists the end with the higher index first.
+    /// Index of the opposite corner in the triangle: 0, 1 or 2.
     corner: u8,
+    /// Whether the triangle lists the end with the higher index first.
     is_flipped: bool,
 }
 
 impl WeldedEdge {
-    /// Returns the edge of the triangle.
+    /// Returns the edge, identified by its triangle and the opposite corner.
     pub(super) fn of_triangle(&self) -> TriangleEdge {
         TriangleEdge { triangle: self.triangle, opposite: self.corner }
     }
 
-    /// Returns the end that is not `end`.
+    /// Returns the end of the edge that is not `end`.
     pub(super) fn other_end(&self, end: u32) -> u32 {
         if self.ends[0] == end { self.ends[1] } else { self.ends[0] }
     }
@@ -42,8 +43,8 @@ impl WeldedEdge {
         TriangleCorner { triangle: self.triangle, corner: (self.corner + if is_first { 1 } else { 2 }) % 3 }
     }
 
-    /// Whether both edges belong to one triangle, or to triangles that share an edge. The borders of such a pair are no
-    /// seam, however thin it is.
+    /// Whether both edges belong to one triangle, or to triangles that share an edge. Such a pair of edges is not a
+    /// seam, however thin the triangles are.
     pub(super) fn are_adjacent(&self, other: &Self) -> bool {
         let corners = |edge: &Self| [edge.ends[0], edge.ends[1], edge.opposite];
         corners(self).iter().filter(|corner| corners(other).contains(corner)).count() >= 2
@@ -54,23 +55,24 @@ impl WeldedEdge {
     }
 }
 
-/// Returns whether edges with the same ends belong to one triangle, or to copies of it.
+/// Whether edges with the same ends belong to only one triangle, or to copies of it.
 pub(super) fn is_open(twins: &[WeldedEdge]) -> bool {
     twins.iter().all(|edge| edge.opposite == twins[0].opposite)
 }
 
-/// Welded triangles. Triangles with two identical corners or with a non-finite corner are skipped.
+/// Triangles of a scene with welded vertices. Triangles with two identical corners or with a non-finite corner are
+/// skipped.
 #[derive(Debug)]
 pub(super) struct Welded {
-    /// Position of each vertex in world space.
+    /// Position of each welded vertex, in world space.
     pub(super) positions: Vec<DVec3>,
-    /// All edges, sorted so that those with the same ends are adjacent.
+    /// Edges of all triangles, sorted so that edges with the same ends are adjacent.
     edges: Vec<WeldedEdge>,
     /// Open edges, one for each pair of ends.
     pub(super) open: Vec<WeldedEdge>,
-    /// Diagonal of the bounding box of all vertices, world units.
+    /// Diagonal of the bounding box of all vertices, in world units.
     pub(super) diagonal: f64,
-    /// Largest magnitude of a coordinate, world units.
+    /// Largest magnitude of a vertex coordinate, in world units.
     pub(super) largest: f64,
 }
 
@@ -94,7 +96,7 @@ impl Welded {
         Some(Self { positions, edges, open, diagonal: least.distance(greatest), largest })
     }
 
-    /// Returns the edges between two vertices; `None` if there are none.
+    /// Returns the edges between two welded vertices; `None` if there are none.
     pub(super) fn edge(&self, a: u32, b: u32) -> Option<&[WeldedEdge]> {
         let ends = [a.min(b), a.max(b)];
         let first = self.edges.partition_point(|edge| edge.ends < ends);

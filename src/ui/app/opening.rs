@@ -24,7 +24,7 @@ pub(super) const SLOW_LOAD: Duration = Duration::from_millis(300);
 /// Model being loaded in a background thread.
 pub(super) struct Loading {
     source: SceneSource,
-    /// Loading task; its progress is the completed share in [0, 1].
+    /// Task that loads the model; its progress is the completed share in [0, 1].
     task: BackgroundTask<f32, Result<Loaded, SceneError>>,
     completed: Option<f32>,
     since: Instant,
@@ -164,8 +164,8 @@ impl Workbench {
         }
     }
 
-    /// Cancels searches, checks and fate counts of the previous scene: their results would pick and select in the new
-    /// one.
+    /// Cancels searches, checks and fate counts of the previous scene, whose results would change pick and selection in
+    /// the new scene.
     fn drop_findings(&mut self) {
         (self.searching, self.checks, self.fates) = Default::default();
         self.session.checks.progress = None;
@@ -181,7 +181,7 @@ impl Workbench {
         }
     }
 
-    /// Returns the path of a file whose opening takes longer than [`SLOW_LOAD`], and its completed share in [0, 1].
+    /// Returns the path and the completed share, in [0, 1], of a file that takes longer than [`SLOW_LOAD`] to open.
     pub(super) fn slow_open(&self) -> Option<(&Path, f32)> {
         if let Some(OpeningCase { path, progress, since, .. }) = &self.opening_case {
             return (since.elapsed() >= SLOW_LOAD).then_some((path, progress.unwrap_or(0.0)));

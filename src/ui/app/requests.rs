@@ -1,4 +1,4 @@
-//! Communication with the render worker: sends requests when their inputs change, and handles the answers.
+//! Communication with the render worker: sends requests when their inputs change, and handles the responses.
 
 use std::time::Instant;
 
@@ -56,7 +56,7 @@ impl Workbench {
             WorkerResponse::Measured(_) => self.session.measuring = None,
             WorkerResponse::Panicked(text) => {
                 self.requested_at = None;
-                let text = format!("Drawing stopped: internal error: {text}. The last good picture stays.");
+                let text = format!("Drawing stopped: internal error: {text}. The last complete picture stays.");
                 self.session.report(Severity::Error, text);
             }
         }

@@ -48,10 +48,8 @@ impl Workbench {
         let Some(view) = &self.session.view else { return };
         let visible = view.report.as_ref().and_then(|report| Some((report.drawn_at, report.visible()?.submission)));
         let Some(([x, y], submission)) = visible else {
-            self.session.report(
-                Severity::Error,
-                "Pick a pixel that shows a triangle first; that triangle is saved as the case",
-            );
+            self.session
+                .report(Severity::Error, "Pick a pixel that shows a triangle first; that triangle is saved as a case");
             return;
         };
         let settings = &view.request.recipe.pipeline;
@@ -71,7 +69,8 @@ impl Workbench {
         self.save(ui, ("picture", "png"), move || encode_png(&picture).map_err(|error| error.to_string()));
     }
 
-    /// Writes the scene on screen as a vector drawing. `end` is the file name extension, which selects the format.
+    /// Writes the scene on screen as a vector drawing into the current folder. `end` is the file name extension, which
+    /// selects the format.
     pub(super) fn save_outline(&mut self, ui: &Ui, kind: OutlineKind, end: &'static str) {
         let Request { scene, camera, recipe, viewport, .. } = self.session.request();
         self.save_cancellable(ui, (kind.id(), end), move |progress, cancel| {
@@ -83,7 +82,8 @@ impl Workbench {
         });
     }
 
-    /// Writes the present step of the lab's page. `end` is the file name extension, which selects the format.
+    /// Writes the current step of the lab's page as a drawing. `end` is the file name extension, which selects the
+    /// format.
     pub(super) fn save_drawing(&mut self, ui: &Ui, end: &'static str) {
         let lab = &self.session.lab;
         let (page, recording, step) = (lab.page, lab.recording.clone(), lab.step);
@@ -103,7 +103,7 @@ impl Workbench {
         }
     }
 
-    /// Returns the picture on the canvas, including what-if views and the probe's heat map.
+    /// Returns the picture on the canvas, which may be a what-if view or the heat map of the probe.
     fn shown_picture(&self, ui: &Ui) -> Option<Arc<Image<Rgba8>>> {
         let view = what_if::visible_view(ui, &self.session)?;
         Some(self.session.probing.picture(view).unwrap_or(&view.picture).clone())

@@ -1,4 +1,4 @@
-//! Long measurements in background threads: starting them and handling their results.
+//! Starts long measurements in background threads and handles their results.
 
 use std::sync::Arc;
 
@@ -25,7 +25,7 @@ impl Workbench {
         }));
     }
 
-    /// Starts measuring the time that the plan of the present view saves.
+    /// Starts measuring the time that the plan of the current view saves.
     pub(super) fn measure_plan(&mut self, ui: &Ui) {
         /// Number of measured rounds.
         const ROUNDS: usize = 21;
@@ -38,7 +38,7 @@ impl Workbench {
         }));
     }
 
-    /// Starts measuring how cost scales under the present recipe.
+    /// Starts measuring how the cost of a frame scales under the current recipe.
     pub(super) fn measure_scaling(&mut self, ui: &Ui) {
         /// Maximum triangle count and number of measured rounds, chosen so that the measurement takes seconds, not
         /// minutes.
@@ -90,7 +90,7 @@ impl Workbench {
     }
 }
 
-/// Handles the progress and the result of a task. Returns whether the task ended without reporting, as after a panic.
+/// Handles the progress and the result of a task. Returns `true` if the task ended without a result, as after a panic.
 fn poll_task<P: Send + 'static, T: Send + 'static>(
     task: &mut Option<BackgroundTask<P, T>>,
     progress: &mut Option<P>,

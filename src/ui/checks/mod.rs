@@ -1,7 +1,7 @@
 //! Checks assertions on demand, or on every new frame until one is violated.
 //!
-//! A background thread redraws the frame on screen with an observer. This takes time from other frames, so checking is
-//! off by default and the window shows when it is on. The first violation stops it and picks the pixel.
+//! A background thread redraws the frame on screen with an observer. This slows other frames down, so checking is off
+//! by default and the window shows when it is on. The first violation stops it and picks the pixel.
 
 pub(crate) mod panel;
 
@@ -17,10 +17,10 @@ use crate::chain::Frame;
 use crate::inspect::assertions::{Assertion, AssertionReport, Violation, check};
 use crate::pipeline::settings::Choice as _;
 
-/// State of assertion checking.
+/// State of the assertion checks.
 #[derive(Clone, Debug, Default)]
 pub struct Checks {
-    /// Last report, and the frame it describes.
+    /// Latest report, and the frame that it describes.
     pub found: Option<(Arc<AssertionReport>, Arc<Frame>)>,
     /// Completed share of the running check, in [0, 1].
     pub(crate) progress: Option<f32>,
@@ -28,11 +28,11 @@ pub struct Checks {
     pub every_frame: bool,
     /// Whether a check of the frame on screen was requested.
     wanted: bool,
-    /// Whether cancelling the running check was requested.
+    /// Whether cancellation of the running check was requested.
     cancelled: bool,
 }
 
-/// Change of the assertion checks.
+/// Change to the assertion checks that the user requests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ChecksChange {
     /// Checks the frame on screen.
@@ -53,28 +53,28 @@ impl Checks {
         }
     }
 
-    /// Whether this frame has to be checked now.
+    /// Whether `frame` must be checked now.
     fn wants(&self, frame: &Arc<Frame>) -> bool {
         let is_known = self.found.as_ref().is_some_and(|(_, known)| Arc::ptr_eq(known, frame));
         self.wanted || self.every_frame && !is_known
     }
 }
 
-/// Returns the pixel of a violation in the full-resolution picture.
+/// Returns the column and row of a violation in the full-resolution picture.
 pub fn place(violation: &Violation, frame: &Frame) -> (u32, u32) {
     let drawn_at = (violation.x, violation.y);
     frame.sampling.grid().sample_at(violation.x, violation.y).map_or(drawn_at, |sample| frame.pixel_of(sample))
 }
 
-/// Runner of assertion checks.
+/// Runner of assertion checks in a background thread.
 #[derive(Debug, Default)]
 pub(crate) struct Runner {
     running: Option<(BackgroundTask<f32, AssertionReport>, Arc<Frame>)>,
 }
 
 impl Runner {
-    /// Handles the result of the running check and starts the next requested one. If `waits`, the check runs to its end
-    /// before the function returns.
+    /// Handles the result of the running check and starts the next requested check. If `waits` is `true`, runs the
+    /// check synchronously.
     pub(crate) fn step(&mut self, session: &mut Session, context: &Context, waits: bool) {
         self.listen(session);
         if let Some((task, _)) = &self.running {
@@ -114,7 +114,7 @@ impl Runner {
     }
 }
 
-/// Checks all assertions on a view. Returns `None` if cancelled.
+/// Checks all assertions on the frame of a view. Returns `None` if cancelled.
 fn checked(view: &RenderedView, tell: &dyn Fn(f32), stop: &AtomicBool) -> Option<AssertionReport> {
     check(&view.request.scene, &view.request.recipe, &view.frame, Assertion::ALL, tell, stop)
 }
@@ -125,7 +125,7 @@ fn found(session: &mut Session, report: AssertionReport, frame: Arc<Frame>) {
         let (x, y) = place(violation, &frame);
         session.pick = Some((x, y));
         session.checks.every_frame = false;
-        let text = format!("“{}” is violated at {x}, {y} by triangle {}", assertion.name(), violation.triangle.0);
+        let text = format!("“{}” is violated at pixel {x}, {y} by triangle {}", assertion.name(), violation.triangle.0);
         session.report(Severity::Warning, text);
     }
     session.checks.found = Some((Arc::new(report), frame));

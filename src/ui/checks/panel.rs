@@ -13,7 +13,7 @@ use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, tokens};
 use crate::ui::widgets::{Status, chip};
 
-/// Draws the buttons beside the tabs.
+/// Draws the buttons of the tab, beside the tab names.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let checks = &session.checks;
     let help = "Draws this frame once more and checks every fragment";
@@ -22,8 +22,8 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
         commands.push(Command::Checks(ChecksChange::Run));
     }
     let help =
-        "Checks each new frame until an assertion is violated, then picks that pixel. Frames take longer meanwhile";
-    if ui.add(Button::selectable(checks.every_frame, "Every frame")).on_hover_text(help).clicked() {
+        "Checks each new frame until an assertion is violated, then picks that pixel. Meanwhile, frames take longer";
+    if ui.add(Button::selectable(checks.every_frame, "Check every frame")).on_hover_text(help).clicked() {
         commands.push(Command::Checks(ChecksChange::ToggleEveryFrame));
     }
     if let Some(progress) = checks.progress {
@@ -40,9 +40,9 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
         let whose = if is_shown { "in this frame" } else { "in an earlier frame" };
         let violated = report.findings.iter().filter(|finding| finding.violated > 0).count();
         let text = if violated == 0 {
-            format!("all {} hold, {whose}", report.findings.len())
+            format!("all {} assertions hold {whose}", report.findings.len())
         } else {
-            format!("{violated} of {} violated, {whose}", report.findings.len())
+            format!("{violated} of {} assertions violated {whose}", report.findings.len())
         };
         ui.label(RichText::new(text).color(tokens(ui).text_weak));
     }

@@ -1,4 +1,4 @@
-//! The bar above compared pictures: comparison mode, tile count, region and reference.
+//! Bar above the compared pictures: comparison mode, tile count, region and reference.
 
 use eframe::egui::{self, Align, Button, Layout, Response, RichText, Ui, Vec2};
 
@@ -49,7 +49,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &
         if let Some(scale) = scale.filter(|scale| *scale < 1.0) {
             let text = format!("shown at {:.0} %, filtered", scale * 100.0);
             ui.label(RichText::new(text).small().color(tokens(ui).warning))
-                .on_hover_text("Only the display is smaller: figures and differences refer to the full pictures");
+                .on_hover_text("Only the display is smaller: errors and differences are those of the full pictures");
         }
         manual_button(ui, Chapter::ComparingUpscalers, commands);
         if icon_button(ui, Icon::X, "Stop comparing  (Esc)").clicked() {

@@ -1,4 +1,4 @@
-//! Renderer side of comparisons: draws all tiles, measures them one by one and reuses valid results.
+//! Renderer side of comparisons: draws all tiles, measures them one by one, and reuses results that are still valid.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use crate::upscale::Upscaling;
 /// Request to compare several pictures of one view.
 #[derive(Clone, Debug)]
 pub struct CompareRequest {
-    /// Scene; compared by pointer.
+    /// Scene to draw; requests compare it by pointer.
     pub scene: Arc<Scene>,
     /// Camera shared by all pictures.
     pub camera: Camera,
@@ -25,9 +25,9 @@ pub struct CompareRequest {
     pub recipes: Vec<Recipe>,
     /// Reference that errors are measured against.
     pub reference: Reference,
-    /// Region with separate figures.
+    /// Region that is also measured separately.
     pub region: Option<PixelRegion>,
-    /// Difference of the first two pictures to show, and its gain.
+    /// Kind and gain of the difference image of the first two pictures; `None` if not shown.
     pub difference: Option<(Difference, u32)>,
 }
 
@@ -46,25 +46,25 @@ impl CompareRequest {
     }
 }
 
-/// Picture of a tile and its figures so far.
+/// Picture of a tile and the error metrics measured so far.
 #[derive(Clone, Debug)]
 pub struct TileResult {
     /// Recipe of the tile.
     pub recipe: Recipe,
-    /// Finished picture.
+    /// Final picture of the recipe.
     pub picture: Arc<Image<Rgba8>>,
-    /// Share of its pixels that were rasterized and shaded, in [0, 1].
+    /// Share of the picture's pixels that were rasterized and shaded, in [0, 1].
     pub(crate) drawn_share: f64,
-    /// Figures against the reference, once measured.
+    /// Error metrics against the reference; `None` until measured.
     pub measured: Option<TileMetrics>,
-    /// Figures within the region, if there is one that contains pixels.
+    /// Error metrics within the region; `None` without a region or if it contains no pixels.
     pub region_figures: Option<ErrorMetrics>,
 }
 
-/// Measures of a picture against the reference.
+/// Error metrics of a picture against the reference.
 #[derive(Clone, Debug)]
 pub struct TileMetrics {
-    /// All figures; `None` if the two pictures differ in size.
+    /// Error metrics of the whole picture; `None` if the two pictures differ in size.
     pub figures: Option<ErrorMetrics>,
     /// FLIP error of every pixel.
     flip: Option<Arc<Image<f32>>>,
@@ -77,20 +77,20 @@ pub struct DifferenceImage {
     pub kind: (Difference, u32),
     /// Difference at every pixel.
     pub values: Arc<Image<f32>>,
-    /// The values mapped to colours.
+    /// Difference values mapped to colours.
     pub picture: Arc<Image<Rgba8>>,
 }
 
-/// Results for a [`CompareRequest`] so far.
+/// Results computed so far for a [`CompareRequest`].
 #[derive(Clone, Debug)]
 pub struct Compared {
-    /// Request that is answered.
+    /// Request that these results belong to.
     pub(crate) request: CompareRequest,
     /// One tile for each recipe of the request.
     pub tiles: Vec<TileResult>,
     /// Difference of the first two tiles, if requested.
     pub difference: Option<DifferenceImage>,
-    /// Whether all results are present.
+    /// Whether all requested results are present.
     pub complete: bool,
 }
 
@@ -106,7 +106,7 @@ pub struct Comparer {
 }
 
 impl Comparer {
-    /// Starts a request: draws missing pictures and reuses those results of the last request that are still valid.
+    /// Starts a request: draws missing pictures and reuses results of the last request that are still valid.
     pub fn start(&mut self, request: CompareRequest) -> &Compared {
         self.begun = false;
         let same_view = self.results.as_ref().is_some_and(|known| known.request.same_view(&request));
@@ -136,7 +136,7 @@ impl Comparer {
         self.results.insert(Compared { request, tiles, difference, complete: false })
     }
 
-    /// Computes one more piece. Returns `None` if there is no new result yet or nothing left to compute.
+    /// Computes one more part of the results. Returns `None` if no result has changed.
     pub(crate) fn step(&mut self) -> Option<&Compared> {
         self.begun = true;
         let known = self.results.as_ref().filter(|known| !known.complete)?;
@@ -203,7 +203,7 @@ impl Comparer {
         self.references.iter().find(|(known, _)| *known == wanted).map(|(_, picture)| picture.clone())
     }
 
-    /// Draws one more sample of the reference for `recipe`.
+    /// Renders one more sample of the reference for `recipe`.
     fn add_reference_sample(&mut self, recipe: Recipe) {
         let wanted = reference_recipe(recipe);
         let Some(CompareRequest { scene, camera, viewport, reference, .. }) =
@@ -275,7 +275,7 @@ mod tests {
     }
 
     #[test]
-    fn every_tile_is_what_the_chain_draws_and_native_has_no_error() {
+    fn every_tile_equals_the_frame_of_the_chain_and_native_has_no_error() {
         let request = request(&[("native", 1), ("nearest", 4), ("bilinear", 2)]);
         let compared = finished(&mut Comparer::default(), request.clone());
         assert_eq!(compared.tiles.len(), 3);
@@ -289,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn what_still_holds_is_kept() {
+    fn results_that_are_still_valid_are_reused() {
         let mut comparer = Comparer::default();
         let first = finished(&mut comparer, request(&[("native", 1), ("nearest", 4)]));
         let mut next = first.request.clone();
@@ -306,7 +306,7 @@ mod tests {
     }
 
     #[test]
-    fn another_gain_colours_the_same_values_anew() {
+    fn a_change_of_gain_reuses_the_difference_values() {
         let mut comparer = Comparer::default();
         let mut request = request(&[("native", 1), ("nearest", 4)]);
         request.difference = Some((Difference::Absolute, 1));

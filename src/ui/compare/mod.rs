@@ -1,5 +1,5 @@
 //! Comparison of several pictures of one view, each with its own recipe: as tiles side by side, as a wipe, as a flip,
-//! or as a difference image. All have figures against a named reference.
+//! or as a difference image. Every mode shows error metrics against a named reference.
 //!
 //! The active tile shows the session's own recipe: the pipeline panel edits it and the inspector explains it. Clicking
 //! another tile makes it active. The first tile is A, the second B.
@@ -28,16 +28,16 @@ pub enum Mode {
     Off,
     /// Tiles side by side.
     Tiles,
-    /// A on the left of a movable line, B on its right.
+    /// Picture A to the left of a movable line, picture B to its right.
     Wipe,
-    /// A, or B while Shift is held.
+    /// Picture A, or picture B while Shift is held.
     Flip,
     /// Difference image A − B.
     Difference,
 }
 
 impl Mode {
-    /// All modes that compare, each with its name and help text.
+    /// All modes except `Off`, each with its display name and help text.
     pub(crate) const ALL: [(Self, &'static str, &'static str); 4] = [
         (
             Self::Tiles,
@@ -92,19 +92,19 @@ impl TileSet {
 /// Comparison mode and its settings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CompareSettings {
-    /// Mode.
+    /// Current comparison mode.
     pub mode: Mode,
-    /// Reference that figures are computed against.
+    /// Reference that errors are measured against.
     pub(crate) reference: Reference,
-    /// Kind of difference image.
+    /// Kind of difference that the difference image shows.
     pub(crate) difference: Difference,
-    /// Gain of the difference image.
+    /// Factor by which the difference image amplifies differences.
     pub(crate) gain: u32,
     /// Position of the wipe line, as a share of the canvas width in [0, 1].
     pub wipe: f32,
-    /// Region of the picture with separate figures.
+    /// Region of the picture that is also measured separately.
     pub region: Option<PixelRegion>,
-    /// Whether dragging draws the region.
+    /// Whether dragging on a picture draws the region instead of panning.
     pub(crate) draws_region: bool,
 }
 
@@ -122,10 +122,10 @@ impl Default for CompareSettings {
     }
 }
 
-/// Change of the comparison.
+/// Change to the comparison that the user requests.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CompareChange {
-    /// Sets the mode.
+    /// Sets the comparison mode.
     Mode(Mode),
     /// Sets the mode, or stops comparing if it is already active.
     Toggle(Mode),
@@ -147,13 +147,13 @@ pub enum CompareChange {
     Gain(u32),
     /// Moves the wipe line to this share of the canvas width.
     Wipe(f32),
-    /// Sets or clears the region with separate figures.
+    /// Sets or clears the region that is also measured separately.
     Region(Option<PixelRegion>),
-    /// Sets whether dragging draws the region.
+    /// Sets whether dragging on a picture draws the region.
     DrawRegion(bool),
-    /// Toggles whether dragging draws the region.
+    /// Toggles whether dragging on a picture draws the region.
     ToggleRegion,
-    /// Sets the reference.
+    /// Sets the reference that errors are measured against.
     Reference(Reference),
 }
 
@@ -231,14 +231,14 @@ impl CompareSettings {
     }
 }
 
-/// Iterates over all upscalers, the most instructive comparisons first. May repeat entries.
+/// Returns an iterator over all upscalers, the most instructive comparisons first. May repeat entries.
 fn suggestions() -> impl Iterator<Item = Upscaling> {
     const FIRST: [(&str, u32); 4] = [("native", 1), ("bicubic", 4), ("nearest", 4), ("checkerboard", 1)];
     let first = FIRST.into_iter().filter_map(|(method, scale)| Upscaling::new(method, scale));
     first.chain(every_method()).chain(Upscaling::every())
 }
 
-/// Iterates over all methods, each at its largest scale.
+/// Returns an iterator over all methods, each at its largest scale.
 fn every_method() -> impl Iterator<Item = Upscaling> {
     upscale::ALL.iter().filter_map(|method| Upscaling::new(method.id(), *method.offers().scales.last()?))
 }
@@ -252,7 +252,7 @@ pub(crate) fn letter(tile: usize) -> char {
 mod tests {
     use super::*;
 
-    /// A comparison with the session state that it edits.
+    /// Comparison with the session state that it edits.
     #[derive(Default)]
     struct CompareBench {
         comparison: CompareSettings,
@@ -271,7 +271,7 @@ mod tests {
     }
 
     #[test]
-    fn comparing_starts_with_the_present_picture_and_another() {
+    fn comparing_starts_with_the_current_picture_and_another_upscaler() {
         let mut bench = CompareBench::default();
         bench.recipe.wireframe = true;
         let before = bench.recipe;
@@ -285,7 +285,7 @@ mod tests {
     }
 
     #[test]
-    fn a_tile_keeps_what_was_changed_while_it_was_active() {
+    fn a_tile_keeps_changes_made_while_it_was_active() {
         let mut bench = CompareBench::default();
         bench.apply(CompareChange::Count(4));
         bench.apply(CompareChange::Activate(2));
@@ -309,7 +309,7 @@ mod tests {
     }
 
     #[test]
-    fn anchors_differ_only_among_enlarged_pictures_that_are_shown() {
+    fn anchors_differ_only_among_visible_enlarged_pictures() {
         let mut bench = CompareBench::default();
         bench.apply(CompareChange::Count(3));
         let differ = |bench: &CompareBench| bench.comparison.anchors_differ(&bench.tiles, bench.recipe);
@@ -326,7 +326,7 @@ mod tests {
     }
 
     #[test]
-    fn removing_keeps_the_active_tile_where_it_can_and_two_at_least() {
+    fn removing_keeps_the_active_tile_if_possible_and_at_least_two_tiles() {
         let mut bench = CompareBench::default();
         bench.apply(CompareChange::Count(4));
         bench.apply(CompareChange::Activate(2));
@@ -341,7 +341,7 @@ mod tests {
     }
 
     #[test]
-    fn swapping_changes_places_and_not_the_active_place() {
+    fn swapping_exchanges_the_recipes_and_keeps_the_active_index() {
         let mut bench = CompareBench::default();
         bench.apply(CompareChange::Mode(Mode::Difference));
         let [a, b] = bench.recipes()[..] else { panic!("two tiles") };

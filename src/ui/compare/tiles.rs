@@ -33,10 +33,10 @@ use crate::ui::zoom::{Placement, Zoom};
 /// Distance from the wipe line within which the pointer grabs it, in points.
 const HOLD: f32 = 7.0;
 
-/// Drag operations other than panning.
+/// Drag operation other than panning.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum TileDrag {
-    /// Drags a region between this pixel and the one under the pointer.
+    /// Draws a region between the pixel where the drag started and the pixel under the pointer.
     Region((u32, u32), (u32, u32)),
     /// Moves the wipe line.
     Wipe,
@@ -51,7 +51,7 @@ pub(crate) struct TilesView {
 }
 
 impl TilesView {
-    /// Returns the size of a tile's picture, in points. `canvas` is the free area.
+    /// Returns the size of a tile's picture, in points. `canvas` is the area for all tiles.
     pub(crate) fn picture_size(canvas: Rect, session: &Session) -> Vec2 {
         places(canvas, session).first().map_or(canvas.size(), |place| place.picture.size())
     }
@@ -329,7 +329,7 @@ fn color(ui: &Ui, tile: usize) -> Color32 {
     }
 }
 
-/// Draws a line in the tile's colour along its top edge, and a frame around the active tile.
+/// Draws a line in the tile's colour along its top edge, and a frame around the picture of the active tile.
 fn frame(ui: &Ui, index: usize, place: TileLayout, session: &Session) {
     if session.comparison.mode != Mode::Tiles {
         return;
@@ -341,7 +341,7 @@ fn frame(ui: &Ui, index: usize, place: TileLayout, session: &Session) {
     }
 }
 
-/// Draws a label on the picture that names which one is visible.
+/// Draws a label in the corner of the picture that names the visible tile.
 fn badge(ui: &Ui, picture: Rect, tile: usize, words: &str) {
     let painter = ui.painter().with_clip_rect(picture);
     let text = painter.layout_no_wrap(words.to_owned(), FontId::proportional(font_size::TITLE), color(ui, tile));

@@ -1,4 +1,4 @@
-//! Paints egui frames on the CPU: the same bytes on every machine, without a window system or a GPU.
+//! Paints egui frames on the CPU, without a window system or a GPU. Pictures are bit-identical on every machine.
 //!
 //! Input: the texture changes of a pass and its tessellated meshes. Output: a picture in physical pixels. The rules
 //! match egui's own GPU painter, so that a screenshot equals the window: vertices snapped to 1/256 px, top-left fill
@@ -19,11 +19,11 @@ use eframe::egui::{
 use self::{texture::UiTexture, triangle::PaintTriangle};
 use crate::image::{Image, Rgba8};
 
-/// Textures of one egui context, and a painter for its frames.
+/// CPU painter for the frames of one egui context, with the context's textures.
 #[derive(Default)]
 pub(crate) struct CpuPainter {
     textures: HashMap<TextureId, UiTexture>,
-    /// Textures freed by the last pass. That pass may still draw them, so they live until the next change arrives.
+    /// Textures freed by the last pass. That pass may still draw them, so they are dropped at the next change.
     freed: Vec<TextureId>,
 }
 
@@ -88,7 +88,7 @@ fn paint_mesh(mesh: &Mesh, texture: &UiTexture, pixels_per_point: f32, clip: Pix
     }
 }
 
-/// Rectangle of whole pixels: columns `left..right`, rows `top..bottom`.
+/// Rectangle of whole pixels, with columns `left..right` and rows `top..bottom`.
 #[derive(Clone, Copy)]
 struct PixelRect {
     left: i64,

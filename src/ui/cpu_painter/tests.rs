@@ -53,7 +53,7 @@ fn reds(picture: &Image<Rgba8>, row: u32) -> Vec<u8> {
 }
 
 #[test]
-fn a_solid_rectangle_covers_the_pixels_whose_centres_it_holds() {
+fn a_solid_rectangle_covers_the_pixels_whose_centres_it_contains() {
     let color = Color32::from_rgb(10, 200, 30);
     let picture = paint(&solid_painter(), quad(rect(1.5, 0.0, 3.5, 1.0), color), Rect::EVERYTHING, (5, 2), 1.0);
     let [ground, green] = [[0, 0, 0, 255], [10, 200, 30, 255]];
@@ -66,14 +66,14 @@ fn a_solid_rectangle_covers_the_pixels_whose_centres_it_holds() {
 }
 
 #[test]
-fn nearest_shows_whole_texels() {
+fn nearest_filtering_shows_whole_texels() {
     let painter = painter_with([2, 1], &[Color32::from_gray(40), Color32::from_gray(200)], TextureOptions::NEAREST);
     let picture = paint(&painter, quad(rect(0.0, 0.0, 4.0, 1.0), Color32::WHITE), Rect::EVERYTHING, (4, 1), 1.0);
     assert_eq!(reds(&picture, 0), [40, 40, 200, 200]);
 }
 
 #[test]
-fn linear_mixes_between_texel_centres() {
+fn linear_filtering_interpolates_between_texel_centres() {
     let painter = painter_with([2, 1], &[Color32::from_gray(40), Color32::from_gray(200)], TextureOptions::LINEAR);
     let picture = paint(&painter, quad(rect(0.0, 0.0, 4.0, 1.0), Color32::WHITE), Rect::EVERYTHING, (4, 1), 1.0);
     // u is 0.25, 0.75, 1.25, 1.75 texels, whose centres are at 0.5 and 1.5: weights 0, 1/4, 3/4, 1.
@@ -121,7 +121,7 @@ fn triangles_that_share_edges_cover_each_pixel_once() {
     mesh.vertices =
         std::iter::once(pos2(8.5, 8.5)).chain(rim).map(|pos| Vertex { pos, uv: Pos2::ZERO, color }).collect();
     for spoke in 0..8 {
-        // Winding alternates: egui guarantees none.
+        // The winding alternates, because egui does not guarantee any.
         let [first, second] = [1 + spoke, 1 + (spoke + 1) % 8];
         mesh.indices.extend(if spoke % 2 == 0 { [0, first, second] } else { [0, second, first] });
     }
@@ -149,7 +149,7 @@ fn a_partial_update_replaces_its_rectangle_only() {
 }
 
 #[test]
-fn a_freed_texture_lives_for_the_frame_that_frees_it() {
+fn a_freed_texture_is_still_drawn_in_the_frame_that_frees_it() {
     let mut painter = solid_painter();
     let mut delta = TexturesDelta::default();
     delta.free(TEXTURE);
@@ -163,7 +163,7 @@ fn a_freed_texture_lives_for_the_frame_that_frees_it() {
 }
 
 #[test]
-fn meshes_that_make_no_sense_are_left_out() {
+fn invalid_triangles_are_skipped() {
     let painter = solid_painter();
     let mut mesh = quad(rect(0.0, 0.0, 1.0, 1.0), Color32::WHITE);
     mesh.vertices[0].pos.x = f32::NAN;

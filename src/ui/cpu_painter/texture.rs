@@ -1,9 +1,10 @@
-//! Textures in memory, with nearest and bilinear sampling.
+//! Textures of the CPU painter, with nearest and bilinear sampling.
 
 use eframe::egui::{Color32, ImageData, TextureFilter, TextureOptions, TextureWrapMode, epaint::ImageDelta};
 use glam::{Vec2, Vec4, vec4};
 
-/// Premultiplied, gamma-encoded texels, row by row from the top. The default is empty and reads as transparent black.
+/// Texture of premultiplied, gamma-encoded texels, row by row from the top. An empty texture reads as transparent
+/// black.
 #[derive(Default)]
 pub(super) struct UiTexture {
     size: [usize; 2],
@@ -12,7 +13,7 @@ pub(super) struct UiTexture {
 }
 
 impl UiTexture {
-    /// Replaces the texture or a part of it. Rows of the part outside the texture are dropped.
+    /// Replaces the texture or a part of it. Rows that lie outside the texture are dropped.
     pub(super) fn apply(&mut self, change: ImageDelta) {
         let ImageData::Color(image) = change.image;
         self.options = change.options;
@@ -32,12 +33,13 @@ impl UiTexture {
         }
     }
 
-    /// Returns (width, height), in texels.
+    /// Returns width and height in texels.
     pub(super) fn size(&self) -> [f32; 2] {
         self.size.map(|texels| texels as f32)
     }
 
-    /// Returns the filter for a triangle with this texel area per pixel: minification above 1, else magnification.
+    /// Returns the filter for a triangle with this texel area per pixel: the minification filter above 1, the
+    /// magnification filter otherwise.
     pub(super) fn filter(&self, texels_per_pixel: f64) -> TextureFilter {
         if texels_per_pixel > 1.0 { self.options.minification } else { self.options.magnification }
     }
@@ -81,7 +83,7 @@ fn floor(value: f32) -> i64 {
     truncated - i64::from(value < truncated as f32)
 }
 
-/// Maps a texel index to [0, length) by the wrap mode.
+/// Maps a texel index to [0, `length`) according to the wrap mode.
 #[inline(always)]
 fn wrap(index: i64, length: usize, mode: TextureWrapMode) -> usize {
     let last = (length as i64 - 1).max(0);
@@ -106,7 +108,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_wrap_mode_folds_indices_as_its_name_says() {
+    fn every_wrap_mode_maps_indices_as_its_name_says() {
         let fold = |mode| (-4..8).map(|index| wrap(index, 3, mode)).collect::<Vec<_>>();
         assert_eq!(fold(TextureWrapMode::ClampToEdge), [0, 0, 0, 0, 0, 1, 2, 2, 2, 2, 2, 2]);
         assert_eq!(fold(TextureWrapMode::Repeat), [2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1]);
@@ -114,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn the_whole_number_below_is_found_on_both_sides_of_zero() {
+    fn floor_rounds_down_on_both_sides_of_zero() {
         assert_eq!([-1.5, -1.0, -0.25, 0.0, 0.75, 3.0].map(floor), [-2, -1, -1, 0, 0, 3]);
     }
 

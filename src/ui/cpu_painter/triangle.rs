@@ -1,4 +1,4 @@
-//! A textured triangle: integer edge functions give the exact, gap-free span of pixels of each row.
+//! Textured triangle, rasterized exactly and without gaps: integer edge functions give the span of pixels in each row.
 //!
 //! An edge function E(x, y) = (b − a) × (p − a) is affine and integer on the grid of 1/256 px. The first and last pixel
 //! of a row thus follow from one integer division per edge. Two triangles that share an edge have its edge function
@@ -18,7 +18,7 @@ use crate::{
     math::fixed::{HALF_PIXEL, SUBPIXELS, snap},
 };
 
-/// Limit that vertex coordinates are clamped to, in pixels from the origin, so that edge functions stay far inside 64
+/// Limit to which vertex coordinates are clamped, in pixels from the origin. It keeps edge functions well within 64
 /// bits.
 const FARTHEST_PX: f32 = 1_048_576.0;
 
@@ -33,7 +33,7 @@ struct PaintAttributes {
 
 /// Triangle of positive area, set up for painting.
 pub(super) struct PaintTriangle<'a> {
-    /// Edge functions. Edge `i` lies opposite vertex `i`, so its value is proportional to that vertex's weight.
+    /// Edge functions. Edge `i` lies opposite vertex `i`, so its value is proportional to the weight of vertex `i`.
     edges: [EdgeFunction; 3],
     attributes: [PaintAttributes; 3],
     /// Change of the attributes per pixel to the right.
@@ -102,7 +102,7 @@ impl<'a> PaintTriangle<'a> {
         }
     }
 
-    /// Returns the colour of all pixels if the attributes of all vertices are equal.
+    /// Returns the common colour of all pixels if the attributes of all vertices are equal, and `None` otherwise.
     fn solid_source(&self) -> Option<Vec4> {
         let [first, ref others @ ..] = self.attributes;
         others.iter().all(|other| *other == first).then(|| {
@@ -114,7 +114,7 @@ impl<'a> PaintTriangle<'a> {
         })
     }
 
-    /// Returns the half-open range of columns in row `y` whose centres satisfy all three edges.
+    /// Returns the half-open range of columns in row `y` whose pixel centres satisfy all three edge functions.
     fn span(&self, y: i64, clip: PixelRect) -> (i64, i64) {
         let (mut left, mut right) = (clip.left, clip.right);
         for edge in &self.edges {
@@ -144,15 +144,15 @@ impl<'a> PaintTriangle<'a> {
     }
 }
 
-/// Edge function of a → b, positive inside.
+/// Edge function of the edge from a to b, positive inside the triangle.
 #[derive(Clone, Copy)]
 struct EdgeFunction {
     /// Value at the centre of pixel (0, 0).
     origin: i64,
-    /// Change per pixel to the right; `dy` is the change per pixel down.
+    /// Change of the value per pixel to the right; `dy` is the change per pixel down.
     dx: i64,
     dy: i64,
-    /// Minimum value of a covered centre: 0 on a top or left edge, 1 on the others.
+    /// Minimum value at a covered pixel centre: 0 for a top or left edge, 1 for other edges.
     threshold: i64,
 }
 

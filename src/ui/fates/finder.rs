@@ -1,4 +1,4 @@
-//! Computes the fates of the frame on screen in a background thread while they are visible.
+//! Computes the fates of the frame on screen in a background thread, while the “Fates” tab or a selection needs them.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -10,21 +10,22 @@ use crate::ui::engine::{RenderedView, Request};
 use crate::ui::session::{Session, Severity};
 use crate::ui::task::{BackgroundTask, TaskStatus};
 
-/// Time a frame must stay unchanged before its fates are counted; while the view moves, all time goes to new frames.
+/// Time that a frame must stay unchanged before its fates are counted, so that counting does not slow down a moving
+/// view.
 const SETTLED: Duration = Duration::from_millis(150);
 
-/// Background task, and its last request.
+/// Background task that computes the fates of the frame on screen.
 #[derive(Debug, Default)]
 pub(crate) struct Finder {
     task: Option<BackgroundTask<(), Fates>>,
     last_request: Option<Request>,
-    /// Request of the frame on screen, and the time since when it is unchanged.
+    /// Request of the frame on screen, and the time of its last change.
     unchanged_since: Option<(Request, Instant)>,
 }
 
 impl Finder {
-    /// Handles the result, and starts a new count if `wanted` and the frame on screen has changed. If `waits`, the
-    /// count runs synchronously.
+    /// Handles the result of the task, and starts a new one if `wanted` is `true` and the frame has changed. If `waits`
+    /// is `true`, the count runs synchronously.
     pub(crate) fn update(&mut self, ui: &Ui, session: &mut Session, wanted: bool, waits: bool) {
         self.listen(session);
         let wanted = wanted || session.fates.is_filtering() || !session.selection.is_empty();
@@ -72,7 +73,7 @@ fn find(RenderedView { request, frame, .. }: &RenderedView) -> Fates {
 
 fn found(session: &mut Session, fates: Fates) {
     for complaint in fates.account.complaints() {
-        session.report(Severity::Error, format!("Fates do not add up (internal error): {complaint}"));
+        session.report(Severity::Error, format!("Fate counts do not add up (internal error): {complaint}"));
     }
     session.fates.set_fates(Arc::new(fates), &mut session.selection);
 }

@@ -1,4 +1,4 @@
-//! The funnel: a bar for each bin with its count and share, from the input at the top to the visible ones at the
+//! Funnel of fates: a bar for each fate with its count and share. The total is at the top, the visible ones are at the
 //! bottom.
 
 use eframe::egui::{Align2, Color32, FontId, Rect, Role, Sense, Ui, WidgetInfo, pos2, vec2};
@@ -11,21 +11,21 @@ use crate::ui::command::Command;
 use crate::ui::format;
 use crate::ui::theme::{RADIUS, Tokens, font_size, space, tokens};
 
-/// Height of a bar and its text, in points.
+/// Height of a row, which holds a bar and its text, in points.
 const ROW: f32 = 19.0;
 
-/// Width of the count, in points.
+/// Width of the column of counts, in points.
 const COUNT: f32 = 52.0;
 
-/// Width of the share, in points.
+/// Width of the column of shares, in points.
 const SHARE: f32 = 58.0;
 
-/// Fate that has a bin and a bar colour.
+/// Fate that has a bin and a bar colour in the funnel.
 pub(crate) trait BinnedFate: Choice {
     /// Returns the bin of this fate.
     fn bin(self) -> Bin;
 
-    /// Returns the colour of its bar.
+    /// Returns the colour of the bar of this fate.
     fn color(self, tokens: &Tokens) -> Color32;
 }
 
@@ -61,7 +61,7 @@ impl BinnedFate for FragmentFate {
     }
 }
 
-/// Draws the bars of all non-empty bins below their total.
+/// Draws the total, and below it the bars of all fates that occur.
 pub(crate) fn ui<E: BinnedFate>(
     ui: &mut Ui,
     (what, help): (&str, &str),

@@ -15,10 +15,10 @@ use crate::ui::widgets::icon_button;
 /// Height of a row, in points.
 const ROW: f32 = 20.0;
 
-/// Right end of each column, as a share of the row width. Numbers are right-aligned, text is left-aligned.
+/// Right end of each column, as a share of the row width.
 const ENDS: [f32; 5] = [0.15, 0.40, 0.62, 0.76, 1.0];
 
-/// Draws the filter and the rows. The row of the triangle visible at the picked pixel is highlighted.
+/// Draws the filter and the list. The row of the triangle visible at the picked pixel is highlighted.
 pub(crate) fn ui(
     ui: &mut Ui,
     view: &FatesView,
@@ -44,15 +44,15 @@ fn filter(ui: &mut Ui, view: &FatesView, commands: &mut Vec<Command>) {
         let hint = "Filter: tri 123, area<1, is:cut, name";
         let edit = TextEdit::singleline(&mut text).hint_text(hint).desired_width(ui.available_width() * 0.55);
         let response = ui.add(edit).on_hover_text(
-            "By number (tri 123), by screen area in px² (area<1, area>20), cut by a clipping plane (is:cut), with a \
-             NaN or infinite normal or texture coordinate (is:broken), or by part of the name of an object or material",
+            "Filter triangles by number (tri 123), screen area in px² (area<1, area>20), clipping (is:cut), NaN or \
+             infinite normals or texture coordinates (is:broken), or part of the name of an object or material",
         );
         response.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Filter triangles"));
         if text != view.text {
             commands.push(Command::Fates(FatesChange::Text(text)));
         }
         ui.weak(format!("{} triangles", format::count(view.members.len() as u64)));
-        if view.is_filtering() && icon_button(ui, Icon::X, "Clear the selection and list all").clicked() {
+        if view.is_filtering() && icon_button(ui, Icon::X, "Clear the selection and list all triangles").clicked() {
             commands.push(Command::Fates(FatesChange::Clear));
         }
     });
@@ -80,7 +80,7 @@ fn row(ui: &mut Ui, fates: &Fates, triangle: TriangleId, is_picked: bool, comman
     let text = tokens(ui).text;
     let weak = if is_picked { text } else { tokens(ui).text_weak };
     cells(ui, row, &texts, [text, text, weak, text, text], &FontId::monospace(font_size::BODY));
-    let response = response.on_hover_text("Go to one of its pixels");
+    let response = response.on_hover_text("Pick a pixel of this triangle");
     if response.clicked() {
         commands.extend(fates.representative_pixel(triangle).map(|pixel| Command::Pick(Some(pixel))));
     }

@@ -1,4 +1,4 @@
-//! Fates of all triangles and fragments: state of the tab, and selection in the picture.
+//! Fates of all triangles and fragments: state of the tab, and the selection of triangles by fate.
 
 pub(crate) mod finder;
 
@@ -21,19 +21,19 @@ use crate::scene::TriangleId;
 /// Fates of the frame on screen, and the filter that selects triangles by them.
 #[derive(Clone, Debug, Default)]
 pub struct FatesView {
-    /// Fates, once computed. Those of an earlier view stay until the new ones are ready.
+    /// Fates of the frame; `None` until computed. The fates of an earlier frame stay until the new ones are ready.
     pub fates: Option<Arc<Fates>>,
-    /// Selected bin.
+    /// Fate that the filter selects.
     pub(crate) bin: Option<Bin>,
-    /// Index of the selected instance.
+    /// Index of the instance that the filter selects.
     pub(crate) object: Option<usize>,
-    /// Text of the list's filter, as typed.
+    /// Filter text above the list, as typed.
     pub(crate) text: String,
-    /// Triangles that match bin, object and text.
+    /// Triangles that match all filters: fate, object and text.
     pub members: Arc<[TriangleId]>,
 }
 
-/// Change of the filter.
+/// Change to the filter that the user requests.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FatesChange {
     /// Selects the members of this bin, or clears the bin if it is selected.
@@ -59,7 +59,7 @@ impl FatesView {
         *selection = self.selection();
     }
 
-    /// Clears the filter and adopts a selection made elsewhere.
+    /// Clears the filter and replaces the selection by one made elsewhere.
     pub(crate) fn adopt_selection(&mut self, others: TriangleSelection, selection: &mut TriangleSelection) {
         self.apply(FatesChange::Clear, selection);
         *selection = others;

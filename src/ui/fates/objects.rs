@@ -14,7 +14,7 @@ use crate::ui::theme::{RADIUS, font_size, space, tokens};
 /// Height of a row, in points.
 const ROW: f32 = 20.0;
 
-/// Widths of name, numbers and bar, as shares of the row width; the text takes the rest.
+/// Widths of the columns for name, numbers and bar, as shares of the row width; the text takes the rest.
 const SHARES: [f32; 3] = [0.26, 0.28, 0.16];
 
 /// Draws the rows of all objects.
@@ -25,7 +25,7 @@ pub(crate) fn ui(ui: &mut Ui, objects: &[ObjectFates], chosen: Option<usize>, co
     for (x, align, heading) in [
         (head.left() + space::XS, Align2::LEFT_CENTER, "Object"),
         (bar - space::S, Align2::RIGHT_CENTER, "visible / all"),
-        (words, Align2::LEFT_CENTER, "fates of the others"),
+        (words, Align2::LEFT_CENTER, "other fates"),
     ] {
         let small = FontId::proportional(font_size::SMALL);
         ui.painter_at(head).text(head.left_center() + vec2(x - head.left(), 0.0), align, heading, small, weak);
@@ -40,7 +40,7 @@ pub(crate) fn ui(ui: &mut Ui, objects: &[ObjectFates], chosen: Option<usize>, co
     });
 }
 
-/// Returns the left ends of numbers, bar and text, in points.
+/// Returns the left ends of the columns for numbers, bar and text, in points.
 fn columns(row: Rect) -> [f32; 3] {
     let mut x = row.left();
     SHARES.map(|share| {
@@ -97,7 +97,7 @@ fn fate_shares(triangles: &TriangleCounts) -> String {
     if words.is_empty() { "all visible".to_owned() } else { words.join(", ") }
 }
 
-/// Draws all bins as one stacked bar, visible triangles first.
+/// Draws the numbers of all fates as one stacked bar, visible triangles first.
 fn stack(ui: &Ui, track: Rect, triangles: &TriangleCounts) {
     let all = triangles.sum().max(1) as f32;
     let mut left = track.left();

@@ -1,4 +1,4 @@
-//! Overlay of the selected triangles: the picture is unchanged where one is on top, tinted where one is hidden, and
+//! Overlay of the selected triangles: unchanged where a selected triangle is visible, tinted where one is hidden, and
 //! dimmed elsewhere.
 
 use std::sync::Arc;
@@ -17,13 +17,13 @@ use crate::ui::theme::{Icon, RADIUS, ROW_HEIGHT, space, tokens};
 use crate::ui::widgets::icon_button;
 use crate::ui::zoom::Placement;
 
-/// Alpha of the black over unselected pixels, in [0, 255].
+/// Alpha of the black that dims unselected pixels, in [0, 255].
 const DIM_ALPHA: u8 = 165;
 
 /// Opacity of the accent colour over hidden triangles, in [0, 1].
 const TINT: f32 = 0.55;
 
-/// Overlay image, rebuilt when selection, fates or theme colour change.
+/// Overlay image, rebuilt when the selection, the fates or the theme colour changes.
 #[derive(Default)]
 pub(crate) struct SelectionLayer {
     texture: PictureTexture,

@@ -1,4 +1,4 @@
-//! The “Fates” tab: funnels, objects, and the filtered triangles.
+//! The “Fates” tab: funnels of triangles and fragments, table of objects, and list of filtered triangles.
 
 use std::sync::Arc;
 
@@ -15,25 +15,25 @@ use crate::ui::widgets::{Status, chip, empty_state};
 /// Widths of the two funnels and of the objects, as shares of the tab's width; the list takes the rest.
 const SHARES: [f32; 3] = [0.18, 0.16, 0.31];
 
-/// Draws beside the tabs whether all sums match.
+/// Draws the result of the check of all sums, beside the tab names.
 pub(crate) fn controls(ui: &mut Ui, session: &Session) {
     let Some(fates) = &session.fates.fates else { return };
     let complaints = fates.account.complaints();
     if complaints.is_empty() {
-        let help = "Every submitted triangle and every generated fragment is in exactly one bin";
+        let help = "Every submitted triangle and every generated fragment has exactly one fate";
         chip(ui, Status::Passed, "all sums match", help);
     }
     for complaint in complaints {
         chip(ui, Status::Error, &complaint, "The sums must match: this is an internal error of the program");
     }
     if !session.state.recipe.antialias.is_off() {
-        let text = "one sample per pixel, at its centre";
+        let text = "counts one sample per pixel, at its centre";
         ui.label(RichText::new(text).color(tokens(ui).text_weak))
             .on_hover_text("The other samples of an anti-aliased pixel are not counted");
     }
 }
 
-/// Draws the tab.
+/// Draws the content of the “Fates” tab.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let view = &session.fates;
     let Some(fates) = &view.fates else {
@@ -62,14 +62,14 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         column(ui, SHARES[0], &mut |ui| {
             funnel(ui, "triangles", &mut |ui| {
                 let counts = fates.triangle_counts();
-                let head = ("Triangles", "Every triangle of the scene is in exactly one of these bins");
+                let head = ("Triangles", "Every triangle of the scene has exactly one of these fates");
                 funnel::ui::<TriangleFate>(ui, head, view.bin, |fate| counts.of(fate), commands);
             });
         });
         column(ui, SHARES[1], &mut |ui| {
             funnel(ui, "fragments", &mut |ui| {
                 let counts = fates.fragment_counts();
-                let head = ("Fragments", "Every sample that a triangle covers is in exactly one of these bins");
+                let head = ("Fragments", "Every sample that a triangle covers has exactly one of these fates");
                 funnel::ui::<FragmentFate>(ui, head, view.bin, |fate| counts.of(fate), commands);
             });
         });

@@ -10,21 +10,25 @@ use super::{Lab, LabChange, palette, pointer};
 use crate::lab::recording::{Mark, Tone};
 use crate::ui::theme::{space, tokens};
 
-/// Minimum size of a pixel, in points, for grid lines to be drawn.
+/// Minimum size of a pixel for which grid lines are drawn, in points.
 const LINES_FROM: f32 = 6.0;
 
-/// Minimum and maximum points per pixel.
+/// Minimum and maximum zoom of the grid, in points per pixel.
 const SCALES: (f32, f32) = (2.0, 160.0);
 
-/// Radius of a dot, in points; `SMALL_DOT` and `HANDLE` are radii in points, too.
+/// Radius of a dot on the grid, in points.
 const DOT: f32 = 3.5;
+
+/// Radius of a dot in the weak tone, in points.
 const SMALL_DOT: f32 = 1.3;
+
+/// Radius of a draggable handle, in points.
 pub(super) const HANDLE: f32 = 6.0;
 
-/// Transform from the grid to the screen.
+/// Transform from positions on the grid to positions on the screen.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct GridView {
-    /// Points per pixel.
+    /// Scale of the grid, in points per pixel.
     pub(super) scale: f32,
     /// Position of the upper left corner of pixel (0, 0), in points.
     pub(super) origin: Pos2,
@@ -56,7 +60,7 @@ pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<LabChange>) {
     pointer::ui(ui, &response, view, lab, changes);
 }
 
-/// Returns scale and centre after wheel and drag input.
+/// Returns the scale and centre of the view after wheel and drag input, in points per pixel and in grid pixels.
 fn moved(
     ui: &Ui,
     response: &eframe::egui::Response,

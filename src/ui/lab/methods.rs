@@ -12,12 +12,16 @@ use crate::ui::format;
 use crate::ui::theme::{CONTROL_HEIGHT, Icon, tokens};
 use crate::ui::widgets::{figure, icon_button, section_header};
 
-/// Widths of the columns, in points.
+/// Width of the column of method names, in points.
 const NAME_POINTS: f32 = 200.0;
+
+/// Width of the column of errors, in points.
 const ERROR_POINTS: f32 = 80.0;
+
+/// Width of the column of times, in points.
 const TIME_POINTS: f32 = 90.0;
 
-/// Width of the table, in points.
+/// Width of the table of methods, in points.
 const TABLE_POINTS: f32 = 440.0;
 
 /// Radius of a mark in the plot, in points.
@@ -26,10 +30,10 @@ const MARK: f32 = 5.0;
 /// Lower bound of plotted times, in microseconds: a clock may return 0, which has no logarithm.
 const SHORTEST_MICROS: f64 = 1e-3;
 
-/// Margins around the marks of the plot, as shares of their extent.
+/// Margins around the points of the plot, as fractions of the plotted range.
 const MARGIN: Vec2 = vec2(0.08, 0.2);
 
-/// Draws the table and the plot.
+/// Draws the comparison of methods: a table, and a plot of error against time.
 pub(super) fn ui(ui: &mut Ui, comparison: &MethodComparison, changes: &mut Vec<LabChange>) {
     let title = format!("Error and time: {}", comparison.task);
     section_header(ui, &title, |ui| {
@@ -91,7 +95,7 @@ fn plot(ui: &mut Ui, comparison: &MethodComparison) {
     let marks: Vec<_> = (0..comparison.methods.len()).map(|number| (color(ui, number), shape(number))).collect();
     Plot::new("error against time")
         .set_margin_fraction(MARGIN)
-        .x_axis_label("time, log₁₀ µs")
+        .x_axis_label("log₁₀ of time in µs")
         .y_axis_label("error")
         .allow_scroll(false)
         .show(ui, |plot| {

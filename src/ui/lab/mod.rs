@@ -38,18 +38,18 @@ const SHORT_RUN: Duration = Duration::from_millis(2);
 /// Initial playback speed, in steps per second.
 const SPEED: f32 = 12.0;
 
-/// State of the lab.
+/// State of the 2D lab.
 #[derive(Clone, Debug)]
 pub struct Lab {
     /// Whether the lab replaces the pipeline in the window.
     pub open: bool,
-    /// Current page.
+    /// Page shown in the lab.
     pub page: Page,
-    /// Lesson of each page, in the state in which it was left.
+    /// Lesson of each page with the user's changes, in the order of `Page::ALL`.
     lessons: Vec<Lesson>,
     /// Recorded run of the current page.
     pub recording: Arc<Recording>,
-    /// Number of steps shown.
+    /// Number of recorded steps applied to the grid.
     pub step: usize,
     /// Playback direction: 1 forwards, −1 backwards, 0 paused.
     pub(crate) playing: i64,
@@ -57,30 +57,30 @@ pub struct Lab {
     pub(crate) speed: f32,
     /// Fraction of the next step already elapsed during playback.
     due: f32,
-    /// Time of one run without recording.
+    /// Duration of one run of the algorithm without recording.
     pub(crate) run_time: Duration,
     /// Comparison of all methods for the same task, if requested.
     pub comparison: Option<MethodComparison>,
-    /// Paint of the brush on the seed fill page.
+    /// Paint that the brush applies on the seed fill page.
     pub(crate) brush: Paint,
     /// Points per pixel of the grid, and the grid position at its centre; `None` fits the grid.
     pub(crate) view: Option<(f32, Vec2)>,
 }
 
-/// Change of the lab.
+/// Change to the state of the lab.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LabChange {
-    /// Shows the lab, or the pipeline.
+    /// Opens the lab if `true`, or returns to the pipeline.
     Open(bool),
-    /// Shows this page.
+    /// Shows a page of the lab.
     Page(Page),
-    /// Sets input and settings of the current page.
+    /// Sets the input and settings of the current page.
     Set(Box<Lesson>),
-    /// Resets the current page.
+    /// Resets the current page to its defaults.
     Reset,
-    /// Shows this number of steps.
+    /// Shows the state after this number of steps.
     Go(usize),
-    /// Shows this many more steps; fewer if negative.
+    /// Steps forwards by this number of steps, or backwards if it is negative.
     StepBy(i64),
     /// Plays forwards (1) or backwards (−1), or pauses (0).
     Play(i64),
@@ -90,13 +90,13 @@ pub enum LabChange {
     Tick(f32),
     /// Sets the playback speed, in steps per second.
     Speed(f32),
-    /// Sets the paint of the brush.
+    /// Sets the paint that the brush applies.
     Brush(Paint),
-    /// Sets scale and centre of the grid; `None` fits it.
+    /// Sets the scale and centre of the grid; `None` fits the grid into the window.
     View(Option<(f32, Vec2)>),
     /// Runs and times all methods for the same task.
     Compare,
-    /// Closes the comparison.
+    /// Closes the comparison of methods.
     CloseComparison,
     /// Loads an image file as the canvas of the current page, or of the sampling page if the current one has none.
     Picture(PathBuf),
@@ -134,8 +134,8 @@ impl Lab {
         Page::ALL.iter().position(|page| *page == self.page).unwrap_or(0)
     }
 
-    /// Redirects commands that step and zoom to the lab while it is open. Returns `None` for commands without a meaning
-    /// in the lab.
+    /// Redirects commands that step and zoom to the lab while it is open. Returns `None` for commands that have no
+    /// meaning in the lab.
     pub(crate) fn claim(&mut self, command: Command) -> Option<Command> {
         if !self.open {
             return Some(command);
@@ -179,7 +179,7 @@ impl Lab {
         Some(Command::Lab(change))
     }
 
-    /// Applies a change. Returns it if it concerns the disk.
+    /// Applies a change. Returns the change if it reads or writes a file, which the caller must do.
     pub(crate) fn apply(&mut self, change: LabChange) -> Option<LabChange> {
         match change {
             LabChange::Open(open) => {
@@ -238,7 +238,7 @@ impl Lab {
         self.apply(LabChange::Page(Page::Sampling));
     }
 
-    /// Runs and times the current page. All steps stay visible if all were; otherwise their number is kept.
+    /// Runs and times the algorithm of the current page. If all steps were visible, all new steps are.
     fn run(&mut self) {
         let showed_all = self.step >= self.recording.steps.len();
         let lesson = self.lesson();
@@ -282,7 +282,7 @@ impl Lab {
 /// Maximum initial width of each side panel, as a share of the window width.
 const SIDE_SHARE: f32 = 0.27;
 
-/// Height of the transport bar, in points.
+/// Height of the bars above and below the grid, in points.
 const BAR_HEIGHT: f32 = ROW_HEIGHT + 12.0;
 
 /// Draws the lab into the area below the menu.

@@ -10,9 +10,9 @@ pub(super) fn paper(tokens: &Tokens) -> Color32 {
     tokens.field
 }
 
-/// Returns the colour of a pixel.
+/// Returns the colour of a pixel of the grid.
 pub(super) fn ink(ink: Ink, tokens: &Tokens) -> Color32 {
-    /// Blend factor of a side's colour over the background, in [0, 1].
+    /// Opacity of the colour of a side of the curve over the background, in [0, 1].
     const SIDE_SHARE: f32 = 0.28;
     let full = tokens.text;
     match ink {
@@ -25,9 +25,10 @@ pub(super) fn ink(ink: Ink, tokens: &Tokens) -> Color32 {
     }
 }
 
-/// Returns the colour of a mark.
+/// Returns the colour of a mark with this tone.
 pub(super) fn tone(tone: Tone, tokens: &Tokens) -> Color32 {
-    /// Index of a series colour distinct from the ideal shape and from all pixel colours but one.
+    /// Index of the series colour of focused marks, which differs from the colours of the ideal shape and of all but
+    /// one kind of pixel.
     const FOCUS_SERIES: usize = 3;
     match tone {
         Tone::Ideal => tokens.accent,

@@ -21,14 +21,14 @@ fn grabbed(ui: &Ui) -> Option<usize> {
     ui.data(|data| data.get_temp(grabbed_id()))
 }
 
-/// Whether a drag pans the view: with the middle button, or with the primary one if it drags nothing else.
+/// Whether a drag pans the view: with the middle button, or with the primary button if it drags nothing else.
 pub(super) fn drags_view(ui: &Ui, response: &Response, lab: &Lab) -> bool {
     let paints = matches!(lab.lesson(), Lesson::SeedFill(_));
     response.dragged_by(PointerButton::Middle)
         || response.dragged_by(PointerButton::Primary) && !paints && grabbed(ui).is_none() && !response.drag_started()
 }
 
-/// Handles pointer input.
+/// Handles pointer input on the grid.
 pub(super) fn ui(ui: &Ui, response: &Response, view: GridView, lab: &Lab, changes: &mut Vec<LabChange>) {
     let mut lesson = lab.lesson().clone();
     let under = |at: Pos2| nearest_handle(lab.lesson(), view, at);
@@ -99,7 +99,7 @@ fn act(
     }
 }
 
-/// Iterates over the grid pixels on the line between two positions.
+/// Returns an iterator over the pixels on the line between two positions on the grid, in pixels.
 fn stroke(from: DVec2, to: DVec2) -> impl Iterator<Item = (u32, u32)> {
     let cell = |place: DVec2| (place.x.floor() as i64, place.y.floor() as i64);
     midpoint_line(cell(from), cell(to)).filter_map(|(x, y)| Some((x.try_into().ok()?, y.try_into().ok()?)))

@@ -9,16 +9,16 @@ use crate::ui::format;
 use crate::ui::theme::{self, Icon, space, tokens};
 use crate::ui::widgets::{icon_button, section_header, value_row};
 
-/// Draws the description of the present step above the grid.
+/// Draws the description of the current step above the grid.
 pub(super) fn sentence(ui: &mut Ui, lab: &Lab) {
     ui.horizontal_centered(|ui| {
         let step = lab.step.checked_sub(1).and_then(|last| lab.recording.steps.get(last));
-        let text = step.map_or("No step done yet: step forward or play.", |step| &step.description);
+        let text = step.map_or("No step yet: step forward or play.", |step| &step.description);
         ui.add(Label::new(RichText::new(text).color(tokens(ui).text_strong)).truncate());
     });
 }
 
-/// Draws the panel beside the grid.
+/// Draws the panel beside the grid: explanation, state of the algorithm, facts and buttons.
 pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<LabChange>) {
     section_header(ui, "Explanation", |_| {});
     theme::card_frame(ui).show(ui, |ui| {
@@ -38,7 +38,7 @@ pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<LabChange>) {
         ui,
         "time",
         &in_words(lab.run_time),
-        "One run of the bare algorithm, without recording; the shortest of several rounds",
+        "Time of one run of the algorithm without recording; the shortest of several rounds",
     );
     for (name, value) in &lab.recording.facts {
         value_row(ui, name, value, "");
@@ -49,7 +49,7 @@ pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<LabChange>) {
         let button = ui
             .add_enabled(compares, eframe::egui::Button::new((theme::icon(Icon::ChartScatter), "Compare all methods")));
         let help =
-            "Runs all methods on a larger input, measures the error of each against the exact result, and times it";
+            "Runs all methods on a larger input, and measures the time of each and its error against the exact result";
         if button
             .on_hover_text(help)
             .on_disabled_hover_text(

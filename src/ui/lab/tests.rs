@@ -18,7 +18,7 @@ fn give(lab: &mut Lab, command: Command) -> Option<Command> {
 }
 
 #[test]
-fn keys_of_the_pipeline_step_the_lab_while_it_is_open_and_no_other_time() {
+fn pipeline_keys_step_the_lab_only_while_it_is_open() {
     let mut lab = Lab::default();
     assert_eq!(lab.claim(Command::StepTriangle(1)), Some(Command::StepTriangle(1)));
     let mut lab = open(Page::Lines);
@@ -33,20 +33,20 @@ fn keys_of_the_pipeline_step_the_lab_while_it_is_open_and_no_other_time() {
     assert_eq!(lab.step, 0);
     give(&mut lab, Command::LimitTriangles(None));
     assert_eq!(lab.step, all);
-    assert_eq!(give(&mut lab, Command::ChooseUpscaler(3)), None, "has no meaning here");
-    assert_eq!(give(&mut lab, Command::Undo), None, "what it takes back is not seen");
+    assert_eq!(give(&mut lab, Command::ChooseUpscaler(3)), None, "it has no meaning in the lab");
+    assert_eq!(give(&mut lab, Command::Undo), None, "undo would change settings that are not visible");
     assert_eq!(give(&mut lab, Command::ToggleTheme), Some(Command::ToggleTheme));
     assert_eq!(give(&mut lab, Command::SavePicture), Some(Command::Lab(LabChange::Save("png"))));
     give(&mut lab, Command::OpenBuiltin("cubes".into()));
-    assert!(!lab.open, "a scene is to be seen");
+    assert!(!lab.open, "opening a scene closes the lab");
 }
 
 #[test]
-fn a_picture_that_is_opened_becomes_the_canvas() {
+fn an_opened_picture_becomes_the_canvas() {
     let path = PathBuf::from("drawn.PNG");
     let mut lab = open(Page::Lines);
     let asked = give(&mut lab, Command::Open(path.clone()));
-    assert_eq!(asked, Some(Command::Lab(LabChange::Picture(path.clone()))), "the disk is not the lab's");
+    assert_eq!(asked, Some(Command::Lab(LabChange::Picture(path.clone()))), "the session reads the file");
     lab.show_picture(&Image::filled(8, 8, [0, 0, 0, 255]));
     assert_eq!(lab.page, Page::Sampling, "lines have no canvas");
     lab.apply(LabChange::Page(Page::SeedFill));
@@ -58,14 +58,14 @@ fn a_picture_that_is_opened_becomes_the_canvas() {
 }
 
 #[test]
-fn playing_goes_to_the_end_and_back_and_stops_there() {
+fn playback_stops_at_either_end() {
     let mut lab = open(Page::SeedFill);
     let all = lab.recording.steps.len();
     lab.apply(LabChange::Speed(10.0));
     lab.apply(LabChange::TogglePlay);
-    assert_eq!((lab.step, lab.playing), (0, 1), "from the end it begins again");
+    assert_eq!((lab.step, lab.playing), (0, 1), "playing at the end restarts from the beginning");
     lab.apply(LabChange::Tick(0.05));
-    assert_eq!(lab.step, 0, "half a step is none yet");
+    assert_eq!(lab.step, 0, "half a step does not advance");
     lab.apply(LabChange::Tick(0.05));
     assert_eq!(lab.step, 1);
     (0..1_000).for_each(|_| drop(lab.apply(LabChange::Tick(0.2))));
@@ -78,7 +78,7 @@ fn playing_goes_to_the_end_and_back_and_stops_there() {
 }
 
 #[test]
-fn pages_keep_what_was_changed_until_they_are_started_anew() {
+fn pages_keep_their_changes_until_they_are_reset() {
     let mut lab = open(Page::Lines);
     let first = lab.lesson().clone();
     let mut lesson = first.clone();

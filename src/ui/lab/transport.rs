@@ -1,4 +1,4 @@
-//! The transport bar below the grid: first, back, play, forward, last, and a slider over the steps.
+//! The playback bar below the grid: buttons for first, back, play, forward and last, and a slider over the steps.
 
 use std::time::Duration;
 
@@ -15,10 +15,10 @@ const LONGEST_TICK: f32 = 0.25;
 /// Minimum time between two frames during playback.
 const SHORTEST_FRAME: Duration = Duration::from_millis(16);
 
-/// Width reserved right of the slider: two buttons, the figures and the speed, in points.
+/// Width reserved to the right of the slider for two buttons, the step count and the speed, in points.
 const REST_POINTS: f32 = 300.0;
 
-/// Draws the bar and advances playback.
+/// Draws the playback bar and advances playback.
 pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<LabChange>) {
     ui.horizontal_centered(|ui| {
         let all = lab.recording.steps.len();
@@ -42,9 +42,9 @@ pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<LabChange>) {
         if slider.on_hover_text("Steps done").changed() {
             changes.push(LabChange::Go(step));
         }
-        let more = if lab.recording.cut_off { " (first of more)" } else { "" };
+        let more = if lab.recording.cut_off { " (truncated)" } else { "" };
         let text = format!("{} / {}{more}", format::count(step as u64), format::count(all as u64));
-        ui.label(RichText::new(text).monospace().color(tokens(ui).text)).on_hover_text("Steps done / all");
+        ui.label(RichText::new(text).monospace().color(tokens(ui).text)).on_hover_text("Steps done / steps recorded");
         speed(ui, lab, changes);
     });
     if lab.playing != 0 {

@@ -1,4 +1,4 @@
-//! Marks over the outside view, in the theme's colours.
+//! Marks over the mesh view, in the theme's colours.
 
 use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, Ui, pos2, vec2};
 
@@ -6,10 +6,10 @@ use crate::inspect::mesh_view::{MarkKind, MeshMark};
 use crate::ui::format;
 use crate::ui::theme::{MARK_EDGE, ON_PIXEL, font_size, tokens};
 
-/// Number of new vertices above which their parameter t is not labelled, to avoid overlapping numbers.
+/// Number of vertices created by clipping above which their parameter t is not shown: the numbers would overlap.
 const MAX_NUMBERS: usize = 16;
 
-/// Lengths of dashes and gaps of an outline, in points.
+/// Lengths of the dashes and gaps of dashed lines, in points.
 const DASH: (f32, f32) = (5.0, 4.0);
 
 /// Colour of clipped parts: orange, as in the stage picture of the pipeline.
@@ -18,7 +18,7 @@ const CUT: Color32 = Color32::from_rgb(240, 160, 48);
 /// Colour of culled triangles: red, as in the stage picture of the pipeline.
 const CULLED: Color32 = Color32::from_rgb(232, 96, 96);
 
-/// Draws all marks. `rect.min` is the picture's corner, and `points_per_px` the size of its pixels in points.
+/// Draws all marks. `rect.min` is the top-left corner of the picture, and `points_per_px` the size of its pixels.
 pub(super) fn draw(ui: &Ui, painter: &Painter, rect: Rect, points_per_px: f32, marks: &[MeshMark]) {
     let new = marks.iter().filter(|mark| matches!(mark.kind, MarkKind::NewVertex(_))).count();
     for mark in marks {
@@ -121,7 +121,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lines_are_cut_to_the_rectangle() {
+    fn lines_are_clipped_to_the_rectangle() {
         let rect = Rect::from_min_max(pos2(0.0, 0.0), pos2(10.0, 10.0));
         let cut = |from: (f32, f32), to: (f32, f32)| clipped(rect, [from.into(), to.into()]);
         assert_eq!(cut((2.0, 2.0), (3.0, 4.0)), Some([pos2(2.0, 2.0), pos2(3.0, 4.0)]));

@@ -1,4 +1,4 @@
-//! The outside view: the scene seen by a second camera beside the picture, and the triangle selected in it.
+//! The mesh view: the scene seen by a second camera beside the picture, and the triangle selected in it.
 
 mod marks;
 
@@ -16,22 +16,22 @@ use crate::ui::vertices;
 
 pub(crate) use pane::MeshPane;
 
-/// Settings of the outside view.
+/// Settings of the mesh view, which shows the scene from a second camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshView {
-    /// Whether the outside view is visible.
+    /// Whether the mesh view is visible.
     pub open: bool,
-    /// Style of the triangles.
+    /// Drawing style of the triangles.
     pub(crate) style: MeshStyle,
     /// Displacement of triangles from the centre of their mesh, in multiples of their distance from it.
     pub(crate) explode: f32,
     /// Whether culled triangles are outlined.
     pub(crate) culled: bool,
-    /// Kinds of normals that are drawn as lines.
+    /// Normals that are drawn as lines, and their length.
     pub normals: MeshNormals,
-    /// Second camera; `None` until a first view is computed.
+    /// Camera of the mesh view; `None` until its first view is computed.
     pub camera: Option<Camera>,
-    /// Triangle selected in the outside view, and the pixel picked with it. Picking another pixel ends the selection.
+    /// Triangle selected in the mesh view, and the pixel picked with it. Picking another pixel ends the selection.
     pub(crate) selected: Option<(TriangleId, Option<(u32, u32)>)>,
 }
 
@@ -50,42 +50,42 @@ impl Default for MeshView {
 }
 
 impl MeshView {
-    /// Returns the triangle selected in the outside view, unless a pixel other than `pick` was picked with it.
+    /// Returns the triangle selected in the mesh view if `pick` is still the pixel that was picked with it.
     pub(crate) fn selected(&self, pick: Option<(u32, u32)>) -> Option<TriangleId> {
         self.selected.filter(|(_, with)| *with == pick).map(|(triangle, _)| triangle)
     }
 
-    /// Resets all state that belongs to a scene.
+    /// Resets all state that belongs to a scene: camera and selection.
     pub(crate) fn leave_scene(&mut self) {
         (self.camera, self.selected) = (None, None);
     }
 }
 
-/// Change of the outside view.
+/// Change to the mesh view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MeshViewChange {
-    /// Toggles the outside view.
+    /// Shows or hides the mesh view.
     Toggle,
-    /// Sets the style of the triangles.
+    /// Sets the drawing style of the triangles.
     Style(MeshStyle),
-    /// Sets the displacement of triangles from the centre of their mesh.
+    /// Sets the displacement of triangles, in multiples of their distance from the centre of their mesh.
     Explode(f32),
     /// Sets whether culled triangles are outlined.
     Culled(bool),
-    /// Sets which normals are drawn.
+    /// Sets which normals are drawn, and their length.
     Normals(MeshNormals),
-    /// Sets the second camera.
+    /// Sets the camera of the mesh view.
     Look(Camera),
-    /// Moves the second camera back until everything is in view, keeping its direction. Carries the view's aspect
-    /// ratio, width over height.
+    /// Moves the camera of the mesh view until everything is visible, keeping its direction. Contains the view's
+    /// aspect ratio, width over height.
     Fit(f32),
-    /// Resets the second camera to its first view, beside the render camera.
+    /// Resets the camera of the mesh view to its first position, beside the render camera.
     Reset,
     /// Selects a triangle, and picks a pixel that shows it if there is one.
     Select(TriangleId),
 }
 
-/// Applies a change.
+/// Applies a change to the mesh view.
 pub(crate) fn apply(session: &mut Session, change: MeshViewChange) {
     let mesh = &mut session.mesh_view;
     match change {
@@ -122,12 +122,12 @@ fn pixel_of(view: &RenderedView, triangle: TriangleId) -> Option<(u32, u32)> {
     frame.is_drawn(x, y).then_some((x, y))
 }
 
-/// Returns the render camera and its settings.
+/// Returns the render camera, its pipeline settings and its viewport.
 fn inner(view: &RenderedView) -> Inner {
     Inner { camera: view.request.camera, settings: view.request.recipe.pipeline, viewport: view.frame.viewport }
 }
 
-/// Returns the elements to mark in the outside view.
+/// Returns the elements to mark in the mesh view.
 fn overlay_inputs(session: &Session, view: &RenderedView) -> OverlayInputs {
     let report = view.report.as_ref();
     let visible = report.and_then(|report| report.visible());

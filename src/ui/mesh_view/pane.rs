@@ -1,4 +1,4 @@
-//! The pane of the outside view: its toolbar, the picture, and pointer input.
+//! The pane of the mesh view: its toolbar, the picture, and pointer input.
 
 use eframe::egui::containers::menu::{MenuButton, MenuConfig};
 use eframe::egui::{
@@ -27,15 +27,15 @@ use crate::ui::widgets::{combo, icon_button};
 /// Maximum displacement of triangles, in multiples of their distance from the centre of their mesh.
 const MAX_EXPLODE: f32 = 2.0;
 
-/// Minimum free width for the slider's label, in points.
+/// Minimum free width for the label of the “Explode” slider, in points.
 const NAME_FROM_POINTS: f32 = 56.0;
 
-/// Pane of the outside view.
+/// Pane that shows the mesh view.
 #[derive(Default)]
 pub(crate) struct MeshPane {
     texture: PictureTexture,
     painter: Painter,
-    /// Whether the pointer is over the outside view; the keys that fly its camera are then not commands.
+    /// Whether the pointer is over the mesh view. The flying keys then move its camera instead of running commands.
     pub(crate) hovered: bool,
 }
 
@@ -45,7 +45,7 @@ impl MeshPane {
         let aspect = ui.available_width() / ui.available_height().max(1.0);
         bar(ui, session, aspect, commands);
         let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
-        response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Scene from outside"));
+        response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Mesh view"));
         self.hovered = response.hovered();
         ui.painter().rect_filled(rect, 0.0, tokens(ui).canvas);
         let Some(view) = &session.view else { return };
@@ -118,20 +118,20 @@ fn bar(ui: &mut Ui, session: &Session, aspect: f32, commands: &mut Vec<Command>)
             }
             marks_menu(ui, (mesh.culled, mesh.normals), &mut push);
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                if icon_button(ui, Icon::X, "Hide the scene from outside  (M)").clicked() {
+                if icon_button(ui, Icon::X, "Hide the mesh view  (M)").clicked() {
                     push(MeshViewChange::Toggle);
                 }
                 manual_button(ui, Chapter::Stages, &mut manual);
-                if icon_button(ui, Icon::House, "Return to the position beside the render camera").clicked() {
+                if icon_button(ui, Icon::House, "Move back to the first position, beside the render camera").clicked() {
                     push(MeshViewChange::Reset);
                 }
-                if icon_button(ui, Icon::Maximize, "Fit the scene and the camera").clicked() {
+                if icon_button(ui, Icon::Maximize, "Fit the scene and the render camera into the view").clicked() {
                     push(MeshViewChange::Fit(aspect));
                 }
                 let mut apart = mesh.explode;
                 ui.spacing_mut().slider_width = (ui.available_width() - NAME_FROM_POINTS).clamp(56.0, 120.0);
                 let slider = ui.add(Slider::new(&mut apart, 0.0..=MAX_EXPLODE).show_value(false));
-                slider.widget_info(|| WidgetInfo::slider(true, apart.into(), "Exploded"));
+                slider.widget_info(|| WidgetInfo::slider(true, apart.into(), "Explode"));
                 if slider.on_hover_text("Explode: moves triangles away from the centre of their mesh").changed() {
                     push(MeshViewChange::Explode(apart));
                 }
@@ -150,7 +150,7 @@ fn marks_menu(ui: &mut Ui, now: (bool, MeshNormals), push: &mut impl FnMut(MeshV
     // The menu holds several checkboxes and a slider, so clicks inside leave it open.
     let config = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
     let (button, _) = MenuButton::new("Marks").config(config).ui(ui, |ui| {
-        let help = "Outline triangles that were culled by facing in dashed red, if they are few or selected";
+        let help = "Outline triangles removed by face culling in dashed red, if they are few or selected";
         ui.checkbox(&mut culled, "Culled").on_hover_text(help);
         let help = "Draw the normals of all vertices as lines, not hidden by triangles";
         ui.checkbox(&mut normals.vertices, "Vertex normals").on_hover_text(help);
@@ -162,7 +162,7 @@ fn marks_menu(ui: &mut Ui, now: (bool, MeshNormals), push: &mut impl FnMut(MeshV
             ui.label(format!("Length {:.1} %", 100.0 * normals.length));
         });
     });
-    button.on_hover_text("Outlines of culled triangles, and normals");
+    button.on_hover_text("Outlines of culled triangles, and vertex and face normals");
     if culled != now.0 {
         push(MeshViewChange::Culled(culled));
     }
@@ -171,7 +171,7 @@ fn marks_menu(ui: &mut Ui, now: (bool, MeshNormals), push: &mut impl FnMut(MeshV
     }
 }
 
-/// Turns pointer input and flying keys into a new pose of the second camera.
+/// Turns pointer input and flying keys into a new pose of the mesh view's camera.
 fn navigate(ui: &Ui, response: &Response, camera: Camera, commands: &mut Vec<Command>) {
     let mut moved = camera;
     let delta = response.drag_delta();
@@ -221,7 +221,7 @@ fn legend(ui: &Ui, painter: &egui::Painter, rect: Rect, session: &Session) {
     }
 }
 
-/// Draws a caption over the picture: the triangle under the pointer, else the selected one, else a hint.
+/// Draws a caption over the picture: the triangle under the pointer, or the selected one, or a hint.
 fn caption(
     ui: &Ui,
     painter: &egui::Painter,
@@ -238,7 +238,7 @@ fn caption(
             let where_to = if seen { "visible at the picked pixel" } else { "not visible in the picture" };
             format!("Triangle {}: {where_to}", triangle.0)
         }
-        (None, None) => "Drag: orbit, Shift+drag: pan, wheel: dolly, W A S D: fly".to_owned(),
+        (None, None) => "Drag: orbit, Shift+drag: pan, wheel: dolly, W A S D Q E: fly".to_owned(),
     };
     let font = FontId::proportional(font_size::SMALL);
     let galley = painter.layout(text, font, tokens(ui).text, (rect.width() - 4.0 * space::S).max(40.0));

@@ -1,4 +1,4 @@
-//! Background rendering of the outside view. The newest request starts once the previous picture is finished.
+//! Background rendering of the mesh view. The newest request starts once the previous picture is finished.
 
 use std::sync::Arc;
 
@@ -10,12 +10,12 @@ use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene, TriangleId};
 use crate::ui::task::{BackgroundTask, TaskStatus};
 
-/// Inputs of a picture of the outside view.
+/// Inputs of a picture of the mesh view.
 #[derive(Clone, Debug)]
 pub(super) struct PictureRequest {
     pub(super) scene: Arc<Scene>,
     pub(super) inner: Inner,
-    /// Second camera; its near and far planes are computed later.
+    /// Camera of the mesh view; its near and far planes are replaced when the picture is drawn.
     pub(super) camera: Camera,
     /// Size of the picture, in pixels.
     pub(super) size: Viewport,
@@ -28,7 +28,7 @@ impl PictureRequest {
         self.has_same_triangles(other) && self.look == other.look
     }
 
-    /// Whether the triangles are the same, so that at most the marks differ.
+    /// Whether both requests draw the same triangles, so that at most the marks differ.
     fn has_same_triangles(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.scene, &other.scene)
             && (self.inner, self.camera, self.size) == (other.inner, other.camera, other.size)
@@ -36,7 +36,7 @@ impl PictureRequest {
     }
 }
 
-/// Picture of the outside view with its marks.
+/// Picture of the mesh view with its marks.
 #[derive(Clone, Debug)]
 pub(super) struct PaintedMesh {
     request: PictureRequest,
@@ -46,7 +46,7 @@ pub(super) struct PaintedMesh {
 }
 
 impl PaintedMesh {
-    /// Returns the requested size, in pixels.
+    /// Returns the size of the picture, in pixels.
     pub(super) fn size(&self) -> Viewport {
         self.request.size
     }

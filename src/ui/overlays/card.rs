@@ -1,4 +1,4 @@
-//! The card of overlays in the upper right corner of the canvas: which are on, their opacity, order and legends.
+//! The overlay card in the upper right corner of the canvas: a list of overlays with opacity, order and legends.
 
 use eframe::egui::{Align, Button, Layout, Rect, RichText, ScrollArea, Sense, Slider, Ui, UiBuilder, WidgetInfo, vec2};
 
@@ -13,16 +13,16 @@ use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, RADIUS, ROW_HEIGHT, space, tokens};
 use crate::ui::widgets::icon_button;
 
-/// Width of the card, in points.
+/// Width of the overlay card, in points.
 const WIDTH: f32 = 272.0;
 
-/// Width of the card when it shows only legends, in points.
+/// Width of the overlay card when it shows only legends, in points.
 const LEGEND_WIDTH: f32 = 216.0;
 
-/// Distance from the top edge of the canvas, in points; leaves space for the spinner of a busy renderer.
+/// Distance of the card from the top edge of the canvas, in points. Leaves space for the spinner of a busy renderer.
 const TOP: f32 = 36.0;
 
-/// Draws the list of overlays, or while it is closed the legends of the active ones.
+/// Draws the list of overlays, or only the legends of the active ones while the list is closed.
 pub(crate) fn ui(ui: &mut Ui, canvas: Rect, session: &Session, view: &RenderedView, commands: &mut Vec<Command>) {
     let overlays = &session.overlays;
     if !overlays.open && overlays.layers.is_empty() {
@@ -79,7 +79,7 @@ fn title(ui: &mut Ui, session: &Session, changes: &mut Vec<OverlayChange>, comma
                 if icon_button(ui, Icon::Trash2, "Remove all overlays").clicked() {
                     changes.push(OverlayChange::Clear);
                 }
-                if icon_button(ui, Icon::Download, "Save all totals as CSV into the current folder").clicked() {
+                if icon_button(ui, Icon::Download, "Save all totals as CSV in the current folder").clicked() {
                     changes.push(OverlayChange::SaveTotals);
                 }
             });
@@ -87,7 +87,7 @@ fn title(ui: &mut Ui, session: &Session, changes: &mut Vec<OverlayChange>, comma
     });
 }
 
-/// Draws all overlays: active ones first, from the top layer down.
+/// Draws the list of all overlays: active ones first, from the top layer down.
 fn list(ui: &mut Ui, session: &Session, view: &RenderedView, changes: &mut Vec<OverlayChange>) {
     let overlays = &session.overlays;
     let on = overlays.layers.iter().rev().map(|layer| layer.overlay);
@@ -96,13 +96,13 @@ fn list(ui: &mut Ui, session: &Session, view: &RenderedView, changes: &mut Vec<O
         ui.push_id(overlay.id(), |ui| entry(ui, overlay, session, view, changes));
     }
     let mut marks = overlays.marks;
-    let help = "When zoomed in: a point at every sample, and ticks on every edge into the triangle that owns samples \
-                exactly on it";
-    if ui.checkbox(&mut marks, "Samples and owners of edges").on_hover_text(help).changed() {
+    let help = "When zoomed in, draws a point at every sample, and ticks from every edge into the triangle that owns \
+                the samples exactly on it";
+    if ui.checkbox(&mut marks, "Sample points and edge owners").on_hover_text(help).changed() {
         changes.push(OverlayChange::Marks(marks));
     }
     if marks && !overlays.vectors {
-        ui.label(RichText::new("Zoom in to see them.").small().color(tokens(ui).text_weak));
+        ui.label(RichText::new("Zoom in to see sample points and edges.").small().color(tokens(ui).text_weak));
     }
 }
 
@@ -120,8 +120,8 @@ fn entry(ui: &mut Ui, overlay: Overlay, session: &Session, view: &RenderedView, 
             let is_top = session.overlays.layers.last().is_some_and(|top| top.overlay == overlay);
             ui.add_enabled_ui(!is_top, |ui| {
                 let button = Button::new(theme::icon(Icon::ArrowUp)).frame_when_inactive(false);
-                let raise = ui.add(button).on_hover_text("Move it above the next overlay");
-                if raise.on_disabled_hover_text("It is the top overlay").clicked() {
+                let raise = ui.add(button).on_hover_text("Move this overlay up by one layer");
+                if raise.on_disabled_hover_text("This overlay is already on top").clicked() {
                     changes.push(OverlayChange::Raise(overlay));
                 }
             });
@@ -144,7 +144,7 @@ fn entry(ui: &mut Ui, overlay: Overlay, session: &Session, view: &RenderedView, 
     }
 }
 
-/// Draws the slider for the normal length of a layer.
+/// Draws the slider for the length of a layer's normals.
 fn length(ui: &mut Ui, layer: OverlayLayer, changes: &mut Vec<OverlayChange>) {
     ui.horizontal(|ui| {
         ui.set_height(ROW_HEIGHT);
@@ -161,9 +161,9 @@ fn length(ui: &mut Ui, layer: OverlayLayer, changes: &mut Vec<OverlayChange>) {
 
 /// Draws a slider for the length of normals. Returns whether it was moved.
 pub(crate) fn length_slider(ui: &mut Ui, length: &mut f32, name: &str) -> bool {
-    /// Selectable lengths, as shares of the diagonal of the scene's bounding box.
+    /// Range of lengths, as fractions of the diagonal of the scene's bounding box.
     const LENGTHS: std::ops::RangeInclusive<f32> = 0.001..=0.5;
     let slider = ui.add(Slider::new(length, LENGTHS).logarithmic(true).show_value(false));
     slider.widget_info(|| WidgetInfo::slider(true, f64::from(*length), name));
-    slider.on_hover_text("Length of normals, as a share of the diagonal of the scene's bounding box").changed()
+    slider.on_hover_text("Length of normals, relative to the diagonal of the scene's bounding box").changed()
 }

@@ -1,4 +1,4 @@
-//! Legend of an overlay, and its totals.
+//! Legend and totals of an overlay.
 
 use eframe::egui::{Align, Align2, Color32, FontId, Layout, Rect, RichText, Sense, Ui, vec2};
 
@@ -10,10 +10,10 @@ use crate::ui::theme::{font_size, space, tokens};
 /// Height of the colour strip, in points.
 const STRIP: f32 = 8.0;
 
-/// Side of the colour square of a kind, in points.
+/// Side of the colour swatches of a legend, in points.
 const SQUARE: f32 = 9.0;
 
-/// Draws the legend and at most `most_totals` totals.
+/// Draws the legend of an overlay and at most `most_totals` of its totals.
 pub(crate) fn ui(ui: &mut Ui, sheet: &Sheet, most_totals: usize) {
     if let Some(why) = &sheet.absence {
         ui.label(RichText::new(format!("Nothing to show: {why}")).small().color(tokens(ui).warning));

@@ -12,20 +12,22 @@ use crate::ui::theme::MARK_EDGE;
 use crate::ui::zoom::Placement;
 use crate::upscale::Sampling;
 
-/// Minimum size of a pixel, in points, for lines drawn as vectors between pixels.
+/// Minimum size of a pixel, in points, for lines to be drawn as vectors.
 pub(crate) const VECTORS_FROM: f32 = 4.0;
 
-/// Minimum size of a pixel, in points, for sample points and ticks.
+/// Minimum size of a pixel, in points, for sample points and edge ticks to be drawn.
 const MARKS_FROM: f32 = 12.0;
 
 /// Maximum number of lines and edges drawn; more would be illegible.
 const MAX_LINES: usize = 20_000;
 
-/// Colours of edges that own samples on them, and of edges that do not.
+/// Colour of an edge that owns the samples on it.
 const OWNED: Color32 = Color32::from_rgb(80, 220, 130);
+
+/// Colour of an edge that does not own the samples on it.
 const NOT_OWNED: Color32 = Color32::from_rgb(240, 110, 110);
 
-/// Draws all vector lines and marks.
+/// Draws the vector lines and marks of all active overlays.
 pub(crate) fn paint(painter: &Painter, placement: Placement, session: &Session, view: &RenderedView) {
     if placement.points_per_px < VECTORS_FROM {
         return;
@@ -61,10 +63,10 @@ fn two_tone(painter: &Painter, ends: [Pos2; 2], color: Color32, opacity: f32) {
 /// Cached edges of the visible part of a frame: finding them visits every triangle.
 #[derive(Clone)]
 struct EdgeCache {
-    /// Weak reference, so that the buffers of a frame that is no longer visible can be reused.
+    /// Frame that the edges belong to. The weak reference lets the buffers of a frame be reused once it is hidden.
     frame: Weak<Frame>,
     recipe: Recipe,
-    /// Left, top, right and bottom of the visible part of the picture, in px.
+    /// Left, top, right and bottom of the visible part of the picture, in pixels.
     seen_px: [f32; 4],
     edges: Arc<Vec<EdgeMarks>>,
 }
@@ -88,7 +90,7 @@ fn marks(painter: &Painter, placement: Placement, view: &RenderedView) -> Arc<Ve
     edges
 }
 
-/// Draws an edge. One that owns the samples on it has ticks into its triangle; others are red and have none.
+/// Draws an edge: in green with ticks into its triangle if it owns the samples on it, otherwise in red.
 fn owner(painter: &Painter, edge: &EdgeMarks, at: impl Fn([f32; 2]) -> Pos2) {
     /// Spacing and length of ticks, in points.
     const TICKS: (f32, f32) = (14.0, 6.0);

@@ -29,28 +29,28 @@ pub struct Overlays {
     pub vectors: bool,
 }
 
-/// Change of the overlays.
+/// Change to the overlays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OverlayChange {
-    /// Opens or closes the list.
+    /// Opens or closes the list of overlays.
     Open(bool),
-    /// Toggles the list.
+    /// Toggles the list of overlays.
     ToggleOpen,
     /// Adds an overlay on top of the stack, or removes it.
     Toggle(Overlay),
     /// Sets the opacity of an overlay, in [0, 1].
     Opacity(Overlay, f32),
-    /// Sets the length of its normals, as a share of the diagonal of the scene's bounding box.
+    /// Sets the length of an overlay's normals, as a fraction of the diagonal of the scene's bounding box.
     Length(Overlay, f32),
     /// Moves an overlay one layer up.
     Raise(Overlay),
     /// Removes all overlays.
     Clear,
-    /// Sets whether marks are drawn.
+    /// Sets whether sample points and edge owners are drawn.
     Marks(bool),
     /// Sets whether lines are drawn as vectors instead of pixels.
     Vectors(bool),
-    /// Exports all totals to a file.
+    /// Exports the totals of all overlays to a file.
     SaveTotals,
 }
 
@@ -65,7 +65,7 @@ impl Overlays {
         self.layers.iter().copied().find(|layer| layer.overlay == overlay)
     }
 
-    /// Applies a change; returns it if it concerns the disk.
+    /// Applies a change. Returns the change if it writes a file, which the caller must do.
     pub(crate) fn apply(&mut self, change: OverlayChange) -> Option<OverlayChange> {
         match change {
             OverlayChange::Open(open) => self.open = open,
@@ -99,7 +99,7 @@ impl Overlays {
         None
     }
 
-    /// Returns the overlay whose pixels are stepped through: the topmost one that marks faults.
+    /// Returns the overlay whose marked pixels are stepped through: the topmost one that marks faults.
     pub(crate) fn stepped(&self) -> Option<Overlay> {
         let faults = [
             Overlay::Faults,
@@ -112,8 +112,8 @@ impl Overlays {
         self.layers.iter().rev().map(|layer| layer.overlay).find(|overlay| faults.contains(overlay))
     }
 
-    /// Returns the next pixel marked by [`Overlays::stepped`] after `from`, or the previous one, wrapping around at the
-    /// ends.
+    /// Returns the next pixel after `from` that the overlay of [`Overlays::stepped`] marks, or the previous one. Wraps
+    /// around at the ends.
     pub(crate) fn beside(&self, view: &RenderedView, from: Option<(u32, u32)>, forwards: bool) -> Option<(u32, u32)> {
         let overlay = self.stepped()?;
         view.look_result.sheets.iter().find(|sheet| sheet.overlay == overlay)?.next_pixel(from, forwards)
@@ -129,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn overlays_stack_in_the_order_in_which_they_are_laid() {
+    fn overlays_stack_in_the_order_in_which_they_are_added() {
         let mut overlays = Overlays::default();
         for overlay in [Overlay::Facing, Overlay::Wireframe, Overlay::Clipped] {
             assert_eq!(overlays.apply(OverlayChange::Toggle(overlay)), None);

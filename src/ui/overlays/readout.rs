@@ -1,4 +1,4 @@
-//! Exact value of each overlay under the pointer, or at the picked pixel.
+//! Exact values of the active overlays under the pointer, or at the picked pixel.
 
 use eframe::egui::{Label, RichText, Ui};
 
@@ -6,7 +6,7 @@ use crate::pipeline::settings::Choice as _;
 use crate::ui::session::Session;
 use crate::ui::theme::{self, tokens};
 
-/// Draws a row for each active overlay.
+/// Draws a row with the exact value of each active overlay.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, hovered: Option<(u32, u32)>) {
     let Some((view, (x, y))) = session.view.as_ref().zip(hovered.or(session.pick)) else { return };
     for sheet in &view.look_result.sheets {

@@ -17,7 +17,7 @@ use crate::ui::session::{PictureSize, Session};
 use crate::ui::what_if;
 use crate::upscale;
 
-/// Category of an entry.
+/// Category of a palette entry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum EntryKind {
     /// Command of the window.
@@ -34,12 +34,12 @@ pub(crate) enum EntryKind {
     Tab,
     /// Upscaler that reconstructs the pixels that are not drawn.
     Upscaler,
-    /// Bookmarked place.
+    /// Bookmark of a place.
     Bookmark,
 }
 
 impl EntryKind {
-    /// Returns the display name.
+    /// Returns the display name of the category.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Command => "Command",
@@ -54,7 +54,7 @@ impl EntryKind {
     }
 }
 
-/// Effect of choosing an entry.
+/// Effect of choosing a palette entry.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Action {
     /// Runs a command.
@@ -63,20 +63,20 @@ pub(crate) enum Action {
     Type(String),
 }
 
-/// Entry of the palette.
+/// Entry of the command palette.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct PaletteEntry {
-    /// Category.
+    /// Category, shown at the left of the entry.
     pub(crate) kind: EntryKind,
-    /// Title, which the search matches.
+    /// Title, shown in the list and matched by the search.
     pub(crate) title: String,
-    /// Help text for the tooltip.
+    /// Tooltip of the entry; empty for none.
     pub(crate) help: String,
-    /// Name of its key; empty if it has none.
+    /// Name of the key for the same action; empty if there is none.
     pub(crate) key: String,
-    /// Whether the setting already has this value.
+    /// Whether the entry's value is the current one.
     pub(crate) is_current: bool,
-    /// Effect of choosing it.
+    /// Effect of choosing the entry.
     pub(crate) action: Action,
 }
 
@@ -99,7 +99,7 @@ impl PaletteEntry {
     }
 }
 
-/// Returns all entries for the present state of `session`.
+/// Returns all entries for the current state of `session`.
 pub(crate) fn all(session: &Session) -> Vec<PaletteEntry> {
     let mut entries = commands();
     entries.extend(bookmarks(session));
@@ -131,7 +131,7 @@ pub(crate) fn all(session: &Session) -> Vec<PaletteEntry> {
     entries
 }
 
-/// Returns all commands with a key, each once, and the menu commands without one.
+/// Returns all commands that have a key, each once, and the menu commands that have none.
 fn commands() -> Vec<PaletteEntry> {
     let mut entries: Vec<PaletteEntry> = Vec::new();
     for binding in BINDINGS {
@@ -147,21 +147,21 @@ fn commands() -> Vec<PaletteEntry> {
     }
     let keyless = [
         ("Fit the scene into the view", Command::FitCamera),
-        ("Mirror the scene in z", Command::MirrorZ),
+        ("Mirror the scene along z", Command::MirrorZ),
         ("Reset all settings", Command::ResetRecipe),
         ("Save the picked triangle as a case", Command::SaveCase),
-        ("Switch between dark and light", Command::ToggleTheme),
+        ("Switch between dark and light theme", Command::ToggleTheme),
         ("Manage bookmarks", Command::Place(place::PlaceChange::Manage)),
         ("Compare all upscalers in tiles", Command::Compare(CompareChange::Every)),
         ("Pin the current settings as A and compare changes with them", Command::WhatIf(what_if::WhatIfChange::PinNow)),
-        ("Restore the settings before the last change", Command::WhatIf(what_if::WhatIfChange::Revert)),
+        ("Restore the settings from before the last change", Command::WhatIf(what_if::WhatIfChange::Revert)),
         ("Stop comparing", Command::Compare(CompareChange::Mode(Mode::Off))),
         ("Measure all upscalers", Command::Measure),
-        ("Measure savings of the plan", Command::MeasurePlan),
+        ("Measure savings of skipped work", Command::MeasurePlan),
         ("Measure scaling", Command::MeasureScaling),
         ("Run the stability report", Command::RunStability),
         ("Save all frame times as CSV", Command::ExportTimings),
-        ("Set the picture size to that of the canvas", Command::SetSize(PictureSize::Canvas)),
+        ("Set the picture size to the canvas size", Command::SetSize(PictureSize::Canvas)),
     ];
     entries.extend(keyless.map(|(title, command)| entry(EntryKind::Command, title, command)));
     for kind in OutlineKind::ALL {
@@ -261,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn everything_that_has_a_name_is_offered() {
+    fn everything_with_a_name_has_an_entry() {
         let entries = all(&session());
         let offers = |kind: EntryKind, name: &str| entries.iter().any(|e| e.kind == kind && e.title.contains(name));
         for binding in BINDINGS {
@@ -283,7 +283,7 @@ mod tests {
     }
 
     #[test]
-    fn a_value_of_a_setting_is_what_set_makes_of_it_and_the_present_one_is_marked() {
+    fn setting_entries_set_their_value_and_mark_the_current_one() {
         let session = session();
         let entries = all(&session);
         let find = |title: &str| entries.iter().find(|entry| entry.title == title).unwrap();
@@ -310,7 +310,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pixel_a_triangle_and_a_vertex_are_gone_to_as_they_are_typed() {
+    fn typed_pixels_triangles_and_vertices_are_destinations() {
         let mut session = session();
         session.canvas_px = (320, 200);
         let go = |typed: &str| destination(&session, typed).map(|entry| entry.action);
@@ -323,7 +323,7 @@ mod tests {
     }
 
     #[test]
-    fn keys_stand_beside_what_they_do() {
+    fn entries_show_their_keys() {
         let entries = all(&session());
         let undo = entries.iter().find(|entry| entry.action == run(Command::Undo)).unwrap();
         assert_eq!(undo.key, "Ctrl + Z");

@@ -1,10 +1,10 @@
-//! Fuzzy matching: the letters of each word must occur in the title in order. The score is higher for adjacent letters
-//! and for letters at beginnings of words.
+//! Fuzzy matching: the letters of each word must occur in the title in order. Adjacent letters and letters at the
+//! beginnings of words score higher.
 
-/// Match of a query in a title.
+/// Match of a query in the title of a palette entry.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct FuzzyMatch {
-    /// Score; higher is better. Only comparable between titles for the same query.
+    /// Score of the match; higher is better. Scores are comparable only for the same query.
     pub(crate) score: i32,
     /// Indices of the matched characters of the title.
     pub(crate) letters: Vec<usize>,
@@ -19,10 +19,10 @@ const JOINED: i32 = 6;
 /// Score of each letter skipped between two matches.
 const GAP: i32 = -1;
 
-/// Number of title letters that cost one point: of two equal matches the shorter title wins.
+/// Number of letters of the title that cost one point, so that the shorter of two equally good titles wins.
 const LENGTH_OF_ONE: i32 = 8;
 
-/// Matches all words of `typed` in `title`, in any order and ignoring case. An empty query matches everything.
+/// Matches all words of `typed` in `title`, in any order, ignoring case. An empty query matches everything.
 pub(crate) fn fit(typed: &str, title: &str) -> Option<FuzzyMatch> {
     let title: Vec<char> = title.chars().map(lower).collect();
     let mut whole = FuzzyMatch { score: 0, letters: Vec::new() };
@@ -47,8 +47,8 @@ fn fit_word(word: &[char], title: &[char]) -> Option<FuzzyMatch> {
         .max_by_key(|fit| (fit.score, std::cmp::Reverse(fit.letters[0])))
 }
 
-/// Matches a word from `start`. Takes an adjacent letter if there is one, else the next one at the beginning of a word,
-/// else the next one.
+/// Matches a word from `start`. For each letter, prefers the adjacent position, then the next beginning of a word, then
+/// the next occurrence.
 fn fit_from(start: usize, word: &[char], title: &[char]) -> Option<FuzzyMatch> {
     let mut letters = vec![start];
     let mut score = if begins_word(title, start) { AT_WORD } else { 0 };

@@ -1,4 +1,4 @@
-//! The command palette: finds every action of the window by a few letters of its name.
+//! The command palette, which finds every action of the window by a few letters of its name.
 
 pub(crate) mod entries;
 
@@ -15,17 +15,19 @@ use super::session::Session;
 use super::theme::{self, ROW_HEIGHT, font_size, space, tokens};
 use entries::{Action, PaletteEntry, all, assignment, destination};
 
-/// Width of the palette and height of its list, in points.
+/// Width of the palette, in points.
 const WIDTH: f32 = 620.0;
+
+/// Maximum height of the list of entries, in points.
 const LIST_HEIGHT: f32 = 15.0 * ROW_HEIGHT;
 
-/// Distance from the top of the window, in points. The results grow downwards, so the field stays in place.
+/// Distance of the palette from the top of the window, in points. The list grows downwards, so the field stays.
 const TOP: f32 = 90.0;
 
 /// Maximum number of entries shown; more letters narrow the list.
 const MAX_SHOWN: usize = 100;
 
-/// State of the open palette.
+/// State of the open command palette.
 pub(crate) struct Palette {
     query: String,
     entries: Vec<PaletteEntry>,
@@ -155,9 +157,9 @@ fn to_the_end(ui: &Ui, field: Id, text: &str) {
     state.store(ui.ctx(), field);
 }
 
-/// Draws one entry: category, title with the matched letters highlighted, whether its value is already set, and key.
+/// Draws one entry: category, title with the matched letters highlighted, mark of the current value, and key.
 fn row(ui: &mut Ui, entry: &PaletteEntry, letters: &[usize], chosen: bool) -> eframe::egui::Response {
-    /// Width of the column of kinds, in points.
+    /// Width of the column of categories, in points.
     const KIND_POINTS: f32 = 84.0;
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW_HEIGHT), Sense::click());
     let fill = if chosen { tokens(ui).accent_fill } else { tokens(ui).raised };

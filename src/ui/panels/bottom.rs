@@ -29,11 +29,11 @@ pub enum Tab {
     Xray,
     /// Histogram of the visible quantity.
     Histogram,
-    /// Fates of triangles and fragments.
+    /// Fate of every triangle and fragment, such as culled or visible.
     Fates,
-    /// Parts of the work that the scene needs, and skipped parts with reasons.
+    /// Parts of the pipeline that each draw runs or skips, with reasons.
     Plan,
-    /// Scaling of the cost of a frame.
+    /// Scaling of the frame time with triangles, pixels, layers and threads.
     Scaling,
     /// Stability report on hard cases.
     Stability,
@@ -41,11 +41,11 @@ pub enum Tab {
     Checks,
     /// Values of all buffers at watched pixels.
     Watch,
-    /// The vertices of the picked triangle at every stage.
+    /// Vertices of the picked triangle at every stage.
     Vertices,
-    /// Stability probe: pixels that change under jitter in the last place.
+    /// Stability probe: pixels that change if the camera or vertices move by a few units in the last place.
     Probe,
-    /// Log of messages.
+    /// Log of all messages.
     Log,
 }
 
@@ -64,21 +64,21 @@ pub(crate) const TABS: &[(Tab, &str, &str)] = &[
     (
         Tab::Xray,
         "X-ray",
-        "The samples that the upscaler mixed the picked pixel from, and the response of the method to test signals",
+        "Samples from which the upscaler reconstructed the picked pixel, and its response to test signals",
     ),
-    (Tab::Histogram, "Histogram", "Histogram and statistics of the values shown"),
-    (Tab::Fates, "Fates", "Fate of every triangle and fragment, in total and per object; click to select them"),
+    (Tab::Histogram, "Histogram", "Histogram and statistics of the shown values"),
+    (Tab::Fates, "Fates", "Fate of every triangle and fragment, such as culled or visible; click to select them"),
     (Tab::Plan, "Plan", "Parts of the pipeline that each draw runs or skips, and why"),
-    (Tab::Scaling, "Scaling", "How the cost of a frame grows with triangles, pixels, layers and threads"),
+    (Tab::Scaling, "Scaling", "Frame time against the number of triangles, pixels, layers and threads"),
     (Tab::Stability, "Stability", "Error and time of every rasterizer, arithmetic and depth format on hard cases"),
     (Tab::Checks, "Assertions", "Conditions that every fragment of a frame should satisfy, checked on demand"),
     (Tab::Watch, "Watch", "Values of all buffers at the watched pixels, updated after every frame"),
-    (Tab::Vertices, "Vertices", "The vertices of the picked triangle, or of its object, at every stage"),
-    (Tab::Probe, "Probe", "Pixels and triangles that change when everything moves by a few units in the last place"),
-    (Tab::Log, "Log", "All messages"),
+    (Tab::Vertices, "Vertices", "Vertices of the picked triangle, or of its object, at every stage"),
+    (Tab::Probe, "Probe", "Pixels that change if the camera or the vertices move by a few units in the last place"),
+    (Tab::Log, "Log", "All messages, warnings and errors"),
 ];
 
-/// Minimum width for the tabs and the controls of one of them in a single row, in points.
+/// Minimum width at which the tabs and the controls of the selected tab share one row, in points.
 const ONE_ROW_POINTS: f32 = 1500.0;
 
 /// Draws the tabs and the content of the selected one.

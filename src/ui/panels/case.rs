@@ -31,7 +31,7 @@ const SLOW_ANSWER: Duration = Duration::from_millis(200);
 #[derive(Default)]
 pub(crate) struct CaseView {
     evaluation: Option<Evaluation>,
-    /// Evaluation in progress.
+    /// Evaluation that is running, if any.
     running: Option<Running>,
     pictures: Pictures,
     /// Index of the differing pixel that the view last moved to.
@@ -69,7 +69,7 @@ impl CaseView {
         }
     }
 
-    /// Stores a finished evaluation, and starts a new one if the question has changed.
+    /// Stores a finished evaluation, and starts a new one if the request has changed.
     fn request_evaluation(&mut self, ui: &Ui, question: EvaluationRequest, waits: bool) {
         if let Some(answer) = self.running.as_mut().and_then(Running::poll) {
             self.adopt(answer);
@@ -90,7 +90,7 @@ impl CaseView {
     }
 
     fn bar(&mut self, ui: &mut Ui, session: &Session, case: &Arc<Case>, part: usize, commands: &mut Vec<Command>) {
-        if icon_button(ui, Icon::X, "Close the case (Esc)").clicked() {
+        if icon_button(ui, Icon::X, "Close the case  (Esc)").clicked() {
             commands.push(Command::CloseCase);
         }
         ui.label(RichText::new(&case.id).strong());
@@ -123,7 +123,7 @@ impl CaseView {
     /// none.
     fn progress(&self, ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         let Some(running) = &self.running else { return };
-        let cancelled = ui.button("Cancel").on_hover_text("Stop; the last result stays").clicked();
+        let cancelled = ui.button("Cancel").on_hover_text("Stop the evaluation; the last result stays").clicked();
         ui.add(ProgressBar::new(running.progress.unwrap_or(0.0)).desired_width(200.0).show_percentage());
         if !cancelled {
             return;
@@ -138,13 +138,13 @@ impl CaseView {
         }
     }
 
-    /// Draws the differences between the engine and exact arithmetic.
+    /// Draws the number of pixels that differ from exact arithmetic, and buttons that step through them.
     fn findings(&mut self, ui: &mut Ui) {
         let Some(Evaluation { shown: DisplayedResult::Pixels(comparison), figures, .. }) = &self.evaluation else {
             return;
         };
         if comparison.exact.is_none() {
-            let text = format!("{} pixels; no reference result for this kind of case", figures.covered);
+            let text = format!("{} pixels covered; no exact result for this kind of case", figures.covered);
             ui.add(Label::new(RichText::new(text).color(tokens(ui).text_weak)).truncate());
             return;
         }
@@ -168,7 +168,7 @@ impl CaseView {
     }
 }
 
-/// Draws lines of text; only the visible ones are laid out.
+/// Draws a result that consists of lines of text. Only the visible lines are laid out.
 fn text(ui: &mut Ui, lines: &[String]) {
     let height = ui.text_style_height(&TextStyle::Monospace);
     ScrollArea::both().auto_shrink(false).show_rows(ui, height, lines.len(), |ui, visible| {

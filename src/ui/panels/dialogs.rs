@@ -13,18 +13,18 @@ use crate::ui::place::{bookmarks, go_to as go_to_wanted};
 use crate::ui::session::Session;
 use crate::ui::theme::tokens;
 
-/// Time below which an empty result of the system's file dialog means that it never appeared.
+/// Time within which an empty result of the system's file dialog means that the dialog did not appear.
 const FASTEST_PERSON: Duration = Duration::from_millis(400);
 
-/// The open dialog, and the text typed into it.
+/// The open dialog, with the text typed into it.
 #[derive(Default)]
 pub(crate) enum Dialog {
-    /// No dialog.
+    /// No dialog is open.
     #[default]
     Closed,
     /// Dialog for opening a model.
     Open(OpenDialog),
-    /// Dialog for going to a pixel, with its text.
+    /// Dialog for going to a pixel, triangle, object or vertex, with the typed text.
     Pixel(String),
     /// Key sheet, with its filter text.
     Keys(String),
@@ -110,7 +110,7 @@ impl OpenDialog {
                 }
                 let idle = self.browsing.is_none();
                 if ui
-                    .add_enabled(idle, eframe::egui::Button::new("Browse …"))
+                    .add_enabled(idle, eframe::egui::Button::new("Browse…"))
                     .on_hover_text("Opens the system's file dialog")
                     .clicked()
                 {
@@ -154,8 +154,8 @@ impl OpenDialog {
         let answer = receiver.try_recv().ok()?;
         if answer.is_none() && since.elapsed() < FASTEST_PERSON {
             self.hint = Some(
-                "No file dialog on this system (no desktop portal, no zenity). Type the path, or drop the file on the \
-                 window.",
+                "This system has no file dialog: it needs a desktop portal or zenity. Type the path, or drop the file \
+                 on the window.",
             );
         }
         self.browsing = None;
@@ -168,7 +168,7 @@ fn recent(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) -> bool {
         return false;
     }
     ui.add_space(8.0);
-    ui.label(RichText::new("Recent").color(tokens(ui).text_weak));
+    ui.label(RichText::new("Recent files").color(tokens(ui).text_weak));
     let mut done = false;
     for path in &session.recent {
         if ui.add(eframe::egui::Button::new(path.display().to_string()).truncate().frame(false)).clicked() {
@@ -184,8 +184,8 @@ fn go_to(ui: &mut Ui, text: &mut String, session: &Session, commands: &mut Vec<C
         let viewport = session.viewport();
         ui.label(format!("Column and row, from 0,0 to {},{}.", viewport.width - 1, viewport.height - 1));
         ui.label("A triangle (tri 12) or the name of an object: picks a pixel that shows it.");
-        ui.label("A zoom and the pixel in the middle (800% 12,34): restores the same crop.");
-        ui.label("A vertex (v 12 of the picked object; vertex 12 of a name): follows it in the picture.");
+        ui.label("A zoom and a pixel (800% 12,34): centres the pixel at this zoom.");
+        ui.label("A vertex of the picked object (v 12) or another one (vertex 12 of name): follows it in the picture.");
         let field =
             ui.add(TextEdit::singleline(text).hint_text("x,y  or  tri 12  or  v 12  or  name").desired_width(240.0));
         field.request_focus();

@@ -18,7 +18,7 @@ use crate::ui::timings::TimingsView;
 use crate::ui::widgets::{empty_state, figure, icon_button};
 use crate::upscale::Upscaling;
 
-/// Width of the table, in points.
+/// Width of the table of frame times, in points.
 const TABLE_POINTS: f32 = 520.0;
 
 /// Minimum length of the frame axis, in frames.
@@ -27,10 +27,10 @@ const MIN_FRAMES: f64 = 10.0;
 /// Width of a column of the table, in points.
 const FIGURE_POINTS: f32 = 56.0;
 
-/// Column of the median among the figures of a row.
+/// Index of the median among the figures of a row.
 const MEDIAN_COLUMN: usize = 1;
 
-/// Method with its frame times.
+/// Upscaler with its measured frame times.
 struct MethodTimes {
     upscaling: Upscaling,
     color: Color32,
@@ -38,7 +38,7 @@ struct MethodTimes {
     summary: Summary,
 }
 
-/// Draws the plots and the table.
+/// Draws the plots and the table of frame times.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let series = collect(ui, session);
     if series.is_empty() {
@@ -46,7 +46,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
             ui,
             Icon::ChartLine,
             "No frame times yet",
-            "“Measure all upscalers” times each of them with the current scene, view and size.",
+            "“Measure all upscalers” times every upscaler with the current scene, view and size.",
         );
         return;
     }
@@ -69,17 +69,17 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     });
 }
 
-/// Draws the buttons, and the conditions of the measurement.
+/// Draws the buttons, and the scene and size that the times were measured with.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if let Some(measuring) = session.measuring {
-        if ui.button("Cancel").on_hover_text("Stop; results so far stay").clicked() {
+        if ui.button("Cancel").on_hover_text("Stop the measurement; the results so far stay").clicked() {
             commands.push(Command::CancelMeasure);
         }
         ui.add(ProgressBar::new(measuring.progress).desired_width(240.0).show_percentage());
     } else {
         let measure = Button::new((crate::ui::theme::icon(Icon::Timer), "Measure all upscalers"));
         let help = "Times every upscaler in interleaved rounds with the current scene, view and size, and measures its \
-                    error on the same frames; the tab “Error vs time” switches between moving and still";
+                    error on the same frames. The tab “Error vs time” selects a moving or a still camera";
         if ui.add(measure).on_hover_text(help).clicked() {
             commands.push(Command::Measure);
         }
@@ -91,7 +91,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
     let (icon, name) = if paused {
         (Icon::Play, "Resume recording frame times")
     } else {
-        (Icon::Pause, "Pause recording: keep the plot")
+        (Icon::Pause, "Pause recording frame times")
     };
     if icon_button(ui, icon, name).clicked() {
         commands.push(Command::PauseTimings);
@@ -100,8 +100,8 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
         commands.push(Command::ExportTimings);
     }
     for (view, name, help) in [
-        (TimingsView::Lines, "Lines", "Time of each frame in order"),
-        (TimingsView::Distribution, "Distribution", "Cumulative share of frames over frame time"),
+        (TimingsView::Lines, "Lines", "Time of every frame, in the order in which they were drawn"),
+        (TimingsView::Distribution, "Distribution", "Cumulative distribution of frame times"),
     ] {
         if ui.selectable_label(session.timings.view == view, name).on_hover_text(help).clicked() {
             commands.push(Command::ShowTimings(view));
@@ -115,7 +115,7 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
         let noise = timings.noise().map(|noise| format!(" · noise floor {}", noise.words())).unwrap_or_default();
         format!("Measured · {} · {} × {} px{noise}", session.scene.name, viewport.width, viewport.height)
     } else {
-        "Measured with another scene, view, size or setting than the one on screen".to_owned()
+        "Measured with another scene, view, size or setting than that on screen".to_owned()
     };
     ui.add(egui::Label::new(RichText::new(text).color(tokens(ui).text_weak)).truncate());
 }
@@ -178,9 +178,11 @@ fn distribution(ui: &mut Ui, series: &[MethodTimes], size: egui::Vec2) {
         .include_y(1.0)
         .allow_scroll(false)
         .label_formatter(|position| match position {
-            HoverPosition::NearDataPoint { plot_name, position, .. } => {
-                Some(format!("{plot_name}: {} took up to {}", format::percent(position.y), format::ms(position.x)))
-            }
+            HoverPosition::NearDataPoint { plot_name, position, .. } => Some(format!(
+                "{plot_name}: {} of frames took at most {}",
+                format::percent(position.y),
+                format::ms(position.x)
+            )),
             HoverPosition::Elsewhere { .. } => None,
         })
         .show(ui, |plot| {
@@ -205,18 +207,18 @@ fn spikes(ui: &mut Ui, session: &Session) {
     }
     let slowest = session.timings.slowest().iter();
     let words: Vec<_> = slowest.map(|(upscaling, ms)| format!("{} {}", upscaling.label(), format::ms(*ms))).collect();
-    let text = RichText::new(format!("Slowest: {}", words.join(", "))).small().color(tokens(ui).text_weak);
-    ui.add(egui::Label::new(text).wrap()).on_hover_text("Slowest frames since scene, settings or size changed");
+    let text = RichText::new(format!("Slowest frames: {}", words.join(", "))).small().color(tokens(ui).text_weak);
+    ui.add(egui::Label::new(text).wrap()).on_hover_text("Slowest frames since scene, settings or size last changed");
 }
 
-/// Draws the time of the window itself, excluding the picture.
+/// Draws the time of the user interface itself, excluding the picture.
 fn window(ui: &mut Ui, session: &Session) {
     let Some(Summary { median, p99, .. }) = session.window_times.summary() else { return };
-    let text = format!("Window without picture: {}, p99 {}", format::ms(median), format::ms(p99));
+    let text = format!("User interface: median {}, p99 {}", format::ms(median), format::ms(p99));
     ui.add(egui::Label::new(RichText::new(text).small().color(tokens(ui).text_weak)).wrap()).on_hover_text(
-        "Time of one pass of the window without the picture, which is drawn on other threads: laying out the panels, \
-         tessellating them and submitting the triangles to the graphics driver. Median and 99th percentile of the last \
-         passes; an idle window makes none",
+        "Time of one pass of the user interface: laying out the panels, tessellating them and submitting the triangles \
+         to the graphics driver. The picture is not included, because other threads draw it. Median and 99th \
+         percentile of the last passes; an idle window runs none",
     );
 }
 

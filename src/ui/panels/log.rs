@@ -1,4 +1,4 @@
-//! The log: all messages, newest last.
+//! The log: a list of all messages, newest last.
 
 use eframe::egui::{Label, RichText, Ui};
 
@@ -6,7 +6,7 @@ use crate::ui::session::{Session, Severity};
 use crate::ui::theme::{Icon, tokens};
 use crate::ui::widgets::{Status, empty_state};
 
-/// Draws the messages.
+/// Draws all messages of the log.
 pub(crate) fn ui(ui: &mut Ui, session: &Session) {
     if session.log.is_empty() {
         empty_state(ui, Icon::ScrollText, "No messages", "Errors and the warnings of loaded models are listed here.");

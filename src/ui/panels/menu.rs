@@ -18,7 +18,7 @@ use crate::ui::theme::{Icon, tokens};
 use crate::ui::what_if;
 use crate::ui::widgets::icon_button;
 
-/// Selectable interface scales.
+/// Selectable interface scales, as factors of the default size.
 const SCALES: [f32; 6] = [0.75, 1.0, 1.25, 1.5, 1.75, 2.0];
 
 /// Draws the menu bar.
@@ -40,8 +40,8 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 /// Draws the switch between the pipeline and the 2D lab.
 fn workspaces(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let places = [
-        (false, "Pipeline", "A scene, stage by stage and pixel by pixel  (L)"),
-        (true, "2D lab", "Lines, circles, polygons, fills and sampling, step by step  (L)"),
+        (false, "Pipeline", "Draw a scene, and inspect it stage by stage and pixel by pixel  (L)"),
+        (true, "2D lab", "Step through algorithms for lines, circles, polygons, fills and sampling  (L)"),
     ];
     for (open, name, help) in places {
         let button = ui.add(Button::selectable(session.lab.open == open, name)).on_hover_text(help);
@@ -68,7 +68,7 @@ fn entry_if(ui: &mut Ui, enabled: bool, name: &str, command: Command, commands: 
 }
 
 fn file(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    entry(ui, "Open model …", Command::ShowFileDialog, commands);
+    entry(ui, "Open model…", Command::ShowFileDialog, commands);
     ui.menu_button("Recent files", |ui| {
         if session.recent.is_empty() {
             ui.weak("No recent files");
@@ -123,12 +123,12 @@ fn scene(ui: &mut Ui, commands: &mut Vec<Command>) {
     }
 }
 
-/// Draws the entries of lessons: scenes with a black spot, each with the settings that reveal it.
+/// Draws an entry for each lesson, which opens a scene with a black spot and the settings that show it.
 fn lessons(ui: &mut Ui, commands: &mut Vec<Command>) {
     for lesson in lesson::ALL {
         if ui
             .button(lesson.question)
-            .on_hover_text("Opens a small scene. Click its black spot: the verdict names the cause")
+            .on_hover_text("Opens a small scene. Click its black spot: the inspector names the cause")
             .clicked()
         {
             commands.extend([Command::OpenBuiltin(lesson.scene.to_owned()), Command::SetRecipe(lesson.recipe())]);
@@ -142,7 +142,7 @@ fn compare(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         entry(ui, name, Command::Compare(CompareChange::Toggle(mode)), commands);
     }
     ui.separator();
-    entry(ui, "Show what the last change did", Command::WhatIf(what_if::WhatIfChange::Toggle), commands);
+    entry(ui, "Show the effect of the last change", Command::WhatIf(what_if::WhatIfChange::Toggle), commands);
     entry(ui, "Compare all upscalers in tiles", Command::Compare(CompareChange::Every), commands);
     let is_on = session.comparison.is_on();
     entry_if(ui, is_on, "Swap A and B", Command::Compare(CompareChange::Swap), commands);
@@ -164,12 +164,12 @@ fn view(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     ui.separator();
     entry(ui, "Fit picture", Command::ZoomFit, commands);
     entry(ui, "Zoom to 100 %", Command::ZoomOne, commands);
-    entry(ui, "Go to …", Command::ShowPixelDialog, commands);
+    entry(ui, "Go to…", Command::ShowPixelDialog, commands);
     ui.separator();
     entry(ui, "Reset view", Command::ResetCamera, commands);
     entry(ui, "Fit scene", Command::FitCamera, commands);
     ui.separator();
-    entry(ui, "Switch between dark and light", Command::ToggleTheme, commands);
+    entry(ui, "Switch between dark and light theme", Command::ToggleTheme, commands);
     ui.menu_button("Interface scale", |ui| {
         for scale in SCALES {
             let current = (ui.ctx().zoom_factor() - scale).abs() < 0.01;
@@ -181,17 +181,19 @@ fn view(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     });
 }
 
-/// Licences of the fonts and icons in the program.
+/// Licences of the fonts and icons that the program contains.
 const NOTICES: &str = include_str!("../../../assets/NOTICES.txt");
 
-/// Width of the notices, in points; `NOTICES_HEIGHT` is their height.
+/// Width of the licence texts, in points.
 const NOTICES_WIDTH: f32 = 620.0;
+
+/// Maximum height of the licence texts, in points.
 const NOTICES_HEIGHT: f32 = 420.0;
 
 fn help(ui: &mut Ui, commands: &mut Vec<Command>) {
     entry(ui, "Manual", Command::OpenManual(None), commands);
     entry(ui, "Keys and mouse", Command::ToggleKeys, commands);
-    entry(ui, "Find anything …", Command::OpenPalette, commands);
+    entry(ui, "Find anything…", Command::OpenPalette, commands);
     ui.separator();
     ui.menu_button("Licences of fonts and icons", |ui| {
         ui.set_min_width(NOTICES_WIDTH);
@@ -200,9 +202,9 @@ fn help(ui: &mut Ui, commands: &mut Vec<Command>) {
     ui.weak(concat!("Rasterscope ", env!("CARGO_PKG_VERSION")));
 }
 
-/// Draws the number of fragments with NaN or infinite values, if there is room for it.
+/// Draws the number of fragments with NaN or infinite values if there is room for it.
 fn bad_numbers(ui: &mut Ui, session: &Session) {
-    /// Minimum free width for this figure and the triangle count, in points.
+    /// Minimum free width for the number of such fragments and the triangle count, in points.
     const ROOM: f32 = 260.0;
     let Some(figures) = session.stages.filter(|_| ui.available_width() >= ROOM) else { return };
     let color = if figures.bad > 0 { tokens(ui).warning } else { tokens(ui).text };
@@ -214,10 +216,10 @@ fn bad_numbers(ui: &mut Ui, session: &Session) {
     ui.label(RichText::new("·").color(tokens(ui).text_weak));
 }
 
-/// Draws the figures of the frame, and the theme switch.
+/// Draws the figures of the frame, such as its time and triangle count, and the theme switch.
 fn figures(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let theme_icon = if ui.visuals().dark_mode { Icon::Sun } else { Icon::Moon };
-    if icon_button(ui, theme_icon, "Switch between dark and light").clicked() {
+    if icon_button(ui, theme_icon, "Switch between dark and light theme").clicked() {
         commands.push(Command::ToggleTheme);
     }
     let Some(view) = session.view.as_ref().filter(|_| !session.lab.open) else { return };
@@ -232,7 +234,7 @@ fn figures(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         Some(frame.as_secs_f64() * 1e3)
     });
     if let Some(ms) = warm_ms.filter(|_| view.request.triangle_limit.is_none()) {
-        let fps = "Frames per second if frames were drawn continuously; nothing is drawn while nothing changes";
+        let fps = "Frames per second if frames were drawn continuously; a frame is drawn only if something changes";
         figures.push((format!("{:.0} fps", 1e3 / ms.max(1e-3)), fps));
         figures
             .push((format::ms(ms), "Median time of a frame with warm caches, from planning to the finished picture"));
@@ -251,5 +253,5 @@ fn figures(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         .monospace()
         .color(tokens(ui).text),
     )
-    .on_hover_text("Rasterized triangles, after clipping and culling");
+    .on_hover_text("Number of rasterized triangles, after clipping and culling");
 }

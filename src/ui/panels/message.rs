@@ -11,7 +11,7 @@ use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, tokens};
 use crate::ui::widgets::icon_button;
 
-const HINT: &str = "Click a pixel to explain it at the right. Wheel: zoom. Middle-drag: orbit the camera. [: previous \
+const HINT: &str = "Click a pixel to explain it on the right. Wheel: zoom. Middle-drag: orbit the camera. [: previous \
                     stage. ?: all keys.";
 
 const LAB_HINT: &str = "Step with , and . or play with K; drag the blue rings. Wheel: zoom. L: back to the pipeline.";
@@ -19,7 +19,7 @@ const LAB_HINT: &str = "Step with , and . or play with K; drag the blue rings. W
 /// Opacity of the error colour behind the line, in [0, 1].
 const ERROR_TINT: f32 = 0.25;
 
-/// Draws the line. `loading` is a file whose opening takes long, and its completed share in [0, 1].
+/// Draws the message line. `loading` is the model being loaded, and its completed share in [0, 1].
 pub(crate) fn ui(ui: &mut Ui, session: &Session, loading: Option<(&Path, f32)>, commands: &mut Vec<Command>) {
     ui.horizontal_centered(|ui| {
         if let Some(error) = &session.error {
@@ -28,31 +28,31 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, loading: Option<(&Path, f32)>, 
             line(ui, Icon::OctagonAlert, tokens(ui).error, error, Some(Command::CloseError), commands);
         } else if let Some(path) = &session.offered_picture {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
-            if ui.button("Open in the 2D lab").on_hover_text("Fill and sample the picture in the lab").clicked() {
+            if ui.button("Open in the 2D lab").on_hover_text("Fill and sample the picture in the 2D lab").clicked() {
                 commands.push(Command::OpenInLab(path.clone()));
             }
             let text = format!("{} is a picture, not a scene", text::clean(&name));
             line(ui, Icon::Image, tokens(ui).accent, &text, Some(Command::CloseOffer), commands);
         } else if let Some((path, completed)) = loading {
             ui.spinner();
-            if ui.button("Cancel").on_hover_text("Stop; the current scene stays").clicked() {
+            if ui.button("Cancel").on_hover_text("Stop loading; the current scene stays").clicked() {
                 commands.push(Command::CancelLoading);
             }
             ui.add(ProgressBar::new(completed).desired_width(120.0));
-            ui.add(Label::new(format!("Loading {} … {:.0} %", path.display(), 100.0 * completed)).truncate());
+            ui.add(Label::new(format!("Loading {}… {:.0} %", path.display(), 100.0 * completed)).truncate());
         } else if let Some(completed) = session.export_progress {
             ui.spinner();
             if ui.button("Cancel").on_hover_text("Stop the export").clicked() {
                 commands.push(Command::CancelExport);
             }
             ui.add(ProgressBar::new(completed).desired_width(120.0));
-            ui.add(Label::new(format!("Exporting … {:.0} %", 100.0 * completed)).truncate());
+            ui.add(Label::new(format!("Exporting… {:.0} %", 100.0 * completed)).truncate());
         } else if session.lab.open {
             line(ui, Icon::Lightbulb, tokens(ui).accent, LAB_HINT, None, commands);
         } else if !session.hint_closed {
             line(ui, Icon::Lightbulb, tokens(ui).accent, HINT, Some(Command::CloseHint), commands);
         } else if let Some(words) = session.what_if.unseen_change(&session.state.recipe) {
-            let text = format!("{words}.  Press X to show what that changed.");
+            let text = format!("{words}.  Press X to show the effect of this change.");
             line(ui, Icon::Diff, tokens(ui).accent, &text, None, commands);
         } else {
             let (name, help) = (session.shown.name(), session.shown.help());

@@ -20,7 +20,7 @@ use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, tokens};
 use crate::ui::widgets::{figure, icon_button, value_row};
 
-/// Expands or collapses all rows in the next pass.
+/// Expands or collapses the rows of all stages in the next pass.
 pub(crate) fn open_all(ui: &Ui, open: bool) {
     ui.data_mut(|data| data.insert_temp(open_all_id(), open));
 }
@@ -55,15 +55,15 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     });
 }
 
-/// Draws the times that belong to no listed stage, and the time of the whole frame, which is the sum of all rows.
+/// Draws the times of work outside the listed stages, and the time of the whole frame, which is the sum of all rows.
 fn rest(ui: &mut Ui, session: &Session) {
     let Some(StageFigures { times, .. }) = session.stages.as_ref() else { return };
     let rows = [
-        ("Resolve", times.resolve, "Averaging the passes of supersampling"),
-        ("Surfaces", times.surfaces, "Finding the visible surface of each pixel for the upscaler"),
-        ("Post filter", times.post, "Post filter and wireframe"),
-        ("Other", Some(times.other), "Work between the stages: buffers, thread pool, copies"),
-        ("Whole frame", Some(times.frame), "Sum of all stages: the frame with the median time of several"),
+        ("Resolve", times.resolve, "Averages the samples of supersampling"),
+        ("Surfaces", times.surfaces, "Finds the visible surface of each pixel for the upscaler"),
+        ("Post filter", times.post, "Applies the post filter and draws the wireframe"),
+        ("Other", Some(times.other), "Work between the stages: buffers, thread pool and copies"),
+        ("Whole frame", Some(times.frame), "Sum of all rows, for the frame with the median time of several frames"),
     ];
     for (name, time, help) in rows {
         if let Some(time) = time {
@@ -72,10 +72,10 @@ fn rest(ui: &mut Ui, session: &Session) {
     }
 }
 
-/// Stages whose rows are expanded at first.
+/// Stages whose rows are initially expanded.
 const OPEN_AT_FIRST: [Stage; 4] = [Stage::Assemble, Stage::Cull, Stage::Shade, Stage::Upscale];
 
-/// Draws one row. `all` expands or collapses it without a click.
+/// Draws the row of a stage. `all` expands (`true`) or collapses (`false`) it without a click.
 fn stage_row(
     ui: &mut Ui,
     stage: Stage,
@@ -129,7 +129,7 @@ fn header(ui: &mut Ui, stage: Stage, open: bool, session: &Session, commands: &m
         .layout(egui::Layout::right_to_left(egui::Align::Center));
     figures(&mut ui.new_child(right), stage, shown, session, commands);
     response.context_menu(|ui| {
-        for (open, name) in [(true, "Open all stages"), (false, "Close all stages")] {
+        for (open, name) in [(true, "Expand all stages"), (false, "Collapse all stages")] {
             if ui.button(name).clicked() {
                 commands.push(Command::OpenStages(open));
                 ui.close();
@@ -147,10 +147,10 @@ fn figures(ui: &mut Ui, stage: Stage, shown: bool, session: &Session, commands: 
     }
     let time = session.stages.as_ref().and_then(|figures| time_of(stage, &figures.times));
     let time = time.map_or_else(|| "–".to_owned(), |t| format::ms(t.as_secs_f64() * 1e3));
-    let help = "Time of this stage for the frame on screen: of several frames, the one with the median time. In tiled \
-                execution, projection counts with transform, clipping with cull, depth with rasterize, and \
-                interpolation with shade. In classic execution, the time of rasterize, depth, interpolate and shade is \
-                split in proportion to partial frames, each drawn one stage further; 0 means too short to measure";
+    let help = "Time of this stage in the frame on screen: of several frames, the one with the median time. Tiled \
+                execution includes projection in transform, clipping in cull, depth in rasterize, and interpolation in \
+                shade. Classic execution splits the time of rasterize, depth, interpolate and shade in proportion to \
+                partial frames that each run one stage more; 0 means too short to measure";
     figure(ui, &time, 62.0, tokens(ui).text).on_hover_text(help);
     if let Some((number, what)) = session.view.as_ref().and_then(|view| count_of(stage, session, view)) {
         let help = format!("{} {what}", format::count(number));
@@ -158,7 +158,7 @@ fn figures(ui: &mut Ui, stage: Stage, shown: bool, session: &Session, commands: 
     }
 }
 
-/// Formats a count in few characters, such as 14 860 as "14.9 k".
+/// Formats a count in a few characters, such as 14 860 as "14.9 k".
 fn short_count(number: u64) -> String {
     match number {
         0..10_000 => format::count(number),

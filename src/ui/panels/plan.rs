@@ -17,17 +17,18 @@ use crate::ui::session::Session;
 use crate::ui::theme::{Icon, tokens};
 use crate::ui::widgets::empty_state;
 
-/// Draws the buttons beside the tabs.
+/// Draws the controls of the tab “Plan”, beside the tabs.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if let Some(progress) = session.savings.progress {
-        if ui.button("Cancel").on_hover_text("Stop measuring").clicked() {
+        if ui.button("Cancel").on_hover_text("Stop the measurement").clicked() {
             commands.push(Command::CancelPlan);
         }
         ui.add(ProgressBar::new(progress).desired_width(200.0).show_percentage());
         return;
     }
     let measure = Button::new((crate::ui::theme::icon(Icon::Timer), "Measure savings"));
-    let help = "Draws this view as planned, then with each part forced to run; takes a few seconds";
+    let help = "Measures the time that each skipped part saves: draws this view as planned, then with the part forced \
+                to run. Takes a few seconds";
     if ui.add(measure).on_hover_text(help).clicked() {
         commands.push(Command::MeasurePlan);
     }
@@ -44,15 +45,15 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
     }
 }
 
-/// Draws the table of parts.
+/// Draws the table of all parts of the pipeline, each run or skipped.
 pub(crate) fn ui(ui: &mut Ui, session: &Session) {
     let Some(view) = &session.view else {
-        empty_state(ui, Icon::ListChecks, "No frame yet", "The plan is computed with the first frame.");
+        empty_state(ui, Icon::ListChecks, "No frame yet", "The plan appears with the first frame.");
         return;
     };
     let plans = &view.frame.plans;
     Grid::new("plan").num_columns(4).striped(true).spacing([24.0, 4.0]).show(ui, |ui| {
-        for heading in ["Part", "Runs for", "Saves", "Skipped because"] {
+        for heading in ["Part", "Runs in", "Time saved", "Skipped because"] {
             ui.label(RichText::new(heading).small().color(tokens(ui).text_weak));
         }
         ui.end_row();
@@ -95,14 +96,14 @@ fn saved(ui: &mut Ui, session: &Session, view: &RenderedView, part: PipelinePart
     let Some((Saving { saved_ms, within_noise, draws, same_picture, .. }, _)) = fitting else {
         let nothing = ui.label(RichText::new("–").color(tokens(ui).text_weak));
         if measured.is_some() {
-            nothing.on_hover_text("Measured on another view: measure again");
+            nothing.on_hover_text("Measured on another view. Measure again for this one");
         }
         return;
     };
-    let picture = if *same_picture { "the picture is identical" } else { "THE PICTURE CHANGED: internal error" };
+    let picture = if *same_picture { "the picture is identical" } else { "the picture changed: internal error" };
     let help = format!(
-        "Forced to run for {draws} draws, it adds {:+.3} ms to a frame in the median round (p10 {:+.3}, p90 {:+.3}), \
-         {}; {picture}",
+        "If forced to run for {draws} draws, this part adds {:+.3} ms to a frame in the median round (p10 {:+.3}, \
+         p90 {:+.3}), {}; {picture}",
         saved_ms.median,
         saved_ms.p10,
         saved_ms.p90,

@@ -1,4 +1,4 @@
-//! Cost of a frame against triangles, pixels, layers and threads: four small log-log plots.
+//! Four log-log plots of frame time against triangles, pixels, layers and threads.
 
 use eframe::egui::{Button, ProgressBar, RichText, Ui, vec2};
 use egui_plot::{GridMark, Line, LineStyle, Plot, PlotPoints, Points};
@@ -14,10 +14,10 @@ use crate::ui::widgets::empty_state;
 /// Height reserved for the text below a plot, in points: three lines.
 const WORDS: f32 = 50.0;
 
-/// Draws the buttons beside the tabs.
+/// Draws the controls of the tab “Scaling”, beside the tabs.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if let Some((quantity, share)) = session.scaling.progress {
-        if ui.button("Cancel").on_hover_text("Stop measuring; the last result stays").clicked() {
+        if ui.button("Cancel").on_hover_text("Stop the measurement; the last result stays").clicked() {
             commands.push(Command::CancelScaling);
         }
         ui.add(ProgressBar::new(share).desired_width(240.0).text(quantity.name()));
@@ -38,11 +38,11 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
     }
 }
 
-/// Draws the four plots.
+/// Draws the four plots of the scaling measurement.
 pub(crate) fn ui(ui: &mut Ui, session: &Session) {
     let Some((scaling, _)) = &session.scaling.found else {
         let how = "“Measure scaling” shows the fixed cost of a frame, the cost of each triangle, pixel and layer, and \
-                   the speed-up by threads.";
+                   the speed-up from threads.";
         empty_state(ui, Icon::ChartScatter, "No measurement yet", how);
         return;
     };

@@ -1,5 +1,5 @@
-//! Rows of the last stage: how drawn pixels are sampled, how the others are reconstructed, and which filter is applied
-//! to the finished picture.
+//! Settings of the last stage: anti-aliasing of drawn pixels, the upscaler that reconstructs the others, and the post
+//! filter.
 
 use eframe::egui::{DragValue, Grid, Ui};
 
@@ -12,20 +12,20 @@ use crate::upscale::{self, Upscaling};
 
 /// Draws the anti-aliasing settings.
 pub(super) fn antialias(ui: &mut Ui, antialias: &mut Antialiasing) {
-    row(ui, "Anti-aliasing", "How a drawn pixel is sampled", |ui| pick(ui, &mut antialias.method));
+    row(ui, "Anti-aliasing", "Method that samples each drawn pixel", |ui| pick(ui, &mut antialias.method));
     note(ui, crate::pipeline::settings::Choice::help(antialias.method));
     if antialias.is_off() {
         return;
     }
     if antialias.method != AntialiasMethod::RotatedGrid {
-        row(ui, "Samples", "Samples of each drawn pixel", |ui| pick(ui, &mut antialias.samples));
+        row(ui, "Samples", "Number of samples of each drawn pixel", |ui| pick(ui, &mut antialias.samples));
     }
     if antialias.method == AntialiasMethod::Jittered {
         row(ui, "Seed", "Different seeds give different sample positions", |ui| {
             ui.add(DragValue::new(&mut antialias.seed))
         });
     }
-    row(ui, "Mean of", "The values that are averaged into a pixel: linear light, as in physics, or sRGB codes", |ui| {
+    row(ui, "Averaged values", "Values that are averaged into a pixel: linear light or sRGB codes", |ui| {
         pick(ui, &mut antialias.light)
     });
 }
@@ -35,13 +35,13 @@ pub(super) fn upscaler(ui: &mut Ui, recipe: &mut Recipe) {
     let before = recipe.upscaler;
     let mut method = before.method();
     let methods: Vec<_> = upscale::ALL.iter().map(|u| (u.id(), u.name(), u.help())).collect();
-    row(ui, "Method", "How pixels that are not drawn are filled in", |ui| choice(ui, &mut method, &methods));
+    row(ui, "Method", "Method that reconstructs the pixels that are not drawn", |ui| choice(ui, &mut method, &methods));
     let chosen = before.with_method(method).unwrap_or(before);
     recipe.upscaler = choices(ui, chosen);
     note(ui, recipe.upscaler.upscaler().help());
 }
 
-/// Draws the options that a method offers. Returns the upscaler with the selected options.
+/// Draws the options of the selected method. Returns the upscaler with the selected options.
 fn choices(ui: &mut Ui, chosen: Upscaling) -> Upscaling {
     let offers = chosen.upscaler().offers();
     let mut result = chosen;
@@ -49,7 +49,7 @@ fn choices(ui: &mut Ui, chosen: Upscaling) -> Upscaling {
         let mut scale = chosen.scale();
         let names: Vec<_> = offers.scales.iter().map(|s| (*s, format!("×{s}"))).collect();
         let options: Vec<_> = names.iter().map(|(s, name)| (*s, name.as_str(), "Scale factor per axis")).collect();
-        row(ui, "Scale", "Scale factor per axis: ×4 draws one pixel of sixteen", |ui| {
+        row(ui, "Scale", "Scale factor per axis: ×4 draws one of sixteen pixels", |ui| {
             choice(ui, &mut scale, &options)
         });
         result = result.with_scale(scale);
@@ -61,21 +61,19 @@ fn choices(ui: &mut Ui, chosen: Upscaling) -> Upscaling {
     }
     if offers.lights.len() > 1 {
         let mut light = chosen.light();
-        row(ui, "Filtered values", "The values that are filtered: sRGB codes or linear light", |ui| {
-            pick(ui, &mut light)
-        });
+        row(ui, "Filtered values", "Values that are filtered: sRGB codes or linear light", |ui| pick(ui, &mut light));
         result = result.with_light(light);
     }
     if offers.deringing {
         let mut deringing = chosen.deringing();
-        row(ui, "De-ringing", "Clamps a pixel to the range of the drawn ones around it", |ui| {
+        row(ui, "De-ringing", "Clamps each pixel to the range of the drawn pixels around it", |ui| {
             ui.checkbox(&mut deringing, "")
         });
         result = result.with_deringing(deringing);
     }
     if offers.sharpening {
         let mut sharpening = chosen.sharpening() as f32;
-        row(ui, "Sharpening", "Percent of the maximum that creates no new extremes", |ui| {
+        row(ui, "Sharpening", "Strength, in percent of the largest that creates no new extremes", |ui| {
             slider(ui, &mut sharpening, 0.0..=100.0, " %", 0)
         });
         result = result.with_sharpening(sharpening.round() as u32);
@@ -93,31 +91,33 @@ pub(super) fn post(ui: &mut Ui, post: &mut PostFilter) {
     }
     note(ui, crate::pipeline::settings::Choice::help(post.filter));
     let strength = match post.filter {
-        PostFilterKind::Blur => Some(("Reach", "Pixels from the middle of the mask to its edge", " px", 0)),
-        PostFilterKind::Gaussian => Some(("Deviation", "Standard deviation of the bell", " px", 1)),
+        PostFilterKind::Blur => Some(("Radius", "Distance from the middle of the mask to its edge", " px", 0)),
+        PostFilterKind::Gaussian => Some(("Deviation", "Standard deviation of the Gaussian", " px", 1)),
         PostFilterKind::Sharpen => {
-            Some(("Amount", "Share of a pixel's difference from its surroundings that is added to it", "", 2))
+            Some(("Amount", "Fraction of a pixel's difference from its neighbours that is added to it", "", 2))
         }
-        PostFilterKind::Motion => Some(("Distance", "Length of the motion", " px", 1)),
+        PostFilterKind::Motion => Some(("Distance", "Length of the motion blur", " px", 1)),
         PostFilterKind::None | PostFilterKind::Fxaa | PostFilterKind::Custom => None,
     };
     if let Some(((label, help, unit, decimals), most)) = strength.zip(post.filter.max_strength()) {
         row(ui, label, help, |ui| slider(ui, &mut post.strength, 0.0..=most, unit, decimals));
     }
     if post.filter == PostFilterKind::Motion {
-        row(ui, "Direction", "Angle from right, clockwise", |ui| {
+        row(ui, "Direction", "Direction of the motion, clockwise from the right", |ui| {
             slider(ui, &mut post.angle_degrees, -180.0..=180.0, "°", 0)
         });
     }
     if post.filter == PostFilterKind::Custom {
         mask(ui, post);
     }
-    row(ui, "Filtered in", "The values that are mixed", |ui| pick(ui, &mut post.light));
+    row(ui, "Filter space", "Values that the post filter mixes: linear light or sRGB codes", |ui| {
+        pick(ui, &mut post.light)
+    });
 }
 
 /// Draws the 5 × 5 weights of the convolution mask.
 fn mask(ui: &mut Ui, post: &mut PostFilter) {
-    /// Change of a weight per point dragged.
+    /// Change of a weight per dragged point.
     const SPEED: f64 = 0.01;
     Grid::new("mask").num_columns(5).show(ui, |ui| {
         for row in post.mask.chunks_mut(5) {

@@ -1,5 +1,5 @@
-//! The stability report: a heat map of classes of hard cases against all variants of the engine, and error against
-//! time. A cell opens its worst case.
+//! The stability report: a heat map of classes of hard cases against all configurations, and a plot of error against
+//! time. A click on a cell opens its worst case.
 
 use eframe::egui::{
     self, Align2, Button, Color32, FontId, ProgressBar, Rect, RichText, Role, ScrollArea, Sense, Ui, WidgetInfo, vec2,
@@ -18,14 +18,14 @@ use crate::ui::session::Session;
 use crate::ui::theme::{Icon, font_size, tokens};
 use crate::ui::widgets::empty_state;
 
-/// Size of a cell, in points.
+/// Size of a cell of the heat map, in points.
 const CELL: egui::Vec2 = vec2(58.0, 20.0);
 
-/// Width of the class names, in points.
+/// Width of the column of class names, in points.
 const NAMES: f32 = 190.0;
 
-/// Colours from no error to all wrong. They run from dark to light, so that the scale is readable without
-/// distinguishing hues.
+/// Colours of the levels of severity, from no error to all wrong. They run from dark to light, so that the scale is
+/// readable without distinguishing hues.
 const SEVERITY: [Color32; LEVELS + 1] = [
     Color32::from_rgb(0x1F, 0x3A, 0x4D),
     Color32::from_rgb(0x2A, 0x5A, 0x6B),
@@ -36,27 +36,27 @@ const SEVERITY: [Color32; LEVELS + 1] = [
     Color32::from_rgb(0xFA, 0xD2, 0x7A),
 ];
 
-/// First level whose cells are light and need dark numbers.
+/// First level of severity whose colour is so light that numbers on it must be dark.
 const LIGHT_FROM: usize = 4;
 
-/// Value plotted for an error of 0 on the logarithmic axis.
+/// Value plotted on the logarithmic axis for an error of 0.
 const NO_ERROR: f64 = 1e-9;
 
-/// Marker shapes of the arithmetics, and their symbols in the key.
+/// Marker shapes of the arithmetics, and their symbols in the legend.
 const MARKS: [(MarkerShape, &str); 4] =
     [(MarkerShape::Circle, "●"), (MarkerShape::Diamond, "◆"), (MarkerShape::Square, "■"), (MarkerShape::Up, "▲")];
 
-/// Draws the buttons beside the tabs.
+/// Draws the controls of the tab “Stability”, beside the tabs.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if let Some(progress) = session.stability.progress {
-        if ui.button("Cancel").on_hover_text("Stop; the last report stays").clicked() {
+        if ui.button("Cancel").on_hover_text("Stop the report; the last report stays").clicked() {
             commands.push(Command::CancelStability);
         }
         let share = progress.done as f32 / progress.of.max(1) as f32;
         ui.add(ProgressBar::new(share).desired_width(240.0).text(progress.stage.name()));
         return;
     }
-    let run = Button::new((crate::ui::theme::icon(Icon::Play), "Run the report"));
+    let run = Button::new((crate::ui::theme::icon(Icon::Play), "Run the stability report"));
     let help = "Tests every rasterizer, arithmetic and depth format on all classes of hard cases; takes about a minute";
     if ui.add(run).on_hover_text(help).clicked() {
         commands.push(Command::RunStability);
@@ -65,8 +65,12 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
         return;
     }
     for (view, name, help) in [
-        (StabilityView::HeatMap, "Heat map", "One row per class, one column per configuration"),
-        (StabilityView::ErrorAgainstTime, "Error against time", "Each rasterizer in each arithmetic as a point"),
+        (StabilityView::HeatMap, "Heat map", "One row per class of cases, one column per configuration"),
+        (
+            StabilityView::ErrorAgainstTime,
+            "Error against time",
+            "One point for each combination of rasterizer and arithmetic",
+        ),
     ] {
         if ui.selectable_label(session.stability.view == view, name).on_hover_text(help).clicked() {
             commands.push(Command::ShowStability(view));
@@ -74,11 +78,11 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
     }
 }
 
-/// Draws the report.
+/// Draws the stability report.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let Some(report) = &session.stability.report else {
-        let how = "“Run the report” tests the engine on slivers, needles, huge and tiny triangles, shared edges, \
-                   vertices behind the eye and close depths, against exact arithmetic.";
+        let how = "“Run the stability report” tests the engine on slivers, needles, huge and tiny triangles, shared \
+                   edges, vertices behind the camera and close depths, against exact arithmetic.";
         empty_state(ui, Icon::ShieldCheck, "No stability report yet", how);
         return;
     };
@@ -133,7 +137,7 @@ fn heat_map(ui: &mut Ui, family: Family, classes: &[&ClassReport], commands: &mu
     }
 }
 
-/// Returns a short label for a column.
+/// Returns a short label for a column of the heat map.
 fn short(column: ReportColumn) -> &'static str {
     match column.method() {
         "bounding-box" => "box",
@@ -181,16 +185,16 @@ fn draw_cell(ui: &mut Ui, class: &ClassReport, cell: &ReportCell, commands: &mut
             ui.label(format!("{}: {}", metric.name(), metric.format(value)));
         }
         if let Some(ns) = cell.time.and_then(|time| time.ns_per_pixel) {
-            ui.label(format!("{:.2} ns per pixel ({:.2} to {:.2})", ns.median, ns.p10, ns.p90));
+            ui.label(format!("Median {:.2} ns per pixel (p10 {:.2}, p90 {:.2})", ns.median, ns.p10, ns.p90));
         }
         ui.label(RichText::new(if worst.is_some() { "Click to open the worst case" } else { "No errors" }).italics());
     });
 }
 
-/// Draws the share of wrong pixels against time per pixel, over all classes of triangles on screen. Colours denote
-/// rasterizers, marker shapes denote arithmetics.
+/// Draws the share of wrong pixels against the time per pixel, over all classes of screen-space triangles. Colours
+/// denote rasterizers, marker shapes denote arithmetics.
 fn scatter(ui: &mut Ui, report: &StabilityReport) {
-    /// Width of the key, in points.
+    /// Width of the legend, in points.
     const KEY: f32 = 190.0;
     let points = tradeoff::coverage(report);
     let colors = tokens(ui).series;
@@ -207,14 +211,14 @@ fn scatter(ui: &mut Ui, report: &StabilityReport) {
             .width((ui.available_width() - KEY).max(200.0))
             .height(ui.available_height())
             .x_axis_label("log₁₀ of ns per pixel")
-            .y_axis_label("log₁₀ of wrong pixel share")
+            .y_axis_label("log₁₀ of the share of wrong pixels")
             .allow_scroll(false)
             .label_formatter(|position| match position {
                 HoverPosition::NearDataPoint { plot_name, position, .. } => {
                     let (ns, wrong) = (10_f64.powf(position.x), 10_f64.powf(position.y));
                     let none = wrong <= NO_ERROR * 1.01;
                     let wrong =
-                        if none { "no wrong pixel".to_owned() } else { format!("{wrong:.1e} of the pixels wrong") };
+                        if none { "no wrong pixels".to_owned() } else { format!("{wrong:.1e} of the pixels wrong") };
                     Some(format!("{plot_name}: {ns:.2} ns per pixel, {wrong}"))
                 }
                 HoverPosition::Elsewhere { .. } => None,
@@ -236,7 +240,7 @@ fn scatter(ui: &mut Ui, report: &StabilityReport) {
                     let (_, mark) = MARKS[index % MARKS.len()];
                     ui.label(RichText::new(format!("{mark} {arithmetic}")).small());
                 }
-                let note = "At 10⁻⁹: no wrong pixel";
+                let note = "Points at 10⁻⁹ have no wrong pixels";
                 ui.label(RichText::new(note).small().color(tokens(ui).text_weak));
             });
         });

@@ -40,7 +40,7 @@ pub(crate) fn ui(ui: &mut Ui, stage: Stage, session: &Session, recipe: &mut Reci
 
 fn assemble(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let name = session.source.title();
-    row(ui, "Scene", "The scene to draw. To open your own model, use File ▸ Open or drop it on the window", |ui| {
+    row(ui, "Scene", "Scene to draw. To open your own model, use File ▸ Open model, or drop it on the window", |ui| {
         combo("scene", &name, ui.spacing().combo_width).height(480.0).show_ui(ui, |ui| {
             for scene in builtin::ALL {
                 let here = matches!(&session.source, SceneSource::Builtin(b) if b.id == scene.id);
@@ -51,7 +51,7 @@ fn assemble(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         });
     });
     let mut mirrored = session.mirrored;
-    row(ui, "Mirror z", "Mirrors the scene in z, for models with the other handedness", |ui| {
+    row(ui, "Mirror z", "Mirrors the scene along z, for models with the opposite handedness", |ui| {
         if ui.checkbox(&mut mirrored, "").changed() {
             commands.push(Command::MirrorZ);
         }
@@ -59,21 +59,26 @@ fn assemble(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     model_reading(ui, session, commands);
     let scene = &session.scene;
     let library = &scene.library;
-    value_row(ui, "Instances", &format::count(scene.instances.len() as u64), "Objects placed in the scene");
-    value_row(ui, "Meshes", &format::count(library.meshes().len() as u64), "Shared vertex and index buffers");
+    value_row(ui, "Instances", &format::count(scene.instances.len() as u64), "Number of objects in the scene");
+    value_row(
+        ui,
+        "Meshes",
+        &format::count(library.meshes().len() as u64),
+        "Number of meshes, each with a vertex and an index buffer",
+    );
     value_row(
         ui,
         "Textures",
         &format::count(library.textures().len() as u64),
-        "Textures of the scene, each stored once",
+        "Number of textures in the scene, each stored once",
     );
     let memory = scene.memory();
     let bytes = |number: usize| format::bytes(number as u64);
     let figures = [
         ("Texture memory", memory.shared_bytes - memory.mesh_bytes, "Memory of all textures, each stored once"),
         ("Mesh memory", memory.mesh_bytes, "Memory of all meshes, each stored once for all its instances"),
-        ("… if not shared", memory.unshared_bytes, "Memory that meshes would need if every instance had its own copy"),
-        ("Instance records", memory.instance_bytes, "Memory of the records that place meshes in the scene"),
+        ("Unshared mesh memory", memory.unshared_bytes, "Memory that meshes would need if every instance had a copy"),
+        ("Instance records", memory.instance_bytes, "Memory of the instances, which place meshes in the scene"),
     ];
     for (label, number, help) in figures {
         value_row(ui, label, &bytes(number), help);
@@ -82,7 +87,7 @@ fn assemble(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     value_row(ui, "Memory limit", &limit, "Maximum memory for meshes and textures of a model  (--memory)");
 }
 
-/// Draws the settings for what a model file leaves unspecified.
+/// Draws the settings for properties that a model file leaves unspecified.
 fn model_reading(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let mut up = UpAxis::nearest(session.state.camera.up);
     row(ui, "Up axis", "Axis that points up in the view; guessed when a model is loaded  (--up)", |ui| {
@@ -93,10 +98,10 @@ fn model_reading(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     });
     if let SceneSource::File(path, tr) = &session.source {
         let mut tr = *tr;
-        row(ui, "Tr means", "Meaning of `Tr` in material libraries; reloads the model  (--tr)", |ui| {
+        row(ui, "Meaning of Tr", "Interpretation of `Tr` in material libraries; reloads the model  (--tr)", |ui| {
             let options = [
                 (TrMeaning::Auto, "Auto", "Opacity where the file indicates it, else transparency"),
-                (TrMeaning::Transparency, "Transparency", "0 is opaque, by the format's description"),
+                (TrMeaning::Transparency, "Transparency", "0 is opaque, as the format description says"),
                 (TrMeaning::Opacity, "Opacity", "1 is opaque, as MeshLab writes it"),
             ];
             if choice(ui, &mut tr, &options) {
@@ -125,7 +130,7 @@ fn camera(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     );
     match &mut camera.projection {
         Projection::Perspective { fov_y } => {
-            row(ui, "Field of view", "Vertical angle of view", |ui| {
+            row(ui, "Field of view", "Vertical field of view of the camera", |ui| {
                 let mut degrees = fov_y.to_degrees();
                 if slider(ui, &mut degrees, 5.0..=150.0, "°", 1) {
                     *fov_y = degrees.to_radians();
@@ -133,7 +138,9 @@ fn camera(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
             });
         }
         Projection::Orthographic { height } => {
-            row(ui, "Height", "Height of the visible volume, in world units", |ui| drag(ui, height, 1e-30..=1e34));
+            row(ui, "Height", "Height of the orthographic view volume, in world units", |ui| {
+                drag(ui, height, 1e-30..=1e34)
+            });
         }
     }
     let mapping = session.state.recipe.pipeline.depth_format.mapping();
@@ -142,7 +149,7 @@ fn camera(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         commands.push(Command::SetCamera(camera));
     }
     ui.horizontal(|ui| {
-        if ui.button("Reset view").on_hover_text("Returns to the scene's own view  (H)").clicked() {
+        if ui.button("Reset view").on_hover_text("Returns to the scene's home view  (H)").clicked() {
             commands.push(Command::ResetCamera);
         }
         if ui
@@ -160,17 +167,19 @@ fn planes(ui: &mut Ui, camera: &mut Camera, endless: bool) {
     row(
         ui,
         "Near plane",
-        "Nothing nearer is drawn. The farther away it is, the finer the depth resolution everywhere",
+        "Distance of the near plane. Nothing nearer is drawn; a greater distance gives a finer depth resolution",
         |ui| drag(ui, &mut camera.near, 1e-30..=far * 0.999),
     );
     if endless {
-        note(ui, "Far plane not shown: with this depth format, the far plane is at infinity.");
+        note(ui, "No far plane to set: with this depth format, the far plane is at infinity.");
     } else {
-        row(ui, "Far plane", "Nothing farther is drawn", |ui| drag(ui, &mut camera.far, near * 1.001..=1e34));
+        row(ui, "Far plane", "Distance of the far plane. Nothing farther is drawn", |ui| {
+            drag(ui, &mut camera.far, near * 1.001..=1e34)
+        });
     }
 }
 
-/// Draws a note below a row.
+/// Draws an explanatory note below a row.
 pub(super) fn note(ui: &mut Ui, text: impl Into<String>) {
     ui.add(Label::new(RichText::new(text).small().color(tokens(ui).text_weak)).wrap());
 }
@@ -211,13 +220,13 @@ fn project(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let mut size = session.state.size;
     let options = [
         (PictureSize::Canvas, "Match canvas", "One picture pixel per screen pixel"),
-        (PictureSize::Fixed(160, 90), "160 × 90", "Few, large pixels: shows edges and grids clearly"),
+        (PictureSize::Fixed(160, 90), "160 × 90", "Few, large pixels: edges and grids are easy to see"),
         (PictureSize::Fixed(320, 180), "320 × 180", "Large pixels"),
         (PictureSize::Fixed(640, 360), "640 × 360", "A quarter of HD"),
         (PictureSize::Fixed(1280, 720), "1280 × 720", "HD"),
         (PictureSize::Fixed(1920, 1080), "1920 × 1080", "Full HD"),
     ];
-    row(ui, "Picture size", "Number of pixels that the pipeline draws", |ui| {
+    row(ui, "Picture size", "Size of the finished picture, in pixels", |ui| {
         if choice(ui, &mut size, &options) {
             commands.push(Command::SetSize(size));
         }
@@ -234,7 +243,7 @@ fn cull(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
 }
 
 fn rasterize(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
-    row(ui, "Execution", "How the pipeline is executed; the picture is identical, bit for bit", |ui| {
+    row(ui, "Execution", "How the pipeline is executed; the picture is the same, bit for bit", |ui| {
         pick(ui, &mut recipe.execution)
     });
     match execution(&session.scene, recipe) {
@@ -244,21 +253,30 @@ fn rasterize(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
         }
         (Execution::Classic, None) => {}
     }
-    row(ui, "Algorithm", "How the samples inside a triangle are found", |ui| pick(ui, &mut recipe.pipeline.rasterizer));
-    row(ui, "Arithmetic", "Number format that decides coverage", |ui| pick(ui, &mut recipe.pipeline.arithmetic));
-    row(ui, "Fill rule", "Which triangle owns a pixel centre exactly on an edge", |ui| {
+    row(ui, "Algorithm", "Algorithm that finds the samples inside a triangle", |ui| {
+        pick(ui, &mut recipe.pipeline.rasterizer)
+    });
+    row(ui, "Arithmetic", "Number format in which coverage is computed", |ui| {
+        pick(ui, &mut recipe.pipeline.arithmetic)
+    });
+    row(ui, "Fill rule", "Rule that decides whether a pixel centre exactly on an edge is covered", |ui| {
         pick(ui, &mut recipe.pipeline.fill_rule)
     });
     row(ui, "Wireframe", "Draws the snapped edges of all drawn triangles over the picture", |ui| {
         ui.checkbox(&mut recipe.wireframe, "");
     });
     let Some(figures) = &session.stages else { return };
-    value_row(ui, "Samples visited", &format::count(figures.counters.visited), "Samples that the algorithm tested");
+    value_row(
+        ui,
+        "Samples visited",
+        &format::count(figures.counters.visited),
+        "Number of samples that the algorithm tests",
+    );
     value_row(
         ui,
         "Samples covered",
         &format::count(figures.counters.covered),
-        "Samples inside a triangle, over all triangles",
+        "Number of samples inside a triangle, summed over all triangles",
     );
 }
 
@@ -269,10 +287,10 @@ const CONSTANT_BIAS_HELP: &str = "Added to all depths of a triangle before the t
 const SLOPE_BIAS_HELP: &str = "Added to all depths of a triangle before the test, times its slope: the change of its \
                                depth per pixel along x or y, whichever is greater";
 
-/// Change of a constant bias per point dragged, in steps of the depth format.
+/// Change of the constant depth bias per dragged point, in steps of the depth format.
 const CONSTANT_BIAS_STEP: f64 = 1.0;
 
-/// Change of a slope-scaled bias per point dragged.
+/// Change of the slope-scaled depth bias per dragged point.
 const SLOPE_BIAS_STEP: f64 = 0.05;
 
 fn depth(ui: &mut Ui, recipe: &mut Recipe) {
@@ -310,11 +328,11 @@ fn shade(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
     }
     let settings = &mut recipe.pipeline;
     if settings.shading == Shading::Checker {
-        row(ui, "Squares", "Squares of the pattern per unit of texture coordinate", |ui| {
+        row(ui, "Squares", "Squares of the checkerboard per unit of texture coordinate", |ui| {
             slider(ui, &mut settings.checker.squares, 1.0..=64.0, "", 1)
         });
         for (label, color) in [("Even square", &mut settings.checker.even), ("Odd square", &mut settings.checker.odd)] {
-            row(ui, label, "Colour of the pattern", |ui| {
+            row(ui, label, "Colour of these squares of the checkerboard", |ui| {
                 let mut rgb = color.to_array();
                 if ui.color_edit_button_rgb(&mut rgb).changed() {
                     *color = rgb.into();
@@ -324,8 +342,8 @@ fn shade(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
     }
     let Some(view) = &session.view else { return };
     if view.frame.plans.iter().any(|p| p.runs(PipelinePart::Texels)) {
-        row(ui, "Filter", "How a texture is read between texel centres", |ui| pick(ui, &mut settings.filter));
-        row(ui, "Address", "How texture coordinates outside 0…1 are addressed", |ui| pick(ui, &mut settings.address));
+        row(ui, "Filter", "How a texture is sampled between texel centres", |ui| pick(ui, &mut settings.filter));
+        row(ui, "Address", "How texture coordinates outside 0…1 are handled", |ui| pick(ui, &mut settings.address));
         row(ui, "Alpha", "How the filter mixes texels with alpha", |ui| pick(ui, &mut settings.alpha));
     } else {
         left_out(ui, view, PipelinePart::Texels);
@@ -355,15 +373,15 @@ fn background(ui: &mut Ui, session: &Session, background: &mut Background) {
             *background = Background::Color(color);
         }
         let is_own = *background != Background::Scene;
-        let button = ui.add_enabled(is_own, Button::new("Use the scene's"));
+        let button = ui.add_enabled(is_own, Button::new("Use scene colour"));
         if button.on_hover_text("Restores the background colour of the scene").clicked() {
             *background = Background::Scene;
         }
     });
 }
 
-/// Returns the shadings that apply to the scene, and a sentence on why the others are not offered. The current one is
-/// always included.
+/// Returns the shadings that apply to the scene, always with the current one, and a sentence that says why the others
+/// are not offered.
 fn offered_shadings(session: &Session, present: Shading) -> (Vec<(Shading, &'static str, &'static str)>, String) {
     let library = &session.scene.library;
     let has_colors = library.meshes().iter().any(|mesh| !mesh.colors.is_empty());
@@ -407,7 +425,7 @@ fn light(ui: &mut Ui, recipe: &mut Recipe) {
     if recipe.pipeline.shading == Shading::Cel {
         return;
     }
-    row(ui, "Ambient", "Share of light that reaches every surface", |ui| {
+    row(ui, "Ambient", "Share of the light that reaches every surface", |ui| {
         slider(ui, &mut recipe.pipeline.light.ambient, 0.0..=1.0, "", 2)
     });
 }
@@ -421,8 +439,8 @@ fn upscaling(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
         || "not measured".to_owned(),
         |share| if is_noise { format!("{}, {WITHIN}", format::percent(share)) } else { format::percent(share) },
     );
-    let help = "Median frame time divided by that of native, from the last measurement of all upscalers with the same \
-                scene, view, size and settings";
+    let help = "Median frame time divided by that of native rendering, from the last measurement of all upscalers with \
+                the same scene, view, size and settings";
     value_row(ui, "Time vs native", &share, help);
     if let Some(view) = &session.view {
         value_row(

@@ -20,39 +20,39 @@ use crate::ui::timings::TradeOff;
 use crate::ui::widgets::{empty_state, figure};
 use crate::upscale::{self, Upscaling};
 
-/// Width of the table, in points.
+/// Width of the table of errors and times, in points.
 const TABLE_POINTS: f32 = 660.0;
 
 /// Width of a column of the table, in points.
 const FIGURE_POINTS: f32 = 62.0;
 
-/// Headings of the figures, with their explanations.
+/// Headings of the table's columns of figures, with their tooltips.
 const HEADINGS: [(&str, &str); 6] = [
     ("ms", "Median time of a frame"),
-    ("FLIP", "Mean over the frames; ranks the methods"),
-    ("worst", "FLIP of the worst frame"),
-    ("at rest", "FLIP of the settled still view"),
-    ("PSNR dB", "From the mean squared error over the frames"),
-    ("SSIM", "Mean over the frames"),
+    ("FLIP", "Mean FLIP error over the frames, which ranks the upscalers"),
+    ("worst", "FLIP error of the worst frame"),
+    ("at rest", "FLIP error of the still view after it has converged"),
+    ("PSNR dB", "PSNR of the mean squared error over the frames"),
+    ("SSIM", "Mean SSIM over the frames"),
 ];
 
 /// Radius around a point within which a click selects it, in points.
 const NEAR_POINTS: f32 = 12.0;
 
-/// Distance of the lane for error-free pictures below the smallest error, in powers of ten.
+/// Distance of the line of error-free pictures below the smallest error, in powers of ten.
 const LANE: f64 = 0.4;
 
-/// Draws the buttons beside the tabs.
+/// Draws the controls of the tab “Error vs time”, beside the tabs.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if let Some(measuring) = session.measuring {
-        if ui.button("Cancel").on_hover_text("Stop; results so far stay").clicked() {
+        if ui.button("Cancel").on_hover_text("Stop the measurement; the results so far stay").clicked() {
             commands.push(Command::CancelMeasure);
         }
         ui.add(ProgressBar::new(measuring.progress).desired_width(200.0).show_percentage());
     } else {
         let measure = Button::new((crate::ui::theme::icon(Icon::Timer), "Measure error and time"));
-        let help = "Draws every upscaler in interleaved rounds and compares the same frames with the reference, each \
-                    at its own camera; takes a minute or more in motion, some seconds still";
+        let help = "Times every upscaler in interleaved rounds, and compares each frame with the reference for the \
+                    same camera. Takes a minute or more in motion, and a few seconds for a still view";
         if ui.add(measure).on_hover_text(help).clicked() {
             commands.push(Command::Measure);
         }
@@ -63,9 +63,9 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
     let viewport = session.viewport();
     let fits = session.timings.measurement_fits(&session.request());
     let text = match (session.timings.measurement_request(), fits) {
-        (None, _) => "Click a point to show it as B; Shift+click: A".to_owned(),
+        (None, _) => "Click a point to show it as picture B, Shift+click to show it as A".to_owned(),
         (Some(measured), true) => format!(
-            "Reference: {} · {} · {} × {} px · {}{} · click a point: B; Shift+click: A",
+            "Reference: {} · {} · {} × {} px · {}{} · Click a point: show as B, Shift+click: as A",
             measured.reference.name(),
             session.scene.name,
             viewport.width,
@@ -73,21 +73,22 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
             motion(session, measured.turn),
             session.timings.noise().map(|noise| format!(" · noise floor {}", noise.words())).unwrap_or_default()
         ),
-        (Some(_), false) => "Measured with another scene, view, size or setting than the one on screen".to_owned(),
+        (Some(_), false) => "Measured with another scene, view, size or setting than that on screen".to_owned(),
     };
     ui.add(egui::Label::new(RichText::new(text).color(tokens(ui).text_weak)).truncate());
 }
 
-/// Draws the switch between a moving camera and a still view, which applies to the next measurement.
+/// Draws the switch between a moving camera and a still view for the next measurement.
 fn motion_switch(ui: &mut Ui, present: Turn, commands: &mut Vec<Command>) {
     let Turn { degrees, frames } = Turn::default();
     let moving = format!("In motion ({degrees}° per frame)");
     let help = format!(
-        "The camera orbits by {degrees}° per frame over {frames} frames, after {} more for methods with history; the \
-         mean error over the frames ranks the methods",
+        "The camera orbits by {degrees}° per frame over {frames} frames, after {} warm-up frames for upscalers with \
+         history; the mean error over the frames ranks the upscalers",
         Turn::WARM_UP
     );
-    for (is_still, name, help) in [(false, &*moving, &*help), (true, "Still", "One view, drawn until it has settled")] {
+    for (is_still, name, help) in [(false, &*moving, &*help), (true, "Still", "One view, drawn until it has converged")]
+    {
         let is_present = present.is_still() == is_still;
         if ui.selectable_label(is_present, name).on_hover_text(help).clicked() && !is_present {
             commands.push(Command::MeasureOver(if is_still { Turn::STILL } else { Turn::default() }));
@@ -95,7 +96,7 @@ fn motion_switch(ui: &mut Ui, present: Turn, commands: &mut Vec<Command>) {
     }
 }
 
-/// Describes the camera motion of the measurement, and the number of frames judged so far.
+/// Describes the camera motion of the measurement, and the number of frames measured so far.
 fn motion(session: &Session, turn: Turn) -> String {
     if turn.is_still() {
         return "still".to_owned();
@@ -105,7 +106,7 @@ fn motion(session: &Session, turn: Turn) -> String {
     format!("in motion: {fewest} of {} frames, {}° per frame", turn.frames, turn.degrees)
 }
 
-/// Draws the plot and the table.
+/// Draws the plot and the table of error and time.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let points = session.timings.tradeoff();
     let in_motion = session.timings.measurement_request().is_some_and(|measured| !measured.turn.is_still());
@@ -116,7 +117,7 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
             ui,
             Icon::ChartScatter,
             "No measurement yet",
-            "“Measure error and time” draws the current scene, view and size with every upscaler.",
+            "“Measure error and time” measures every upscaler on the current scene, view and size.",
         );
         return;
     }
@@ -141,36 +142,36 @@ fn choose(session: &Session, tile: usize, upscaling: Upscaling, commands: &mut V
     }
 }
 
-/// Returns the colour of a method.
+/// Returns the plot colour of an upscaler.
 fn color(ui: &Ui, upscaling: Upscaling) -> Color32 {
     let colors = tokens(ui).series;
     let place = upscale::ALL.iter().position(|upscaler| upscaler.id() == upscaling.method());
     colors[place.unwrap_or(0) % colors.len()]
 }
 
-/// Returns the error that ranks a method.
+/// Returns the mean FLIP error in motion, which ranks the upscalers.
 fn flip(point: &TradeOff) -> f64 {
     point.error.motion.mean.flip
 }
 
-/// Describes the Pareto standing of a method.
+/// Describes the position of an upscaler relative to the Pareto front.
 fn standing(point: &TradeOff) -> String {
     match point.standing {
-        Standing::Front => "On the Pareto front: no other is better in both".to_owned(),
+        Standing::Front => "On the Pareto front: no other upscaler has both less error and less time".to_owned(),
         Standing::WithinNoise(other) => {
-            format!("Not clearly better: {} has less error, and its time is {WITHIN}", other.label())
+            format!("Not clearly better than {}, which has less error and a time {WITHIN}", other.label())
         }
         Standing::Beaten(by) => format!("Dominated by {}", by.label()),
     }
 }
 
-/// Returns the plot position of a point, as base-10 logarithms of time and error. Error-free pictures lie at `lane`.
+/// Returns the plot position of a point: base-10 logarithms of time and error. Error-free pictures lie at `lane`.
 fn place(point: &TradeOff, lane: f64) -> [f64; 2] {
     let error = flip(point);
     [point.ms.median.max(f64::MIN_POSITIVE).log10(), if error > 0.0 { error.log10() } else { lane }]
 }
 
-/// Draws all points. Returns the one that was clicked.
+/// Draws the plot of all upscalers. Returns the one that was clicked.
 fn plot(ui: &mut Ui, points: &[TradeOff], in_motion: bool, size: egui::Vec2) -> Option<Upscaling> {
     let least = points.iter().map(flip).filter(|error| *error > 0.0).fold(1.0, f64::min);
     let lane = least.log10() - LANE;
@@ -235,7 +236,7 @@ fn name_points(ui: &Ui, points: &[TradeOff], position: impl Fn(&TradeOff) -> egu
     }
 }
 
-/// Returns the Pareto front as a staircase of separate lines, because a single line would be filled at its corners.
+/// Returns the Pareto front as separate line segments, because a single line would be filled at its corners.
 fn front(points: &[TradeOff], lane: f64) -> Vec<Line<'static>> {
     let mut best: Vec<_> =
         points.iter().filter(|point| point.standing == Standing::Front).map(|p| place(p, lane)).collect();

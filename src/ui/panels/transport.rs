@@ -1,4 +1,4 @@
-//! The toolbar above the canvas: which stage or buffer is shown, its scale, and the pointer mode.
+//! The toolbar above the canvas: selection of a stage or buffer, tool buttons, zoom, and pointer mode.
 
 use eframe::egui::{self, Button, RichText, Ui, WidgetInfo};
 
@@ -15,7 +15,7 @@ use crate::ui::theme::{self, CONTROL_HEIGHT, Icon, tokens};
 use crate::ui::what_if;
 use crate::ui::widgets::{combo, icon_button};
 
-/// Draws the toolbar. `scale` is the enlargement on screen; `None` means that the picture is fitted.
+/// Draws the toolbar. `scale` is the zoom of the picture; `None` means that the picture is fitted to the canvas.
 pub(crate) fn toolbar(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &mut Vec<Command>) {
     ui.horizontal_centered(|ui| {
         stages(ui, session, commands);
@@ -27,10 +27,10 @@ pub(crate) fn toolbar(ui: &mut Ui, session: &Session, scale: Option<f32>, comman
     });
 }
 
-/// Tool buttons in order of priority. A narrow bar drops them from the end; keys, menu and palette offer them, too.
+/// Tool buttons in order of priority. A narrow toolbar drops the last ones, which keys, menu and palette also offer.
 const OPENERS: [Opener; 5] = [Opener::Overlays, Opener::Tiles, Opener::Outside, Opener::WhatIf, Opener::Range];
 
-/// Tool that has a button.
+/// Tool with a button in the toolbar.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Opener {
     Tiles,
@@ -43,7 +43,7 @@ enum Opener {
 fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     /// Width reserved for the list of buffers and stages with its two buttons and for the pointer mode, in points.
     const ALWAYS: f32 = 230.0;
-    /// Width of one more button, in points.
+    /// Width of a tool button with its spacing, in points.
     const ONE: f32 = CONTROL_HEIGHT + theme::space::S;
     let room = ((ui.available_width() - ALWAYS) / ONE).max(0.0) as usize;
     let shows = |opener| OPENERS.iter().take(room).any(|shown| *shown == opener);
@@ -82,16 +82,15 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if shows(Opener::Tiles) && icon_button(ui, Icon::Columns2, "Compare pictures side by side  (T)").clicked() {
         commands.push(Command::Compare(CompareChange::Toggle(Mode::Tiles)));
     }
-    if shows(Opener::WhatIf) && icon_button(ui, Icon::Diff, "Show what the last change of a setting did  (X)").clicked()
-    {
+    if shows(Opener::WhatIf) && icon_button(ui, Icon::Diff, "Show the effect of the last change  (X)").clicked() {
         commands.push(Command::WhatIf(what_if::WhatIfChange::Toggle));
     }
     if shows(Opener::Outside)
-        && icon_button(ui, Icon::Box, "Show the scene from outside, with the view frustum  (M)").clicked()
+        && icon_button(ui, Icon::Box, "Show the mesh view: the scene from a second camera  (M)").clicked()
     {
         commands.push(Command::MeshView(mesh_view::MeshViewChange::Toggle));
     }
-    let help = "Show range and histogram on the picture";
+    let help = "Show the range controls and the histogram over the picture";
     if shows(Opener::Range) && icon_button(ui, Icon::ChartColumn, help).clicked() {
         commands.push(Command::Range(range::RangeChange::Open(!session.range.open)));
     }
@@ -104,7 +103,7 @@ fn overlays_button(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) 
     let count = session.overlays.count();
     let name = if count > 0 { format!("Overlays ({count})") } else { "Overlays".to_owned() };
     let text = if count > 0 { count.to_string() } else { String::new() };
-    let help = "edges, counts, sizes and faults on the picture, each with a legend  (O)";
+    let help = "edges, counts, sizes and faults over the picture, each with a legend  (O)";
     let button = Button::selectable(session.overlays.open, (theme::icon(Icon::Layers), text));
     let response = ui.add(button).on_hover_text(format!("{name}: {help}"));
     response.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, session.overlays.open, &name));
@@ -115,12 +114,12 @@ fn overlays_button(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) 
 
 fn pointer_mode(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let modes = [
-        (PointerMode::Camera, Icon::Rotate3d, "Camera mode", "Drag: orbit, wheel: dolly, W A S D Q E: fly  (C)"),
+        (PointerMode::Camera, Icon::Rotate3d, "Camera mode", "drag to orbit, scroll to dolly, W A S D Q E to fly  (C)"),
         (
             PointerMode::Inspect,
             Icon::MousePointer2,
             "Inspect mode",
-            "Drag: move the picture, wheel: zoom, middle-drag: orbit  (C)",
+            "drag to move the picture, scroll to zoom, middle-drag to orbit  (C)",
         ),
     ];
     for (mode, icon, name, help) in modes {
@@ -133,13 +132,13 @@ fn pointer_mode(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     }
 }
 
-/// Minimum free width for the two zoom buttons, in points. In a narrower bar only menu and keys offer them.
+/// Minimum free width for the two zoom buttons, in points. In a narrower toolbar, only the menu and keys offer them.
 const ZOOM_POINTS: f32 = 64.0;
 
-/// Minimum free width for picture size and scale as text, in points.
+/// Minimum free width for picture size and zoom as text, in points.
 const FIGURES_POINTS: f32 = 160.0;
 
-/// Minimum free width for the scale alone, in points.
+/// Minimum free width for the zoom alone as text, in points.
 const ENLARGEMENT_POINTS: f32 = 56.0;
 
 fn zoom(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &mut Vec<Command>) {
@@ -149,7 +148,7 @@ fn zoom(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &mut Vec<C
     if icon_button(ui, Icon::Maximize, "Fit the picture into the canvas  (F)").clicked() {
         commands.push(Command::ZoomFit);
     }
-    if icon_button(ui, Icon::Square, "One picture pixel per screen pixel  (0)").clicked() {
+    if icon_button(ui, Icon::Square, "Show one picture pixel per screen pixel  (0)").clicked() {
         commands.push(Command::ZoomOne);
     }
     let viewport = session.viewport();

@@ -27,13 +27,13 @@ use crate::upscale::{FilterSpace, Upscaling};
 /// Minimum and maximum side of a grid cell, in points.
 const CELL: (f32, f32) = (16.0, 44.0);
 
-/// Minimum side of a cell that shows its weight, in points.
+/// Minimum side of a grid cell that shows its weight, in points.
 const WEIGHT_FROM: f32 = 30.0;
 
 /// Width of each plot and of the two zone plate pictures, in points.
 const PLOT: f32 = 190.0;
 
-/// Draws the panel.
+/// Draws the tab “X-ray” for the picked pixel.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let picked = session.view.as_ref().and_then(|view| {
         let how = view.request.recipe.upscaler;
@@ -42,9 +42,9 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     });
     let Some((view, how, at, mixture)) = picked else {
         let how =
-            "Click a pixel of the picture to list the samples that the upscaler mixed it from, each with its weight.";
+            "Click a pixel of the picture to list the samples that it was reconstructed from, with their weights.";
         ui.set_min_height(ui.available_height());
-        empty_state(ui, Icon::ScanSearch, "No pixel is picked", how);
+        empty_state(ui, Icon::ScanSearch, "No pixel picked", how);
         return;
     };
     /// Height of the scroll bar at the bottom, in points.
@@ -78,7 +78,7 @@ fn heading(ui: &mut Ui, text: &str, help: &str) {
     ui.label(RichText::new(text).small().color(tokens(ui).text_weak)).on_hover_text(help);
 }
 
-/// Returns the distinct values in ascending order; their indices are gap-free grid positions.
+/// Returns the distinct values in ascending order. The index of a value is its position on a grid without gaps.
 fn ranks(values: impl Iterator<Item = u32>) -> Vec<u32> {
     values.collect::<BTreeSet<_>>().into_iter().collect()
 }
@@ -88,10 +88,10 @@ fn cell_of(columns: usize, rows: usize, height: f32) -> f32 {
     room.min(260.0 / columns.max(1) as f32).clamp(CELL.0, CELL.1).floor()
 }
 
-/// Draws the samples in their relative positions. Returns the one under the pointer.
+/// Draws the samples of the picked pixel in their relative positions. Returns the one under the pointer.
 fn sources(ui: &mut Ui, how: Upscaling, at: (u32, u32), mixture: &Mixture, height: f32) -> Option<(u32, u32)> {
     let title = format!("Pixel {}, {} · {} · {}", at.0, at.1, how.label(), counted(mixture.sources.len(), "sample"));
-    heading(ui, &title, "The drawn samples that this pixel was mixed from, with their weights");
+    heading(ui, &title, "Drawn samples from which this pixel was reconstructed, with their weights");
     let columns = ranks(mixture.sources.iter().map(|source| source.tap.x));
     let rows = ranks(mixture.sources.iter().map(|source| source.tap.y));
     let cell = cell_of(columns.len(), rows.len(), height);
@@ -131,12 +131,12 @@ fn feeds(
     commands: &mut Vec<Command>,
 ) {
     let fed = known_fed(ui, view, how, sample);
-    let title = format!("Sample {}, {} feeds {}", sample.0, sample.1, counted(fed.len(), "pixel"));
+    let title = format!("Sample {}, {} contributes to {}", sample.0, sample.1, counted(fed.len(), "pixel"));
     heading(
         ui,
         &title,
-        "Its weight in each pixel: brighter is more; a dot marks negative weights. Hover another sample on the left to \
-         show its pixels",
+        "Weight of this sample in each pixel: brighter is greater, and a dot marks a negative weight. Hover over \
+         another sample on the left to show its pixels",
     );
     let (columns, rows) = (ranks(fed.iter().map(|(at, _)| at.0)), ranks(fed.iter().map(|(at, _)| at.1)));
     let room = (height - 24.0) / rows.len().max(1) as f32;
@@ -170,8 +170,8 @@ fn feeds(
 /// Draws the weights, their sum, the weighted sum of colours, and the effect of clamping and rounding.
 fn sums(ui: &mut Ui, how: Upscaling, mixture: &Mixture, height: f32) {
     const COLUMN: f32 = 66.0;
-    let what = if how.light() == FilterSpace::Linear { "linear light" } else { "codes" };
-    heading(ui, &format!("Weighted sum of {what}"), "Sum of red, green and blue of each sample times its weight");
+    let what = if how.light() == FilterSpace::Linear { "linear light" } else { "sRGB codes" };
+    heading(ui, &format!("Weighted sum of {what}"), "Sum over all samples of red, green and blue times the weight");
     ScrollArea::vertical().id_salt("weights").max_height((height - 20.0).max(60.0)).show(ui, |ui| {
         egui::Grid::new("sums").num_columns(4).spacing([6.0, 1.0]).show(ui, |ui| {
             let mut line = |name: &str, values: [String; 3], strong: bool| {
@@ -196,20 +196,20 @@ fn sums(ui: &mut Ui, how: Upscaling, mixture: &Mixture, height: f32) {
                 "These are the samples of the current frame. The rest of the pixel comes from the history of earlier \
                  frames."
             }
-            (_, true) => "The method also clamps the result between the nearest samples, or sharpens it.",
-            (true, false) => "The sum left the range of codes and was clamped.",
-            (false, false) => "Nothing was clamped.",
+            (_, true) => "The upscaler also clamps the result to the range of the nearest samples, or sharpens it.",
+            (true, false) => "The sum was outside 0…255 and was clamped.",
+            (false, false) => "The sum was within 0…255, so it was not clamped.",
         };
         ui.add(egui::Label::new(RichText::new(note).small().color(tokens(ui).text_weak)).wrap());
     });
 }
 
-/// Formats a count with its noun.
+/// Formats a count with its noun, in the plural unless it is 1.
 fn counted(count: usize, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
-/// Pixels, each with the weight of a sample in it.
+/// Pixels that a sample contributes to, each with the weight of the sample.
 type FedPixels = Arc<[((u32, u32), f32)]>;
 
 /// Cached pixels that a sample contributes to: finding them visits all surrounding pixels, too many for every pass.
@@ -262,9 +262,10 @@ fn known(ui: &Ui, how: Upscaling) -> ResponseCache {
 fn responses(ui: &mut Ui, how: Upscaling, height: f32) {
     let ResponseCache { responses, plates, .. } = known(ui, how);
     let (low, high) = responses.overshoot();
-    let overshoot = format!("Step: {} under, {} over", format::percent(0.0 - low), format::percent(high - 1.0));
-    curve(ui, "Impulse", "One bright sample among dark ones, along its row", &responses.impulse, height);
-    curve(ui, &overshoot, "An edge from dark to bright: values beyond 0 and 1 are ringing", &responses.step, height);
+    let overshoot =
+        format!("Step: undershoot {}, overshoot {}", format::percent(0.0 - low), format::percent(high - 1.0));
+    curve(ui, "Impulse", "Response to one bright sample among dark ones, along its row", &responses.impulse, height);
+    curve(ui, &overshoot, "Response to an edge: values outside 0…1 are ringing", &responses.step, height);
     let side = (height - 24.0).clamp(48.0, PLOT);
     let names = ["Zone plate", "Native"];
     for (texture, name) in plates.iter().zip(names) {
@@ -273,7 +274,7 @@ fn responses(ui: &mut Ui, how: Upscaling, height: f32) {
             heading(
                 ui,
                 name,
-                "Rings as fine as 2 px at the border: where they turn into other rings, the picture is aliased",
+                "Concentric rings, as fine as 2 px at the border. Rings around other centres are aliasing",
             );
             let (rect, response) = ui.allocate_exact_size(vec2(side, side), Sense::hover());
             let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));

@@ -8,15 +8,15 @@ use crate::ui::session::Session;
 use crate::ui::theme::{CONTROL_HEIGHT, Icon, tokens};
 use crate::ui::widgets::{empty_state, icon_button};
 
-/// Width of a name, in points.
+/// Width of the name field of a bookmark, in points.
 const NAME_POINTS: f32 = 270.0;
 
-/// Draws the list. Returns whether it should close.
+/// Draws the list of bookmarks. Returns whether the dialog should close.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) -> bool {
     let bookmarks = &session.places.bookmarks;
     let mut changes = Vec::new();
     if bookmarks.is_empty() {
-        let help = "Ctrl+B saves scene, view, settings, the shown buffer or stage, and the picked pixel under a name.";
+        let help = "Ctrl+B bookmarks scene, view, settings, the shown buffer or stage, and the picked pixel.";
         empty_state(ui, Icon::Bookmark, "No bookmarks yet", help);
     }
     let height = ui.ctx().content_rect().height() * 0.6;

@@ -1,4 +1,4 @@
-//! The “Go” menu: search, history, the command line of the current place, and bookmarks.
+//! The menu “Go”: search, history, the command line of the current place, and bookmarks.
 
 use eframe::egui::{Button, Ui};
 
@@ -7,10 +7,10 @@ use crate::ui::command::{BINDINGS, Command};
 use crate::ui::key_sheet::key_name;
 use crate::ui::session::Session;
 
-/// Maximum number of bookmarks in the menu; the bookmark list shows them all.
+/// Maximum number of bookmarks in the menu; the list of bookmarks shows all of them.
 const LISTED: usize = 20;
 
-/// Draws the entries of the menu.
+/// Draws the entries of the menu “Go”.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let mut entry = |ui: &mut Ui, enabled: bool, name: &str, command: Command| {
         let mut button = Button::new(name);
@@ -23,15 +23,15 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         }
     };
     let visits = &session.places.visits;
-    entry(ui, true, "Find anything …", Command::OpenPalette);
-    entry(ui, true, "Go to …", Command::ShowPixelDialog);
+    entry(ui, true, "Find anything…", Command::OpenPalette);
+    entry(ui, true, "Go to…", Command::ShowPixelDialog);
     ui.separator();
     entry(ui, visits.can_go_back(), "Back to the previous place", Command::Place(PlaceChange::Back));
     entry(ui, visits.can_go_forward(), "Forward to the next place", Command::Place(PlaceChange::Forward));
     ui.separator();
     entry(ui, true, "Copy as command", Command::Place(PlaceChange::Copy));
     entry(ui, true, "Bookmark this place", Command::Place(PlaceChange::Bookmark));
-    entry(ui, true, "Bookmarks …", Command::Place(PlaceChange::Manage));
+    entry(ui, true, "Bookmarks…", Command::Place(PlaceChange::Manage));
     for (number, bookmark) in session.places.bookmarks.iter().take(LISTED).enumerate() {
         entry(ui, true, &bookmark.name, Command::Place(PlaceChange::Jump(number)));
     }

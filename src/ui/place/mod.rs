@@ -1,5 +1,5 @@
-//! Places: bookmarks that persist between runs, the history of what was inspected, and the whole state as one command
-//! line.
+//! Bookmarks and history of places. A place is the state of an inspection: scene, camera, settings, what is shown, and
+//! the picked pixel. It can be written as one command line.
 
 pub(crate) mod bookmarks;
 
@@ -22,16 +22,16 @@ use visits::Visits;
 /// Maximum number of bookmarks.
 const MAX_BOOKMARKS: usize = 200;
 
-/// Named place.
+/// Place that was saved under a name.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Bookmark {
-    /// Display name.
+    /// Display name of the bookmark.
     pub name: String,
     /// Place that the bookmark opens.
     pub place: InspectionState,
 }
 
-/// Bookmarks, history, and a place being opened.
+/// Bookmarks, history of visited places, and the place being opened.
 #[derive(Clone, Debug, Default)]
 pub struct Places {
     /// Bookmarks, in the order of their keys.
@@ -42,7 +42,7 @@ pub struct Places {
     pub(crate) pending: Option<InspectionState>,
 }
 
-/// Change of places.
+/// Change to the bookmarks or to the current place.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PlaceChange {
     /// Copies the command line that opens this place to the clipboard.
@@ -57,17 +57,17 @@ pub enum PlaceChange {
     Remove(usize),
     /// Opens the list of bookmarks, to rename and delete them.
     Manage,
-    /// Goes one visit back.
+    /// Goes back to the previous visit.
     Back,
-    /// Goes one visit forward.
+    /// Goes forward to the next visit.
     Forward,
     /// Opens a place.
     Go(Box<InspectionState>),
-    /// Searches the frame for something, and picks a pixel that shows it.
+    /// Searches the frame for a target, and picks a pixel that shows it.
     Find(SearchTarget),
 }
 
-/// Returns the command that goes to something.
+/// Returns the command that goes to a search target.
 pub(crate) fn go_to(wanted: SearchTarget) -> Command {
     match wanted {
         SearchTarget::Pixel(x, y) => Command::Pick(Some((x, y))),
@@ -76,12 +76,12 @@ pub(crate) fn go_to(wanted: SearchTarget) -> Command {
 }
 
 impl Session {
-    /// Parses a typed destination. Returns a message if it does not exist.
+    /// Parses a typed destination. The error is a message that says what does not exist.
     pub(crate) fn search_target(&self, text: &str) -> Result<SearchTarget, String> {
         SearchTarget::parse(text, &self.scene, self.viewport(), vertices::picked_object(self))
     }
 
-    /// Returns the current place.
+    /// Returns the current place: scene, camera, settings, what is shown, and the picked pixel.
     pub fn place(&self) -> InspectionState {
         let (buffer, stage, number) = match self.shown {
             Shown::Buffer(buffer) => (buffer, None, None),
@@ -118,7 +118,7 @@ impl Session {
         InspectionState { picture: Some((viewport.width, viewport.height)), ..self.place() }.command_line()
     }
 
-    /// Applies a change of places. Returns a command for what concerns the window or the disk.
+    /// Applies a change. Returns a command that the window must run to complete it, such as opening a file.
     pub(crate) fn change_places(&mut self, change: PlaceChange) -> Option<Command> {
         let bookmarks = &mut self.places.bookmarks;
         match change {
@@ -163,7 +163,7 @@ impl Session {
             }
             SearchResult::Hidden(pixel, count) => (
                 Severity::Error,
-                format!("{words} is hidden: it covers {count} drawn pixels and wins none"),
+                format!("{words} is hidden: it covers {count} drawn pixels, but is visible at none"),
                 Some(*pixel),
             ),
             SearchResult::At(pixel, told) => (Severity::Info, told.clone(), Some(*pixel)),
@@ -199,7 +199,7 @@ impl Session {
         let place = self.place();
         let name = format!("{}: {}", self.scene.name, place.words());
         if self.places.bookmarks.len() == MAX_BOOKMARKS {
-            self.report(Severity::Error, format!("Cannot keep more than {MAX_BOOKMARKS} bookmarks: delete some first"));
+            self.report(Severity::Error, format!("Cannot add more than {MAX_BOOKMARKS} bookmarks: delete some first"));
             return;
         }
         self.places.bookmarks.push(Bookmark { name: name.clone(), place });
@@ -208,7 +208,7 @@ impl Session {
         self.report(Severity::Info, format!("Bookmarked {name}{key}"));
     }
 
-    /// Opens a place, at once if its scene is loaded, else once it is.
+    /// Opens a place: immediately if its scene is loaded, otherwise after loading it.
     fn go(&mut self, place: InspectionState) -> Option<Command> {
         if let Err(reason) = place.check() {
             self.report(Severity::Error, format!("Cannot show this place: {reason}"));

@@ -24,7 +24,7 @@ fn wander(session: &mut Session) {
 }
 
 #[test]
-fn a_number_on_the_way_its_colours_and_overlays_are_part_of_a_place() {
+fn a_bookmark_restores_an_intermediate_value_with_its_colours_and_overlays() {
     let mut session = session("triangle");
     wander(&mut session);
     session.shown = Shown::Intermediate(Intermediate::Cosine);
@@ -52,7 +52,7 @@ fn a_number_on_the_way_its_colours_and_overlays_are_part_of_a_place() {
 }
 
 #[test]
-fn going_back_looks_at_what_was_seen_and_leaves_colours_and_overlays() {
+fn going_back_restores_what_was_shown_but_not_colours_and_overlays() {
     let mut session = session("triangle");
     session.canvas_px = (64, 48);
     session.view = Some(crate::ui::engine::Engine::default().answer(session.request()));
@@ -63,14 +63,14 @@ fn going_back_looks_at_what_was_seen_and_leaves_colours_and_overlays() {
     session.range.show_by("map=grey".parse().unwrap(), session.shown);
     session.note_visit(20.0);
     session.apply(Command::Place(PlaceChange::Back));
-    assert_eq!(session.shown, Shown::Buffer(Buffer::Color), "colours and overlays are no visit");
+    assert_eq!(session.shown, Shown::Buffer(Buffer::Color), "changes of colours and overlays are not visits");
     assert_eq!(session.overlays.layers.len(), 1);
     session.apply(Command::Place(PlaceChange::Forward));
     assert_eq!(session.place().display, "map=grey".parse().unwrap());
 }
 
 #[test]
-fn a_bookmark_leads_back_to_everything_that_was_there() {
+fn a_bookmark_restores_the_whole_place() {
     let mut session = session("triangle");
     wander(&mut session);
     let (there, request) = (session.place(), session.request());
@@ -98,11 +98,11 @@ fn a_bookmark_of_another_scene_opens_it_first() {
     let triangle = SceneSource::named("triangle".into());
     session.show_scene(triangle.load().unwrap().scene, triangle);
     assert_eq!(session.place(), there);
-    assert!(!session.can_undo(), "undo does not lead into another scene's view");
+    assert!(!session.can_undo(), "undo must not restore the view of another scene");
 }
 
 #[test]
-fn bookmarks_are_kept_between_runs_renamed_and_forgotten() {
+fn bookmarks_persist_and_can_be_renamed_and_deleted() {
     let mut session = session("triangle");
     wander(&mut session);
     for change in [
@@ -119,11 +119,11 @@ fn bookmarks_are_kept_between_runs_renamed_and_forgotten() {
     assert_eq!(again.bookmarks, session.places.bookmarks);
     assert_eq!(again.bookmarks.iter().map(|b| b.name.as_str()).collect::<Vec<_>>(), ["second"]);
     session.apply(Command::Place(PlaceChange::Remove(7)));
-    assert_eq!(session.places.bookmarks.len(), 1, "there is no eighth");
+    assert_eq!(session.places.bookmarks.len(), 1, "there is no eighth bookmark");
 }
 
 #[test]
-fn what_is_damaged_is_told_and_not_gone_to() {
+fn an_invalid_place_is_reported_and_not_opened() {
     let mut session = session("triangle");
     let mut place = session.place();
     place.camera.near = -1.0;

@@ -2,11 +2,11 @@
 
 use crate::inspect::InspectionState;
 
-/// Maximum number of visits.
+/// Maximum number of visits in the history.
 const MAX_VISITS: usize = 200;
 
-/// Maximum time between changes of camera or pixel that count as one visit, such as dragging, wheel notches or held
-/// arrow keys.
+/// Maximum time, in seconds, between changes of camera or pixel that count as one visit, such as dragging, scrolling or
+/// held arrow keys.
 const ONE_MOVE_SECONDS: f64 = 0.6;
 
 /// Past, current and future visits.
@@ -30,7 +30,7 @@ impl Visits {
         !self.future.is_empty()
     }
 
-    /// Records the current place; `now` in seconds. Changing settings or clearing the pick is no visit.
+    /// Records the current place at time `now`, in seconds. Changing settings or clearing the pick is not a visit.
     pub(crate) fn note(&mut self, place: InspectionState, now: f64) {
         let Some(here) = &self.here else {
             self.here = Some(place);
@@ -59,7 +59,7 @@ impl Visits {
         self.future.clear();
     }
 
-    /// Goes one visit back, or forward. Returns its place.
+    /// Goes one visit back or forward. Returns the place of that visit; `None` at the end of the history.
     pub(crate) fn travel(&mut self, back: bool) -> Option<InspectionState> {
         let (from, to) = if back { (&mut self.past, &mut self.future) } else { (&mut self.future, &mut self.past) };
         let place = from.pop()?;
@@ -79,7 +79,7 @@ impl Visits {
     }
 }
 
-/// Whether both places show the same thing, ignoring recipe, picture size, display and overlays.
+/// Whether two places are equal apart from recipe, picture size, display settings and overlays.
 fn same_sight(a: &InspectionState, b: &InspectionState) -> bool {
     InspectionState {
         recipe: b.recipe,
@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn the_way_back_is_the_way_that_was_gone() {
+    fn back_and_forward_retrace_the_visits() {
         let mut visits = Visits::default();
         for step in 0..4 {
             visits.note(place(step), f64::from(step) * 10.0);
@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn moves_in_a_row_are_one_visit_and_stages_are_their_own() {
+    fn quick_moves_are_one_visit_and_a_change_of_stage_is_another() {
         let mut visits = Visits::default();
         for (step, seconds) in [(0, 10.0), (1, 20.0), (2, 20.1), (3, 20.2)] {
             visits.note(place(step), seconds);
@@ -143,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn a_setting_or_dropping_the_pick_is_no_visit_and_a_new_one_ends_the_way_forward() {
+    fn settings_and_clearing_the_pick_are_not_visits_and_a_new_visit_clears_the_future() {
         let mut visits = Visits::default();
         visits.note(place(0), 0.0);
         let mut other = place(0);

@@ -1,4 +1,4 @@
-//! Legend of the heat map, in a corner of the picture.
+//! Legend of the stability probe's heat map, in a corner of the canvas.
 
 use eframe::egui::{Align2, Color32, FontId, Rect, Ui, Vec2, vec2};
 
@@ -7,13 +7,13 @@ use crate::inspect::probe::map_color;
 use crate::pipeline::settings::Choice as _;
 use crate::ui::theme::{RADIUS, font_size, space, tokens};
 
-/// Width of the bar, in points.
+/// Width of the colour bar, in points.
 const WIDTH: f32 = 220.0;
 
-/// Height of the bar, in points.
+/// Height of the colour bar, in points.
 const BAR: f32 = 8.0;
 
-/// Draws the legend into the lower left corner of the canvas.
+/// Draws the legend in the lower left corner of the canvas.
 pub(crate) fn legend(ui: &Ui, canvas: Rect, probing: &ProbeState) {
     let (Some(found), Some(heat), Some((_, most))) = (&probing.found, probing.heat, &probing.picture) else { return };
     let painter = ui.painter().with_clip_rect(canvas);

@@ -26,18 +26,18 @@ pub(crate) use panel::ui;
 pub struct ProbeState {
     /// Settings of the next probe.
     pub probe: Probe,
-    /// Last result.
+    /// Last result of a probe.
     pub found: Option<Arc<ProbeResult>>,
-    /// Completed share of the running probe, in [0, 1].
+    /// Completed share of the running probe, in [0, 1]; `None` if none is running.
     pub(crate) progress: Option<f32>,
     /// Heat map shown over the picture, if any.
     pub(crate) heat: Option<Heat>,
-    /// Heat map as an image, and the number of runs denoted by its brightest colour.
+    /// Heat map as an image, and the number of runs that its brightest colour denotes.
     picture: Option<(Arc<Image<Rgba8>>, u16)>,
     task: Option<BackgroundTask<f32, ProbeResult>>,
 }
 
-/// Change of the stability probe.
+/// Change to the stability probe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ProbeChange {
     /// Sets the settings of the next probe.
@@ -46,17 +46,17 @@ pub enum ProbeChange {
     Start,
     /// Cancels the probe; the last result stays.
     Cancel,
-    /// Shows a heat map over the picture, or none.
+    /// Shows a heat map over the picture; `None` hides it.
     Show(Option<Heat>),
     /// Restores the camera, settings and picture size of the last result.
     GoBack,
-    /// Picks the worst pixel of a triangle.
+    /// Picks the worst pixel of an unstable triangle.
     GoTo(Fragile),
-    /// Saves a triangle as a case.
+    /// Saves an unstable triangle as a case.
     SaveCase(Fragile),
 }
 
-/// Action left to the window after a change.
+/// Action that the window must perform after a change.
 #[derive(Debug, PartialEq)]
 pub(crate) enum WindowAction {
     /// No action.
@@ -67,7 +67,7 @@ pub(crate) enum WindowAction {
     Write(Box<MinimalCase>),
 }
 
-/// Applies a change. Returns the action left to the window.
+/// Applies a change to the probe. Returns the action that the window must perform.
 pub(crate) fn apply(session: &mut Session, context: &Context, change: ProbeChange) -> WindowAction {
     match change {
         ProbeChange::Set(probe) => session.probing.probe = probe,
@@ -101,7 +101,7 @@ pub(crate) fn apply(session: &mut Session, context: &Context, change: ProbeChang
     WindowAction::Nothing
 }
 
-/// Handles the progress and the result of the task.
+/// Handles the progress and the result of the background task.
 pub(crate) fn listen(session: &mut Session) {
     let ProbeState { task, progress, .. } = &mut session.probing;
     let Some(running) = task else { return };
@@ -113,7 +113,7 @@ pub(crate) fn listen(session: &mut Session) {
                 session.shown = Shown::Buffer(Buffer::Color);
             }
         }
-        TaskStatus::Lost => session.report(Severity::Error, "The probe stopped: internal error"),
+        TaskStatus::Lost => session.report(Severity::Error, "The probe stopped because of an internal error"),
     }
     session.probing.task = None;
 }
@@ -148,7 +148,7 @@ fn case_of(session: &mut Session, fragile: &Fragile) -> WindowAction {
     WindowAction::Write(Box::new(MinimalCase::new(&triangle, fragile.worst_pixel, *viewport, settings, &scene.name)))
 }
 
-/// Returns the pipeline inputs of a request.
+/// Returns the part of a request that determines the probed picture.
 fn subject_of(request: &Request) -> ProbedView {
     let Request { scene, camera, recipe, viewport, .. } = request;
     ProbedView { scene: scene.clone(), camera: *camera, settings: recipe.pipeline, viewport: *viewport }
@@ -197,7 +197,7 @@ mod tests {
     use crate::scene::SceneSource;
 
     #[test]
-    fn a_finding_is_shown_over_the_view_that_it_is_of_and_no_other() {
+    fn the_heat_map_is_shown_only_over_the_probed_view() {
         let source = SceneSource::named("z-fighting".into());
         let scene = Arc::new(source.load().unwrap().scene);
         let home = scene.home;

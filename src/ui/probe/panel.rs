@@ -1,4 +1,4 @@
-//! The “Probe” tab: settings on the left, unstable triangles on the right.
+//! The tab “Probe”: settings on the left, unstable triangles on the right.
 
 use eframe::egui::{self, Button, DragValue, ProgressBar, RichText, ScrollArea, Ui};
 
@@ -12,48 +12,48 @@ use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, ROW_HEIGHT, tokens};
 use crate::ui::widgets::{Status, chip, empty_state, figure, icon_button, row, value_row};
 
-/// Width of the left column, in points.
+/// Width of the column of settings, in points.
 const SETTINGS_POINTS: f32 = 270.0;
 
 /// Width of a column of figures, in points.
 const FIGURE_POINTS: f32 = 104.0;
 
-/// Maximum units in the last place and maximum number of runs selectable in the window.
+/// Largest selectable displacement, in units in the last place, and largest selectable number of runs.
 const MAX_SETTINGS: (u32, u16) = (65_536, 4096);
 
-/// Draws the buttons beside the tabs.
+/// Draws the controls of the tab “Probe”, beside the tabs.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let probing = &session.probing;
     if let Some(progress) = probing.progress {
-        if ui.button("Cancel").on_hover_text("Stop; the last result stays").clicked() {
+        if ui.button("Cancel").on_hover_text("Stop the probe; the last result stays").clicked() {
             commands.push(Command::Probe(ProbeChange::Cancel));
         }
         ui.add(ProgressBar::new(progress).desired_width(200.0).show_percentage());
         return;
     }
-    let help = "Draws the view repeatedly with tiny displacements and counts the pixels that change";
+    let help = "Draws the view repeatedly with a tiny jitter of camera or vertices, and counts the pixels that change";
     let run = Button::new((theme::icon(Icon::Play), "Run the probe"));
     if ui.add(run).on_hover_text(help).clicked() {
         commands.push(Command::Probe(ProbeChange::Start));
     }
     let Some(found) = &probing.found else { return };
     ui.separator();
-    ui.label(RichText::new("On the picture").color(tokens(ui).text_weak));
+    ui.label(RichText::new("Heat map").color(tokens(ui).text_weak));
     let nothing =
-        ui.selectable_label(probing.heat.is_none(), "Nothing").on_hover_text("The picture without the heat map");
+        ui.selectable_label(probing.heat.is_none(), "Hidden").on_hover_text("Show the picture without a heat map");
     if nothing.clicked() {
         commands.push(Command::Probe(ProbeChange::Show(None)));
     }
     for heat in Heat::ALL {
         let label = Button::selectable(probing.heat == Some(*heat), heat.name());
         let response = ui.add_enabled(found.counts(*heat).is_some(), label).on_hover_text(heat.help());
-        if response.on_disabled_hover_text("Without a depth test there is no depth").clicked() {
+        if response.on_disabled_hover_text("Not available: without a depth test, no depth is stored").clicked() {
             commands.push(Command::Probe(ProbeChange::Show(Some(*heat))));
         }
     }
 }
 
-/// Draws the content of the tab.
+/// Draws the content of the tab “Probe”.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     ui.horizontal_top(|ui| {
         ui.vertical(|ui| {
@@ -72,10 +72,10 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 
 fn settings(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let mut probe = session.probing.probe;
-    row(ui, "Moved", "What is displaced in every run", |ui| pick(ui, &mut probe.what));
+    row(ui, "Jitter target", "Part of the view that is displaced in every run", |ui| pick(ui, &mut probe.what));
     let help = "Maximum displacement, in units in the last place; 1 is the smallest step of a float";
-    row(ui, "By k ulp", help, |ui| ui.add(DragValue::new(&mut probe.ulps).range(0..=MAX_SETTINGS.0).speed(0.1)));
-    let help = "Number of times the view is drawn; more runs give finer shares but take longer";
+    row(ui, "Jitter, ulp", help, |ui| ui.add(DragValue::new(&mut probe.ulps).range(0..=MAX_SETTINGS.0).speed(0.1)));
+    let help = "Number of times that the view is drawn; more runs give finer results but take longer";
     row(ui, "Runs", help, |ui| ui.add(DragValue::new(&mut probe.runs).range(1..=MAX_SETTINGS.1).speed(0.5)));
     row(ui, "Seed", "Equal seeds give equal jitter", |ui| ui.add(DragValue::new(&mut probe.seed).speed(0.1)));
     if probe != session.probing.probe {
@@ -89,7 +89,7 @@ fn summary(ui: &mut Ui, found: &ProbeResult) {
         let share = format::percent(changed.pixels as f64 / summary.pixels.max(1) as f64);
         value_row(ui, name, &format!("{} px  {share}", format::count(changed.pixels)), help);
     };
-    line("Owner changed", summary.owner, "Pixels won by another triangle in at least one run");
+    line("Owner changed", summary.owner, "Pixels that show another triangle in at least one run");
     if let Some(depth) = summary.depth {
         line("Depth changed", depth, "Pixels with another stored depth in at least one run, even by a single step");
     }
@@ -113,13 +113,13 @@ fn finding(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
             let is_there = std::sync::Arc::ptr_eq(&found.subject.scene, &session.scene);
             let back = ui.add_enabled(is_there, Button::new("Restore the probed view"));
             let back = back.on_hover_text("The view has changed since the probe: restores the probed view");
-            if back.on_disabled_hover_text("That scene is no longer open").clicked() {
+            if back.on_disabled_hover_text("The probed scene is no longer open").clicked() {
                 commands.push(Command::Probe(ProbeChange::GoBack));
             }
         }
     });
     if found.ranking.is_empty() {
-        chip(ui, Status::Passed, "No pixel changed its owner", "No triangle lost or gained a pixel in any run");
+        chip(ui, Status::Passed, "No pixel changed owner", "No triangle lost or gained a pixel in any run");
         return;
     }
     header(ui);
@@ -136,9 +136,9 @@ fn header(ui: &mut Ui) {
         let weak = tokens(ui).text_weak;
         for (name, help) in [
             ("Triangle", "Number of the triangle in the scene"),
-            ("Changes", "Pixels that it lost or gained, summed over all runs"),
-            ("Worst pixel", "The pixel among these that changed owner most often"),
-            ("Runs", "Number of runs in which that pixel had another owner"),
+            ("Changes", "Pixels that the triangle lost or gained, summed over all runs"),
+            ("Worst pixel", "Pixel of the triangle that changed owner most often"),
+            ("Runs", "Number of runs in which the worst pixel had another owner"),
         ] {
             figure(ui, name, FIGURE_POINTS, weak).on_hover_text(help);
         }

@@ -1,5 +1,5 @@
-//! The card in the lower left corner of the canvas: the shown quantity, its histogram with handles, and the controls of
-//! the range.
+//! The range card in the lower left corner of the canvas: the shown quantity, its histogram with handles, and the range
+//! controls.
 
 use eframe::egui::{
     self, Align, Button, DragValue, Label, Layout, Rect, Response, RichText, Ui, UiBuilder, Vec2, WidgetInfo, vec2,
@@ -20,16 +20,16 @@ use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, RADIUS, ROW_HEIGHT, space, tokens};
 use crate::ui::widgets::{combo, icon_button};
 
-/// Width of the card, in points.
+/// Width of the range card, in points.
 const WIDTH: f32 = 320.0;
 
-/// Height of the histogram with its numbers, in points.
+/// Height of the histogram with its axis numbers, in points.
 const PLOT_HEIGHT: f32 = 78.0;
 
-/// Width of the number fields of both ends, in points.
+/// Width of the number field for an end of the range, in points.
 const FIELD: f32 = 84.0;
 
-/// Draws the card. Returns its rectangle, in points.
+/// Draws the range card. Returns its rectangle, in points.
 pub(crate) fn ui(
     ui: &mut Ui,
     canvas: Rect,
@@ -57,7 +57,7 @@ pub(crate) fn ui(
     let mut changes = Vec::new();
     row(&mut column, |ui| title(ui, view, &mut changes, commands));
     if kind == ValueKind::Names {
-        column.weak("These values are identifiers, not quantities: they have no range.");
+        column.weak("These values are identifiers, not quantities, so they have no range.");
     } else {
         let setting = control.setting(shown);
         let size = vec2(column.available_width(), PLOT_HEIGHT);
@@ -74,7 +74,7 @@ pub(crate) fn ui(
     card
 }
 
-/// Draws a row of [`ROW_HEIGHT`].
+/// Draws a row of the card, [`ROW_HEIGHT`] high.
 pub(super) fn row(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
     let size = vec2(ui.available_width(), ROW_HEIGHT);
     ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
@@ -91,7 +91,7 @@ fn title(ui: &mut Ui, view: &RenderedView, changes: &mut Vec<RangeChange>, comma
     };
     ui.label(RichText::new(name).strong());
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-        if icon_button(ui, Icon::ChevronDown, "Hide the range control").clicked() {
+        if icon_button(ui, Icon::ChevronDown, "Hide the range controls").clicked() {
             changes.push(RangeChange::Open(false));
         }
         manual_button(ui, Chapter::ReadingPlots, commands);
@@ -101,7 +101,7 @@ fn title(ui: &mut Ui, view: &RenderedView, changes: &mut Vec<RangeChange>, comma
     });
 }
 
-/// Draws number fields for both ends, and between them the buttons that fit the range.
+/// Draws number fields for both ends of the range, with the buttons that fit the range between them.
 fn ends(ui: &mut Ui, session: &Session, view: &RenderedView, changes: &mut Vec<RangeChange>) {
     let Some(range) = view.range else { return };
     let rule = session.range.setting(view.request.shown).display.rule;
@@ -133,21 +133,21 @@ fn field(ui: &mut Ui, name: &str, value: f32, range: Range) -> Option<f32> {
 fn fits(ui: &mut Ui, session: &Session, rule: Rule, changes: &mut Vec<RangeChange>) {
     ui.spacing_mut().item_spacing.x = 1.0;
     let sticky = matches!(rule, Rule::Sticky(_));
-    let help = "Fit to the smallest and largest value  (N). Right-click: refit to every picture";
+    let help = "Fit the range to the smallest and largest value  (N). Right-click: refit to every new picture";
     let fit = toggle(ui, Icon::WandSparkles, sticky, help);
     if fit.clicked() {
         changes.push(RangeChange::Fit(RangeFit::All));
     } else if fit.secondary_clicked() {
         changes.push(RangeChange::ToggleSticky);
     }
-    if icon_button(ui, Icon::Scan, "Fit to the visible part  (Shift+N)").clicked() {
+    if icon_button(ui, Icon::Scan, "Fit the range to the visible part of the picture  (Shift+N)").clicked() {
         changes.push(RangeChange::FitVisible);
     }
     let most = toggle(
         ui,
         Icon::Percent,
         rule == Rule::Sticky(RangeFit::Most),
-        "Fit to the 1st to 99th percentile. Right-click: refit to every picture",
+        "Fit the range to the 1st to 99th percentile. Right-click: refit to every new picture",
     );
     if most.clicked() {
         changes.push(RangeChange::Fit(RangeFit::Most));
@@ -156,15 +156,15 @@ fn fits(ui: &mut Ui, session: &Session, rule: Rule, changes: &mut Vec<RangeChang
     }
     let region = session.range.region;
     ui.add_enabled_ui(region.is_some(), |ui| {
-        let fit = icon_button(ui, Icon::Focus, "Fit to the dragged box");
-        if let Some(region) = region.filter(|_| fit.on_disabled_hover_text("Drag a box first").clicked()) {
+        let fit = icon_button(ui, Icon::Focus, "Fit the range to the values in the dragged box");
+        if let Some(region) = region.filter(|_| fit.on_disabled_hover_text("Drag a box on the picture").clicked()) {
             changes.push(RangeChange::Fit(RangeFit::Within(region)));
         }
     });
     if icon_button(ui, Icon::ZoomIn, "Zoom the histogram to the range").clicked() {
         changes.push(RangeChange::ZoomAxis);
     }
-    if icon_button(ui, Icon::RotateCcw, "Reset to the default range of the quantity  (R)").clicked() {
+    if icon_button(ui, Icon::RotateCcw, "Reset the range to the default of the quantity  (R)").clicked() {
         changes.push(RangeChange::Reset);
     }
 }
@@ -185,7 +185,7 @@ fn toggle(ui: &mut Ui, icon: Icon, on: bool, name: &str) -> Response {
     response.on_hover_text(name)
 }
 
-/// Draws the colour map, or the channel switches, and then the histogram settings.
+/// Draws the list of colour maps or the channel switches, and the histogram settings.
 fn colors(ui: &mut Ui, session: &Session, kind: ValueKind, shown: Shown, changes: &mut Vec<RangeChange>) {
     let control = &session.range;
     let display = control.setting(shown).display;
@@ -210,12 +210,12 @@ fn colors(ui: &mut Ui, session: &Session, kind: ValueKind, shown: Shown, changes
         }
     }
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-        let box_help = "Then drag a box on the picture to show its figures here. Shift+drag works at any time";
+        let box_help = "Select, then drag a box on the picture to show its statistics. Shift+drag works at any time";
         if toggle(ui, Icon::SquareDashed, control.draws_region, box_help).clicked() {
             changes.push(RangeChange::DrawRegion(!control.draws_region));
         }
         let log = ui.selectable_label(control.log_counts, "log");
-        if log.on_hover_text("Logarithmic bars: rare values become visible, too").clicked() {
+        if log.on_hover_text("Logarithmic bars, so that rare values are visible, too").clicked() {
             changes.push(RangeChange::LogCounts(!control.log_counts));
         }
     });
@@ -226,7 +226,7 @@ fn maps(ui: &mut Ui, chosen: Option<ColorMap>, changes: &mut Vec<RangeChange>) {
     let name = map.map_or("Default colours", ColorMap::name);
     ui.name_inputs("Colour map", |ui| {
         combo("color map", name, 156.0).show_ui(ui, |ui| {
-            ui.selectable_value(&mut map, None, "Default colours").on_hover_text("The default colours of the quantity");
+            ui.selectable_value(&mut map, None, "Default colours").on_hover_text("Default colour map of the quantity");
             for option in ColorMap::ALL {
                 ui.selectable_value(&mut map, Some(*option), option.name()).on_hover_text(option.help());
             }

@@ -13,13 +13,13 @@ use crate::ui::format;
 use crate::ui::theme::{Icon, tokens};
 use crate::ui::widgets::icon_button;
 
-/// Column names, with their help texts.
+/// Names of the columns of statistics, with their help texts.
 pub(crate) const COLUMNS: [(&str, &str); 7] = [
     ("n", "Number of finite values"),
     ("min", "Smallest finite value"),
     ("max", "Largest finite value"),
     ("mean", "Mean of the finite values"),
-    ("σ", "Standard deviation"),
+    ("σ", "Standard deviation of the finite values"),
     ("#NaN", "Number of NaN values"),
     ("#Inf", "Number of infinite values of either sign"),
 ];
@@ -51,7 +51,7 @@ fn rounded(value: f64) -> String {
     format!("{value:.5e}").replace('-', "−")
 }
 
-/// Draws the rows of a dragged region: its rectangle, and the statistics of each channel.
+/// Draws the rows of the dragged region: its rectangle, and the statistics of each channel.
 pub(crate) fn part(
     ui: &mut Ui,
     region: PixelRegion,

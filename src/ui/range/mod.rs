@@ -1,5 +1,5 @@
-//! Range control: the values at the ends of a colour map, set over a histogram of all values, and the statistics of a
-//! region. Every buffer and stage keeps its own settings.
+//! Range control: sets the values at the ends of a colour map over a histogram of all values, and shows the statistics
+//! of a region. Every buffer and stage has its own settings.
 
 pub(crate) mod card;
 
@@ -23,7 +23,7 @@ use crate::measure::region::PixelRegion;
 /// Display settings of one buffer or stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Setting {
-    /// Range, colour map and channels.
+    /// Range, colour map and channels of the quantity.
     pub display: Display,
     /// Range of the histogram's axis; `None` spans all values.
     pub(crate) axis: Option<Range>,
@@ -47,18 +47,18 @@ pub struct RangeControl {
     settings: Vec<(Shown, Setting)>,
 }
 
-/// Change of the range control.
+/// Change to the range control.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RangeChange {
-    /// Opens or closes the card.
+    /// Opens or closes the card with the histogram.
     Open(bool),
-    /// Notes that the tab with the histogram was opened or closed.
+    /// Records whether the tab with the histogram is open.
     Tab(bool),
     /// Sets whether histograms show the logarithm of their counts.
     LogCounts(bool),
     /// Sets the rule that determines the range.
     Rule(Rule),
-    /// Fits the range once.
+    /// Fits the range once to the current picture.
     Fit(RangeFit),
     /// Fits the range once to the visible part of the picture.
     FitVisible,
@@ -70,19 +70,19 @@ pub enum RangeChange {
     ZoomAxis,
     /// Resets the range and the histogram's axis.
     Reset,
-    /// Sets the colour map; `None` means the quantity's own.
+    /// Sets the colour map; `None` means the default of the quantity.
     Map(Option<ColorMap>),
     /// Sets whether the colour map is reversed.
     Reverse(bool),
     /// Sets which channels are visible.
     Channels([bool; 3]),
-    /// Shows one channel alone, or all channels if it is already alone.
+    /// Shows only the channel with this index, or all channels if it is already alone.
     Solo(usize),
     /// Sets or clears the region with separate statistics.
     Region(Option<PixelRegion>),
     /// Sets whether dragging draws the region.
     DrawRegion(bool),
-    /// Notes which part of the picture is visible on the canvas.
+    /// Records which part of the picture is visible on the canvas.
     Visible(Option<PixelRegion>),
 }
 
@@ -101,7 +101,7 @@ impl RangeControl {
         wanted.then(|| StatisticsRequest { axis: self.setting(shown).axis.or(whole), region: self.region })
     }
 
-    /// Applies a change to the settings of `shown`. `view` is the view on screen, which ranges are fitted to.
+    /// Applies a change to the settings of `shown`. Ranges are fitted to `view`, the view on screen.
     pub(crate) fn apply(&mut self, change: RangeChange, shown: Shown, view: Option<&RenderedView>) {
         let mut setting = self.setting(shown);
         let display = &mut setting.display;
@@ -155,7 +155,7 @@ impl RangeControl {
     }
 }
 
-/// Returns the range with its ends in ascending order; `None` unless both are finite.
+/// Returns the range with its ends in ascending order; `None` unless both ends are finite.
 fn ordered(Range { low, high }: Range) -> Option<Range> {
     (low.is_finite() && high.is_finite()).then(|| Range { low: low.min(high), high: low.max(high) })
 }
@@ -185,23 +185,23 @@ mod tests {
         assert_eq!(control.setting(Shown::Buffer(Buffer::Color)).display.channels, [false, true, false]);
         control.apply(RangeChange::Reset, DEPTH, None);
         control.apply(RangeChange::Solo(1), Shown::Buffer(Buffer::Color), None);
-        assert!(control.settings.is_empty(), "defaults need no memory");
+        assert!(control.settings.is_empty(), "defaults are not stored");
     }
 
     #[test]
-    fn figures_are_wanted_only_where_they_are_seen() {
+    fn statistics_are_requested_only_while_they_are_visible() {
         let mut control = RangeControl::default();
         assert_eq!(control.measures(DEPTH), None);
         control.apply(RangeChange::Open(true), DEPTH, None);
         assert!(control.measures(DEPTH).is_some());
-        assert_eq!(control.measures(Shown::Buffer(Buffer::TriangleId)), None, "names have no range");
+        assert_eq!(control.measures(Shown::Buffer(Buffer::TriangleId)), None, "identifiers have no range");
         control.apply(RangeChange::Open(false), DEPTH, None);
         control.apply(RangeChange::Tab(true), DEPTH, None);
         assert!(control.measures(DEPTH).is_some());
     }
 
     #[test]
-    fn a_range_is_finite_and_in_order() {
+    fn a_range_is_finite_and_ascending() {
         let mut control = RangeControl::default();
         control.apply(RangeChange::Rule(Rule::Fixed(Range { low: 2.0, high: 1.0 })), DEPTH, None);
         let ordered = Rule::Fixed(Range { low: 1.0, high: 2.0 });
@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn a_drawn_rectangle_ends_the_drawing() {
+    fn drawing_ends_with_the_region() {
         let mut control = RangeControl { draws_region: true, ..RangeControl::default() };
         let region = PixelRegion { left: 1, top: 2, right: 3, bottom: 4 };
         control.apply(RangeChange::Region(Some(region)), DEPTH, None);

@@ -1,4 +1,4 @@
-//! The “Histogram” tab: the histogram of the whole picture in full width, and the statistics of every channel.
+//! The tab “Histogram”: the histogram of the whole picture in full width, and the statistics of every channel.
 
 use eframe::egui::{Grid, RichText, ScrollArea, Ui, vec2};
 
@@ -16,7 +16,7 @@ use crate::ui::widgets::empty_state;
 /// Width of the table of statistics, in points; the histogram takes the rest.
 const TABLE: f32 = 700.0;
 
-/// Draws the content of the tab.
+/// Draws the content of the tab “Histogram”.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let Some((view, measured)) =
         session.view.as_ref().and_then(|view| Some((view, view.look_result.measured.as_deref()?)))
@@ -48,21 +48,24 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     });
 }
 
-/// Draws the controls beside the tabs.
+/// Draws the controls of the tab “Histogram”, beside the tabs.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let mut log = session.range.log_counts;
-    if ui.checkbox(&mut log, "log counts").on_hover_text("Logarithmic bars: rare values become visible, too").changed()
+    if ui
+        .checkbox(&mut log, "log counts")
+        .on_hover_text("Logarithmic bars, so that rare values are visible, too")
+        .changed()
     {
         commands.push(Command::Range(RangeChange::LogCounts(log)));
     }
     let mut open = session.range.open;
-    let help = "Shows the same histogram on the picture, with the range controls";
+    let help = "Shows the same histogram over the picture, with the range controls";
     if ui.checkbox(&mut open, "on the picture").on_hover_text(help).changed() {
         commands.push(Command::Range(RangeChange::Open(open)));
     }
 }
 
-/// Notifies the range control when the tab opens or closes: statistics are computed only while it is open.
+/// Notifies the range control when the tab opens or closes, because statistics are computed only while it is open.
 pub(crate) fn notify_open(is_open: bool, session: &Session, commands: &mut Vec<Command>) {
     if session.range.tab != is_open {
         commands.push(Command::Range(RangeChange::Tab(is_open)));

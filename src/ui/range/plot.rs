@@ -22,13 +22,13 @@ const STRIP: f32 = 7.0;
 /// Height of the numbers along the axis, in points.
 const NUMBERS: f32 = 14.0;
 
-/// Half the width of a handle's grip, in points.
+/// Half the width of a handle, in points.
 const GRIP: f32 = 5.0;
 
 /// Inputs of a histogram plot.
 #[derive(Clone, Copy)]
 pub(crate) struct HistogramPlot<'a> {
-    /// View on screen, with its histograms.
+    /// View on screen, which contains the histograms.
     pub(crate) view: &'a RenderedView,
     /// Display settings of the quantity.
     pub(crate) setting: Setting,
@@ -37,7 +37,7 @@ pub(crate) struct HistogramPlot<'a> {
 }
 
 impl HistogramPlot<'_> {
-    /// Draws the plot with `size` in points. Returns the new range if a handle was dragged.
+    /// Draws the plot in an area of `size` points. Returns the new range if a handle was dragged.
     pub(crate) fn ui(self, ui: &mut Ui, size: egui::Vec2) -> Option<Range> {
         let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Histogram"));
@@ -79,7 +79,7 @@ impl HistogramPlot<'_> {
         }
     }
 
-    /// Draws the colours of the values along the axis.
+    /// Draws a strip with the colours of the values along the axis.
     fn strip(&self, ui: &Ui, rect: Rect, axis: Range) {
         let Some(range) = self.view.range else { return };
         for point in 0..rect.width() as u32 {
@@ -92,7 +92,7 @@ impl HistogramPlot<'_> {
     }
 }
 
-/// Returns the colour of a number; for colour channels, a grey of the brightness displayed.
+/// Returns the displayed colour of a number. For colour channels, this is a grey of the displayed brightness.
 pub(crate) fn color_of(shown: Shown, setting: &Setting, range: Range, number: f32) -> Rgba8 {
     if kind(shown) == ValueKind::Numbers {
         return setting.display.number_color(buffer_of(shown), range, number);
@@ -105,7 +105,7 @@ fn buffer_of(shown: Shown) -> Option<Buffer> {
     if let Shown::Buffer(buffer) = shown { Some(buffer) } else { None }
 }
 
-/// Draws the ends of the axis, and the count of the highest bar.
+/// Draws the values at the ends of the axis, and the count of the highest bar.
 fn axis_numbers(ui: &Ui, rect: Rect, axis: Range, most: u64, log: bool) {
     let font = FontId::monospace(font_size::SMALL);
     let color = tokens(ui).text_weak;
@@ -131,7 +131,7 @@ pub(crate) fn short(value: f32) -> String {
     if value.fract() == 0.0 && value.abs() < 1e9 { format::fixed(f64::from(value), 0) } else { format::f32_full(value) }
 }
 
-/// Draws both handles and moves the grabbed one, which is the nearer one at the start of the drag.
+/// Draws both handles. A drag moves the handle that is nearer to its start. Returns the new range during a drag.
 fn handles(ui: &Ui, response: &Response, bars: Rect, axis: Range, range: Range) -> Option<Range> {
     let width = f64::from(axis.high) - f64::from(axis.low);
     let place = |value: f32| {
@@ -193,7 +193,7 @@ fn tooltip(response: Response, bars: Rect, histograms: &[Histogram], kind: Value
             let text = format!("{name} {} … {}: {count} pixels", short(from as f32), short(to as f32));
             ui.label(egui::RichText::new(text).monospace());
         }
-        ui.weak("Drag a handle: values beyond it get the colour of that end");
+        ui.weak("Drag a handle to set an end of the range: values beyond it get the colour of that end");
     });
 }
 

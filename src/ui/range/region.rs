@@ -1,4 +1,4 @@
-//! Region of the picture, dragged on the canvas.
+//! Selection of a region of the picture by dragging on the canvas.
 
 use eframe::egui::{CursorIcon, Painter, PointerButton, Pos2, Rect, Response, Stroke, StrokeKind, Ui};
 
@@ -9,14 +9,14 @@ use crate::ui::session::{PointerMode, Session};
 use crate::ui::theme::{MARK_EDGE, tokens};
 use crate::ui::zoom::Placement;
 
-/// Region being dragged, as the pixels at two opposite corners.
+/// Region being dragged, given by the pixels at two opposite corners.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct RegionDrag {
     corners: Option<[(u32, u32); 2]>,
 }
 
 impl RegionDrag {
-    /// Handles pointer input. Returns whether dragging draws a region now. `size` is that of the picture, in pixels.
+    /// Handles pointer input on a picture of `size` pixels. Returns whether dragging currently draws a region.
     pub(crate) fn follow(
         &mut self,
         ui: &Ui,
@@ -54,7 +54,7 @@ impl RegionDrag {
         wanted || self.corners.is_some()
     }
 
-    /// Draws the region being dragged, or else the last one.
+    /// Draws the outline of the region being dragged, or of the last one.
     pub(crate) fn paint(&self, ui: &Ui, painter: &Painter, placement: Placement, session: &Session) {
         let Some(region) = self.corners.map(between).or(session.range.region) else { return };
         let (first, last) =
@@ -89,7 +89,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn both_corners_belong_to_the_rectangle_whichever_came_first() {
+    fn a_region_contains_both_corners_in_either_order() {
         let region = PixelRegion { left: 2, top: 3, right: 6, bottom: 10 };
         assert_eq!(between([(2, 9), (5, 3)]), region);
         assert_eq!(between([(5, 3), (2, 9)]), region);

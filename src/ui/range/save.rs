@@ -1,4 +1,4 @@
-//! Export of the shown quantity as exact floats.
+//! Export of the shown quantity as exact floating-point values.
 
 use crate::inspect::planes::planes;
 use crate::pipeline::settings::Choice as _;

@@ -1,5 +1,5 @@
-//! Playback of how the frame was drawn: by stage, object, triangle or fragment, step by step or continuously,
-//! optionally only through the moments that touch the picked pixel.
+//! Playback of how the frame was drawn: by stage, object, triangle or fragment, step by step or continuously. It can be
+//! limited to the moments that touch the picked pixel.
 
 pub(crate) mod reel;
 
@@ -17,12 +17,12 @@ pub(crate) const SPEEDS: [f32; 8] = [1.0, 4.0, 15.0, 60.0, 250.0, 1_000.0, 4_000
 /// Maximum playback speed by stage, in stages per second, so that each picture can be inspected.
 const FASTEST_STAGES: f32 = 2.0;
 
-/// Playback state.
+/// State of the playback of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scrub {
-    /// Last requested moment within a triangle. Valid as long as the triangle limit is unchanged.
+    /// Last requested moment within a triangle. It is valid as long as the triangle limit is unchanged.
     partial: Option<Moment>,
-    /// Unit of a step, both for the buttons and for playback.
+    /// Unit of a step, for the buttons and for playback.
     pub unit: Unit,
     /// Playback direction: 1 forwards, −1 backwards, 0 paused.
     pub playing: i64,
@@ -30,7 +30,7 @@ pub struct Scrub {
     pub(crate) speed: f32,
     /// Whether steps skip moments that do not touch the picked pixel.
     pub only_touches: bool,
-    /// Fraction of steps accumulated from elapsed time.
+    /// Fraction of the next step already elapsed during playback.
     due: f32,
 }
 
@@ -40,18 +40,18 @@ impl Default for Scrub {
     }
 }
 
-/// Change of the playback.
+/// Change to the playback of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ScrubChange {
-    /// Steps one unit, forwards if `true`.
+    /// Steps by this unit, forwards if `true`, otherwise backwards.
     Step(Unit, bool),
-    /// Steps one selected unit, forwards if `true`.
+    /// Steps by the selected unit, forwards if `true`, otherwise backwards.
     StepUnit(bool),
     /// Goes to a moment.
     Go(Moment),
     /// Sets the unit of a step.
     Unit(Unit),
-    /// Plays forwards if `true`, else backwards. Pauses if already playing in that direction.
+    /// Plays forwards if `true`, otherwise backwards. Pauses if it already plays in that direction.
     Play(bool),
     /// Sets the playback speed, in steps per second.
     Speed(f32),
@@ -62,14 +62,14 @@ pub enum ScrubChange {
 }
 
 impl Scrub {
-    /// Returns the number of fragments drawn of the last of `triangle_limit` triangles; `None` means all.
+    /// Returns the number of fragments to draw of the last of `triangle_limit` triangles; `None` means all.
     pub(crate) fn fragment_limit(&self, triangle_limit: Option<usize>) -> Option<usize> {
         self.partial.filter(|moment| Some(moment.triangles) == triangle_limit)?.fragments
     }
 }
 
 impl Session {
-    /// Returns the requested moment.
+    /// Returns the requested moment of the frame.
     pub fn moment(&self) -> Moment {
         let all = self.triangle_count();
         let triangles = self.triangle_limit.map_or(all, |limit| limit.min(all));
@@ -84,7 +84,7 @@ impl Session {
         self.scrub.partial = Some(moment).filter(|_| triangles > 0 && fragments.is_some());
     }
 
-    /// Requests a moment before the first frame, when its existence cannot be checked yet.
+    /// Requests a moment without checking that it exists, for use before the first frame.
     pub(crate) fn begin_at(&mut self, moment: Moment) {
         (self.triangle_limit, self.scrub.partial) = (Some(moment.triangles), Some(moment));
     }
@@ -96,7 +96,7 @@ impl Session {
         Some(view.timeline.clone().unwrap_or_else(whole))
     }
 
-    /// Applies a change. Returns a command if there is more to do.
+    /// Applies a change. Returns a command if another part of the window must complete it.
     pub(super) fn scrub(&mut self, change: ScrubChange) -> Option<Command> {
         match change {
             ScrubChange::Step(unit, forwards) => return self.step(unit, if forwards { 1 } else { -1 }),

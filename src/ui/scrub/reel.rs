@@ -1,4 +1,4 @@
-//! Frames at moments: renderer state kept while the user scrubs through one frame.
+//! Frames at intermediate moments: renderer state that is cached while the user scrubs through one frame.
 
 use std::sync::Arc;
 
@@ -7,27 +7,27 @@ use crate::inspect::scrub::{BUDGET, Moment, Scrubber, Timeline, TouchPrecision, 
 use crate::pipeline::partial;
 use crate::ui::engine::Request;
 
-/// One frame with its state at every moment, from the first triangle to the last.
+/// Cached state of one frame, which gives its picture at every moment from the first triangle to the last.
 #[derive(Debug)]
 pub(crate) struct Reel {
     request: Request,
     complete_frame: Arc<Frame>,
     scrubber: Scrubber,
-    /// Timeline of the frame, without fragments, which belong to a single moment.
+    /// Timeline of the frame without the numbers of fragments, which depend on the moment.
     timeline: Timeline,
-    /// Pixel whose touches are in the timeline.
+    /// Pixel whose touches the timeline contains.
     touched: Option<(u32, u32)>,
 }
 
 impl Reel {
-    /// Stores the reel of a request in `slot` unless it is already there. `whole` is the complete frame, if it was just
-    /// drawn.
+    /// Stores the reel of a request in `slot` unless `slot` already contains it. `whole` is the complete frame if it
+    /// was just drawn.
     pub(crate) fn load<'a>(slot: &'a mut Option<Self>, request: &Request, whole: Option<Arc<Frame>>) -> &'a mut Self {
         slot.take_if(|reel| !reel.is_of(request));
         slot.get_or_insert_with(|| Self::new(request, whole))
     }
 
-    /// Whether a request shows this frame, complete or at a moment.
+    /// Whether a request shows this frame, either complete or at a moment.
     pub(crate) fn is_of(&self, request: &Request) -> bool {
         self.request.same_complete_frame(request)
     }
@@ -53,7 +53,7 @@ impl Reel {
         self.complete_frame.at_moment(&self.request.recipe, drawn, self.scrubber.geometry_at(moment))
     }
 
-    /// Returns the timeline around a moment, with all touches of a drawn pixel.
+    /// Returns the timeline around a moment, with all fragments that touch a drawn pixel.
     pub(crate) fn timeline(&mut self, moment: Moment, pixel: Option<(u32, u32)>) -> Timeline {
         let Self { request: of, complete_frame: whole, scrubber, timeline, touched } = self;
         if *touched != pixel {

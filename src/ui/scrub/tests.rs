@@ -7,7 +7,7 @@ use crate::ui::engine::{Engine, RenderedView};
 use crate::ui::session::PictureSize;
 use crate::upscale::Upscaling;
 
-/// Session whose requests are answered synchronously.
+/// Session with an engine that renders its requests synchronously.
 struct Desk {
     session: Session,
     engine: Engine,
@@ -42,7 +42,7 @@ impl Desk {
 }
 
 #[test]
-fn a_step_back_and_one_on_lead_to_the_same_picture() {
+fn a_step_back_and_one_forward_restore_the_picture() {
     let mut desk = Desk::new("cubes", Recipe::default());
     let whole = desk.view().frame.image().clone();
     let all = desk.session.triangle_count();
@@ -61,7 +61,7 @@ fn a_step_back_and_one_on_lead_to_the_same_picture() {
 }
 
 #[test]
-fn a_limit_of_triangles_drops_that_of_fragments() {
+fn a_new_triangle_limit_clears_the_fragment_limit() {
     let mut desk = Desk::new("interpenetrating", Recipe::default());
     let partial = desk.give(ScrubChange::Go(Moment { triangles: 1, fragments: Some(3) }));
     assert_eq!(partial.fragments, Some(3));
@@ -80,7 +80,7 @@ fn a_limit_of_triangles_drops_that_of_fragments() {
 }
 
 #[test]
-fn steps_of_the_picked_pixel_bring_one_fragment_each() {
+fn each_step_at_the_picked_pixel_adds_one_fragment() {
     let mut desk = Desk::new("stained-glass", Recipe::default());
     desk.session.pick = Some((24, 16));
     desk.show();
@@ -89,7 +89,7 @@ fn steps_of_the_picked_pixel_bring_one_fragment_each() {
     desk.give(ScrubChange::Touching(Some(true)));
     for unit in [Unit::Triangle, Unit::Fragment] {
         desk.give(ScrubChange::Go(Moment::after(0)));
-        assert_eq!(desk.view().timeline.as_ref().unwrap().touches.len(), all, "ticks are those of the whole frame");
+        assert_eq!(desk.view().timeline.as_ref().unwrap().touches.len(), all, "the ticks show the whole frame");
         for fragments in 1..=all {
             desk.give(ScrubChange::Step(unit, true));
             assert_eq!(desk.view().report.as_ref().unwrap().fragments.len(), fragments, "{unit:?}");
@@ -102,12 +102,12 @@ fn steps_of_the_picked_pixel_bring_one_fragment_each() {
 }
 
 #[test]
-fn playing_ends_at_the_end_and_begins_anew_there() {
+fn playback_stops_at_the_end_and_restarts_from_there() {
     let mut desk = Desk::new("interpenetrating", Recipe::default());
     let all = desk.session.triangle_count();
     desk.give(ScrubChange::Speed(2.0));
     desk.give(ScrubChange::Play(true));
-    assert_eq!(desk.session.moment(), Moment::after(0), "from the end it begins anew");
+    assert_eq!(desk.session.moment(), Moment::after(0), "playing at the end restarts from the beginning");
     let mut seen = vec![0];
     for _ in 0..100 {
         desk.give(ScrubChange::Tick(0.25));
@@ -120,11 +120,11 @@ fn playing_ends_at_the_end_and_begins_anew_there() {
     desk.give(ScrubChange::Tick(0.5));
     assert_eq!(desk.session.moment(), Moment::after(all - 1));
     desk.give(ScrubChange::Play(false));
-    assert_eq!(desk.session.scrub.playing, 0, "a second time it stops");
+    assert_eq!(desk.session.scrub.playing, 0, "playing a second time pauses");
 }
 
 #[test]
-fn time_waits_for_the_picture() {
+fn playback_waits_for_the_picture() {
     let mut desk = Desk::new("interpenetrating", Recipe::default());
     desk.give(ScrubChange::Play(true));
     desk.session.scrub(ScrubChange::Tick(1.0 / 60.0));
@@ -134,7 +134,7 @@ fn time_waits_for_the_picture() {
 }
 
 #[test]
-fn smooth_and_enlarged_frames_are_gone_through_too() {
+fn anti_aliased_and_upscaled_frames_can_be_scrubbed() {
     let mut smooth = Recipe::default();
     smooth.antialias.method = AntialiasMethod::RotatedGrid;
     let of = |method, scale| Recipe { upscaler: Upscaling::new(method, scale).unwrap(), ..Recipe::default() };

@@ -15,16 +15,16 @@ use crate::ui::session::Session;
 use crate::ui::theme::{self, CONTROL_HEIGHT, Icon, font_size, space, tokens};
 use crate::ui::widgets::{combo, icon_button};
 
-/// Height of the bar, in points.
+/// Height of the playback bar, in points.
 pub(crate) const HEIGHT: f32 = 2.0 * theme::ROW_HEIGHT + 16.0;
 
-/// Share of the bar's width for the slider of triangles; the slider of fragments takes the rest.
+/// Fraction of the bar's width for the triangle slider; the fragment slider takes the rest.
 const TRIANGLES_SHARE: f32 = 0.66;
 
-/// Maximum number of ticks on the slider; more would merge into a band.
+/// Maximum number of ticks on the triangle slider; more would merge into a band.
 const MAX_TICKS: usize = 400;
 
-/// Draws the bar.
+/// Draws the playback bar.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let before = commands.len();
     let known = session.view.as_ref().and_then(|view| view.timeline.clone());
@@ -50,14 +50,14 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 
 fn buttons(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let Scrub { unit, playing, .. } = session.scrub;
-    if icon_button(ui, Icon::ChevronFirst, "Before the first triangle  (Home)").clicked() {
+    if icon_button(ui, Icon::ChevronFirst, "Go to the start, before the first triangle  (Home)").clicked() {
         commands.push(Command::LimitTriangles(Some(0)));
     }
     let (less, more) = match unit {
         Unit::Stage => ("Show the previous stage  ([)", "Show the next stage  (])"),
-        Unit::Draw => ("Draw one object less  (Ctrl+,)", "Draw one object more  (Ctrl+.)"),
-        Unit::Triangle => ("Draw one triangle less  (,)", "Draw one triangle more  (.)"),
-        Unit::Fragment => ("Draw one fragment less  (Shift+,)", "Draw one fragment more  (Shift+.)"),
+        Unit::Draw => ("Draw one fewer object  (Ctrl+,)", "Draw one more object  (Ctrl+.)"),
+        Unit::Triangle => ("Draw one fewer triangle  (,)", "Draw one more triangle  (.)"),
+        Unit::Fragment => ("Draw one fewer fragment  (Shift+,)", "Draw one more fragment  (Shift+.)"),
     };
     if icon_button(ui, Icon::StepBack, less).clicked() {
         commands.push(Command::Scrub(ScrubChange::StepUnit(false)));
@@ -72,7 +72,7 @@ fn buttons(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if icon_button(ui, Icon::StepForward, more).clicked() {
         commands.push(Command::Scrub(ScrubChange::StepUnit(true)));
     }
-    if icon_button(ui, Icon::ChevronLast, "After the last triangle  (End)").clicked() {
+    if icon_button(ui, Icon::ChevronLast, "Go to the end, after the last triangle  (End)").clicked() {
         commands.push(Command::LimitTriangles(None));
     }
     touching(ui, session, commands);
@@ -82,7 +82,7 @@ fn buttons(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 /// Draws the lists of step units and playback speeds.
 fn choices(ui: &mut Ui, Scrub { mut unit, mut speed, .. }: Scrub, commands: &mut Vec<Command>) {
     let (unit_before, speed_before) = (unit, speed);
-    /// Widths of the two lists, in points; a narrow bar drops the second.
+    /// Widths of the two lists, in points. A narrow bar drops the second list.
     const WIDTHS: [f32; 2] = [84.0, 82.0];
     let by_unit = combo("scrub-unit", unit.name(), WIDTHS[0].min(ui.available_width())).show_ui(ui, |ui| {
         for choice in Unit::ALL {
@@ -112,30 +112,31 @@ fn choices(ui: &mut Ui, Scrub { mut unit, mut speed, .. }: Scrub, commands: &mut
 fn touching(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let button = Button::new(theme::icon(Icon::Crosshair)).selected(session.scrub.only_touches);
     let name = "Only steps at the picked pixel";
-    let response =
-        ui.add_enabled(session.pick.is_some(), button).on_disabled_hover_text("Pick a pixel first").on_hover_text(
-            format!("{name}: stepping and playback visit only the triangles or fragments at the picked pixel  (Y)"),
-        );
+    let response = ui
+        .add_enabled(session.pick.is_some(), button)
+        .on_disabled_hover_text("Pick a pixel first")
+        .on_hover_text(format!("{name}: stepping and playback skip triangles and fragments elsewhere  (Y)"));
     response.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, session.scrub.only_touches, name));
     if response.clicked() {
         commands.push(Command::Scrub(ScrubChange::Touching(None)));
     }
 }
 
-/// Draws the number of drawn triangles, right-aligned.
+/// Draws the number of drawn triangles and the object of the last one, right-aligned.
 fn figures(ui: &mut Ui, session: &Session, known: Option<&Timeline>) {
-    /// Minimum free widths for the number of triangles, and for the name of their object as well, in points.
+    /// Minimum free widths, in points, for the number of triangles alone, and for the name of the object as well.
     const ROOM: [f32; 2] = [150.0, 300.0];
     let (moment, all) = (session.moment(), session.triangle_count());
     let room = ui.available_width();
     if room >= ROOM[0] {
         let text = format!("{} / {}", format::count(moment.triangles as u64), format::count(all as u64));
-        ui.label(RichText::new(text).monospace().color(tokens(ui).text)).on_hover_text("Triangles drawn / rasterized");
+        ui.label(RichText::new(text).monospace().color(tokens(ui).text))
+            .on_hover_text("Triangles drawn / triangles of the frame");
     }
     if session.triangle_limit.is_some() && !session.state.recipe.antialias.is_off() {
         let note = RichText::new("1 sample").color(tokens(ui).text_weak);
         ui.label(note).on_hover_text(
-            "Before the last triangle, each pixel shows only the sample at its centre, not the mean of several",
+            "Until the last triangle is drawn, each pixel shows the sample at its centre, not the mean of several",
         );
     }
     let instance = known.and_then(|known| known.instance_at(moment)).filter(|_| room >= ROOM[1]);
@@ -150,8 +151,8 @@ fn triangles(ui: &mut Ui, session: &Session, known: Option<&Arc<Timeline>>, widt
     let mut drawn = session.moment().triangles.min(all);
     ui.spacing_mut().slider_width = width.floor();
     let slider = ui.add_enabled(all > 0, Slider::new(&mut drawn, 0..=all).show_value(false)).on_hover_text(
-        "Triangles drawn, in rasterization order. Ticks mark those at the picked pixel: green were \
-                        written, red rejected",
+        "Triangles drawn, in rasterization order. Ticks mark the fragments at the picked pixel: green were \
+                        written, red were rejected",
     );
     slider.widget_info(|| WidgetInfo::slider(true, drawn as f64, "Triangles drawn"));
     if slider.changed() {
@@ -167,7 +168,7 @@ fn fragments(ui: &mut Ui, session: &Session, known: Option<&Timeline>, width: f3
     let all = known.map_or(0, |known| known.fragments[0]);
     let mut drawn = moment.fragments.unwrap_or(all).min(all);
     let text = format!("{} / {}", format::count(drawn as u64), format::count(all as u64));
-    /// Width of the numbers, in points. They are dropped if the slider would be shorter than half of it.
+    /// Width of the numbers, in points. They are dropped if the slider would be shorter than half this width.
     const NUMBERS: f32 = 122.0;
     let has_numbers = width >= 1.5 * NUMBERS;
     ui.spacing_mut().slider_width = (if has_numbers { width - NUMBERS - space::M } else { width }).floor();
@@ -176,7 +177,7 @@ fn fragments(ui: &mut Ui, session: &Session, known: Option<&Timeline>, width: f3
         .add_enabled(is_known, Slider::new(&mut drawn, 0..=all.max(1)).show_value(false))
         .on_hover_text("Fragments drawn of the last triangle, in the order in which the rasterizer finds them")
         .on_disabled_hover_text(
-            "Move the triangle slider first: this one steps through the fragments of the last triangle drawn",
+            "Move the triangle slider first: this slider steps through the fragments of the last triangle drawn",
         );
     slider.widget_info(|| WidgetInfo::slider(is_known, drawn as f64, "Fragments drawn"));
     if slider.changed() {
@@ -189,15 +190,14 @@ fn fragments(ui: &mut Ui, session: &Session, known: Option<&Timeline>, width: f3
         let size = vec2(ui.available_width().min(NUMBERS), CONTROL_HEIGHT);
         ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
             ui.add(egui::Label::new(text.color(color)).truncate())
-                .on_hover_text("Fragments of the last triangle drawn / all");
+                .on_hover_text("Fragments of the last triangle: drawn / all");
         });
     }
 }
 
 /// Draws a tick for each fragment at the picked pixel.
 fn ticks(ui: &Ui, slider: &Response, timeline: &Timeline) {
-    /// Distance that egui keeps between the centre of a round handle and the slider's ends, as a share of the slider's
-    /// height.
+    /// Distance between the centre of egui's round handle and the slider's ends, as a fraction of the slider's height.
     const HANDLE_RADIUS: f32 = 1.0 / 2.5;
     const LENGTH: f32 = 5.0;
     let rect = slider.rect;

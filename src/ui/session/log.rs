@@ -1,4 +1,4 @@
-//! Log of all messages, and the bar for errors.
+//! Log of all messages. The last error also appears above the canvas.
 
 use super::Session;
 use crate::text;
@@ -6,19 +6,19 @@ use crate::text;
 /// Maximum number of lines in the log.
 const LOG_LINES: usize = 500;
 
-/// Line of the log.
+/// Line of the log, which is one message.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LogLine {
-    /// Severity.
+    /// Severity of the message.
     pub level: Severity,
-    /// Message text, one line.
+    /// Text of the message, in one line.
     pub text: String,
 }
 
 /// Severity of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Severity {
-    /// Information.
+    /// Information about a completed operation.
     Info,
     /// Warning: something was skipped or repaired.
     Warning,
@@ -27,7 +27,7 @@ pub enum Severity {
 }
 
 impl Session {
-    /// Appends a line to the log; errors also appear in the bar above the canvas.
+    /// Appends a message to the log. Errors also appear in the message line above the canvas.
     pub(crate) fn report(&mut self, level: Severity, text: impl Into<String>) {
         let text = text::one_line(&text.into());
         if level == Severity::Error {

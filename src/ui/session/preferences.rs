@@ -1,4 +1,4 @@
-//! Preferences that persist between runs.
+//! Preferences that persist between runs of the program.
 
 use std::path::PathBuf;
 
@@ -15,7 +15,7 @@ use crate::scene::Camera;
 use crate::ui::place::Bookmark;
 use crate::ui::watch;
 
-/// Size of the picture.
+/// Size of the picture that the pipeline draws.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PictureSize {
@@ -57,20 +57,20 @@ impl PointerMode {
     }
 }
 
-/// State of the window itself.
+/// State of the window itself: theme, scale, size and layout.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct WindowState {
     /// Whether the theme is light rather than dark.
     pub light_theme: bool,
-    /// Interface scale; 0 means 1.
+    /// Interface scale, as a factor of the default size; 0 means 1.
     pub scale: f32,
-    /// Width and height of the window while it is not maximized, in points of interface scale 1; `None` means the
+    /// Width and height of the window while it is not maximized, in points at interface scale 1; `None` means the
     /// default size.
     pub window_size: Option<[f32; 2]>,
     /// Whether the window is maximized.
     pub maximized: bool,
-    /// State of panels and headings, as RON of [`eframe::egui::Memory`]; empty at first.
+    /// Layout of panels and headings, as RON of [`eframe::egui::Memory`]; empty for the default layout.
     pub layout: String,
 }
 
@@ -86,29 +86,29 @@ impl WindowState {
     }
 }
 
-/// Preferences, stored as JSON. Fields that cannot be read, because another version or program wrote them, are skipped
-/// one by one.
+/// Preferences, stored as JSON. Fields that cannot be read, for example because another version wrote them, are skipped
+/// individually.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Preferences {
-    /// Last scene: the id of a built-in scene, or a path.
+    /// Last scene: the id of a built-in scene, or the path of a file.
     #[serde(serialize_with = "stored", deserialize_with = "restored")]
     pub(crate) source: Option<PathBuf>,
-    /// Last recipe.
+    /// Recipe of the last frame.
     pub(crate) recipe: Recipe,
-    /// Last camera; `None` means the scene's own.
+    /// Camera of the last frame; `None` means the scene's home view.
     pub(crate) camera: Option<Camera>,
-    /// Last picture size.
+    /// Picture size of the last frame.
     pub(crate) size: PictureSize,
     /// Recently opened files, newest first.
     #[serde(serialize_with = "all_stored", deserialize_with = "all_restored")]
     pub(crate) recent: Vec<PathBuf>,
     /// Whether the first hint has been closed.
     pub hint_closed: bool,
-    /// State of the window itself.
+    /// Theme, scale, size and layout of the window.
     #[serde(flatten)]
     pub window: WindowState,
-    /// Bookmarked places.
+    /// Bookmarks, in the order of their keys.
     #[serde(deserialize_with = "the_readable")]
     pub bookmarks: Vec<Bookmark>,
     /// Watched pixels, as column and row.
@@ -117,13 +117,13 @@ pub struct Preferences {
 }
 
 impl Preferences {
-    /// Parses stored preferences like [`Self::read_checked`].
+    /// Parses stored preferences as [`Self::read_checked`] does.
     #[cfg(test)]
     pub(crate) fn read(stored: &str) -> Self {
         Self::read_checked(stored).0
     }
 
-    /// Parses stored preferences, skipping what cannot be read; also returns whether everything was read.
+    /// Parses stored preferences, skipping fields that cannot be read. Also returns whether everything was read.
     pub fn read_checked(stored: &str) -> (Self, bool) {
         let Ok(fields) = serde_json::from_str::<Map<String, Value>>(stored) else { return Default::default() };
         // A number too large for its type is read as infinity, which cannot be written.
@@ -143,7 +143,7 @@ impl Preferences {
         (read, is_complete)
     }
 
-    /// Returns `theirs` with the changes that lead from `base` to `self`. Lists are merged item by item; other fields
+    /// Returns `theirs` with the changes made from `base` to `self`. Lists are merged item by item; other fields that
     /// changed in `self` replace those of `theirs`.
     pub(crate) fn merged(&self, base: &Self, theirs: &Self) -> Self {
         let mut recent = self.recent.clone();
@@ -177,7 +177,7 @@ fn latest<T: PartialEq + Clone>(mine: &T, base: &T, theirs: &T) -> T {
     if mine == base { theirs.clone() } else { mine.clone() }
 }
 
-/// Returns `theirs` without the items removed from `mine` since `base`, and with the items added to it.
+/// Returns `theirs` with the additions and removals that lead from `base` to `mine`.
 fn merged_list<T: PartialEq + Clone>(mine: &[T], base: &[T], theirs: &[T]) -> Vec<T> {
     if theirs == base {
         return mine.to_vec();
@@ -215,7 +215,7 @@ fn the_readable<'de, D: Deserializer<'de>, T: DeserializeOwned + Serialize>(from
 }
 
 impl Session {
-    /// Returns the preferences to store.
+    /// Returns the preferences to store, with the given state of the window.
     pub fn preferences(&self, window: &WindowState) -> Preferences {
         // A scene that is still loading is the one to restore.
         let InspectionState { scene, camera, mirrored, .. } =
@@ -242,7 +242,7 @@ mod tests {
     use crate::scene::SceneSource;
 
     #[test]
-    fn a_scene_that_is_still_loading_is_kept() {
+    fn a_scene_that_is_still_loading_is_stored() {
         let source = SceneSource::default();
         let scene = source.load().unwrap().scene;
         let home = scene.home;
@@ -254,7 +254,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_read_costs_nothing_else() {
+    fn unreadable_fields_do_not_affect_others() {
         let source = SceneSource::default();
         let scene = source.load().unwrap().scene;
         let home = scene.home;

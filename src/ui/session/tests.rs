@@ -18,7 +18,7 @@ pub(in crate::ui) fn bookmark(name: &str) -> Bookmark {
 }
 
 #[test]
-fn the_first_pick_is_near_its_place_however_much_smaller_the_picture_is_drawn() {
+fn the_first_pick_is_near_its_position_for_every_upscaler() {
     let session = session();
     let place = (60, 50);
     for upscaling in ["native", "checkerboard", "nearest", "bilinear"] {
@@ -35,7 +35,7 @@ fn the_first_pick_is_near_its_place_however_much_smaller_the_picture_is_drawn() 
 }
 
 #[test]
-fn compared_are_finished_pictures_and_they_give_way_to_anything_else() {
+fn comparison_shows_finished_pictures_and_ends_when_a_buffer_or_stage_is_shown() {
     let mut session = session();
     let color = Shown::Buffer(Buffer::Color);
     for other in [Command::Show(Shown::Buffer(Buffer::Depth)), Command::StepStage(-1)] {
@@ -50,7 +50,7 @@ fn compared_are_finished_pictures_and_they_give_way_to_anything_else() {
 }
 
 #[test]
-fn settings_of_a_case_go_with_it_whatever_it_gives_way_to() {
+fn the_settings_of_a_case_are_reset_when_another_case_opens() {
     let mut session = session();
     let before = session.state.recipe;
     let json = r#"{"id":"d","kind":"depth","mapping":"standard","format":"f32","near":1,"far":3,"z":[1,2]}"#;
@@ -60,7 +60,7 @@ fn settings_of_a_case_go_with_it_whatever_it_gives_way_to() {
     assert_eq!(session.state.recipe.pipeline.depth_format, DepthFormat::WBuffer);
     session.state.recipe.wireframe = true;
     session.show_case(Case::parse(json.as_bytes(), "d.json".as_ref()).unwrap());
-    assert_eq!(session.state.recipe, Recipe { wireframe: true, ..before }, "what else was changed stays");
+    assert_eq!(session.state.recipe, Recipe { wireframe: true, ..before }, "other changes stay");
 }
 
 fn move_camera(session: &mut Session, now: f64) {
@@ -69,7 +69,7 @@ fn move_camera(session: &mut Session, now: f64) {
 }
 
 #[test]
-fn camera_moves_that_follow_each_other_are_one_step_of_undo() {
+fn camera_moves_in_quick_succession_are_one_undo_step() {
     let mut session = session();
     for notch in 0..5 {
         move_camera(&mut session, 0.1 * f64::from(notch));
@@ -80,7 +80,7 @@ fn camera_moves_that_follow_each_other_are_one_step_of_undo() {
 }
 
 #[test]
-fn a_pause_or_another_setting_parts_camera_moves() {
+fn a_pause_or_another_change_separates_camera_moves() {
     let mut session = session();
     move_camera(&mut session, 0.0);
     let first = session.state.clone();
@@ -95,7 +95,7 @@ fn a_pause_or_another_setting_parts_camera_moves() {
 }
 
 #[test]
-fn another_scene_starts_without_pick_limit_and_old_figures() {
+fn another_scene_resets_pick_limit_and_measurements() {
     let mut session = session();
     (session.pick, session.triangle_limit) = (Some((1, 2)), Some(3));
     (session.stages, session.measuring) = (Some(StageFigures::default()), Some(Measuring { progress: 0.5 }));
@@ -122,7 +122,7 @@ fn the_first_pick_waits_for_a_frame_of_the_new_scene() {
 }
 
 #[test]
-fn mirroring_twice_changes_nothing_and_preferences_speak_of_the_original() {
+fn mirroring_twice_changes_nothing_and_preferences_store_the_original_camera() {
     let mut session = session();
     let camera = session.state.camera;
     session.apply(Command::MirrorZ);

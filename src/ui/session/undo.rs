@@ -8,25 +8,26 @@ use crate::ui::compare::TileSet;
 /// Maximum number of undo steps.
 const UNDO_STEPS: usize = 200;
 
-/// Maximum time between camera moves that form one undo step, in seconds, such as wheel notches or flying.
+/// Maximum time between camera moves that form one undo step, such as scrolling or flying, in seconds.
 const ONE_MOVE_SECONDS: f64 = 0.6;
 
 /// State covered by undo.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Undoable {
-    /// Recipe of the picture.
+    /// Recipe with which the picture is drawn.
     pub recipe: Recipe,
-    /// Camera of the picture.
+    /// Camera with which the picture is drawn.
     pub camera: Camera,
-    /// Size of the picture.
+    /// Size of the picture, fixed or that of the canvas.
     pub size: PictureSize,
-    /// Tiles that are compared with the picture drawn by `recipe`.
+    /// Comparison tiles besides the picture drawn with `recipe`.
     pub tiles: TileSet,
 }
 
 impl Session {
-    /// Turns the changes since the last call into one undo step; `now` in seconds. Must not be called while a change is
-    /// in progress, such as a slider being dragged. Camera moves in quick succession form one step.
+    /// Turns the changes since the last call into one undo step. `now` is the current time, in seconds. Must not be
+    /// called while a change is in progress, such as a slider being dragged. Camera moves in quick succession form one
+    /// step.
     pub(crate) fn settle(&mut self, now: f64) {
         self.note_visit(now);
         self.state.tiles.store(self.state.recipe);

@@ -13,13 +13,13 @@ fn linear(color: Color32) -> Vec3 {
     vec3(color.r(), color.g(), color.b())
 }
 
-/// Returns the contrast ratio of two colours as defined by the Web Content Accessibility Guidelines, from 1 to 21.
+/// Returns the contrast ratio of two colours, as defined by the Web Content Accessibility Guidelines, from 1 to 21.
 fn contrast(a: Color32, b: Color32) -> f32 {
     let [a, b] = [a, b].map(|color| linear(color).dot(vec3(0.2126, 0.7152, 0.0722)) + 0.05);
     a.max(b) / a.min(b)
 }
 
-/// Returns the distance of two linear colours in Oklab, where 0.02 is just noticeable side by side.
+/// Returns the distance between two linear colours in Oklab; 0.02 is just noticeable side by side.
 fn oklab_distance(a: Vec3, b: Vec3) -> f32 {
     let lms = mat3(
         vec3(0.412_221_46, 0.211_903_5, 0.088_302_46),
@@ -53,7 +53,7 @@ fn colour_blindness() -> [Mat3; 2] {
 }
 
 #[test]
-fn neutrals_carry_no_tint() {
+fn neutral_colours_have_no_tint() {
     for t in BOTH {
         for gray in [t.canvas, t.field, t.panel, t.raised, t.control, t.control_hovered, t.border] {
             assert!(gray.r() == gray.g() && gray.g() == gray.b() && gray.is_opaque());
@@ -62,7 +62,7 @@ fn neutrals_carry_no_tint() {
 }
 
 #[test]
-fn text_and_meanings_are_readable_on_every_ground() {
+fn text_and_status_colours_are_readable_on_every_background() {
     for t in BOTH {
         for ground in [t.panel, t.raised] {
             let colors =
@@ -78,7 +78,7 @@ fn text_and_meanings_are_readable_on_every_ground() {
 }
 
 #[test]
-fn plot_lines_stand_out_and_stay_apart_for_colour_blind_eyes() {
+fn plot_lines_are_distinguishable_with_colour_blindness() {
     for t in BOTH {
         for (index, color) in t.series.iter().enumerate() {
             assert!(contrast(*color, t.panel) >= 3.0, "line {index}: {}", contrast(*color, t.panel));
@@ -93,7 +93,7 @@ fn plot_lines_stand_out_and_stay_apart_for_colour_blind_eyes() {
 }
 
 #[test]
-fn cracks_and_double_hits_stay_apart_from_each_other_and_from_counts_for_every_eye() {
+fn cracks_double_hits_and_counts_are_distinguishable_with_colour_blindness() {
     let linear_of = |[r, g, b, _]: Rgba8| linear(Color32::from_rgb(r, g, b));
     let [crack, double] = [view::CRACK, view::DOUBLE_HIT].map(linear_of);
     let greys = (0..=32).map(|step| linear_of(view::map_color(Buffer::Hits, step as f32 / 32.0)));
@@ -122,7 +122,7 @@ fn both_styles_take_their_colours_from_the_table() {
 }
 
 #[test]
-fn the_signs_that_the_window_writes_have_glyphs() {
+fn all_characters_of_the_window_have_glyphs() {
     let mut headless = Headless::new(vec2(400.0, 100.0), 1.0, Theme::Dark);
     headless.context().set_missing_glyph_policy(MissingGlyphPolicy::Panic);
     headless.pass(Vec::new(), |ui| {
@@ -143,7 +143,7 @@ fn monospace_digits_and_the_minus_are_equally_wide() {
 }
 
 #[test]
-fn icons_are_centred_where_they_are_asked_for() {
+fn icons_are_centred_at_the_requested_position() {
     for (scale, size) in [(1.0, ICON_SIZE), (1.5, ICON_SIZE), (2.0, 28.0)] {
         let center = pos2(20.0, 20.0);
         let mut headless = Headless::new(vec2(40.0, 40.0), scale, Theme::Dark);
@@ -159,7 +159,7 @@ fn icons_are_centred_where_they_are_asked_for() {
             let [first, last] = [lit[0], lit[lit.len() - 1]];
             let found = (first + last + 1) as f32 / 2.0;
             assert!((found - asked * scale).abs() <= 0.5, "{found} px instead of {} px", asked * scale);
-            assert!((last - first) as f32 > 0.7 * size * scale, "the icon is as large as asked for");
+            assert!((last - first) as f32 > 0.7 * size * scale, "the icon has the requested size");
         }
     }
 }

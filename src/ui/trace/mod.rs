@@ -1,5 +1,5 @@
-//! The arithmetic of one fragment as a table. Steps move by line, by stage, or to the next flagged line, in both
-//! directions.
+//! The arithmetic of one fragment as a table. Steps move forwards and backwards by line, by stage, or to the next
+//! flagged line.
 
 pub(crate) mod panel;
 
@@ -13,25 +13,25 @@ use crate::chain::Frame;
 use crate::inspect::trace::{Notable, StepDirection, Trace, TraceStage};
 use crate::inspect::{PixelReport, trace};
 
-/// State of the table.
+/// State of the table of arithmetic steps.
 #[derive(Debug, Default)]
 pub struct TraceView {
-    /// Trace, and the inputs it was made from.
+    /// Last trace, with the inputs from which it was computed.
     cached: Option<CachedTrace>,
-    /// Whether each line of the trace has another value than in the previous trace, made for another pixel, recipe or
-    /// view.
+    /// For each line, whether its value differs from that in the previous trace, which belongs to another pixel, recipe
+    /// or view.
     changed: Vec<bool>,
     /// Index of the selected fragment; `None` means the visible one.
     fragment: Option<usize>,
-    /// Index of the current line.
+    /// Index of the current line of the trace.
     pub line: usize,
-    /// Filter: only lines that contain this text are listed.
+    /// Filter text: only lines that contain it are listed.
     pub(crate) filter: String,
-    /// Number of steps so far; lets the table scroll after a step.
+    /// Number of steps so far, from which the table detects that it must scroll.
     pub(crate) steps: u64,
 }
 
-/// Trace, and the inputs it was made from.
+/// Trace with the inputs from which it was computed.
 #[derive(Debug)]
 struct CachedTrace {
     frame: Arc<Frame>,
@@ -40,19 +40,19 @@ struct CachedTrace {
 }
 
 impl CachedTrace {
-    /// Whether the trace describes the picked pixel of a view. Showing another buffer of the same frame keeps it valid.
+    /// Whether the trace describes the picked pixel of a view. It stays valid if another buffer of the frame is shown.
     fn is_of(&self, view: &RenderedView) -> bool {
         let same = |report: &Arc<PixelReport>| Arc::ptr_eq(report, &self.report) || **report == *self.report;
         Arc::ptr_eq(&self.frame, &view.frame) && view.report.as_ref().is_some_and(same)
     }
 }
 
-/// Change of the table.
+/// Change to the table of arithmetic steps.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TraceChange {
-    /// Traces the picked pixel.
+    /// Traces the picked pixel again if the trace is outdated.
     Renew,
-    /// Goes to this line.
+    /// Goes to the line with this index.
     Line(usize),
     /// Moves by this many lines, backwards if negative.
     Step(i64),
@@ -60,7 +60,7 @@ pub enum TraceChange {
     Run(Option<Notable>, StepDirection),
     /// Goes to the next stage in a direction.
     Stage(StepDirection),
-    /// Traces this fragment.
+    /// Traces the fragment with this index.
     Fragment(usize),
     /// Sets the filter of the listed lines.
     Filter(String),
@@ -83,8 +83,8 @@ impl TraceView {
         self.changed.get(line).copied().unwrap_or(false)
     }
 
-    /// Applies a change. Returns it if it stepped through the table or selected a fragment; the table should then be
-    /// visible.
+    /// Applies a change. Returns the change if it stepped through the table or selected a fragment, so that the caller
+    /// can show the table.
     pub(crate) fn apply(&mut self, change: TraceChange, view: Option<&RenderedView>) -> Option<TraceChange> {
         if self.trace(view).is_none() {
             self.retrace(view);
@@ -117,7 +117,7 @@ impl TraceView {
         Some(change)
     }
 
-    /// Traces the picked pixel of a view. The current line stays the same if the new trace has it.
+    /// Traces the picked pixel of a view. Keeps the current line if the new trace contains it.
     fn retrace(&mut self, view: Option<&RenderedView>) {
         let Some((view, report)) = view.and_then(|view| Some((view, view.report.as_ref()?))) else { return };
         let last = self.cached.take();
@@ -134,7 +134,7 @@ impl TraceView {
     }
 }
 
-/// Returns a unique name for each line: stage, name, and the number of its occurrence. Equal names identify
+/// Returns a unique key for each line: stage, name, and number of the occurrence of that name. Equal keys identify
 /// corresponding lines of two traces.
 fn names(trace: &Trace) -> impl Iterator<Item = (TraceStage, &str, usize)> {
     let mut seen: HashMap<(TraceStage, &str), usize> = HashMap::new();
@@ -145,7 +145,7 @@ fn names(trace: &Trace) -> impl Iterator<Item = (TraceStage, &str, usize)> {
     })
 }
 
-/// Returns for each line whether its value differs from that of the same line in the last trace.
+/// Returns, for each line, whether its value differs from that of the corresponding line in the last trace.
 fn changes(last: &Trace, trace: &Trace) -> Vec<bool> {
     let known: HashMap<_, &trace::TraceLine> = names(last).zip(&last.lines).collect();
     let differs = |(name, line): (_, &trace::TraceLine)| known.get(&name).is_none_or(|old| !is_same(old, line));
@@ -205,12 +205,12 @@ mod tests {
         assert_eq!(table.line, count - 1);
         let place = table.trace(Some(first)).unwrap().lines.iter().position(|l| l.what == "λ1 on the screen").unwrap();
         table.apply(TraceChange::Line(place), Some(first));
-        assert!(table.trace(Some(second)).is_none(), "it is of another pixel");
+        assert!(table.trace(Some(second)).is_none(), "the trace belongs to another pixel");
         table.apply(TraceChange::Renew, Some(second));
         let trace = table.trace(Some(second)).unwrap();
         assert_eq!(trace.lines[table.line].what, "λ1 on the screen");
         assert!(table.is_changed(table.line), "a weight differs from pixel to pixel");
-        assert!(!table.is_changed(0), "and the corner of the mesh does not");
+        assert!(!table.is_changed(0), "the corner of the mesh is the same");
     }
 
     #[test]
@@ -237,11 +237,11 @@ mod tests {
         assert!(second.captured.is_some() && second.range.is_some());
         request.recipe.pipeline.light.ambient = 0.9;
         let third = engine.answer(request);
-        assert!(table.trace(Some(&third)).is_none(), "it is another frame");
+        assert!(table.trace(Some(&third)).is_none(), "the trace belongs to another frame");
     }
 
     #[test]
-    fn running_stops_at_a_flag_or_stays() {
+    fn running_stops_at_a_flag_or_does_not_move() {
         let [view] = &views(&[(20, 14)])[..] else { panic!("one view") };
         let mut table = TraceView::default();
         table.apply(TraceChange::Run(None, StepDirection::Forward), Some(view));
@@ -250,6 +250,6 @@ mod tests {
         table.apply(TraceChange::Stage(StepDirection::Forward), Some(view));
         let at = table.line;
         table.apply(TraceChange::Run(Some(Notable::NotFinite), StepDirection::Forward), Some(view));
-        assert_eq!(table.line, at, "there is none");
+        assert_eq!(table.line, at, "there is no such line");
     }
 }

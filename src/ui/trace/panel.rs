@@ -1,4 +1,4 @@
-//! The “Arithmetic” tab: buttons, the current line in full, and the table of all lines.
+//! The tab “Arithmetic”: buttons, the current line in full, and the table of all lines.
 
 use eframe::egui::style::ScrollAnimation;
 use eframe::egui::{self, Align, Color32, Rect, RichText, ScrollArea, TextEdit, Ui, vec2};
@@ -12,10 +12,10 @@ use crate::ui::session::Session;
 use crate::ui::theme::{Icon, font_size, space, tokens};
 use crate::ui::widgets::{combo, copy_button, empty_state, icon_button};
 
-/// Height of a row, in points.
+/// Height of a row of the table, in points.
 pub(super) const ROW: f32 = 19.0;
 
-/// Draws the buttons above the current line.
+/// Draws the buttons and the filter field beside the current line.
 fn controls(ui: &mut Ui, trace: &Trace, session: &Session, commands: &mut Vec<Command>) {
     let mut push = |change| commands.push(Command::Trace(change));
     for (icon, name, change) in [
@@ -36,7 +36,7 @@ fn controls(ui: &mut Ui, trace: &Trace, session: &Session, commands: &mut Vec<Co
         (Some(Notable::Cancellation), "Cancellation"),
     ] {
         let place = trace.next(session.trace.line, kind, StepDirection::Forward);
-        let help = kind.map_or("Goes to the next line with any flag  (F5; previous: Shift+F5)", Notable::help);
+        let help = kind.map_or("Go to the next line with any flag  (F5; previous: Shift+F5)", Notable::help);
         let button = egui::Button::new(word);
         let response = ui.add_enabled(place.is_some(), button).on_hover_text(help);
         if response.on_disabled_hover_text("No later line has this flag").clicked() {
@@ -46,7 +46,7 @@ fn controls(ui: &mut Ui, trace: &Trace, session: &Session, commands: &mut Vec<Co
     fragments(ui, trace, &mut push);
     let mut filter = session.trace.filter.clone();
     let field = TextEdit::singleline(&mut filter).hint_text("Filter").desired_width(90.0);
-    if ui.add(field).on_hover_text("Lists only lines whose name, formula, stage or flag contains this text").changed() {
+    if ui.add(field).on_hover_text("List only lines whose name, formula, stage or flag contains this text").changed() {
         push(TraceChange::Filter(filter));
     }
     copy_button(ui, "the trace as text", || trace.to_string());
@@ -69,11 +69,11 @@ fn fragments(ui: &mut Ui, trace: &Trace, push: &mut impl FnMut(TraceChange)) {
     }
 }
 
-/// Draws the content of the tab.
+/// Draws the content of the tab “Arithmetic”.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if !is_picked(session) {
-        let how = "Click a pixel of the picture to list every step of its arithmetic, with the rounding of each step.";
-        empty_state(ui, Icon::ScanSearch, "No pixel is picked", how);
+        let how = "Click a pixel of the picture to list every step of its arithmetic, with the rounding errors.";
+        empty_state(ui, Icon::ScanSearch, "No pixel picked", how);
         return;
     }
     if session.trace.trace(session.view.as_ref()).is_none() {
@@ -123,7 +123,7 @@ fn listed(trace: &Trace, filter: &str) -> Vec<usize> {
     (0..trace.lines.len()).filter(|place| is_listed(&trace.lines[*place])).collect()
 }
 
-/// Returns the row of the current line if a step has moved to it since the last pass, to scroll it into the middle.
+/// Returns the row of the current line if a step has moved to it since the last pass, so that it can be centred.
 fn row_after_step(ui: &Ui, table: &TraceView, listed: &[usize]) -> Option<usize> {
     let id = egui::Id::unique("steps of the trace");
     let seen: u64 = ui.data(|data| data.get_temp(id)).unwrap_or(0);

@@ -1,4 +1,4 @@
-//! The table of all lines: columns and rows.
+//! The table of all lines of a trace: columns and rows.
 
 use eframe::egui::{Align2, Color32, FontId, Rect, RichText, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 
@@ -10,7 +10,7 @@ use crate::ui::command::Command;
 use crate::ui::engine::Shown;
 use crate::ui::theme::{Icon, font_size, paint_icon, tokens};
 
-/// Widths of the columns, in points; the formula takes the rest.
+// Widths of the columns, in points. The formula takes the rest.
 const STAGE: f32 = 72.0;
 const WHAT: f32 = 186.0;
 const VALUE: f32 = 172.0;
@@ -19,7 +19,7 @@ const EXACT: f32 = 196.0;
 const ROUNDING: f32 = 104.0;
 const SHOW: f32 = 26.0;
 
-/// Minimum width of the formula, in points; the columns of bits and exact values are dropped to keep it.
+/// Minimum width of the formula, in points. A narrow table drops the columns of bits and exact values instead.
 const MIN_FORMULA_POINTS: f32 = 170.0;
 
 /// Positions of the columns, in points from the left edge of the table.
@@ -33,9 +33,9 @@ pub(super) struct TraceColumns {
 }
 
 impl TraceColumns {
-    /// Computes the columns of a table of `width` points. In a narrow table bits are dropped first, then exact values.
+    /// Computes the columns of a table `width` points wide. A narrow table drops the bits first, then the exact values.
     pub(super) fn of(width: f32) -> Self {
-        /// Width of the scroll bar, in points, which covers the end of the rows.
+        /// Width of the scroll bar, which covers the ends of the rows, in points.
         const BAR: f32 = 12.0;
         let fixed = STAGE + WHAT + VALUE + ROUNDING + SHOW + BAR;
         let (mut bits, mut exact) = (BITS, EXACT);
@@ -59,7 +59,7 @@ impl TraceColumns {
     }
 }
 
-/// Draws the column names.
+/// Draws the headings of the columns.
 pub(super) fn headings(ui: &mut Ui, columns: &TraceColumns) {
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
     let color = tokens(ui).text_weak;
@@ -180,7 +180,7 @@ fn explain(ui: &mut Ui, line: &TraceLine, is_changed: bool) {
         let fraction = exact.fraction.as_ref().map_or_else(String::new, |fraction| format!(" = {fraction}"));
         fact("exactly", &format!("{}{fraction}", exact.decimal));
     }
-    fact("off by ", &line.rounding());
+    fact("error  ", &line.rounding());
     for flag in &line.flags {
         ui.label(format!("{}: {}", flag.words(), flag.kind.help()));
     }
@@ -188,11 +188,11 @@ fn explain(ui: &mut Ui, line: &TraceLine, is_changed: bool) {
         ui.label("Dot: the value differs from that in the previous trace.");
     }
     if line.aside {
-        ui.label("Not computed by the pipeline: shown as an aid to reading.");
+        ui.label("Not computed by the pipeline, but shown for orientation.");
     }
 }
 
-/// Draws a button that shows the line's number for the whole picture, or the colours again.
+/// Draws a button that shows the line's quantity for the whole picture, or the final colours if it is shown.
 fn show_button(ui: &mut Ui, place: Rect, wanted: Shown, shown: Shown, commands: &mut Vec<Command>) {
     let id = ui.scope_id().with(("show", place.min.y as i64));
     let response = ui.interact(place, id, Sense::click());

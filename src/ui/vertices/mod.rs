@@ -1,4 +1,4 @@
-//! The vertices of the picked triangle or of its whole object at every stage. One vertex can be followed in the
+//! The vertices of the picked triangle, or of its whole object, at every stage. One vertex can be followed in the
 //! picture.
 
 mod panel;
@@ -19,21 +19,21 @@ pub(crate) use panel::ui;
 pub struct VertexTable {
     /// Whether the table lists all vertices of the object, rather than those of the triangle.
     pub(crate) whole_object: bool,
-    /// Followed vertex: index of the object, and of the vertex in its mesh.
+    /// Followed vertex: index of its object, and its index in the mesh.
     pub selected: Option<(usize, u32)>,
 }
 
-/// Change of the vertex table.
+/// Change to the vertex table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VerticesChange {
-    /// Sets whether the table lists the whole object or the triangle alone.
+    /// Sets whether the table lists the whole object (`true`) or the triangle alone.
     WholeObject(bool),
-    /// Follows this vertex of this object, or none.
+    /// Follows a vertex, given by object and vertex index; `None` stops following.
     Select(Option<(usize, u32)>),
 }
 
 impl VertexTable {
-    /// Applies a change.
+    /// Applies a change to the table.
     pub(crate) fn apply(&mut self, change: VerticesChange) {
         match change {
             VerticesChange::WholeObject(whole) => self.whole_object = whole,
@@ -42,7 +42,7 @@ impl VertexTable {
     }
 }
 
-/// Returns the triangle selected in the outside view, or else the one visible at the picked pixel.
+/// Returns the triangle selected in the mesh view, or otherwise the one visible at the picked pixel.
 pub fn picked_triangle(session: &Session) -> Option<TriangleId> {
     if let Some(selected) = session.mesh_view.selected(session.pick) {
         return Some(selected);
@@ -69,7 +69,7 @@ pub(crate) fn followed(session: &Session) -> Option<VertexStages> {
     object(session, instance)?.stages(index)
 }
 
-/// Returns the picked triangle, the index of its object and its corners.
+/// Returns the picked triangle, the index of its object, and the vertex indices of its corners.
 fn picked(session: &Session) -> Option<(TriangleId, usize, [u32; 3])> {
     let triangle = picked_triangle(session)?;
     let (instance, corners) = corners_of(&session.view.as_ref()?.request.scene, triangle)?;
@@ -87,7 +87,7 @@ pub(crate) fn mark(ui: &Ui, painter: &Painter, placement: Placement, session: &S
     }
 }
 
-/// Radius of the mark, in points.
+/// Radius of the ring around a vertex, in points.
 const RING_POINTS: f32 = 5.0;
 
 /// Draws a ring with the number of a vertex, visible on any background.

@@ -1,4 +1,4 @@
-//! The table of vertices: a row for each vertex, a group of columns for each stage.
+//! The table of vertices: one row per vertex, one group of columns per stage.
 
 use eframe::egui::{
     Align2, Color32, FontId, Rect, Response, RichText, Role, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2,
@@ -12,62 +12,67 @@ use crate::ui::session::Session;
 use crate::ui::theme::{Icon, RADIUS, ROW_HEIGHT, font_size, tokens};
 use crate::ui::widgets::{copy_button, empty_state};
 
-/// Group of columns.
+/// Group of columns for one stage.
 struct ColumnGroup {
     name: &'static str,
     help: &'static str,
     columns: &'static [&'static str],
-    /// Width of a column, in points.
+    /// Width of each column of the group, in points.
     width: f32,
 }
 
-/// Width of a number with all its digits, in points.
+/// Width of a column of numbers with all their digits, in points.
 const FULL: f32 = 96.0;
 
 const GROUPS: [ColumnGroup; 11] = [
     ColumnGroup { name: "Vertex", help: "Number of the vertex in the mesh", columns: &["number"], width: 58.0 },
-    ColumnGroup { name: "Model", help: "Position in the mesh", columns: &["x", "y", "z"], width: FULL },
+    ColumnGroup { name: "Model", help: "Model-space position in the mesh", columns: &["x", "y", "z"], width: FULL },
     ColumnGroup {
         name: "Clip",
-        help: "After the combined matrix of model, view and projection, bit for bit as the pipeline computes it",
+        help: "Clip-space position after the model-view-projection matrix, bit for bit as the pipeline computes it",
         columns: &["x", "y", "z", "w"],
         width: FULL,
     },
     ColumnGroup {
         name: "Outcode",
-        help: "The planes of the view frustum that the vertex lies beyond; “inside” if none. Side planes clip only \
-               where coordinates become too large for the rasterizer",
+        help: "Planes of the view frustum that the vertex lies beyond; “inside” if none. Side planes clip only where \
+               coordinates become too large for the rasterizer",
         columns: &["beyond"],
         width: 92.0,
     },
     ColumnGroup {
         name: "NDC",
-        help: "Divided by w: −1 … 1 across the picture, z is depth. Empty where w is not positive: triangles are \
-               clipped before the division",
+        help: "Normalized device coordinates: x and y from −1 to 1 across the picture, z is depth. Empty if w is not \
+               positive, because triangles are clipped before the division by w",
         columns: &["x", "y", "z"],
         width: FULL,
     },
-    ColumnGroup { name: "Screen", help: "In pixels, y down, before snapping", columns: &["x px", "y px"], width: FULL },
+    ColumnGroup {
+        name: "Screen",
+        help: "Position in pixels before snapping, y down",
+        columns: &["x px", "y px"],
+        width: FULL,
+    },
     ColumnGroup {
         name: "Snapped",
-        help: "On the grid of 1/256 px on which coverage is decided, in whole grid steps",
+        help: "Screen-space position snapped to the grid of 1/256 px on which coverage is computed, in grid steps",
         columns: &["x /256", "y /256"],
         width: 74.0,
     },
     ColumnGroup {
         name: "World",
-        help: "World-space position. Shown as an aid: the pipeline multiplies the matrices first",
+        help: "World-space position, shown for orientation: the pipeline multiplies the matrices first",
         columns: &["x", "y", "z"],
         width: FULL,
     },
     ColumnGroup {
         name: "View",
-        help: "View-space position: the eye looks along −z. Shown as an aid: the pipeline multiplies the matrices \
-               first",
+        help: "View-space position, where the camera looks along −z. Shown for orientation: the pipeline multiplies \
+               the matrices first",
         columns: &["x", "y", "z"],
         width: FULL,
     },
-    ColumnGroup { name: "Normal", help: "Normal in the mesh", columns: &["x", "y", "z"], width: FULL },
+    ColumnGroup { name: "Normal", help: "Model-space normal in the mesh", columns: &["x", "y", "z"], width: FULL },
     ColumnGroup {
         name: "Attributes",
         help: "Texture coordinates (v down) and vertex colour (sRGB, 0 … 1), if the mesh has any",
@@ -76,18 +81,18 @@ const GROUPS: [ColumnGroup; 11] = [
     },
 ];
 
-/// Space between groups, in points.
+/// Space between groups of columns, in points.
 const GAP: f32 = 14.0;
 
-/// Maximum number of copied rows; larger tables do not fit a clipboard.
+/// Maximum number of rows to copy; larger tables do not fit in a clipboard.
 const COPIED_ROWS: u32 = 65_536;
 
-/// Draws the controls beside the tabs.
+/// Draws the controls of the tab “Vertices”, beside the tabs.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let whole = session.vertices.whole_object;
     for (value, name, help) in [
-        (false, "Triangle", "The three corners of the visible triangle at the picked pixel"),
-        (true, "Whole object", "All vertices of the object that this triangle belongs to"),
+        (false, "Triangle", "List the three corners of the visible triangle at the picked pixel"),
+        (true, "Whole object", "List all vertices of the object that the picked triangle belongs to"),
     ] {
         if ui.selectable_label(whole == value, name).on_hover_text(help).clicked() {
             commands.push(Command::Vertices(VerticesChange::WholeObject(value)));
@@ -102,11 +107,11 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
     ui.label(RichText::new(text).color(tokens(ui).text_weak));
 }
 
-/// Draws the table.
+/// Draws the table of vertices.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let Some((_, instance, corners)) = picked(session) else {
-        let how = "Pick a pixel that shows a triangle to list its corners from the mesh to the pixel grid.";
-        empty_state(ui, Icon::Table, "No triangle is picked", how);
+        let how = "Pick a pixel that shows a triangle to list its corners, from model space to the pixel grid.";
+        empty_state(ui, Icon::Table, "No triangle picked", how);
         return;
     };
     let Some(object) = object(session, instance) else { return };
@@ -135,11 +140,11 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     });
 }
 
-/// Highlights of a row.
+/// Highlights of a row of the table.
 #[derive(Clone, Copy)]
 struct Marks {
     is_selected: bool,
-    /// Corner of the picked triangle, 0 to 2, if the vertex is one.
+    /// Index of the picked triangle's corner at this vertex, 0 to 2; `None` if it is not a corner.
     corner: Option<usize>,
 }
 
@@ -196,7 +201,7 @@ fn row(ui: &mut Ui, width: f32, stages: &VertexStages, marks: Marks) -> Response
     response.on_hover_text(format!("{follow}.{corner}"))
 }
 
-/// Cell of the table.
+/// Cell of the vertex table.
 struct TableCell {
     text: String,
     kind: CellKind,
@@ -205,11 +210,11 @@ struct TableCell {
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum CellKind {
     Plain,
-    /// NaN or infinite number.
+    /// The number is NaN or infinite.
     NotFinite,
-    /// Missing number.
+    /// The vertex has no such number.
     Absent,
-    /// Clip planes that the vertex lies beyond.
+    /// The cell lists clip planes that the vertex lies beyond.
     Beyond,
 }
 
@@ -232,7 +237,7 @@ impl TableCell {
     }
 }
 
-/// Returns all cells of a row, in the order of [`GROUPS`].
+/// Returns all cells of a vertex's row, in the order of [`GROUPS`].
 fn cells(v: &VertexStages) -> Vec<TableCell> {
     let f32s = |values: &[f32]| -> Vec<TableCell> {
         values.iter().map(|value| TableCell::number((*value).into(), format::f32_full(*value))).collect()
@@ -266,12 +271,12 @@ fn cells(v: &VertexStages) -> Vec<TableCell> {
     cells
 }
 
-/// Returns the vertex indices of the rows.
+/// Returns the vertex indices of the rows to copy.
 fn rows(object: &ObjectVertices<'_>, corners: [u32; 3], whole: bool) -> Vec<u32> {
     if whole { (0..(object.count() as u32).min(COPIED_ROWS)).collect() } else { corners.to_vec() }
 }
 
-/// Formats a table as text, with tabs between columns.
+/// Formats the table as text, with tabs between columns.
 fn as_text(object: &ObjectVertices<'_>, rows: &[u32]) -> String {
     let names = GROUPS.iter().flat_map(|group| group.columns.iter().map(move |name| format!("{} {name}", group.name)));
     let mut text = names.collect::<Vec<_>>().join("\t") + "\n";

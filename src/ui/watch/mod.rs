@@ -1,4 +1,5 @@
-//! Watched pixels: a list that is independent of the pick, with the values of all buffers there after every frame.
+//! Watched pixels: a list that is independent of the pick, with the values of all buffers at these pixels after every
+//! frame.
 
 pub(crate) mod panel;
 
@@ -19,27 +20,27 @@ pub(crate) const MAX_PIXELS: usize = 24;
 pub struct WatchList {
     /// Column and row of each pixel, in the order in which they were added.
     pub pixels: Vec<(u32, u32)>,
-    /// Values in the newest frame.
+    /// Values of the watched pixels in the newest frame.
     pub(crate) rows: Vec<WatchedPixel>,
-    /// Values in the last frame that differed.
+    /// Values of the watched pixels in the last frame that had other values.
     pub(crate) before: Vec<WatchedPixel>,
 }
 
-/// Change of the watched pixels.
+/// Change to the list of watched pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WatchChange {
     /// Watches the picked pixel.
     AddPick,
-    /// Watches this pixel.
+    /// Watches the pixel at this column and row.
     Add(u32, u32),
-    /// Stops watching a pixel.
+    /// Stops watching the pixel at this column and row.
     Remove(u32, u32),
     /// Stops watching all pixels.
     Clear,
 }
 
 impl WatchList {
-    /// Stores the values of a frame. Adding or removing a pixel does not count as a change of the others.
+    /// Stores the values of a frame. Adding or removing a pixel does not count as a change of the other pixels.
     pub(crate) fn store_values(&mut self, rows: Vec<WatchedPixel>) {
         let differs =
             |known: &WatchedPixel| rows.iter().any(|row| (row.x, row.y) == (known.x, known.y) && row != known);
@@ -49,14 +50,14 @@ impl WatchList {
         self.rows = rows;
     }
 
-    /// Returns the values of a pixel before its last change, if it was watched then.
+    /// Returns the values of a pixel before the last change, if it was watched then.
     fn before(&self, row: &WatchedPixel) -> Option<&WatchedPixel> {
         self.before.iter().find(|before| (before.x, before.y) == (row.x, row.y))
     }
 }
 
 impl Session {
-    /// Applies a change of the watched pixels.
+    /// Applies a change to the list of watched pixels.
     pub(crate) fn change_watch(&mut self, change: WatchChange) {
         let pixel = match change {
             WatchChange::AddPick => self.pick,
@@ -87,7 +88,7 @@ pub(super) fn markers(
     (width, height): (u32, u32),
     tokens: &Tokens,
 ) {
-    /// Minimum side of a frame, in points, so that it is visible however small the pixels are.
+    /// Minimum side of a frame, in points, so that it is visible around small pixels.
     const MIN_POINTS: f32 = 5.0;
     for (number, (x, y)) in session.watch.pixels.iter().copied().enumerate() {
         if x >= width || y >= height {

@@ -1,4 +1,4 @@
-//! The “Watch” tab: one row per watched pixel, one column per buffer.
+//! The tab “Watch”: one row per watched pixel, one column per buffer.
 
 use eframe::egui::{self, Button, Color32, Grid, RichText, ScrollArea, Sense, Ui, WidgetInfo};
 
@@ -10,25 +10,25 @@ use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, tokens};
 use crate::ui::widgets::{empty_state, icon_button, swatch};
 
-/// Columns, each with name and help text.
+/// Columns of the table, each with name and help text.
 const COLUMNS: [(&str, &str); 9] = [
     ("Pixel", "Column and row; a click picks it"),
-    ("Colour", "Red, green and blue of the finished picture"),
+    ("Colour", "Red, green and blue in the finished picture, 0 to 255"),
     ("Depth", "Final value of the depth buffer"),
-    ("Triangle", "The visible triangle"),
-    ("Object", "The object of the visible triangle"),
-    ("λ on screen", "Screen-space weights of its corners"),
-    ("λ in space", "The weights that interpolate attributes"),
+    ("Triangle", "Number of the visible triangle in the scene"),
+    ("Object", "Object that the visible triangle belongs to"),
+    ("λ on screen", "Screen-space weights of the corners of the visible triangle"),
+    ("λ in space", "Weights with which attributes of the visible triangle are interpolated"),
     ("Overdraw", "Number of triangles that cover the pixel's centre"),
-    ("Shaded", "Number of them that were shaded"),
+    ("Shaded", "Number of fragments at the pixel's centre that were shaded"),
 ];
 
-/// Draws the buttons beside the tabs.
+/// Draws the controls of the tab “Watch”, beside the tabs.
 pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let watched = |pixel| session.watch.pixels.contains(&pixel);
     let addable = session.pick.is_some_and(|pixel| !watched(pixel));
     let add = ui.add_enabled(addable, Button::new((theme::icon(Icon::Pin), "Watch the picked pixel")));
-    if add.on_hover_text("Adds it to the list  (Enter)").clicked() {
+    if add.on_hover_text("Adds the picked pixel to the list  (Enter)").clicked() {
         commands.push(Command::Watch(WatchChange::AddPick));
     }
     let clear = ui.add_enabled(!session.watch.pixels.is_empty(), Button::new("Clear"));
@@ -37,12 +37,12 @@ pub(crate) fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Comman
     }
 }
 
-/// Draws the table.
+/// Draws the table of watched pixels.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if session.watch.pixels.is_empty() {
         let help = "Press Enter, or the pin in the inspector, to add the picked pixel. Its values in all buffers are \
                     updated after every frame.";
-        empty_state(ui, Icon::Pin, "No pixel is watched", help);
+        empty_state(ui, Icon::Pin, "No watched pixels", help);
         return;
     }
     ScrollArea::both().auto_shrink(false).show(ui, |ui| {
@@ -102,7 +102,7 @@ fn weights(weights: [f32; 3]) -> String {
     weights.map(|weight| format::fixed(f64::from(weight), 4)).join(" ")
 }
 
-/// Draws a value. One that the last change of the picture changed is highlighted, with its former value in the tooltip.
+/// Draws a value. If the last change of the picture changed it, it is highlighted and the tooltip shows the old value.
 fn cell(ui: &mut Ui, values: &PixelValues, before: Option<&PixelValues>, text: impl Fn(&PixelValues) -> String) {
     let (now, was) = (text(values), before.map(text));
     let changed = was.as_ref().is_some_and(|was| *was != now);
@@ -116,8 +116,8 @@ fn cell(ui: &mut Ui, values: &PixelValues, before: Option<&PixelValues>, text: i
     let label = ui.add(egui::Label::new(RichText::new(&shown).monospace().color(color)).sense(Sense::hover()));
     label.widget_info(|| WidgetInfo::labeled(egui::Role::Label, true, &shown));
     match was.filter(|_| changed) {
-        Some(was) => drop(label.on_hover_text(format!("{was} before the last change"))),
-        None if weak => drop(label.on_hover_text("Value of the drawn pixel with the largest weight in this one")),
+        Some(was) => drop(label.on_hover_text(format!("Before the last change: {was}"))),
+        None if weak => drop(label.on_hover_text("Not drawn itself: value of the drawn pixel with the largest weight")),
         None => {}
     }
 }

@@ -18,10 +18,10 @@ fn session() -> Session {
 }
 
 #[test]
-fn a_pixel_is_watched_once_and_no_more_than_there_is_room_for() {
+fn a_pixel_is_watched_once_and_the_list_is_limited() {
     let mut session = session();
     session.apply(Command::Watch(WatchChange::AddPick));
-    assert!(session.watch.pixels.is_empty(), "none is picked");
+    assert!(session.watch.pixels.is_empty(), "no pixel is picked");
     session.pick = Some((3, 4));
     session.apply(Command::Watch(WatchChange::AddPick));
     session.apply(Command::Watch(WatchChange::Add(3, 4)));
@@ -38,7 +38,7 @@ fn a_pixel_is_watched_once_and_no_more_than_there_is_room_for() {
 }
 
 #[test]
-fn rows_follow_the_frames_and_what_was_stays_until_the_next_change() {
+fn rows_follow_the_frames_and_old_values_stay_until_the_next_change() {
     let mut session = session();
     let (mut engine, mut watcher) = (Engine::default(), PixelWatcher::default());
     watcher.set(vec![(32, 24), (0, 0)]);
@@ -55,16 +55,16 @@ fn rows_follow_the_frames_and_what_was_stays_until_the_next_change() {
     let first = session.watch.rows.clone();
     assert!(first[0].values.as_ref().unwrap().triangle.is_some());
     session.pick = Some((1, 1));
-    assert!(!follow(&mut session), "a pick is no new frame");
+    assert!(!follow(&mut session), "a pick does not draw a new frame");
     session.state.recipe.set("shading=normals").unwrap();
     assert!(follow(&mut session));
     assert_ne!(session.watch.rows, first);
     assert_eq!(session.watch.before(&session.watch.rows[0]), Some(&first[0]));
     session.state.recipe.set("execution=classic").unwrap();
     follow(&mut session);
-    assert_eq!(session.watch.before(&session.watch.rows[0]), Some(&first[0]), "the same values are no change");
+    assert_eq!(session.watch.before(&session.watch.rows[0]), Some(&first[0]), "equal values are not a change");
     watcher.set(vec![(32, 24), (0, 0), (5, 5)]);
     session.watch.store_values(watcher.step().unwrap());
     assert_eq!(session.watch.rows.len(), 3);
-    assert_eq!(session.watch.before(&session.watch.rows[0]), Some(&first[0]), "nor is another pixel");
+    assert_eq!(session.watch.before(&session.watch.rows[0]), Some(&first[0]), "another watched pixel is not a change");
 }

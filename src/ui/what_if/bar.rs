@@ -1,4 +1,4 @@
-//! The bar above the canvas that shows the effect of a change, and the label that names the visible picture.
+//! The bar above the canvas that shows the effect of a change of settings, and the label of the visible picture.
 
 use eframe::egui::{self, Align2, Button, FontId, Label, Rect, RichText, Ui, vec2};
 
@@ -14,17 +14,17 @@ use crate::ui::manual::manual_button;
 use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, font_size, space, tokens};
 
-/// Maximum number of changed fields named in the bar; the others are in the tooltip.
+/// Maximum number of changed settings listed in the bar; the tooltip lists all of them.
 const NAMED: usize = 2;
 
-/// Draws the bar.
+/// Draws the what-if bar.
 pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let mut chosen = Vec::new();
     let Some(before) = session.what_if.before else {
         ui.horizontal(|ui| {
             ui.label(RichText::new("What changed?").strong());
             let words =
-                "Change any setting: the frame before the change is kept as A and compared with the current frame, B.";
+                "Change any setting: the frame before the change is kept as A and compared with the current frame B.";
             ui.add(Label::new(RichText::new(words).color(tokens(ui).text_weak)).truncate());
             palette_button(ui, commands);
             manual_button(ui, Chapter::ComparingUpscalers, commands);
@@ -59,8 +59,8 @@ pub(crate) fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     commands.extend(chosen.into_iter().map(Command::WhatIf));
 }
 
-/// Keeps the bar at least as high as it was at this width. Results make it higher. If it shrank again, the canvas would
-/// grow, and all results would have to be recomputed for its new size, without end.
+/// Keeps the bar at least as high as it was at this width. Results make the bar higher. If it shrank again, the canvas
+/// would grow, and all results would be recomputed for the new size, in an endless loop.
 fn keep_height(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
     let (id, width) = (egui::Id::unique("height of the bar of changes"), ui.available_width());
     let before: Option<(f32, f32)> = ui.data(|data| data.get_temp(id));
@@ -71,7 +71,7 @@ fn keep_height(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
     ui.data_mut(|data| data.insert_temp(id, (width, height.response.rect.height())));
 }
 
-/// Draws which settings differ between A and B.
+/// Draws the list of settings that differ between A and B.
 fn fields_in_words(ui: &mut Ui, fields: &[FieldChange]) {
     if fields.is_empty() {
         ui.label(RichText::new("A and B have the same settings").color(tokens(ui).text_weak));
@@ -86,15 +86,15 @@ fn fields_in_words(ui: &mut Ui, fields: &[FieldChange]) {
 }
 
 fn palette_button(ui: &mut Ui, commands: &mut Vec<Command>) {
-    let help = "Change any setting by name: type “key=value”, or choose from the list";
-    if ui.add(Button::new((theme::icon(Icon::Search), "Change …"))).on_hover_text(help).clicked() {
+    let help = "Change any setting by name: type “key=value”, or choose one from the list";
+    if ui.add(Button::new((theme::icon(Icon::Search), "Change setting…"))).on_hover_text(help).clicked() {
         commands.push(Command::OpenPalette);
     }
 }
 
 fn buttons(ui: &mut Ui, session: &Session, differs: bool, chosen: &mut Vec<WhatIfChange>) {
     let pinned = session.what_if.pinned;
-    let help = "Keeps A while several settings change; otherwise every change sets a new A";
+    let help = "Keeps A while several settings change. Otherwise, every change sets a new A";
     if ui.add(Button::new((theme::icon(Icon::Pin), "Pin A")).selected(pinned)).on_hover_text(help).clicked() {
         chosen.push(WhatIfChange::Pin(!pinned));
     }
@@ -104,20 +104,24 @@ fn buttons(ui: &mut Ui, session: &Session, differs: bool, chosen: &mut Vec<WhatI
         }
     };
     button(ui, Icon::Undo2, "Revert", "Restores the settings of A", WhatIfChange::Revert);
-    button(ui, Icon::ArrowLeftRight, "Swap", "Exchanges A and B", WhatIfChange::Swap);
+    button(ui, Icon::ArrowLeftRight, "Swap", "Swaps the settings of A and B", WhatIfChange::Swap);
 }
 
 fn close(ui: &mut Ui, chosen: &mut Vec<WhatIfChange>) {
-    if ui.add(Button::new(theme::icon(Icon::X)).frame_when_inactive(false)).on_hover_text("Close  (X)").clicked() {
+    if ui
+        .add(Button::new(theme::icon(Icon::X)).frame_when_inactive(false))
+        .on_hover_text("Close the bar  (X)")
+        .clicked()
+    {
         chosen.push(WhatIfChange::Toggle);
     }
 }
 
-/// Draws the number of changed pixels, the error and the time difference, once known.
+/// Draws the number of changed pixels, the error and the time difference as soon as they are known.
 fn figures(ui: &mut Ui, session: &Session, chosen: &mut Vec<WhatIfChange>) {
     let Some(found) = session.view.as_ref().and_then(|view| session.what_if.current(view)) else {
         ui.spinner();
-        ui.label(RichText::new("Drawing A and B …").color(tokens(ui).text_weak));
+        ui.label(RichText::new("Drawing A and B…").color(tokens(ui).text_weak));
         return;
     };
     let count = found.changes.count;
@@ -147,9 +151,9 @@ fn figures(ui: &mut Ui, session: &Session, chosen: &mut Vec<WhatIfChange>) {
     }
 }
 
-/// Formats a share as a percentage, with enough digits to show a single pixel.
+/// Formats a fraction as a percentage, with enough digits to show a single pixel.
 fn share(share: f64) -> String {
-    /// Share below which a tenth of a percent is too coarse.
+    /// Fraction below which a tenth of a percent is too coarse.
     const SMALL: f64 = 0.01;
     if share > 0.0 && share < SMALL {
         format!("{}\u{2009}%", format::fixed(share * 100.0, 4))
@@ -169,8 +173,8 @@ fn error(ui: &mut Ui, found: &WhatIfResults) {
         format!("MSE {mse}, SSIM {ssim}, {} pixels of the picture differ. ", format::count(error.differing_pixels))
     });
     let help = numbers.unwrap_or_default()
-        + "Error between the finished pictures of A and B, whatever the canvas shows: peak signal-to-noise ratio, \
-           largest difference of a code";
+        + "Error between the finished pictures of A and B, whatever the canvas shows: peak signal-to-noise ratio, and \
+           largest difference of an sRGB code";
     ui.label(RichText::new(text).monospace()).on_hover_text(help);
 }
 
@@ -180,7 +184,7 @@ fn time(ui: &mut Ui, times: &PairTimes) {
     let text = format!("Δ time {sign}{}", format::ms(change));
     let color = if times.within_noise { tokens(ui).text_weak } else { tokens(ui).text_strong };
     let help = format!(
-        "Medians of {} interleaved frames: A {}, B {}. Noise floor, with equal settings: {}, so the change is {}.",
+        "Medians of {} interleaved frames: A {}, B {}. Noise floor with equal settings: {}, so the change is {}.",
         times.a_ms.n,
         format::ms(times.a_ms.median),
         format::ms(times.b_ms.median),
@@ -193,7 +197,7 @@ fn time(ui: &mut Ui, times: &PairTimes) {
     ui.label(RichText::new(floor).monospace().small().color(tokens(ui).text_weak)).on_hover_text(help);
 }
 
-/// Draws the verdicts on the picked pixel in A and in B, or that the pixel did not change.
+/// Draws the verdicts on the picked pixel in A and in B, or a note that the pixel did not change.
 fn verdicts(ui: &mut Ui, session: &Session) {
     let Some(view) = &session.view else { return };
     let Some(found) = session.what_if.current(view) else { return };
@@ -231,7 +235,7 @@ pub(crate) fn label(ui: &Ui, canvas: Rect, session: &Session) {
         _ if held => ("A  before", tokens(ui).a),
         Show::Before => ("A  before", tokens(ui).a),
         Show::After => ("B  now", tokens(ui).b),
-        Show::Changed => ("B  only changes", tokens(ui).b),
+        Show::Changed => ("B  changes only", tokens(ui).b),
     };
     let painter = ui.painter().with_clip_rect(canvas);
     let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(font_size::TITLE), color);

@@ -1,4 +1,5 @@
-//! Renderer side of what-if: draws A and B, finds their differences, then measures error and time piece by piece.
+//! Renderer side of the what-if comparison: draws A and B, finds their differences, then measures error and time in
+//! small steps.
 
 use std::sync::Arc;
 
@@ -9,7 +10,7 @@ use crate::measure::motion::{FrameSequence, Turn};
 use crate::measure::pair::{PairTimer, PairTimes};
 use crate::ui::engine::{Engine, RenderedView, Request, Shown};
 
-/// Number of measured timing rounds.
+/// Number of measured rounds, each of which times A and B.
 pub(crate) const ROUNDS: usize = 15;
 
 /// Request to compare the same view with two recipes.
@@ -31,11 +32,11 @@ impl WhatIfRequest {
 /// Results of a what-if request so far.
 #[derive(Clone, Debug)]
 pub struct WhatIfResults {
-    /// Request that is answered.
+    /// Request that the results belong to.
     pub(crate) request: WhatIfRequest,
-    /// Picture A, with the colour range of B.
+    /// View A, coloured with the range of B.
     pub(crate) before: RenderedView,
-    /// Picture B, with unchanged pixels dimmed.
+    /// View B, with unchanged pixels dimmed.
     pub(crate) marked: RenderedView,
     /// Changed pixels of the shown quantity.
     pub changes: Arc<Changes>,
@@ -45,7 +46,7 @@ pub struct WhatIfResults {
     pub(crate) times: Option<PairTimes>,
 }
 
-/// Worker for the most recent request.
+/// Renderer of the most recent what-if request.
 #[derive(Debug, Default)]
 pub(crate) struct Drawer {
     engines: [Engine; 2],
@@ -55,7 +56,7 @@ pub(crate) struct Drawer {
 }
 
 impl Drawer {
-    /// Draws A and B, reusing what is known, and finds their differences. Returns `None` if they cannot be compared.
+    /// Draws A and B, reusing earlier results, and finds their differences. Returns `None` if they cannot be compared.
     pub(crate) fn start(&mut self, request: WhatIfRequest) -> Option<&WhatIfResults> {
         self.begun = false;
         let [a, b] = &mut self.engines;
@@ -91,7 +92,7 @@ impl Drawer {
         }))
     }
 
-    /// Computes one more piece. Returns `None` if there is no new result yet.
+    /// Computes one more step of the error or the time. Returns `None` if there is no new result yet.
     pub(crate) fn step(&mut self) -> Option<&WhatIfResults> {
         self.begun = true;
         let known = self.results.as_mut()?;
@@ -122,7 +123,7 @@ impl Drawer {
     }
 }
 
-/// Draws frames until further ones would not improve the view, and returns it.
+/// Draws frames until the view has converged, and returns it.
 fn render_converged(engine: &mut Engine, request: Request) -> RenderedView {
     let mut view = engine.answer(request);
     while view.is_unconverged() {
@@ -144,8 +145,8 @@ fn changes(before: &RenderedView, after: &RenderedView) -> Option<Changes> {
     }
 }
 
-/// Returns A with the colour range of B if their ranges differ, so that equal values have equal colours. With an
-/// overlay, A keeps its own picture and range.
+/// Returns picture A coloured with the range of B if their ranges differ, so that equal values have equal colours.
+/// Returns `None` with an overlay, in which case A keeps its own picture and range.
 fn with_range_of(before: &RenderedView, after: &RenderedView) -> Option<Arc<Image<Rgba8>>> {
     let look = &after.request.look;
     if before.range == after.range || !look.layers.is_empty() {

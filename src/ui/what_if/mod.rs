@@ -1,8 +1,8 @@
 //! The what-if comparison: keeps the settings before the last change and shows its effect, as changed fields, number of
 //! changed pixels, error between the pictures, and difference in frame time.
 //!
-//! A is the state before, B the current one. While A is pinned it stays; otherwise every settled change sets a new A.
-//! The render thread draws both, only while the bar is open.
+//! A is the state before the change, B the current one. Every completed change sets a new A, unless A is pinned. The
+//! render thread draws both, but only while the bar is open.
 
 pub(crate) mod bar;
 
@@ -17,48 +17,48 @@ use crate::chain::Recipe;
 use crate::inspect::fields;
 use drawer::{WhatIfRequest, WhatIfResults};
 
-/// Picture that the canvas shows.
+/// Picture of a what-if comparison that the canvas shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Show {
-    /// B, with unchanged pixels dimmed.
+    /// Picture B, with unchanged pixels dimmed.
     #[default]
     Changed,
-    /// B, the current state.
+    /// Picture B, the current state.
     After,
-    /// A, the state before.
+    /// Picture A, the state before the change.
     Before,
 }
 
 impl Show {
     /// All options, each with its name and help text.
     pub(crate) const ALL: [(Self, &'static str, &'static str); 3] = [
-        (Self::Changed, "Only changes", "B where it changed; everything else in dark grey. Hold Shift for A"),
+        (Self::Changed, "Only changes", "B with unchanged pixels in dark grey. Hold Shift to show A"),
         (Self::Before, "A", "The frame before the change"),
-        (Self::After, "B", "The current frame; hold Shift for A"),
+        (Self::After, "B", "The current frame. Hold Shift to show A"),
     ];
 }
 
 /// State of the what-if comparison.
 #[derive(Clone, Debug, Default)]
 pub struct WhatIf {
-    /// Whether the bar is open.
+    /// Whether the what-if bar is open.
     pub(crate) open: bool,
-    /// Recipe of A: the one before the last change, or the pinned one.
+    /// Recipe of A: the one before the last change, or the pinned one; `None` before the first change.
     pub before: Option<Recipe>,
     /// Whether A is pinned while B changes.
     pub(crate) pinned: bool,
     /// Picture that the canvas shows.
     pub(crate) show: Show,
-    /// Results so far.
+    /// Results so far, if any.
     pub found: Option<WhatIfResults>,
     /// Last request sent to the renderer.
     last_request: Option<WhatIfRequest>,
 }
 
-/// Change of the what-if comparison.
+/// Change to the what-if comparison.
 #[derive(Clone, Debug, PartialEq)]
 pub enum WhatIfChange {
-    /// Opens or closes the bar.
+    /// Opens or closes the what-if bar.
     Toggle,
     /// Sets which picture the canvas shows.
     Show(Show),
@@ -72,7 +72,7 @@ pub enum WhatIfChange {
     Revert,
     /// Swaps A and B.
     Swap,
-    /// Picks the next changed pixel, or the previous one if negative.
+    /// Picks the next changed pixel, or the previous one if the number is negative.
     Step(i64),
 }
 
@@ -92,7 +92,7 @@ impl WhatIf {
         Some(if changed.len() == 1 { first } else { format!("{first}, and {} more", changed.len() - 1) })
     }
 
-    /// Whether a request differs from the last one; stores it as the last one.
+    /// Stores a request as the last one. Returns whether it differs from the previous one.
     pub(crate) fn update_request(&mut self, request: Option<&WhatIfRequest>) -> bool {
         let same = match (&self.last_request, request) {
             (Some(asked), Some(request)) => asked.same_as(request),
@@ -114,7 +114,7 @@ impl WhatIf {
         self.found.as_ref().filter(|_| self.open).filter(same)
     }
 
-    /// Returns the view that the canvas shows: A, B, or B with unchanged pixels dimmed. A while `held`.
+    /// Returns the view that the canvas shows: A, B, or B with unchanged pixels dimmed. If `held` is `true`, it is A.
     pub(crate) fn visible_view<'a>(&'a self, view: &'a RenderedView, held: bool) -> &'a RenderedView {
         let Some(found) = self.current(view) else { return view };
         match self.show {
@@ -126,7 +126,7 @@ impl WhatIf {
     }
 }
 
-/// Returns the view that the canvas shows, as [`WhatIf::visible_view`] does; A while Shift is held.
+/// Returns the view that the canvas shows, like [`WhatIf::visible_view`]. While Shift is held, it is A.
 pub(crate) fn visible_view<'a>(ui: &Ui, session: &'a Session) -> Option<&'a RenderedView> {
     let view = session.view.as_ref()?;
     if session.comparison.is_on() {
@@ -136,7 +136,7 @@ pub(crate) fn visible_view<'a>(ui: &Ui, session: &'a Session) -> Option<&'a Rend
 }
 
 impl Session {
-    /// Returns the request for the renderer if the bar is open and there is an A.
+    /// Returns the what-if request for the renderer if the bar is open and there is a state A.
     pub fn what_if_request(&self) -> Option<WhatIfRequest> {
         let shown = self.what_if.open && !self.comparison.is_on() && self.case.is_none();
         let recipe = self.what_if.before.filter(|_| shown)?;
@@ -144,7 +144,7 @@ impl Session {
         Some(WhatIfRequest { before: Request { recipe, ..after.clone() }, after })
     }
 
-    /// Applies a change. Returns a command for what concerns the canvas.
+    /// Applies a change. Returns a command that the canvas must run to complete it.
     pub(crate) fn change_what_if(&mut self, change: WhatIfChange) -> Option<Command> {
         let what_if = &mut self.what_if;
         match change {
@@ -166,7 +166,7 @@ impl Session {
         None
     }
 
-    /// Returns the changed pixel after or before the picked one.
+    /// Returns the next changed pixel after the picked one, or the previous one.
     pub(crate) fn change_beside_pick(&self, forwards: bool) -> Option<(u32, u32)> {
         let found = self.what_if.current(self.view.as_ref()?)?;
         found.changes.next_changed(self.pick, forwards)

@@ -33,7 +33,7 @@ fn find(session: &mut Session) {
 }
 
 #[test]
-fn what_was_before_every_change_is_kept_and_a_pinned_a_stays() {
+fn a_is_the_recipe_before_the_last_change_unless_pinned() {
     let mut session = session("triangle");
     assert!(session.what_if_request().is_none(), "nothing changed yet");
     let first = session.state.recipe;
@@ -53,11 +53,11 @@ fn what_was_before_every_change_is_kept_and_a_pinned_a_stays() {
     session.settle(2.0);
     assert_eq!(session.state.recipe, third);
     session.apply(Command::Undo);
-    assert_eq!(session.state.recipe, second, "it is undone like any change");
+    assert_eq!(session.state.recipe, second, "a revert can be undone like any change");
 }
 
 #[test]
-fn a_change_is_said_in_words_until_it_is_asked_about() {
+fn a_change_is_described_until_the_bar_is_opened() {
     let mut session = session("triangle");
     session.apply(Command::WhatIf(WhatIfChange::Toggle));
     assert_eq!(session.what_if.unseen_change(&session.state.recipe), None);
@@ -68,7 +68,7 @@ fn a_change_is_said_in_words_until_it_is_asked_about() {
 }
 
 #[test]
-fn undoing_is_a_change_like_any_other() {
+fn undo_counts_as_a_change() {
     let mut session = session("triangle");
     let first = session.state.recipe;
     set(&mut session, "shading=normals");
@@ -78,7 +78,7 @@ fn undoing_is_a_change_like_any_other() {
 }
 
 #[test]
-fn the_canvas_shows_a_b_or_what_changed_of_what_is_asked_for_and_of_nothing_else() {
+fn the_canvas_shows_a_b_or_the_changes_of_the_requested_view_only() {
     let mut session = session("shared-edges");
     set(&mut session, "fill_rule=inclusive");
     find(&mut session);
@@ -102,12 +102,12 @@ fn the_canvas_shows_a_b_or_what_changed_of_what_is_asked_for_and_of_nothing_else
     later.request.recipe.wireframe = true;
     assert!(
         Arc::ptr_eq(&session.what_if.visible_view(&later, true).picture, &later.picture),
-        "that is of another view"
+        "the results belong to another view"
     );
 }
 
 #[test]
-fn changed_pixels_are_stepped_through() {
+fn stepping_visits_every_changed_pixel() {
     let mut session = session("shared-edges");
     set(&mut session, "fill_rule=inclusive");
     find(&mut session);
@@ -118,11 +118,11 @@ fn changed_pixels_are_stepped_through() {
         assert!(session.pick.is_some());
     }
     session.pick = session.change_beside_pick(true);
-    assert_eq!(session.pick, first, "round the end");
+    assert_eq!(session.pick, first, "stepping wraps around");
 }
 
 #[test]
-fn a_pick_draws_nothing_again_and_a_buffer_is_compared_by_its_values() {
+fn a_pick_does_not_redraw_and_buffers_are_compared_by_value() {
     let mut session = session("interpenetrating");
     set(&mut session, "depth_format=unorm16");
     let mut drawer = Drawer::default();
@@ -138,7 +138,7 @@ fn a_pick_draws_nothing_again_and_a_buffer_is_compared_by_its_values() {
 }
 
 #[test]
-fn error_comes_first_and_time_when_all_rounds_are_done() {
+fn error_is_reported_first_and_time_after_all_rounds() {
     let mut session = session("shared-edges");
     set(&mut session, "fill_rule=inclusive");
     let mut drawer = Drawer::default();

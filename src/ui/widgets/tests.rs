@@ -17,7 +17,7 @@ fn panel() -> Headless {
     headless
 }
 
-/// Returns role, name and centre of every named node of the accessibility tree.
+/// Returns the role, name and centre of every named node of the accessibility tree.
 fn names(output: PlatformOutput) -> Vec<(Role, String, Pos2)> {
     let nodes = output.accesskit_update.map(|update| update.nodes).unwrap_or_default();
     let named = |(_, node): (_, egui::accesskit::Node)| {
@@ -35,7 +35,7 @@ fn center_of(names: &[(Role, String, Pos2)], role: Role, name: &str) -> Pos2 {
 }
 
 #[test]
-fn controls_of_a_row_are_named_by_its_label() {
+fn controls_of_a_row_are_named_after_its_label() {
     let (mut scale, mut tiles, mut on, mut kind) = (0.5, 32, true, 3);
     let output = panel().pass(Vec::new(), |ui| {
         row(ui, "Scale", "Part of the width.", |ui| ui.add(Slider::new(&mut scale, 0.0..=1.0)));
@@ -51,7 +51,7 @@ fn controls_of_a_row_are_named_by_its_label() {
 }
 
 #[test]
-fn rows_keep_to_the_grid_and_to_the_panel() {
+fn rows_stay_on_the_grid_and_within_the_panel() {
     let mut scale = 0.5;
     panel().pass(Vec::new(), |ui| {
         let panel = ui.max_rect();
@@ -68,12 +68,12 @@ fn rows_keep_to_the_grid_and_to_the_panel() {
         tops.push(ui.cursor().top());
         assert!(tops.windows(2).all(|pair| pair[1] - pair[0] == theme::ROW_HEIGHT), "{tops:?}");
         assert_eq!(short.right().round(), panel.right());
-        assert!(long.left() >= panel.left(), "a value that does not fit is cut short");
+        assert!(long.left() >= panel.left(), "a value that does not fit is truncated");
     });
 }
 
 #[test]
-fn few_short_options_are_buttons_and_a_click_picks_one() {
+fn a_few_short_options_are_buttons_and_a_click_selects_one() {
     let (mut fill, mut changes) = (0, 0);
     let mut headless = panel();
     let mut ui = |ui: &mut Ui| {
@@ -84,11 +84,11 @@ fn few_short_options_are_buttons_and_a_click_picks_one() {
     let wire = center_of(&names(headless.pass(Vec::new(), &mut ui)), Role::Button, "Wire");
     headless.click(wire, &mut ui);
     headless.click(wire, &mut ui);
-    assert_eq!((fill, changes), (1, 1), "picking what is picked changes nothing");
+    assert_eq!((fill, changes), (1, 1), "selecting the current option changes nothing");
 }
 
 #[test]
-fn many_or_long_options_are_a_list_and_a_click_picks_one() {
+fn many_or_long_options_are_a_list_and_a_click_selects_one() {
     let mut kind = 0;
     let mut headless = panel();
     let mut ui = |ui: &mut Ui| {
@@ -128,7 +128,7 @@ fn icons_add_nothing_to_names() {
 }
 
 #[test]
-fn a_copy_button_copies_and_says_so() {
+fn a_copy_button_copies_and_confirms() {
     let mut headless = panel();
     let mut ui = |ui: &mut Ui| {
         copy_button(ui, "depth", || "0.25".to_owned());
@@ -143,7 +143,7 @@ fn a_copy_button_copies_and_says_so() {
     for _ in 0..20 {
         headless.pass(Vec::new(), &mut ui);
     }
-    assert_eq!(headless.picture(), before, "and comes back");
+    assert_eq!(headless.picture(), before, "the icon reverts");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Measurement of all upscalers, piece by piece: frame times in rounds, and errors at rest and over the same frames in
+//! Measurement of all upscalers, step by step: frame times in rounds, and errors at rest and over the same frames in
 //! motion.
 
 use super::WorkerResponse;
@@ -10,39 +10,39 @@ use crate::measure::rounds::RoundTimer;
 use crate::ui::engine::Request;
 use crate::upscale::Upscaling;
 
-/// Number of measured rounds; each times one frame of every method.
+/// Number of measured rounds, each of which times one frame of every upscaler.
 pub const MEASURE_ROUNDS: usize = 25;
 
 /// Request to measure the time and error of all upscalers.
 #[derive(Clone, Debug)]
 pub struct MeasureRequest {
-    /// Number that identifies the answers.
+    /// Number that identifies the responses to this request.
     pub number: u64,
-    /// Scene, view and recipe; only the upscaler varies.
+    /// Scene, view and recipe, in which only the upscaler varies.
     pub of: Request,
-    /// Reference that errors are computed against.
+    /// Reference against which errors are computed.
     pub reference: Reference,
-    /// Motion of the camera over the frames that are judged and timed.
+    /// Motion of the camera over the measured frames.
     pub turn: Turn,
 }
 
-/// Error of a method so far.
+/// Error of an upscaler over the frames measured so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MethodError {
-    /// Figures of the settled still view.
+    /// Error of the still view after it has converged.
     pub still: ErrorMetrics,
-    /// Error over the frames judged so far; without motion that of the still view.
+    /// Error over the frames in motion; without motion, the error of the still view.
     pub motion: MotionError,
 }
 
-/// Measurement in progress.
+/// Running measurement of all upscalers.
 #[derive(Debug)]
 pub(super) struct Measurement {
     request: Box<MeasureRequest>,
     methods: Vec<Upscaling>,
     timer: RoundTimer,
     at_rest: ErrorMeasurement,
-    /// Judge of the frames in motion; `None` for a still camera.
+    /// Error measurement of the frames in motion; `None` for a still camera.
     in_motion: Option<ErrorMeasurement>,
     /// Number of rounds whose noise floor has been reported.
     reported: usize,
@@ -76,20 +76,21 @@ impl Measurement {
         timed.0 >= timed.1 && judged.0 >= judged.1 && self.reported >= self.timer.rounds()
     }
 
-    /// Returns the number of frames judged, and of all frames to judge.
+    /// Returns the number of frames whose error was measured, and the number of all such frames.
     fn measured_frames(&self) -> (usize, usize) {
         let moving =
             self.in_motion.as_ref().map_or((0, 0), |judge| (judge.measured_frames(), judge.total(self.request.turn)));
         (self.at_rest.measured_frames() + moving.0, self.at_rest.total(Turn::STILL) + moving.1)
     }
 
-    /// Returns the completed share of all frames to time or judge, in [0, 1].
+    /// Returns the completed share of all frames to time or to compare, in [0, 1].
     fn progress(&self) -> f32 {
         let (timed, judged) = (self.timer.progress(), self.measured_frames());
         (timed.0 + judged.0) as f32 / (timed.1 + judged.1).max(1) as f32
     }
 
-    /// Draws at most one frame, timing or judging it, whichever lags behind, so that both advance evenly.
+    /// Draws at most one frame to measure its time or its error. Chooses whichever lags behind, so that both advance
+    /// evenly.
     pub(super) fn step(&mut self) -> Option<WorkerResponse> {
         if self.reported < self.timer.rounds() {
             self.reported = self.timer.rounds();
@@ -111,7 +112,7 @@ impl Measurement {
         })
     }
 
-    /// Draws at most one frame, of a method to be judged or of its reference.
+    /// Draws at most one frame, either of an upscaler or of its reference, to measure the error.
     fn measure_error(&mut self) -> Option<WorkerResponse> {
         let Request { scene, camera, viewport, .. } = &self.request.of;
         let shot = FrameSequence { scene, camera, viewport: *viewport, turn: self.request.turn };

@@ -13,7 +13,7 @@ use crate::upscale::{FilterSpace, Motion, Scale, bands};
 /// RGB in the working colour space and a fourth component: alpha as an 8-bit value, or the sample count of a mean.
 type ColorQuad = [f32; 4];
 
-/// History of a pixel without history, marked by a negative sample count.
+/// History of a pixel that has none, marked by a negative sample count.
 const NO_HISTORY: ColorQuad = [0.0, 0.0, 0.0, -1.0];
 
 /// Position of an output column among the samples of this frame.
@@ -29,7 +29,7 @@ struct AxisPosition {
     nearest: usize,
 }
 
-/// Computes the image and its new history.
+/// Computes the image and the history for the next frame.
 pub(super) fn fill(lanes: Lanes, now: &FrameContext<'_>, full: &mut Image<Rgba8>, memory: &mut Image<ColorQuad>) {
     let (width, height) = full.size();
     let samples = now.drawn.color.size();
@@ -50,7 +50,7 @@ pub(super) fn fill(lanes: Lanes, now: &FrameContext<'_>, full: &mut Image<Rgba8>
 }
 
 impl FrameContext<'_> {
-    /// Returns the position of output column or row `at` among `samples` samples.
+    /// Returns the position of output column or row `at` among the `samples` samples of this frame.
     fn axis(&self, axis: usize, at: u32, samples: u32) -> AxisPosition {
         let (cell, on) = sample_coordinate(self.lattice, self.place[axis], at);
         let inside = |index: i64| index.clamp(0, i64::from(samples) - 1) as u32;
@@ -64,7 +64,7 @@ impl FrameContext<'_> {
     }
 }
 
-/// Number of bytes compared at a time.
+/// Number of bytes loaded at a time.
 const BYTES: usize = 4 * WIDE;
 
 /// Loads bytes from index `at` on; bytes past the end are zero.
@@ -94,12 +94,12 @@ struct RowContext<'a> {
     across: Vec<f64>,
 }
 
-/// Scratch buffers for a row.
+/// Scratch buffers for an output row.
 struct RowScratch {
-    /// This frame's colour of each output pixel, and its weight in the accumulation.
+    /// This frame's colour of each output pixel; `counts_for` holds its weight in the accumulation.
     present: Vec<ColorQuad>,
     counts_for: Vec<f32>,
-    /// Decoded sample rows above and below the output row, and the indices of these rows.
+    /// Decoded sample rows above and below the output row; `light_of` holds the indices of these rows.
     light: [Vec<ColorQuad>; 2],
     light_of: [Option<u32>; 2],
     /// Per-channel minimum and maximum of three vertically adjacent samples, with the border columns repeated.
@@ -148,7 +148,7 @@ impl RowContext<'_> {
         }
     }
 
-    /// Computes this frame's colours for a row: the means of [`FrameContext::present`].
+    /// Computes this frame's colour of each pixel in a row: the mean of the samples of [`FrameContext::present`].
     #[inline(always)]
     fn present<S: Simd>(&self, simd: S, y: u32, scratch: &mut RowScratch) {
         let color = self.now.drawn.color;
@@ -192,7 +192,7 @@ impl RowContext<'_> {
         }
     }
 
-    /// Computes the minimum and maximum of the 3 × 3 samples around every possible nearest sample.
+    /// Computes the minimum and maximum of the 3 × 3 samples around every possible nearest sample of a row.
     #[inline(always)]
     fn bounds<S: Simd>(&self, simd: S, y: u32, scratch: &mut RowScratch) {
         let color = self.now.drawn.color;
@@ -201,7 +201,7 @@ impl RowContext<'_> {
         let rows = nearest.saturating_sub(2)..(nearest + 1).min(height);
         let [least, greatest] = &mut scratch.codes;
         let rows = each!(by in [0, 1, 2] => color.row((rows.start + by).min(rows.end - 1) as u32).as_flattened());
-        // The first column is repeated twice before it, and the last column twice after it.
+        // Two copies of the first column precede it, and two copies of the last column follow it.
         let codes = 4 * width;
         for at in (0..codes).step_by(BYTES) {
             // The last block overlaps the previous one, so that it does not exceed the row.
@@ -355,7 +355,7 @@ fn columns<S: Simd>(simd: S, quads: &[ColorQuad; WIDE]) -> [f32x16<S>; 4] {
     [w, x, y, z]
 }
 
-/// Inverse of [`columns`].
+/// Stores one vector per component as 16 quads; the inverse of [`columns`].
 #[inline(always)]
 fn store<S: Simd>(_simd: S, [w, x, y, z]: [f32x16<S>; 4], quads: &mut [ColorQuad; WIDE]) {
     let ((wy, wy_end), (xz, xz_end)) = (w.interleave(y), x.interleave(z));
@@ -373,7 +373,7 @@ mod tests {
     use crate::upscale::{UpscaleInputs, Upscaling};
 
     #[test]
-    fn rows_are_what_pixels_are_alone_bit_for_bit() {
+    fn rows_are_bit_identical_to_single_pixels() {
         let mut random = fastrand::Rng::with_seed(8);
         let chosen =
             [(Scale::ONE, FilterSpace::Linear), (Scale::TWO, FilterSpace::Linear), (Scale::TWO, FilterSpace::Bytes)];

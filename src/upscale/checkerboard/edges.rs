@@ -16,7 +16,7 @@ use crate::upscale::{Offers, Sampling, Tap, UpscaleInputs, Upscaler, Upscaling};
 /// Checkerboard rendering with edge-directed interpolation.
 pub(crate) static CHECKERBOARD_EDGES: CheckerboardEdges = CheckerboardEdges;
 
-/// Type of [`CHECKERBOARD_EDGES`].
+/// [`Upscaler`] implementation of [`CHECKERBOARD_EDGES`].
 pub(crate) struct CheckerboardEdges;
 
 impl Upscaler for CheckerboardEdges {
@@ -76,7 +76,7 @@ fn pairs(size: (u32, u32), at: PixelPosition) -> Option<[PixelPosition; 4]> {
 /// Weight of the nearer of two pixels at distances 1 and 2.
 const NEAR: f32 = 2.0 / 3.0;
 
-/// Returns the weights of the four pixels; they sum to 1.
+/// Returns the weights of the four pixels of [`pairs`]; they sum to 1.
 fn shares(colors: [Rgba8; 4]) -> [f32; 4] {
     let luma = |[r, g, b, _]: Rgba8| f32::from(r) + 2.0 * f32::from(g) + f32::from(b);
     let [across, down] = [(0, 1), (2, 3)].map(|(near, far)| (luma(colors[near]) - luma(colors[far])) / 4.0);
@@ -112,7 +112,7 @@ impl Fill for AlongEdges<'_> {
         mixed(self.drawn, self.size, at)
     }
 
-    /// Computes [`mixed`] in lanes.
+    /// Computes [`mixed`] for 16 pixels at a time.
     #[inline(always)]
     fn missing<S: Simd>(&self, simd: S, _run: &MissingRun, around: DrawnNeighbours<S>) -> u32x16<S> {
         let DrawnNeighbours { beside, across, far_beside, far_across } = around;
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn a_slope_is_followed() {
+    fn a_linear_ramp_is_reconstructed() {
         let slope = Image::from_fn(20, 20, |x, y| [(x * 6 + y * 3) as u8; 4]);
         let full = refilled(&slope);
         for (x, y) in (2..18).flat_map(|y| (2..18).map(move |x| (x, y))) {

@@ -23,7 +23,7 @@ use crate::upscale::{Offers, Sampling, Tap, UpscaleInputs, Upscaler, Upscaling};
 /// Checkerboard rendering with missing pixels as means of their neighbours.
 pub(crate) static CHECKERBOARD: Checkerboard = Checkerboard;
 
-/// Type of [`CHECKERBOARD`].
+/// [`Upscaler`] implementation of [`CHECKERBOARD`].
 pub(crate) struct Checkerboard;
 
 impl Upscaler for Checkerboard {

@@ -23,7 +23,7 @@ pub(crate) use temporal::CHECKERBOARD_TEMPORAL;
 
 use super::{Anchor, FilterSpace, Offers, Scale};
 
-/// Options of the checkerboard upscalers: none to choose.
+/// Options of the checkerboard upscalers: a single value of each.
 const OFFERS: Offers = Offers {
     scales: &[Scale::ONE],
     anchors: &[Anchor::Corner],
@@ -35,10 +35,10 @@ const OFFERS: Offers = Offers {
 /// Column and row of a pixel in the full image.
 type PixelPosition = (u32, u32);
 
-/// Step from a pixel of a missing square to the drawn square it touches; see [`step`].
+/// Step in pixels from a pixel of a missing square to the drawn square it touches; see [`step`].
 const TOUCHING: i32 = -1;
 
-/// Step from a pixel of a missing square to the drawn square behind it; see [`step`].
+/// Step in pixels from a pixel of a missing square to the drawn square behind it; see [`step`].
 const BEHIND: i32 = 2;
 
 /// Returns the position `by` pixels from `at` along one axis: positive steps cross its 2×2 square, negative ones leave
@@ -48,7 +48,7 @@ fn step(at: u32, by: i32, length: u32) -> Option<u32> {
     at.checked_add_signed(by).filter(|place| *place < length)
 }
 
-/// Returns the drawn pixels in the row and the column of a missing pixel, at the distance `by` of a [`step`]. Pixels
+/// Returns the drawn pixels in the row and the column of a missing pixel, `by` pixels away as in [`step`]. Pixels
 /// outside the image are `None`.
 fn neighbours(by: i32, (width, height): (u32, u32), (x, y): PixelPosition) -> [Option<PixelPosition>; 2] {
     [step(x, by, width).map(|x| (x, y)), step(y, by, height).map(|y| (x, y))]

@@ -13,7 +13,7 @@ use crate::upscale::{GBuffer, Scale, bands};
 
 /// Kernel that computes missing pixels of a checkerboard.
 pub(super) trait Fill: Sync {
-    /// Computes one pixel, drawn or missing.
+    /// Computes one pixel of the full image, drawn or missing.
     fn pixel(&self, at: PixelPosition) -> Rgba8;
 
     /// Computes 16 missing pixels in packed RGBA, with red in the lowest byte; bit-identical to [`Self::pixel`].
@@ -22,13 +22,13 @@ pub(super) trait Fill: Sync {
 
 /// Position of 16 missing pixels of a row.
 pub(super) struct MissingRun {
-    /// Row of the pixels, the row they touch, and the row behind them.
+    /// Row of the pixels. `across` is the row that they touch, and `far_across` the row behind them.
     pub(crate) y: u32,
     pub(crate) across: u32,
     pub(crate) far_across: u32,
     /// Index of the first pixel among the missing ones of the row.
     pub(crate) first: usize,
-    /// Column before the first pixel.
+    /// Column directly before the first pixel.
     pub(crate) before: usize,
 }
 
@@ -85,7 +85,7 @@ pub(super) struct DrawnNeighbours<S: Simd> {
     pub(crate) far_across: u32x16<S>,
 }
 
-/// Fills an image, in parallel.
+/// Fills an image with drawn and interpolated pixels, in parallel.
 pub(super) fn fill(lanes: Lanes, grid: SampleGrid, drawn: &Image<Rgba8>, full: &mut Image<Rgba8>, by: &impl Fill) {
     let size = full.size();
     bands::fill(full, Scale::ONE, |first, _, pixels| {
@@ -98,7 +98,8 @@ pub(super) fn fill(lanes: Lanes, grid: SampleGrid, drawn: &Image<Rgba8>, full: &
     });
 }
 
-/// Fills the interior of a row if it has enough pixels with all their sources. Returns the columns filled.
+/// Fills the interior of a row, where all sources of a pixel lie inside the image. Returns the columns filled; the
+/// range is empty if there are too few such pixels.
 #[inline(always)]
 fn fill_row<S: Simd>(
     simd: S,
@@ -196,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn sixteen_at_a_time_are_what_they_are_alone() {
+    fn sixteen_pixels_at_a_time_equal_single_pixels() {
         let mut random = fastrand::Rng::with_seed(5);
         for size in [(33, 4), (34, 5), (35, 6), (36, 7), (37, 8), (75, 9), (140, 5)] {
             for (grid, number) in [(SampleGrid::Checkerboard, 1), (SampleGrid::OddCheckerboard, 2)] {

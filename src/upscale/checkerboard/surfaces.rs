@@ -16,7 +16,7 @@ use crate::upscale::{Offers, Reads, Sampling, Tap, UpscaleInputs, Upscaler, Upsc
 /// Checkerboard rendering with missing pixels filled from the same surface.
 pub(crate) static CHECKERBOARD_SURFACES: CheckerboardSurfaces = CheckerboardSurfaces;
 
-/// Type of [`CHECKERBOARD_SURFACES`].
+/// [`Upscaler`] implementation of [`CHECKERBOARD_SURFACES`].
 pub(crate) struct CheckerboardSurfaces;
 
 impl Upscaler for CheckerboardSurfaces {

@@ -18,7 +18,7 @@ use crate::upscale::{CENTRE, Motion, Offers, Reads, Reprojected, Sampling, Tap, 
 /// Checkerboard rendering with missing pixels reprojected from the previous frame.
 pub(crate) static CHECKERBOARD_TEMPORAL: CheckerboardTemporal = CheckerboardTemporal;
 
-/// Type of [`CHECKERBOARD_TEMPORAL`].
+/// [`Upscaler`] implementation of [`CHECKERBOARD_TEMPORAL`].
 pub(crate) struct CheckerboardTemporal;
 
 impl Upscaler for CheckerboardTemporal {
@@ -117,8 +117,8 @@ fn filled(drawn: &UpscaleInputs<'_>, motion: Option<&Motion<'_>>, size: (u32, u3
 pub(super) struct TemporalFill<'a> {
     fallback: SurfaceFill<'a>,
     motion: Option<Motion<'a>>,
-    /// Results of [`Motion::across`] for the missing pixels: of rows that start with a missing pixel, and of the other
-    /// rows.
+    /// Results of [`Motion::across`] for the missing pixels: first for rows that start with a missing pixel, then for
+    /// the other rows.
     across: [Vec<f64>; 2],
 }
 
@@ -194,7 +194,7 @@ impl<'a> TemporalFill<'a> {
     }
 }
 
-/// Gathers 16 pixels by index.
+/// Gathers 16 pixels of an image by index.
 #[inline(always)]
 fn gathered<S: Simd>(simd: S, of: &[Rgba8], at: u32x16<S>) -> u32x16<S> {
     let (at, mut words) = (at.to_array(), [0; WIDE]);

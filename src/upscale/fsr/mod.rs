@@ -1,7 +1,8 @@
 //! FidelityFX Super Resolution 1: an upscaling filter oriented along edges ([`easu`]), and sharpening ([`rcas`]).
 //!
-//! Written from the equations of AMD's publication (FSR 1.0, 2021). Both passes filter sRGB-encoded values, as the
-//! publication requires. It is intended for images that are already anti-aliased, and for scales of up to 2.
+//! The implementation follows the equations of AMD's publication (FSR 1.0, 2021). Both passes filter sRGB-encoded
+//! values, as the publication requires. FSR 1 is intended for images that are already anti-aliased, and for scales of
+//! up to 2.
 
 mod easu;
 mod rcas;
@@ -18,7 +19,7 @@ use crate::math::lanes::Lanes;
 /// Edge-adaptive upscaling with optional sharpening.
 pub(crate) static FSR1: Fsr1 = Fsr1;
 
-/// Type of [`FSR1`].
+/// [`Upscaler`] implementation of [`FSR1`].
 pub(crate) struct Fsr1;
 
 /// Offsets of a pixel and its four neighbours, in the order of [`rcas::pixel`].
@@ -119,16 +120,16 @@ impl Upscaler for Fsr1 {
 /// Number of rows processed at a time: their per-sample data and the rows before sharpening stay in the L2 cache.
 const STRIP: usize = 32;
 
-/// Scratch buffers of a strip.
+/// Scratch buffers for a strip of rows.
 #[derive(Default)]
 struct StripScratch {
     easu: easu::EasuScratch,
-    /// Rows before sharpening.
+    /// Upscaled rows before sharpening.
     enlarged: Vec<Rgba8>,
 }
 
 thread_local! {
-    /// Scratch buffers kept between images: allocating them each time takes a tenth of the time of all other work.
+    /// Scratch buffers reused between images: allocating them each time takes a tenth of the time of all other work.
     static SCRATCH: RefCell<StripScratch> = RefCell::default();
 }
 

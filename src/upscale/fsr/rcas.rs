@@ -1,5 +1,6 @@
-//! Robust contrast-adaptive sharpening (RCAS): a cross of five pixels. The outer weight is as negative as it may be
-//! without a channel leaving [0, 1].
+//! Robust contrast-adaptive sharpening (RCAS): a weighted sum of a cross of five pixels.
+//!
+//! The outer weight, the lobe, is as negative as possible without any channel leaving [0, 1].
 //!
 //! Let mn and mx be the minimum and maximum of the four neighbours. A channel e of the centre stays in range for lobes
 //! down to −min(mn, e) / (4 mx) and (1 − max(mx, e)) / (4 mn − 4). The weakest of the three channels decides, limited
@@ -13,7 +14,7 @@ use super::words::{self, times};
 use crate::image::Rgba8;
 use crate::math::lanes::*;
 
-/// Largest value of −4 l.
+/// Maximum of −4 l, where l is the lobe.
 const MAX_LOBE: f32 = 0.75;
 
 /// Fractional bits of a sharpened 8-bit value.
@@ -22,7 +23,7 @@ const POINT: u32 = 5;
 /// Half an 8-bit step.
 const HALF: i16 = 1 << (POINT - 1);
 
-/// Quotient of 8-bit values, not divided yet: only one of the compared quotients is needed.
+/// Quotient of 8-bit values whose division is deferred: only one of the compared quotients is needed.
 #[derive(Clone, Copy)]
 struct Quotient<T> {
     numerator: T,
@@ -35,8 +36,8 @@ impl Quotient<u16> {
         if self.numerator * other.denominator <= other.numerator * self.denominator { self } else { other }
     }
 
-    /// Returns the smaller value of −4 l for both ends of the range. If a denominator is zero, so is its numerator;
-    /// replacing the denominator by 1 makes the quotient zero.
+    /// Returns the limit of −4 l for one channel: the smaller of the limits at both ends of the range. If a denominator
+    /// is zero, so is its numerator; replacing the denominator by 1 makes the quotient zero.
     fn of_channel(above: u8, left: u8, own: u8, right: u8, below: u8) -> Self {
         let least = above.min(left).min(right.min(below));
         let greatest = above.max(left).max(right.max(below));
@@ -47,7 +48,7 @@ impl Quotient<u16> {
         quotient(least.min(own), greatest).min(quotient(!greatest.max(own), !least))
     }
 
-    /// Returns q for a strength in [0, 1], in units of 2⁻¹⁵.
+    /// Returns the sharpening weight q for a strength in [0, 1], in units of 2⁻¹⁵.
     fn weight(self, strength: f32) -> i16 {
         let [numerator, denominator] = [self.numerator, self.denominator].map(f32::from);
         let numerator = numerator.min(denominator * MAX_LOBE) * strength;
@@ -55,7 +56,7 @@ impl Quotient<u16> {
     }
 }
 
-/// Returns q from the pixels above, left, centre, right and below, in units of 2⁻¹⁵.
+/// Returns the sharpening weight q from the pixels above, left, centre, right and below, in units of 2⁻¹⁵.
 fn weight([above, left, own, right, below]: [Rgba8; 5], strength: f32) -> i16 {
     let [red, green, blue] = [0, 1, 2].map(|channel| {
         Quotient::of_channel(above[channel], left[channel], own[channel], right[channel], below[channel])
@@ -163,7 +164,7 @@ impl<S: Simd> Quotient<u16x32<S>> {
     }
 }
 
-/// Computes [`weight`] in lanes, with an identical quotient.
+/// Computes [`weight`] for 16 pixels, with an identical quotient.
 #[inline(always)]
 fn wide_weight<S: Simd>(
     simd: S,
@@ -195,7 +196,7 @@ fn wide_weight<S: Simd>(
     whole_part(numerator * 8192.0 / (denominator - numerator) + 0.5)
 }
 
-/// Computes [`pixel`] in lanes from its weight, with identical sums.
+/// Computes [`pixel`] for 16 pixels from their weights, with identical sums.
 #[inline(always)]
 fn wide_pixels<S: Simd>(own: u8x64<S>, [above, left, right, below]: [u8x64<S>; 4], weight: u32x16<S>) -> u8x64<S> {
     let red_blue = sharpened(

@@ -142,7 +142,7 @@ fn wide_lanes_agree_with_plain_code_bit_for_bit() {
 }
 
 #[test]
-fn sharpened_pictures_are_those_of_their_pixels_whatever_strips_and_lanes_they_are_made_in() {
+fn sharpened_images_equal_single_pixels_for_all_strips_and_lanes() {
     let drawn = noise(22, 50);
     for (scale, size) in [(Scale::ONE_AND_A_HALF, (33, 75)), (Scale::TWO, (44, 100))] {
         let how = how(scale, Anchor::Centre, 80);
@@ -161,7 +161,7 @@ fn partly_plain(width: u32, height: u32) -> Image<Rgba8> {
 }
 
 #[test]
-fn rows_of_many_tiles_and_what_a_wider_picture_left_behind_are_those_of_single_pixels() {
+fn rows_of_many_tiles_equal_single_pixels_even_after_a_wider_image() {
     // The first is wider than a tile, and leaves buffers longer than the second needs.
     for (drawn, rows) in [(partly_plain(300, 12), 9..14), (noise(20, 12), 0..24), (noise(300, 12), 23..24)] {
         for (scale, sharpening) in [(Scale::TWO, 80), (Scale::TWO, 0), (Scale::ONE_AND_A_HALF, 0)] {
@@ -197,7 +197,7 @@ fn sharpening_makes_no_new_extremes_of_the_scale_and_keeps_plain_colours() {
 }
 
 #[test]
-fn columns_and_rows_may_change_places() {
+fn transposing_the_samples_transposes_the_image() {
     let drawn = noise(9, 9);
     let turned = Image::from_fn(9, 9, |x, y| drawn.at(y, x));
     let how = how(Scale::TWO, Anchor::Centre, 0);

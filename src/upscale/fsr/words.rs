@@ -3,7 +3,7 @@
 
 use crate::math::lanes::*;
 
-/// Multiplies two fractions of 2¹⁵, rounding halves up, like the `pmulhrsw` instruction.
+/// Multiplies two fixed-point numbers in units of 2⁻¹⁵, rounding halves up, like the `pmulhrsw` instruction.
 pub(super) fn times_one(a: i16, b: i16) -> i16 {
     ((i32::from(a) * i32::from(b) + (1 << 14)) >> 15) as i16
 }
@@ -23,7 +23,7 @@ pub(super) fn rounded<S: Simd>(numbers: f32x16<S>) -> i16x16<S> {
     low.saturating_narrow(high)
 }
 
-/// Interleaves two vectors: the first eight pixels, then the others.
+/// Interleaves two vectors in the order of [`rounded`]: the first eight pixels, then the others.
 #[inline(always)]
 pub(super) fn pairs<S: Simd>(one: i16x16<S>, other: i16x16<S>) -> [i16x16<S>; 2] {
     #[cfg(target_arch = "x86_64")]
@@ -40,7 +40,7 @@ pub(super) fn pairs<S: Simd>(one: i16x16<S>, other: i16x16<S>) -> [i16x16<S>; 2]
     [low, high]
 }
 
-/// Computes [`times_one`] in lanes.
+/// Computes [`times_one`] for 16 lanes.
 #[inline(always)]
 pub(super) fn times<S: Simd>(a: i16x16<S>, b: i16x16<S>) -> i16x16<S> {
     let simd = a.simd;

@@ -12,7 +12,7 @@ pub(in crate::upscale) const NOT_VISIBLE: u32 = u32::MAX;
 pub(in crate::upscale) struct ReprojectedLanes<S: Simd> {
     /// Index of the upper left pixel, or [`NOT_VISIBLE`].
     pub(crate) upper: u32x8<S>,
-    /// Index of the lower left pixel.
+    /// Index of the lower left pixel; meaningless if the pixel was not visible.
     pub(crate) lower: u32x8<S>,
     /// Index step from left to right: 1, or 0 at the border.
     pub(crate) step: u32x8<S>,
@@ -37,7 +37,8 @@ impl Motion<'_> {
         self.path.is_none()
     }
 
-    /// Returns the per-column input of [`Self::find`], padded to whole vectors; empty if the camera is unchanged.
+    /// Returns the horizontal view-space offsets of `columns` that [`Self::find`] needs, padded to whole vectors. They
+    /// are empty if the camera is unchanged.
     pub(in crate::upscale) fn across(&self, columns: impl Iterator<Item = u32>) -> Vec<f64> {
         let Some(ViewChange { lenses: [from, _], .. }) = &self.path else { return Vec::new() };
         let mut across: Vec<f64> = columns.map(|x| from.right_of(f64::from(x) + 0.5)).collect();
@@ -45,7 +46,7 @@ impl Motion<'_> {
         across
     }
 
-    /// Calls [`Self::find`] for up to eight adjacent pixels of a row.
+    /// Reprojects up to eight adjacent pixels of a row; see [`Self::find`].
     #[inline(always)]
     pub(in crate::upscale) fn find_part<S: Simd>(
         &self,
@@ -55,7 +56,7 @@ impl Motion<'_> {
     ) -> ReprojectedLanes<S> {
         let (objects, distances) =
             (&self.gbuffer.object.row(y)[columns.clone()], &self.gbuffer.distance.row(y)[columns]);
-        // Unused lanes hold NaN, which is found nowhere.
+        // Unused lanes hold NaN, which is never visible in the previous frame.
         let (mut object, mut distance) = ([[0; 4]; LANES], [f32::NAN; LANES]);
         let (objects, distances) = match (objects.first_chunk(), distances.first_chunk()) {
             (Some(objects), Some(distances)) => (objects, distances),
@@ -69,8 +70,8 @@ impl Motion<'_> {
         self.find(simd, y, across, (object, F32::load_array_ref(simd, distances)))
     }
 
-    /// Reprojects eight pixels of row `y` that show these objects at these distances. `across` holds their values of
-    /// [`Self::across`]. Image width and height must be at most 2²⁴ px.
+    /// Reprojects eight pixels of row `y` that show these objects at these distances. `across` holds the results of
+    /// [`Self::across`] for their columns. Image width and height must be at most 2²⁴ px.
     #[inline(always)]
     pub(in crate::upscale) fn find<S: Simd>(
         &self,
@@ -135,7 +136,8 @@ fn between<S: Simd>(simd: S, place: F64<S>, length: f64) -> (u32x8<S>, u32x8<S>,
 }
 
 impl ViewChange {
-    /// Computes [`ViewChange::moved`] in lanes; the caller must reject points behind the eye and non-finite results.
+    /// Computes [`ViewChange::moved`] for eight pixels; the caller must reject points behind the eye and non-finite
+    /// results.
     #[inline(always)]
     fn moved_lanes<S: Simd>(
         &self,

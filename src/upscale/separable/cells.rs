@@ -13,7 +13,7 @@ use crate::upscale::lattice::Lattice;
 /// Maximum number of taps along an axis.
 pub(in crate::upscale) const MAX_TAPS: usize = 6;
 
-/// Arithmetic of the two passes.
+/// Arithmetic of the horizontal and the vertical pass.
 pub(super) trait Pass: Sync {
     /// A row of samples, widened to output pixels.
     type Row: Default;
@@ -34,7 +34,7 @@ pub(super) fn fill<P: Pass>(pass: &P, drawn: &Image<Rgba8>, lattice: Lattice, fu
     bands::fill(full, lattice.scale, |first, count, band| fill_band(pass, drawn, lattice, first, count, band));
 }
 
-/// Fills the `count` rows from row `first` on.
+/// Fills a band of `count` rows, starting at row `first` of the image.
 fn fill_band<P: Pass>(
     pass: &P,
     drawn: &Image<Rgba8>,

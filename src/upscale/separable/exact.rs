@@ -7,9 +7,9 @@ use super::cells::Pass;
 use crate::image::Rgba8;
 use crate::upscale::lattice::LatticePosition;
 
-/// Scalar version of the passes.
+/// Scalar passes of exact linear interpolation.
 pub(super) struct ExactScalar {
-    /// Phase steps between samples.
+    /// Number of phase steps between two samples.
     pub(super) steps: u16,
     /// Positions of the output columns.
     pub(super) columns: Vec<LatticePosition>,

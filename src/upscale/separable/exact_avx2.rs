@@ -1,9 +1,9 @@
 //! AVX2 version of [`super::exact`], 32 channel values at a time.
 //!
 //! For each block of eight pixels, a widened row holds first red and blue, then green and alpha. If the number of steps
-//! D is a power of two, values are scaled so that a finished one has eight fractional bits. The 8-bit result is then
-//! the upper byte of a 16-bit value: red and blue need only a shift, green and alpha only a mask. Between the rows of a
-//! cell, values change by a constant, so each row costs only additions.
+//! D is a power of two, values are scaled so that an interpolated one has eight fractional bits. The 8-bit result is
+//! then the upper byte of a 16-bit value: red and blue need only a shift, green and alpha only a mask. Between the rows
+//! of a cell, values change by a constant, so each row costs only additions.
 
 use std::arch::x86_64::{
     __m256i, _mm_cvtsi32_si128, _mm256_add_epi16, _mm256_and_si256, _mm256_maddubs_epi16, _mm256_mulhi_epu16,
@@ -23,7 +23,7 @@ use crate::upscale::lattice::{Lattice, LatticePosition};
 /// Number of pixels in a block.
 const BLOCK: usize = 8;
 
-/// Eight pixels: red and blue, then green and alpha.
+/// Eight pixels as 16-bit values: red and blue, then green and alpha.
 type ExactBlock = [[i16; 16]; 2];
 
 /// Passes for images of a fixed width.
@@ -136,7 +136,7 @@ impl Pass for ExactAvx2 {
 }
 
 kernel! {
-    /// Widens a row.
+    /// Widens the padded samples of a row.
     fn gather(avx2: Avx2, padded: &[Rgba8], pass: &ExactAvx2, wide: &mut [ExactBlock]) {
         let shift = _mm_cvtsi32_si128(pass.shift());
         let blocks = pass.period.len();
@@ -161,7 +161,7 @@ kernel! {
 struct Rounding {
     /// One half in the unit of the sums.
     half: __m256i,
-    /// Right shift for the power-of-two part of D², without its factor 9.
+    /// Right shift that divides by the power-of-two part of D²; the factor 9 is divided separately.
     shift: i32,
 }
 
@@ -180,7 +180,7 @@ macro_rules! with_rows {
     };
 }
 
-/// Phase steps: per cell, of the first row, and between two rows.
+/// Phase steps of a cell: their number, the position of its first row, and the distance between two rows.
 #[derive(Clone, Copy)]
 struct PhaseSteps {
     of_cell: u32,
@@ -189,7 +189,7 @@ struct PhaseSteps {
 }
 
 kernel! {
-    /// Computes the rows of a cell.
+    /// Computes the output rows of a cell from the two surrounding widened rows.
     fn mix(avx2: Avx2, pass: &ExactAvx2, around: [&[ExactBlock]; 2], phases: &[u32], rows: &mut [Rgba8]) {
         let count = phases.len();
         let divide = !pass.steps.is_power_of_two();
@@ -218,7 +218,7 @@ kernel! {
     }
 }
 
-/// Computes the blocks of `ROWS` rows.
+/// Computes the whole blocks of the `ROWS` rows of a cell.
 #[target_feature(enable = "avx2")]
 #[inline(never)]
 fn sweep<const ROWS: usize, const DIVIDE: bool>(

@@ -23,10 +23,10 @@ pub(super) const POINT: u32 = 6;
 /// 8-bit value that is represented as 0.
 const MIDDLE: i16 = 128;
 
-/// Added to a value before its fractional bits are dropped: restores the offset and rounds halves up.
+/// Bias added to a value before its fractional bits are dropped: restores the offset and rounds halves up.
 pub(super) const BIAS: i16 = (MIDDLE << POINT) + (1 << (POINT - 1));
 
-/// Fixed-point 1 as a sum of `even` weights: half of 2¹⁵, because each applies to two samples.
+/// Fixed-point representation of 1 as a sum of `even` weights: half of 2¹⁵, because each applies to two samples.
 const ONE: i16 = 1 << 14;
 
 /// Converts an 8-bit value to fixed point.
@@ -35,7 +35,7 @@ pub(super) fn value_of(code: u8) -> i16 {
     (i16::from(code) - MIDDLE) << POINT
 }
 
-/// Converts to the nearest 8-bit value, rounding halves up and clamping to [0, 255].
+/// Converts a fixed-point value to the nearest 8-bit value, rounding halves up and clamping to [0, 255].
 #[inline]
 pub(super) fn code_of(value: i16) -> u8 {
     (value.wrapping_add(BIAS) >> POINT).clamp(0, 255) as u8
@@ -55,7 +55,7 @@ pub(in crate::upscale) struct PhaseWeights<const H: usize> {
     /// Half the difference of each pair's weights, in units of 2⁻¹⁵. Products are subtracted if the position is
     /// `mirrored`: negating a product rounds differently, and 1 − t must use the same products as t.
     pub(super) odd: [i16; H],
-    /// Whether the position lies past the middle.
+    /// Whether the position lies past the middle between two samples.
     pub(super) mirrored: bool,
 }
 
@@ -73,22 +73,22 @@ impl<const H: usize> PhaseWeights<H> {
         Self { even, odd, mirrored }
     }
 
-    /// Whether the position is that of a sample, whose value is kept.
+    /// Whether the position coincides with a sample, whose value is copied.
     pub(super) fn is_copy(&self) -> bool {
         self.even[H - 1] == ONE && self.odd[H - 1] == ONE && !self.mirrored
     }
 
-    /// Whether the position is halfway, where all `odd` weights are zero.
+    /// Whether the position is halfway between two samples, where all `odd` weights are zero.
     pub(super) fn is_middle(&self) -> bool {
         self.odd == [0; H]
     }
 
-    /// Whether `other` is the mirrored position.
+    /// Whether `other` lies at 1 − t if `self` lies at t.
     pub(super) fn mirrors(&self, other: &Self) -> bool {
         self.even == other.even && self.odd == other.odd && self.mirrored != other.mirrored
     }
 
-    /// Interpolates the surrounding samples.
+    /// Interpolates the 2 · `H` surrounding samples.
     #[inline]
     fn apply(&self, sample: impl Fn(usize) -> i16, deringing: bool) -> i16 {
         let (before, after) = (sample(H - 1), sample(H));

@@ -29,10 +29,10 @@ const BLOCK: usize = 8;
 /// Number of samples widened at a time.
 const GROUP: usize = 4;
 
-/// Maximum number of values read around a group of samples: six samples each for four neighbours, and the next cell.
+/// Maximum number of channel values read around a group: those of its own samples and of six more.
 const WINDOW: usize = 4 * (6 + GROUP);
 
-/// Eight pixels in two registers.
+/// Eight pixels in two registers, in the order of a widened row.
 type Block = [[i16; 16]; 2];
 
 /// Passes for images on a lattice, with `H` pairs of taps along each axis.
@@ -42,7 +42,7 @@ pub(super) struct FixedAvx2<'a, const H: usize> {
     lattice: Lattice,
     deringing: bool,
     width: usize,
-    /// Index of the first cell, and the number of its pixels left of the image.
+    /// Index of the first cell; `skipped` is the number of its pixels left of the image.
     first_cell: i32,
     skipped: usize,
     /// Cell, relative to the first one of the period, and phase of each pixel in a period.
@@ -70,7 +70,7 @@ impl<'a, const H: usize> FixedAvx2<'a, H> {
         let (pixels, samples) = lattice.scale.ratio();
         let mut first_cell = lattice.place(0).cell;
         let mut skipped = (1_i64..).take_while(|back| lattice.place_beyond(-back).cell == first_cell).count();
-        // Start as many cells left of the image as align the other blocks, if any number does.
+        // Start left of the image by the number of cells that aligns the other blocks, if there is one.
         let wanted = (BLOCK - pixels_to_alignment % BLOCK) % BLOCK;
         let cells = wanted.checked_sub(skipped).filter(|px| samples == 1 && px.is_multiple_of(pixels as usize));
         if let Some(px) = cells {
@@ -83,7 +83,7 @@ impl<'a, const H: usize> FixedAvx2<'a, H> {
         Self { avx2, phases, lattice, deringing, width, first_cell, skipped, period }
     }
 
-    /// Converts samples to fixed point, repeating the border samples as far as they are read.
+    /// Converts samples to fixed point and pads them with copies of the border samples.
     fn pad(&self, samples: &[Rgba8], padded: &mut Vec<i16>) {
         let before = (H as i32 - 1 - self.first_cell) as usize;
         let cells = self.groups() * GROUP;
@@ -127,7 +127,7 @@ struct CellStructure {
     middle: bool,
 }
 
-/// Kind of the unpaired first position.
+/// Kind of the unpaired first position in a cell.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum First {
     None,
@@ -370,7 +370,7 @@ fn widen_cells<const H: usize, const FIRST: u8, const PAIRS: usize, const MIDDLE
     }
 }
 
-/// Returns the value at one position.
+/// Returns the interpolated values at one position between samples.
 #[target_feature(enable = "avx2")]
 #[inline]
 fn place<const H: usize>(phase: &PhaseWeights<H>, around: &TapPairs<H>, deringing: bool) -> __m256i {
@@ -388,7 +388,7 @@ fn slot(at: usize) -> (usize, usize, usize) {
     (at / BLOCK, at / 2 % 2, at / 4 % 2 * 8 + at % 2 * 4)
 }
 
-/// Widens groups of samples with any period.
+/// Widens groups of samples for any period of the lattice.
 #[target_feature(enable = "avx2")]
 fn widen_any<const H: usize>(avx2: Avx2, padded: &[i16], widening: &Widening<'_, H>, wide: &mut [Block]) {
     let Widening { period, samples_per_period, deringing } = *widening;
@@ -406,7 +406,7 @@ fn widen_any<const H: usize>(avx2: Avx2, padded: &[i16], widening: &Widening<'_,
     }
 }
 
-/// Parameters of widening a row.
+/// Parameters for widening a row of samples.
 struct Widening<'a, const H: usize> {
     period: &'a [(usize, &'a PhaseWeights<H>)],
     samples_per_period: usize,
@@ -439,7 +439,7 @@ kernel! {
     }
 }
 
-/// Rows of one cell, and the widened rows around them.
+/// Inputs for the rows of one cell: the surrounding widened rows and the phases.
 struct Cell<'a, const H: usize> {
     low: [&'a [Block]; H],
     high: [&'a [Block]; H],
@@ -464,7 +464,8 @@ fn mix<const H: usize>(avx2: Avx2, cell: &Cell<'_, H>, rows: &mut [Rgba8]) {
     }
 }
 
-/// Computes rows of a supported structure: blocks inside the image directly, blocks at its borders in a temporary.
+/// Computes rows of a supported structure: blocks inside the image directly, blocks at its borders via a temporary
+/// buffer.
 #[target_feature(enable = "avx2")]
 #[inline(never)]
 fn mix_shape<const H: usize>(avx2: Avx2, cell: &Cell<'_, H>, shape: CellStructure, rows: &mut [Rgba8]) {
@@ -513,7 +514,7 @@ kernel! {
     }
 }
 
-/// Implements the passes for each number of taps, because kernels take no type parameters.
+/// Implements the passes for each number of taps, because functions of `kernel!` take no type parameters.
 macro_rules! passes {
     ($h:literal, $widen:ident, $mix:ident) => {
         impl Pass for FixedAvx2<'_, $h> {

@@ -18,7 +18,7 @@ pub(super) struct Linear<const N: usize> {
     /// Weights at each phase of the lattice.
     weights: Vec<[f32; N]>,
     columns: Vec<LatticePosition>,
-    /// Numbers of pixels and of samples between two pixels of equal phase.
+    /// Number of pixels, and of samples, between two pixels of equal phase.
     period: (usize, usize),
     decode: &'static [f32; 256],
     deringing: bool,
@@ -41,7 +41,7 @@ impl LinearRow {
     }
 }
 
-/// Returns the lanes for a SIMD level.
+/// Returns the widest lanes of a SIMD level.
 fn lanes_of(level: Level) -> Lanes {
     #[cfg(target_arch = "x86_64")]
     if let Some(lanes) = level.as_avx512().map(Lanes::Avx512).or(level.as_avx2().map(Lanes::Avx2)) {
@@ -94,8 +94,8 @@ impl<const N: usize> Linear<N> {
         }
     }
 
-    /// Widens a channel where pixels of one phase read adjacent samples, for all phases together. Returns the number of
-    /// pixels written.
+    /// Widens a channel for all phases together; pixels of one phase in adjacent cells read adjacent samples. Returns
+    /// the number of pixels written.
     #[inline(always)]
     fn widen_runs<S: Simd, const PIXELS: usize>(&self, simd: S, samples: &[f32], wide: &mut [f32]) -> usize {
         let Some(columns) = self.columns.first_chunk::<PIXELS>() else { return 0 };
@@ -290,7 +290,7 @@ const PER_LIGHT: f32 = 255.0 * 12.92;
 /// Linear light above which the sRGB transfer function is a power.
 const POWER_THRESHOLD: f32 = 0.003_130_8;
 
-/// Largest float below 1, which encodes like 1: keeps all exponents negative.
+/// Largest float below 1. It encodes like 1 and keeps all exponents negative.
 const BELOW_ONE: f32 = 1.0_f32.next_down();
 
 /// Biased float exponent of the octave that starts at 2⁻⁸. Smaller values use this octave, too.
@@ -306,7 +306,7 @@ const OCTAVE_SCALE: [f32; 8] =
 /// Minimax polynomial for m^(5/12) with m in [1, 2]: maximum error 1.1 · 10⁻⁵, and 7 · 10⁻⁴ for m down to 0.8.
 const POWER: [f32; 5] = [0.411_229_34, 0.828_860_2, -0.318_287_25, 0.089_037_69, -0.010_829_55];
 
-/// Offset subtracted from the power term.
+/// Offset subtracted from the power term, in 8-bit steps.
 const OFFSET: f32 = 255.0 * 0.055;
 
 /// 2²³: adding it to a float rounds the float to an integer, ties to even.
@@ -321,7 +321,7 @@ fn whole<S: Simd>(number: f32x16<S>) -> u32x16<S> {
 /// Encodes linear light as the nearest 8-bit sRGB values, in the low bytes. The power is approximated by a polynomial
 /// per octave; the error is below 1/50 of an 8-bit step.
 ///
-/// Below the threshold the linear part is the smaller of the two, and above it the power is.
+/// The result is the smaller of the linear part and the power: below the threshold the former, above it the latter.
 #[inline(always)]
 fn encode<S: Simd>(simd: S, light: f32x16<S>) -> u32x16<S> {
     let light = light.max(0.0).min(BELOW_ONE);
@@ -371,7 +371,7 @@ mod x86 {
     use super::OCTAVE_SCALE;
 
     kernel! {
-        /// The instruction uses the lowest four bits of each index.
+        /// Looks up [`OCTAVE_SCALE`] by the lowest four bits of each exponent.
         #[inline]
         pub(super) fn of_octave_wide(avx512: Avx512, octave: __m512i) -> __m512 {
             let [a, b, c, d, e, f, g, h] = OCTAVE_SCALE;
@@ -381,7 +381,7 @@ mod x86 {
     }
 
     kernel! {
-        /// The instruction uses the lowest three bits of each index.
+        /// Looks up [`OCTAVE_SCALE`] by the lowest three bits of each exponent.
         #[inline]
         pub(super) fn of_octave(avx2: Avx2, octave: __m256i) -> __m256 {
             _mm256_permutevar8x32_ps(f32x8::load_array(avx2, OCTAVE_SCALE).into(), octave)

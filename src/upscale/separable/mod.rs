@@ -30,11 +30,11 @@ use crate::pipeline::settings::Choice as _;
 
 /// An upscaler defined by weights of adjacent samples alone.
 pub(crate) struct Separable {
-    /// Id; see [`Upscaler::id`].
+    /// Id of the upscaler; see [`Upscaler::id`].
     pub(super) id: &'static str,
-    /// Display name; see [`Upscaler::name`].
+    /// Display name of the upscaler; see [`Upscaler::name`].
     pub(super) name: &'static str,
-    /// Description; see [`Upscaler::help`].
+    /// Description of the upscaler; see [`Upscaler::help`].
     pub(super) help: &'static str,
     /// Weights of the surrounding samples.
     pub(super) weights: KernelWeights,
@@ -46,15 +46,15 @@ pub(crate) struct Separable {
 /// Weights of the surrounding samples, in order, at t in [0, 1) between the inner two; they sum to 1.
 #[derive(Clone, Copy)]
 pub(super) enum KernelWeights {
-    /// One sample on each side.
+    /// Weights of one sample on each side.
     Two(fn(f64) -> [f64; 2]),
-    /// Two samples on each side.
+    /// Weights of two samples on each side.
     Four(fn(f64) -> [f64; 4]),
-    /// Three samples on each side.
+    /// Weights of three samples on each side.
     Six(fn(f64) -> [f64; 6]),
 }
 
-/// Returns the weights at all phases of a lattice.
+/// Returns the weights at every phase of a lattice.
 fn table<const N: usize>(weights: fn(f64) -> [f64; N], lattice: Lattice) -> Vec<[f64; N]> {
     let phases = lattice.phases();
     (0..phases).map(|phase| weights(f64::from(phase) / f64::from(phases))).collect()
@@ -65,13 +65,13 @@ fn columns(lattice: Lattice, width: u32) -> Vec<LatticePosition> {
     lattice.places_from(0).take(width as usize).collect()
 }
 
-/// Returns the weights at all phases in fixed point.
+/// Returns the weights at every phase of a lattice, in fixed point.
 fn phases<const N: usize, const H: usize>(weights: fn(f64) -> [f64; N], lattice: Lattice) -> Vec<PhaseWeights<H>> {
     table(weights, lattice).iter().map(|weights| PhaseWeights::new(weights)).collect()
 }
 
 impl Separable {
-    /// Fills an image. `level` selects the instruction set, which does not affect the result.
+    /// Upscales samples into an image. `level` selects the instruction set, which does not affect the result.
     fn fill(&self, level: Level, how: Upscaling, drawn: &Image<Rgba8>, full: &mut Image<Rgba8>) {
         match (how.light(), self.weights) {
             (FilterSpace::Linear, KernelWeights::Two(weights)) => fill_linear(level, weights, how, drawn, full),
@@ -223,7 +223,7 @@ impl Upscaler for Separable {
     }
 }
 
-/// Scales that these upscalers offer.
+/// Scales that all separable upscalers offer.
 pub(super) const SCALES: &[Scale] = &[Scale::ONE_AND_A_HALF, Scale::TWO, Scale::THREE, Scale::FOUR];
 
 /// Returns the distinct samples and weights along one axis for output pixel `at`.

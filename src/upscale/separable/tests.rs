@@ -47,7 +47,7 @@ fn lanczos(x: f64, lobes: f64) -> f64 {
     if x < lobes { sinc(x) * sinc(x / lobes) } else { 0.0 }
 }
 
-/// Returns noise, extremes and flat runs, which provoke overshoot and accumulated rounding errors.
+/// Returns an image of noise, extremes and flat runs, which provoke overshoot and accumulated rounding errors.
 fn picture(random: &mut fastrand::Rng, width: u32, height: u32) -> Image<Rgba8> {
     Image::from_fn(width, height, |x, y| match (x / 4 + y / 4) % 3 {
         0 => std::array::from_fn(|_| random.u8(..)),
@@ -132,7 +132,7 @@ fn filled(method: &Separable, level: Level, how: Upscaling, drawn: &Image<Rgba8>
 }
 
 #[test]
-fn codes_are_those_of_exact_arithmetic_or_next_to_them_and_straight_lines_are_exact() {
+fn results_are_within_one_code_of_exact_arithmetic_and_bilinear_is_exact() {
     for_all(|method, kernel, how, drawn, size| {
         let full = filled(method, Level::new(), how, drawn, size);
         let exact = reference(kernel, how, drawn, size, |code, _| f64::from(code));
@@ -147,7 +147,7 @@ fn codes_are_those_of_exact_arithmetic_or_next_to_them_and_straight_lines_are_ex
 }
 
 #[test]
-fn halves_of_straight_lines_round_up() {
+fn bilinear_rounds_halves_up() {
     let drawn = Image::from_pixels(2, 1, vec![[0, 10, 254, 255], [1, 13, 255, 255]]);
     let how = Upscaling::new("bilinear", Scale::TWO).unwrap();
     for level in [Level::new(), Level::fallback()] {
@@ -197,7 +197,7 @@ fn wide_lanes_agree_with_plain_code_bit_for_bit() {
 }
 
 #[test]
-fn linear_light_of_wide_rows_is_that_of_pixels_alone_whatever_is_opaque() {
+fn wide_rows_in_linear_light_equal_single_pixels_whichever_rows_are_opaque() {
     let mut levels = vec![Level::new(), Level::fallback()];
     #[cfg(target_arch = "x86_64")]
     levels.extend(Level::new().as_avx2().map(Level::Avx2));
@@ -223,7 +223,7 @@ fn linear_light_of_wide_rows_is_that_of_pixels_alone_whatever_is_opaque() {
 
 #[cfg(target_arch = "x86_64")]
 #[test]
-fn where_rows_lie_in_memory_changes_nothing() {
+fn the_alignment_of_rows_does_not_matter() {
     let Some(avx2) = Level::new().as_avx2() else { return };
     for_all(|method, _, how, drawn, size| {
         let plain = filled(method, Level::fallback(), how, drawn, size);
@@ -251,7 +251,7 @@ fn where_rows_lie_in_memory_changes_nothing() {
 }
 
 #[test]
-fn without_ringing_a_pixel_stays_between_the_four_samples_around_it() {
+fn with_deringing_a_pixel_stays_in_the_range_of_the_four_samples_around_it() {
     for_all(|method, _, how, drawn, size| {
         let how = how.with_deringing(true);
         if !how.deringing() {

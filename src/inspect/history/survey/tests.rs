@@ -15,7 +15,7 @@ fn frame(scene: &Scene, recipe: &Recipe, camera: &Camera) -> Frame {
     run(scene, camera, recipe, VIEW, &mut ())
 }
 
-/// Builds one object of unconnected triangles, seen from (0, 0, 3).
+/// Builds a scene with one object of unconnected triangles, seen from (0, 0, 3).
 fn scene_of(triangles: &[[Vec3; 3]], world_from_model: Mat4) -> Scene {
     let mut library = Library::default();
     let positions: Vec<Vec3> = triangles.concat();
@@ -34,7 +34,7 @@ fn soup(count: usize) -> Scene {
     scene_of(&triangles, Mat4::IDENTITY)
 }
 
-/// Returns the reports of all pixels.
+/// Explains all pixels of a frame, in reading order.
 fn reports(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Vec<PixelReport> {
     let survey = Survey::of(scene, recipe, frame);
     let pixels = (0..VIEW.height).flat_map(|y| (0..VIEW.width).map(move |x| (x, y)));
@@ -50,7 +50,7 @@ fn there(report: &PixelReport) -> BTreeSet<TriangleId> {
 }
 
 #[test]
-fn what_is_kept_is_what_the_frame_rasterizes_to_the_bit() {
+fn surveyed_positions_match_the_rasterized_triangles_bit_for_bit() {
     let recipes = [
         Recipe::default(),
         Recipe { upscaler: Upscaling::new("bilinear", 2).unwrap(), ..Recipe::default() },
@@ -82,7 +82,7 @@ fn what_is_kept_is_what_the_frame_rasterizes_to_the_bit() {
 }
 
 #[test]
-fn the_survey_of_a_frame_serves_its_moments_and_its_pixels_and_no_other_view() {
+fn a_survey_is_valid_for_earlier_states_of_its_frame_but_not_for_another_view() {
     let scene = soup(60);
     let recipe = Recipe::default();
     let mut frame = frame(&scene, &recipe, &scene.home);
@@ -105,7 +105,7 @@ fn the_survey_of_a_frame_serves_its_moments_and_its_pixels_and_no_other_view() {
 }
 
 #[test]
-fn back_faces_are_told_exactly_where_they_would_have_a_fragment() {
+fn back_faces_are_reported_exactly_where_they_would_have_a_fragment() {
     let scene = soup(60);
     for arithmetic in Arithmetic::ALL {
         let mut recipe = Recipe::default();
@@ -126,7 +126,7 @@ fn back_faces_are_told_exactly_where_they_would_have_a_fragment() {
 }
 
 #[test]
-fn the_near_plane_is_blamed_exactly_where_a_nearer_one_would_let_it_be_seen() {
+fn the_near_plane_is_reported_exactly_where_a_nearer_plane_would_show_the_triangle() {
     let scene = builtin::by_id("near-plane").unwrap().build();
     for format in [DepthFormat::F32, DepthFormat::ReversedF32] {
         let mut recipe = Recipe::default();
@@ -155,7 +155,7 @@ fn the_near_plane_is_blamed_exactly_where_a_nearer_one_would_let_it_be_seen() {
 }
 
 #[test]
-fn a_triangle_beyond_the_far_plane_is_told_with_its_distance() {
+fn a_triangle_beyond_the_far_plane_is_reported_with_its_distance() {
     let triangle = [Vec3::new(-1.0, -1.0, 0.0), Vec3::new(1.0, -1.0, 0.0), Vec3::Y];
     let scene = scene_of(&[triangle], Mat4::IDENTITY);
     for format in [DepthFormat::F32, DepthFormat::ReversedF32, DepthFormat::WBuffer] {
@@ -173,7 +173,7 @@ fn a_triangle_beyond_the_far_plane_is_told_with_its_distance() {
 }
 
 #[test]
-fn triangles_after_the_last_drawn_one_are_told() {
+fn triangles_after_the_last_drawn_one_are_reported() {
     let scene = soup(30);
     let recipe = Recipe::default();
     let mut frame = frame(&scene, &recipe, &scene.home);
@@ -191,7 +191,7 @@ fn triangles_after_the_last_drawn_one_are_told() {
 }
 
 #[test]
-fn a_corner_that_is_no_number_is_told_at_every_background_pixel() {
+fn a_triangle_with_a_non_finite_corner_is_reported_at_every_pixel() {
     let triangle = [Vec3::new(-1.0, -1.0, 0.0), Vec3::new(1.0, -1.0, 0.0), Vec3::Y];
     let mut scene = scene_of(&[triangle], Mat4::IDENTITY);
     let broken = Instance { world_from_model: Mat4::NAN, ..scene.instances[0].clone() };
@@ -208,7 +208,7 @@ fn a_corner_that_is_no_number_is_told_at_every_background_pixel() {
 }
 
 #[test]
-fn a_triangle_without_area_is_told_where_it_passes() {
+fn a_triangle_without_area_is_reported_where_it_passes() {
     // A triangle seen edge-on.
     let edge_on = [Vec3::new(-1.0, 0.0, 0.0), Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 0.0, 1.0)];
     let scene = scene_of(&[edge_on], Mat4::IDENTITY);

@@ -1,4 +1,5 @@
-//! Bounds of a tile's stored depths, known without reading samples: for each block, or for the whole tile.
+//! Hierarchical Z: bounds of the stored depths of each block, or of the whole tile, that are known without reading
+//! samples.
 
 use super::super::depths::{DepthPlane, DepthRules, compare_bounds, whole_depths};
 use super::super::edge_number::EdgeNumber;
@@ -8,19 +9,22 @@ use super::{STRIDE, Tile};
 use crate::math::lanes::*;
 use crate::pipeline::depth::DepthComparison;
 
-/// Full-tile occluder: a triangle that covers a whole tile in front of everything drawn before, or the background.
+/// Full-tile occluder: a triangle that covers the whole tile in front of everything drawn before, or the background.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FullTileOccluder {
-    /// Least stored depth; `greatest` is the greatest.
+    /// Least stored depth in the tile.
     pub(super) min_depth: f32,
+    /// Greatest stored depth in the tile.
     pub(super) max_depth: f32,
     /// Depth plane of the triangle; `None` for the background.
     pub(super) plane: Option<DepthPlane>,
 }
 
 impl Tile {
-    /// Whether a triangle lies behind the full-tile occluder, or replaces it. If neither, the occluder is replaced by
-    /// the depth bounds of all blocks.
+    /// Tests a triangle against the full-tile occluder. Returns `true` if the triangle is hidden behind the occluder,
+    /// or becomes the occluder itself; nothing more is then to be drawn.
+    ///
+    /// Otherwise replaces the occluder, if there is one, by the depth bounds of all blocks.
     #[inline(always)]
     pub(super) fn test_occluder<S: Simd, E: EdgeNumber>(
         &mut self,
@@ -71,7 +75,7 @@ impl Tile {
         }
     }
 
-    /// Whether a triangle lies behind everything that the tile holds.
+    /// Returns `true` if a triangle, given by its depth plane, lies behind all stored depths of the tile.
     #[inline(always)]
     pub(super) fn hides<S: Simd>(
         &self,
@@ -80,7 +84,7 @@ impl Tile {
         lattice: &TileLattice,
         rules: &DepthRules,
     ) -> bool {
-        // A triangle in front at the first sample is not behind everywhere; in most cases this test suffices.
+        // In most cases this test suffices: a triangle in front at the first sample is not behind everywhere.
         let in_front = match rules.comparison {
             DepthComparison::Always => true,
             DepthComparison::Less | DepthComparison::LessEqual => plane.at_first() < self.max_depths[0].into(),
@@ -91,7 +95,7 @@ impl Tile {
         }
         let first = (F64::splat(simd, 0.0), 0.0);
         let bounds = plane.bounds(simd, first, lattice.tile_extent(), rules);
-        // One lane for each of the eight columns of blocks.
+        // Each lane holds one of the eight columns of blocks.
         let (mut least, mut greatest) = (F32::splat(simd, f32::INFINITY), F32::splat(simd, f32::NEG_INFINITY));
         for row in 0..BLOCKS {
             let row = row * BLOCKS..(row + 1) * BLOCKS;
@@ -101,7 +105,7 @@ impl Tile {
         compare_bounds(bounds, [least, greatest], rules.comparison).0 == 0xFF
     }
 
-    /// Whether a triangle may pass the depth test anywhere in a block.
+    /// Returns `true` if a triangle may pass the depth test anywhere in a block.
     #[inline(always)]
     pub(super) fn may_show<E: EdgeNumber>(&self, triangle: &Setup<E>, block: usize, rules: &DepthRules) -> bool {
         let [low, high] = whole_depths(triangle, rules);
@@ -114,7 +118,7 @@ impl Tile {
         }
     }
 
-    /// Widens the depth bounds of a block so that they hold after a triangle is drawn into it.
+    /// Widens the depth bounds of a block so that they still hold after a triangle is drawn into it.
     #[inline(always)]
     pub(super) fn widen_bounds<E: EdgeNumber>(&mut self, triangle: &Setup<E>, block: usize, rules: &DepthRules) {
         let [low, high] = whole_depths(triangle, rules);
@@ -129,7 +133,7 @@ impl Tile {
         }
     }
 
-    /// Measures the depth bounds of a block from its samples.
+    /// Computes the depth bounds of a block from its samples.
     #[inline(always)]
     pub(super) fn measure_bounds<S: Simd>(&mut self, simd: S, (bx, by): (usize, usize)) {
         let (mut least, mut greatest) = (F32::splat(simd, f32::INFINITY), F32::splat(simd, f32::NEG_INFINITY));

@@ -9,7 +9,7 @@ use crate::report::stability::case::{AttributeCase, Body, CoplanarPairCase};
 use crate::report::stability::metric::{Bound, Metric};
 use crate::report::stability::oracle::{ExactRegion, ScreenCorner, Snap};
 
-/// Number of pixels evaluated per triangle.
+/// Maximum number of pixels evaluated per triangle.
 const SAMPLES: usize = 24;
 
 /// Side of the normal image, in pixels.
@@ -18,16 +18,16 @@ const SIDE: u32 = 64;
 /// Side of the large image, in pixels.
 const LARGE: u32 = 4096;
 
-/// All values finite, and weights accurate to 1/100 of an 8-bit step.
+/// Bounds: all values are finite, and weights are accurate to 1/100 of an 8-bit step.
 const CLOSE: &[Bound] = &[Bound::none(Metric::NotFinite), Bound::new(Metric::WeightError, 1e-5)];
 
-/// All values finite, and weights accurate to 2⁻²⁰ for images 4096 px wide.
+/// Bounds: all values are finite, and weights are accurate to 2⁻²⁰, for images 4096 px wide.
 const CLOSE_WIDE: &[Bound] = &[Bound::none(Metric::NotFinite), Bound::new(Metric::WeightError, 1.0 / 1_048_576.0)];
 
-/// All values finite, and texture coordinates accurate to 1/1000 of a texel.
+/// Bounds: all values are finite, and texture coordinates are accurate to 1/1000 of a texel.
 const CLOSE_TEXELS: &[Bound] = &[Bound::none(Metric::NotFinite), Bound::new(Metric::UvTexels, 1e-3)];
 
-/// All values finite, and equal depths from both triangles.
+/// Bounds: all values are finite, and both triangles have equal depths.
 const EQUAL: &[Bound] = &[Bound::none(Metric::NotFinite), Bound::none(Metric::Flips)];
 
 pub(super) const CLASSES: &[Class] = &[

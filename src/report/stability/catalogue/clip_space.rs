@@ -9,11 +9,11 @@ use crate::report::stability::metric::{Bound, Metric};
 /// Side of the image, in pixels.
 const SIDE: u32 = 32;
 
-/// Near and far planes of the view that projects the vertices.
+/// Distance of the near plane of the view that projects the vertices; [`FAR`] is that of the far plane.
 const NEAR: f64 = 0.1;
 const FAR: f64 = 100.0;
 
-/// Nothing drawn at the wrong place, no pixel drawn twice, and weights accurate to f32.
+/// Bounds: nothing is drawn at the wrong place, no pixel is drawn twice, and weights are accurate to f32.
 const CLIPPED: &[Bound] = &[
     Bound::none(Metric::WrongStrict),
     Bound::none(Metric::Doubles),

@@ -12,7 +12,7 @@ const PAIRS: usize = 150;
 /// Number of pairs per case in the published experiment.
 const PUBLISHED_PAIRS: u32 = 200_000;
 
-/// All pairs keep their order, and all depths are finite and in range.
+/// Bounds: all pairs keep their order, and all depths are finite and in range.
 const KEPT_APART: &[Bound] =
     &[Bound::none(Metric::Lost), Bound::none(Metric::NotFinite), Bound::none(Metric::OutOfRange)];
 

@@ -11,16 +11,16 @@ use crate::report::stability::metric::{Bound, Metric};
 /// Width and height of an image, in pixels.
 type Size = [u32; 2];
 
-/// Image size of most meshes.
+/// Image size of most mesh cases.
 const SMALL: Size = [32, 32];
 
-/// Image size of the large meshes.
+/// Image size of the cases with large meshes.
 const LARGE: Size = [1024, 256];
 
 /// Extent of meshes beyond the image, in pixels.
 const MARGIN: f64 = 4.0;
 
-/// Every pixel covered exactly once, and by the correct triangle.
+/// Bounds: every pixel is covered exactly once, and by the correct triangle.
 const WATERTIGHT: &[Bound] = &[Bound::none(Metric::Cracks), Bound::none(Metric::Doubles), Bound::none(Metric::Wrong)];
 
 pub(super) const CLASSES: &[Class] = &[

@@ -28,7 +28,7 @@ use rng::Rng;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Family {
-    /// Coverage of individual triangles.
+    /// Coverage of individual screen-space triangles.
     Coverage,
     /// Triangles that share edges, so that every pixel is covered exactly once.
     Mesh,
@@ -38,7 +38,7 @@ pub(crate) enum Family {
     Throughput,
     /// Weights, attributes and depth inside a triangle.
     Weights,
-    /// Resolution of the depth buffer.
+    /// Resolution of depth buffer formats.
     Depth,
 }
 
@@ -47,7 +47,7 @@ impl Family {
     pub(crate) const ALL: [Self; 6] =
         [Self::Coverage, Self::Mesh, Self::ClipSpace, Self::Throughput, Self::Weights, Self::Depth];
 
-    /// Returns the id used in files.
+    /// Returns the id of the family, as used in files.
     pub(crate) fn id(self) -> &'static str {
         match self {
             Self::Coverage => "coverage",
@@ -59,7 +59,7 @@ impl Family {
         }
     }
 
-    /// Returns the display name.
+    /// Returns the display name of the family.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Coverage => "Single triangles",
@@ -72,12 +72,12 @@ impl Family {
     }
 }
 
-/// A class of cases.
+/// Class of cases that exercise the same difficulty.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Class {
     /// Id used on the command line and in files.
     pub id: &'static str,
-    /// Display name.
+    /// Display name of the class.
     pub name: &'static str,
     /// Family of the class, which determines what is measured.
     pub(crate) family: Family,
@@ -87,7 +87,7 @@ pub struct Class {
     pub(crate) headline: Metric,
     /// Bounds that a subject must meet to pass.
     pub(crate) bounds: &'static [Bound],
-    /// Generator of the cases.
+    /// Generator of the cases, without ids.
     #[serde(skip)]
     draft: fn(&mut Rng) -> Vec<CaseDraft>,
 }
@@ -120,13 +120,13 @@ impl Class {
     }
 }
 
-/// Returns all classes, grouped by family.
+/// Returns all classes of the catalogue, grouped by family.
 pub fn all() -> impl Iterator<Item = &'static Class> {
     let families = [single::CLASSES, mesh::CLASSES, clip_space::CLASSES, throughput::CLASSES];
     families.into_iter().chain([attributes::CLASSES, depth::CLASSES]).flatten()
 }
 
-/// Returns the class with this id.
+/// Returns the class with this id, or `None` if there is none.
 pub fn by_id(id: &str) -> Option<&'static Class> {
     all().find(|class| class.id == id)
 }

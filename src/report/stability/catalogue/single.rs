@@ -9,10 +9,10 @@ use crate::report::stability::metric::{Bound, Metric};
 /// Side of the image in most classes, in pixels.
 const SIDE: u32 = 32;
 
-/// Side of the image, as a coordinate.
+/// Side of the image in pixels, as a coordinate.
 const SIDE_PX: f64 = SIDE as f64;
 
-/// Every pixel correct for the vertices after snapping, if any.
+/// Bound: every pixel is correct for the vertices after snapping, if any.
 pub(super) const EXACT: &[Bound] = &[Bound::none(Metric::Wrong)];
 
 pub(super) const CLASSES: &[Class] = &[
@@ -291,7 +291,7 @@ fn subnormal(dice: &mut Rng) -> Vec<CaseDraft> {
     let mut drafts = vec![
         square("a corner one subnormal right of the border", vec![[[0.0, 0.0], [least, 16.0], [16.0, 0.0]]]),
         square("a left edge one subnormal left of the border", vec![[[-least, 0.0], [16.0, 8.0], [-least, 16.0]]]),
-        square("subnormal through and through", vec![[[0.0, 0.0], [least * 9.0, least], [least, least * 7.0]]]),
+        square("all coordinates subnormal", vec![[[0.0, 0.0], [least * 9.0, least], [least, least * 7.0]]]),
     ];
     // Edges that miss pixel centres on the diagonal by a subnormal number.
     drafts.extend((0..5).map(|_| {

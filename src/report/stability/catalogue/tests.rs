@@ -38,7 +38,7 @@ fn covered(corners: [[f32; 2]; 3], snap: Snap) -> u64 {
 }
 
 #[test]
-fn classes_have_names_of_their_own_and_a_sentence_each() {
+fn classes_have_unique_names_and_one_sentence_each() {
     let ids: BTreeSet<_> = all().map(|class| class.id).collect();
     assert_eq!(ids.len(), all().count());
     assert!(ids.len() >= 20, "only {} classes", ids.len());
@@ -74,7 +74,7 @@ fn every_class_has_several_cases_that_depend_on_the_seed_alone() {
 }
 
 #[test]
-fn every_case_can_be_written_down_and_opened_again() {
+fn every_case_round_trips_as_json() {
     for case in all().flat_map(|class| class.cases(SEED)) {
         let read: StabilityCase = serde_json::from_str(&case.to_json()).unwrap_or_else(|e| panic!("{}: {e}", case.id));
         assert_eq!(format!("{read:?}"), format!("{case:?}"));
@@ -167,7 +167,7 @@ fn samples_lie_inside_and_corners_on_the_grid() {
 }
 
 #[test]
-fn coplanar_triangles_are() {
+fn coplanar_triangles_lie_in_one_plane() {
     let point = |c: &ScreenCorner| [c.x, c.y, c.z].map(|value| exact(value).unwrap());
     let mut checked = 0;
     for case in by_id("coplanar").unwrap().cases(SEED) {

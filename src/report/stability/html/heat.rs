@@ -12,9 +12,10 @@ use crate::report::stability::sweep::{ClassReport, ReportCell, StabilityReport};
 pub(super) fn coverage(report: &StabilityReport) -> String {
     let families = [Family::Coverage, Family::Mesh, Family::ClipSpace, Family::Throughput];
     let text = "Single triangles count wrong pixels relative to the corners that the configuration declares (snapped \
-        or not); below, relative to the corners as given (raw), or the time per pixel if the two counts agree. Meshes \
-        count pixels that were not drawn exactly once; clip space counts pixels that are clearly wrong; throughput is \
-        the time relative to a compact triangle. The published rasterizers compute with their own number types.";
+        or not); the second line counts them relative to the corners as given (raw), or shows the time per pixel if \
+        the two counts agree. Meshes count pixels that were not drawn exactly once; clip space counts pixels that are \
+        clearly wrong; throughput is the time relative to a compact triangle. The published rasterizers compute with \
+        their own number types.";
     section(report, &families, "Rasterizers and arithmetics", text)
 }
 
@@ -179,7 +180,7 @@ fn brief(count: f64) -> String {
     if count < 1e4 { format!("{count:.0}") } else { format!("{count:.1e}") }
 }
 
-/// Returns all measurements of a cell, one per line.
+/// Returns the tooltip of a cell: all its measurements, one per line.
 fn tooltip(class: &ClassReport, cell: &ReportCell) -> String {
     let mut lines = vec![format!("{} · {}: {}", class.class.name, cell.column.label(), cell.verdict.name())];
     lines.extend(cell.measures.iter().map(|(metric, value)| format!("{}: {}", metric.name(), metric.format(value))));
@@ -217,7 +218,7 @@ fn footer(classes: &[&ClassReport], columns: &[ReportColumn]) -> String {
     )
 }
 
-/// Returns the published experiment by setting: ties + inversions, in percent of all pairs.
+/// Returns an HTML table of the published experiment by setting: ties + inversions, in percent of all pairs.
 fn experiment(class: &ClassReport) -> String {
     let Some(first) = class.cells.first() else { return String::new() };
     let heads: String =

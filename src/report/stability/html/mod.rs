@@ -11,7 +11,7 @@ use super::sweep::StabilityReport;
 use crate::pipeline::settings::Choice as _;
 use crate::report::html::{document, escaped, partial, tiles};
 
-/// Returns the whole page.
+/// Formats the stability report as an HTML page.
 pub(crate) fn html(report: &StabilityReport) -> String {
     let body = [
         head(report),
@@ -65,7 +65,7 @@ fn method(report: &StabilityReport) -> String {
     };
     format!(
         "<section>\n<h2>How it was measured</h2>\n<p>Seed {}. {}. {times}</p>\n<p>Stiffness is the time of a case over \
-         that of one compact triangle of as many pixels, by the same configuration in the same rounds.</p>\n\
+         that of one compact triangle with as many pixels, by the same configuration in the same rounds.</p>\n\
          <details><summary>Bounds for PASS, class by class</summary><dl>{}</dl></details>\n\
          <details><summary>Definitions of the measures</summary><dl>{}</dl></details>\n</section>\n",
         report.seed,

@@ -9,26 +9,26 @@ use crate::report::stability::metric::short;
 use crate::report::stability::sweep::StabilityReport;
 use crate::report::stability::tradeoff::{self, TradeoffPoint};
 
-/// Width and height of a plot, in SVG units.
+/// Width of a plot in SVG units; [`HEIGHT`] is its height.
 const WIDTH: f64 = 640.0;
 const HEIGHT: f64 = 440.0;
 
-/// Margins around the plot area for the axes, in SVG units.
+/// Left margin of the plot area for the axis, in SVG units. [`RIGHT`], [`TOP`] and [`BOTTOM`] are the other margins.
 const LEFT: f64 = 62.0;
 const RIGHT: f64 = 14.0;
 const TOP: f64 = 12.0;
 const BOTTOM: f64 = 46.0;
 
-/// Height of the lane below the logarithmic axis in which errors of 0 are drawn.
+/// Height of the lane below the logarithmic axis in which errors of 0 are drawn, in SVG units.
 const ZERO_LANE: f64 = 34.0;
 
-/// Average width of a label character.
+/// Average width of a label character, in SVG units.
 const LETTER: f64 = 5.7;
 
-/// Line height of a label.
+/// Line height of a label, in SVG units.
 const LINE: f64 = 13.0;
 
-/// Returns both plots; empty if no times were measured.
+/// Returns the HTML section with both plots, or an empty string if no times were measured.
 pub(super) fn section(report: &StabilityReport) -> String {
     let coverage = panel(&tradeoff::coverage(report), false, "mean share of wrong pixels, corners as given");
     let weights = panel(&tradeoff::weights(report), true, "largest error of a weight");
@@ -144,7 +144,7 @@ impl ScatterPlot {
     }
 }
 
-/// Returns one plot; empty without points.
+/// Returns one plot as SVG, or an empty string if there are no points.
 fn panel(points: &[TradeoffPoint], with_classes: bool, y_axis: &str) -> String {
     let times = points.iter().flat_map(|p| [p.ns.p10, p.ns.p90, p.ns.median]);
     let class_times = points.iter().filter(|_| with_classes).flat_map(|p| p.by_class.iter().map(|(_, ns, _)| *ns));
@@ -234,7 +234,7 @@ fn tick(value: f64) -> String {
     if factor == 1.0 { format!("10{sign}{raised}") } else { format!("{factor}·10{sign}{raised}") }
 }
 
-/// Returns the Pareto front as a step line.
+/// Returns the Pareto front as an SVG step line.
 fn front(plot: &ScatterPlot, points: &[TradeoffPoint]) -> String {
     let mut best: Vec<&TradeoffPoint> = points.iter().filter(|point| point.optimal).collect();
     best.sort_by(|a, b| a.ns.median.total_cmp(&b.ns.median));
@@ -255,7 +255,7 @@ fn front(plot: &ScatterPlot, points: &[TradeoffPoint]) -> String {
     if path.is_empty() { path } else { format!("<path class=\"front\" d=\"{path}\"/>") }
 }
 
-/// Returns a point with its bar from the 10th to the 90th percentile.
+/// Returns the SVG marker of a point, with a bar from the 10th to the 90th percentile of its time.
 fn drawn(plot: &ScatterPlot, point: &TradeoffPoint) -> String {
     let (x, y, color) = (plot.x(point.ns.median), plot.y(point.error), color(point.column));
     let style = if point.optimal { "" } else { "dominated" };
@@ -274,7 +274,7 @@ fn drawn(plot: &ScatterPlot, point: &TradeoffPoint) -> String {
     )
 }
 
-/// Returns a marker of one of seven shapes.
+/// Returns the SVG of a marker, which has one of seven shapes.
 fn marker((x, y): (f64, f64), shape: usize, color: usize, r: f64, style: &str) -> String {
     let class = format!("class=\"mark k{color} {style}\"");
     let polygon = |corners: &[(f64, f64)]| {
@@ -302,10 +302,10 @@ fn marker((x, y): (f64, f64), shape: usize, color: usize, r: f64, style: &str) -
     }
 }
 
-/// Rectangle as left, top, right, bottom.
+/// Rectangle in SVG units: left, top, right, bottom.
 type Rectangle = [f64; 4];
 
-/// Returns labels beside the markers where they fit without covering others.
+/// Returns the labels that fit beside their markers without covering others.
 fn labels(plot: &ScatterPlot, points: &[TradeoffPoint]) -> String {
     let around = |x: f64, y: f64, r: f64| [x - r, y - r, x + r, y + r];
     let mut taken: Vec<Rectangle> = points.iter().map(|p| around(plot.x(p.ns.median), plot.y(p.error), 6.0)).collect();

@@ -22,7 +22,7 @@ pub(super) fn anchor(class: &ClassReport, worst: &Worst) -> String {
     format!("{}-{hash:08x}", class.class.id)
 }
 
-/// Returns the worst cases of all classes.
+/// Returns the HTML section with the worst cases of all classes.
 pub(super) fn section(report: &StabilityReport) -> String {
     let classes: String = report.classes.iter().map(class_details).collect();
     if classes.is_empty() {

@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn what_snapping_moved_is_wrong_only_against_the_unsnapped() {
+    fn snapping_errors_count_only_against_unsnapped_corners() {
         // The left edge lies slightly to the right of the centres of column 2; snapped onto them, it owns them.
         let case = case(vec![[[2.500_5, -4.0], [6.0, 4.0], [2.500_5, 12.0]], [[1.0; 2]; 3]], false);
         let snapped = ExpectedCoverage::new(&case).snapped;

@@ -23,20 +23,20 @@ use clip_space::ExpectedTriangle;
 use coverage::ExpectedCoverage;
 pub(crate) use depth::only_pair;
 
-/// Correct answers to a case.
+/// Correct answers to all parts of a case.
 #[derive(Clone, Debug)]
 pub(crate) enum Expected {
-    /// Pixels of each triangle.
+    /// Expected pixels of each triangle.
     Coverage(ExpectedCoverage),
-    /// Regions, weights and depths.
+    /// Expected regions, weights and depths of each triangle.
     ClipSpace(Vec<ExpectedTriangle>),
-    /// Weights, depths and attributes, one entry per triangle.
+    /// Expected weights, depths and attributes, one entry per triangle.
     Samples(Vec<samples::ExpectedSamples>),
     /// Depths; they depend on the format and are computed during the comparison.
     Depth,
 }
 
-/// Result of one case.
+/// Result of comparing the engine's answers to one case.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct MeasureOutcome {
     /// Measured errors; `None` if the engine refused to answer.
@@ -115,7 +115,7 @@ pub(crate) fn answer(case: &StabilityCase, expected: &Expected, column: ReportCo
     Some(measured.unwrap_or_else(MeasureOutcome::refused))
 }
 
-/// Returns the engine's answer, or `None` if it panics: a report on stiff cases must survive the stiffest.
+/// Returns the result of `ask`, or `None` if the engine panics, so that one case cannot abort the report.
 fn attempt<T>(ask: impl FnOnce() -> Option<T>) -> Option<T> {
     catch_unwind(AssertUnwindSafe(ask)).ok().flatten()
 }

@@ -44,9 +44,9 @@ pub(super) fn evaluate(expected: &[ExpectedSamples], answers: &[Vec<Sampled>]) -
 /// Returns a sort key for the worst fault of a sample: non-finite values first, then differing depths, then weights,
 /// then depth errors.
 fn badness(measures: &Measures) -> f64 {
-    /// Larger than any finite error.
+    /// Factor of non-finite values, larger than any finite error.
     const NO_NUMBER: f64 = 1e300;
-    /// Larger than any relevant error of a weight or in texels.
+    /// Factor of differing depths, larger than any relevant error of a weight or in texels.
     const FLIP: f64 = 1e9;
     let value = |metric| measures.get(metric).unwrap_or(0.0);
     value(Metric::NotFinite) * NO_NUMBER

@@ -15,7 +15,7 @@ use super::region::{ExactHalfPlane, ExactRegion};
 use crate::pipeline::settings::FillRule;
 use crate::pipeline::viewport::Viewport;
 
-/// A clip-space triangle in a viewport.
+/// Exact clip-space triangle, as seen in a viewport.
 #[derive(Clone, Debug)]
 pub struct ClipTriangle {
     /// λ₀, λ₁ and λ₂ as functions of the pixel, multiplied by `unit`.
@@ -162,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn homogeneous_coordinates_see_what_is_left_after_clipping_and_projecting() {
+    fn homogeneous_coordinates_agree_with_clipping_and_projecting() {
         let mut random = fastrand::Rng::with_seed(31);
         let (mut inside, mut behind) = (0, 0);
         for _ in 0..100 {
@@ -185,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn at_equal_w_it_is_the_triangle_on_the_screen() {
+    fn with_equal_w_the_region_is_the_screen_space_triangle() {
         let corners = [[-1.5, 0.5, 1.0, 2.0], [1.0, 1.75, 1.0, 2.0], [0.25, -1.5, 1.0, 2.0]];
         let on_screen = corners.map(|[x, y, _, w]| [(x / w + 1.0) * 4.5, (1.0 - y / w) * 3.5]);
         let expected = ExactRegion::triangle(on_screen, Snap::Unsnapped, FillRule::TopLeft).spans(VIEW);
@@ -195,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn weights_are_those_of_the_point_seen() {
+    fn weights_are_those_of_the_visible_point() {
         let corners = [[-1.5, 0.5, 0.5, 1.0], [4.0, 3.0, 3.5, 4.0], [0.25, -1.5, 1.0, 2.0]];
         let triangle = ClipTriangle::new(corners, VIEW).unwrap();
         let ([a, b, c], depth) = triangle.at(4, 3).unwrap();
@@ -210,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn a_plane_through_the_eye_and_broken_numbers_show_nothing() {
+    fn edge_on_and_non_finite_triangles_are_rejected() {
         let edge_on = [[0.0, -1.0, 0.9, 1.0], [0.0, 1.0, 0.9, 1.0], [0.0, 1.0, 4.9, 5.0]];
         assert!(ClipTriangle::new(edge_on, VIEW).is_none());
         let broken = [[0.0, -1.0, 0.9, f32::INFINITY], [1.0, 1.0, 0.9, 1.0], [0.0, 1.0, 4.9, 5.0]];

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::number::{approximate, exact, exact_f64, ulps};
 
-/// Mapping from a distance to a depth in [0, 1].
+/// Mapping from a view-space distance to a depth in [0, 1].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DepthMapping {
@@ -32,16 +32,16 @@ impl DepthMapping {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DepthStorage {
-    /// 32-bit float.
+    /// Depth as a 32-bit float.
     F32,
-    /// 24-bit unsigned normalised: a multiple of 1/(2²⁴ − 1).
+    /// Depth as a 24-bit unsigned normalised integer: a multiple of 1/(2²⁴ − 1).
     Unorm24,
-    /// 16-bit unsigned normalised: a multiple of 1/(2¹⁶ − 1).
+    /// Depth as a 16-bit unsigned normalised integer: a multiple of 1/(2¹⁶ − 1).
     Unorm16,
 }
 
 impl DepthStorage {
-    /// Returns the largest integer code; `None` for floats.
+    /// Returns the largest integer code of the format; `None` for floats.
     fn largest_code(self) -> Option<u32> {
         match self {
             Self::F32 => None,
@@ -59,8 +59,8 @@ impl DepthStorage {
     }
 }
 
-/// Returns the exact depth of a distance. [`DepthMapping::ReversedInf`] ignores `far`. Returns `None` if the distance
-/// is zero or a number is not finite. Other mappings also need a far plane that differs from the near plane.
+/// Returns the exact depth of a point at `distance`, or `None` if the distance is zero or a number is not finite.
+/// [`DepthMapping::ReversedInf`] ignores `far`; other mappings need a far plane that differs from the near plane.
 pub fn exact_depth(mapping: DepthMapping, near: f32, far: Option<f32>, distance: f32) -> Option<BigRational> {
     let (near, z) = (exact(near)?, exact(distance)?);
     if z.is_zero() {

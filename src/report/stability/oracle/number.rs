@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_that_is_no_number_has_a_value() {
+    fn nan_and_infinity_have_no_exact_value() {
         assert_eq!(exact(f32::NAN), None);
         assert_eq!(exact(f32::NEG_INFINITY), None);
         assert_eq!(error(f64::NAN, &rational(1, 2)), f64::INFINITY);

@@ -11,7 +11,7 @@ use crate::pipeline::viewport::Viewport;
 /// Vertex positions assumed for a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Snap {
-    /// Vertices as given.
+    /// Vertices used as given.
     Unsnapped,
     /// Vertices rounded to multiples of 1/256 px, ties to even.
     Grid256,
@@ -20,8 +20,8 @@ pub enum Snap {
 /// Number of fractional bits of [`Snap::Grid256`].
 const GRID_PLACES: u32 = 8;
 
-/// Reciprocal of the borderline distance, in 1/px. A centre this close to a line may fall on either side for anyone who
-/// snaps or rounds during projection.
+/// Reciprocal of the borderline distance, in 1/px. A centre this close to a line may fall on either side if vertices
+/// are snapped or rounded during projection.
 const BORDERLINE: i32 = 128;
 
 /// Half-plane where `by_column` · column + `by_row` · row + `origin` is positive at pixel centres, including the line
@@ -35,7 +35,7 @@ pub(super) struct ExactHalfPlane {
 }
 
 impl ExactHalfPlane {
-    /// Returns the value at a pixel centre.
+    /// Returns the value of the linear function at a pixel centre.
     pub(super) fn at(&self, column: u32, row: u32) -> BigInt {
         &self.by_column * column + &self.by_row * row + &self.origin
     }
@@ -110,7 +110,7 @@ impl ExactRegion {
         Self { bounds: bounds.collect(), rows: Some(rows_around(corners_px)) }
     }
 
-    /// Whether the region is empty by construction.
+    /// Whether the region has no bounds and is therefore empty.
     pub(crate) fn is_empty(&self) -> bool {
         self.bounds.is_empty()
     }

@@ -12,9 +12,9 @@ pub struct ScreenCorner {
     pub(crate) x: f32,
     /// Vertical position in pixels, increasing downwards.
     pub(crate) y: f32,
-    /// Depth after the perspective division.
+    /// Depth after the perspective division, z/w.
     pub(crate) z: f32,
-    /// Clip-space w, > 0.
+    /// Clip-space w, which must be positive.
     pub(crate) w: f32,
     /// Texture coordinates.
     pub(crate) uv: [f32; 2],
@@ -111,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_weights_has_no_sample() {
+    fn degenerate_triangles_have_no_sample() {
         let line = [[1.0, 1.0], [2.0, 2.0], [3.0, 3.0]].map(|p| corner(p, 0.5, 1.0, p));
         assert_eq!(exact_sample(&line, 0, 0), None);
         let mut broken = [[1.0, 1.0], [2.0, 7.0], [3.0, 3.0]].map(|p| corner(p, 0.5, 1.0, p));

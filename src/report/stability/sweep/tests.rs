@@ -125,7 +125,7 @@ fn only_what_was_asked_for_is_run() {
 }
 
 #[test]
-fn progress_is_told_to_the_end_and_cancelling_ends_it() {
+fn progress_is_reported_to_the_end_and_cancelling_stops_the_run() {
     let heard = Mutex::new(Vec::new());
     let plan = plan(&["benign", "columns"], false);
     run(&plan, &|progress| heard.lock().unwrap().push(progress), &AtomicBool::new(false)).unwrap();
@@ -144,7 +144,7 @@ fn progress_is_told_to_the_end_and_cancelling_ends_it() {
 }
 
 #[test]
-fn times_are_taken_and_stiffness_follows() {
+fn times_and_stiffness_are_measured() {
     let timed = StabilityPlan {
         rasterizers: vec![Rasterizer::BoundingBox, Rasterizer::Scanline],
         arithmetics: vec![Arithmetic::Fixed],
@@ -169,7 +169,7 @@ fn times_are_taken_and_stiffness_follows() {
 }
 
 #[test]
-fn every_form_of_the_report_has_every_cell() {
+fn every_format_of_the_report_has_every_cell() {
     let report = small();
     let cells: usize = report.classes.iter().map(|class| class.cells.len()).sum();
     let table = csv(report);
@@ -212,7 +212,7 @@ fn unbalanced(page: &str) -> Vec<String> {
 }
 
 #[test]
-fn the_page_is_sound_and_loads_nothing() {
+fn the_page_is_well_formed_and_loads_nothing() {
     let page = html(small());
     assert_eq!(unbalanced(&page), Vec::<String>::new());
     assert_eq!(unbalanced("<p><b></p>"), ["p", "p"]);

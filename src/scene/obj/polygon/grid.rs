@@ -20,7 +20,8 @@ pub(super) fn to_grid(points: &[DVec2]) -> Vec<GridPoint> {
     points.iter().map(|point| *point - center).map(|point| GridPoint::new(round(point.x), round(point.y))).collect()
 }
 
-/// Returns twice the signed area of a triangle, positive if it is counter-clockwise. Exact: below 2⁶² for grid points.
+/// Returns twice the signed area of a triangle, positive if it is counter-clockwise. The result is exact: it is below
+/// 2⁶² for grid points.
 pub(super) fn orientation(a: GridPoint, b: GridPoint, c: GridPoint) -> i64 {
     let [ab, ac] = [b, c].map(|point| [point.x - a.x, point.y - a.y].map(i64::from));
     ab[0] * ac[1] - ab[1] * ac[0]
@@ -32,7 +33,7 @@ pub(super) fn dot(a: GridPoint, b: GridPoint, c: GridPoint) -> i64 {
     ba[0] * bc[0] + ba[1] * bc[1]
 }
 
-/// Returns whether two closed segments have a point in common.
+/// Whether two closed segments have a point in common.
 pub(super) fn crosses([a, b]: [GridPoint; 2], [c, d]: [GridPoint; 2]) -> bool {
     let sides =
         [orientation(a, b, c), orientation(a, b, d), orientation(c, d, a), orientation(c, d, b)].map(i64::signum);

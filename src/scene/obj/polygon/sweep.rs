@@ -12,7 +12,7 @@ use std::ops::Bound::{Excluded, Unbounded};
 
 use super::grid::{GridPoint, crosses, dot, orientation};
 
-/// Number of corners between cancellation checks.
+/// Number of corners visited between cancellation checks.
 const CORNERS_PER_TEST: usize = 1 << 12;
 
 /// Edge of the polygon, with its ends in sweep order.
@@ -30,8 +30,8 @@ impl SweepEdge {
         orientation(self.left, self.right, point)
     }
 
-    /// Returns the order of two edges, of which `later` starts at the same x or farther right. Compares its left end,
-    /// or its right end if the left one lies on the line.
+    /// Returns the order of two edges, of which `later` starts at the same x or farther right. Compares the left end of
+    /// `later`, or its right end if the left end lies on the line of `self`.
     fn order(&self, later: &Self) -> Ordering {
         let side = self.side(later.left);
         let side = if side == 0 { self.side(later.right) } else { side };
@@ -71,10 +71,11 @@ struct Chain {
     rightmost: usize,
 }
 
-/// Returns the triangles of a closed counter-clockwise polygon: two fewer than corners, each counter-clockwise, as
-/// corner indices.
+/// Returns the triangles of a closed counter-clockwise polygon as corner indices. All triangles are counter-clockwise,
+/// and there are two fewer than corners.
 ///
-/// Returns `None` if edges touch anywhere but at a common corner, if the polygon is clockwise, or if it is cancelled.
+/// Returns `None` if edges touch anywhere but at a common corner, if the polygon is clockwise, or if the triangulation
+/// is cancelled.
 pub(super) fn triangulate(corners: &[GridPoint], is_cancelled: &dyn Fn() -> bool) -> Option<Vec<[u32; 3]>> {
     let count = corners.len();
     let is_spike = |i: usize| {
@@ -176,7 +177,7 @@ impl Sweep<'_> {
         !are_neighbors && crosses([a.left, a.right], [b.left, b.right])
     }
 
-    /// Removes an edge that ends from the line. Returns `None` if its neighbours touch, or if it is not found because
+    /// Removes an edge from the sweep line. Returns `None` if its neighbours touch, or if it is not found because
     /// crossing edges have changed their order.
     fn remove(&mut self, edge: &SweepEdge) -> Option<Option<Chain>> {
         let chain = self.line.remove(edge)?;
@@ -186,7 +187,7 @@ impl Sweep<'_> {
         is_free.then_some(chain)
     }
 
-    /// Inserts an edge that begins into the line. Returns `None` if it touches a neighbour.
+    /// Inserts an edge into the sweep line. Returns `None` if it touches a neighbour.
     fn insert(&mut self, edge: SweepEdge, chain: Option<Chain>) -> Option<()> {
         let below = self.line.range(..&edge).next_back();
         let above = self.line.range(&edge..).next();
@@ -197,12 +198,12 @@ impl Sweep<'_> {
         Some(())
     }
 
-    /// Takes the chain of the part below an edge that is not in the line.
+    /// Takes the chain of the part below an edge that is not in the sweep line.
     fn take_below(&mut self, edge: &SweepEdge) -> Option<Chain> {
         self.line.range_mut(..edge).next_back()?.1.take()
     }
 
-    /// Stores the chain of the part below an edge that is not in the line.
+    /// Stores the chain of the part below an edge that is not in the sweep line.
     fn put_below(&mut self, edge: &SweepEdge, chain: Chain) -> Option<()> {
         *self.line.range_mut(..edge).next_back()?.1 = Some(chain);
         Some(())
@@ -234,8 +235,8 @@ impl Sweep<'_> {
         chain.rightmost = chain.corners.len() - 1;
     }
 
-    /// Cuts off the triangle of a new corner and an edge of a chain. Returns `false` if the edge is not visible from
-    /// the corner.
+    /// Cuts off the triangle formed by a new corner and an edge of a chain. Returns `false` if the edge is not visible
+    /// from the corner.
     fn cut(&mut self, low: usize, high: usize, corner: usize) -> bool {
         let is_seen = orientation(self.corners[low], self.corners[corner], self.corners[high]) > 0;
         if is_seen {
@@ -246,8 +247,8 @@ impl Sweep<'_> {
 }
 
 impl Chain {
-    /// Splits the chain at its rightmost corner, which both parts keep, and returns the upper part. Moves the shorter
-    /// part.
+    /// Splits the chain at its rightmost corner, which both parts keep, and returns the upper part. Only the shorter
+    /// part is moved.
     fn split(&mut self) -> Self {
         let shared = self.corners[self.rightmost];
         let mut upper = if self.rightmost > self.corners.len() / 2 {
@@ -260,7 +261,8 @@ impl Chain {
         Self { corners: upper, rightmost: 0 }
     }
 
-    /// Appends a chain that starts with this chain's last corner, which becomes the rightmost. Moves the shorter chain.
+    /// Appends a chain that starts with this chain's last corner, which becomes the rightmost. Only the shorter chain
+    /// is moved.
     fn join(&mut self, mut upper: Self) {
         self.rightmost = self.corners.len() - 1;
         self.corners.pop_back();
@@ -285,7 +287,7 @@ mod tests {
         super::triangulate(corners, &|| false)
     }
 
-    /// Returns whether no two edges touch, except at common corners, by comparing all pairs.
+    /// Whether no two edges touch, except at common corners. Compares all pairs.
     fn is_simple(corners: &[GridPoint]) -> bool {
         let count = corners.len();
         let edge = |i: usize| [corners[i], corners[(i + 1) % count]];
@@ -326,7 +328,7 @@ mod tests {
     }
 
     #[test]
-    fn the_sweep_cuts_every_simple_polygon_and_no_other() {
+    fn the_sweep_triangulates_simple_polygons_only() {
         let mut random = fastrand::Rng::with_seed(7);
         let mut simple = 0;
         for round in 0..100_000 {

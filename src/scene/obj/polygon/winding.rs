@@ -35,10 +35,11 @@ pub(in crate::scene::obj) struct OutlineCrossing {
     pub(in crate::scene::obj) place: f64,
 }
 
-/// Returns the triangles of the regions by winding number and appends the points where edges cross to `crossings`.
+/// Returns the triangles of the regions with a non-zero winding number, and appends the points where edges cross to
+/// `crossings`.
 ///
 /// Indices from `corners.len()` on refer to `crossings`. Returns `None` if the outline crosses itself too often or if
-/// it is cancelled.
+/// the triangulation is cancelled.
 pub(super) fn triangulate(
     corners: &[GridPoint],
     crossings: &mut Vec<OutlineCrossing>,
@@ -75,7 +76,7 @@ fn cutter(corners: usize) -> IntTriangulator<i32, u32> {
     IntTriangulator::new(corners, validation, Default::default())
 }
 
-/// Number of edges between cancellation checks.
+/// Number of edges visited between cancellation checks.
 const EDGES_PER_TEST: usize = 1 << 10;
 
 /// Binary logarithm of the cell size: the maximum distance, in grid steps, between the true crossing of two edges and
@@ -90,7 +91,7 @@ struct Outline<'a> {
 }
 
 impl<'a> Outline<'a> {
-    /// Finds all crossings. Returns `None` if there are too many or if it is cancelled.
+    /// Finds all crossings of an outline. Returns `None` if there are too many or if the search is cancelled.
     fn new(corners: &'a [GridPoint], is_cancelled: &dyn Fn() -> bool) -> Option<Self> {
         let mut this = Self { corners, cells: HashMap::new() };
         // An outline that repeats an edge crosses other edges there only once.
@@ -144,7 +145,7 @@ impl<'a> Outline<'a> {
         [self.corners[number], self.corners[(number + 1) % self.corners.len()]]
     }
 
-    /// Returns the crossing at `point`, on the nearest edge that crosses another one nearby, or on the nearest of all
+    /// Returns the crossing at `point`. It is on the nearest edge with a crossing nearby, or else on the nearest of all
     /// edges.
     fn crossing_at(&self, point: GridPoint) -> OutlineCrossing {
         let [x, y] = [point.x >> CELL_BITS, point.y >> CELL_BITS];
@@ -158,7 +159,7 @@ impl<'a> Outline<'a> {
         OutlineCrossing { edge, place: self.place(edge, point) }
     }
 
-    /// Returns the position on an edge nearest to `point`, from 0 to 1.
+    /// Returns the position on an edge that is nearest to `point`, from 0 at its start to 1 at its end.
     fn place(&self, edge: u32, point: GridPoint) -> f64 {
         let [start, end] = self.edge(edge);
         let length = dot(end, start, end);
@@ -175,7 +176,7 @@ impl<'a> Outline<'a> {
     }
 }
 
-/// Returns whether two segments have more in common than one end.
+/// Whether two segments have more in common than one end point.
 fn crosses_inside([a, b]: [GridPoint; 2], [c, d]: [GridPoint; 2]) -> bool {
     let runs_back = |joint: GridPoint, end: GridPoint, other: GridPoint| {
         orientation(joint, end, other) == 0 && dot(end, joint, other) > 0
@@ -189,7 +190,7 @@ fn crosses_inside([a, b]: [GridPoint; 2], [c, d]: [GridPoint; 2]) -> bool {
     }
 }
 
-/// Returns the rounded intersection of two crossing segments; for parallel ones, an end that lies on both.
+/// Returns the rounded intersection of two crossing segments; for parallel segments, an end point that lies on both.
 fn intersection([a, b]: [GridPoint; 2], [c, d]: [GridPoint; 2]) -> [i32; 2] {
     let (from, to) = (orientation(c, d, a) as f64, orientation(c, d, b) as f64);
     if from == to {

@@ -1,4 +1,4 @@
-//! Figures below a picture, and those of its region.
+//! Error metrics below a picture, for the whole picture and for the region.
 
 use eframe::egui::{self, Align2, Color32, FontId, Rect, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 
@@ -11,26 +11,26 @@ use crate::ui::format;
 use crate::ui::session::Session;
 use crate::ui::theme::{font_size, space, tokens};
 
-/// Height of a row of figures, in points.
+/// Height of a row of error metrics, in points.
 pub(super) const LINE: f32 = 15.0;
 
-/// Width of one figure with its name, in points.
+/// Width of one error metric with its name, in points.
 const FIGURE: f32 = 108.0;
 
-/// Returns the number of rows that a picture's figures take in a column `width` points wide.
+/// Returns the number of rows that a picture's error metrics take in a column `width` points wide.
 pub(super) fn figure_lines(width: f32) -> usize {
     if width < 2.0 * FIGURE { NAMED.len().div_ceil(2) } else { NAMED.len().div_ceil((width / FIGURE) as usize) }
 }
 
-/// Returns the number of figures shown in a column `width` points wide; the most informative ones come first.
+/// Returns the number of error metrics shown in a column `width` points wide; the most informative ones come first.
 fn figure_count(width: f32) -> usize {
     if width < 2.0 * FIGURE { NAMED.len().div_ceil(2) } else { NAMED.len() }
 }
 
-/// Name of a figure, and the function that formats it.
+/// Name of an error metric, and the function that formats its value.
 type Named = (&'static str, fn(&ErrorMetrics) -> String);
 
-/// All figures, the most informative first.
+/// All error metrics, the most informative first.
 const NAMED: [Named; 6] = [
     ("PSNR", |f| {
         if f.codes.mse == 0.0 { "identical".to_owned() } else { format!("{} dB", format::fixed(f.codes.psnr_db, 2)) }
@@ -42,10 +42,10 @@ const NAMED: [Named; 6] = [
     ("differ", |f| format!("{} px", format::count(f.codes.differing_pixels))),
 ];
 
-/// Tooltip that explains the figures.
-const FIGURES_HELP: &str = "Compared with the reference. PSNR and MSE: of sRGB codes; SSIM: 1 means equal; FLIP: 0 \
-                            means equal, 1 black against white; max: largest difference of a code; differ: number of \
-                            differing pixels. Reference";
+/// Tooltip that explains the error metrics.
+const FIGURES_HELP: &str = "Errors against the reference. PSNR and MSE are computed from sRGB codes. SSIM: 1 means \
+                            equal. FLIP: 0 means equal, 1 means black against white. max: largest difference of a \
+                            code. differ: number of differing pixels. Reference";
 
 pub(super) fn figures_of_both(ui: &Ui, footer: Rect, compared: &Compared, session: &Session) {
     let (left, right) = footer.split_left_right_at_fraction(0.5);
@@ -53,7 +53,7 @@ pub(super) fn figures_of_both(ui: &Ui, footer: Rect, compared: &Compared, sessio
     figures_of(ui, 1, right, compared, session);
 }
 
-/// Draws the figures of a tile, and below them those of the region.
+/// Draws the error metrics of a tile, and below them those of the region.
 pub(super) fn figures_of(ui: &Ui, index: usize, footer: Rect, compared: &Compared, session: &Session) {
     let Some(tile) = compared.tiles.get(index) else { return };
     let response = ui.interact(footer, egui::Id::unique(("figures of tile", index)), Sense::hover());
@@ -62,7 +62,7 @@ pub(super) fn figures_of(ui: &Ui, index: usize, footer: Rect, compared: &Compare
     let words = match &tile.measured {
         None => "measuring …".to_owned(),
         Some(measured) => match &measured.figures {
-            None => "no figures: this picture and the reference have different sizes".to_owned(),
+            None => "not measured: this picture and the reference have different sizes".to_owned(),
             Some(figures) => draw_figures(ui, footer, figures, tokens(ui).text),
         },
     };
@@ -94,7 +94,7 @@ fn words_of(figures: &ErrorMetrics, count: usize) -> String {
     words.collect::<Vec<_>>().join(" · ")
 }
 
-/// Draws figures in columns from the top of `rect`. Returns them as text.
+/// Draws error metrics in columns from the top of `rect`. Returns them as text.
 fn draw_figures(ui: &Ui, rect: Rect, figures: &ErrorMetrics, color: Color32) -> String {
     let painter = ui.painter();
     let count = figure_count(rect.width());

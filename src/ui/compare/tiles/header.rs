@@ -1,4 +1,4 @@
-//! The row above a picture: its letter and a list of upscalers.
+//! Row above a picture: the letter of its tile and a list of upscalers.
 
 use eframe::egui::{self, Rect, Role, Ui, UiBuilder, WidgetInfo, vec2};
 
@@ -16,7 +16,7 @@ use crate::upscale::{Anchor, Upscaling};
 /// Height of the row above a picture, in points.
 pub(super) const HEADER: f32 = CONTROL_HEIGHT + space::XS;
 
-/// Draws the row above a picture: one header, or one half each for A and B.
+/// Draws the row above a picture: one header, or two headers side by side for A and B.
 pub(super) fn headers(ui: &mut Ui, index: usize, place: TileLayout, session: &Session, commands: &mut Vec<Command>) {
     if session.comparison.mode == Mode::Tiles {
         header(ui, index, place.header, session, commands);
@@ -41,7 +41,7 @@ fn header(ui: &mut Ui, tile: usize, rect: Rect, session: &Session, commands: &mu
     let active = tile == session.state.tiles.active;
     let label = row.selectable_label(active, text);
     label.widget_info(|| WidgetInfo::selected(Role::Button, true, active, format!("Tile {name}")));
-    if label.on_hover_text("Edit its settings on the left and inspect its pixels on the right").clicked() {
+    if label.on_hover_text("Edit this tile's settings on the left and inspect its pixels on the right").clicked() {
         commands.push(Command::Compare(CompareChange::Activate(tile)));
     }
     let width = row.available_width() - if removable { CONTROL_HEIGHT + space::S } else { 0.0 };
@@ -56,8 +56,8 @@ fn header(ui: &mut Ui, tile: usize, rect: Rect, session: &Session, commands: &mu
     }
 }
 
-/// Draws the list of upscalers and returns the newly selected one. `anchor` is given if the sample positions of the
-/// pictures differ; the caption then states it.
+/// Draws the list of upscalers and returns the newly selected one. `anchor` is `Some` if the sample positions of the
+/// compared pictures differ; the caption then names it.
 fn upscalers(ui: &mut Ui, width: f32, recipe: Recipe, anchor: Option<Anchor>) -> Option<Upscaling> {
     let mut chosen = recipe.upscaler;
     let caption = if anchor.is_some() { chosen.label_with_anchor() } else { chosen.label() };
@@ -67,7 +67,7 @@ fn upscalers(ui: &mut Ui, width: f32, recipe: Recipe, anchor: Option<Anchor>) ->
         }
     });
     if let Some(anchor) = anchor {
-        let help = format!("The compared pictures have different anchors. Here “{}”: {}", anchor.name(), anchor.help());
+        let help = format!("The compared pictures differ in anchor. Here: “{}”. {}", anchor.name(), anchor.help());
         list.response.on_hover_text(help);
     }
     (chosen != recipe.upscaler).then_some(chosen)

@@ -45,7 +45,7 @@ pub(super) fn controls(ui: &mut Ui, lab: &Lab, changes: &mut Vec<LabChange>) {
     }
 }
 
-/// Draws all alternatives as radio buttons with their help texts, for the choice that a page teaches.
+/// Draws all options of a choice as radio buttons with their help texts below a title.
 fn list<C: Choice>(ui: &mut Ui, title: &str, value: &mut C) {
     section_header(ui, title, |_| {});
     for choice in C::ALL {
@@ -55,7 +55,7 @@ fn list<C: Choice>(ui: &mut Ui, title: &str, value: &mut C) {
 
 /// Draws a button for each preset. Returns the one that was clicked.
 fn presets<C: Choice>(ui: &mut Ui) -> Option<C> {
-    section_header(ui, "Start from", |_| {});
+    section_header(ui, "Presets", |_| {});
     let mut clicked = None;
     ui.horizontal_wrapped(|ui| {
         for choice in C::ALL {
@@ -67,7 +67,7 @@ fn presets<C: Choice>(ui: &mut Ui) -> Option<C> {
     clicked
 }
 
-/// Draws a hint about the mouse on this page.
+/// Draws a hint about the use of the mouse on a page.
 fn hint(ui: &mut Ui, text: &str) {
     ui.add_space(space::S);
     ui.label(RichText::new(text).color(tokens(ui).text_weak).small());

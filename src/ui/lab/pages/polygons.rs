@@ -15,16 +15,15 @@ pub(super) fn ui(ui: &mut Ui, lesson: &mut PolygonLesson) {
     ui.horizontal(|ui| {
         if ui
             .button((theme::icon(Icon::Plus), "Add contour"))
-            .on_hover_text("Adds a small triangle in the middle")
+            .on_hover_text("Adds a small triangle in the middle of the grid as a contour")
             .clicked()
         {
             lesson.add_contour();
         }
-        let turn =
-            ui.button("Reverse").on_hover_text("Reverses the order of the last contour's corners, and so its winding");
+        let turn = ui.button("Reverse winding").on_hover_text("Reverses the vertex order of the last contour");
         if let (true, Some(last)) = (turn.clicked(), lesson.contours.last_mut()) {
             last.reverse();
         }
     });
-    hint(ui, "Drag corners. Double-click to add one to the nearest side, right-click to remove one.");
+    hint(ui, "Drag a corner to move it. Double-click to add one to the nearest edge, right-click to remove one.");
 }

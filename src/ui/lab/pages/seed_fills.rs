@@ -14,11 +14,11 @@ pub(super) fn ui(ui: &mut Ui, lesson: &mut SeedFillLesson, brush: &mut Paint) {
         (lesson.grid, lesson.seed) = preset.grid();
     }
     ui.add_space(crate::ui::theme::space::S);
-    row(ui, "Paint", "What the main mouse button paints on the grid", |ui| {
+    row(ui, "Paint", "Paint that the left mouse button applies to the grid", |ui| {
         let options = [
             (Paint::Wall, "Wall", "Stops a boundary fill and a flood fill"),
-            (Paint::Spot, "Spot", "Another colour: stops only a flood fill"),
-            (Paint::Paper, "Paper", "Erases what is painted"),
+            (Paint::Spot, "Spot", "Pixel of another colour: stops only a flood fill"),
+            (Paint::Paper, "Paper", "Erases walls and spots"),
         ];
         choice(ui, brush, &options);
     });
@@ -27,5 +27,5 @@ pub(super) fn ui(ui: &mut Ui, lesson: &mut SeedFillLesson, brush: &mut Paint) {
         "Open a picture with Ctrl+O, or drop one here, to fill it: dark pixels become walls, coloured pixels become \
          spots.",
     );
-    hint(ui, "Drag the seed (ring). Paint with the main button, erase with the right one.");
+    hint(ui, "Drag the ring to move the seed. Paint with the left mouse button, erase with the right one.");
 }

@@ -10,33 +10,33 @@ use crate::case::{Case, Control, Options};
 use crate::report::comparison::{DisplayedResult, PixelCounts, show};
 use crate::ui::task::{BackgroundTask, TaskStatus};
 
-/// Part of a case to evaluate, and the options for it.
+/// Request to evaluate a part of a case.
 #[derive(Clone, Debug)]
 pub(crate) struct EvaluationRequest {
     /// Case to evaluate.
     pub(crate) case: Arc<Case>,
-    /// Index of the part.
+    /// Index of the part of the case.
     pub(crate) part: usize,
-    /// Algorithms and arithmetic of the evaluation.
+    /// Rasterizer and arithmetic of the evaluation.
     pub(crate) options: Options,
 }
 
 impl EvaluationRequest {
-    /// Whether both questions have the same result.
+    /// Whether both requests have the same result.
     pub(super) fn is_same(&self, other: &Self) -> bool {
         self.is_about(&other.case) && (self.part, self.options) == (other.part, other.options)
     }
 
-    /// Whether the question is about this case, compared by pointer.
+    /// Whether the request is about this case, compared by pointer.
     pub(super) fn is_about(&self, case: &Arc<Case>) -> bool {
         Arc::ptr_eq(&self.case, case)
     }
 }
 
-/// Question with its result.
+/// Result of an evaluation, with its request.
 #[derive(Debug)]
 pub(crate) struct Evaluation {
-    /// Evaluated question.
+    /// Request that was evaluated.
     pub(crate) request: EvaluationRequest,
     /// Result to display.
     pub(super) shown: DisplayedResult,
@@ -45,7 +45,7 @@ pub(crate) struct Evaluation {
 }
 
 impl Evaluation {
-    /// Evaluates a question. Returns `None` if cancelled.
+    /// Evaluates a request. Returns `None` if cancelled.
     pub(crate) fn new(question: EvaluationRequest, control: &Control<'_>) -> Option<Self> {
         let shown = show(&question.case, question.part, question.options, control)?;
         let figures = match &shown {
@@ -61,7 +61,7 @@ impl Evaluation {
 pub(super) struct Running {
     pub(super) question: EvaluationRequest,
     pub(super) since: Instant,
-    /// Completed share in [0, 1].
+    /// Completed share of the evaluation, in [0, 1]; `None` before the first report.
     pub(super) progress: Option<f32>,
     task: BackgroundTask<f32, Evaluation>,
 }
@@ -80,7 +80,7 @@ impl Running {
             TaskStatus::Ended(Some(evaluation)) => Some(*evaluation),
             TaskStatus::Lost => Some(Evaluation {
                 request: self.question.clone(),
-                shown: DisplayedResult::Text(vec!["The evaluation stopped: internal error".to_owned()]),
+                shown: DisplayedResult::Text(vec!["The evaluation stopped because of an internal error".to_owned()]),
                 figures: PixelCounts::default(),
             }),
             TaskStatus::Running | TaskStatus::Ended(None) => None,

@@ -1,4 +1,4 @@
-//! The pixels of a case: one picture, or two side by side that pan and zoom together.
+//! The pixels of a case: one picture, or two pictures side by side that pan and zoom together.
 //!
 //! Pictures of cases may exceed the maximum texture size. Only the visible part becomes a texture, with at most as many
 //! texels as screen pixels. It is rebuilt when the view changes.
@@ -16,22 +16,22 @@ const GRID_FROM: f32 = 7.0;
 /// Maximum size of a pixel, in points.
 const LARGEST_PIXEL: f32 = 64.0;
 
-/// Pixel covered by neither the engine nor the exact result.
+/// Colour of a pixel covered by neither the engine nor the exact result.
 const OUTSIDE: Color32 = Color32::from_rgb(0x22, 0x25, 0x2B);
 
-/// Pixel covered by both.
+/// Colour of a pixel covered by both the engine and the exact result.
 const COVERED: Color32 = Color32::from_rgb(0xB9, 0xC3, 0xD2);
 
-/// Pixel covered by the engine only. Orange is distinguishable from blue with all common colour vision deficiencies.
+/// Colour of a pixel covered by the engine only. Orange differs from blue for all common colour vision deficiencies.
 const EXTRA: Color32 = Color32::from_rgb(0xF5, 0x8A, 0x1F);
 
-/// Pixel covered by the exact result only.
+/// Colour of a pixel covered by the exact result only.
 const MISSING: Color32 = Color32::from_rgb(0x2F, 0x7D, 0xF6);
 
-/// View of a case, and the textures of its visible part.
+/// View of the pictures of a case, and the textures of its visible part.
 #[derive(Default)]
 pub(super) struct Pictures {
-    /// Points per pixel and the picture position at the centre; `None` fits the picture.
+    /// Scale in points per pixel, and the picture position at the centre, in pixels; `None` fits the picture.
     view: Option<(f32, Vec2)>,
     tiles: [Option<(Visible, TextureHandle)>; 2],
 }
@@ -80,18 +80,18 @@ impl Visible {
 }
 
 impl Pictures {
-    /// Drops the textures because the picture has changed.
+    /// Drops the textures, which must be rebuilt after the picture has changed.
     pub(super) fn invalidate(&mut self) {
         self.tiles = [None, None];
     }
 
-    /// Centres a pixel and zooms in.
+    /// Centres the view on a pixel and zooms in far enough to show it.
     pub(super) fn visit(&mut self, (x, y): (u32, u32)) {
         let scale = self.view.map_or(24.0, |(scale, _)| scale.max(16.0));
         self.view = Some((scale, vec2(x as f32 + 0.5, y as f32 + 0.5)));
     }
 
-    /// Draws one picture, or two side by side.
+    /// Draws the picture of the engine, and the exact result beside it if there is one.
     pub(super) fn ui(&mut self, ui: &mut Ui, comparison: &PixelComparison) {
         let (area, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         let count = if comparison.exact.is_some() { 2.0 } else { 1.0 };
@@ -150,11 +150,11 @@ impl Pictures {
             let word = match comparison.agreement(x as u32, y as u32) {
                 Agreement::Outside => "not covered",
                 Agreement::Covered => "covered",
-                Agreement::Extra => "drawn, but outside",
-                Agreement::Missing => "not drawn, but inside",
+                Agreement::Extra => "drawn, but not covered by the exact result",
+                Agreement::Missing => "not drawn, but covered by the exact result",
             };
             let (column, row) = (x + comparison.origin.0, y + comparison.origin.1);
-            response.on_hover_text_at_pointer(format!("pixel {column}, {row}: {word}"));
+            response.on_hover_text_at_pointer(format!("Pixel {column}, {row}: {word}"));
         }
     }
 }
@@ -230,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_moved_out_of_sight_still_has_a_texture() {
+    fn a_picture_outside_the_view_still_has_a_texture() {
         let visible = visible((90, 40), 20.0, vec2(-4_000.0, 9_000.0));
         assert_eq!((visible.first, visible.end), ([0, 39], [1, 40]));
     }

@@ -11,14 +11,14 @@ use crate::ui::theme::{self, tokens};
 /// Position of the sample relative to the triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum SampleLocation {
-    /// Inside the triangle.
+    /// The sample is inside the triangle.
     Inside,
-    /// Outside the triangle.
+    /// The sample is outside the triangle.
     Outside,
 }
 
-/// Draws the triangle in screen space with the sample. A sample inside splits it into sub-triangles in the colours of
-/// the weights.
+/// Draws the triangle in screen space with the sample. A sample inside splits the triangle into three parts in the
+/// colours of the weights.
 pub(super) fn triangle_diagram(ui: &mut Ui, corners_px: [[f32; 2]; 3], place: SampleLocation, report: &PixelReport) {
     let (response, painter) = ui.allocate_painter(vec2(ui.available_width(), SIDE), Sense::hover());
     let frame = response.rect;
@@ -64,10 +64,10 @@ pub(super) fn triangle_diagram(ui: &mut Ui, corners_px: [[f32; 2]; 3], place: Sa
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Barycentric diagram"));
     response.on_hover_text(match place {
         SampleLocation::Inside => {
-            "The triangle on the screen with the pixel's centre inside. The weight λ of a corner is the \
-                          area opposite to it, divided by the whole area"
+            "The triangle in screen space, with the pixel's centre inside. The weight λ of a corner is \
+                          the area of the part opposite to it, divided by the area of the triangle"
         }
-        SampleLocation::Outside => "The triangle on the screen and the pixel's centre, which lies outside",
+        SampleLocation::Outside => "The triangle in screen space, and the pixel's centre, which lies outside",
     });
 }
 
@@ -80,7 +80,7 @@ pub(super) fn weights(ui: &mut Ui, fragment: &FragmentRecord) {
     egui::Grid::new("weights").num_columns(3).spacing([12.0, 2.0]).min_col_width(92.0).show(ui, |ui| {
         ui.label("");
         for (heading, help) in [
-            ("λ on screen", "Area opposite to the corner, divided by the whole area, on the screen"),
+            ("λ on screen", "Area opposite to the corner, divided by the area of the triangle, in screen space"),
             (
                 "λ in space",
                 "Weight for attribute interpolation: λ/w divided by the sum of all three, unless \

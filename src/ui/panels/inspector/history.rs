@@ -14,26 +14,26 @@ use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, tokens};
 use crate::ui::widgets::{Status, chip, icon_button, section_header, swatch};
 
-/// Number of fragments listed from each end; a pixel may have ten thousand.
+/// Maximum number of fragments listed at each end of the history; a pixel may have ten thousand.
 const LISTED_AT_AN_END: usize = 50;
 
-/// Maximum number of absent triangles listed; the first ones are the most relevant.
+/// Maximum number of triangles listed that have no fragment at the pixel; the first ones are the most relevant.
 const LISTED_ABSENT: usize = 60;
 
-/// Selection and filters of the history.
+/// Selected entry and filters of the history.
 pub(super) struct HistoryView {
     /// Entry that is explained below the list; `None` means the visible fragment.
     pub(super) chosen: Option<Chosen>,
-    /// Whether each of [`Kind::ALL`] is listed.
+    /// Whether entries of each kind are listed, in the order of [`Kind::ALL`].
     listed: [bool; Kind::ALL.len()],
 }
 
-/// Entry of the list.
+/// Entry of the history.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Chosen {
-    /// Index of a fragment.
+    /// Fragment, by its index in the report.
     Fragment(usize),
-    /// Index of an absent triangle.
+    /// Triangle without a fragment at the pixel, by its index in the report.
     Absent(usize),
 }
 
@@ -45,7 +45,7 @@ impl Default for HistoryView {
 }
 
 impl HistoryView {
-    /// Draws the list.
+    /// Draws the history of the picked pixel.
     pub(super) fn ui(&mut self, ui: &mut Ui, session: &Session, report: &PixelReport, commands: &mut Vec<Command>) {
         section_header(ui, "History", |ui| {
             if session.triangle_limit.is_some() {
@@ -56,10 +56,10 @@ impl HistoryView {
             }
         });
         self.filters(ui, report);
-        state_row(ui, "clear", "State of the pixel's centre before the first triangle", report.clear);
+        state_row(ui, "clear", "Colour and depth at the pixel's centre before the first triangle", report.clear);
         self.fragments(ui, session, report, commands);
         self.absent(ui, session, report, commands);
-        state_row(ui, "final", "Final state of the pixel's centre", report.last());
+        state_row(ui, "final", "Colour and depth at the pixel's centre after the last triangle", report.last());
     }
 
     fn filters(&mut self, ui: &mut Ui, report: &PixelReport) {
@@ -75,7 +75,7 @@ impl HistoryView {
                 let name = format!("{} {count}", kind.name());
                 response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, count > 0, is_on, &name));
                 let listing = if *listed { "listed" } else { "not listed" };
-                let help = format!("{}: {} Now {listing}.", kind.name(), kind.help());
+                let help = format!("{}: {} Currently {listing}.", kind.name(), kind.help());
                 let none = format!("{}: none at this pixel. {}", kind.name(), kind.help());
                 if response.on_hover_text(help).on_disabled_hover_text(none).clicked() {
                     *listed ^= true;
@@ -95,7 +95,10 @@ impl HistoryView {
             if count > 2 * LISTED_AT_AN_END && (LISTED_AT_AN_END..count - LISTED_AT_AN_END).contains(&index) {
                 if index == LISTED_AT_AN_END {
                     let left_out = count - 2 * LISTED_AT_AN_END;
-                    ui.weak(format!("… {} more, all listed in the copied JSON …", format::count(left_out as u64)));
+                    ui.weak(format!(
+                        "… {} more, which the copied JSON of this pixel lists …",
+                        format::count(left_out as u64)
+                    ));
                 }
                 continue;
             }
@@ -120,18 +123,18 @@ impl HistoryView {
             }
         }
         if let Some(more) = listed.len().checked_sub(LISTED_ABSENT).filter(|more| *more > 0) {
-            ui.weak(format!("… {} more, all listed in the copied JSON …", format::count(more as u64)));
+            ui.weak(format!("… {} more, which the copied JSON of this pixel lists …", format::count(more as u64)));
         }
     }
 }
 
-/// Returns the text of a filter chip: its count, after its name if `words` is set and the count is not 0.
+/// Returns the text of a filter chip: the count, preceded by the name if `words` is `true` and the count is not 0.
 fn chip_text(kind: Kind, count: usize, words: bool) -> String {
     let number = format::count(count as u64);
     if words && count > 0 { format!("{} {number}", kind.name()) } else { number }
 }
 
-/// Whether all filters with their names fit in one row. Otherwise the names are only in the tooltips.
+/// Whether all filter chips fit in one row with their names. Otherwise only the tooltips show the names.
 fn words_fit(ui: &Ui, report: &PixelReport) -> bool {
     let font = egui::FontId::proportional(theme::font_size::SMALL);
     let spacing = ui.spacing();
@@ -164,7 +167,7 @@ fn state_row(ui: &mut Ui, word: &str, help: &str, state: SampleState) {
     });
 }
 
-/// Row of the list.
+/// Row of the history.
 struct HistoryRow<'a> {
     status: Status,
     word: &'a str,
@@ -173,15 +176,15 @@ struct HistoryRow<'a> {
     reason: &'a str,
     /// States of the sample before and after the entry.
     change: Option<[SampleState; 2]>,
-    /// Index in the list of rasterized triangles.
+    /// Index of the triangle among all rasterized triangles; `None` if it was not rasterized.
     submission: Option<usize>,
     /// Triangle of the entry.
     triangle: TriangleId,
-    /// Whether the selection in the picture is this triangle alone.
+    /// Whether exactly this triangle is selected in the picture.
     is_selected: bool,
     /// Whether the entry has details to show.
     can_be_chosen: bool,
-    /// Accessible name.
+    /// Name of the row for screen readers.
     name: String,
 }
 
@@ -224,7 +227,7 @@ impl<'a> HistoryRow<'a> {
     }
 }
 
-/// Draws one row. Returns whether it was clicked.
+/// Draws one row of the history. Returns whether it was clicked.
 fn row(ui: &mut Ui, chosen: bool, row: &HistoryRow<'_>, commands: &mut Vec<Command>) -> bool {
     let fill = if chosen { tokens(ui).raised } else { Color32::TRANSPARENT };
     let frame = egui::Frame::new().fill(fill).corner_radius(theme::RADIUS).inner_margin(4);
@@ -240,7 +243,7 @@ fn row(ui: &mut Ui, chosen: bool, row: &HistoryRow<'_>, commands: &mut Vec<Comma
         .response;
     response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, chosen, &row.name));
     let response =
-        if row.can_be_chosen { response.on_hover_text("Click to show its position and numbers") } else { response };
+        if row.can_be_chosen { response.on_hover_text("Click to show the numbers of this entry") } else { response };
     response.clicked()
 }
 
@@ -263,7 +266,7 @@ fn row_content(ui: &mut Ui, row: &HistoryRow<'_>, commands: &mut Vec<Command>) {
 /// Draws a button that shows the frame right after this triangle.
 fn jump_button(ui: &mut Ui, row: &HistoryRow<'_>, commands: &mut Vec<Command>) {
     let Some(submission) = row.submission else { return };
-    let help = "Show the frame right after this triangle: moves the triangle slider";
+    let help = "Show the frame as it was right after this triangle: moves the triangle slider";
     if icon_button(ui, Icon::SkipForward, help).clicked() {
         commands.push(Command::LimitTriangles(Some(submission + 1)));
     }
@@ -274,7 +277,7 @@ fn select_button(ui: &mut Ui, row: &HistoryRow<'_>, commands: &mut Vec<Command>)
     let (icon, help) = if row.is_selected {
         (Icon::ScanEye, "Deselect this triangle")
     } else {
-        (Icon::Scan, "Select this triangle: dims everything else and marks it in the scene from outside  (M)")
+        (Icon::Scan, "Select this triangle: dims all others, and marks it in the mesh view  (M)")
     };
     if icon_button(ui, icon, help).clicked() {
         let members = (!row.is_selected).then_some(row.triangle);
@@ -287,7 +290,7 @@ fn is_selected(session: &Session, triangle: TriangleId) -> bool {
     session.selection.len() == 1 && session.selection.contains(triangle)
 }
 
-/// Draws the colours before and after the entry, from right to left.
+/// Draws the colours before and after a fragment, in a right-to-left layout.
 fn change(ui: &mut Ui, row: &HistoryRow<'_>) {
     let Some([before, after]) = row.change else { return };
     swatch(ui, to_color(after.color)).on_hover_text(format!("after: {}", codes(after.color)));

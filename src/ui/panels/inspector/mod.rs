@@ -31,7 +31,7 @@ use crate::ui::watch;
 use crate::ui::what_if;
 use crate::ui::widgets::{copy_button, empty_state, section_header, swatch, value_row};
 
-/// State of the inspector.
+/// State of the inspector panel.
 #[derive(Default)]
 pub(crate) struct Inspector {
     history: HistoryView,
@@ -39,7 +39,7 @@ pub(crate) struct Inspector {
 }
 
 impl Inspector {
-    /// Draws the panel.
+    /// Draws the inspector panel.
     pub(crate) fn ui(
         &mut self,
         ui: &mut Ui,
@@ -55,7 +55,7 @@ impl Inspector {
             empty_state(
                 ui,
                 Icon::Crosshair,
-                "No pixel is picked",
+                "No pixel picked",
                 "Click a pixel in the picture to list every fragment and explain the result.",
             );
             return;
@@ -101,8 +101,8 @@ impl Inspector {
             }
             if let Some(fragment) = fragment {
                 numbers(ui, fragment);
-                let help = "Writes the visible triangle of this pixel to a case file in the current folder: a minimal \
-                            case to report or to open again";
+                let help = "Saves the visible triangle of this pixel as a case file in the current folder, to report \
+                            it or to open it again";
                 if ui.button("Save triangle as case").on_hover_text(help).clicked() {
                     commands.push(Command::SaveCase);
                 }
@@ -111,11 +111,11 @@ impl Inspector {
     }
 }
 
-/// Draws a button that opens the arithmetic of a fragment in its tab.
+/// Draws a button that shows a fragment in the tab “Arithmetic”.
 fn arithmetic_button(ui: &mut Ui, report: &PixelReport, fragment: &FragmentRecord, commands: &mut Vec<Command>) {
     let Some(index) = report.fragments.iter().position(|other| std::ptr::eq(other, fragment)) else { return };
     let help = "Every step from the corners of the triangle to the pixel, with numbers and rounding errors";
-    if ui.button("Show its arithmetic").on_hover_text(help).clicked() {
+    if ui.button("Show arithmetic").on_hover_text(help).clicked() {
         commands.push(Command::Trace(trace::TraceChange::Fragment(index)));
     }
 }
@@ -152,7 +152,7 @@ fn hover_line(ui: &mut Ui, session: &Session, hovered: Option<(u32, u32)>, comma
 fn one_line(value: Value) -> String {
     match value {
         Value::NotDrawn => "not drawn".to_owned(),
-        Value::Nothing => "nothing".to_owned(),
+        Value::Nothing => "no value".to_owned(),
         Value::Color(color) => codes(color),
         Value::Number(number) => format::f32_full(number),
         Value::Count(count) => format!("{count} ×"),
@@ -186,7 +186,7 @@ fn headline(ui: &mut Ui, report: &PixelReport, commands: &mut Vec<Command>) {
                 commands.push(Command::Watch(watch::WatchChange::Add(report.x, report.y)));
                 commands.push(Command::OpenTab(Tab::Watch));
             }
-            if crate::ui::widgets::icon_button(ui, Icon::X, "Drop the pick  (Esc)").clicked() {
+            if crate::ui::widgets::icon_button(ui, Icon::X, "Clear the pick  (Esc)").clicked() {
                 commands.push(Command::Pick(None));
             }
         });
@@ -195,7 +195,7 @@ fn headline(ui: &mut Ui, report: &PixelReport, commands: &mut Vec<Command>) {
     ui.add_space(theme::space::XS);
 }
 
-/// Draws the samples that a multisampled pixel averages, and its colour before the post filter.
+/// Draws the samples that an anti-aliased pixel averages, and its colour before the post filter.
 fn samples(ui: &mut Ui, report: &PixelReport) {
     if let Some(before) = report.unfiltered {
         section_header(ui, "Before the post filter", |_| {});
@@ -209,7 +209,7 @@ fn samples(ui: &mut Ui, report: &PixelReport) {
         ui.spacing_mut().item_spacing = egui::Vec2::splat(2.0);
         for sample in &report.samples {
             let [x, y] = sample.place;
-            swatch(ui, to_color(sample.color)).on_hover_text(format!("at {x:.3}, {y:.3} in the pixel"));
+            swatch(ui, to_color(sample.color)).on_hover_text(format!("Sample at {x:.3}, {y:.3} in the pixel"));
         }
     });
 }
@@ -219,17 +219,22 @@ fn sources(ui: &mut Ui, report: &PixelReport, commands: &mut Vec<Command>) {
     if drawn_itself {
         return;
     }
-    section_header(ui, "Mixed from drawn pixels", |_| {});
+    section_header(ui, "Reconstructed from drawn pixels", |_| {});
     for source in &report.sources {
         ui.horizontal(|ui| {
             swatch(ui, to_color(source.color));
             let text = format!("{:>4}, {:<4}  {}", source.tap.x, source.tap.y, format::f32_full(source.tap.weight));
             let label = ui.add(Label::new(RichText::new(text).monospace()).sense(Sense::click()));
-            if label.on_hover_text("Go to this pixel").clicked() {
+            if label.on_hover_text("Pick this pixel").clicked() {
                 commands.push(Command::Pick(Some((source.tap.x, source.tap.y))));
             }
         });
     }
     let sum: f32 = report.sources.iter().map(|s| s.tap.weight).sum();
-    value_row(ui, "Sum of weights", &format::f32_full(sum), "1, so that a flat area keeps its colour");
+    value_row(
+        ui,
+        "Sum of weights",
+        &format::f32_full(sum),
+        "The weights sum to 1 to preserve the colour of flat areas",
+    );
 }

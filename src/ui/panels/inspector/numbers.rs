@@ -1,4 +1,4 @@
-//! Numbers of one fragment: depth, corners, edges, transparency and shading.
+//! Numbers of one fragment in the inspector: depth, corners, edges, transparency and shading.
 
 use eframe::egui::{self, RichText, Ui};
 
@@ -12,9 +12,9 @@ use crate::ui::format;
 use crate::ui::theme::{self, tokens};
 use crate::ui::widgets::{section_header, swatch, value_row};
 
-/// Tooltip that explains the step of the depth buffer.
+/// Tooltip that explains the resolution of the depth buffer.
 const STEP_HELP: &str = "Distance along the line of sight, in world units, from the fragment's depth to the next \
-                         storable depth: surfaces closer than that may z-fight";
+                         storable depth: surfaces closer together than this may z-fight";
 
 /// Draws all values computed for a fragment.
 pub(super) fn numbers(ui: &mut Ui, fragment: &FragmentRecord) {
@@ -25,48 +25,52 @@ pub(super) fn numbers(ui: &mut Ui, fragment: &FragmentRecord) {
             ui,
             "Depth bias",
             bias,
-            "Offset of all depths of the triangle before the test; the sum is clamped to 0…1",
+            "Offset added to all depths of the triangle before the depth test; the sum is clamped to 0…1",
         );
     }
     match fragment.stored_depth {
         Some(stored) => {
-            depth_rows(ui, "Stored before", stored, "Content of the depth buffer before this fragment");
+            depth_rows(ui, "Stored depth before", stored, "Content of the depth buffer before this fragment");
             let step = format::f32_full(fragment.depth.resolution as f32);
-            value_row(ui, "One step here", &step, STEP_HELP);
+            value_row(ui, "Depth resolution here", &step, STEP_HELP);
         }
         None => {
-            value_row(ui, "Stored before", "–", "Without a depth test, nothing is stored");
+            value_row(ui, "Stored depth before", "–", "Without a depth test, no depth is stored");
         }
     }
     section_header(ui, "Corners", |_| {});
     corner_table(ui, fragment);
     section_header(ui, "Edges", |_| {});
     let (exact, unit) = match fragment.arithmetic {
-        Arithmetic::Fixed => ("Exact edge value in 1/65536 px²", "Exactly the sum of the three edge values"),
+        Arithmetic::Fixed => (
+            "Exact edge value in 1/65536 px²",
+            "Twice the area of the triangle: exactly the sum of the three edge values",
+        ),
         Arithmetic::Exact => (
             "Edge value in px² times a power of two; its sign is exact",
-            "Sum of the three edge values, up to rounding",
+            "Twice the area of the triangle: the sum of the three edge values, up to rounding",
         ),
-        Arithmetic::F32 | Arithmetic::F64 => {
-            ("Edge value in px² times a power of two, rounded", "Sum of the three edge values, up to rounding")
-        }
+        Arithmetic::F32 | Arithmetic::F64 => (
+            "Edge value in px² times a power of two, rounded",
+            "Twice the area of the triangle: the sum of the three edge values, up to rounding",
+        ),
     };
     for (i, edge) in fragment.edges.into_iter().enumerate() {
         let help = format!("{exact}: above zero is inside, zero lies on the edge");
-        value_row(ui, &format!("Opposite to v{i}"), &format::edge(edge), &help);
+        value_row(ui, &format!("Edge opposite v{i}"), &format::edge(edge), &help);
     }
-    value_row(ui, "Doubled area", &format::edge(fragment.doubled_area), unit);
+    value_row(ui, "Twice the area", &format::edge(fragment.doubled_area), unit);
     let triangle = fragment.triangle.0.to_string();
-    value_row(ui, "Triangle", &triangle, "Number in the scene, in drawing order, from 0");
+    value_row(ui, "Triangle", &triangle, "Number of the triangle in the scene, in drawing order, from 0");
     value_row(
         ui,
-        "Rasterized as",
+        "Slider position",
         &(fragment.submission + 1).to_string(),
-        "Position of the triangle slider from which this fragment is drawn",
+        "First position of the triangle slider at which this fragment is drawn",
     );
     if let Some(alpha) = fragment.alpha {
         let help = if fragment.transparency == Transparency::Blended {
-            "Coverage of what lies behind: opacity × alpha of the texture"
+            "Opacity over the surfaces behind: opacity of the material × alpha of the texture"
         } else {
             "Alpha of the texture; below one half the alpha test discards the fragment"
         };
@@ -78,18 +82,18 @@ pub(super) fn numbers(ui: &mut Ui, fragment: &FragmentRecord) {
     }
 }
 
-/// Draws the values known of a triangle without a fragment at this pixel.
+/// Draws the known values of a triangle without a fragment at this pixel.
 pub(super) fn absent_numbers(ui: &mut Ui, absent: &Absent) {
     section_header(ui, "Triangle without a fragment", |_| {});
-    value_row(ui, "Triangle", &absent.triangle.0.to_string(), "Number in the scene, from 0");
+    value_row(ui, "Triangle", &absent.triangle.0.to_string(), "Number of the triangle in the scene, from 0");
     if let Some(distance) = absent.distance_px {
-        let help = "Distance from the pixel's centre to the nearest point of the triangle, in fixed point of the \
-                    snapped triangle";
+        let help = "Distance from the pixel's centre to the nearest point of the triangle, computed in fixed point \
+                    with snapped vertices";
         value_row(ui, "Distance, px", &format!("{distance:.6}"), help);
     }
     for (i, edge) in absent.edges.into_iter().flatten().enumerate() {
         let help = "Edge value at the pixel's centre: below zero is outside, zero lies on the edge";
-        value_row(ui, &format!("Opposite to v{i}"), &format::edge(edge), help);
+        value_row(ui, &format!("Edge opposite v{i}"), &format::edge(edge), help);
     }
 }
 
@@ -97,7 +101,7 @@ pub(super) fn absent_numbers(ui: &mut Ui, absent: &Absent) {
 fn depth_rows(ui: &mut Ui, label: &str, depth: DepthRecord, help: &str) {
     float_row(ui, label, depth.value, help);
     if let Some(code) = depth.code {
-        value_row(ui, "… as a code", &code.to_string(), "The integer that the buffer stores for this depth");
+        value_row(ui, "Stored as integer", &code.to_string(), "The integer that the buffer stores for this depth");
     }
 }
 
@@ -131,22 +135,22 @@ fn corner_table(ui: &mut Ui, fragment: &FragmentRecord) {
 fn shading_numbers(ui: &mut Ui, shading: &ShadingRecord) {
     section_header(ui, "Shading", |_| {});
     if let Some([u, v]) = shading.uv {
-        value_row(ui, "Texture coordinates", &format!("{u:.6}  {v:.6}"), "u to the right, v down");
+        value_row(ui, "Texture coordinates", &format!("{u:.6}  {v:.6}"), "Texture coordinates: u to the right, v down");
     }
     if let Some([x, y, z]) = shading.normal {
-        value_row(ui, "Normal", &format!("{x:.3} {y:.3} {z:.3}"), "Unit normal, world space");
+        value_row(ui, "Normal", &format!("{x:.3} {y:.3} {z:.3}"), "Unit normal in world space");
     }
     if let Some(cosine) = shading.cosine {
-        float_row(ui, "N·L", cosine, "Cosine between normal and light");
+        float_row(ui, "N·L", cosine, "Cosine of the angle between normal and light direction");
     }
     if let Some(light) = shading.light {
-        float_row(ui, "Light", light, "Factor that light multiplies the colour with");
+        float_row(ui, "Light", light, "Factor by which the light multiplies the colour");
     }
     if let Some(highlight) = shading.highlight {
-        float_row(ui, "Highlight", highlight, "max(0, N·H)^Ns, the factor of the specular colour");
+        float_row(ui, "Highlight", highlight, "max(0, N·H)^Ns, by which the specular colour is multiplied");
     }
     if let Some([r, g, b]) = shading.emission {
-        value_row(ui, "Emission", &format!("{r:.4}  {g:.4}  {b:.4}"), "Emitted light, added after lighting");
+        value_row(ui, "Emission", &format!("{r:.4}  {g:.4}  {b:.4}"), "Emitted light, added after lighting is applied");
     }
     for texel in &shading.texels {
         let row = ui.horizontal(|ui| {
@@ -164,7 +168,7 @@ fn shading_numbers(ui: &mut Ui, shading: &ShadingRecord) {
     if let Some(below) = shading.below {
         ui.horizontal(|ui| {
             swatch(ui, to_color(below));
-            ui.label(RichText::new(format!("over     {}", codes(below))).monospace());
+            ui.label(RichText::new(format!("behind   {}", codes(below))).monospace());
         });
     }
     ui.horizontal(|ui| {

@@ -46,7 +46,7 @@ const EDGE_LOBE: f32 = 0.25 - 0.04 - 0.5;
 /// 2²³: adding it to a float rounds the float to an integer, which is then the low byte of the bit pattern.
 const WHOLE: f32 = (1 << 23) as f32;
 
-/// Columns and rows of the twelve samples relative to f.
+/// Columns and rows of the twelve samples b to o, relative to f.
 const PLACES: [(i32, i32); 12] =
     [(0, -1), (1, -1), (-1, 0), (0, 0), (1, 0), (2, 0), (-1, 1), (0, 1), (1, 1), (2, 1), (0, 2), (1, 2)];
 
@@ -65,7 +65,7 @@ fn slope(before: f32, at: f32, after: f32) -> (f32, f32) {
     (slope, straight * straight)
 }
 
-/// Position of the pixel relative to f, in samples, in [0, 1).
+/// Position of the pixel relative to the sample f, in samples, in [0, 1).
 #[derive(Clone, Copy)]
 struct Spot {
     x: f32,
@@ -85,27 +85,28 @@ impl Spot {
     }
 }
 
-/// Fixed-point 1 while w is computed. The range of 16 bits reaches down to w = −2, which no sample reaches.
+/// Fixed-point representation of 1 while w is computed. 16 bits then reach down to w = −2, which no sample reaches.
 const ONE: i16 = 15 << 10;
 
-/// Fixed-point 1 of w after doubling, once w is in [0, 1], and of the factor of w.
+/// Fixed-point representation of 1 for w after doubling, once w is in [0, 1], and for the factor of w.
 const ONE_DOUBLED: f32 = 2.0 * ONE as f32;
 
-/// Fixed-point 1 of w².
+/// Fixed-point representation of 1 for w².
 const ONE_SQUARED: f32 = ONE_DOUBLED * ONE_DOUBLED / 32768.0;
 
-/// Fixed-point 1 of the factors of x², xy and y², which are at most ½. The squared distance between two samples must
-/// fit in 16 bits in [`Distances`]: four times [`ONE`] divided by this is less than 1.
+/// Fixed-point representation of 1 for the factors of x², xy and y², which are at most ½. The squared distance between
+/// two samples must fit in 16 bits in [`Distances`]: four times [`ONE`] divided by this is less than 1.
 const FACTOR: f32 = 61_500.0;
 
-/// Kernel at a pixel, rotated along the edge and scaled along both axes, in floats yet to be rounded.
+/// Kernel at a pixel, rotated along the edge and scaled along both axes, in floats that are rounded later.
 #[derive(Clone, Copy)]
 struct EasuKernel {
-    /// Coefficients of x², xy and y² in λ s, in units of 1 / [`FACTOR`].
+    /// Coefficient of x² in λ s, in units of 1 / [`FACTOR`]; `xy` and `yy` are those of xy and y².
     xx: f32,
     xy: f32,
     yy: f32,
-    /// Coefficients 2 − 5 λ, in units of 1 / [`ONE_DOUBLED`], and (1 − λ) (1 − 4 λ), in units of 1 / [`ONE_SQUARED`].
+    /// Coefficient 2 − 5 λ, in units of 1 / [`ONE_DOUBLED`]; `rest` is (1 − λ) (1 − 4 λ), in units of 1 /
+    /// [`ONE_SQUARED`].
     slope: f32,
     rest: f32,
 }
@@ -159,7 +160,7 @@ impl EasuKernel {
 /// 1 / [`ONE`].
 #[derive(Clone, Copy)]
 struct Distances {
-    /// Squared offsets of the four columns and four rows.
+    /// Squared horizontal offsets of the four columns; `yy` holds the squared vertical offsets of the four rows.
     xx: [i16; 4],
     yy: [i16; 4],
     /// Horizontal times vertical offset of each of the twelve samples.

@@ -16,7 +16,7 @@ pub(super) const TILE: usize = 4 * AHEAD;
 /// Number of border samples on each side: more than the kernel and slopes need, so that cells start at cache lines.
 pub(super) const MARGIN: usize = WIDE;
 
-/// Number of channels; each value also holds that of the next sample, see [`pair`].
+/// Number of channel planes per row; each value holds a sample and the next one, see [`pair`].
 const CHANNELS: usize = 4;
 
 /// Number of float planes per sample: horizontal slope, vertical slope, straightness, luma.
@@ -25,7 +25,7 @@ const PLANES: usize = 4;
 /// Plane indices of horizontal slope, vertical slope and straightness.
 const SLOPES: Range<usize> = 0..3;
 
-/// Plane index of luma.
+/// Index of the luma plane.
 const LUMA: usize = 3;
 
 /// Two cache lines, in 4-byte values. The stride of a plane is an odd multiple of this, so that equal positions of
@@ -70,11 +70,11 @@ impl<T: Copy + Default> Values<T> {
 pub(super) struct SourceRows {
     /// Number of values in a plane of a row; a multiple of [`WIDE`].
     stride: usize,
-    /// Sample row at which the planes start. Rows outside the image repeat its first or last row.
+    /// Sample row of the first planes. Rows outside the image repeat its first or last row.
     first_row: i32,
     /// Channels of all rows, row by row.
     channels: Values<u32>,
-    /// Planes of all rows, row by row.
+    /// Float planes of all rows, row by row: slopes, straightness and luma.
     planes: Values<f32>,
     /// Whether alpha is 255 in every sample, so that it needs no filtering.
     pub(super) opaque: bool,
@@ -160,8 +160,7 @@ impl SourceRows {
         (opaque & full).simd_eq(full).all_true() && rest.iter().all(|sample| sample[3] == 255)
     }
 
-    /// Computes the slopes of a row at `samples` samples and their neighbours. The row must have one above and one
-    /// below.
+    /// Computes the slopes of a row at `samples` samples and their neighbours. The rows above and below must exist.
     #[inline(always)]
     fn find_slopes<S: Simd>(&mut self, simd: S, row: usize, samples: usize) {
         for at in (MARGIN - WIDE / 2..MARGIN + samples + 2).step_by(WIDE) {
@@ -183,7 +182,7 @@ impl SourceRows {
         each!(below in [0, 1, 2, 3] => self.channels.row((first + below) * CHANNELS + channel, self.stride))
     }
 
-    /// Returns slopes or straightness in the row of a cell and the row below.
+    /// Returns the slope or straightness plane `which` in the row of a cell and the row below.
     #[inline(always)]
     fn slopes(&self, which: usize, cell: i32) -> [&[f32]; 2] {
         let first = (cell - self.first_row) as usize;
@@ -206,7 +205,7 @@ fn packed<S: Simd>(simd: S, samples: &[Rgba8; WIDE]) -> u32x16<S> {
     u32x16::load_array(simd, words)
 }
 
-/// Computes [`super::slope`] in lanes.
+/// Computes [`super::slope`] for 16 samples.
 #[inline(always)]
 fn slopes<S: Simd>(simd: S, before: f32x16<S>, at: f32x16<S>, after: f32x16<S>) -> (f32x16<S>, f32x16<S>) {
     let zero = f32x16::splat(simd, 0.0);
@@ -216,8 +215,8 @@ fn slopes<S: Simd>(simd: S, before: f32x16<S>, at: f32x16<S>, after: f32x16<S>) 
     (slope, straight * straight)
 }
 
-/// Data shared by the pixels of one row within a tile: computed once for both neighbours of a cell, or for all
-/// horizontal phases.
+/// Data shared by the pixels of one row within a tile. Bounds are shared by all horizontal phases, and interpolated
+/// slopes also by adjacent cells.
 #[derive(Default)]
 pub(super) struct CellRow {
     stride: usize,
@@ -229,18 +228,18 @@ pub(super) struct CellRow {
     rows: Values<f32>,
 }
 
-/// Row index of the maxima; that of the interpolated slopes is [`MIXED`]. The minima come first.
+/// Row index of the maxima, which follow the minima; [`MIXED`] is that of the interpolated slopes.
 const GREATEST: usize = 4;
 const MIXED: usize = 8;
 
 impl CellRow {
-    /// Allocates rows for a source.
+    /// Allocates the rows for the samples of `source`.
     pub(super) fn prepare(&mut self, source: &SourceRows) {
         self.stride = source.stride;
         self.rows.reserve(source.stride * (MIXED + SLOPES.len()));
     }
 
-    /// Starts a tile at cell `from`.
+    /// Starts a tile whose first cell is `from`.
     pub(super) fn begin(&mut self, from: usize) {
         (self.from, self.cell) = (from, None);
     }
@@ -251,7 +250,7 @@ impl CellRow {
         each!(row in [channel, GREATEST + channel] => self.rows.row(row, self.stride))
     }
 
-    /// Returns horizontal slope, vertical slope or straightness, for `which` = 0, 1 or 2.
+    /// Returns the interpolated horizontal slope, vertical slope or straightness, for `which` = 0, 1 or 2.
     #[inline(always)]
     pub(super) fn slopes(&self, which: usize) -> &[f32] {
         self.rows.row(MIXED + which, self.stride)

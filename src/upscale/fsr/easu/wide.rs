@@ -1,8 +1,8 @@
 //! SIMD version of [`super`] for 16 pixels at a time: pixels of one phase in adjacent cells, which read adjacent
 //! samples. Floats are added in the same order, and integer sums are exact, so results are bit-identical.
 //!
-//! The code avoids closures: those called by the standard library would be compiled without the features of the wide
-//! lanes.
+//! The code avoids closures: closures that the standard library calls would be compiled without the features of the
+//! wide lanes.
 
 use super::source::{AHEAD, CellRow, MARGIN, SourceRows, TILE, values};
 use super::{Distances, EDGE_LOBE, FACTOR, MIN_SLOPE, ONE, ONE_DOUBLED, ONE_SQUARED, Spot, WHOLE};
@@ -21,7 +21,7 @@ const RUNS: usize = AHEAD / WIDE;
 /// Number of sample columns read by [`RUNS`] runs.
 const SPAN: usize = AHEAD + 3;
 
-/// Fills rows of `width` px from a non-empty image of samples; the first one is row `first` of the full image.
+/// Upscales a non-empty image of samples into rows of `width` px, the first of which is row `first` of the full image.
 pub(in super::super) fn fill(
     lanes: Lanes,
     drawn: &Image<Rgba8>,
@@ -96,15 +96,15 @@ pub(in super::super) struct EasuScratch {
 /// Intermediate values of a run of pixels.
 #[derive(Default)]
 struct PixelRun {
-    /// Result of [`RunInputs::is_plain`].
+    /// Whether the pixels need no filtering; see [`RunInputs::is_plain`].
     is_plain: bool,
-    /// Stored [`EdgeDirection`].
+    /// [`EdgeDirection`] of the pixels, stored field by field.
     direction: [[f32; WIDE]; 4],
-    /// Stored [`EasuKernelLanes`]: each coefficient rounded, in the pixel order that [`rounded`] produces.
+    /// [`EasuKernelLanes`] of the pixels: each coefficient rounded, in the pixel order that [`rounded`] produces.
     shape: [[i16; WIDE]; 5],
 }
 
-/// Inputs of a row of pixels.
+/// Inputs for a row of output pixels.
 struct RowInputs<'a> {
     /// Four rows of samples per channel, starting one row above that of the cells.
     samples: [[&'a [u32]; 4]; 4],
@@ -137,7 +137,7 @@ impl<'a> RowInputs<'a> {
     }
 }
 
-/// Inputs of [`RUNS`] runs.
+/// Inputs of [`RUNS`] adjacent runs.
 struct RunInputs<'a> {
     slopes: [&'a [f32; AHEAD + 1]; 3],
     colors: [ChannelRows<'a>; 3],
@@ -230,8 +230,8 @@ fn fill_tile<S: Simd>(
     }
 }
 
-/// Computes the pixels of a part of a row, each step for all runs before the next. A step is a dependency chain of sums
-/// with a division or a square root; interleaving runs hides its latency.
+/// Computes the pixels of [`RUNS`] runs, each step for all runs before the next step. A step is a dependency chain of
+/// sums with a division or a square root; interleaving runs hides its latency.
 #[inline(always)]
 fn fill_runs<S: Simd>(
     simd: S,
@@ -263,7 +263,7 @@ fn fill_runs<S: Simd>(
     }
 }
 
-/// Computes the horizontal half of [`Spot::mix`].
+/// Computes the horizontal half of [`Spot::mix`] for 16 pixels.
 #[inline(always)]
 fn mixed<S: Simd>(simd: S, row: &[f32], at: usize, spot: Spot) -> f32x16<S> {
     values(simd, row, at) * (1.0 - spot.x) + values(simd, row, at + 1) * spot.x
@@ -275,7 +275,7 @@ impl ChannelRows<'_> {
         values(simd, self.least, at).simd_eq(values(simd, self.greatest, at))
     }
 
-    /// Computes [`super::code`] in lanes: the bits of floats whose low byte is the 8-bit value.
+    /// Computes [`super::code`] for 16 pixels. Returns the bits of floats whose low byte is the 8-bit value.
     #[inline(always)]
     fn codes<S: Simd>(&self, simd: S, at: usize, weights: &TapWeights<S>) -> u32x16<S> {
         let [above, upper, lower, below]: [&[u32; RUN]; 4] =
@@ -295,7 +295,7 @@ impl ChannelRows<'_> {
     }
 }
 
-/// First half of [`super::EasuKernel`], up to its division.
+/// Edge directions of 16 pixels: the first half of computing [`super::EasuKernel`], up to its division.
 struct EdgeDirection<S: Simd> {
     across: f32x16<S>,
     down: f32x16<S>,
@@ -330,7 +330,7 @@ impl<S: Simd> EdgeDirection<S> {
     }
 }
 
-/// [`super::EasuKernel`] in lanes.
+/// [`super::EasuKernel`] of 16 pixels.
 struct EasuKernelLanes<S: Simd> {
     xx: f32x16<S>,
     xy: f32x16<S>,
@@ -340,7 +340,7 @@ struct EasuKernelLanes<S: Simd> {
 }
 
 impl<S: Simd> EasuKernelLanes<S> {
-    /// Computes the second half of [`super::EasuKernel`].
+    /// Computes the kernel from the edge direction: the second half of computing [`super::EasuKernel`].
     #[inline(always)]
     fn new(simd: S, EdgeDirection { across, down, inverse, edge }: EdgeDirection<S>) -> Self {
         let one = f32x16::splat(simd, 1.0);
