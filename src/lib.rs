@@ -66,3 +66,11 @@ pub mod manual;
 pub mod ui;
 
 pub mod cli;
+
+// Tests across modules name the library as examples do.
+#[cfg(test)]
+extern crate self as rasterscope;
+
+#[cfg(test)]
+#[path = "../tests/internal/mod.rs"]
+mod internal;

@@ -20,7 +20,7 @@ fn scene(id: &str) -> Arc<Scene> {
     Arc::new(builtin::ALL.iter().find(|scene| scene.id == id).expect("it is built in").build())
 }
 
-/// Warm frames with the default settings, on all threads.
+/// Measures frames of a scene with the default settings and warm buffers, on all threads.
 #[divan::bench(args = ["chess", "cubes", "stained-glass", "cel"])]
 fn frame(bencher: Bencher<'_, '_>, id: &str) {
     let (scene, recipe, mut renderer) = (scene(id), Recipe::default(), Renderer::default());
@@ -30,7 +30,7 @@ fn frame(bencher: Bencher<'_, '_>, id: &str) {
     });
 }
 
-/// Filling in the pixels that were not drawn, at scale 2.
+/// Measures upscaling of the scene chess at scale 2, without drawing.
 #[divan::bench(args = ["nearest", "bilinear", "bicubic", "lanczos3", "fsr1"])]
 fn upscale(bencher: Bencher<'_, '_>, method: &str) {
     let how = Upscaling::new(method, 2).expect("the method offers scale 2");
@@ -41,7 +41,7 @@ fn upscale(bencher: Bencher<'_, '_>, method: &str) {
     bencher.bench_local(move || how.upscaler().upscale(how, &UpscaleInputs::from(&frame.drawn.color), &mut full));
 }
 
-/// Replaying and explaining one pixel.
+/// Measures replaying and explaining one pixel.
 #[divan::bench]
 fn inspect_pixel(bencher: Bencher<'_, '_>) {
     let (scene, recipe) = (scene("chess"), Recipe::default());

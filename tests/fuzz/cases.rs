@@ -1,4 +1,4 @@
-//! Target: numerical cases of every kind with changed values, lists and fields.
+//! Fuzz target: numerical cases of every kind with mutated values, lists and fields.
 
 use std::path::Path;
 
@@ -12,13 +12,13 @@ use crate::images::check_message;
 use crate::input::Input;
 use crate::{mutate, seeds};
 
-/// Name of the file with the case.
+/// Name of the input file that contains the case.
 const FILE: &str = "case.json";
 
-/// Name of the file with the rasterizer and the arithmetic.
+/// Name of the input file that names the rasterizer and the arithmetic.
 const OPTIONS: &str = "options.txt";
 
-/// A valid case of each kind.
+/// A valid case of each kind, as JSON.
 const SEEDS: [&str; 15] = [
     r#"{"id": "a", "kind": "tri_coverage", "width": 32, "height": 24, "rule": "top_left", "triangles": [[[1, 2], [30.5, 4], [7, 22.25]]]}"#,
     r#"{"id": "a", "kind": "poly_fill", "width": 32, "height": 24, "rule": "even_odd", "center": 0.5, "contours": [[[1, 1], [30, 2], [4, 20], [9, 0.5]], [[3, 3], [9, 3], [6, 9]]]}"#,
@@ -37,7 +37,7 @@ const SEEDS: [&str; 15] = [
     r#"{"id": "a", "kind": "upscale", "image": [[5, 200], [17, 0]], "scale": 2, "kernel": "mitchell", "phase": "center"}"#,
 ];
 
-/// Target of numerical cases.
+/// Fuzz target that solves mutated numerical cases.
 pub(crate) struct Cases;
 
 impl Target for Cases {
@@ -83,7 +83,7 @@ impl Target for Cases {
     }
 }
 
-/// Checks that spans and pixels lie within the picture of their case, and that areas are in [0, 1].
+/// Checks that spans and pixels of an answer lie within the picture of the case, and that areas are in [0, 1].
 fn check(task: &Task, answer: &Answer) -> Result<(), Failure> {
     let (width, height, spans): (_, _, Vec<[u32; 3]>) = match (task, answer) {
         (Task::TriCoverage(case), Answer::TriCoverage(answer)) => {
@@ -110,7 +110,7 @@ fn check(task: &Task, answer: &Answer) -> Result<(), Failure> {
     }
 }
 
-/// Returns the options with the given rasterizer and arithmetic, one per line; missing ones have their defaults.
+/// Parses the ids of the rasterizer and the arithmetic, one per line; a missing one has its default.
 fn options(text: &str) -> Options {
     let default = Options::default();
     Options {
@@ -124,7 +124,7 @@ fn named<C: Choice>(text: &str) -> Option<C> {
 }
 
 #[test]
-fn there_is_a_sound_case_of_every_kind() {
+fn there_is_a_valid_case_of_every_kind() {
     for (kind, seed) in Task::KINDS.iter().zip(SEEDS) {
         let case = Case::parse(seed.as_bytes(), Path::new(FILE)).unwrap_or_else(|error| panic!("{kind}: {error}"));
         assert!(seed.contains(&format!("\"{kind}\"")), "{seed} instead of a case of the kind {kind}");

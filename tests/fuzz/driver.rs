@@ -1,10 +1,10 @@
-//! Executes a target on one random input after another until the time is over, and saves every input that fails.
+//! Fuzzing driver, which executes a target on random inputs until its time is up and saves every input that fails.
 //!
-//! An execution fails if it panics, even if the program catches the panic, if the target finds a wrong result, if it
-//! exceeds the time limit of the target, or if the resident memory of the process grows by more than 1 GiB. A failing
-//! input is executed again to confirm it, minimised, and saved below `target/fuzz-findings` with the command that
-//! reproduces it. Files are written before each execution: if an execution ends the whole process, its input remains
-//! and is executed first in the next run.
+//! An execution fails if it panics (even if the program catches the panic), if the target finds a wrong result, if it
+//! exceeds the time limit, or if the resident memory of the process grows by more than 1 GiB. A failing input is
+//! executed again to confirm it, minimised, and saved below `target/fuzz-findings` with the command that reproduces it.
+//! Files are written before each execution. If an execution ends the whole process, its input remains and is executed
+//! first in the next run.
 //!
 //! Environment variables: `RASTERSCOPE_FUZZ_SECONDS` (time for each target), `RASTERSCOPE_FUZZ_SEED`,
 //! `RASTERSCOPE_FUZZ_FIRST` (number of the first iteration), and `RASTERSCOPE_FUZZ_INPUT` (folder of a saved input,
@@ -24,34 +24,35 @@ use fastrand::Rng;
 use crate::input::{Input, NOTES, minimise};
 use crate::{panics, process};
 
-/// Time for each target unless `RASTERSCOPE_FUZZ_SECONDS` is set.
+/// Time for each target unless `RASTERSCOPE_FUZZ_SECONDS` is set, in seconds.
 const SECONDS: f64 = 3.0;
 
-/// Time limit of an execution. Inputs are small: an execution that takes longer has no bound, or too high a one.
+/// Default time limit of an execution. Inputs are small, so an execution that takes longer does unbounded work.
 pub(crate) const LIMIT: Duration = Duration::from_secs(2);
 
-/// Multiple of the limit, including waiting for a processor, after which an execution is abandoned.
+/// Multiple of the time limit after which an execution is abandoned. Unlike the limit, it includes time spent waiting
+/// for a processor.
 const GIVE_UP: u32 = 30;
 
-/// Largest growth of the resident memory in one execution, in bytes.
+/// Default limit of the growth of resident memory in one execution, in bytes.
 const MAX_GROWTH: u64 = 1 << 30;
 
-/// Stack size of threads that execute and draw, in bytes: that of a main thread, because unoptimised kernels for many
-/// kinds of lanes are large.
+/// Stack size of threads that execute and draw, in bytes. It is that of a main thread, because unoptimised SIMD kernels
+/// have large stack frames.
 pub(crate) const STACK_BYTES: usize = 8 << 20;
 
 /// Number of further executions that must confirm a failure of time or memory, which another process may have caused.
 const CONFIRMATIONS: usize = 2;
 
-/// Time for minimising one input.
+/// Time limit for minimising one input.
 const MINIMISING: Duration = Duration::from_secs(10);
 
 /// Number of different failures after which a target stops.
 const MAX_FINDINGS: usize = 8;
 
-/// A part of the program that processes random inputs.
+/// Fuzz target: a part of the program that is executed on random inputs.
 pub(crate) trait Target: Send + Sync + 'static {
-    /// Name of the target and of its test.
+    /// Returns the name of the target, which is also the name of its test.
     fn name(&self) -> &'static str;
 
     /// Returns a random input.
@@ -60,17 +61,18 @@ pub(crate) trait Target: Send + Sync + 'static {
     /// Executes the input whose files are in `folder`.
     fn run(&self, folder: &Path) -> Result<(), Failure>;
 
-    /// Returns the time limit of an execution.
+    /// Returns the time limit of one execution.
     fn limit(&self) -> Duration {
         LIMIT
     }
 
-    /// Returns the largest growth of the resident memory in one execution, in bytes.
+    /// Returns the limit of the growth of resident memory in one execution, in bytes.
     fn max_growth(&self) -> u64 {
         MAX_GROWTH
     }
 
-    /// Returns the features that the target needs besides the default ones, for the command that reproduces a failure.
+    /// Returns the Cargo features that the target needs besides the default ones, for the command that reproduces a
+    /// failure.
     fn features(&self) -> &'static str {
         ""
     }
@@ -81,18 +83,18 @@ pub(crate) trait Target: Send + Sync + 'static {
 pub(crate) enum Failure {
     /// A panic with its location and message.
     Panic(String),
-    /// A wrong result.
+    /// A wrong result, described in words; the text before the first colon identifies its class.
     Wrong(String),
-    /// Too much time.
+    /// An execution that exceeded the time limit, with its duration.
     Slow(Duration),
-    /// Too much memory: growth of the resident memory, in bytes.
+    /// An execution that exceeded the memory limit, with the growth of resident memory in bytes.
     Memory(u64),
-    /// No end within the time after which an execution is abandoned.
+    /// An execution that was abandoned after this time.
     Hang(Duration),
 }
 
 impl Failure {
-    /// Returns the class of the failure, which is equal for failures of the same cause.
+    /// Returns the class of the failure, which is usually equal for failures with the same cause.
     fn class(&self) -> String {
         match self {
             // The location only, because messages contain values.
@@ -107,7 +109,7 @@ impl Failure {
         }
     }
 
-    /// Whether other processes on the machine may cause the failure.
+    /// Returns whether other processes on the machine may cause the failure.
     fn depends_on_load(&self) -> bool {
         matches!(self, Self::Slow(_) | Self::Memory(_))
     }
@@ -130,11 +132,11 @@ impl fmt::Display for Failure {
 pub(crate) struct Plan {
     /// Time after which no further execution starts.
     pub(crate) time: Duration,
-    /// Seed of all iterations.
+    /// Seed from which the random numbers of every iteration derive.
     pub(crate) seed: u64,
     /// Number of the first iteration.
     pub(crate) first: u64,
-    /// Folder of a saved input, which is executed once instead.
+    /// Folder of a saved input that is executed once instead of random inputs.
     pub(crate) saved: Option<PathBuf>,
     /// Folder of saved failures.
     pub(crate) findings: PathBuf,
@@ -169,7 +171,7 @@ impl Plan {
     }
 }
 
-/// Result of a run.
+/// Result of fuzzing one target.
 #[derive(Debug, Default)]
 pub(crate) struct Report {
     /// Number of executed inputs.
@@ -178,15 +180,15 @@ pub(crate) struct Report {
     pub(crate) findings: BTreeMap<PathBuf, Failure>,
     /// Number of failures of time or memory that could not be confirmed.
     pub(crate) unconfirmed: u64,
-    /// Longest execution and its iteration.
+    /// Duration of the longest execution, and the number of its iteration.
     pub(crate) slowest: (Duration, u64),
     /// Largest resident memory of the process, in bytes.
     pub(crate) peak: u64,
-    /// Total time.
+    /// Duration of the whole run.
     pub(crate) time: Duration,
 }
 
-/// Runs a target as described by the environment variables. Panics if there are findings.
+/// Fuzzes a target as the environment variables specify. Panics if there are findings.
 #[expect(clippy::print_stderr, reason = "the counts of a run are its result")]
 pub(crate) fn fuzz(target: impl Target) {
     let (target, plan) = (Arc::new(target), Plan::from_environment());
@@ -207,7 +209,7 @@ pub(crate) fn fuzz(target: impl Target) {
     assert!(findings.is_empty(), "fuzz {name}: see {NOTES} in{}", listed.collect::<String>());
 }
 
-/// Runs a target according to a plan.
+/// Fuzzes a target according to a plan.
 pub(crate) fn run<T: Target>(target: &Arc<T>, plan: &Plan) -> Report {
     panics::record();
     let begun = Instant::now();
@@ -224,7 +226,7 @@ pub(crate) fn run<T: Target>(target: &Arc<T>, plan: &Plan) -> Report {
     Report { time: begun.elapsed(), ..fuzzer.report }
 }
 
-/// A run in progress.
+/// State of a fuzzing run.
 struct Fuzzer<'a, T> {
     target: Arc<T>,
     plan: &'a Plan,
@@ -331,11 +333,11 @@ fn hash(text: &str) -> u32 {
     text.bytes().fold(0x811C_9DC5, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
 }
 
-/// A thread that executes inputs, so that one that never ends can be abandoned.
+/// Thread that executes inputs, so that an execution that never ends can be abandoned.
 struct Executor {
     folders: Sender<PathBuf>,
     outcomes: Receiver<Outcome>,
-    /// Whether an execution was abandoned: nothing more can be executed.
+    /// Whether an execution was abandoned, after which no further input can be executed.
     is_stuck: bool,
 }
 
@@ -379,7 +381,7 @@ impl Executor {
     }
 }
 
-/// Executes a target on the executor's thread.
+/// Executes a target on the input in `folder`, and measures time and memory. Runs on the executor's thread.
 fn outcome<T: Target>(target: &T, folder: &Path) -> Outcome {
     let meter = process::PeakMeter::start();
     let begun = process::Stopwatch::start();

@@ -1,4 +1,4 @@
-//! Bit-exact equality of both executions and of the replay.
+//! Checks that both executions and the replay of pixels agree bit for bit.
 
 use std::sync::Arc;
 
@@ -12,10 +12,10 @@ use rayon::ThreadPoolBuilder;
 
 use crate::driver::{Failure, STACK_BYTES};
 
-/// Number of threads that draw tile by tile.
+/// Number of threads in tiled execution.
 const THREADS: usize = 2;
 
-/// Checks that a view drawn tile by tile, on all kinds of lanes, equals the classic one.
+/// Checks that tiled execution, on all kinds of SIMD lanes, draws the same frame as classic execution.
 pub(crate) fn check(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, size: Viewport) -> Result<(), Failure> {
     let equality = verify(scene, camera, recipe, size, &[THREADS])
         .map_err(|error| Failure::Wrong(format!("no threads: {error}")))?;
@@ -25,7 +25,7 @@ pub(crate) fn check(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, size: 
     }
 }
 
-/// Checks that the second of two frames, which may read the first, is equal in both executions.
+/// Checks that the second of two frames, which may use the first as its history, is equal in both executions.
 pub(crate) fn check_second_frame(
     scene: &Arc<Scene>,
     cameras: [&Camera; 2],
@@ -51,7 +51,7 @@ pub(crate) fn check_second_frame(
     }
 }
 
-/// Checks that the replay of every `step`-th pixel gives its colour.
+/// Checks that the replay of every `step`-th pixel gives the drawn colour.
 pub(crate) fn check_replay(
     scene: &Scene,
     camera: &Camera,

@@ -1,4 +1,4 @@
-//! Target: damaged picture files of every format.
+//! Fuzz target: damaged picture files of every format.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -11,10 +11,10 @@ use crate::driver::{Failure, Target};
 use crate::input::Input;
 use crate::{mutate, seeds};
 
-/// Longest side of a picture before it is damaged, in pixels.
+/// Largest width and height of a generated picture, in pixels.
 const MOST_SIDE: u32 = 24;
 
-/// Formats, each with its suffix and the offsets of width and height in its header.
+/// Picture formats, each with its suffix and the byte offsets of width and height in its header, if these are fixed.
 const FORMATS: [(ImageFormat, &str, &[usize]); 6] = [
     (ImageFormat::Png, "png", &[16, 20]),
     (ImageFormat::Jpeg, "jpg", &[]),
@@ -24,7 +24,7 @@ const FORMATS: [(ImageFormat, &str, &[usize]); 6] = [
     (ImageFormat::Tiff, "tiff", &[]),
 ];
 
-/// Target of picture files.
+/// Fuzz target that reads damaged picture files.
 pub(crate) struct Images;
 
 impl Target for Images {
@@ -50,7 +50,7 @@ impl Target for Images {
     }
 }
 
-/// Checks that a picture has a valid size, or that the error is one line that names the file.
+/// Checks that reading a picture gives a valid size, or an error of one line that names the file.
 fn check(path: &Path, name: &str) -> Result<(), Failure> {
     match file::read(path) {
         Ok(picture) => {
@@ -103,8 +103,8 @@ pub(crate) fn picture(rng: &mut Rng) -> (String, Vec<u8>) {
     (format!("picture.{suffix}"), file.into_inner())
 }
 
-/// Damages a picture file: random bytes, or a header with another size. Checksums of PNG chunks are corrected in half
-/// of the cases, so that the damage reaches the decoder.
+/// Damages a picture file by changing random bytes or the size in its header. In half of the cases, corrects the
+/// checksums of PNG chunks, so that the damage reaches the decoder.
 pub(crate) fn damage(rng: &mut Rng, name: &str, bytes: &mut Vec<u8>) {
     let sizes = FORMATS.iter().find(|(_, suffix, _)| name.ends_with(suffix)).map_or(&[][..], |(.., sizes)| sizes);
     if !sizes.is_empty() && rng.bool() {

@@ -1,4 +1,4 @@
-//! Inputs of fuzz targets: a few small files that are written to a folder, read back, and minimised.
+//! Inputs of fuzz targets, which are a few small files that are written to a folder, read back, and minimised.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -29,7 +29,7 @@ impl Input {
         self.0.values().map(Vec::len).sum()
     }
 
-    /// Writes the files into `folder`, which is created, and removes everything else from it.
+    /// Writes the files into `folder`. Creates the folder, or removes its previous contents.
     pub(crate) fn write(&self, folder: &Path) -> io::Result<()> {
         if folder.exists() {
             fs::remove_dir_all(folder)?;
@@ -38,7 +38,7 @@ impl Input {
         self.0.iter().try_for_each(|(name, bytes)| fs::write(folder.join(name), bytes))
     }
 
-    /// Reads the files of a folder, except for its notes.
+    /// Reads the files of a folder, except [`NOTES`].
     pub(crate) fn read(folder: &Path) -> io::Result<Self> {
         let mut input = Self::default();
         for entry in fs::read_dir(folder)? {
@@ -52,8 +52,8 @@ impl Input {
     }
 }
 
-/// Removes files, lines and bytes as long as the rest still fails, until nothing more can be removed or the deadline is
-/// over.
+/// Returns the input without files, lines and bytes that are not needed for the failure. Stops when nothing more can be
+/// removed, or at the deadline.
 pub(crate) fn minimise(mut input: Input, deadline: Instant, mut fails: impl FnMut(&Input) -> bool) -> Input {
     loop {
         let before = input.clone();
@@ -90,7 +90,7 @@ fn single_bytes(bytes: &[u8]) -> Vec<&[u8]> {
     bytes.chunks(1).collect()
 }
 
-/// Removes runs of parts, halves first and single parts last.
+/// Returns the parts without runs that are not needed for the failure, trying halves first and single parts last.
 fn shrink<'a>(
     mut parts: Vec<&'a [u8]>,
     deadline: Instant,

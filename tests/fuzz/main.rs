@@ -1,11 +1,13 @@
 //! Fuzzing: random inputs for the window and for every part of the program that reads external data.
 //!
-//! [`driver`] describes the environment variables and the files saved for failing inputs. A new target is one file that
-//! implements [`driver::Target`], and one line here.
+//! [`driver`] describes the environment variables and the files saved for failing inputs. To add a target, implement
+//! [`driver::Target`] in a new file and add a line to `targets!`.
 
-#[path = "../common/mod.rs"]
+#[path = "../internal/common.rs"]
 mod common;
-#[path = "../sound/mod.rs"]
+#[path = "../internal/samples.rs"]
+mod samples;
+#[path = "../internal/sound.rs"]
 mod sound;
 
 mod cases;

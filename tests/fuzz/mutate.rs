@@ -1,4 +1,4 @@
-//! Unusual numbers, and random changes of bytes and of JSON.
+//! Unusual numbers, and random mutations of bytes and JSON values.
 
 use fastrand::Rng;
 use serde_json::{Map, Value, json};
@@ -49,17 +49,17 @@ pub(crate) fn number(rng: &mut Rng) -> String {
     }
 }
 
-/// Returns one of the items. Panics if there are none.
+/// Returns a random item. Panics if there are none.
 pub(crate) fn pick<'a, T>(rng: &mut Rng, items: &'a [T]) -> &'a T {
     &items[rng.usize(..items.len())]
 }
 
-/// Returns one of the words. Panics if there are none.
+/// Returns a random word. Panics if there are none.
 pub(crate) fn word<'a>(rng: &mut Rng, words: &[&'a str]) -> &'a str {
     words[rng.usize(..words.len())]
 }
 
-/// Changes bytes at one to four positions: bits, bytes, runs, lines, numbers, or the end.
+/// Applies one to four random changes, each to a bit, a byte, a run of bytes, a line, a number, or the end.
 pub(crate) fn bytes(rng: &mut Rng, bytes: &mut Vec<u8>) {
     for _ in 0..rng.usize(1..=4) {
         change_bytes(rng, bytes);
@@ -92,7 +92,7 @@ fn change_bytes(rng: &mut Rng, bytes: &mut Vec<u8>) {
     }
 }
 
-/// Replaces the first number at or after `at`.
+/// Replaces the first number at or after `at` by a random one.
 fn replace_number(rng: &mut Rng, bytes: &mut Vec<u8>, at: usize) {
     let is_part = |byte: &u8| byte.is_ascii_digit() || b"+-.".contains(byte);
     let Some(start) = bytes[at..].iter().position(is_part).map(|offset| at + offset) else { return };
@@ -118,7 +118,7 @@ pub(crate) fn json(rng: &mut Rng, tree: &mut Value) {
     }
 }
 
-/// Changes a value at most `depth` levels below.
+/// Changes `value`, or a value at most `depth` levels below it.
 fn change_json(rng: &mut Rng, value: &mut Value, depth: usize) {
     match value {
         Value::Object(fields) if depth > 0 && !fields.is_empty() => {
@@ -191,8 +191,8 @@ fn other_value(rng: &mut Rng, value: &Value) -> Value {
     }
 }
 
-/// Replaces numbers that may be picture sizes or line lengths by numbers up to 256, which are drawn in milliseconds.
-/// Numbers above the pixel count of any picture, which the program must reject, stay.
+/// Reduces numbers that may be picture sizes or line lengths to less than 256, so that drawing takes milliseconds.
+/// Keeps numbers above the pixel count of any picture, which the program must reject.
 pub(crate) fn shrink_sizes(tree: &mut Value) {
     /// Largest number of pixels of a picture.
     const MOST: f64 = (1 << 25) as f64;

@@ -1,4 +1,4 @@
-//! Target: OBJ models with material libraries and textures.
+//! Fuzz target: OBJ models with material libraries and textures.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -19,7 +19,7 @@ use crate::mutate::{number, pick, word};
 use crate::sound::sound;
 use crate::{equal, mutate, seeds};
 
-/// Name of the model.
+/// Name of the input file that contains the model.
 const MODEL: &str = "model.obj";
 
 /// Name of the material library of generated models.
@@ -28,10 +28,10 @@ const LIBRARY: &str = "model.mtl";
 /// Name of a marker file; if it exists, `Tr` means opacity.
 const TR_IS_OPACITY: &str = "tr-is-opacity";
 
-/// Size of the picture that is drawn of every loaded model.
+/// Size of the picture that is drawn of every loaded model, in pixels.
 const SIZE: Viewport = Viewport { width: 21, height: 17 };
 
-/// Target of models.
+/// Fuzz target that loads and draws models.
 pub(crate) struct Obj;
 
 impl Target for Obj {
@@ -68,7 +68,7 @@ impl Target for Obj {
     }
 }
 
-/// Returns a model file, intact or damaged, with the libraries that it names.
+/// Returns a damaged seed model with the material libraries that it names, half of them damaged.
 fn sample(rng: &mut Rng, saved: &[seeds::File]) -> Input {
     let models: Vec<_> = saved.iter().filter(|(name, _)| name.ends_with(".obj")).collect();
     if models.is_empty() {
@@ -88,7 +88,7 @@ fn sample(rng: &mut Rng, saved: &[seeds::File]) -> Input {
     input.with(MODEL, model)
 }
 
-/// Returns a model with a library and up to two textures.
+/// Returns a random model with a material library and up to two textures; some of the files are damaged.
 fn generated(rng: &mut Rng) -> Input {
     let mut input = Input::default();
     for _ in 0..rng.u8(..3) {
@@ -109,7 +109,7 @@ fn generated(rng: &mut Rng) -> Input {
     input.with(MODEL, model).with(LIBRARY, library)
 }
 
-/// Returns a model: lists of vertices, then faces among other statements.
+/// Returns the text of a random model: lists of vertices, then faces among other statements.
 fn model(rng: &mut Rng) -> String {
     let mut text = String::new();
     let counts = [rng.usize(3..24), rng.usize(..9), rng.usize(..9)];
@@ -149,7 +149,7 @@ fn line(text: &mut String, words: &[&str]) {
     let _ = writeln!(text, "{}", words.join(" "));
 }
 
-/// Writes a face, mostly of existing corners: in order, in random order (bow ties), or of many corners.
+/// Appends a face, mostly of existing vertices, in order or in random order (bow ties), sometimes with many corners.
 fn face(rng: &mut Rng, text: &mut String, [positions, uvs, normals]: [usize; 3]) {
     let corners = match rng.u8(..24) {
         0 => rng.usize(..3),
@@ -179,7 +179,7 @@ fn face(rng: &mut Rng, text: &mut String, [positions, uvs, normals]: [usize; 3])
     line(text, &["f", &words.join(" ")]);
 }
 
-/// Writes a random statement that the loader knows, with numbers that may not suit it.
+/// Appends a random statement that the loader supports, with numbers that may be invalid for it.
 fn odd_statement(rng: &mut Rng, text: &mut String, format: Format) {
     let statements: Vec<_> = STATEMENTS.iter().filter(|statement| statement.format == format).collect();
     let numbers: Vec<_> = (0..rng.usize(..6)).map(|_| number(rng)).collect();
@@ -187,7 +187,7 @@ fn odd_statement(rng: &mut Rng, text: &mut String, format: Format) {
     line(text, &[pick(rng, &statements).keyword, &(numbers.join(" ") + end)]);
 }
 
-/// Returns a material library of up to three materials.
+/// Returns the text of a random material library of up to three materials.
 fn library(rng: &mut Rng, pictures: &[String]) -> String {
     let mut text = String::new();
     for material in 0..rng.usize(..4) {
@@ -205,7 +205,7 @@ fn library(rng: &mut Rng, pictures: &[String]) -> String {
     text
 }
 
-/// Returns an option of a texture statement, with values that may not suit it.
+/// Returns a random option of a texture statement, with values that may be invalid for it.
 fn option(rng: &mut Rng) -> String {
     let options: Vec<_> = STATEMENTS.iter().filter(|statement| statement.format == Format::Option).collect();
     let values: Vec<_> = (0..rng.usize(..4))

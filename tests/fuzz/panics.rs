@@ -1,6 +1,7 @@
-//! Panics during executions, which are recorded with their location instead of printed.
+//! Recording of panics during executions, with location and message, instead of printing them.
 //!
-//! Panics that the program itself catches and reports are recorded as well: they are errors of the program either way.
+//! Panics that the program itself catches and reports are recorded as well, because they are still errors of the
+//! program.
 
 use std::cell::RefCell;
 use std::panic::PanicHookInfo;
@@ -21,7 +22,7 @@ thread_local! {
 /// The last panic of a thread that a target started.
 static ELSEWHERE: Mutex<Option<String>> = Mutex::new(None);
 
-/// Starts recording. Panics of other threads, such as failed assertions of tests, are still printed.
+/// Starts recording panics. Those of other threads, such as failed assertions of tests, are still printed.
 pub(crate) fn record() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
@@ -37,7 +38,7 @@ pub(crate) fn record() {
     });
 }
 
-/// Returns the first panic of this thread since the last call.
+/// Returns the first panic of this thread since the last call, and clears the record.
 pub(crate) fn take_own() -> Option<String> {
     OWN.take().into_iter().next()
 }

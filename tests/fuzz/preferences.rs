@@ -1,4 +1,4 @@
-//! Target: stored preferences with random changes, loaded by a window.
+//! Fuzz target: stored preferences with random changes, loaded by a window.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -22,16 +22,16 @@ use crate::images::check_message;
 use crate::input::Input;
 use crate::{mutate, strings};
 
-/// Name of the preferences file in the program.
+/// Name of the file in which the program stores its preferences.
 const FILE: &str = "preferences.json";
 
-/// Number of bookmarks to go to.
+/// Largest number of bookmarks that an execution opens.
 const MOST_BOOKMARKS: usize = 3;
 
-/// Size of the window, in points; small pictures are drawn faster.
+/// Size of the window, in points; small, because small pictures are drawn faster.
 const WINDOW: Vec2 = Vec2::new(900.0, 560.0);
 
-/// Target of stored preferences.
+/// Fuzz target that loads mutated preferences.
 pub(crate) struct StoredPreferences;
 
 impl Target for StoredPreferences {
@@ -71,7 +71,8 @@ fn preferences(rng: &mut Rng) -> Preferences {
     let mut recipe = Recipe::default();
     for _ in 0..rng.u8(..4) {
         let setting = strings::sound_setting(rng);
-        // Filters and samples belong to another target: the picture is as large as the canvas here, so they take long.
+        // Post filters and anti-aliasing are left to the target `recipes`: here the picture fills the canvas, so they
+        // are slow.
         if !setting.starts_with("post.") && !setting.starts_with("antialias.") {
             // Rejected settings change nothing.
             let _ = recipe.set(&setting);
@@ -89,7 +90,7 @@ fn preferences(rng: &mut Rng) -> Preferences {
     session.preferences(&WindowState { light_theme: rng.bool(), scale, ..WindowState::default() })
 }
 
-/// Checks that a warning comes with a backup of the whole file, and that no backup exists without one.
+/// Checks that a warning comes with a backup of the whole file, and that no backup exists without a warning.
 fn check_backup(folder: &Path, bytes: &[u8], warning: Option<&str>) -> Result<(), Failure> {
     let backup = std::fs::read(folder.join("preferences-backup.json")).ok();
     match (warning, backup) {
@@ -113,7 +114,7 @@ fn check_written(preferences: &Preferences) -> Result<(), Failure> {
     }
 }
 
-/// Starts a window with preferences, goes to its bookmarks, and checks the preferences that would be stored at the end.
+/// Starts a window with preferences, opens its bookmarks, and checks the preferences that would be stored at the end.
 fn start(preferences: Preferences) -> Result<(), Failure> {
     let source = SceneSource::named("triangle".into());
     let scene = source.load().expect("built in").scene;

@@ -5,7 +5,7 @@ use std::fs;
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Measures the time of a thread, excluding the time for which it was ready to run but had no processor.
+/// Stopwatch of a thread that excludes the time for which the thread was ready to run but had no processor.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stopwatch {
     begun: Instant,
@@ -32,10 +32,10 @@ fn waited() -> Duration {
     Duration::from_nanos(waited.unwrap_or(0))
 }
 
-/// Executions in progress: by number, the largest resident memory up to the last reset, in bytes.
+/// Largest resident memory of each execution in progress up to the last reset, in bytes, by the execution's number.
 static ONGOING: Mutex<BTreeMap<u64, u64>> = Mutex::new(BTreeMap::new());
 
-/// Measures the largest resident memory of the process since the start, independently of measurements on other threads.
+/// Meter of the largest resident memory of the process since the start, independent of meters on other threads.
 #[derive(Debug)]
 pub(crate) struct PeakMeter {
     number: u64,

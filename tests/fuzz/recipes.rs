@@ -1,4 +1,4 @@
-//! Target: random settings on random small scenes, drawn triangle after triangle, tile by tile, and replayed.
+//! Fuzz target: random settings on random small scenes, drawn in classic and tiled execution, and replayed.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -16,16 +16,17 @@ use crate::input::Input;
 use crate::mutate::{pick, word};
 use crate::{equal, strings};
 
-/// Name of the file with scene, view and settings.
+/// Name of the input file that contains scene, views and settings.
 const FILE: &str = "scene.txt";
 
-/// Approximate number of replayed pixels per frame: with a post filter, each of them replays all pixels under the mask.
+/// Approximate number of replayed pixels per frame; few, because with a post filter each replay includes all pixels
+/// under its mask.
 const REPLAYED: u32 = 10;
 
-/// Alpha values of textures, by their keyword in the file.
+/// Alpha codes of textures, by the keyword of the texture in the file.
 const ALPHA: [(&str, &[u8]); 3] = [("opaque", &[255]), ("cut-out", &[0, 255]), ("graded", &[0, 90, 200, 255])];
 
-/// Target of settings and scenes.
+/// Fuzz target that draws random scenes with random settings.
 pub(crate) struct Recipes;
 
 impl Target for Recipes {
@@ -33,7 +34,7 @@ impl Target for Recipes {
         "recipes"
     }
 
-    /// Returns a longer limit: a view is drawn some ten times, with up to 256 samples per pixel.
+    /// Returns a longer limit, because a view is drawn about ten times, with up to 256 samples per pixel.
     fn limit(&self) -> Duration {
         LIMIT * 5
     }
@@ -65,7 +66,7 @@ impl Target for Recipes {
     }
 }
 
-/// Returns a view towards the scene, sometimes from inside it or from far away.
+/// Returns a random camera that looks at the scene, sometimes from inside it or from far away.
 fn camera(rng: &mut Rng) -> Camera {
     let distance = *pick(rng, &[0.5, 2.0, 3.0, 3.0, 50.0]);
     let mut camera = Camera::look_at(in_cube(rng) * distance, in_cube(rng) * 0.3);
@@ -79,7 +80,7 @@ fn camera(rng: &mut Rng) -> Camera {
     if camera.check().is_ok() { camera } else { Camera::look_at(Vec3::Z * 3.0, Vec3::ZERO) }
 }
 
-/// Returns a triangle as nine numbers: random, on a grid with coinciding edges and planes, tiny, or huge.
+/// Returns the line of a random triangle, which is tiny, huge, or on a grid where edges and planes coincide.
 fn triangle(rng: &mut Rng) -> String {
     let kind = rng.u8(..8);
     let corners = [(); 3].map(|()| match kind {
@@ -92,14 +93,14 @@ fn triangle(rng: &mut Rng) -> String {
     format!("triangle {}", numbers.join(" "))
 }
 
-/// Returns up to eight settings that are accepted in sequence.
+/// Returns up to eight random settings, each of which is valid after the previous ones.
 fn settings(rng: &mut Rng) -> Vec<String> {
     let mut recipe = Recipe::default();
     let candidates: Vec<_> = (0..rng.usize(..9)).map(|_| strings::sound_setting(rng)).collect();
     candidates.into_iter().filter(|setting| recipe.set(setting).is_ok()).collect()
 }
 
-/// Scene, views and settings of an input.
+/// Scene, cameras, settings and picture size of an input.
 struct View {
     scene: Arc<Scene>,
     cameras: [Camera; 2],
@@ -108,7 +109,7 @@ struct View {
 }
 
 impl View {
-    /// Parses an input. Returns `None` if a part is missing, which minimising may cause.
+    /// Parses an input. Returns `None` if a part is missing, as may happen while an input is minimised.
     fn parse(text: &str) -> Option<Self> {
         let mut builder = SceneBuilder::new(Vec3::Z);
         let (mut cameras, mut recipe, mut size) = (Vec::new(), Recipe::default(), None);

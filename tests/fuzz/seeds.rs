@@ -1,20 +1,20 @@
-//! Seed files: the project's own inputs, and external samples if there are any.
+//! Seed files of the fuzz targets: the project's own inputs, and external samples if there are any.
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use crate::common::samples;
+use crate::samples;
 
-/// Largest file that is mutated, in bytes.
+/// Size of the largest seed file, in bytes.
 const MOST_BYTES: u64 = 16 << 10;
 
-/// A file, as its name and its bytes.
+/// Name and bytes of a file.
 pub(crate) type File = (String, Vec<u8>);
 
-/// Returns the seed files of up to 16 KiB that `is_wanted` selects by their suffix, sorted by path. The files are
-/// read once for each `kind`.
+/// Returns the seed files of up to 16 KiB whose suffix `is_wanted` accepts, sorted by path. Reads the files once per
+/// `kind`.
 pub(crate) fn files(kind: &'static str, is_wanted: fn(&str) -> bool) -> &'static [File] {
     static KNOWN: Mutex<BTreeMap<&'static str, &'static [File]>> = Mutex::new(BTreeMap::new());
     let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
@@ -28,12 +28,12 @@ pub(crate) fn files(kind: &'static str, is_wanted: fn(&str) -> bool) -> &'static
             let name = path.file_name()?.to_str()?.to_owned();
             Some((name, fs::read(path).ok()?))
         };
-        // A handful of files, kept until the process ends.
+        // The few files stay in memory until the process ends.
         Box::leak(paths.iter().filter_map(read).collect())
     })
 }
 
-/// Whether a suffix belongs to a picture format.
+/// Returns whether a suffix belongs to a picture format.
 pub(crate) fn is_picture(suffix: &str) -> bool {
     ["png", "jpg", "jpeg", "bmp", "tga", "gif", "tif", "tiff"].contains(&suffix)
 }

@@ -12,13 +12,13 @@ use tempfile::TempDir;
 use crate::driver::{Failure, Plan, Report, Target, run};
 use crate::input::{Input, NOTES};
 
-/// Name of the file of all inputs in these tests.
+/// Name of the file that every input in these tests contains.
 const FILE: &str = "text.txt";
 
-/// A target that fails whenever its input contains a word, with a limit for memory growth in bytes.
+/// Target that calls a function if its input contains the word `bad`; the number limits memory growth, in bytes.
 struct Bad(fn(&str) -> Result<(), Failure>, u64);
 
-/// Growth limit that never applies, because other tests of this process may cause growth, in bytes.
+/// Limit of memory growth that is never exceeded, in bytes, because other tests of this process may cause growth.
 const ANY_GROWTH: u64 = u64::MAX;
 
 impl Target for Bad {
@@ -46,7 +46,7 @@ impl Target for Bad {
     }
 }
 
-/// Runs a target that fails by `bad`. Returns the report and the folder of its findings.
+/// Fuzzes a target that fails as `bad` does. Returns the report and the folder of its findings.
 fn fuzzed(bad: fn(&str) -> Result<(), Failure>) -> (Report, TempDir) {
     let folder = tempfile::tempdir().unwrap();
     let report = run(&Arc::new(Bad(bad, ANY_GROWTH)), &plan(&folder));
@@ -58,7 +58,7 @@ fn plan(folder: &TempDir) -> Plan {
     Plan { time: Duration::from_millis(200), seed: 5, first: 0, saved: None, findings, running }
 }
 
-/// Returns the only finding and its folder.
+/// Returns the folder and the failure of the only finding. Panics unless there is exactly one.
 fn only(report: &Report) -> (&Path, &Failure) {
     assert_eq!(report.findings.len(), 1, "{report:?}");
     let (folder, failure) = report.findings.first_key_value().unwrap();
@@ -126,7 +126,7 @@ fn a_slow_execution_is_found() {
 }
 
 #[test]
-fn an_execution_without_end_is_given_up() {
+fn an_execution_without_end_is_abandoned() {
     let (report, _folder) = fuzzed(|_| {
         loop {
             std::thread::park();
@@ -139,7 +139,7 @@ fn an_execution_without_end_is_given_up() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn memory_is_found() {
+fn excessive_memory_growth_is_found() {
     const MOST: u64 = 64 << 20;
     let folder = tempfile::tempdir().unwrap();
     let bad = |_: &str| {

@@ -1,4 +1,4 @@
-//! Target: settings, views, overlays, ranges and places in the forms that users write.
+//! Fuzz target: settings, cameras, overlays, display ranges and search texts, in the forms that users write.
 
 use std::path::Path;
 use std::sync::{Arc, LazyLock};
@@ -19,13 +19,13 @@ use crate::input::Input;
 use crate::mutate::{number, pick, word};
 use crate::{common, equal, mutate};
 
-/// Name of the file: one text per line, preceded by its kind.
+/// Name of the input file, which has one text per line, preceded by its kind.
 const FILE: &str = "texts.txt";
 
-/// Size of the drawn pictures.
+/// Size of the drawn pictures, in pixels.
 const SIZE: Viewport = Viewport { width: 19, height: 13 };
 
-/// A valid view.
+/// Text of a valid camera file.
 const CAMERA: &str = r#"{"eye":[1.5,1.2,3.0],"target":[0,0,0],"up":[0,1,0],"fov_y_degrees":45,"near":0.1,"far":100}"#;
 
 /// Keys of all settings, each with the description of its values.
@@ -34,10 +34,10 @@ static KEYS: LazyLock<Vec<(String, String)>> = LazyLock::new(Recipe::keys);
 /// Scene that is drawn and searched.
 static SCENE: LazyLock<Arc<Scene>> = LazyLock::new(|| Arc::new(common::ground_and_cube()));
 
-/// Frame of [`SCENE`].
+/// Frame of [`SCENE`] with the default settings.
 static FRAME: LazyLock<Frame> = LazyLock::new(|| common::render(&SCENE, &Recipe::default(), (SIZE.width, SIZE.height)));
 
-/// Target of texts.
+/// Fuzz target that parses damaged texts.
 pub(crate) struct Strings;
 
 impl Target for Strings {
@@ -70,7 +70,7 @@ impl Target for Strings {
     }
 }
 
-/// Returns a text preceded by its kind, damaged in a third of the cases.
+/// Returns a random text preceded by its kind, damaged in a third of the cases.
 fn damaged(rng: &mut Rng) -> String {
     let (kind, text) = match rng.u8(..8) {
         0 => ("camera", camera(rng)),
@@ -86,7 +86,7 @@ fn damaged(rng: &mut Rng) -> String {
     format!("{kind} {}", String::from_utf8_lossy(&bytes).replace(['\n', '\r'], " "))
 }
 
-/// Returns a setting with a value named in its description, or with a number.
+/// Returns a random setting `key=value`, whose value is one that the description of the key names, or a number.
 pub(crate) fn sound_setting(rng: &mut Rng) -> String {
     let (key, values) = pick(rng, &KEYS);
     let words: Vec<_> = values.split(", ").collect();
@@ -146,8 +146,8 @@ fn place(rng: &mut Rng) -> String {
     }
 }
 
-/// Checks that a setting is either rejected without any change, or gives a valid recipe that can be read back from its
-/// settings.
+/// Checks that a setting is either rejected without any change, or gives a valid recipe whose settings can be read
+/// back.
 fn check_setting(recipe: &mut Recipe, text: &str) -> Result<(), Failure> {
     let before = *recipe;
     match recipe.set(text) {
@@ -168,7 +168,7 @@ fn check_all_settings(settings: &[&str]) -> Result<(), Failure> {
 }
 
 fn check_recipe(recipe: &Recipe) -> Result<(), Failure> {
-    recipe.check().map_err(|flaw| Failure::Wrong(format!("accepted setting is unsound: {flaw}")))?;
+    recipe.check().map_err(|flaw| Failure::Wrong(format!("accepted setting is invalid: {flaw}")))?;
     let mut again = Recipe::default();
     again.set_all(&assignments(recipe)).map_err(|error| Failure::Wrong(format!("own setting refused: {error}")))?;
     let json = serde_json::to_string(recipe).unwrap_or_default();
@@ -192,14 +192,14 @@ fn check_look(text: &str) -> Result<(), Failure> {
     if is_same { Ok(()) } else { Err(Failure::Wrong(format!("look is not read back: {}", display.text()))) }
 }
 
-/// Searches the scene for a place.
+/// Searches the scene for what a text names, if the text is valid, to check that this does not panic.
 fn check_place(text: &str) {
     if let Ok(wanted) = SearchTarget::parse(text, &SCENE, SIZE, Some(0)) {
         find(&SCENE, &Recipe::default(), &FRAME, &wanted);
     }
 }
 
-/// Checks that a view can be read back, and that both executions draw the same from it.
+/// Checks that a camera can be written and read back, and that both executions draw the same picture with it.
 fn check_camera(text: &str, recipe: &Recipe) -> Result<(), Failure> {
     let Ok(camera) = camera_file::parse(text) else { return Ok(()) };
     let own = camera_file::text(&camera);

@@ -1,4 +1,4 @@
-//! Target: pointer, keys, text, files and sizes, in random order, on a whole window.
+//! Fuzz target: random pointer, key, text, file and resize events, sent to a whole window.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -28,22 +28,22 @@ use crate::obj::Obj;
 use crate::panics;
 use crate::process::Stopwatch;
 
-/// Name of the file with the events, one per line.
+/// Name of the input file that contains the events, one per line.
 const FILE: &str = "events.txt";
 
-/// Built-in scenes that a window starts with, all of few triangles.
+/// Built-in scenes of few triangles, one of which the window opens.
 const SCENES: [&str; 4] = ["triangle", "near-plane", "stained-glass", "z-fighting"];
 
 /// Initial size of the window, in points.
 const WINDOW: Vec2 = Vec2::new(1280.0, 800.0);
 
-/// Rendering time after each event; longer rendering continues during the next events.
+/// Time to wait for the renderer after each event; longer rendering continues during the next events.
 const RENDERING: Duration = Duration::from_millis(20);
 
-/// Button that opens a system dialog, which no test can close.
-const SYSTEM_DIALOG: &str = "Browse …";
+/// Label of the button that opens a system dialog, which no test can close.
+const SYSTEM_DIALOG: &str = "Browse…";
 
-/// Roles of widgets that react to clicks.
+/// Roles of the widgets that are clicked.
 const CLICKED: [Role; 8] = [
     Role::Button,
     Role::CheckBox,
@@ -55,7 +55,7 @@ const CLICKED: [Role; 8] = [
     Role::Link,
 ];
 
-/// Target of windows.
+/// Fuzz target that sends random events to a window.
 pub(crate) struct Window;
 
 impl Target for Window {
@@ -110,7 +110,7 @@ impl Target for Window {
             let begun = Instant::now();
             while begun.elapsed() < RENDERING && is_behind(window.state().session()) {
                 std::thread::sleep(Duration::from_millis(2));
-                // The window receives answers of the renderer.
+                // The window receives results of the renderer in a step.
                 window.step();
             }
         }
@@ -119,7 +119,7 @@ impl Target for Window {
     }
 }
 
-/// Opens a window on a built-in scene, with a renderer thread of its own. Exports are written to `output`.
+/// Opens a window on a built-in scene, with a separate renderer thread. Exports are written to `output`.
 fn window(scene: &str, output: &Path) -> Harness<'static, Workbench> {
     let source = SceneSource::named(scene.into());
     let loaded = source.load().map_or_else(|_| SceneSource::default().load().expect("built in").scene, |l| l.scene);
@@ -134,12 +134,12 @@ fn window(scene: &str, output: &Path) -> Harness<'static, Workbench> {
     })
 }
 
-/// Whether the frame on screen differs from the current request.
+/// Returns whether the frame on screen does not yet match the current request.
 fn is_behind(session: &Session) -> bool {
     session.view.as_ref().is_none_or(|view| !view.request.same_view(&session.request()))
 }
 
-/// Cancels measurements, which take long and would delay everything else.
+/// Cancels measurements, because they would delay all other work.
 fn stop_measurements(window: &mut Harness<'_, Workbench>) {
     let app = window.state_mut();
     let session = app.session();
@@ -151,7 +151,7 @@ fn stop_measurements(window: &mut Harness<'_, Workbench>) {
     app.queue(commands);
 }
 
-/// Checks that the program reports no error of its own, and that all shapes have finite positions.
+/// Checks that the program reports no internal error, and that no shape has a NaN position.
 fn check(window: &Harness<'_, Workbench>) -> Result<(), Failure> {
     let session = window.state().session();
     if let Some(line) = session.log.iter().find(|line| line.text.contains("internal error")) {
@@ -161,11 +161,11 @@ fn check(window: &Harness<'_, Workbench>) -> Result<(), Failure> {
     let is_lost = |shape: &ClippedShape| shape.clip_rect.any_nan() || has_nan_position(&shape.shape);
     match window.output().shapes.iter().find(|shape| is_lost(shape)) {
         None => Ok(()),
-        Some(shape) => Err(Failure::Wrong(format!("shape at a place that is not a number: {shape:?}"))),
+        Some(shape) => Err(Failure::Wrong(format!("shape at a position that is not a number: {shape:?}"))),
     }
 }
 
-/// Whether a part of a shape has a position that is NaN.
+/// Returns whether a shape or a part of it has a NaN position.
 fn has_nan_position(shape: &Shape) -> bool {
     match shape {
         Shape::Vec(parts) => parts.iter().any(has_nan_position),
@@ -201,7 +201,7 @@ fn event(rng: &mut Rng) -> String {
     }
 }
 
-/// Sends the event of a line. Unreadable lines, which minimising an input may create, are skipped.
+/// Sends the event that a line describes. Skips invalid lines, which minimising an input may create.
 fn act(window: &mut Harness<'_, Workbench>, line: &str, folder: &Path) {
     let (word, rest) = line.split_once(' ').unwrap_or((line, ""));
     let words: Vec<_> = rest.split(' ').collect();
@@ -250,7 +250,7 @@ fn act(window: &mut Harness<'_, Workbench>, line: &str, folder: &Path) {
     }
 }
 
-/// Clicks one of the existing widgets; `number` wraps around.
+/// Clicks the widget with this number among all that can be clicked; `number` wraps around.
 fn click(window: &Harness<'_, Workbench>, number: usize) {
     let is_clicked = |node: &egui_kittest::Node<'_>| {
         let node = node.accesskit_node();

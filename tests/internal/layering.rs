@@ -1,0 +1,124 @@
+//! Checks the layering of modules by reading the sources: imports point only upstream, and only `ui` names the window
+//! toolkit.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Crates that only the module `ui` may name.
+const WINDOW_TOOLKIT: [&str; 7] =
+    ["egui", "eframe", "egui_plot", "egui_extras", "egui_commonmark", "egui_kittest", "rfd"];
+
+/// Markers of unfinished work, split so that this file does not contain them.
+const UNFINISHED: [[&str; 2]; 4] = [["TO", "DO"], ["FIX", "ME"], ["unimple", "mented"], ["to", "do"]];
+
+/// A source file: its path relative to `src`, and its text.
+struct Source {
+    path: PathBuf,
+    text: String,
+}
+
+impl Source {
+    /// Returns the top-level module that the file belongs to.
+    fn module(&self) -> String {
+        let first = self.path.iter().next().unwrap_or_default();
+        Path::new(first).with_extension("").display().to_string()
+    }
+
+    /// Returns the lines of code without comments, numbered from 1.
+    fn code(&self) -> impl Iterator<Item = (usize, &str)> {
+        self.text.lines().enumerate().map(|(index, line)| (index + 1, line.split("//").next().unwrap_or_default()))
+    }
+}
+
+fn sources() -> Vec<Source> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut sources = Vec::new();
+    let mut folders = vec![root.clone()];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                let text = fs::read_to_string(&path).unwrap();
+                sources.push(Source { path: path.strip_prefix(&root).unwrap().to_owned(), text });
+            }
+        }
+    }
+    sources
+}
+
+/// Splits text into identifiers: runs of letters, digits and underscores.
+fn words(text: &str) -> impl Iterator<Item = &str> {
+    text.split(|c: char| !c.is_alphanumeric() && c != '_')
+}
+
+/// Returns the library's modules in the order of their declaration, followed by `lib` and `main`.
+fn order(sources: &[Source]) -> Vec<String> {
+    let library = sources.iter().find(|source| source.path == Path::new("lib.rs")).unwrap();
+    let declared =
+        library.code().filter_map(|(_, line)| Some(line.strip_prefix("pub mod ")?.strip_suffix(';')?.to_owned()));
+    declared.chain(["lib", "main"].map(str::to_owned)).collect()
+}
+
+/// Returns the top-level modules that `code` names after `crate::` or `rasterscope::`, singly or within braces.
+fn imports(code: &str) -> Vec<String> {
+    let starts = code.match_indices("crate::").map(|(at, prefix)| (at, prefix.len()));
+    let starts = starts.chain(code.match_indices("rasterscope::").map(|(at, prefix)| (at, prefix.len())));
+    starts.flat_map(|(at, length)| named_modules(&code[at + length..])).collect()
+}
+
+fn named_modules(rest: &str) -> Vec<String> {
+    let Some(group) = rest.strip_prefix('{') else {
+        return words(rest).take(1).map(str::to_owned).collect();
+    };
+    let mut depth = 0;
+    let items = group.split(|c| {
+        depth += i32::from(c == '{') - i32::from(c == '}');
+        c == ',' && depth == 0 || depth < 0
+    });
+    items.map_while(|item| words(item.trim_start()).next().filter(|word| !word.is_empty())).map(str::to_owned).collect()
+}
+
+#[test]
+fn imports_point_only_upstream() {
+    let sources = sources();
+    let order = order(&sources);
+    let position = |module: &str| order.iter().position(|m| m == module);
+    let mut found = 0;
+    for source in &sources {
+        let own = position(&source.module()).unwrap_or_else(|| panic!("{} is in no module", source.path.display()));
+        let code: String = source.code().flat_map(|(_, line)| [line, "\n"]).collect();
+        for import in imports(&code) {
+            // Names that are not modules are macros of the crate.
+            let Some(imported) = position(&import) else { continue };
+            found += 1;
+            assert!(imported <= own, "{} imports {import}, which comes after it", source.path.display());
+        }
+    }
+    assert!(found > 50, "only {found} imports seen");
+}
+
+#[test]
+fn import_groups_are_understood() {
+    assert_eq!(imports("use crate::math;"), ["math"]);
+    assert_eq!(imports("use crate::{image::{Image, Rgba8}, scene};"), ["image", "scene"]);
+    assert_eq!(imports("let x = crate::chain::run(rasterscope::ui::start());"), ["chain", "ui"]);
+}
+
+#[test]
+fn only_the_window_names_its_toolkit() {
+    for source in sources().iter().filter(|source| source.module() != "ui") {
+        let named = words(&source.text).find(|word| WINDOW_TOOLKIT.contains(word));
+        assert_eq!(named, None, "in {}", source.path.display());
+    }
+}
+
+#[test]
+fn sources_contain_no_markers_of_unfinished_work() {
+    let marks = UNFINISHED.map(|halves| halves.concat());
+    for source in sources() {
+        let mark = words(&source.text).find(|word| marks.iter().any(|mark| mark == word));
+        assert_eq!(mark, None, "in {}", source.path.display());
+    }
+}

@@ -1,0 +1,27 @@
+//! Tests that span several modules of the library. They are compiled into it, because most of them need its internals.
+
+mod bad_input;
+mod cases;
+mod common;
+mod depth_cases;
+mod exact_cases;
+mod fate_sums;
+mod fates;
+mod golden;
+mod layering;
+mod models;
+mod properties;
+mod replay;
+mod samples;
+mod shading;
+mod sound;
+mod stability_oracle;
+mod statements;
+mod tiled;
+mod trace;
+#[cfg(feature = "ui")]
+mod ui_pictures;
+#[cfg(feature = "window-tests")]
+mod window;
+#[cfg(feature = "ui")]
+mod worker;

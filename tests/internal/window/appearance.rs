@@ -1,0 +1,74 @@
+//! Tests of the key sheet, the hint, the theme and the tabs, and that an idle window draws nothing.
+
+use eframe::egui::{Key, Modifiers};
+use rasterscope::ui::command::{BINDINGS, MOUSE};
+use rasterscope::ui::session::WindowState;
+
+use super::bench::Bench;
+
+#[test]
+fn the_key_sheet_lists_all_keys_and_gestures() {
+    for (modifiers, key) in [(Modifiers::SHIFT, Key::Slash), (Modifiers::NONE, Key::Questionmark)] {
+        let mut bench = Bench::small("triangle");
+        bench.press_with(modifiers, key);
+        assert!(bench.says("Keys and mouse"), "{key:?}");
+        for what in BINDINGS.iter().map(|binding| binding.description).chain(MOUSE.iter().map(|(_, what)| *what)) {
+            assert!(bench.says(what), "{what}");
+        }
+        bench.click("Close");
+        assert!(!bench.says("Keys and mouse"));
+    }
+}
+
+#[test]
+fn keys_do_nothing_under_a_dialog() {
+    let mut bench = Bench::small("triangle");
+    bench.press(Key::Questionmark);
+    let pick = bench.session().pick;
+    bench.press(Key::ArrowLeft);
+    bench.press(Key::Home);
+    assert_eq!(bench.session().pick, pick);
+    assert_eq!(bench.session().triangle_limit, None);
+    bench.press(Key::Escape);
+    assert!(!bench.says("Keys and mouse"), "Escape closes the sheet");
+    assert_eq!(bench.session().pick, pick, "and nothing else");
+}
+
+#[test]
+fn one_button_switches_between_dark_and_light() {
+    let mut bench = Bench::small("triangle");
+    let dark = |bench: &Bench| bench.window.ctx.global_style().visuals.dark_mode;
+    let before = dark(&bench);
+    bench.click("Switch between dark and light theme");
+    assert_ne!(dark(&bench), before);
+    bench.click("Switch between dark and light theme");
+    assert_eq!(dark(&bench), before);
+}
+
+#[test]
+fn the_hint_is_closed_for_good() {
+    let mut bench = Bench::small("triangle");
+    assert!(bench.mentions("Click a pixel"));
+    bench.click("Close this message");
+    assert!(bench.session().hint_closed);
+    assert!(!bench.mentions("Click a pixel to explain it"));
+    assert!(bench.session().preferences(&WindowState::default()).hint_closed);
+}
+
+#[test]
+fn the_plan_lists_skipped_parts_with_reasons() {
+    let mut bench = Bench::small("triangle");
+    bench.click("Plan");
+    assert!(bench.mentions("1 × the mesh has no texture coordinates"));
+    bench.click("Log");
+    assert!(bench.says("No messages"));
+}
+
+#[test]
+fn an_idle_window_draws_nothing() {
+    let mut bench = Bench::small("triangle");
+    let view = bench.view().frame.clone();
+    bench.window.run_steps(20);
+    assert!(std::sync::Arc::ptr_eq(&view, &bench.view().frame));
+    assert_eq!(bench.window.run(), 1, "nothing requests another pass");
+}

@@ -1,0 +1,7 @@
+//! Tests of the program as a user starts it, and of what its documents say about it.
+
+mod claims;
+mod cli;
+mod files;
+#[cfg(feature = "ui")]
+mod manual;
