@@ -74,3 +74,7 @@ extern crate self as rasterscope;
 #[cfg(test)]
 #[path = "../tests/internal/mod.rs"]
 mod internal;
+
+#[cfg(test)]
+#[path = "../tests/fuzz/mod.rs"]
+mod fuzz;

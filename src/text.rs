@@ -20,7 +20,7 @@ pub(crate) fn clean(text: &str) -> Cow<'_, str> {
 }
 
 /// Returns `text` as one clean line: runs of white space and line ends become single spaces.
-pub fn one_line(text: &str) -> String {
+pub(crate) fn one_line(text: &str) -> String {
     let words: Vec<_> = text.split_whitespace().map(clean).collect();
     words.join(" ")
 }

@@ -87,7 +87,7 @@ impl Default for Antialiasing {
 
 impl Antialiasing {
     /// Returns whether each pixel has a single sample, at its centre.
-    pub fn is_off(self) -> bool {
+    pub(crate) fn is_off(self) -> bool {
         self.method == AntialiasMethod::None
     }
 

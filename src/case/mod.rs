@@ -92,7 +92,7 @@ impl Case {
     ///
     /// Returns an error if the path is not a regular file of at most 16 MiB, or if its content is not JSON, has an
     /// unknown kind, or has fields that do not match the kind.
-    pub fn read(path: &Path) -> Result<Self, CaseError> {
+    pub(crate) fn read(path: &Path) -> Result<Self, CaseError> {
         file::read(path)
     }
 
@@ -266,18 +266,18 @@ pub fn answer(case: &Case, options: Options, control: &Control<'_>) -> Result<An
 
 /// Content of a result file.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct CaseResult {
+pub(crate) struct CaseResult {
     /// Identifier of the case.
-    pub id: String,
+    pub(crate) id: String,
     /// Answer, or the reason why there is none.
     #[serde(flatten)]
-    pub outcome: CaseOutcome,
+    pub(crate) outcome: CaseOutcome,
 }
 
 /// Outcome of a case: the answer, or the reason why there is none.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
-pub enum CaseOutcome {
+pub(crate) enum CaseOutcome {
     /// Answer to a supported case.
     Answered(Answer),
     /// The request is not supported.
@@ -288,7 +288,7 @@ pub enum CaseOutcome {
 }
 
 /// Evaluates a case and returns the content of its result file; `None` if it was cancelled.
-pub fn solve(case: &Case, options: Options, control: &Control<'_>) -> Option<CaseResult> {
+pub(crate) fn solve(case: &Case, options: Options, control: &Control<'_>) -> Option<CaseResult> {
     let outcome = match answer(case, options, control) {
         Ok(answer) => CaseOutcome::Answered(answer),
         Err(Unanswered::Refused(refusal)) => CaseOutcome::Refused { error: refusal.to_string() },

@@ -7,10 +7,10 @@ use std::time::Duration;
 
 use super::Recipe;
 use super::finish::{Finished, Spare, Unfiltered, finish};
-use super::run::redraw;
 use super::view::{frame_inputs, raster_camera, sampling_after};
 use crate::antialias::settings::Antialiasing;
 use crate::image::{Image, Rgba8};
+use crate::pipeline::Geometry;
 use crate::pipeline::depth::DepthScale;
 use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::plan::DrawPlan;
@@ -18,8 +18,7 @@ use crate::pipeline::settings::Execution;
 use crate::pipeline::tiled::TiledReport;
 use crate::pipeline::triangle_list::TriangleList;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
-use crate::pipeline::{Geometry, LastStage};
-use crate::scene::{Camera, Scene};
+use crate::scene::Camera;
 use crate::upscale::{GBuffer, History, Sampling, UpscaleInputs};
 
 /// Wall-clock time of each part of a frame.
@@ -104,7 +103,7 @@ impl Frame {
 
     /// Returns whether the next frame of the same view may be better, because the upscaler's history has not converged
     /// yet.
-    pub fn is_converging(&self, recipe: &Recipe) -> bool {
+    pub(crate) fn is_converging(&self, recipe: &Recipe) -> bool {
         let before =
             self.history.as_ref().filter(|past| past.camera == self.camera).map_or(0, |past| past.still_frames);
         self.gbuffer.is_some() && before + 1 < recipe.upscaler.upscaler().converges_after(recipe.upscaler)
@@ -160,7 +159,7 @@ impl Frame {
 
     /// Returns the position in the framebuffer of a pixel's sample. Returns the nearest sample if samples lie between
     /// pixels, or `None` if the pixel was not drawn.
-    pub fn sample_at(&self, x: u32, y: u32) -> Option<(u32, u32)> {
+    pub(crate) fn sample_at(&self, x: u32, y: u32) -> Option<(u32, u32)> {
         match self.sampling {
             Sampling::Grid(grid) => grid.sample_at(x, y),
             Sampling::Lattice(lattice) => {
@@ -198,12 +197,6 @@ impl Frame {
     /// Returns the mapping between distances and depths of the frame.
     pub(crate) fn depth_scale(&self) -> &DepthScale {
         &self.drawn.depth_scale
-    }
-
-    /// Redraws the frame after a change to its list of triangles, with one sample per pixel.
-    pub fn redraw(&mut self, scene: &Scene, recipe: &Recipe) {
-        let drawn = redraw(scene, recipe, self, LastStage::Shade, &mut ());
-        *self = self.at_moment(recipe, drawn, Geometry::clone(&self.geometry));
     }
 
     /// Returns the frame as it was at an earlier moment of drawing. `drawn` holds the samples drawn by then, one per

@@ -7,19 +7,19 @@ mod pixel_samples;
 mod recipe;
 mod renderer;
 mod run;
-pub(crate) mod samples;
+pub mod samples;
 #[cfg(test)]
 mod tests;
 mod view;
 pub(crate) mod whole;
 
-pub use frame::Frame;
+pub(crate) use frame::Frame;
 pub(crate) use frame::FrameTimes;
 pub use recipe::Recipe;
 pub(crate) use recipe::SetError;
 pub use renderer::KeepDepth;
 pub use renderer::Renderer;
-pub use renderer::execution;
+pub(crate) use renderer::execution;
 pub(crate) use run::prepare_again;
-pub use run::redraw;
+pub(crate) use run::redraw;
 pub use run::run;

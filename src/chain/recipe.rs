@@ -170,7 +170,7 @@ impl Recipe {
     }
 
     /// Checks the ranges that types do not express. Returns an error message if a number is out of range.
-    pub fn check(&self) -> Result<(), String> {
+    pub(crate) fn check(&self) -> Result<(), String> {
         let light = &self.pipeline.light;
         if !light.direction.is_finite() || light.direction == glam::Vec3::ZERO {
             return Err("the direction of the light must be finite and not zero".to_owned());

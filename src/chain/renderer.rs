@@ -96,7 +96,7 @@ pub enum KeepDepth {
 
 impl Renderer {
     /// Returns a renderer that uses the given SIMD lanes.
-    pub fn on(lanes: Lanes) -> Self {
+    pub(crate) fn on(lanes: Lanes) -> Self {
         Self { lanes, ..Self::default() }
     }
 
@@ -279,7 +279,7 @@ impl Renderer {
 }
 
 /// Returns the execution that draws a scene by a recipe, and the reason if it is not the one that the recipe selects.
-pub fn execution(scene: &Scene, recipe: &Recipe) -> (Execution, Option<&'static str>) {
+pub(crate) fn execution(scene: &Scene, recipe: &Recipe) -> (Execution, Option<&'static str>) {
     match recipe.execution {
         Execution::Classic => (Execution::Classic, None),
         Execution::Tiled => match tiled::obstacle(scene, &recipe.pipeline) {

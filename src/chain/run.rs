@@ -159,7 +159,7 @@ pub(super) fn mean_of_passes(
 /// Draws the triangles of a frame again into a new framebuffer, up to the stage `until`. `recipe` may differ from the
 /// frame's own only in settings of samples, such as depth test and shading. Transparency stays that of the frame:
 /// alpha-tested fragments stay discarded, and blended ones come last and store no depth.
-pub fn redraw<O: Observer>(
+pub(crate) fn redraw<O: Observer>(
     scene: &Scene,
     recipe: &Recipe,
     frame: &Frame,

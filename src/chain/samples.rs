@@ -205,11 +205,6 @@ impl ProgressiveRender {
         true
     }
 
-    /// Returns the fraction of the samples drawn so far, in [0, 1].
-    pub(crate) fn progress(&self) -> f32 {
-        self.mean.samples() as f32 / self.places.len() as f32
-    }
-
     /// Returns the mean of the samples drawn so far.
     pub(crate) fn picture(&self) -> Image<Rgba8> {
         self.mean.picture()

@@ -64,7 +64,7 @@ impl<T: Copy> Image<T> {
     }
 
     /// Returns the height in pixels.
-    pub fn height(&self) -> u32 {
+    pub(crate) fn height(&self) -> u32 {
         self.height
     }
 
@@ -116,7 +116,7 @@ impl<T: Copy> Image<T> {
     }
 
     /// Returns a picture of the same size with `f` applied to every value.
-    pub fn map<U>(&self, f: impl FnMut(T) -> U) -> Image<U> {
+    pub(crate) fn map<U>(&self, f: impl FnMut(T) -> U) -> Image<U> {
         Image { width: self.width, height: self.height, pixels: self.pixels.iter().copied().map(f).collect() }
     }
 

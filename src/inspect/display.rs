@@ -57,9 +57,9 @@ impl ColorMap {
 /// Display settings of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
-pub struct Display {
+pub(crate) struct Display {
     /// Rule that determines the low and high ends of the displayed range.
-    pub rule: Rule,
+    pub(crate) rule: Rule,
     /// Colour map; `None` for the default map of the quantity.
     pub(crate) map: Option<ColorMap>,
     /// Whether the colour map is reversed.

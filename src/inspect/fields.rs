@@ -59,7 +59,7 @@ pub(crate) fn changes(before: &Recipe, after: &Recipe) -> Vec<FieldChange> {
 
 /// Returns the `key=value` assignments that turn the default recipe into `recipe` with [`Recipe::set_all`]; empty for
 /// the default one.
-pub fn assignments(recipe: &Recipe) -> Vec<String> {
+pub(crate) fn assignments(recipe: &Recipe) -> Vec<String> {
     let changed = changes(&Recipe::default(), recipe);
     // Changing the upscaling method resets its other settings, so all of them are included.
     let other_upscaler = changed.iter().any(|change| change.key.starts_with(UPSCALER_KEYS));

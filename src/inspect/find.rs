@@ -13,7 +13,7 @@ use crate::scene::{Scene, TriangleId};
 
 /// Target of a search in a frame.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum SearchTarget {
+pub(crate) enum SearchTarget {
     /// A pixel, by column and row.
     Pixel(u32, u32),
     /// A pixel to centre in the canvas: column, row, and magnification in percent.
@@ -31,7 +31,7 @@ const PERCENT: std::ops::RangeInclusive<u32> = 4..=25_600;
 
 /// Result of a search for a target in a frame.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum SearchResult {
+pub(crate) enum SearchResult {
     /// The target is visible. Contains its most central visible pixel and the number of its visible samples.
     Visible((u32, u32), usize),
     /// The target is hidden everywhere. Contains its most central pixel and the number of samples that it covers.
@@ -45,7 +45,7 @@ pub enum SearchResult {
 impl SearchTarget {
     /// Parses "12,34", "800% 12,34", "tri 56", "vertex 7 of knot", or the name of an object or a part of it. A vertex
     /// without an object name belongs to the object with the number `near`. The error states what was not found.
-    pub fn parse(
+    pub(crate) fn parse(
         text: &str,
         scene: &Scene,
         Viewport { width, height }: Viewport,
@@ -129,7 +129,7 @@ fn parse_triangle(text: &str) -> Option<u64> {
 }
 
 /// Searches for a target in a frame by drawing its triangles again.
-pub fn find(scene: &Scene, recipe: &Recipe, frame: &Frame, wanted: &SearchTarget) -> SearchResult {
+pub(crate) fn find(scene: &Scene, recipe: &Recipe, frame: &Frame, wanted: &SearchTarget) -> SearchResult {
     let is_wanted: &dyn Fn(&ScreenTriangle) -> bool = match wanted {
         SearchTarget::Pixel(x, y) | SearchTarget::View(x, y, _) => return SearchResult::Visible((*x, *y), 1),
         SearchTarget::Vertex(object, number) => return vertex::find(scene, recipe, frame, (*object, *number)),

@@ -75,13 +75,14 @@ pub struct Hits {
 
 impl Hits {
     /// Counts the hits of a frame drawn with `settings` and finds the faults along its shared edges.
-    pub fn of(frame: &Frame, settings: &Settings) -> Self {
+    pub(crate) fn of(frame: &Frame, settings: &Settings) -> Self {
         let Viewport { width, height } = frame.raster;
         FaultSearch::of(frame, settings, Scissor::full(width, height)).run()
     }
 
     /// Counts the hits of screen triangles on a grid of samples and finds the faults along their shared edges.
-    pub fn of_triangles(
+    #[cfg(test)]
+    pub(crate) fn of_triangles(
         triangles: &[ScreenTriangle],
         settings: &Settings,
         grid: SampleGrid,
@@ -91,7 +92,7 @@ impl Hits {
     }
 
     /// Adds the cracks and double hits along open seams of the scene that are visible in the frame.
-    pub fn with_seams(mut self, scene: &Scene, recipe: &Recipe, frame: &Frame, seams: &Seams) -> Self {
+    pub(crate) fn with_seams(mut self, scene: &Scene, recipe: &Recipe, frame: &Frame, seams: &Seams) -> Self {
         let Viewport { width, height } = frame.raster;
         let place = |fault: &Fault| (fault.y, fault.x);
         let mut added = seams::faults(scene, recipe, frame, seams, Scissor::full(width, height));
@@ -108,7 +109,7 @@ impl Hits {
     }
 
     /// Returns the number of faults of one kind: cracks or double hits.
-    pub fn count(&self, kind: FaultKind) -> usize {
+    pub(crate) fn count(&self, kind: FaultKind) -> usize {
         self.faults.iter().filter(|fault| fault.kind == kind).count()
     }
 
@@ -134,7 +135,7 @@ impl Hits {
 
     /// Returns the first fault after the pixel `from`, or the last fault before it if not `forwards`. Wraps around at
     /// both ends of the list.
-    pub fn neighbour(&self, from: Option<(u32, u32)>, forwards: bool) -> Option<&Fault> {
+    pub(crate) fn neighbour(&self, from: Option<(u32, u32)>, forwards: bool) -> Option<&Fault> {
         let place = |fault: &Fault| (fault.y, fault.x);
         let Some((x, y)) = from else {
             return if forwards { self.faults.first() } else { self.faults.last() };
@@ -150,7 +151,7 @@ impl Hits {
 }
 
 /// Returns the crack or double hit at a pixel of the drawn picture, if any.
-pub fn fault_at(frame: &Frame, settings: &Settings, x: u32, y: u32) -> Option<Fault> {
+pub(crate) fn fault_at(frame: &Frame, settings: &Settings, x: u32, y: u32) -> Option<Fault> {
     let Viewport { width, height } = frame.raster;
     let around_px = if settings.rasterizer.is_published() { REACH_SAMPLES * WIDEST_STEP_PX } else { 0 };
     let end = |at: u32, limit: u32| at.saturating_add(around_px).saturating_add(1).min(limit);

@@ -55,7 +55,7 @@ pub(crate) fn inv_w_at(triangle: &ScreenTriangle, sample: &RasterSample) -> f32 
 
 /// One intermediate value at every sample of a frame.
 #[derive(Clone, Debug)]
-pub(crate) struct Captured {
+pub struct Captured {
     /// The intermediate value that was captured.
     pub(crate) which: Intermediate,
     /// Values in the packed layout of the frame's framebuffer; `None` where nothing was drawn or the value was not
@@ -77,7 +77,7 @@ impl Captured {
 }
 
 /// Draws the frame again and records one intermediate value at every sample.
-pub(crate) fn capture(scene: &Scene, recipe: &Recipe, frame: &Frame, which: Intermediate) -> Captured {
+pub fn capture(scene: &Scene, recipe: &Recipe, frame: &Frame, which: Intermediate) -> Captured {
     let (width, height) = frame.drawn.color.size();
     let shaders = scene.instances.iter().zip(&frame.plans);
     let mut capture = Capture {

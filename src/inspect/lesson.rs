@@ -2,9 +2,8 @@
 //!
 //! The solution of a lesson is to inspect the dark pixel: its verdict names the cause.
 
-use crate::chain::{Frame, Recipe};
+use crate::chain::Recipe;
 use crate::image::Rgba8;
-use crate::pipeline::viewport::Viewport;
 
 /// Greatest sRGB code that counts as black: on a screen in a lit room, lower codes are indistinguishable from 0.
 pub(crate) const BLACK_CODE: u8 = 12;
@@ -16,21 +15,23 @@ pub(crate) fn is_black([r, g, b, _]: Rgba8) -> bool {
 
 /// A built-in scene with settings that produce a black spot, and a question about it.
 #[derive(Clone, Copy, Debug)]
-pub struct BlackPixelLesson {
+pub(crate) struct BlackPixelLesson {
     /// Id of the built-in scene.
-    pub scene: &'static str,
+    pub(crate) scene: &'static str,
     /// Question about the visible artefact.
-    pub question: &'static str,
+    pub(crate) question: &'static str,
     /// Settings that differ from the default recipe, as `key=value` assignments.
     pub(crate) settings: &'static [&'static str],
     /// Position of the black spot, as fractions of the picture's width and height.
+    #[cfg_attr(not(test), expect(dead_code, reason = "tests pick the spot and check its verdict"))]
     pub(crate) place: [f32; 2],
     /// Part of the pixel's verdict that names the cause of the black spot.
-    pub cause: &'static str,
+    #[cfg_attr(not(test), expect(dead_code, reason = "tests pick the spot and check its verdict"))]
+    pub(crate) cause: &'static str,
 }
 
 /// All lessons, ordered by the pipeline stage of their causes.
-pub const ALL: &[BlackPixelLesson] = &[
+pub(crate) const ALL: &[BlackPixelLesson] = &[
     BlackPixelLesson {
         scene: "near-clipped",
         question: "Why does the floor end too early?",
@@ -78,8 +79,9 @@ impl BlackPixelLesson {
     }
 
     /// Returns the black pixel nearest to the lesson's spot; `None` if no pixel is black.
-    pub fn black_pixel(&self, frame: &Frame) -> Option<(u32, u32)> {
-        let Viewport { width, height } = frame.viewport;
+    #[cfg(test)]
+    pub(crate) fn black_pixel(&self, frame: &crate::chain::Frame) -> Option<(u32, u32)> {
+        let (width, height) = (frame.viewport.width, frame.viewport.height);
         let [x, y] = [self.place[0] * width as f32, self.place[1] * height as f32].map(|at| at as u32);
         let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
         let black = pixels.filter(|(x, y)| is_black(frame.image().at(*x, *y)));
@@ -95,6 +97,7 @@ mod tests {
     use crate::chain::{KeepDepth, Renderer, run};
     use crate::inspect::{Survey, explain};
     use crate::pipeline::settings::Shading;
+    use crate::pipeline::viewport::Viewport;
     use crate::scene::builtin;
 
     #[test]

@@ -11,11 +11,11 @@ pub(crate) const BINS: usize = 256;
 
 /// Statistics and histograms of a picture of values.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PictureStatistics {
+pub(crate) struct PictureStatistics {
     /// Statistics of each channel over the whole picture.
-    pub whole: Vec<Statistics>,
+    pub(crate) whole: Vec<Statistics>,
     /// Rectangle and statistics of each channel within it, if one was selected.
-    pub part: Option<(PixelRegion, Vec<Statistics>)>,
+    pub(crate) part: Option<(PixelRegion, Vec<Statistics>)>,
     /// Histogram of each channel over the whole picture, all with the same range. Empty if no range was requested and
     /// no value is finite.
     pub(crate) histograms: Vec<Histogram>,

@@ -14,29 +14,29 @@ pub mod buffers;
 
 pub(crate) mod depth;
 
-pub mod display;
+pub(crate) mod display;
 
 pub mod fates;
 
 pub(crate) mod feeds;
 
-pub mod fields;
+pub(crate) mod fields;
 
-pub mod find;
+pub(crate) mod find;
 
 pub(crate) mod histogram;
 
-pub mod history;
+pub(crate) mod history;
 
-pub mod hits;
+pub(crate) mod hits;
 
 pub mod intermediate;
 
-pub mod lesson;
+pub(crate) mod lesson;
 
 pub(crate) mod measured;
 
-pub mod mesh_view;
+pub(crate) mod mesh_view;
 
 pub(crate) mod normals;
 
@@ -44,7 +44,7 @@ pub mod outline;
 
 pub mod overlays;
 
-pub mod pixel;
+pub(crate) mod pixel;
 
 pub(crate) mod place;
 
@@ -52,13 +52,13 @@ pub(crate) mod planes;
 
 pub(crate) mod probe;
 
-pub mod range;
+pub(crate) mod range;
 
-pub mod scrub;
+pub(crate) mod scrub;
 
-pub mod selection;
+pub(crate) mod selection;
 
-pub mod stages;
+pub(crate) mod stages;
 
 pub(crate) mod statistics;
 
@@ -68,7 +68,7 @@ mod verdict;
 
 pub(crate) mod vertices;
 
-pub mod view;
+pub(crate) mod view;
 
 pub(crate) mod watch;
 
@@ -77,15 +77,15 @@ pub(crate) mod what_if;
 pub use buffers::Buffer;
 pub use buffers::capture;
 pub(crate) use depth::DepthRecord;
-pub use fates::Fates;
-pub use history::Survey;
-pub use history::explain;
-pub use hits::FaultKind;
-pub use hits::Hits;
+pub(crate) use fates::Fates;
+pub(crate) use history::Survey;
+pub(crate) use history::explain;
+pub(crate) use hits::FaultKind;
+pub(crate) use hits::Hits;
 pub use intermediate::Intermediate;
 pub use pixel::FragmentOutcome;
-pub use pixel::FragmentRecord;
-pub use pixel::PixelReport;
+pub(crate) use pixel::FragmentRecord;
+pub(crate) use pixel::PixelReport;
 pub use pixel::inspect;
 pub(crate) use place::InspectionState;
 pub(crate) use selection::TriangleSelection;

@@ -41,7 +41,7 @@ pub enum FragmentOutcome {
 
 impl FragmentOutcome {
     /// Whether the fragment was written to the framebuffer, even if later fragments covered it.
-    pub fn is_written(self) -> bool {
+    pub(crate) fn is_written(self) -> bool {
         matches!(self, Self::Visible | Self::Overwritten | Self::BlendedOver)
     }
 }
@@ -129,7 +129,7 @@ pub struct ShadingRecord {
 
 impl ShadingRecord {
     /// Returns the texels read from one texture map.
-    pub fn texels_of(&self, map: TextureMap) -> impl Iterator<Item = &TexelRecord> {
+    pub(crate) fn texels_of(&self, map: TextureMap) -> impl Iterator<Item = &TexelRecord> {
         self.texels.iter().filter(move |texel| texel.map == map)
     }
 }
@@ -146,16 +146,16 @@ choice! {
 
 /// One texel read for a fragment.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct TexelRecord {
+pub(crate) struct TexelRecord {
     /// Texture map that contains the texel.
     pub(crate) map: TextureMap,
     /// Mip level: 0 is the full texture, and each further level has half the side lengths.
     pub(crate) level: usize,
     /// Position of the texel in the mip level, and its filter weight.
     #[serde(flatten)]
-    pub tap: TexelTap,
+    pub(crate) tap: TexelTap,
     /// Colour of the texel, as 8-bit codes.
-    pub color: Rgba8,
+    pub(crate) color: Rgba8,
 }
 
 /// Drawn pixel that the upscaler read to compute the inspected pixel.

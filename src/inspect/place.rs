@@ -21,7 +21,7 @@ use crate::scene::{Camera, camera_file};
 
 /// Complete state of an inspection, which can be restored later.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct InspectionState {
+pub(crate) struct InspectionState {
     /// Inspected scene: the id of a built-in scene, or the path of a file.
     #[serde(with = "stored_path")]
     pub(crate) scene: PathBuf,

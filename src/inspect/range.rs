@@ -11,7 +11,7 @@ const EXCLUDED_FRACTION: f64 = 0.01;
 /// Set of values to which the range of a colour map is fitted. Pixels without a value, such as a cleared depth, are
 /// ignored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum RangeFit {
+pub(crate) enum RangeFit {
     /// All values of the picture, from minimum to maximum.
     All,
     /// All values of the picture between the 1st and the 99th percentile.
@@ -22,7 +22,7 @@ pub enum RangeFit {
 
 /// Rule that determines the range of a colour map.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Rule {
+pub(crate) enum Rule {
     /// Default range of the displayed quantity: counts from 0, colours from 0 to 255, others from minimum to maximum.
     #[default]
     Natural,

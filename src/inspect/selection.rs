@@ -27,17 +27,17 @@ impl TriangleSelection {
     }
 
     /// Returns the label that describes the selected triangles.
-    pub fn label(&self) -> &str {
+    pub(crate) fn label(&self) -> &str {
         &self.label
     }
 
     /// Returns the number of selected triangles.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.len
     }
 
     /// Whether no triangle is selected.
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.len == 0
     }
 
@@ -47,7 +47,8 @@ impl TriangleSelection {
     }
 
     /// Returns the selected triangles, in scene order.
-    pub fn iter(&self) -> impl Iterator<Item = TriangleId> + '_ {
+    #[cfg(test)]
+    pub(crate) fn iter(&self) -> impl Iterator<Item = TriangleId> + '_ {
         let words = self.bits.iter().zip((0..).step_by(64));
         words.flat_map(|(word, first)| {
             (0..64).filter(move |bit| word >> bit & 1 == 1).map(move |bit| TriangleId(first + bit))

@@ -42,7 +42,7 @@ const REJECTED_COLOR: Rgba8 = [214, 72, 72, 255];
 pub(crate) const NOT_DRAWN: Rgba8 = [12, 12, 12, 255];
 
 /// Returns the picture of `frame` after the pipeline stage `stage`.
-pub fn picture(scene: &Scene, camera: &Camera, recipe: &Recipe, frame: &Frame, stage: Stage) -> Image<Rgba8> {
+pub(crate) fn picture(scene: &Scene, camera: &Camera, recipe: &Recipe, frame: &Frame, stage: Stage) -> Image<Rgba8> {
     let redrawn = |shading| {
         let recipe = Recipe { pipeline: Settings { shading, ..recipe.pipeline }, ..*recipe };
         spread(&redraw(scene, &recipe, frame, LastStage::Shade, &mut ()).color, frame)

@@ -4,9 +4,9 @@ use serde::Serialize;
 
 /// Statistics of the numbers [added](Statistics::add) so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Statistics {
+pub(crate) struct Statistics {
     /// Number of finite values; all other statistics include only these.
-    pub finite: u64,
+    pub(crate) finite: u64,
     /// Number of NaN values.
     pub(crate) nan: u64,
     /// Number of infinite values, of either sign.
@@ -56,7 +56,8 @@ impl Statistics {
     }
 
     /// Returns the number of all values, finite or not.
-    pub fn count(&self) -> u64 {
+    #[cfg(test)]
+    pub(crate) fn count(&self) -> u64 {
         self.finite + self.nan + self.infinite
     }
 }

@@ -13,11 +13,11 @@ use crate::scene::TriangleId;
 
 /// Range of values that a colour map spans.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Range {
+pub(crate) struct Range {
     /// Value at the start of the colour map.
-    pub low: f32,
+    pub(crate) low: f32,
     /// Value at the end of the colour map.
-    pub high: f32,
+    pub(crate) high: f32,
 }
 
 impl Range {
@@ -62,7 +62,7 @@ pub(crate) fn map_color(buffer: Buffer, position: f32) -> Rgba8 {
 
 /// Value of a buffer at a pixel of the full picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Value {
+pub(crate) enum Value {
     /// The pixel was not drawn and is left to the upscaler.
     NotDrawn,
     /// The pixel was drawn but has no value in the buffer.
@@ -123,7 +123,7 @@ fn depth_of(frame: &Frame, buffers: Option<&Buffers>, column: u32, row: u32) -> 
 
 /// Returns the value range of a buffer that uses a colour map: minimum to maximum of stored depths, or 0 to the maximum
 /// of counts. `None` for other buffers, or without values.
-pub fn range(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>) -> Option<Range> {
+pub(crate) fn range(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>) -> Option<Range> {
     match buffer {
         Buffer::Depth => {
             let (width, height) = frame.drawn.color.size();
@@ -149,7 +149,7 @@ pub fn range(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>) -> Option
 }
 
 /// Renders a buffer as a full picture. `range` defaults to [0, 1].
-pub fn picture(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, range: Option<Range>) -> Image<Rgba8> {
+pub(crate) fn picture(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, range: Option<Range>) -> Image<Rgba8> {
     let range = range.unwrap_or(Range { low: 0.0, high: 1.0 });
     let (width, height) = frame.image().size();
     let mut image = Image::from_fn(width, height, |x, y| match value(buffer, frame, buffers, x, y) {

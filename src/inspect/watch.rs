@@ -9,7 +9,7 @@ use crate::scene::{Scene, TriangleId};
 
 /// Values of all buffers at a watched pixel.
 #[derive(Clone, Debug, PartialEq)]
-pub struct WatchedPixel {
+pub(crate) struct WatchedPixel {
     /// Column of the pixel in the full picture.
     pub(crate) x: u32,
     /// Row of the pixel in the full picture.

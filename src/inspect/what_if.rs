@@ -12,9 +12,9 @@ use super::view::{Value, value};
 
 /// Pixels that differ between two frames of the same size.
 #[derive(Clone, Debug)]
-pub struct Changes {
+pub(crate) struct Changes {
     /// Mask of the picture: `true` for each pixel that differs.
-    pub mask: Image<bool>,
+    pub(crate) mask: Image<bool>,
     /// Number of pixels that differ.
     pub(crate) count: u64,
 }

@@ -34,7 +34,7 @@ const LARGEST: i32 = 60;
 
 /// Input and settings of the page on circles.
 #[derive(Clone, Debug, PartialEq)]
-pub struct CircleLesson {
+pub(crate) struct CircleLesson {
     /// Pixel at the centre, as column and row.
     pub(crate) center: (i32, i32),
     /// Half axes, in pixels; the first is the radius of a circle.

@@ -65,7 +65,7 @@ const FRAME: u32 = 4;
 
 /// Input and settings of the page on lines.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LineLesson {
+pub(crate) struct LineLesson {
     /// End points, where integers are pixel centres.
     pub(crate) ends: [DVec2; 2],
     /// Selected algorithm.

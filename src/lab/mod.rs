@@ -17,7 +17,7 @@ pub(crate) mod circles;
 
 pub(crate) mod polygons;
 
-pub mod seed_fills;
+pub(crate) mod seed_fills;
 
 pub(crate) mod primitives;
 
@@ -57,7 +57,7 @@ choice! {
 
 /// Input and settings of one page.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Lesson {
+pub(crate) enum Lesson {
     /// Lesson on straight lines.
     Lines(LineLesson),
     /// Lesson on circles and ellipses.
@@ -127,12 +127,12 @@ impl Lesson {
     }
 
     /// Returns an explanation of the algorithm for students.
-    pub fn explanation(&self) -> &'static str {
+    pub(crate) fn explanation(&self) -> &'static str {
         each!(self, lesson => lesson.explanation())
     }
 
     /// Returns the draggable points of the input, in pixels.
-    pub fn handles(&self) -> Vec<DVec2> {
+    pub(crate) fn handles(&self) -> Vec<DVec2> {
         each!(self, lesson => lesson.handles())
     }
 

@@ -80,7 +80,7 @@ const SIZE: (u32, u32) = (32, 24);
 
 /// Input and settings of the page on polygons.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PolygonLesson {
+pub(crate) struct PolygonLesson {
     /// Closed contours of the polygon, in pixels.
     pub(crate) contours: Vec<Vec<DVec2>>,
     /// Selected operation.

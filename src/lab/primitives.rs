@@ -95,7 +95,7 @@ const SIZE: (u32, u32) = (32, 24);
 
 /// Input and settings of the page on primitives.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PrimitiveLesson {
+pub(crate) struct PrimitiveLesson {
     /// Vertices: x and y in pixels, z without a unit.
     pub(crate) vertices: Vec<DVec3>,
     /// Selected topology.

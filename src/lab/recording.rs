@@ -26,11 +26,11 @@ pub(crate) enum Ink {
 
 /// Pixel of the grid and its ink.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct InkedPixel {
+pub(crate) struct InkedPixel {
     /// Column in the grid; may lie outside.
-    pub x: i64,
+    pub(crate) x: i64,
     /// Row in the grid; may lie outside.
-    pub y: i64,
+    pub(crate) y: i64,
     /// Ink of the pixel.
     pub(crate) ink: Ink,
 }
@@ -72,28 +72,28 @@ pub(crate) enum Mark {
 
 /// Recorded step of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct RecordedStep {
+pub(crate) struct RecordedStep {
     /// Pixels set by the step.
-    pub cells: Vec<InkedPixel>,
+    pub(crate) cells: Vec<InkedPixel>,
     /// Geometry that the step examined.
     pub(crate) marks: Vec<Mark>,
     /// Description of the step, in one sentence.
-    pub description: String,
+    pub(crate) description: String,
     /// State of the algorithm, as names and values.
     pub(crate) state: Vec<(String, String)>,
 }
 
 /// Recorded run on a small input.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Recording {
+pub(crate) struct Recording {
     /// Number of columns and rows of the grid.
-    pub size: (u32, u32),
+    pub(crate) size: (u32, u32),
     /// Pixels of the input picture, below those of the steps.
     pub(crate) ground: Vec<InkedPixel>,
     /// Geometry of the true shape.
     pub(crate) figure: Vec<Mark>,
     /// Recorded steps, in order.
-    pub steps: Vec<RecordedStep>,
+    pub(crate) steps: Vec<RecordedStep>,
     /// Results of the whole run, as names and values.
     pub(crate) facts: Vec<(String, String)>,
     /// Whether the run had more than [`MAX_STEPS`] steps.
@@ -163,9 +163,9 @@ pub(crate) fn time_of(mut run: impl FnMut() -> usize) -> Duration {
 
 /// Method with its error and its time.
 #[derive(Clone, Debug, PartialEq)]
-pub struct MethodResult {
+pub(crate) struct MethodResult {
     /// Display name of the method.
-    pub name: &'static str,
+    pub(crate) name: &'static str,
     /// Error against the reference, in the unit that the comparison states.
     pub(crate) error: f64,
     /// Measured time of one run.
@@ -174,13 +174,13 @@ pub struct MethodResult {
 
 /// Comparison of several methods for the same task.
 #[derive(Clone, Debug, PartialEq)]
-pub struct MethodComparison {
+pub(crate) struct MethodComparison {
     /// Description of the task that all methods solve.
-    pub task: String,
+    pub(crate) task: String,
     /// Meaning of the methods' `error`, with its unit.
     pub(crate) error: &'static str,
     /// Results of the compared methods.
-    pub methods: Vec<MethodResult>,
+    pub(crate) methods: Vec<MethodResult>,
     /// Summary of the comparison in one sentence, if it has one.
     pub(crate) note: Option<String>,
 }

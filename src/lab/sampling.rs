@@ -94,7 +94,7 @@ const SPOKES: f64 = 8.0;
 
 /// Input and settings of the page on sampling.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SamplingLesson {
+pub(crate) struct SamplingLesson {
     /// Scene that is sampled.
     pub(crate) scene: SamplingScene,
     /// Method that computes the pixels.

@@ -50,7 +50,7 @@ choice! {
 
 /// Content of a pixel of the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Paint {
+pub(crate) enum Paint {
     /// Empty pixel.
     Paper,
     /// Wall: the boundary colour of a boundary fill.
@@ -66,9 +66,9 @@ const SIZE: (u32, u32) = (30, 20);
 
 /// Input and settings of the page on seed fills.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SeedFillLesson {
+pub(crate) struct SeedFillLesson {
     /// Grid in which the fill starts.
-    pub grid: Image<Paint>,
+    pub(crate) grid: Image<Paint>,
     /// Column and row of the pixel where the fill starts.
     pub(crate) seed: (u32, u32),
     /// Definition of the region.

@@ -34,7 +34,7 @@ const VALUES: [f32; 3] = [0.0, 0.5, 1.0];
 
 /// Input and settings of the page on triangles: ABC and its neighbour CBD.
 #[derive(Clone, Debug, PartialEq)]
-pub struct TriangleLesson {
+pub(crate) struct TriangleLesson {
     /// Corners A, B, C and D, in pixels.
     pub(crate) corners: [DVec2; 4],
     /// Algorithm that finds the covered pixels.

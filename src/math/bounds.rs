@@ -4,11 +4,11 @@ use glam::{Mat4, Vec3};
 
 /// Axis-aligned bounding box. [`Aabb::EMPTY`] contains nothing and is the neutral element of [`Aabb::union`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Aabb {
+pub(crate) struct Aabb {
     /// Corner with the smallest x, y and z.
-    pub min: Vec3,
+    pub(crate) min: Vec3,
     /// Corner with the largest x, y and z.
-    pub max: Vec3,
+    pub(crate) max: Vec3,
 }
 
 impl Aabb {
@@ -24,7 +24,7 @@ impl Aabb {
     }
 
     /// Returns whether the box contains no point.
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.min.cmpgt(self.max).any()
     }
 
@@ -46,7 +46,7 @@ impl Aabb {
     }
 
     /// Returns the eight corners. Bits 0, 1 and 2 of the index select the maximum of x, y and z.
-    pub fn corners(&self) -> [Vec3; 8] {
+    pub(crate) fn corners(&self) -> [Vec3; 8] {
         std::array::from_fn(|i| {
             let pick = |axis: usize| if i >> axis & 1 == 0 { self.min[axis] } else { self.max[axis] };
             Vec3::new(pick(0), pick(1), pick(2))

@@ -55,7 +55,7 @@ pub(crate) type F64<S> = f64x8<S>;
 
 /// SIMD instruction set that kernels run with, selected at run time.
 #[derive(Clone, Copy, Debug)]
-pub enum Lanes {
+pub(crate) enum Lanes {
     /// AVX-512 with the extensions of Ice Lake, Zen 4 and later processors: eight doubles per register.
     #[cfg(target_arch = "x86_64")]
     Avx512(fearless_simd::x86::Avx512),
@@ -73,7 +73,7 @@ impl Lanes {
     }
 
     /// Returns all instruction sets that this processor supports, the best first.
-    pub fn all() -> impl Iterator<Item = Self> {
+    pub(crate) fn all() -> impl Iterator<Item = Self> {
         [Self::avx512(), Self::avx2(), Some(Self::baseline())].into_iter().flatten()
     }
 
@@ -112,7 +112,7 @@ impl Lanes {
     }
 
     /// Returns the display name of the instruction set.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             #[cfg(target_arch = "x86_64")]
             Self::Avx512(_) => "AVX-512",

@@ -20,7 +20,7 @@ pub(crate) mod expansion;
 
 pub(crate) mod fixed;
 
-pub mod lanes;
+pub(crate) mod lanes;
 
 pub(crate) mod log2;
 

@@ -41,7 +41,7 @@ impl PreparedReference {
 
 /// Compares an image with a reference and also returns the FLIP error of every pixel. Returns `None` if the sizes
 /// differ or there are no pixels.
-pub fn figures(picture: &Image<Rgba8>, reference: &Image<Rgba8>) -> Option<(ErrorMetrics, Image<f32>)> {
+pub(crate) fn figures(picture: &Image<Rgba8>, reference: &Image<Rgba8>) -> Option<(ErrorMetrics, Image<f32>)> {
     let codes = compare(picture, reference)?;
     let map = flip::map(picture, reference)?;
     Some((ErrorMetrics { codes, flip: flip::mean(&map) }, map))

@@ -27,7 +27,7 @@ pub(crate) enum ComparedQuantity {
 
 /// First difference between two frames.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct FrameDifference {
+pub(crate) struct FrameDifference {
     /// First quantity in pipeline order that differs.
     pub(crate) quantity: ComparedQuantity,
     /// Number of samples or pixels that differ in this quantity.
@@ -49,20 +49,20 @@ impl FrameDifference {
 
 /// One configuration of tiled execution and its result.
 #[derive(Clone, Debug, Serialize)]
-pub struct ExecutionVariant {
+pub(crate) struct ExecutionVariant {
     /// Name of the SIMD lanes.
     pub(crate) lanes: &'static str,
     /// Number of threads that drew the frame.
     pub(crate) threads: usize,
     /// First difference from the classic frame; `None` if the frames are identical.
-    pub difference: Option<FrameDifference>,
+    pub(crate) difference: Option<FrameDifference>,
 }
 
 /// Result of comparing classic with tiled execution.
 #[derive(Clone, Debug, Serialize)]
-pub struct Equality {
+pub(crate) struct Equality {
     /// All configurations that were compared.
-    pub ways: Vec<ExecutionVariant>,
+    pub(crate) ways: Vec<ExecutionVariant>,
     /// Reason why the recipe cannot run tiled; `None` if it can.
     pub(crate) obstacle: Option<&'static str>,
 }
@@ -77,7 +77,7 @@ const STACK_BYTES: usize = 8 << 20;
 /// # Errors
 ///
 /// Fails if a thread pool cannot be started.
-pub fn verify(
+pub(crate) fn verify(
     scene: &Arc<Scene>,
     camera: &Camera,
     recipe: &Recipe,

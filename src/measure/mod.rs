@@ -1,12 +1,12 @@
 //! Image error metrics and frame timing.
 
-pub mod against;
+pub(crate) mod against;
 
 pub(crate) mod bench;
 
 pub mod difference;
 
-pub mod equality;
+pub(crate) mod equality;
 
 pub mod error;
 
@@ -24,7 +24,7 @@ pub(crate) mod pair;
 
 pub mod reference;
 
-pub mod region;
+pub(crate) mod region;
 
 pub(crate) mod response;
 

@@ -84,12 +84,12 @@ pub(crate) struct FrameSequence<'a> {
 
 /// Error over the frames of a sequence.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct MotionError {
+pub(crate) struct MotionError {
     /// Number of measured frames, at least 1.
-    pub frames: usize,
+    pub(crate) frames: usize,
     /// Mean over the frames: MSE, SSIM, FLIP and the number of differing pixels are averaged. PSNR is computed from the
     /// mean MSE, and the largest difference is the maximum over all frames.
-    pub mean: ErrorMetrics,
+    pub(crate) mean: ErrorMetrics,
     /// Metrics of the frame with the largest FLIP error.
     pub(crate) worst: ErrorMetrics,
 }

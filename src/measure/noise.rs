@@ -24,9 +24,9 @@ const MAX_BLOCKS: usize = 10;
 
 /// Noise floor of a timing run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Noise {
+pub(crate) struct Noise {
     /// Number of A/A pairs, at least 1.
-    pub pairs: usize,
+    pub(crate) pairs: usize,
     /// 90th percentile of the relative differences of the pairs: 0.02 means 2 % of the shorter time.
     pub(crate) p90: f64,
 }

@@ -16,7 +16,7 @@ use crate::scene::builtin::workload::{layers, sheet};
 /// Quantity that varies between the points of a series.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum ScalingQuantity {
+pub(crate) enum ScalingQuantity {
     /// Triangles of a mesh that fills most of the image.
     Triangles,
     /// Pixels of an image filled by one textured square.
@@ -132,7 +132,7 @@ impl Series {
 
 /// Result of a scaling measurement.
 #[derive(Clone, Debug, Serialize)]
-pub struct Scaling {
+pub(crate) struct Scaling {
     /// Image width and height in pixels, for all series but the one over pixels.
     pub(crate) size: [u32; 2],
     /// Number of threads, for all series but the one over threads.

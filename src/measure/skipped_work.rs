@@ -19,22 +19,22 @@ use crate::scene::{Camera, Scene};
 
 /// Time that a view saves by skipping a part of the work in some draws.
 #[derive(Clone, Debug, Serialize)]
-pub struct Saving {
+pub(crate) struct Saving {
     /// Skipped part; `None` stands for all parts together.
-    pub part: Option<PipelinePart>,
+    pub(crate) part: Option<PipelinePart>,
     /// Number of draws that run the part only when it is forced.
-    pub draws: usize,
+    pub(crate) draws: usize,
     /// Milliseconds of a frame with the part forced minus those of the planned frame of the same round.
-    pub saved_ms: Summary,
+    pub(crate) saved_ms: Summary,
     /// Whether the median saving is within the noise floor.
     pub(crate) within_noise: bool,
     /// Whether the image is identical with and without the part.
-    pub same_picture: bool,
+    pub(crate) same_picture: bool,
 }
 
 /// Savings from everything that a view skips.
 #[derive(Clone, Debug, Serialize)]
-pub struct Savings {
+pub(crate) struct Savings {
     /// Time of a frame as planned, in milliseconds.
     pub(crate) planned_ms: Summary,
     /// Noise floor, from drawing the planned frame twice per round.
@@ -45,7 +45,7 @@ pub struct Savings {
     pub(crate) needed: Vec<PipelinePart>,
     /// Savings for each part that can be forced and is skipped by some draw, then for all of them together if there are
     /// several.
-    pub savings: Vec<Saving>,
+    pub(crate) savings: Vec<Saving>,
 }
 
 /// Number of warm-up rounds before the measured ones.

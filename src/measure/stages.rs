@@ -25,7 +25,7 @@ use crate::scene::{Camera, Scene};
 
 /// Time of each stage of a frame; `None` for a stage that did not run or is timed as part of another stage.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct StageTimes {
+pub(crate) struct StageTimes {
     /// Time of planning and vertex transform. In tiled execution, includes projection.
     pub(crate) transform: Duration,
     /// Time of homogeneous clipping.
@@ -35,7 +35,7 @@ pub struct StageTimes {
     /// Time of the facing test and edge setup. In tiled execution, includes clipping and binning.
     pub(crate) cull: Duration,
     /// Time to clear the framebuffer and find covered samples. In tiled execution, includes the depth test.
-    pub rasterize: Duration,
+    pub(crate) rasterize: Duration,
     /// Time of depth test and depth write.
     pub(crate) depth: Option<Duration>,
     /// Time of attribute interpolation.

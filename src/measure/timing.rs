@@ -10,7 +10,7 @@ use serde::Serialize;
 /// A percentile is interpolated linearly between the two nearest samples: of n sorted samples, number p · (n − 1)
 /// counted from zero (definition 7 of Hyndman and Fan 1996, the usual one of spreadsheets and numpy).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Summary {
+pub(crate) struct Summary {
     /// Number of times in the series, at least 1.
     pub(crate) n: usize,
     /// Shortest time of the series.
@@ -18,7 +18,7 @@ pub struct Summary {
     /// 10th percentile of the times.
     pub(crate) p10: f64,
     /// 50th percentile of the times.
-    pub median: f64,
+    pub(crate) median: f64,
     /// 90th percentile of the times.
     pub(crate) p90: f64,
     /// 99th percentile of the times.

@@ -24,7 +24,7 @@ pub(crate) const MIN_W: f32 = f32::MIN_POSITIVE;
 
 /// Clipping plane of the view frustum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ClipPlane {
+pub(crate) enum ClipPlane {
     /// Plane z = 0, with z ≥ 0 inside. With reversed depth it is the far plane of the view: see [`Self::of_view`].
     Near,
     /// Plane w = [`MIN_W`], which stands in for w > 0. The near plane implies it, except for rounding.
@@ -107,23 +107,23 @@ impl ClipPlane {
 
 /// Triangle inside the guard band: a whole triangle of the scene, or a piece of one that was cut.
 #[derive(Clone, Copy, Debug)]
-pub struct ClippedTriangle {
+pub(crate) struct ClippedTriangle {
     /// Identifier of the scene triangle that it comes from.
-    pub id: TriangleId,
+    pub(crate) id: TriangleId,
     /// Corners in clip space.
-    pub vertices: [ClipVertex; 3],
+    pub(crate) vertices: [ClipVertex; 3],
 }
 
 /// Returns the factor by which the guard band moves the four side planes outwards, for a picture of `width` × `height`
 /// px.
-pub fn guard_band_widening(width: u32, height: u32) -> f32 {
+pub(crate) fn guard_band_widening(width: u32, height: u32) -> f32 {
     (2.0 * GUARD_BAND_PX / width.max(height) as f32).max(1.0)
 }
 
 /// Clips all triangles of a draw, in order. `first` is the identifier of the first triangle.
 ///
 /// If `needed` is `false`, because the whole object lies inside the frustum, no triangle is tested.
-pub fn clip<O: Observer>(
+pub(crate) fn clip<O: Observer>(
     vertices: &[ClipVertex],
     triangles: &[[u32; 3]],
     first: TriangleId,

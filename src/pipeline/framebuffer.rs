@@ -28,7 +28,7 @@ pub struct Framebuffer {
 impl Framebuffer {
     /// Returns a cleared framebuffer for a full picture of `width` × `height` px. `background` is the scene's
     /// background colour, as sRGB codes; the settings may replace it.
-    pub fn new(grid: SampleGrid, width: u32, height: u32, background: [u8; 3], settings: &Settings) -> Self {
+    pub(crate) fn new(grid: SampleGrid, width: u32, height: u32, background: [u8; 3], settings: &Settings) -> Self {
         Self::cleared(grid, (0, 0), grid.packed_size(width, height), background, settings)
     }
 

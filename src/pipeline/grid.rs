@@ -24,7 +24,7 @@ pub enum SampleGrid {
 
 impl SampleGrid {
     /// Grid that draws every pixel.
-    pub const FULL: Self = Self::Block { step: 1 };
+    pub(crate) const FULL: Self = Self::Block { step: 1 };
 
     /// Returns the size of the packed picture for a full picture of `width` × `height` px.
     pub(crate) fn packed_size(self, width: u32, height: u32) -> (u32, u32) {
@@ -38,7 +38,7 @@ impl SampleGrid {
 
     /// Returns the pixel of the full picture to which a packed sample belongs.
     #[inline]
-    pub fn pixel(self, column: u32, row: u32) -> (u32, u32) {
+    pub(crate) fn pixel(self, column: u32, row: u32) -> (u32, u32) {
         match self {
             Self::Block { step } => (column * step, row * step),
             Self::Checkerboard | Self::OddCheckerboard => (column / 2 * 4 + column % 2 + self.first_drawn(row), row),
@@ -47,7 +47,7 @@ impl SampleGrid {
 
     /// Returns the packed sample of a pixel of the full picture, or `None` if that pixel is not drawn.
     #[inline]
-    pub fn sample_at(self, x: u32, y: u32) -> Option<(u32, u32)> {
+    pub(crate) fn sample_at(self, x: u32, y: u32) -> Option<(u32, u32)> {
         match self {
             Self::Block { step } => (x.is_multiple_of(step) && y.is_multiple_of(step)).then(|| (x / step, y / step)),
             Self::Checkerboard | Self::OddCheckerboard => {
@@ -81,7 +81,7 @@ impl SampleGrid {
     }
 
     /// Returns the number of drawn pixels in a picture of `width` × `height` px.
-    pub fn drawn_pixels(self, width: u32, height: u32) -> u64 {
+    pub(crate) fn drawn_pixels(self, width: u32, height: u32) -> u64 {
         self.rows(0, height).map(|row| self.columns(row, 0, width).len() as u64).sum()
     }
 

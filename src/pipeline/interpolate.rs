@@ -20,7 +20,7 @@ use crate::scene::TriangleId;
 /// Returns the screen-space weights λ at a sample: sub-areas over the whole area. Each is correctly rounded except for
 /// the division.
 #[inline]
-pub fn affine_weights(triangle: &ScreenTriangle, sample: &RasterSample) -> [f32; 3] {
+pub(crate) fn affine_weights(triangle: &ScreenTriangle, sample: &RasterSample) -> [f32; 3] {
     let inverse_area = inverse_area(triangle);
     sample.edges.map(|e| e as f32 * inverse_area)
 }
@@ -34,7 +34,11 @@ pub(crate) fn inverse_area(triangle: &ScreenTriangle) -> f32 {
 /// Returns the weights of the three corners for interpolating attributes at a sample. Except for
 /// [`Interpolation::Published`], they are divided by their sum.
 #[inline]
-pub fn attribute_weights(triangle: &ScreenTriangle, sample: &RasterSample, interpolation: Interpolation) -> [f32; 3] {
+pub(crate) fn attribute_weights(
+    triangle: &ScreenTriangle,
+    sample: &RasterSample,
+    interpolation: Interpolation,
+) -> [f32; 3] {
     if interpolation == Interpolation::Published {
         return published_weights(triangle, sample);
     }
@@ -76,26 +80,26 @@ fn published_weights(triangle: &ScreenTriangle, sample: &RasterSample) -> [f32; 
 
 /// Selection of the attributes that a draw interpolates, and the kind of interpolation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct AttributeSelection {
+pub(crate) struct AttributeSelection {
     /// Method by which the weights are computed.
     pub(crate) interpolation: Interpolation,
     /// Whether [`Fragment::normal`] is interpolated.
-    pub normal: bool,
+    pub(crate) normal: bool,
     /// Whether [`Fragment::uv`] is interpolated.
-    pub uv: bool,
+    pub(crate) uv: bool,
     /// Whether [`Fragment::color`] is interpolated.
-    pub color: bool,
+    pub(crate) color: bool,
     /// Whether [`Fragment::light`] is interpolated.
-    pub light: bool,
+    pub(crate) light: bool,
     /// Whether [`Fragment::source_weights`] is interpolated.
-    pub source_weights: bool,
+    pub(crate) source_weights: bool,
     /// Arithmetic of the edges from which [`Fragment::uv_gradient`] is computed; `None` if it is not computed.
     pub(crate) uv_gradient: Option<Arithmetic>,
 }
 
 impl AttributeSelection {
     /// Returns a selection of all attributes except [`Fragment::uv_gradient`].
-    pub const fn all(interpolation: Interpolation) -> Self {
+    pub(crate) const fn all(interpolation: Interpolation) -> Self {
         Self {
             interpolation,
             normal: true,
@@ -147,7 +151,7 @@ pub struct Fragment {
 
 /// Interpolates the `attributes` of a covered sample.
 #[inline]
-pub fn interpolate(triangle: &ScreenTriangle, sample: RasterSample, attributes: AttributeSelection) -> Fragment {
+pub(crate) fn interpolate(triangle: &ScreenTriangle, sample: RasterSample, attributes: AttributeSelection) -> Fragment {
     let weights = attribute_weights(triangle, &sample, attributes.interpolation);
     let [_, p1, p2] = weights;
     let [a, b, c] = triangle.vertices.each_ref().map(|v| &v.varyings);

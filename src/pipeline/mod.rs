@@ -13,21 +13,21 @@
 //! Opaque and alpha-tested triangles come first, in submission order. Blended triangles follow, in the order of
 //! [`settings::BlendingOrder`]. They are tested against the stored depths but store none themselves.
 
-pub mod background;
+pub(crate) mod background;
 
 mod blending;
 
-pub mod clip;
+pub(crate) mod clip;
 
 pub(crate) mod cull;
 
 pub mod depth;
 
-pub mod framebuffer;
+pub(crate) mod framebuffer;
 
-pub mod grid;
+pub(crate) mod grid;
 
-pub mod interpolate;
+pub(crate) mod interpolate;
 
 pub(crate) mod multisample;
 
@@ -35,9 +35,9 @@ pub mod observe;
 
 pub(crate) mod partial;
 
-pub mod plan;
+pub(crate) mod plan;
 
-pub mod raster;
+pub(crate) mod raster;
 
 pub(crate) mod sample;
 
@@ -45,13 +45,13 @@ mod samples;
 
 pub mod settings;
 
-pub mod shade;
+pub(crate) mod shade;
 
-pub mod tiled;
+pub(crate) mod tiled;
 
 pub(crate) mod triangle_list;
 
-pub mod vertex;
+pub(crate) mod vertex;
 
 pub mod viewport;
 
@@ -103,7 +103,7 @@ pub struct Geometry {
 
 impl Geometry {
     /// Returns the index of the first blended triangle, or the number of triangles if there is none.
-    pub fn blended_from(&self) -> usize {
+    pub(crate) fn blended_from(&self) -> usize {
         self.triangles.partition_point(|triangle| !self.is_blended(triangle))
     }
 
@@ -115,13 +115,13 @@ impl Geometry {
     }
 
     /// Returns whether a triangle is blended over what lies behind it.
-    pub fn is_blended(&self, triangle: &ScreenTriangle) -> bool {
+    pub(crate) fn is_blended(&self, triangle: &ScreenTriangle) -> bool {
         let plan = self.plans.get(triangle.instance as usize);
         plan.is_some_and(|plan| plan.transparency() == Transparency::Blended)
     }
 
     /// Returns the index of `triangle` in [`Geometry::triangles`], which must contain it.
-    pub fn index_of(&self, triangle: &ScreenTriangle) -> usize {
+    pub(crate) fn index_of(&self, triangle: &ScreenTriangle) -> usize {
         let (others, blended) = self.triangles.split_at(self.blended_from());
         // Index of the first candidate. The pieces of one triangle are adjacent, and so are blended triangles at equal
         // distance.
@@ -181,7 +181,7 @@ pub(crate) struct GeometryTimes {
 /// Last stage that [`draw`] runs for each covered sample. Stopping early serves to time stages separately. `black_box`
 /// then prevents the result from being eliminated as dead code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LastStage {
+pub(crate) enum LastStage {
     /// Stops after coverage.
     Coverage,
     /// Stops after the depth test and the depth store.
@@ -298,7 +298,7 @@ fn finish_draw<O: Observer>(
 }
 
 /// Clips, projects and sets up triangles that are given in clip space, without a camera. Both facings are drawn.
-pub fn from_clip_space<O: Observer>(
+pub(crate) fn from_clip_space<O: Observer>(
     vertices: &[ClipVertex],
     triangles: &[[u32; 3]],
     arithmetic: Arithmetic,
@@ -346,22 +346,22 @@ fn set_up<O: Observer>(
 
 /// Range of triangles, and rectangle of pixels, that [`draw`] processes.
 #[derive(Clone, Debug)]
-pub struct Extent {
+pub(crate) struct Extent {
     /// Range of indices into [`Geometry::triangles`].
-    pub triangles: Range<usize>,
+    pub(crate) triangles: Range<usize>,
     /// Rectangle of pixels to draw.
-    pub scissor: Scissor,
+    pub(crate) scissor: Scissor,
 }
 
 impl Extent {
     /// Returns the extent of all triangles over the whole picture.
-    pub fn all(geometry: &Geometry, viewport: Viewport) -> Self {
+    pub(crate) fn all(geometry: &Geometry, viewport: Viewport) -> Self {
         Self { triangles: 0..geometry.triangles.len(), scissor: Scissor::full(viewport.width, viewport.height) }
     }
 }
 
 /// Rasterizes, depth-tests, interpolates and shades the triangles of `extent`, up to the stage `until`.
-pub fn draw<O: Observer>(
+pub(crate) fn draw<O: Observer>(
     scene: &Scene,
     geometry: &Geometry,
     settings: &Settings,

@@ -34,7 +34,7 @@ pub enum Fate {
 
 impl Fate {
     /// All fates, in the order of the stages that assign them.
-    pub const ALL: [Self; 6] =
+    pub(crate) const ALL: [Self; 6] =
         [Self::Outside, Self::NotFinite, Self::ClippedAway, Self::ZeroArea, Self::BackFacing, Self::FrontFacing];
 
     /// Returns the display name.
@@ -110,7 +110,7 @@ pub struct Counters {
 
 impl Counters {
     /// Returns the number of triangles that were rejected with this fate.
-    pub fn fate(&self, fate: Fate) -> u64 {
+    pub(crate) fn fate(&self, fate: Fate) -> u64 {
         Fate::ALL.iter().zip(self.rejected).find(|(f, _)| **f == fate).map_or(0, |(_, n)| n)
     }
 }

@@ -14,7 +14,7 @@ use crate::scene::{Camera, Instance, Library, Material, Projection, TextureId, T
 /// Part of the pipeline that a draw may not need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum PipelinePart {
+pub(crate) enum PipelinePart {
     /// Transforming vertices, and all stages after it.
     Vertices,
     /// Processing every cluster of a large mesh. A cluster is skipped if all of it lies outside the view, or if all its
@@ -53,7 +53,7 @@ pub enum PipelinePart {
 
 impl PipelinePart {
     /// All parts, in the order of the stages.
-    pub const ALL: [Self; 16] = [
+    pub(crate) const ALL: [Self; 16] = [
         Self::Vertices,
         Self::EveryCluster,
         Self::Clipping,
@@ -133,7 +133,7 @@ impl PipelinePart {
 /// Whether a part of the pipeline runs, with the reason if it is skipped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum PlanStep {
+pub(crate) enum PlanStep {
     /// The draw needs the part.
     Run,
     /// The part is skipped, for this reason.
@@ -173,18 +173,18 @@ pub(crate) enum Containment {
 
 /// Numbers of clusters that were culled in one or several draws.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct CullStats {
+pub(crate) struct CullStats {
     /// Number of clusters outside the view.
-    pub outside: usize,
+    pub(crate) outside: usize,
     /// Number of clusters that are not outside the view but whose triangles all have the culled facing.
-    pub turned_away: usize,
+    pub(crate) turned_away: usize,
     /// Total number of clusters, culled or not.
-    pub all: usize,
+    pub(crate) all: usize,
 }
 
 impl CullStats {
     /// Returns the sums of the numbers over several draws.
-    pub fn of<'a>(plans: impl IntoIterator<Item = &'a DrawPlan>) -> Self {
+    pub(crate) fn of<'a>(plans: impl IntoIterator<Item = &'a DrawPlan>) -> Self {
         plans.into_iter().fold(Self::default(), |sum, DrawPlan { clusters, .. }| Self {
             outside: sum.outside + clusters.outside,
             turned_away: sum.turned_away + clusters.turned_away,
@@ -308,17 +308,17 @@ impl DrawPlan {
 
     /// Returns how the draw combines with what was drawn before. Unlike the parts, it is never skipped, because it
     /// determines the picture.
-    pub fn transparency(&self) -> Transparency {
+    pub(crate) fn transparency(&self) -> Transparency {
         self.transparency
     }
 
     /// Returns whether a part runs, with the reason if it is skipped.
-    pub fn step(&self, part: PipelinePart) -> PlanStep {
+    pub(crate) fn step(&self, part: PipelinePart) -> PlanStep {
         self.steps[part as usize]
     }
 
     /// Returns whether a part runs.
-    pub fn runs(&self, part: PipelinePart) -> bool {
+    pub(crate) fn runs(&self, part: PipelinePart) -> bool {
         self.step(part).runs()
     }
 }

@@ -146,7 +146,7 @@ impl<'a> Readable<'a> {
 
 /// Inputs for shading one draw: settings, light and the material's textures, looked up once.
 #[derive(Clone, Copy, Debug)]
-pub struct Shader<'a> {
+pub(crate) struct Shader<'a> {
     pub(super) settings: &'a Settings,
     sampler: Sampler,
     tables: &'static Tables,
@@ -169,7 +169,7 @@ pub struct Shader<'a> {
 
 impl<'a> Shader<'a> {
     /// Returns the shader for the draw of one instance.
-    pub fn new(settings: &'a Settings, library: &'a Library, instance: &Instance, plan: &DrawPlan) -> Self {
+    pub(crate) fn new(settings: &'a Settings, library: &'a Library, instance: &Instance, plan: &DrawPlan) -> Self {
         let material = library.material(instance.material);
         let image = |id| Readable::new(library.texture(id), settings);
         let reads_texels = plan.runs(PipelinePart::Texels);
@@ -209,7 +209,7 @@ impl<'a> Shader<'a> {
 
     /// Returns how fragments combine with what is already drawn.
     #[inline]
-    pub fn transparency(&self) -> Transparency {
+    pub(crate) fn transparency(&self) -> Transparency {
         self.transparency
     }
 
@@ -220,7 +220,7 @@ impl<'a> Shader<'a> {
 
     /// Returns the attributes that the draw interpolates for its fragments.
     #[inline]
-    pub fn attributes(&self) -> AttributeSelection {
+    pub(crate) fn attributes(&self) -> AttributeSelection {
         self.attributes
     }
 
@@ -339,7 +339,7 @@ impl<'a> Shader<'a> {
     /// Returns the colour of a blended fragment of `triangle` over `below`: colour·α + below·(1 − α) in the working
     /// colour space, with α from [`Shader::alpha`]. Views of single quantities are opaque and replace `below`.
     #[inline]
-    pub fn blend(&self, fragment: &Fragment, triangle: &ScreenTriangle, below: Rgba8) -> Rgba8 {
+    pub(crate) fn blend(&self, fragment: &Fragment, triangle: &ScreenTriangle, below: Rgba8) -> Rgba8 {
         if !self.settings.shading.reads_material() {
             return self.shade(fragment, triangle);
         }
@@ -355,7 +355,7 @@ impl<'a> Shader<'a> {
 
     /// Returns the colour of a fragment of `triangle` as if it were opaque.
     #[inline]
-    pub fn shade(&self, fragment: &Fragment, triangle: &ScreenTriangle) -> Rgba8 {
+    pub(crate) fn shade(&self, fragment: &Fragment, triangle: &ScreenTriangle) -> Rgba8 {
         match self.settings.shading {
             Shading::Texture | Shading::Gouraud | Shading::Lambert | Shading::Cel | Shading::BlinnPhong => {
                 self.encode(self.reflected(fragment))

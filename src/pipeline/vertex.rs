@@ -45,25 +45,25 @@ impl Varyings {
 
 /// Vertex in clip space.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ClipVertex {
+pub(crate) struct ClipVertex {
     /// Homogeneous position in clip space. Inside the frustum 0 ≤ z ≤ w, |x| ≤ w and |y| ≤ w.
-    pub position: Vec4,
+    pub(crate) position: Vec4,
     /// Near or far plane of clip space on which clipping placed the vertex; `None` otherwise.
-    pub cut_at: Option<ClipPlane>,
+    pub(crate) cut_at: Option<ClipPlane>,
     /// Attributes of the vertex, to be interpolated.
-    pub varyings: Varyings,
+    pub(crate) varyings: Varyings,
 }
 
 impl ClipVertex {
     /// Returns an unclipped vertex with default attributes.
-    pub fn at(position: Vec4) -> Self {
+    pub(crate) fn at(position: Vec4) -> Self {
         Self { position, cut_at: None, varyings: Varyings::default() }
     }
 }
 
 /// Transform matrices of one draw.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DrawMatrices {
+pub(crate) struct DrawMatrices {
     /// Transform from model space to clip space.
     pub(crate) clip_from_model: Mat4,
     /// Transform of normals from model space to world space: the inverse transpose.
@@ -73,7 +73,7 @@ pub struct DrawMatrices {
 impl DrawMatrices {
     /// Returns the matrices of one instance. `clip_from_world` is [`crate::scene::Camera::clip_from_world_f64`], the
     /// same for all instances.
-    pub fn new(instance: &Instance, clip_from_world: DMat4) -> Self {
+    pub(crate) fn new(instance: &Instance, clip_from_world: DMat4) -> Self {
         let product = Self::product(instance, clip_from_world);
         let linear = glam::DMat3::from_mat4(instance.world_from_model.as_dmat4());
         let normal = if linear.determinant() == 0.0 { linear } else { linear.inverse().transpose() };
@@ -128,7 +128,7 @@ pub(crate) fn containment(bounds: Aabb, clip_from_model: Mat4) -> Containment {
 }
 
 /// Transforms all vertices of a mesh. `source_weights` stays zero, because it belongs to triangles, not to vertices.
-pub fn transform(mesh: &Mesh, matrices: &DrawMatrices, settings: &Settings, plan: &DrawPlan) -> Vec<ClipVertex> {
+pub(crate) fn transform(mesh: &Mesh, matrices: &DrawMatrices, settings: &Settings, plan: &DrawPlan) -> Vec<ClipVertex> {
     let transformer = Transformer::new(mesh, matrices, settings, plan);
     (0..mesh.positions.len()).map(|i| transformer.vertex(i)).collect()
 }

@@ -69,7 +69,7 @@ impl ScreenTriangle {
     }
 
     /// Returns the corners in pixels, before snapping.
-    pub fn corners_px(&self) -> [[f32; 2]; 3] {
+    pub(crate) fn corners_px(&self) -> [[f32; 2]; 3] {
         self.vertices.each_ref().map(|v| v.position_px)
     }
 
@@ -104,7 +104,7 @@ pub(crate) const MAX_PIXELS: u64 = 1 << 25;
 
 impl Viewport {
     /// Checks that a picture of this size is supported. Returns an error message if it is not.
-    pub fn check(self) -> Result<(), String> {
+    pub(crate) fn check(self) -> Result<(), String> {
         let sides = 1..=MAX_SIDE_PX;
         if !sides.contains(&self.width) || !sides.contains(&self.height) {
             return Err(format!("each side must be 1 to {MAX_SIDE_PX} pixels long"));
@@ -116,7 +116,7 @@ impl Viewport {
     }
 
     /// Returns the aspect ratio: width divided by height.
-    pub fn aspect(self) -> f32 {
+    pub(crate) fn aspect(self) -> f32 {
         self.width as f32 / self.height as f32
     }
 
@@ -140,7 +140,7 @@ impl Viewport {
     }
 
     /// Projects the corners of a clipped triangle; `scale` determines their depths.
-    pub fn project(self, triangle: &ClippedTriangle, scale: &DepthScale) -> [ScreenVertex; 3] {
+    pub(crate) fn project(self, triangle: &ClippedTriangle, scale: &DepthScale) -> [ScreenVertex; 3] {
         let [a, b, c] = &triangle.vertices;
         // Projected one by one: mapping an array of items this large copies each of them four times.
         [self.project_vertex(a, scale), self.project_vertex(b, scale), self.project_vertex(c, scale)]
@@ -165,7 +165,7 @@ pub(crate) fn divided(vertex: &ClipVertex) -> (f32, Vec3) {
 /// Returns 1/w of three corners divided by the largest of them, in (0, 1]; all 1 if they are equal. The result is never
 /// 0, so the sum of the weights stays positive even on the far edge of a triangle whose near corner is 10⁴⁰ times
 /// nearer.
-pub fn relative_inv_w(vertices: &[ScreenVertex; 3]) -> [f32; 3] {
+pub(crate) fn relative_inv_w(vertices: &[ScreenVertex; 3]) -> [f32; 3] {
     let inv_w = vertices.map(|v| v.inv_w);
     let largest = inv_w[0].max(inv_w[1]).max(inv_w[2]);
     inv_w.map(|i| (i / largest).max(f32::MIN_POSITIVE))

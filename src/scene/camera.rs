@@ -71,7 +71,7 @@ impl SubView {
 }
 
 /// Default vertical field of view: 45°, about that of a 50 mm lens along the diagonal of 35 mm film.
-pub const DEFAULT_FOV_Y: f32 = FRAC_PI_4;
+pub(crate) const DEFAULT_FOV_Y: f32 = FRAC_PI_4;
 
 /// Minimum angle between the line of sight and the up vector when orbiting, in radians. At the poles, the up vector
 /// would not define a rotation.
@@ -106,7 +106,7 @@ impl Camera {
 
     /// Creates a perspective view from `direction` (towards the eye) that shows all of `bounds`. It suits any picture
     /// at least as wide as high.
-    pub fn fit(bounds: Aabb, direction: Vec3) -> Self {
+    pub(crate) fn fit(bounds: Aabb, direction: Vec3) -> Self {
         Self::fit_into(bounds, direction, 1.0)
     }
 
@@ -154,13 +154,14 @@ impl Camera {
     }
 
     /// Returns the matrix from world space to view space, with the eye at the origin, looking down −z.
+    #[cfg(test)]
     pub(crate) fn view_from_world(&self) -> Mat4 {
         self.view_from_world_f64().as_mat4()
     }
 
     /// Returns [`Camera::view_from_world`] without rounding to f32. Far from the origin, the positions of eye and
     /// object cancel exactly only if neither was rounded before.
-    pub fn view_from_world_f64(&self) -> DMat4 {
+    pub(crate) fn view_from_world_f64(&self) -> DMat4 {
         let (forward, right) = (self.forward(), self.right());
         let up = right.cross(forward);
         let rotation = Mat4::from_cols(
@@ -174,7 +175,7 @@ impl Camera {
 
     /// Returns the matrix from world space to clip space in f64; only the entries of [`Camera::clip_from_view`] are
     /// rounded to f32.
-    pub fn clip_from_world_f64(&self, aspect: f32, mapping: DepthMapping) -> DMat4 {
+    pub(crate) fn clip_from_world_f64(&self, aspect: f32, mapping: DepthMapping) -> DMat4 {
         self.clip_from_view(aspect, mapping).as_dmat4() * self.view_from_world_f64()
     }
 
@@ -187,7 +188,7 @@ impl Camera {
     ///
     /// Entries are computed in f64 and rounded once (Upchurch and Desbrun, "Tightening the Precision of Perspective
     /// Rendering", 2012).
-    pub fn clip_from_view(&self, aspect: f32, mapping: DepthMapping) -> Mat4 {
+    pub(crate) fn clip_from_view(&self, aspect: f32, mapping: DepthMapping) -> Mat4 {
         let (near, far) = (f64::from(self.near), f64::from(self.far));
         let aspect = self.sub_view.map_or(aspect, |window| window.aspect);
         let mut m = Mat4::ZERO;
@@ -230,7 +231,8 @@ impl Camera {
     }
 
     /// Returns the matrix from world space to clip space. `aspect` is width over height.
-    pub fn clip_from_world(&self, aspect: f32, mapping: DepthMapping) -> Mat4 {
+    #[cfg(test)]
+    pub(crate) fn clip_from_world(&self, aspect: f32, mapping: DepthMapping) -> Mat4 {
         self.clip_from_view(aspect, mapping) * self.view_from_world()
     }
 
@@ -242,7 +244,7 @@ impl Camera {
 
     /// Orbits the eye around the target by `yaw` to the right and `pitch` upwards, in radians. Stops short of the
     /// poles.
-    pub fn orbit(&mut self, yaw: f32, pitch: f32) {
+    pub(crate) fn orbit(&mut self, yaw: f32, pitch: f32) {
         let up = self.up.normalize_or(Vec3::Y);
         let offset = self.eye - self.target;
         let elevation = unit_or(offset.as_dvec3(), Vec3::Z).dot(up).clamp(-1.0, 1.0).asin();
@@ -264,7 +266,7 @@ impl Camera {
 
     /// Dollies the camera: multiplies the distance to the target, and the visible height of an orthographic view, by
     /// `factor`. A minimum distance keeps eye and target numerically distinct.
-    pub fn dolly(&mut self, factor: f32) {
+    pub(crate) fn dolly(&mut self, factor: f32) {
         let factor = factor.max((self.min_distance() / self.distance()).min(1.0));
         if let Projection::Orthographic { height } = &mut self.projection {
             *height = (*height * factor).clamp(1e-30, 1e34);
@@ -301,7 +303,7 @@ impl Camera {
     /// Returns this view as an orthographic or perspective one, with the same size of the target in the picture.
     ///
     /// A view converted to perspective has the default field of view and a matching distance.
-    pub fn with_orthographic(self, orthographic: bool) -> Self {
+    pub(crate) fn with_orthographic(self, orthographic: bool) -> Self {
         match self.projection {
             Projection::Perspective { .. } if orthographic => {
                 Self { projection: Projection::Orthographic { height: self.visible_height() }, ..self }
@@ -328,7 +330,7 @@ impl Camera {
 
     /// Checks that the view can be rendered. Returns an error if values are not finite or out of range, or if eye and
     /// target coincide.
-    pub fn check(&self) -> Result<(), String> {
+    pub(crate) fn check(&self) -> Result<(), String> {
         let Self { eye, target, up, projection, near, far, sub_view: _ } = *self;
         if !(eye.is_finite() && target.is_finite() && up.is_finite()) {
             return Err("eye, target and up must be finite".to_owned());

@@ -72,14 +72,14 @@ impl From<&Camera> for CameraFile {
 }
 
 /// Serializes a view as one line of JSON, which [`parse`] and [`read`] accept.
-pub fn text(camera: &Camera) -> String {
+pub(crate) fn text(camera: &Camera) -> String {
     // All fields are plain numbers, so serialization cannot fail.
     serde_json::to_string(&CameraFile::from(camera)).unwrap_or_default()
 }
 
 /// Parses a view from JSON text. Returns an error for malformed JSON, unknown fields, or a view that [`Camera::check`]
 /// rejects.
-pub fn parse(text: &str) -> Result<Camera, String> {
+pub(crate) fn parse(text: &str) -> Result<Camera, String> {
     serde_json::from_str::<CameraFile>(text).map_err(|error| error.to_string()).and_then(Camera::try_from)
 }
 

@@ -21,7 +21,7 @@ pub enum DepthMapping {
 
 impl DepthMapping {
     /// Whether smaller distances have larger depths.
-    pub fn is_reversed(self) -> bool {
+    pub(crate) fn is_reversed(self) -> bool {
         matches!(self, Self::Reversed | Self::ReversedInfinite)
     }
 }

@@ -4,14 +4,14 @@ use super::{Material, Mesh, Texture};
 use crate::text;
 
 macro_rules! id {
-    ($(#[$doc:meta])* $name:ident) => {
+    ($(#[$doc:meta])* $visibility:vis $name:ident) => {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-        pub struct $name(u32);
+        $visibility struct $name(u32);
 
         impl $name {
             /// Returns the index of the item in its library.
-            pub fn index(self) -> usize {
+            pub(crate) fn index(self) -> usize {
                 self.0 as usize
             }
         }
@@ -20,15 +20,15 @@ macro_rules! id {
 
 id!(
     /// Identifier of a mesh in a [`Library`].
-    MeshId
+    pub MeshId
 );
 id!(
     /// Identifier of a material in a [`Library`].
-    MaterialId
+    pub MaterialId
 );
 id!(
     /// Identifier of a texture in a [`Library`].
-    TextureId
+    pub(crate) TextureId
 );
 
 /// Owner of all meshes, materials and textures of a scene. Only the library creates identifiers, so they never dangle.
@@ -41,13 +41,13 @@ pub struct Library {
 
 impl Library {
     /// Adds a mesh and returns its identifier.
-    pub fn add_mesh(&mut self, mesh: Mesh) -> MeshId {
+    pub(crate) fn add_mesh(&mut self, mesh: Mesh) -> MeshId {
         self.meshes.push(mesh);
         MeshId(self.meshes.len() as u32 - 1)
     }
 
     /// Adds a material and returns its identifier. Removes control characters from the material's names.
-    pub fn add_material(&mut self, mut material: Material) -> MaterialId {
+    pub(crate) fn add_material(&mut self, mut material: Material) -> MaterialId {
         material.name = text::clean(&material.name).into_owned();
         material.missing_texture = material.missing_texture.map(|name| text::clean(&name).into_owned());
         self.materials.push(material);
@@ -55,23 +55,23 @@ impl Library {
     }
 
     /// Adds a texture and returns its identifier.
-    pub fn add_texture(&mut self, texture: Texture) -> TextureId {
+    pub(crate) fn add_texture(&mut self, texture: Texture) -> TextureId {
         self.textures.push(texture);
         TextureId(self.textures.len() as u32 - 1)
     }
 
     /// Returns the mesh with the identifier `id`, which must come from this library.
-    pub fn mesh(&self, id: MeshId) -> &Mesh {
+    pub(crate) fn mesh(&self, id: MeshId) -> &Mesh {
         &self.meshes[id.index()]
     }
 
     /// Returns the material with the identifier `id`, which must come from this library.
-    pub fn material(&self, id: MaterialId) -> &Material {
+    pub(crate) fn material(&self, id: MaterialId) -> &Material {
         &self.materials[id.index()]
     }
 
     /// Returns the texture with the identifier `id`, which must come from this library.
-    pub fn texture(&self, id: TextureId) -> &Texture {
+    pub(crate) fn texture(&self, id: TextureId) -> &Texture {
         &self.textures[id.index()]
     }
 
@@ -90,17 +90,18 @@ impl Library {
     }
 
     /// Returns all meshes, in the order of their identifiers.
-    pub fn meshes(&self) -> &[Mesh] {
+    pub(crate) fn meshes(&self) -> &[Mesh] {
         &self.meshes
     }
 
     /// Returns all materials, in the order of their identifiers.
-    pub fn materials(&self) -> &[Material] {
+    #[cfg(test)]
+    pub(crate) fn materials(&self) -> &[Material] {
         &self.materials
     }
 
     /// Returns all textures, in the order of their identifiers.
-    pub fn textures(&self) -> &[Texture] {
+    pub(crate) fn textures(&self) -> &[Texture] {
         &self.textures
     }
 

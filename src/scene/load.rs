@@ -8,13 +8,13 @@ use super::SceneError;
 
 /// Memory limit for the meshes and textures of a model, including temporary buffers used while loading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct MemoryLimit {
+pub(crate) struct MemoryLimit {
     mib: u32,
 }
 
 impl MemoryLimit {
     /// Creates a limit of `mib` MiB.
-    pub const fn mib(mib: u32) -> Self {
+    pub(crate) const fn mib(mib: u32) -> Self {
         Self { mib }
     }
 
@@ -39,18 +39,18 @@ impl fmt::Display for MemoryLimit {
 
 /// Memory limit, progress callback and cancellation flag for loading a model.
 #[derive(Clone, Copy)]
-pub struct LoadControl<'a> {
+pub(crate) struct LoadControl<'a> {
     /// Memory limit for the model.
-    pub memory: MemoryLimit,
+    pub(crate) memory: MemoryLimit,
     /// Callback that receives the completed fraction, from 0 to 1, several times a second.
-    pub progress: &'a (dyn Fn(f32) + Sync),
+    pub(crate) progress: &'a (dyn Fn(f32) + Sync),
     /// Cancellation flag: once `true`, the load ends with [`SceneError::Cancelled`].
-    pub cancel: &'a AtomicBool,
+    pub(crate) cancel: &'a AtomicBool,
 }
 
 impl LoadControl<'static> {
     /// Creates a control that ignores progress and never cancels.
-    pub fn quiet(memory: MemoryLimit) -> Self {
+    pub(crate) fn quiet(memory: MemoryLimit) -> Self {
         static NEVER: AtomicBool = AtomicBool::new(false);
         Self { memory, progress: &|_| {}, cancel: &NEVER }
     }

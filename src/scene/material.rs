@@ -24,44 +24,44 @@ pub(crate) const ALPHA_TEST_THRESHOLD: f32 = 0.5;
 
 /// Surface properties used for shading.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Material {
+pub(crate) struct Material {
     /// Display name of the material, from the file or assigned.
-    pub name: String,
+    pub(crate) name: String,
     /// Diffuse colour (`Kd`) as sRGB values in [0, 1], multiplied with the texture.
-    pub diffuse: Vec3,
+    pub(crate) diffuse: Vec3,
     /// Opacity (`d`, or 1 − `Tr`) from 0 (invisible) to 1 (opaque), multiplied with the alpha of the texture.
-    pub opacity: f32,
+    pub(crate) opacity: f32,
     /// Colour texture (`map_Kd`).
-    pub texture: Option<TextureId>,
+    pub(crate) texture: Option<TextureId>,
     /// File name of a colour texture that could not be read. The plain colour replaces it.
-    pub missing_texture: Option<String>,
+    pub(crate) missing_texture: Option<String>,
     /// Texture of the unlit side, used only by cel shading.
-    pub dark_texture: Option<TextureId>,
+    pub(crate) dark_texture: Option<TextureId>,
     /// Emitted colour (`Ke`) as sRGB values in [0, 1], added after lighting; black for none.
-    pub emission: Vec3,
+    pub(crate) emission: Vec3,
     /// Texture (`map_Ke`) that multiplies the emitted colour.
-    pub emission_texture: Option<TextureId>,
+    pub(crate) emission_texture: Option<TextureId>,
     /// Specular colour (`Ks`) of Blinn–Phong shading, as sRGB values in [0, 1].
-    pub specular: Vec3,
+    pub(crate) specular: Vec3,
     /// Specular exponent (`Ns`) of Blinn–Phong shading, at least 0.
-    pub shininess: f32,
+    pub(crate) shininess: f32,
     /// Texture (`map_d`) whose alpha channel multiplies the opacity.
-    pub alpha_texture: Option<TextureId>,
+    pub(crate) alpha_texture: Option<TextureId>,
     /// Tangent-space normal map (`norm`, `map_Bump`): x right, y up the picture (OpenGL), z out of the surface.
-    pub normal_texture: Option<TextureId>,
+    pub(crate) normal_texture: Option<TextureId>,
     /// Factor of the x and y components of the normal map (`-bm`).
-    pub normal_scale: f32,
+    pub(crate) normal_scale: f32,
     /// Factor of the texture coordinates (`-s`), applied per vertex, before the offset.
-    pub uv_scale: Vec2,
+    pub(crate) uv_scale: Vec2,
     /// Offset of the texture coordinates (`-o`), with v pointing down.
-    pub uv_offset: Vec2,
+    pub(crate) uv_offset: Vec2,
     /// Whether texture coordinates are clamped, regardless of the address mode in the settings.
-    pub clamp: bool,
+    pub(crate) clamp: bool,
 }
 
 impl Material {
     /// Creates an opaque, untextured material. `diffuse` is an sRGB colour.
-    pub fn plain(name: impl Into<String>, diffuse: Vec3) -> Self {
+    pub(crate) fn plain(name: impl Into<String>, diffuse: Vec3) -> Self {
         Self {
             name: name.into(),
             diffuse,
@@ -83,7 +83,7 @@ impl Material {
     }
 
     /// Creates a white material with a texture and full opacity.
-    pub fn textured(name: impl Into<String>, texture: TextureId) -> Self {
+    pub(crate) fn textured(name: impl Into<String>, texture: TextureId) -> Self {
         Self { texture: Some(texture), ..Self::plain(name, Vec3::ONE) }
     }
 

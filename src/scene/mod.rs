@@ -2,9 +2,9 @@
 
 pub mod builtin;
 
-pub mod camera;
+pub(crate) mod camera;
 
-pub mod camera_file;
+pub(crate) mod camera_file;
 
 pub(crate) mod clusters;
 
@@ -24,35 +24,35 @@ pub(crate) mod mesh;
 
 mod mips;
 
-pub mod obj;
+pub(crate) mod obj;
 
-pub mod seams;
+pub(crate) mod seams;
 
 pub(crate) mod source;
 
 pub(crate) mod texture;
 
 pub use camera::Camera;
-pub use camera::Projection;
-pub use camera::SubView;
+pub(crate) use camera::Projection;
+pub(crate) use camera::SubView;
 pub use depth_mapping::DepthMapping;
-pub use error::SceneError;
+pub(crate) use error::SceneError;
 pub(crate) use error::Warning;
 pub(crate) use first_view::UpAxis;
-pub use library::Library;
+pub(crate) use library::Library;
 pub(crate) use library::MaterialId;
 pub(crate) use library::MeshId;
-pub use library::TextureId;
-pub use load::LoadControl;
-pub use load::MemoryLimit;
-pub use material::Material;
-pub use material::Transparency;
-pub use mesh::Mesh;
-pub use mesh::MeshData;
+pub(crate) use library::TextureId;
+pub(crate) use load::LoadControl;
+pub(crate) use load::MemoryLimit;
+pub(crate) use material::Material;
+pub(crate) use material::Transparency;
+pub(crate) use mesh::Mesh;
+pub(crate) use mesh::MeshData;
 pub(crate) use mips::LevelLocation;
 pub use source::SceneSource;
-pub use texture::Alpha;
-pub use texture::Texture;
+pub(crate) use texture::Alpha;
+pub(crate) use texture::Texture;
 
 use glam::{Mat4, Vec3};
 
@@ -101,7 +101,7 @@ pub struct Scene {
 
 impl Scene {
     /// Returns the bounding box of all instances, in world space.
-    pub fn bounds(&self) -> Aabb {
+    pub(crate) fn bounds(&self) -> Aabb {
         self.instances
             .iter()
             .fold(Aabb::EMPTY, |all, i| all.union(self.library.mesh(i.mesh).bounds().transformed(i.world_from_model)))

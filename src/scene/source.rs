@@ -28,7 +28,7 @@ impl SceneSource {
 
     /// Returns a name from which [`SceneSource::named`] recreates this source, if no file has the name of a built-in
     /// scene.
-    pub fn name(&self) -> PathBuf {
+    pub(crate) fn name(&self) -> PathBuf {
         match self {
             Self::Builtin(builtin) => builtin.id.into(),
             Self::File(path, _) => path.clone(),

@@ -5,11 +5,10 @@ use std::sync::OnceLock;
 use super::mips::{self, Levels, with_wrapped_border};
 use crate::image::color::decode_byte;
 use crate::image::{Image, Rgba8};
-use crate::text;
 
 /// Alpha values that occur in a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Alpha {
+pub(crate) enum Alpha {
     /// All texels have alpha 255.
     Opaque,
     /// All texels have alpha 0 or 255.
@@ -31,8 +30,7 @@ impl Alpha {
 
 /// Texture with at least one texel, and cached representations of it.
 #[derive(Clone, Debug)]
-pub struct Texture {
-    name: String,
+pub(crate) struct Texture {
     image: Image<Rgba8>,
     alpha: Alpha,
     wrapped: OnceLock<Box<[u32]>>,
@@ -45,9 +43,8 @@ pub struct Texture {
 
 impl Texture {
     /// Creates a texture from a picture; `None` if it has no pixels.
-    pub fn new(name: impl Into<String>, image: Image<Rgba8>) -> Option<Self> {
+    pub(crate) fn new(image: Image<Rgba8>) -> Option<Self> {
         (image.width() > 0 && image.height() > 0).then(|| Self {
-            name: text::clean(&name.into()).into_owned(),
             alpha: Alpha::of(&image),
             image,
             wrapped: OnceLock::new(),
@@ -56,11 +53,6 @@ impl Texture {
             levels_linear: OnceLock::new(),
             mip_levels: [const { OnceLock::new() }; 2],
         })
-    }
-
-    /// Returns the display name, usually the name of the file.
-    pub fn name(&self) -> &str {
-        &self.name
     }
 
     /// Returns the rows of texels as little-endian numbers. Each row is followed by its first texel, and the last row
@@ -95,7 +87,7 @@ impl Texture {
 
     /// Returns the smaller mip levels, from half the side lengths down to one texel, averaged in linear light or as
     /// codes. They are computed at the first call and cached.
-    pub fn mip_levels(&self, linear: bool) -> &[Image<Rgba8>] {
+    pub(crate) fn mip_levels(&self, linear: bool) -> &[Image<Rgba8>] {
         self.mip_levels[usize::from(linear)].get_or_init(|| mips::mip_levels(&self.image, linear))
     }
 
@@ -111,12 +103,12 @@ impl Texture {
     }
 
     /// Returns the texels of the full-size picture, with row 0 at the top (v = 0 after the flip on load).
-    pub fn image(&self) -> &Image<Rgba8> {
+    pub(crate) fn image(&self) -> &Image<Rgba8> {
         &self.image
     }
 
     /// Returns the kind of alpha values that occur in the texels, which is determined at construction.
-    pub fn alpha(&self) -> Alpha {
+    pub(crate) fn alpha(&self) -> Alpha {
         self.alpha
     }
 }
@@ -134,7 +126,7 @@ mod tests {
         let mut random = fastrand::Rng::with_seed(13);
         for (width, height) in [(16, 16), (5, 7), (1, 9), (12, 3), (1, 1)] {
             let image = Image::from_fn(width, height, |_, _| [(); 4].map(|()| random.u8(..)));
-            let texture = Texture::new("noise", image).unwrap();
+            let texture = Texture::new(image).unwrap();
             let (codes, linear) = (texture.levels(), texture.levels_linear());
             assert_eq!(codes.locations, linear.locations);
             assert_eq!(codes.locations.len(), texture.mip_levels(false).len() + 1);
@@ -164,7 +156,7 @@ mod tests {
 
     #[test]
     fn cached_representations_count_as_memory() {
-        let texture = Texture::new("plain", Image::filled(8, 4, [9; 4])).unwrap();
+        let texture = Texture::new(Image::filled(8, 4, [9; 4])).unwrap();
         assert_eq!(texture.bytes(), 8 * 4 * 4);
         texture.wrapped();
         assert_eq!(texture.bytes(), 8 * 4 * 4 + 9 * 5 * 4);
@@ -182,7 +174,7 @@ mod tests {
     fn a_texture_knows_which_alpha_it_has() {
         let alpha = |codes: &[u8]| {
             let image = Image::from_fn(codes.len() as u32, 1, |x, _| [9, 9, 9, codes[x as usize]]);
-            Texture::new("codes", image).unwrap().alpha()
+            Texture::new(image).unwrap().alpha()
         };
         assert_eq!(alpha(&[255, 255]), Alpha::Opaque);
         assert_eq!(alpha(&[255, 0, 255]), Alpha::AllOrNothing);

@@ -74,7 +74,7 @@ const TABS_SHARE: f32 = 0.34;
 const SIDE_SHARE: f32 = 0.29;
 
 /// Application behind the window: session, render worker and widget state.
-pub struct Workbench {
+pub(crate) struct Workbench {
     session: Session,
     worker: Worker,
     last_request: Option<Request>,
@@ -116,7 +116,7 @@ pub struct Workbench {
 
 impl Workbench {
     /// Creates the application, which renders with `worker`; an inline worker also makes loading synchronous.
-    pub fn new(session: Session, worker: Worker) -> Self {
+    pub(crate) fn new(session: Session, worker: Worker) -> Self {
         let is_synchronous = matches!(worker, Worker::Inline(_));
         Self {
             session,
@@ -152,12 +152,12 @@ impl Workbench {
     }
 
     /// Returns the session: scene, settings and view.
-    pub fn session(&self) -> &Session {
+    pub(crate) fn session(&self) -> &Session {
         &self.session
     }
 
     /// Returns the session, mutable for changes from outside the window.
-    pub fn session_mut(&mut self) -> &mut Session {
+    pub(crate) fn session_mut(&mut self) -> &mut Session {
         &mut self.session
     }
 
@@ -167,13 +167,13 @@ impl Workbench {
     }
 
     /// Queues commands for the next frame, as if the user had triggered them.
-    pub fn queue(&mut self, commands: Vec<Command>) {
+    pub(crate) fn queue(&mut self, commands: Vec<Command>) {
         self.queued.extend(commands);
     }
 
     /// Runs one frame of the window: receives answers, handles input, lays out the panels, applies commands and sends
     /// requests.
-    pub fn show(&mut self, ui: &mut Ui) {
+    pub(crate) fn show(&mut self, ui: &mut Ui) {
         self.receive_answers();
         let mut commands = std::mem::take(&mut self.queued);
         self.keys(ui, &mut commands);

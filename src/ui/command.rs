@@ -40,7 +40,7 @@ use crate::scene::obj::TrMeaning;
 
 /// Action of the user, applied after the window is laid out.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Command {
+pub(crate) enum Command {
     /// Shows the dialog for opening a model or a case.
     ShowFileDialog,
     /// Opens a model, case or picture file.
@@ -200,7 +200,7 @@ pub enum Command {
 }
 
 /// Key binding with its description.
-pub struct KeyBinding {
+pub(crate) struct KeyBinding {
     /// Key that triggers the command.
     pub(crate) key: Key,
     /// Modifiers that must be held.
@@ -208,7 +208,7 @@ pub struct KeyBinding {
     /// Constructs the command.
     pub(crate) command: fn() -> Command,
     /// Description for tooltips and the key sheet.
-    pub description: &'static str,
+    pub(crate) description: &'static str,
 }
 
 const fn bind(modifiers: Modifiers, key: Key, command: fn() -> Command, what: &'static str) -> KeyBinding {
@@ -232,7 +232,7 @@ impl KeyBinding {
 
 /// Key map of the window. Among the bindings of one key, those with more modifiers come first, so that the first match
 /// is the most specific.
-pub const BINDINGS: &[KeyBinding] = &[
+pub(crate) const BINDINGS: &[KeyBinding] = &[
     bind(Modifiers::COMMAND, Key::O, || Command::ShowFileDialog, "Open a model or a case"),
     bind(
         Modifiers::COMMAND.plus(Modifiers::SHIFT),
@@ -427,7 +427,7 @@ pub const BINDINGS: &[KeyBinding] = &[
 ];
 
 /// Mouse gestures and their effects, for the key sheet.
-pub const MOUSE: &[(&str, &str)] = &[
+pub(crate) const MOUSE: &[(&str, &str)] = &[
     ("Click", "Pick a pixel and explain it"),
     ("Right-drag", "Inspect pixels while dragging"),
     ("Wheel", "Zoom at the pointer"),

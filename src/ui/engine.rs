@@ -30,7 +30,7 @@ use crate::scene::{Camera, Scene};
 
 /// Quantity of a frame that the canvas shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shown {
+pub(crate) enum Shown {
     /// A buffer of the finished frame.
     Buffer(Buffer),
     /// The picture after a stage.
@@ -61,30 +61,30 @@ impl Shown {
 
 /// Everything that determines the contents of the window.
 #[derive(Clone, Debug)]
-pub struct Request {
+pub(crate) struct Request {
     /// Scene to draw; requests compare it by pointer.
-    pub scene: Arc<Scene>,
+    pub(crate) scene: Arc<Scene>,
     /// Camera that views the scene.
-    pub camera: Camera,
+    pub(crate) camera: Camera,
     /// Recipe to draw with.
-    pub recipe: Recipe,
+    pub(crate) recipe: Recipe,
     /// Size of the picture, in pixels.
-    pub viewport: Viewport,
+    pub(crate) viewport: Viewport,
     /// Quantity to show on the canvas.
-    pub shown: Shown,
+    pub(crate) shown: Shown,
     /// Number of rasterized triangles to draw; all if `None`.
-    pub triangle_limit: Option<usize>,
+    pub(crate) triangle_limit: Option<usize>,
     /// Number of fragments to draw of the last of these triangles; all if `None`.
-    pub fragment_limit: Option<usize>,
+    pub(crate) fragment_limit: Option<usize>,
     /// Picked pixel, in picture pixels.
-    pub pick: Option<(u32, u32)>,
+    pub(crate) pick: Option<(u32, u32)>,
     /// Value range, colour map and overlays of the picture.
-    pub look: Look,
+    pub(crate) look: Look,
 }
 
 impl Request {
     /// Whether both requests have the same answer.
-    pub fn same_view(&self, other: &Self) -> bool {
+    pub(crate) fn same_view(&self, other: &Self) -> bool {
         self.same_frame(other) && self.shown == other.shown && self.pick == other.pick && self.look == other.look
     }
 
@@ -110,7 +110,7 @@ impl Request {
     }
 
     /// Whether both requests have the same frame once all of its triangles are drawn.
-    pub fn same_complete_frame(&self, other: &Self) -> bool {
+    pub(crate) fn same_complete_frame(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.scene, &other.scene)
             && self.camera == other.camera
             && self.recipe == other.recipe
@@ -120,29 +120,29 @@ impl Request {
 
 /// Answer to a [`Request`].
 #[derive(Clone, Debug)]
-pub struct RenderedView {
+pub(crate) struct RenderedView {
     /// Request that was answered.
-    pub request: Request,
+    pub(crate) request: Request,
     /// Rendered frame.
-    pub frame: Arc<Frame>,
+    pub(crate) frame: Arc<Frame>,
     /// Number of rasterized triangles of the complete frame.
-    pub rasterized: usize,
+    pub(crate) rasterized: usize,
     /// Picture on the canvas.
-    pub picture: Arc<Image<Rgba8>>,
+    pub(crate) picture: Arc<Image<Rgba8>>,
     /// Captured buffers of the frame; `None` if the shown quantity does not need them.
-    pub buffers: Option<Arc<Buffers>>,
+    pub(crate) buffers: Option<Arc<Buffers>>,
     /// Intermediate value of every sample; `None` unless one is shown.
     pub(crate) captured: Option<Arc<Captured>>,
     /// Value range of the colour map; `None` without a colour map.
-    pub range: Option<Range>,
+    pub(crate) range: Option<Range>,
     /// Intermediate images and statistics of the picture.
-    pub look_result: LookResult,
+    pub(crate) look_result: LookResult,
     /// History of the picked pixel; `None` without one.
-    pub report: Option<Arc<PixelReport>>,
+    pub(crate) report: Option<Arc<PixelReport>>,
     /// Moments around the shown moment; `None` if the frame is complete and no pixel is picked.
     pub(crate) timeline: Option<Arc<Timeline>>,
     /// Whether the frame was drawn for this answer rather than reused from the last one.
-    pub fresh: bool,
+    pub(crate) fresh: bool,
 }
 
 impl RenderedView {
@@ -311,9 +311,9 @@ fn render(
 /// Counters and times of each stage of a frame. They are measured after the frame is on screen, by drawing it a few
 /// more times, so that the frame itself is neither instrumented nor slowed down.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct StageFigures {
+pub(crate) struct StageFigures {
     /// Wall-clock time of each stage.
-    pub times: StageTimes,
+    pub(crate) times: StageTimes,
     /// Numbers of processed triangles and fragments.
     pub(crate) counters: Counters,
     /// Number of fragments whose depth or weights are NaN or infinite.

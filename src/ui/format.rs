@@ -61,7 +61,7 @@ pub(crate) fn bytes(bytes: u64) -> String {
 /// Formats an `f32` with nine significant digits, which parse back to the same value.
 ///
 /// Decimal notation from 10⁻⁴ to below 10⁹, scientific notation outside: "0.999999881", "1.23456789e−7".
-pub fn f32_full(value: f32) -> String {
+pub(crate) fn f32_full(value: f32) -> String {
     const SIGNIFICANT: i32 = 9;
     if let Some(text) = special(f64::from(value)) {
         return text;

@@ -36,7 +36,7 @@ pub(crate) struct PassCost {
 }
 
 /// User interface without a window: an egui context with the theme, its painter, and the shapes of its last pass.
-pub struct Headless {
+pub(crate) struct Headless {
     context: egui::Context,
     painter: CpuPainter,
     size_points: Vec2,
@@ -47,7 +47,7 @@ pub struct Headless {
 
 impl Headless {
     /// Creates an interface of `size_points` logical points, with `pixels_per_point` physical pixels per point.
-    pub fn new(size_points: Vec2, pixels_per_point: f32, theme: egui::Theme) -> Self {
+    pub(crate) fn new(size_points: Vec2, pixels_per_point: f32, theme: egui::Theme) -> Self {
         let context = egui::Context::default();
         theme::install(&context);
         context.set_theme(theme);
@@ -62,13 +62,14 @@ impl Headless {
     }
 
     /// Returns the egui context, for further setup.
-    pub fn context(&self) -> &egui::Context {
+    #[cfg(test)]
+    pub(crate) fn context(&self) -> &egui::Context {
         &self.context
     }
 
     /// Runs one pass with `events` as its input. Returns its output for the platform: cursor, clipboard, accessibility
     /// tree.
-    pub fn pass(&mut self, events: Vec<Event>, ui: impl FnMut(&mut egui::Ui)) -> PlatformOutput {
+    pub(crate) fn pass(&mut self, events: Vec<Event>, ui: impl FnMut(&mut egui::Ui)) -> PlatformOutput {
         let input = self.input(events);
         let FullOutput { platform_output, mut textures_delta, shapes, .. } = self.context.run_ui(input, ui);
         self.painter.handle_delta(&mut textures_delta);
@@ -113,7 +114,7 @@ impl Headless {
     }
 
     /// Paints the last pass at `size_points` × `pixels_per_point`, rounded to whole pixels.
-    pub fn picture(&self) -> Image<Rgba8> {
+    pub(crate) fn picture(&self) -> Image<Rgba8> {
         let size = (self.size_points * self.pixels_per_point).round();
         let background = self.context.global_style().visuals.panel_fill;
         self.painter.paint_shapes(&self.context, self.shapes.clone(), (size.x as u32, size.y as u32), background)

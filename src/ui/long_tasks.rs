@@ -11,7 +11,7 @@ use crate::report::stability::sweep::{StabilityProgress, StabilityReport};
 
 /// View of the stability report.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum StabilityView {
+pub(crate) enum StabilityView {
     /// Heat map of classes of cases against configurations.
     #[default]
     HeatMap,
@@ -21,31 +21,31 @@ pub enum StabilityView {
 
 /// State of the stability report.
 #[derive(Clone, Debug, Default)]
-pub struct Stability {
+pub(crate) struct Stability {
     /// Last complete stability report.
-    pub report: Option<Arc<StabilityReport>>,
+    pub(crate) report: Option<Arc<StabilityReport>>,
     /// Progress of the running report; `None` if none is running.
-    pub progress: Option<StabilityProgress>,
+    pub(crate) progress: Option<StabilityProgress>,
     /// View selected in the tab.
     pub(crate) view: StabilityView,
 }
 
 /// State of the measurement of the time that skipped work saves.
 #[derive(Clone, Debug, Default)]
-pub struct PlanSavings {
+pub(crate) struct PlanSavings {
     /// Last result, and the request on which it was measured.
-    pub found: Option<(Arc<Savings>, Request)>,
+    pub(crate) found: Option<(Arc<Savings>, Request)>,
     /// Completed share of the running measurement, in [0, 1]; `None` if none is running.
-    pub progress: Option<f32>,
+    pub(crate) progress: Option<f32>,
 }
 
 /// State of the scaling measurement.
 #[derive(Clone, Debug, Default)]
-pub struct ScalingState {
+pub(crate) struct ScalingState {
     /// Last result, and the recipe with which it was measured.
-    pub found: Option<(Arc<Scaling>, Recipe)>,
+    pub(crate) found: Option<(Arc<Scaling>, Recipe)>,
     /// Quantity being measured, and the completed share of the measurement, in [0, 1]; `None` if none is running.
-    pub progress: Option<(ScalingQuantity, f32)>,
+    pub(crate) progress: Option<(ScalingQuantity, f32)>,
 }
 
 /// A running stability report.

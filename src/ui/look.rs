@@ -20,7 +20,7 @@ use crate::scene::seams::Seams;
 
 /// Display settings of the shown quantity, its overlays, and the statistics to compute.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Look {
+pub(crate) struct Look {
     /// Range, colour map and channels of the shown quantity.
     pub(crate) display: Display,
     /// Statistics to compute; `None` to compute none.
@@ -49,7 +49,7 @@ pub(crate) struct StatisticsRequest {
 
 /// Picture of a [`Look`], with the intermediate results that it was composed from.
 #[derive(Clone, Debug)]
-pub struct LookResult {
+pub(crate) struct LookResult {
     /// Picture after the shown pipeline stage; `None` unless a stage is shown.
     pub(crate) stage: Option<Arc<Image<Rgba8>>>,
     /// Picture of the shown quantity without overlays.
@@ -59,7 +59,7 @@ pub struct LookResult {
     /// Values at the ends of the colour map, or of each channel; `None` for categorical values.
     pub(crate) range: Option<Range>,
     /// Visible overlays, in the order of the layers.
-    pub sheets: Vec<Arc<Sheet>>,
+    pub(crate) sheets: Vec<Arc<Sheet>>,
     /// Whether placeholders stand in for overlays that are slow to compute.
     pub(crate) is_unfinished: bool,
     /// All overlays computed for the frame, visible or not.
@@ -67,7 +67,7 @@ pub struct LookResult {
     /// Fragment statistics of the frame, shared by overlays and computed on first use by an instrumented rendering.
     watched: Arc<OnceLock<FragmentStats>>,
     /// Computed statistics; `None` if none were requested.
-    pub measured: Option<Arc<PictureStatistics>>,
+    pub(crate) measured: Option<Arc<PictureStatistics>>,
 }
 
 /// Data from which the values of the shown quantity are read.
@@ -207,7 +207,7 @@ pub(crate) fn kind(shown: Shown) -> ValueKind {
 
 impl RenderedView {
     /// Returns the exact value at a pixel inside the picture, independent of the colours shown.
-    pub fn value(&self, x: u32, y: u32) -> Value {
+    pub(crate) fn value(&self, x: u32, y: u32) -> Value {
         let (buffers, stage) = (self.buffers.as_deref(), self.look_result.stage.as_deref());
         ValueSource { frame: &self.frame, buffers, captured: self.captured.as_deref(), stage, seams: None }.value(
             self.request.shown,

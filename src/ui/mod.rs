@@ -8,21 +8,21 @@
 
 pub(crate) mod cpu_painter;
 
-pub mod headless;
+pub(crate) mod headless;
 
 pub(crate) mod task;
 
-pub mod fates;
+pub(crate) mod fates;
 
-pub mod scrub;
+pub(crate) mod scrub;
 
 mod layout;
 
 mod seam_search;
 
-pub mod theme;
+pub(crate) mod theme;
 
-pub mod format;
+pub(crate) mod format;
 
 pub(crate) mod widgets;
 
@@ -30,25 +30,25 @@ pub(crate) mod manual;
 
 pub(crate) mod ticks;
 
-pub mod look;
+pub(crate) mod look;
 
-pub mod engine;
+pub(crate) mod engine;
 
-pub mod range;
+pub(crate) mod range;
 
-pub mod overlays;
+pub(crate) mod overlays;
 
 pub mod compare;
 
-pub mod worker;
+pub(crate) mod worker;
 
 pub(crate) mod lab;
 
-pub mod trace;
+pub(crate) mod trace;
 
 pub(crate) mod probe;
 
-pub mod command;
+pub(crate) mod command;
 
 pub(crate) mod timings;
 
@@ -56,11 +56,11 @@ pub(crate) mod long_tasks;
 
 pub(crate) mod open_case;
 
-pub mod session;
+pub(crate) mod session;
 
-pub mod checks;
+pub(crate) mod checks;
 
-pub mod place;
+pub(crate) mod place;
 
 pub(crate) mod what_if;
 
@@ -70,7 +70,7 @@ pub(crate) mod fault_bar;
 
 pub(crate) mod zoom;
 
-pub mod vertices;
+pub(crate) mod vertices;
 
 pub(crate) mod navigate;
 
@@ -84,19 +84,21 @@ pub(crate) mod palette;
 
 pub mod key_sheet;
 
-pub mod app;
+pub(crate) mod app;
 
 mod start;
 
-pub mod store;
+pub(crate) mod store;
 
 pub(crate) mod window_time;
 
-pub use start::InitialView;
-pub use start::ScreenshotRequest;
-pub use start::Theme;
-pub use start::WindowStart;
-pub use start::resumed;
+pub(crate) use start::InitialView;
+pub(crate) use start::ScreenshotRequest;
+pub(crate) use start::Theme;
+pub(crate) use start::WindowStart;
+#[cfg(test)]
+pub(crate) use start::resumed;
 pub(crate) use start::run_window;
-pub use start::screenshot;
-pub use start::workbench;
+pub(crate) use start::screenshot;
+#[cfg(test)]
+pub(crate) use start::workbench;

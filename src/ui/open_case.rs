@@ -10,9 +10,9 @@ use crate::report::stability::column::ReportColumn;
 
 /// Case that is shown in place of the scene.
 #[derive(Clone, Debug)]
-pub struct OpenCase {
+pub(crate) struct OpenCase {
     /// Contents of the case file.
-    pub case: Arc<Case>,
+    pub(crate) case: Arc<Case>,
     /// Index of the shown part of the case, such as one of its triangles.
     pub(crate) part: usize,
     /// Settings to restore on closing; `None` if the case was opened with the current settings.
@@ -28,7 +28,7 @@ impl OpenCase {
 
 impl Session {
     /// Shows a case in place of the scene, which stays loaded, and closes the case that was open.
-    pub fn show_case(&mut self, case: impl Into<Arc<Case>>) {
+    pub(crate) fn show_case(&mut self, case: impl Into<Arc<Case>>) {
         let case = case.into();
         self.close_case();
         self.report(Severity::Info, format!("Opened case {}", case.id));

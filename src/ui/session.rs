@@ -9,11 +9,11 @@ mod preferences;
 mod undo;
 
 pub(crate) use log::LogLine;
-pub use log::Severity;
-pub use preferences::PictureSize;
-pub use preferences::PointerMode;
-pub use preferences::Preferences;
-pub use preferences::WindowState;
+pub(crate) use log::Severity;
+pub(crate) use preferences::PictureSize;
+pub(crate) use preferences::PointerMode;
+pub(crate) use preferences::Preferences;
+pub(crate) use preferences::WindowState;
 pub(crate) use undo::Undoable;
 
 use std::collections::VecDeque;
@@ -56,98 +56,98 @@ const RECENT_FILES: usize = 8;
 
 /// A running measurement of all upscalers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Measuring {
+pub(crate) struct Measuring {
     /// Completed share of the measurement, in [0, 1].
     pub(crate) progress: f32,
 }
 
 /// State of the window, apart from widgets.
 #[derive(Debug)]
-pub struct Session {
+pub(crate) struct Session {
     /// Scene on screen.
-    pub scene: Arc<Scene>,
+    pub(crate) scene: Arc<Scene>,
     /// Source of the scene: a built-in scene or a file.
-    pub source: SceneSource,
+    pub(crate) source: SceneSource,
     /// Whether the scene is mirrored along z relative to its source.
     pub(crate) mirrored: bool,
     /// Maximum memory for the meshes and textures of a model.
     pub(crate) memory_limit: MemoryLimit,
     /// State covered by undo.
-    pub state: Undoable,
+    pub(crate) state: Undoable,
     /// Buffer, stage or intermediate value shown on the canvas.
-    pub shown: Shown,
+    pub(crate) shown: Shown,
     /// Maximum number of triangles to draw; `None` draws all.
-    pub triangle_limit: Option<usize>,
+    pub(crate) triangle_limit: Option<usize>,
     /// State of stepping and playing through the frame.
-    pub scrub: Scrub,
+    pub(crate) scrub: Scrub,
     /// Column and row of the picked pixel.
-    pub pick: Option<(u32, u32)>,
+    pub(crate) pick: Option<(u32, u32)>,
     /// Pointer mode of the canvas.
-    pub pointer_mode: PointerMode,
+    pub(crate) pointer_mode: PointerMode,
     /// Size of the canvas in screen pixels, as of the last frame.
     pub(crate) canvas_px: (u32, u32),
     /// Newest view from the renderer.
-    pub view: Option<RenderedView>,
+    pub(crate) view: Option<RenderedView>,
     /// Counters and times of the pipeline stages, from the last frame that stayed long enough to be timed.
     pub(crate) stages: Option<StageFigures>,
     /// Settings of the comparison.
-    pub comparison: CompareSettings,
+    pub(crate) comparison: CompareSettings,
     /// Results of the comparison so far.
-    pub compared: Option<Compared>,
+    pub(crate) compared: Option<Compared>,
     /// Recorded frame times of each upscaler.
-    pub timings: Timings,
+    pub(crate) timings: Timings,
     /// Times of the user interface itself.
     pub(crate) window_times: WindowTimes,
     /// Running measurement of all upscalers, if any.
-    pub measuring: Option<Measuring>,
+    pub(crate) measuring: Option<Measuring>,
     /// Open case, if any.
-    pub case: Option<OpenCase>,
+    pub(crate) case: Option<OpenCase>,
     /// State of the stability report.
-    pub stability: Stability,
+    pub(crate) stability: Stability,
     /// Completed share of the running export of a vector drawing, in [0, 1]; `None` if none is running.
     pub(crate) export_progress: Option<f32>,
     /// Measurement of the time that skipped work saves.
-    pub savings: PlanSavings,
+    pub(crate) savings: PlanSavings,
     /// Measurement of how the frame time scales.
-    pub scaling: ScalingState,
+    pub(crate) scaling: ScalingState,
     /// Settings and results of the stability probe.
-    pub probing: ProbeState,
+    pub(crate) probing: ProbeState,
     /// Scope and selection of the vertex table.
-    pub vertices: VertexTable,
+    pub(crate) vertices: VertexTable,
     /// Mesh view, which shows the scene from a second camera.
-    pub mesh_view: MeshView,
+    pub(crate) mesh_view: MeshView,
     /// State of the 2D lab.
-    pub lab: Lab,
+    pub(crate) lab: Lab,
     /// Settings and results of the assertions.
-    pub checks: Checks,
+    pub(crate) checks: Checks,
     /// Trace of the arithmetic of the picked pixel.
-    pub trace: TraceView,
+    pub(crate) trace: TraceView,
     /// Ranges and colour maps of the buffers and stages.
-    pub range: RangeControl,
+    pub(crate) range: RangeControl,
     /// Active overlays of the picture.
-    pub overlays: Overlays,
+    pub(crate) overlays: Overlays,
     /// Selected triangles, highlighted in the picture, in tables and on meshes.
-    pub selection: TriangleSelection,
+    pub(crate) selection: TriangleSelection,
     /// Fates of triangles and fragments, and the filter on them.
-    pub fates: FatesView,
+    pub(crate) fates: FatesView,
     /// Bookmarks and navigation history.
-    pub places: Places,
+    pub(crate) places: Places,
     /// Effect of the last change of settings.
-    pub what_if: WhatIf,
+    pub(crate) what_if: WhatIf,
     /// Watched pixels and their values.
-    pub watch: WatchList,
+    pub(crate) watch: WatchList,
     /// Error shown in the message line until it is closed.
-    pub error: Option<String>,
+    pub(crate) error: Option<String>,
     /// Picture file that was opened as a scene. The message line offers to open it in the 2D lab.
-    pub offered_picture: Option<PathBuf>,
+    pub(crate) offered_picture: Option<PathBuf>,
     /// All messages, up to the length limit of the log.
-    pub log: VecDeque<LogLine>,
+    pub(crate) log: VecDeque<LogLine>,
     /// Recently opened files, newest first.
-    pub recent: Vec<PathBuf>,
+    pub(crate) recent: Vec<PathBuf>,
     /// Folder for exported pictures and cases: the working directory at startup.
-    pub folder: PathBuf,
+    pub(crate) folder: PathBuf,
     /// Whether the first hint has been closed.
-    pub hint_closed: bool,
+    pub(crate) hint_closed: bool,
     first_pick: FirstPick,
     /// Time of the last camera movement, in seconds.
     camera_moved_at: f64,
@@ -172,7 +172,7 @@ const FIRST_PICK: (f32, f32) = (0.53, 0.49);
 
 impl Session {
     /// Creates a session that shows a scene with a recipe and a camera.
-    pub fn new(scene: Arc<Scene>, source: SceneSource, recipe: Recipe, camera: Camera) -> Self {
+    pub(crate) fn new(scene: Arc<Scene>, source: SceneSource, recipe: Recipe, camera: Camera) -> Self {
         let state = Undoable { recipe, camera, size: PictureSize::Canvas, tiles: TileSet::default() };
         Self {
             scene,
@@ -226,7 +226,7 @@ impl Session {
     }
 
     /// Returns the size of the picture, at least one pixel in each direction.
-    pub fn viewport(&self) -> Viewport {
+    pub(crate) fn viewport(&self) -> Viewport {
         let (width, height) = match self.state.size {
             PictureSize::Canvas => self.canvas_px,
             PictureSize::Fixed(width, height) => (width, height),
@@ -235,7 +235,7 @@ impl Session {
     }
 
     /// Returns the current request for the renderer.
-    pub fn request(&self) -> Request {
+    pub(crate) fn request(&self) -> Request {
         Request {
             scene: self.scene.clone(),
             camera: self.state.camera,
@@ -327,7 +327,7 @@ impl Session {
     }
 
     /// Applies a command to this state. Returns the command that the window must run, for example to access files.
-    pub fn apply(&mut self, command: Command) -> Option<Command> {
+    pub(crate) fn apply(&mut self, command: Command) -> Option<Command> {
         match self.lab.claim(command)? {
             Command::ToggleLab => {
                 self.lab.apply(lab::LabChange::Open(!self.lab.open));
@@ -408,7 +408,7 @@ impl Session {
     }
 
     /// Returns the number of rasterized triangles in the complete frame on screen.
-    pub fn triangle_count(&self) -> usize {
+    pub(crate) fn triangle_count(&self) -> usize {
         self.view.as_ref().map_or(0, |view| view.rasterized)
     }
 

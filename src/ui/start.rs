@@ -37,32 +37,32 @@ use crate::scene::{Camera, LoadControl, MemoryLimit, Scene, SceneError, SceneSou
 
 /// Initial state of the workbench.
 #[derive(Clone, Debug)]
-pub struct WindowStart {
+pub(crate) struct WindowStart {
     /// Source of the scene.
-    pub source: SceneSource,
+    pub(crate) source: SceneSource,
     /// Scene to show.
-    pub scene: Arc<Scene>,
+    pub(crate) scene: Arc<Scene>,
     /// Warnings from loading the scene, for the log.
-    pub warnings: Vec<Warning>,
+    pub(crate) warnings: Vec<Warning>,
     /// Recipe with which the scene is drawn.
-    pub recipe: Recipe,
+    pub(crate) recipe: Recipe,
     /// Initial camera of the scene.
-    pub camera: Camera,
+    pub(crate) camera: Camera,
     /// Whether the scene is mirrored along z relative to its source.
-    pub mirrored: bool,
+    pub(crate) mirrored: bool,
     /// Whether the window restores the scene, recipe and camera of the previous run instead.
-    pub resume: bool,
+    pub(crate) resume: bool,
     /// Initial view of the frame.
-    pub initial_view: InitialView,
+    pub(crate) initial_view: InitialView,
     /// Maximum memory for the meshes and textures of a model.
-    pub memory_limit: MemoryLimit,
+    pub(crate) memory_limit: MemoryLimit,
     /// Scene to load after the window has opened, if any.
-    pub pending: Option<PendingScene>,
+    pub(crate) pending: Option<PendingScene>,
 }
 
 /// Scene that takes too long to load before the window opens.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PendingScene {
+pub(crate) struct PendingScene {
     /// Path of the model.
     pub(crate) path: PathBuf,
     /// Camera for the scene; `None` means the scene's home view.
@@ -71,7 +71,7 @@ pub struct PendingScene {
 
 /// Initial view of the frame; `None` and empty fields mean the defaults.
 #[derive(Clone, Debug, Default)]
-pub struct InitialView {
+pub(crate) struct InitialView {
     /// Column and row of the picked pixel.
     pub(crate) pixel: Option<(u32, u32)>,
     /// Shown buffer, stage or intermediate value.
@@ -109,7 +109,7 @@ impl InitialView {
 
 /// Colour theme of the workbench.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Theme {
+pub(crate) enum Theme {
     /// Light text on dark panels.
     Dark,
     /// Dark text on light panels.
@@ -118,37 +118,37 @@ pub enum Theme {
 
 /// Settings of a screenshot of the workbench.
 #[derive(Clone, Debug)]
-pub struct ScreenshotRequest {
+pub(crate) struct ScreenshotRequest {
     /// Initial state of the workbench.
-    pub start: WindowStart,
+    pub(crate) start: WindowStart,
     /// Size of the screenshot, in pixels.
-    pub size: Viewport,
+    pub(crate) size: Viewport,
     /// Interface scale, in pixels per point.
-    pub pixels_per_point: f32,
+    pub(crate) pixels_per_point: f32,
     /// Colour theme of the screenshot.
-    pub theme: Theme,
+    pub(crate) theme: Theme,
     /// Whether all upscalers are timed first, so that the screenshot contains their frame times. Takes a few seconds.
-    pub measure: bool,
+    pub(crate) measure: bool,
     /// Whether the stability probe is run first, so that the screenshot contains its result.
-    pub probe: bool,
+    pub(crate) probe: bool,
     /// Style of the mesh view beside the picture; `None` shows no mesh view.
-    pub mesh: Option<MeshStyle>,
+    pub(crate) mesh: Option<MeshStyle>,
     /// Comparison to show; `None` shows no comparison.
-    pub compare: Option<CompareChange>,
+    pub(crate) compare: Option<CompareChange>,
     /// Tab to open; `None` opens the first one.
-    pub tab: Option<Tab>,
+    pub(crate) tab: Option<Tab>,
     /// Buffer, stage or intermediate value on the canvas; `None` shows the final colours.
-    pub shown: Option<Shown>,
+    pub(crate) shown: Option<Shown>,
     /// Moment at which drawing stops; `None` draws the complete frame.
-    pub moment: Option<Moment>,
+    pub(crate) moment: Option<Moment>,
     /// Fate whose triangles are selected in the tab “Fates”, which is opened.
-    pub fate: Option<TriangleFate>,
+    pub(crate) fate: Option<TriangleFate>,
     /// Column and row of the picked pixel; `None` picks one near the centre.
-    pub selected: Option<(u32, u32)>,
+    pub(crate) selected: Option<(u32, u32)>,
     /// Page of the 2D lab to show instead of the pipeline, and the number of its steps; `None` shows all steps.
-    pub lab: Option<(Page, Option<usize>)>,
+    pub(crate) lab: Option<(Page, Option<usize>)>,
     /// Commands to apply before the first pass.
-    pub first: Vec<Command>,
+    pub(crate) first: Vec<Command>,
 }
 
 /// Number of passes of a screenshot. The first one determines the size of the canvas, the second one has a frame, and
@@ -246,7 +246,7 @@ fn close_on_signals(context: egui::Context) {
 /// Restores the scene, recipe and camera of the previous run in `start`. Invalid parts are ignored, because stored
 /// preferences may be damaged or belong to an older version. A model that does not load within `patience` becomes the
 /// pending scene.
-pub fn resumed(start: WindowStart, preferences: &Preferences, patience: Duration) -> WindowStart {
+pub(crate) fn resumed(start: WindowStart, preferences: &Preferences, patience: Duration) -> WindowStart {
     let recipe = if preferences.recipe.check().is_ok() { preferences.recipe } else { start.recipe };
     let start = WindowStart { recipe, ..start };
     let Some(path) = preferences.source.clone() else { return start };
@@ -276,7 +276,7 @@ pub fn resumed(start: WindowStart, preferences: &Preferences, patience: Duration
 }
 
 /// Creates the application from its initial state and the stored preferences.
-pub fn workbench(start: WindowStart, preferences: Preferences, worker: Worker) -> Workbench {
+pub(crate) fn workbench(start: WindowStart, preferences: Preferences, worker: Worker) -> Workbench {
     let mut session = Session::new(start.scene, start.source, start.recipe, start.camera);
     session.recent = preferences.recent;
     session.hint_closed = preferences.hint_closed;
@@ -308,7 +308,7 @@ pub fn workbench(start: WindowStart, preferences: Preferences, worker: Worker) -
 /// # Errors
 ///
 /// Returns the size of the scene's picture if the picture does not contain the pixel to be picked.
-pub fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Viewport> {
+pub(crate) fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Viewport> {
     let Viewport { width, height } = request.size;
     let theme = match request.theme {
         Theme::Dark => egui::Theme::Dark,

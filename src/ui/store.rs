@@ -39,15 +39,15 @@ pub(crate) struct Store {
 
 /// Preferences read from disk.
 #[derive(Clone, Debug, Default)]
-pub struct LoadedPreferences {
+pub(crate) struct LoadedPreferences {
     /// Preferences, with defaults for everything that cannot be read.
-    pub preferences: Preferences,
+    pub(crate) preferences: Preferences,
     /// Warning about unreadable contents, with the path of their backup; `None` if everything was read.
-    pub warning: Option<String>,
+    pub(crate) warning: Option<String>,
 }
 
 /// Reads the preferences in `folder`; returns `None` if there is no file yet.
-pub fn read(folder: &Path) -> Option<LoadedPreferences> {
+pub(crate) fn read(folder: &Path) -> Option<LoadedPreferences> {
     let path = folder.join(FILE);
     if !path.exists() {
         return None;

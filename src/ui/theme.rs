@@ -191,7 +191,7 @@ fn of(dark_mode: bool) -> &'static Tokens {
 }
 
 /// Installs the fonts and the styles of both themes. Call it once, when the window is created.
-pub fn install(context: &egui::Context) {
+pub(crate) fn install(context: &egui::Context) {
     context.set_fonts(fonts());
     for theme in [egui::Theme::Dark, egui::Theme::Light] {
         context.set_style_of(theme, style(theme == egui::Theme::Dark));

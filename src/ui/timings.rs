@@ -22,7 +22,7 @@ const SLOWEST: usize = 5;
 
 /// Kind of plot of frame times.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum TimingsView {
+pub(crate) enum TimingsView {
     /// Frame time of each frame, in drawing order.
     #[default]
     Lines,
@@ -32,7 +32,7 @@ pub enum TimingsView {
 
 /// All recorded frame times, in milliseconds.
 #[derive(Debug, Default)]
-pub struct Timings {
+pub(crate) struct Timings {
     /// Plot that the tab shows.
     pub(crate) view: TimingsView,
     /// Whether recording of recent frames is paused.
@@ -41,7 +41,7 @@ pub struct Timings {
     slowest: Vec<(Upscaling, f64)>,
     recent_request: Option<Request>,
     /// Camera motion over the frames of the next measurement.
-    pub turn: Turn,
+    pub(crate) turn: Turn,
     measured: BTreeMap<Upscaling, Vec<f64>>,
     errors: BTreeMap<Upscaling, MethodError>,
     noise: Option<Noise>,
@@ -50,15 +50,15 @@ pub struct Timings {
 
 /// Frame time and error of an upscaler.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TradeOff {
+pub(crate) struct TradeOff {
     /// Upscaler with its options.
-    pub upscaling: Upscaling,
+    pub(crate) upscaling: Upscaling,
     /// Statistics of the frame times, in milliseconds.
-    pub ms: Summary,
+    pub(crate) ms: Summary,
     /// Error against the reference of the measurement. The error in motion ranks the upscalers.
-    pub error: MethodError,
+    pub(crate) error: MethodError,
     /// Position relative to the Pareto front of time and FLIP in motion.
-    pub standing: Standing<Upscaling>,
+    pub(crate) standing: Standing<Upscaling>,
     /// Whether the difference from the native time is within noise.
     pub(crate) native_within_noise: bool,
 }
@@ -165,7 +165,7 @@ impl Timings {
 
     /// Returns every upscaler of the measurement whose time and error are known. Empty before the first round is
     /// complete.
-    pub fn tradeoff(&self) -> Vec<TradeOff> {
+    pub(crate) fn tradeoff(&self) -> Vec<TradeOff> {
         let Some(noise) = self.noise else { return Vec::new() };
         let known = self
             .errors
@@ -190,7 +190,7 @@ impl Timings {
     }
 
     /// Whether there is a running or complete measurement to show.
-    pub fn has_measurement(&self) -> bool {
+    pub(crate) fn has_measurement(&self) -> bool {
         !self.measured.is_empty()
     }
 
@@ -224,7 +224,7 @@ impl Timings {
 
     /// Returns the times of each upscaler, oldest first: those of the measurement, or of the recent frames if there is
     /// none.
-    pub fn series(&self) -> Vec<(Upscaling, Vec<f64>)> {
+    pub(crate) fn series(&self) -> Vec<(Upscaling, Vec<f64>)> {
         if self.has_measurement() { per_method(&self.measured) } else { per_method(&self.recent) }
     }
 }

@@ -17,8 +17,9 @@ use super::what_if::drawer::{Drawer, WhatIfRequest, WhatIfResults};
 use crate::inspect::watch::WatchedPixel;
 use crate::measure::noise::Noise;
 use crate::upscale::Upscaling;
-pub use measurement::MEASURE_ROUNDS;
-pub use measurement::MeasureRequest;
+#[cfg(test)]
+pub(crate) use measurement::MEASURE_ROUNDS;
+pub(crate) use measurement::MeasureRequest;
 use measurement::Measurement;
 pub(crate) use measurement::MethodError;
 
@@ -27,7 +28,7 @@ const SETTLED: Duration = Duration::from_millis(120);
 
 /// Request from the window to the renderer.
 #[derive(Debug)]
-pub enum WorkerRequest {
+pub(crate) enum WorkerRequest {
     /// Renders this view.
     Show(Box<Request>),
     /// Renders this comparison; `None` cancels the comparison.
@@ -44,7 +45,7 @@ pub enum WorkerRequest {
 
 /// Response from the renderer to the window.
 #[derive(Debug)]
-pub enum WorkerResponse {
+pub(crate) enum WorkerResponse {
     /// A rendered view.
     View(Box<RenderedView>),
     /// Results of the comparison so far.
@@ -92,7 +93,7 @@ pub enum WorkerResponse {
 
 /// Handle to the renderer, which is a background thread, or synchronous for screenshots and tests.
 #[derive(Debug)]
-pub enum Worker {
+pub(crate) enum Worker {
     /// Asynchronous: responses arrive later.
     Thread {
         /// Sender of requests to the thread.
@@ -107,7 +108,7 @@ pub enum Worker {
 impl Worker {
     /// Starts the thread. `wake` is called after every batch of responses. Falls back to a synchronous worker if no
     /// thread can be started.
-    pub fn spawn(wake: impl Fn() + Send + 'static) -> Self {
+    pub(crate) fn spawn(wake: impl Fn() + Send + 'static) -> Self {
         let (jobs, inbox) = channel();
         let (outbox, answers) = channel();
         std::thread::Builder::new()
@@ -117,12 +118,12 @@ impl Worker {
     }
 
     /// Creates a synchronous worker.
-    pub fn inline() -> Self {
+    pub(crate) fn inline() -> Self {
         Self::Inline(Box::default())
     }
 
     /// Sends a request; a synchronous worker also completes it.
-    pub fn send(&mut self, job: WorkerRequest) {
+    pub(crate) fn send(&mut self, job: WorkerRequest) {
         match self {
             // The thread ends only with the window, so a failed send has no one to report to.
             Self::Thread { jobs, .. } => drop(jobs.send(job)),
@@ -134,7 +135,7 @@ impl Worker {
     }
 
     /// Returns the next response that is ready, if any.
-    pub fn poll(&mut self) -> Option<WorkerResponse> {
+    pub(crate) fn poll(&mut self) -> Option<WorkerResponse> {
         match self {
             Self::Thread { answers, .. } => answers.try_recv().ok(),
             Self::Inline(work) => work.done.pop_front(),
@@ -144,7 +145,7 @@ impl Worker {
 
 /// Pending work of the renderer, and the state that it needs.
 #[derive(Debug, Default)]
-pub struct RenderWorker {
+pub(crate) struct RenderWorker {
     engine: Engine,
     to_show: Option<Box<Request>>,
     comparer: Comparer,

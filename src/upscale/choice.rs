@@ -135,7 +135,7 @@ impl Upscaling {
     }
 
     /// Whether this is native rendering, with every pixel drawn.
-    pub fn is_native(self) -> bool {
+    pub(crate) fn is_native(self) -> bool {
         self.method == Self::NATIVE.method
     }
 

@@ -7,10 +7,10 @@ use rasterscope::case::{Answer, Case, CaseOutcome, Control, Options, Task, solve
 use rasterscope::pipeline::settings::{Arithmetic, Choice, Rasterizer};
 use serde_json::Value;
 
-use crate::driver::{Failure, Target};
-use crate::images::check_message;
-use crate::input::Input;
-use crate::{mutate, seeds};
+use crate::fuzz::driver::{Failure, Target};
+use crate::fuzz::images::check_message;
+use crate::fuzz::input::Input;
+use crate::fuzz::{mutate, seeds};
 
 /// Name of the input file that contains the case.
 const FILE: &str = "case.json";

@@ -21,8 +21,8 @@ use std::time::{Duration, Instant};
 
 use fastrand::Rng;
 
-use crate::input::{Input, NOTES, minimise};
-use crate::{panics, process};
+use crate::fuzz::input::{Input, NOTES, minimise};
+use crate::fuzz::{panics, process};
 
 /// Time for each target unless `RASTERSCOPE_FUZZ_SECONDS` is set, in seconds.
 const SECONDS: f64 = 3.0;
@@ -151,8 +151,9 @@ impl Plan {
             let text = std::env::var(name).ok()?;
             Some(text.parse().unwrap_or_else(|_| panic!("{name}={text} is not a number")))
         }
-        let build = Path::new(env!("CARGO_TARGET_TMPDIR"));
-        let findings = build.parent().unwrap_or(build).join("fuzz-findings");
+        // The tests are in `target/debug/deps`.
+        let program = std::env::current_exe().expect("a path of the tests");
+        let findings = program.ancestors().nth(3).expect("a target folder").join("fuzz-findings");
         // Creating a file takes 0.03 ms in memory and 2 ms on a busy disk.
         let memory = Path::new("/dev/shm");
         let running = if memory.is_dir() {
@@ -312,7 +313,7 @@ impl<T: Target> Fuzzer<'_, T> {
             "" => String::new(),
             features => format!("--features {features} "),
         };
-        let command = format!("cargo test {features}--test fuzz -- --exact {name} --nocapture");
+        let command = format!("cargo test {features}--lib -- --exact fuzz::{name} --nocapture");
         let seed = self.plan.seed;
         let found = iteration.map_or_else(
             || "found in an input that an earlier process left".to_owned(),

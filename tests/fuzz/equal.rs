@@ -10,7 +10,7 @@ use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::{Camera, Scene};
 use rayon::ThreadPoolBuilder;
 
-use crate::driver::{Failure, STACK_BYTES};
+use crate::fuzz::driver::{Failure, STACK_BYTES};
 
 /// Number of threads in tiled execution.
 const THREADS: usize = 2;

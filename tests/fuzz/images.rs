@@ -7,9 +7,9 @@ use fastrand::Rng;
 use image::{DynamicImage, ImageFormat};
 use rasterscope::image::file;
 
-use crate::driver::{Failure, Target};
-use crate::input::Input;
-use crate::{mutate, seeds};
+use crate::fuzz::driver::{Failure, Target};
+use crate::fuzz::input::Input;
+use crate::fuzz::{mutate, seeds};
 
 /// Largest width and height of a generated picture, in pixels.
 const MOST_SIDE: u32 = 24;

@@ -12,12 +12,12 @@ use rasterscope::scene::obj::TrMeaning;
 use rasterscope::scene::obj::statements::{Format, STATEMENTS};
 use rasterscope::text;
 
-use crate::driver::{Failure, Target};
-use crate::images::{self, check_message};
-use crate::input::Input;
-use crate::mutate::{number, pick, word};
-use crate::sound::sound;
-use crate::{equal, mutate, seeds};
+use crate::fuzz::driver::{Failure, Target};
+use crate::fuzz::images::{self, check_message};
+use crate::fuzz::input::Input;
+use crate::fuzz::mutate::{number, pick, word};
+use crate::fuzz::{equal, mutate, seeds};
+use crate::internal::sound::sound;
 
 /// Name of the input file that contains the model.
 const MODEL: &str = "model.obj";

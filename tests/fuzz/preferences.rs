@@ -17,10 +17,10 @@ use rasterscope::ui::worker::Worker;
 use rasterscope::ui::{InitialView, WindowStart, resumed, store, workbench};
 use serde_json::Value;
 
-use crate::driver::{Failure, Target};
-use crate::images::check_message;
-use crate::input::Input;
-use crate::{mutate, strings};
+use crate::fuzz::driver::{Failure, Target};
+use crate::fuzz::images::check_message;
+use crate::fuzz::input::Input;
+use crate::fuzz::{mutate, strings};
 
 /// Name of the file in which the program stores its preferences.
 const FILE: &str = "preferences.json";
@@ -28,8 +28,8 @@ const FILE: &str = "preferences.json";
 /// Largest number of bookmarks that an execution opens.
 const MOST_BOOKMARKS: usize = 3;
 
-/// Size of the window, in points; small, because small pictures are drawn faster.
-const WINDOW: Vec2 = Vec2::new(900.0, 560.0);
+/// Size of the window, in pixels of the screen; small, because small pictures are drawn faster.
+const WINDOW_PX: Vec2 = Vec2::new(900.0, 560.0);
 
 /// Fuzz target that loads mutated preferences.
 pub(crate) struct StoredPreferences;
@@ -133,7 +133,7 @@ fn start(preferences: Preferences) -> Result<(), Failure> {
     };
     let bookmarks = preferences.bookmarks.len().min(MOST_BOOKMARKS);
     let scale = if preferences.window.scale > 0.0 { preferences.window.scale.clamp(0.5, 3.0) } else { 1.0 };
-    let mut headless = Headless::new(WINDOW, scale, Theme::Dark);
+    let mut headless = Headless::new(WINDOW_PX / scale, scale, Theme::Dark);
     let mut app = workbench(resumed(start, &preferences, Duration::MAX), preferences, Worker::inline());
     pass(&mut headless, &mut app);
     for bookmark in 0..bookmarks {

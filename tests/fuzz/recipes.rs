@@ -10,11 +10,11 @@ use rasterscope::chain::Recipe;
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::{Camera, Scene, camera_file};
 
-use crate::common::{SceneBuilder, in_cube, mesh, noise_texture, with_alpha};
-use crate::driver::{Failure, LIMIT, Target};
-use crate::input::Input;
-use crate::mutate::{pick, word};
-use crate::{equal, strings};
+use crate::fuzz::driver::{Failure, LIMIT, Target};
+use crate::fuzz::input::Input;
+use crate::fuzz::mutate::{pick, word};
+use crate::fuzz::{equal, strings};
+use crate::internal::common::{SceneBuilder, in_cube, mesh, noise_texture, with_alpha};
 
 /// Name of the input file that contains scene, views and settings.
 const FILE: &str = "scene.txt";

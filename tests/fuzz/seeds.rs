@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use crate::samples;
+use crate::internal::samples;
 
 /// Size of the largest seed file, in bytes.
 const MOST_BYTES: u64 = 16 << 10;

@@ -9,8 +9,8 @@ use std::time::Duration;
 use fastrand::Rng;
 use tempfile::TempDir;
 
-use crate::driver::{Failure, Plan, Report, Target, run};
-use crate::input::{Input, NOTES};
+use crate::fuzz::driver::{Failure, Plan, Report, Target, run};
+use crate::fuzz::input::{Input, NOTES};
 
 /// Name of the file that every input in these tests contains.
 const FILE: &str = "text.txt";
@@ -76,11 +76,11 @@ fn a_sound_target_has_no_findings() {
 fn a_panic_is_minimised_saved_and_reproduced() {
     let (report, folder) = fuzzed(|text| panic!("{text}"));
     let (saved, failure) = only(&report);
-    assert!(matches!(failure, Failure::Panic(place) if place.starts_with("tests/fuzz/self_test.rs:")), "{failure}");
+    assert!(matches!(failure, Failure::Panic(place) if place.contains("tests/fuzz/self_test.rs:")), "{failure}");
     assert_eq!(Input::read(saved).unwrap(), Input::file(FILE, "bad"));
     let notes = fs::read_to_string(saved.join(NOTES)).unwrap();
     let command =
-        format!("RASTERSCOPE_FUZZ_INPUT={} cargo test --test fuzz -- --exact bad --nocapture", saved.display());
+        format!("RASTERSCOPE_FUZZ_INPUT={} cargo test --lib -- --exact fuzz::bad --nocapture", saved.display());
     assert!(notes.contains(&command) && notes.contains("RASTERSCOPE_FUZZ_SEED=5"), "{notes}");
 
     let again = Plan { saved: Some(saved.to_owned()), ..plan(&folder) };

@@ -14,10 +14,11 @@ use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::{Scene, camera_file};
 use serde_json::Value;
 
-use crate::driver::{Failure, Target};
-use crate::input::Input;
-use crate::mutate::{number, pick, word};
-use crate::{common, equal, mutate};
+use crate::fuzz::driver::{Failure, Target};
+use crate::fuzz::input::Input;
+use crate::fuzz::mutate::{number, pick, word};
+use crate::fuzz::{equal, mutate};
+use crate::internal::common;
 
 /// Name of the input file, which has one text per line, preceded by its kind.
 const FILE: &str = "texts.txt";

@@ -19,14 +19,14 @@ use rasterscope::ui::session::{PictureSize, Session};
 use rasterscope::ui::theme;
 use rasterscope::ui::worker::Worker;
 
-use crate::cases::Cases;
-use crate::driver::{Failure, LIMIT, Target};
-use crate::images::Images;
-use crate::input::Input;
-use crate::mutate::{pick, word};
-use crate::obj::Obj;
-use crate::panics;
-use crate::process::Stopwatch;
+use crate::fuzz::cases::Cases;
+use crate::fuzz::driver::{Failure, LIMIT, Target};
+use crate::fuzz::images::Images;
+use crate::fuzz::input::Input;
+use crate::fuzz::mutate::{pick, word};
+use crate::fuzz::obj::Obj;
+use crate::fuzz::panics;
+use crate::fuzz::process::Stopwatch;
 
 /// Name of the input file that contains the events, one per line.
 const FILE: &str = "events.txt";

@@ -173,7 +173,7 @@ impl SceneBuilder {
         let library = &mut self.0.library;
         let mut material = Material { opacity, ..Material::plain("material", Vec3::new(0.9, 0.8, 0.7)) };
         if let Some(images) = textures {
-            let mut ids = images.map(|i| library.add_texture(Texture::new("noise", i).expect("not empty"))).into_iter();
+            let mut ids = images.map(|i| library.add_texture(Texture::new(i).expect("not empty"))).into_iter();
             (material.texture, material.dark_texture) = (ids.next(), ids.next());
         }
         let (mesh, material) = (library.add_mesh(mesh), library.add_material(material));

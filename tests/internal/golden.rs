@@ -3,7 +3,7 @@
 //!
 //! A picture that differs is written to the target folder with its difference image, and the failure names both files.
 //! A picture without a golden image fails, and so does a golden image without a picture. After an intended change,
-//! renew them with `RASTERSCOPE_BLESS=1 cargo test --test golden`, and inspect the changes before committing them.
+//! renew them with `RASTERSCOPE_BLESS=1 cargo test golden::`, and inspect the changes before committing them.
 //!
 //! The golden images were made on x86-64 Linux with glibc. The pipeline itself uses basic IEEE arithmetic, which is the
 //! same everywhere, but the sRGB tables, fields of view and some textures use `powf`, `tan` and `sin` of the platform's

@@ -2,7 +2,7 @@
 
 mod bad_input;
 mod cases;
-mod common;
+pub(crate) mod common;
 mod depth_cases;
 mod exact_cases;
 mod fate_sums;
@@ -12,9 +12,9 @@ mod layering;
 mod models;
 mod properties;
 mod replay;
-mod samples;
+pub(crate) mod samples;
 mod shading;
-mod sound;
+pub(crate) mod sound;
 mod stability_oracle;
 mod statements;
 mod tiled;

@@ -47,7 +47,7 @@ fn single_switches() -> Vec<Recipe> {
 }
 
 /// Returns a recipe for every rasterizer × arithmetic. The culling mode varies: each occurs with every rasterizer and
-/// with every arithmetic. `tests/trace.rs` combines all three.
+/// with every arithmetic. `tests/internal/trace.rs` combines all three.
 fn ways_of_covering() -> Vec<Recipe> {
     let recipes = cross::<Rasterizer>(&[Recipe::default()], |r, c| r.pipeline.rasterizer = c);
     let mut recipes = cross::<Arithmetic>(&recipes, |r, c| r.pipeline.arithmetic = c);

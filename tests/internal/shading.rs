@@ -44,7 +44,7 @@ fn scene_of(mesh: Mesh, world_from_model: Mat4, make: impl FnOnce(&mut Library) 
 }
 
 fn texture(library: &mut Library, image: Image<Rgba8>) -> TextureId {
-    library.add_texture(Texture::new("picture", image).expect("not empty"))
+    library.add_texture(Texture::new(image).expect("not empty"))
 }
 
 fn classic(recipe: &Recipe) -> Recipe {
@@ -307,7 +307,7 @@ fn mip_levels_give_hidden_texels_the_colour_that_is_seen() {
     for hidden in [[255, 255, 0], [0, 0, 0], [0, 0, 255]] {
         let [r, g, b] = hidden;
         let image = Image::from_fn(64, 64, |x, _| if x % 32 < 16 { [255, 255, 0, 255] } else { [r, g, b, 0] });
-        let texture = Texture::new("half", image).expect("not empty");
+        let texture = Texture::new(image).expect("not empty");
         for linear in [false, true] {
             for level in texture.mip_levels(linear) {
                 assert!(level.pixels().iter().all(|[r, g, b, _]| [*r, *g, *b] == [255, 255, 0]), "{hidden:?}");

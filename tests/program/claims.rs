@@ -57,7 +57,7 @@ const CLAIMS: &[Claim] = &[
     Claim {
         source: "src/antialias/settings.rs",
         words: "With 16, 64 or 256 samples it is closer to the truth than the regular grid on the scene chess",
-        proof: Proof::Test("tests/claims.rs", "low_discrepancy_is_closer_on_chess"),
+        proof: Proof::Test("tests/program/claims.rs", "low_discrepancy_is_closer_on_chess"),
     },
     Claim {
         source: "src/antialias/settings.rs",
@@ -67,7 +67,7 @@ const CLAIMS: &[Claim] = &[
     Claim {
         source: "src/antialias/settings.rs",
         words: "and with 16 samples on the scenes cubes and cel",
-        proof: Proof::Test("tests/claims.rs", "regular_grid_is_closer_on_cubes_and_cel"),
+        proof: Proof::Test("tests/program/claims.rs", "regular_grid_is_closer_on_cubes_and_cel"),
     },
     Claim {
         source: "src/antialias/settings.rs",
@@ -199,20 +199,23 @@ const CLAIMS: &[Claim] = &[
     Claim {
         source: "src/pipeline/settings.rs",
         words: "always correct",
-        proof: Proof::Test("tests/properties/transparency.rs", "exact_order_is_that_of_fragments_sorted_by_depth"),
+        proof: Proof::Test(
+            "tests/internal/properties/transparency.rs",
+            "exact_order_is_that_of_fragments_sorted_by_depth",
+        ),
     },
     Claim {
         source: "src/pipeline/settings.rs",
         words: "at most 2⁻²³ of the distance from it",
         proof: Proof::Test(
-            "tests/properties/depth.rs",
+            "tests/internal/properties/depth.rs",
             "the_resolution_is_the_distance_between_two_neighbouring_depths",
         ),
     },
     Claim {
         source: "src/pipeline/settings.rs",
         words: "floats are finest where perspective is coarsest, so distant surfaces z-fight less",
-        proof: Proof::Test("tests/depth_cases.rs", "close_surfaces_tie_as_often_as_theory_says"),
+        proof: Proof::Test("tests/internal/depth_cases.rs", "close_surfaces_tie_as_often_as_theory_says"),
     },
     Claim {
         source: "src/pipeline/settings.rs",
@@ -223,7 +226,7 @@ const CLAIMS: &[Claim] = &[
         source: "src/pipeline/settings.rs",
         words: "Shared edges are drawn exactly once.",
         proof: Proof::Test(
-            "tests/properties/coverage.rs",
+            "tests/internal/properties/coverage.rs",
             "a_closed_mesh_over_the_picture_covers_every_pixel_exactly_once_under_sound_rules",
         ),
     },
@@ -235,12 +238,12 @@ const CLAIMS: &[Claim] = &[
     Claim {
         source: "src/pipeline/settings.rs",
         words: "Opaque textures look the same either way.",
-        proof: Proof::Test("tests/shading.rs", "opaque_textures_are_the_same_under_both_alpha_modes"),
+        proof: Proof::Test("tests/internal/shading.rs", "opaque_textures_are_the_same_under_both_alpha_modes"),
     },
     Claim {
         source: "src/pipeline/settings.rs",
         words: "the time shows what skipping the parts saves",
-        proof: Proof::Test("tests/tiled/main.rs", "every_switch_gives_the_same_picture"),
+        proof: Proof::Test("tests/internal/tiled/mod.rs", "every_switch_gives_the_same_picture"),
     },
     Claim {
         source: "src/scene/builtin/cubes.rs",
@@ -250,7 +253,7 @@ const CLAIMS: &[Claim] = &[
     Claim {
         source: "assets/manual/03-stages.md",
         words: "ends in exactly one bin, and the sums are checked",
-        proof: Proof::Test("tests/fate_sums.rs", "sums_match_in_every_builtin_scene"),
+        proof: Proof::Test("tests/internal/fate_sums.rs", "sums_match_in_every_builtin_scene"),
     },
     Claim {
         source: "assets/manual/05-error-against-time.md",
@@ -260,7 +263,7 @@ const CLAIMS: &[Claim] = &[
     Claim {
         source: "assets/manual/11-case-files.md",
         words: "areas are right to the last bit or the one before",
-        proof: Proof::Test("tests/exact_cases.rs", "areas_are_right_to_the_last_bit"),
+        proof: Proof::Test("tests/internal/exact_cases.rs", "areas_are_right_to_the_last_bit"),
     },
     Claim {
         source: "assets/manual/11-case-files.md",
@@ -279,7 +282,7 @@ const CLAIMS: &[Claim] = &[
         source: "assets/manual/02-inspecting-a-pixel.md",
         words: "tests verify that the replay gives the same colour at every pixel of every built-in scene, under every upscaler",
         proof: Proof::Test(
-            "tests/replay.rs",
+            "tests/internal/replay.rs",
             "every_pixel_of_every_builtin_scene_replays_to_the_frame_under_every_upscaler",
         ),
     },

@@ -1,7 +1,7 @@
 //! Checks that the manual agrees with the program: its tables equal the registries, its commands run, and its links
 //! have targets.
 //!
-//! `RASTERSCOPE_BLESS=1 cargo test --test manual` regenerates the tables.
+//! `RASTERSCOPE_BLESS=1 cargo test --test program manual::` regenerates the tables.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -157,7 +157,10 @@ fn tables_equal_the_registries() {
         }
     }
     assert!(missing.is_empty(), "no chapter has the tables {missing:?}");
-    assert!(stale.is_empty() || blesses, "stale: {stale:?}; run `RASTERSCOPE_BLESS=1 cargo test --test manual`");
+    assert!(
+        stale.is_empty() || blesses,
+        "stale: {stale:?}; run `RASTERSCOPE_BLESS=1 cargo test --test program manual::`"
+    );
 }
 
 /// Returns the code blocks of a chapter that are marked with `language`.

@@ -6,7 +6,7 @@ use crate::scene::TriangleId;
 
 /// A selectable bin of triangles that share a fate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Bin {
+pub(crate) enum Bin {
     /// Triangles with this fate.
     Triangles(TriangleFate),
     /// Triangles with at least one fragment of this fate.

@@ -15,7 +15,7 @@ mod rejections;
 mod tally;
 
 pub(crate) use account::Account;
-pub use members::Bin;
+pub(crate) use members::Bin;
 pub(crate) use members::FateFilter;
 pub(crate) use places::SelectionVisibility;
 pub(crate) use rejections::GeometryOutcome;
@@ -85,12 +85,12 @@ pub struct FragmentCounts<N = u32>(pub(crate) [N; FragmentFate::ALL.len()]);
 
 impl<N: Copy + Into<u64>> FragmentCounts<N> {
     /// Returns the number of fragments with this fate.
-    pub fn of(&self, fate: FragmentFate) -> u64 {
+    pub(crate) fn of(&self, fate: FragmentFate) -> u64 {
         self.0[fate as usize].into()
     }
 
     /// Returns the number of all fragments.
-    pub fn sum(&self) -> u64 {
+    pub(crate) fn sum(&self) -> u64 {
         self.0.iter().map(|count| (*count).into()).sum()
     }
 
@@ -106,7 +106,7 @@ pub struct TriangleCounts(pub(crate) [u64; TriangleFate::ALL.len()]);
 
 impl TriangleCounts {
     /// Returns the number of triangles with this fate.
-    pub fn of(&self, fate: TriangleFate) -> u64 {
+    pub(crate) fn of(&self, fate: TriangleFate) -> u64 {
         self.0[fate as usize]
     }
 
@@ -234,12 +234,12 @@ impl Fates {
     }
 
     /// Returns the number of fragments with each fate.
-    pub fn fragment_counts(&self) -> FragmentCounts<u64> {
+    pub(crate) fn fragment_counts(&self) -> FragmentCounts<u64> {
         sum(&self.fragments)
     }
 
     /// Returns the index of the instance that a triangle belongs to.
-    pub fn object_of(&self, triangle: TriangleId) -> usize {
+    pub(crate) fn object_of(&self, triangle: TriangleId) -> usize {
         self.objects.partition_point(|object| object.first <= triangle).saturating_sub(1)
     }
 }

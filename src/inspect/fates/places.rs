@@ -67,7 +67,7 @@ impl Fates {
     /// Returns a pixel of the full picture that represents a triangle; `None` if the triangle is outside the picture.
     /// This is the most central pixel where the triangle is on top, or else the most central pixel that it covers. A
     /// triangle that covers no pixel is represented by the pixel that contains its centroid.
-    pub fn representative_pixel(&self, triangle: TriangleId) -> Option<(u32, u32)> {
+    pub(crate) fn representative_pixel(&self, triangle: TriangleId) -> Option<(u32, u32)> {
         let width = self.top_triangle.width();
         let on_top = self.top_triangle.pixels().iter().zip(0..).filter(|(shown, _)| **shown == triangle);
         let on_top: Vec<_> = on_top.map(|(_, place)| (place % width, place / width)).collect();

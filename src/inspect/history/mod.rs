@@ -12,7 +12,7 @@ mod near_miss;
 mod survey;
 
 pub(super) use near_miss::px;
-pub use survey::Survey;
+pub(crate) use survey::Survey;
 
 use std::collections::BTreeSet;
 
@@ -45,7 +45,7 @@ impl Kind {
     }
 
     /// Returns the number of entries of a report that belong to the group.
-    pub fn count(self, report: &PixelReport) -> usize {
+    pub(crate) fn count(self, report: &PixelReport) -> usize {
         let fragments = report.fragments.iter().filter(|fragment| Self::of(fragment) == self);
         fragments.count() + report.absent.iter().filter(|absent| absent.cause.kind() == self).count()
     }
@@ -139,7 +139,7 @@ pub struct Absent {
 
 /// Replays pixel (x, y) of a frame like [`super::inspect`], and adds the triangles without a fragment there, with
 /// reasons. Returns `None` outside the picture. The survey must belong to the same frame.
-pub fn explain(
+pub(crate) fn explain(
     scene: &Scene,
     recipe: &Recipe,
     frame: &Frame,

@@ -34,7 +34,7 @@ const CHUNK: usize = 4096;
 
 /// The triangles of one frame, with the reasons why they may have no fragment at a pixel.
 #[derive(Clone, Debug)]
-pub struct Survey {
+pub(crate) struct Survey {
     triangles: SurveyedTriangles,
     camera: Camera,
     raster: Viewport,
@@ -198,7 +198,7 @@ fn position_px(raster: Viewport, vertex: &ClipVertex) -> [f32; 2] {
 
 impl Survey {
     /// Surveys the triangles of a frame that `recipe` draws of `scene`.
-    pub fn of(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Self {
+    pub(crate) fn of(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Self {
         let camera = frame.drawn_from(recipe);
         let mut triangles = SurveyedTriangles::default();
         for (index, first) in scene.first_triangles().into_iter().enumerate() {
@@ -233,7 +233,7 @@ impl Survey {
     }
 
     /// Adds the open seams of the scene, so that cracks at T-junctions and unwelded vertices are explained too.
-    pub fn set_seams(&mut self, seams: Arc<Seams>) {
+    pub(crate) fn set_seams(&mut self, seams: Arc<Seams>) {
         self.seams = Some(seams);
     }
 

@@ -24,15 +24,15 @@ use crate::scene::{Camera, Scene, TriangleId};
 pub(crate) use explode::corners;
 pub(crate) use explode::exploded;
 pub(crate) use outside::first_view;
-pub use outside::fit;
+pub(crate) use outside::fit;
 pub(crate) use outside::with_planes;
 pub(crate) use overlay::MarkKind;
 pub(crate) use overlay::MeshMark;
 pub(crate) use overlay::OverlayInputs;
 pub(crate) use overlay::drawn;
-pub use picture::MeshNormals;
-pub use picture::Painting;
-pub use picture::paint;
+pub(crate) use picture::MeshNormals;
+pub(crate) use picture::Painting;
+pub(crate) use picture::paint;
 pub(crate) use picture::shown_at;
 
 choice! {
@@ -48,13 +48,13 @@ choice! {
 
 /// The render camera, which the second camera looks at, with its settings and picture size.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Inner {
+pub(crate) struct Inner {
     /// Camera that renders the inspected frame.
-    pub camera: Camera,
+    pub(crate) camera: Camera,
     /// Pipeline settings of the render camera.
-    pub settings: Settings,
+    pub(crate) settings: Settings,
     /// Size of the render camera's picture, in pixels.
-    pub viewport: Viewport,
+    pub(crate) viewport: Viewport,
 }
 
 impl Inner {

@@ -29,7 +29,7 @@ pub(crate) fn first_view(scene: &Scene, inner: &Inner, aspect: f32) -> Camera {
 }
 
 /// Returns a view in the same direction that shows the whole scene and the render camera.
-pub fn fit(view: Camera, scene: &Scene, inner: &Inner, aspect: f32) -> Camera {
+pub(crate) fn fit(view: Camera, scene: &Scene, inner: &Inner, aspect: f32) -> Camera {
     view.refit(bounds(scene, &inner.camera), aspect)
 }
 

@@ -22,13 +22,11 @@ use crate::scene::{Camera, Scene, TriangleId};
 
 /// A rendered mesh view.
 #[derive(Clone, Debug)]
-pub struct MeshPicture {
+pub(crate) struct MeshPicture {
     /// Rendered image of the mesh view.
     pub(crate) image: Image<Rgba8>,
     /// Triangle that each pixel shows, or [`TriangleId::NONE`].
-    pub owner: Image<TriangleId>,
-    /// Second camera, with which the mesh view was rendered.
-    pub camera: Camera,
+    pub(crate) owner: Image<TriangleId>,
 }
 
 /// Brightness factor of a triangle seen edge-on.
@@ -62,28 +60,28 @@ fn settings() -> Settings {
 
 /// Display settings of a mesh view.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Painting {
+pub(crate) struct Painting {
     /// Style that determines the colours of the triangles.
-    pub style: MeshStyle,
+    pub(crate) style: MeshStyle,
     /// Factor by which triangles are moved apart, relative to their distance from the centre of their mesh.
-    pub explode: f32,
+    pub(crate) explode: f32,
     /// Selected triangles; all others are dimmed. If the selection is empty, no triangle is dimmed.
-    pub selection: TriangleSelection,
+    pub(crate) selection: TriangleSelection,
     /// Background colour (sRGB codes).
-    pub backdrop: [u8; 3],
+    pub(crate) backdrop: [u8; 3],
     /// Kinds of normals to draw as lines.
-    pub normals: MeshNormals,
+    pub(crate) normals: MeshNormals,
 }
 
 /// Settings of the normals that are drawn over the triangles, without occlusion.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MeshNormals {
+pub(crate) struct MeshNormals {
     /// Whether vertex normals are drawn.
-    pub vertices: bool,
+    pub(crate) vertices: bool,
     /// Whether face normals are drawn.
-    pub faces: bool,
+    pub(crate) faces: bool,
     /// Length of the drawn normals, as a fraction of the diagonal of the scene's bounding box.
-    pub length: f32,
+    pub(crate) length: f32,
 }
 
 impl Default for MeshNormals {
@@ -101,7 +99,7 @@ impl MeshNormals {
 }
 
 /// Renders the scene for the second camera `outside`.
-pub fn paint(scene: &Scene, inner: &Inner, outside: Camera, size: Viewport, painting: &Painting) -> MeshPicture {
+pub(crate) fn paint(scene: &Scene, inner: &Inner, outside: Camera, size: Viewport, painting: &Painting) -> MeshPicture {
     let Painting { style, explode: apart, selection, backdrop, normals } = painting;
     let (style, apart) = (*style, *apart);
     let moved = (apart != 0.0).then(|| exploded(scene, apart));
@@ -131,7 +129,7 @@ pub fn paint(scene: &Scene, inner: &Inner, outside: Camera, size: Viewport, pain
             line_pixels(from.into(), to.into(), image.size()).for_each(|(x, y)| image.set(x, y, color));
         }
     }
-    MeshPicture { image, owner, camera: outside }
+    MeshPicture { image, owner }
 }
 
 fn owners(scene: &Scene, geometry: &Geometry, settings: &Settings, size: Viewport) -> Image<TriangleId> {

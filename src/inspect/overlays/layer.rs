@@ -11,11 +11,11 @@ use crate::pipeline::settings::Choice as _;
 /// An overlay in the stack, with its settings.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
-pub struct OverlayLayer {
+pub(crate) struct OverlayLayer {
     /// Overlay that the layer shows.
     pub(crate) overlay: Overlay,
     /// Opacity of the layer, in [0, 1].
-    pub opacity: f32,
+    pub(crate) opacity: f32,
     /// Length of normals, in [0, 1], as a fraction of the diagonal of the scene's bounding box; unused by other
     /// overlays.
     pub(crate) length: f32,
@@ -31,7 +31,7 @@ impl From<Overlay> for OverlayLayer {
 impl OverlayLayer {
     /// Returns the command-line form: `facing`, or `facing=0.4` if the opacity is not the default. A non-default length
     /// of normals follows, as in `face-normals=1,length=0.1`.
-    pub fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         let (id, opacity) = (self.overlay.id(), self.opacity);
         match self.drawn_length().filter(|length| *length != DEFAULT_LENGTH) {
             Some(length) => format!("{id}={opacity},length={length}"),

@@ -38,14 +38,14 @@ use std::sync::OnceLock;
 
 pub(crate) use edges::EdgeMarks;
 pub(crate) use edges::edge_marks;
-pub use layer::OverlayLayer;
+pub(crate) use layer::OverlayLayer;
 pub(crate) use normals::FACE_NORMAL;
 pub(crate) use normals::VERTEX_NORMAL;
 pub(crate) use sheet::ColorScale;
 pub(crate) use sheet::Sheet;
 pub(crate) use sheet::SheetLegend;
 pub(crate) use sheet::Total;
-pub use sheet::compose;
+pub(crate) use sheet::compose;
 pub(crate) use sheet::csv;
 use watch::FragmentStats;
 
@@ -85,23 +85,23 @@ choice! {
 }
 
 /// Inputs from which overlays are computed.
-pub struct OverlayContext<'a> {
+pub(crate) struct OverlayContext<'a> {
     /// Scene that the frame shows.
-    pub scene: &'a Scene,
+    pub(crate) scene: &'a Scene,
     /// Recipe that the frame was drawn with.
-    pub recipe: &'a Recipe,
+    pub(crate) recipe: &'a Recipe,
     /// Frame for which overlays are computed.
-    pub frame: &'a Frame,
+    pub(crate) frame: &'a Frame,
     /// Whether all triangles of the frame were drawn.
-    pub is_whole: bool,
+    pub(crate) is_whole: bool,
     /// Cache of the data recorded while drawing the frame again; filled on first use.
-    pub stats_cache: &'a OnceLock<FragmentStats>,
+    pub(crate) stats_cache: &'a OnceLock<FragmentStats>,
     /// Open seams of the scene; `None` until the search for them is complete.
-    pub seams: Option<&'a Seams>,
+    pub(crate) seams: Option<&'a Seams>,
     /// Function that returns the displayed quantity at a pixel of the full picture.
-    pub shown: &'a dyn Fn(u32, u32) -> Value,
+    pub(crate) shown: &'a dyn Fn(u32, u32) -> Value,
     /// Range of the displayed quantity, if it has one.
-    pub range: Option<Range>,
+    pub(crate) range: Option<Range>,
 }
 
 impl OverlayContext<'_> {
@@ -167,7 +167,7 @@ impl Overlay {
     }
 
     /// Computes the overlay for a frame, with the default length of normals.
-    pub fn sheet(self, context: &OverlayContext<'_>) -> Sheet {
+    pub(crate) fn sheet(self, context: &OverlayContext<'_>) -> Sheet {
         match self {
             Self::Wireframe | Self::SnappedWireframe => edges::wireframe(self, context),
             Self::VertexNormals | Self::FaceNormals => normals::normals(self, DEFAULT_LENGTH, context),

@@ -70,31 +70,31 @@ pub(crate) enum SheetLegend {
 
 /// A total of an overlay's values over the whole picture.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Total {
+pub(crate) struct Total {
     /// Display name of the total.
     pub(crate) name: &'static str,
     /// Value of the total, in `unit`.
-    pub number: f64,
+    pub(crate) number: f64,
     /// Unit displayed after the value; may be empty.
     pub(crate) unit: &'static str,
 }
 
 /// Result of computing an overlay for a frame.
 #[derive(Clone, Debug)]
-pub struct Sheet {
+pub(crate) struct Sheet {
     /// Overlay that the sheet shows.
     pub(crate) overlay: Overlay,
     /// Value at each pixel of the full picture: a number, the index of a kind, or 1 on a line; NaN if there is none.
-    pub values: Image<f32>,
+    pub(crate) values: Image<f32>,
     /// Count of each kind at each pixel of the full picture, if a pixel can have several and shows the most frequent;
     /// otherwise empty.
     pub(crate) counts: Vec<Image<f32>>,
     /// Legend of the colours.
     pub(crate) key: SheetLegend,
     /// Totals of the overlay over all drawn samples.
-    pub totals: Vec<Total>,
+    pub(crate) totals: Vec<Total>,
     /// Lines in px, for overlays that consist of lines: three edges per triangle, or normals.
-    pub lines: Vec<[[f32; 2]; 2]>,
+    pub(crate) lines: Vec<[[f32; 2]; 2]>,
     /// Length of normals as a fraction of the diagonal of the scene's bounding box; `None` for other overlays.
     pub(crate) length: Option<f32>,
     /// Reason why the sheet has no values; `None` if it has values.
@@ -165,7 +165,7 @@ impl Sheet {
 
     /// Returns the next pixel with a value after `from` in reading order, or the previous one if not `forwards`. Wraps
     /// around at both ends of the picture.
-    pub fn next_pixel(&self, from: Option<(u32, u32)>, forwards: bool) -> Option<(u32, u32)> {
+    pub(crate) fn next_pixel(&self, from: Option<(u32, u32)>, forwards: bool) -> Option<(u32, u32)> {
         let (width, height) = self.values.size();
         let count = u64::from(width) * u64::from(height);
         let start = from.map(|(x, y)| u64::from(y) * u64::from(width) + u64::from(x));
@@ -192,7 +192,7 @@ fn number_with_unit(value: f32, unit: &str) -> String {
 }
 
 /// Composes sheets over a picture, bottom to top, each with an opacity in [0, 1].
-pub fn compose<'a>(base: &Image<Rgba8>, layers: impl IntoIterator<Item = (&'a Sheet, f32)>) -> Image<Rgba8> {
+pub(crate) fn compose<'a>(base: &Image<Rgba8>, layers: impl IntoIterator<Item = (&'a Sheet, f32)>) -> Image<Rgba8> {
     let mut picture = base.clone();
     let (width, height) = picture.size();
     for (sheet, opacity) in layers.into_iter().filter(|(sheet, _)| sheet.values.size() == base.size()) {

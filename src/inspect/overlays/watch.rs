@@ -14,7 +14,7 @@ use crate::scene::{Scene, TriangleId};
 
 /// Fragment counts and visible triangles of all samples, in the packed layout of the framebuffer.
 #[derive(Clone, Debug)]
-pub struct FragmentStats {
+pub(crate) struct FragmentStats {
     /// Number of fragments that the rasterizer generated at each sample.
     pub(crate) rasterized: Image<u32>,
     /// Number of fragments at each sample that passed the depth test when drawn; all fragments without a depth test.

@@ -18,7 +18,7 @@ pub(super) struct ProbeImages {
     /// Stored depth of each pixel; `None` without a depth test.
     pub(super) depth: Option<Image<f32>>,
     /// Colour of each pixel, as sRGB codes.
-    pub color: Image<Rgba8>,
+    pub(super) color: Image<Rgba8>,
 }
 
 struct OwnerRecorder(Image<TriangleId>);

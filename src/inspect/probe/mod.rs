@@ -41,13 +41,13 @@ choice! {
 
 /// Parameters of a stability probe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct Probe {
+pub(crate) struct Probe {
     /// Part of the view that is moved.
     pub(crate) what: JitterTarget,
     /// Maximum movement k of a coordinate, in units in the last place.
-    pub ulps: u32,
+    pub(crate) ulps: u32,
     /// Number of jittered runs.
-    pub runs: u16,
+    pub(crate) runs: u16,
     /// Seed of the jitter; equal seeds give equal jitter.
     pub(crate) seed: u64,
 }
@@ -81,20 +81,20 @@ impl ProbedView {
 
 /// Triangle that gained or lost pixels during a stability probe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct Fragile {
+pub(crate) struct Fragile {
     /// Triangle that gained or lost pixels.
-    pub triangle: TriangleId,
+    pub(crate) triangle: TriangleId,
     /// Number of pixels that the triangle gained or lost, summed over all runs.
     pub(crate) changes: u64,
     /// Column and row of the gained or lost pixel that changed its owner most often.
-    pub worst_pixel: (u32, u32),
+    pub(crate) worst_pixel: (u32, u32),
     /// Number of runs in which `worst_pixel` had a different owner.
     pub(crate) worst_changes: u16,
 }
 
 /// Result of a stability probe. All images have the size of the probed view, and all counts are numbers of runs.
 #[derive(Clone, Debug)]
-pub struct ProbeResult {
+pub(crate) struct ProbeResult {
     /// Parameters of the probe.
     pub(crate) probe: Probe,
     /// View that was probed.
@@ -112,7 +112,7 @@ pub struct ProbeResult {
     /// Picture without jitter, as sRGB codes.
     pub(crate) picture: Image<Rgba8>,
     /// Triangles that lost or gained pixels, most fragile first.
-    pub ranking: Vec<Fragile>,
+    pub(crate) ranking: Vec<Fragile>,
 }
 
 /// Summary of the pixels that changed in one aspect, such as depth.

@@ -11,7 +11,7 @@ mod checkpoints;
 mod touches;
 
 pub(crate) use timeline::Timeline;
-pub use timeline::Unit;
+pub(crate) use timeline::Unit;
 pub(crate) use touches::Touch;
 pub(crate) use touches::TouchPrecision;
 pub(crate) use touches::touches;
@@ -34,16 +34,16 @@ pub(crate) const BUDGET: usize = 256 << 20;
 
 /// Moment in the drawing of a frame: after a number of triangles and fragments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct Moment {
+pub(crate) struct Moment {
     /// Number of rasterized triangles drawn, including a partially drawn last one.
-    pub triangles: usize,
+    pub(crate) triangles: usize,
     /// Number of drawn fragments of the last triangle; `None` if it is complete.
-    pub fragments: Option<usize>,
+    pub(crate) fragments: Option<usize>,
 }
 
 impl Moment {
     /// Returns the moment after `triangles` complete triangles.
-    pub fn after(triangles: usize) -> Self {
+    pub(crate) fn after(triangles: usize) -> Self {
         Self { triangles, fragments: None }
     }
 

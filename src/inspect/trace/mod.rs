@@ -28,7 +28,7 @@ mod weights;
 use serde::Serialize;
 
 pub(crate) use line::Notable;
-pub use line::TraceLine;
+pub(crate) use line::TraceLine;
 pub(crate) use line::TraceStage;
 pub use number::Number;
 
@@ -143,7 +143,7 @@ impl Trace {
 
 /// Direction of a step through the lines of a trace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum StepDirection {
+pub(crate) enum StepDirection {
     /// Forwards, towards the final pixel.
     Forward,
     /// Backwards, towards the mesh.

@@ -34,7 +34,7 @@ impl Number {
     }
 
     /// Converts the number to f64; integers beyond 2⁵³ are rounded.
-    pub fn to_f64(self) -> f64 {
+    pub(crate) fn to_f64(self) -> f64 {
         match self {
             Self::F32(value) => value.into(),
             Self::F64(value) => value,

@@ -184,7 +184,7 @@ mod tests {
         assert_eq!(after_black(&painted), "the vertex colours here are (0, 0, 0).");
         let texture = |library: &mut Library| {
             let image = Image::filled(2, 2, [3, 4, 5, 255]);
-            Material::textured("coal", library.add_texture(Texture::new("coal.png", image).unwrap()))
+            Material::textured("coal", library.add_texture(Texture::new(image).unwrap()))
         };
         assert_eq!(
             after_black(&verdict(texture, Vec::new(), &[])),

@@ -16,7 +16,7 @@ pub enum DepthEncoding {
 impl DepthEncoding {
     /// Returns the integer code of depth 1, or `None` for floats.
     #[inline]
-    pub fn largest_code(self) -> Option<u32> {
+    pub(crate) fn largest_code(self) -> Option<u32> {
         match self {
             Self::F32 => None,
             Self::Unorm24 => Some((1 << 24) - 1),
@@ -27,7 +27,7 @@ impl DepthEncoding {
     /// Returns the value stored for a depth in [0, 1]. For floats it is the nearest f32. For n-bit codes it is the f32
     /// nearest to code/(2ⁿ − 1) with code = ⌊depth·(2ⁿ − 1) + ½⌋. Distinct codes give distinct floats.
     #[inline]
-    pub fn quantize(self, depth: f64) -> f32 {
+    pub(crate) fn quantize(self, depth: f64) -> f32 {
         match self.largest_code() {
             None => depth as f32,
             // The cast to an integer truncates.

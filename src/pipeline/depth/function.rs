@@ -34,13 +34,13 @@ enum Interpolant {
 impl DepthFunction {
     /// Returns a depth function that is affine on the screen, from the corner depths. `doubled_area` is in the unit of
     /// edge values.
-    pub fn affine_on_screen(corners: [f64; 3], doubled_area: f64, encoding: DepthEncoding) -> Self {
+    pub(crate) fn affine_on_screen(corners: [f64; 3], doubled_area: f64, encoding: DepthEncoding) -> Self {
         let (min_depth, rises) = rises(corners);
         Self { course: Interpolant::Screen, encoding, min_depth, rises: rises.map(|rise| rise / doubled_area) }
     }
 
     /// Returns a depth function that is linear in space, from the corner depths.
-    pub fn linear_in_space(corners: [f64; 3], encoding: DepthEncoding) -> Self {
+    pub(crate) fn linear_in_space(corners: [f64; 3], encoding: DepthEncoding) -> Self {
         let (min_depth, rises) = rises(corners);
         Self { course: Interpolant::Space, encoding, min_depth, rises }
     }
@@ -72,7 +72,7 @@ fn rises(corners: [f64; 3]) -> (f64, [f64; 3]) {
 
 /// Returns the depth of a covered sample as the depth buffer stores it.
 #[inline]
-pub fn depth_at(triangle: &ScreenTriangle, sample: &RasterSample) -> f32 {
+pub(crate) fn depth_at(triangle: &ScreenTriangle, sample: &RasterSample) -> f32 {
     triangle.depth.encoding.quantize(unquantised_depth_at(triangle, sample))
 }
 

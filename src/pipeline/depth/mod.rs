@@ -17,8 +17,8 @@ mod scale;
 
 pub(crate) use bias::TriangleBias;
 pub use encoding::DepthEncoding;
-pub use function::DepthFunction;
-pub use function::depth_at;
+pub(crate) use function::DepthFunction;
+pub(crate) use function::depth_at;
 pub(crate) use function::unquantised_depth_at;
 pub(crate) use scale::DepthLaw;
 pub use scale::DepthScale;

@@ -64,7 +64,7 @@ impl DepthScale {
     }
 
     /// Returns the mapping of a view drawn with the given depth format and without depth bias.
-    pub fn new(format: DepthFormat, camera: &Camera) -> Self {
+    pub(crate) fn new(format: DepthFormat, camera: &Camera) -> Self {
         let law = match camera.projection {
             Projection::Perspective { .. } => DepthLaw::Perspective(format.mapping()),
             Projection::Orthographic { .. } => DepthLaw::Orthographic { reversed: format.mapping().is_reversed() },

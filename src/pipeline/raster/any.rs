@@ -8,7 +8,7 @@ use crate::pipeline::settings::{Arithmetic, FillRule};
 /// [`RasterTriangle`] in an arithmetic chosen at run time. Its edge values decide the coverage that [`super::cover`]
 /// returns.
 #[derive(Clone, Copy, Debug)]
-pub enum AnyTriangle {
+pub(crate) enum AnyTriangle {
     /// Triangle in fixed point.
     Fixed(RasterTriangle<Fixed>),
     /// Triangle in single precision.
@@ -34,7 +34,7 @@ macro_rules! each {
 impl AnyTriangle {
     /// Sets up the edges of a triangle from its vertices in pixels, which may lie anywhere. Returns `None` if a
     /// coordinate is not finite or if the triangle has no area.
-    pub fn new(arithmetic: Arithmetic, corners_px: [[f32; 2]; 3], rule: FillRule) -> Option<Self> {
+    pub(crate) fn new(arithmetic: Arithmetic, corners_px: [[f32; 2]; 3], rule: FillRule) -> Option<Self> {
         let (corners_px, arithmetic) = within_fixed_point(corners_px, arithmetic);
         Some(match arithmetic {
             Arithmetic::Fixed => Self::Fixed(RasterTriangle::new(corners_px, rule)?),
@@ -45,7 +45,7 @@ impl AnyTriangle {
     }
 
     /// Returns the sample at a pixel's centre with its edge values, inside the triangle or not.
-    pub fn sample(&self, pixel: (u32, u32)) -> RasterSample {
+    pub(crate) fn sample(&self, pixel: (u32, u32)) -> RasterSample {
         each!(self, triangle => triangle.sample(pixel, pixel))
     }
 

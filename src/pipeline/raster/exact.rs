@@ -16,11 +16,11 @@ use crate::pipeline::viewport::MAX_SIDE_PX;
 
 /// Arithmetic with exact decisions by adaptive predicates, on coordinates in pixels.
 #[derive(Clone, Copy, Debug)]
-pub struct Exact;
+pub(crate) struct Exact;
 
 /// Edge of a triangle in exact arithmetic, given by its ends in pixels.
 #[derive(Clone, Copy, Debug)]
-pub struct ExactEdge {
+pub(crate) struct ExactEdge {
     from: [f64; 2],
     to: [f64; 2],
     /// Vector from `from` to `to`, rounded.
@@ -192,7 +192,7 @@ impl RasterEdge for ExactEdge {
 
 /// Walk down an edge that computes the boundary of every row anew, because there is no exact incremental step.
 #[derive(Clone, Copy, Debug)]
-pub struct ExactWalk {
+pub(crate) struct ExactWalk {
     edge: ExactEdge,
     row: i64,
 }

@@ -22,11 +22,11 @@ pub(super) const LIMIT_PX: f32 = 1_048_576.0;
 
 /// Fixed-point arithmetic in grid steps of 1/256 px.
 #[derive(Clone, Copy, Debug)]
-pub struct Fixed;
+pub(crate) struct Fixed;
 
 /// Edge of a triangle in fixed point: an affine function of the position in grid steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct FixedEdge {
+pub(crate) struct FixedEdge {
     a: i64,
     b: i64,
     c: i64,
@@ -139,7 +139,7 @@ impl RasterEdge for FixedEdge {
 
 /// Walk down an edge by Bresenham's algorithm: integer columns and an exact remainder, without drift.
 #[derive(Clone, Copy, Debug)]
-pub struct FixedWalk {
+pub(crate) struct FixedWalk {
     boundary: i64,
     /// Distance from the crossing to the boundary, in 1/denominator of a column: 0 ≤ shortfall < denominator.
     shortfall: i64,

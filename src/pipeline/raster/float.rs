@@ -13,12 +13,12 @@ use crate::pipeline::settings::FillRule;
 
 /// Arithmetic in IEEE floats of type `F`.
 #[derive(Clone, Copy, Debug)]
-pub struct Floating<F>(std::marker::PhantomData<F>);
+pub(crate) struct Floating<F>(std::marker::PhantomData<F>);
 
 /// Edge of a triangle in float arithmetic, given by its ends in pixels. Of two ends at equal height, the left one
 /// counts as the upper.
 #[derive(Clone, Copy, Debug)]
-pub struct FloatEdge<F> {
+pub(crate) struct FloatEdge<F> {
     upper: [F; 2],
     lower: [F; 2],
     /// Whether the inside lies where (lower − upper) × (p − upper) is negative.
@@ -28,7 +28,7 @@ pub struct FloatEdge<F> {
 }
 
 /// Float type with a variant of its own in [`EdgeNumbers`].
-pub trait Explained: Sized {
+pub(crate) trait Explained: Sized {
     /// Wraps the intermediate values of an edge function in the variant of this type.
     fn numbers(steps: FloatSteps<Self>) -> EdgeNumbers;
 }
@@ -185,7 +185,7 @@ impl<F: Float + Default + Into<f64> + Explained> RasterEdge for FloatEdge<F> {
 
 /// Walk down an edge by the textbook method: x += dx/dy for every row.
 #[derive(Clone, Copy, Debug)]
-pub struct FloatWalk<F> {
+pub(crate) struct FloatWalk<F> {
     edge: FloatEdge<F>,
     x: F,
     slope: F,

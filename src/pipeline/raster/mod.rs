@@ -30,7 +30,7 @@ mod tiled;
 
 mod triangle;
 
-pub use any::AnyTriangle;
+pub(crate) use any::AnyTriangle;
 pub(crate) use exact::Exact;
 pub(crate) use fixed::Fixed;
 pub(crate) use float::Floating;
@@ -63,26 +63,26 @@ pub struct RasterSample {
 
 /// Run of adjacent covered samples on a row of the packed picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
-pub struct Span {
+pub(crate) struct Span {
     /// Row of the run in the packed picture.
-    pub row: u32,
+    pub(crate) row: u32,
     /// First column of the run in the packed picture.
-    pub left: u32,
+    pub(crate) left: u32,
     /// One past the last column of the run.
-    pub right: u32,
+    pub(crate) right: u32,
 }
 
 /// Rectangle of pixels of the full picture. Pixels outside of it are not visited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Scissor {
+pub(crate) struct Scissor {
     /// First column of pixels inside.
-    pub left: u32,
+    pub(crate) left: u32,
     /// First row of pixels inside.
-    pub top: u32,
+    pub(crate) top: u32,
     /// One past the last column of pixels inside.
-    pub right: u32,
+    pub(crate) right: u32,
     /// One past the last row of pixels inside.
-    pub bottom: u32,
+    pub(crate) bottom: u32,
 }
 
 impl Scissor {
@@ -239,7 +239,7 @@ pub(crate) fn doubled_area(arithmetic: settings::Arithmetic, corners_px: [[f32; 
 
 /// Returns the pixels of a picture that one triangle covers, for case files and reports. Vertices are in pixels and may
 /// lie anywhere in the range of f32; a vertex that is not finite covers nothing. Both facings are drawn.
-pub fn cover(
+pub(crate) fn cover(
     rasterizer: Rasterizer,
     arithmetic: settings::Arithmetic,
     corners_px: [[f32; 2]; 3],

@@ -8,7 +8,7 @@ use super::steps::EdgeSteps;
 use crate::pipeline::settings::FillRule;
 
 /// Arithmetic in which triangles are rasterized.
-pub trait Numbers: Copy {
+pub(crate) trait Numbers: Copy {
     /// Coordinate of a vertex in this arithmetic.
     type Coordinate: Copy + PartialOrd;
     /// Edge between two vertices in this arithmetic.
@@ -34,7 +34,7 @@ pub trait Numbers: Copy {
 }
 
 /// Edge of a triangle. Edge values are positive inside the triangle and zero on the line.
-pub trait RasterEdge: Copy {
+pub(crate) trait RasterEdge: Copy {
     /// Type of a walk down the rows that the edge crosses.
     type Walk: BoundaryWalk;
 
@@ -62,7 +62,7 @@ pub trait RasterEdge: Copy {
 }
 
 /// Walk down an edge, with its boundary on each row.
-pub trait BoundaryWalk {
+pub(crate) trait BoundaryWalk {
     /// Returns the boundary of the edge on the current row: see [`RasterEdge::boundary`].
     fn boundary(&self) -> i64;
 
@@ -72,7 +72,7 @@ pub trait BoundaryWalk {
 
 /// Direction from an edge to the inside of its triangle, as horizontal and vertical signs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Inward {
+pub(crate) struct Inward {
     /// Horizontal sign: −1 to the left (a right edge), 1 to the right (a left edge), 0 for a horizontal edge.
     pub(crate) right: i8,
     /// Vertical sign: −1 upwards (a bottom edge), 1 downwards (a top edge), 0 for a vertical edge.

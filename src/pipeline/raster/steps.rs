@@ -4,7 +4,7 @@ use super::numbers::Inward;
 
 /// Edge function evaluated at one pixel's centre, with its intermediate values.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EdgeSteps {
+pub(crate) struct EdgeSteps {
     /// Direction from the edge to the inside.
     pub(crate) inward: Inward,
     /// Whether pixel centres on the line belong to the triangle.
@@ -19,7 +19,7 @@ pub struct EdgeSteps {
 
 /// Intermediate values of an edge function, by arithmetic.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum EdgeNumbers {
+pub(crate) enum EdgeNumbers {
     /// Fixed point: A·x + B·y + C in grid steps.
     Fixed {
         /// Coefficient A of x.
@@ -55,7 +55,7 @@ pub enum EdgeNumbers {
 /// Intermediate values of a float edge: `along` × (`centre` − `upper`), negated where the inside lies on the other
 /// side.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FloatSteps<F> {
+pub(crate) struct FloatSteps<F> {
     /// Upper end of the edge, in pixels.
     pub(crate) upper: [F; 2],
     /// Lower end of the edge, in pixels.

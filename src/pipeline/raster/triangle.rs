@@ -6,7 +6,7 @@ use crate::pipeline::settings::FillRule;
 
 /// Triangle of nonzero area, set up for rasterization in one of the arithmetics.
 #[derive(Clone, Copy, Debug)]
-pub struct RasterTriangle<N: Numbers> {
+pub(crate) struct RasterTriangle<N: Numbers> {
     corners: [[N::Coordinate; 2]; 3],
     /// Edges, each opposite to the vertex of the same index.
     edges: [N::Edge; 3],

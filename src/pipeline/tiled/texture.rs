@@ -401,7 +401,7 @@ mod tests {
     fn power_of_two_path_finds_the_same_texels_as_the_general_path() {
         let mut random = fastrand::Rng::with_seed(3);
         for size in [(1, 1), (2, 64), (1024, 16), (256, 512)] {
-            let texture = Texture::new("", Image::from_fn(size.0, size.1, |_, _| [0; 4])).expect("it has texels");
+            let texture = Texture::new(Image::from_fn(size.0, size.1, |_, _| [0; 4])).expect("it has texels");
             let sampler = Sampler::new(TexelFilter::Bilinear, AddressMode::Repeat, ColorSpace::Bytes);
             let reader = TextureReader::new(&texture, sampler, ColorSpace::Bytes);
             assert_eq!(reader.layout, Layout::PowerOfTwoQuads);

@@ -14,9 +14,9 @@ use crate::pipeline::viewport::Viewport;
 
 /// Numerically hard test case for one part of the engine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct StabilityCase {
+pub(crate) struct StabilityCase {
     /// Unique id of the case, shown in reports.
-    pub id: String,
+    pub(crate) id: String,
     /// Id of the class that the case belongs to.
     pub(crate) class: String,
     /// Description of the special property of the case.
@@ -24,13 +24,13 @@ pub struct StabilityCase {
     pub(crate) note: String,
     /// Kind of the case and its data.
     #[serde(flatten)]
-    pub body: Body,
+    pub(crate) body: Body,
 }
 
 /// Kind of a case and its data.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
-pub enum Body {
+pub(crate) enum Body {
     /// Coverage of each of several screen-space triangles.
     TriCoverage(Coverage),
     /// Weights, depth and attributes at some pixels of a screen-space triangle.
@@ -47,39 +47,39 @@ pub enum Body {
 
 /// Screen-space triangles whose coverage is tested.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Coverage {
+pub(crate) struct Coverage {
     /// Image width, in pixels.
-    pub width: u32,
+    pub(crate) width: u32,
     /// Image height, in pixels.
-    pub height: u32,
+    pub(crate) height: u32,
     /// Fill rule for pixel centres on edges.
     #[serde(with = "crate::case::rule")]
-    pub rule: FillRule,
+    pub(crate) rule: FillRule,
     /// Vertices in pixels, x right and y down; every triangle is drawn separately.
     #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
-    pub triangles: Vec<[[f32; 2]; 3]>,
+    pub(crate) triangles: Vec<[[f32; 2]; 3]>,
     /// Whether the triangles together cover every pixel of the image exactly once.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub exactly_once: bool,
+    pub(crate) exactly_once: bool,
 }
 
 /// A screen-space triangle with attributes to interpolate.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct AttributeCase {
+pub(crate) struct AttributeCase {
     /// Image width, in pixels.
     pub(crate) width: u32,
     /// Image height, in pixels.
     pub(crate) height: u32,
     /// Vertices of the triangle.
     #[serde(with = "wire::corners")]
-    pub vertices: [ScreenCorner; 3],
+    pub(crate) vertices: [ScreenCorner; 3],
     /// Columns and rows of the pixels to evaluate; their centres lie inside the triangle.
-    pub eval: Vec<[u32; 2]>,
+    pub(crate) eval: Vec<[u32; 2]>,
 }
 
 /// Two coplanar triangles, whose depths should be equal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct CoplanarPairCase {
+pub(crate) struct CoplanarPairCase {
     /// Image width, in pixels.
     pub(crate) width: u32,
     /// Image height, in pixels.
@@ -96,37 +96,37 @@ pub struct CoplanarPairCase {
 
 /// Clip-space triangles to clip, project and rasterize, with 0 ≤ z ≤ w inside the view and y up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ClipSpace {
+pub(crate) struct ClipSpace {
     /// Image width, in pixels.
-    pub width: u32,
+    pub(crate) width: u32,
     /// Image height, in pixels.
-    pub height: u32,
+    pub(crate) height: u32,
     /// Clip-space vertices (x, y, z, w); every triangle is drawn separately.
     #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
-    pub triangles: Vec<[[f32; 4]; 3]>,
+    pub(crate) triangles: Vec<[[f32; 4]; 3]>,
 }
 
 /// View-space distances and the depth buffer that stores them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct DepthCase {
+pub(crate) struct DepthCase {
     /// Mapping from a distance to a depth in [0, 1].
-    pub mapping: DepthMapping,
+    pub(crate) mapping: DepthMapping,
     /// Storage format of the depth buffer.
-    pub format: DepthStorage,
+    pub(crate) format: DepthStorage,
     /// Distance of the near plane from the eye.
     #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
-    pub near: f32,
+    pub(crate) near: f32,
     /// Distance of the far plane from the eye; `None` for infinity.
     #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
-    pub far: Option<f32>,
+    pub(crate) far: Option<f32>,
     /// View-space distances to store, in ascending order.
     #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
-    pub z: Vec<f32>,
+    pub(crate) z: Vec<f32>,
 }
 
 /// Random pairs of distances z and z · (1 + gap), with z log-uniform between the planes, seen through random views.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct DepthPairs {
+pub(crate) struct DepthPairs {
     /// Mapping from a distance to a depth in [0, 1].
     pub(crate) mapping: DepthMapping,
     /// Storage format of the depth buffer.
@@ -201,7 +201,7 @@ impl StabilityCase {
     }
 
     /// Serialises the case as JSON.
-    pub fn to_json(&self) -> String {
+    pub(crate) fn to_json(&self) -> String {
         // Serialisation of a case cannot fail: map keys are strings, and numbers are finite or written as strings.
         serde_json::to_string(self).unwrap_or_default()
     }

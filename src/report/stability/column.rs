@@ -9,7 +9,7 @@ use crate::pipeline::settings::{Choice as _, DepthFormat};
 /// A configuration of the engine, one column of the report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(untagged)]
-pub enum ReportColumn {
+pub(crate) enum ReportColumn {
     /// Rasterizer and its arithmetic.
     Coverage(Configuration),
     /// Interpolation formula and its arithmetic.
@@ -35,7 +35,7 @@ impl ReportColumn {
     }
 
     /// Returns the id of the rasterizer, formula or format.
-    pub fn method(self) -> &'static str {
+    pub(crate) fn method(self) -> &'static str {
         match self {
             Self::Coverage(by) => by.rasterizer.id(),
             Self::Weights(by) => by.interpolation.id(),
@@ -80,7 +80,7 @@ impl ReportColumn {
     }
 
     /// Returns the ids of the method and the arithmetic, such as "tiled · f64".
-    pub fn label(self) -> String {
+    pub(crate) fn label(self) -> String {
         self.arithmetic().map_or_else(|| self.method().to_owned(), |numbers| format!("{} · {numbers}", self.method()))
     }
 }

@@ -12,7 +12,7 @@
 //! classes against every [`mod@column`]. The report is plain data, which [`mod@text`], [`mod@csv`] and [`mod@html`]
 //! format and the window shows.
 
-pub mod case;
+pub(crate) mod case;
 
 pub mod catalogue;
 
@@ -26,13 +26,13 @@ pub(crate) mod measure;
 
 pub(crate) mod metric;
 
-pub mod oracle;
+pub(crate) mod oracle;
 
-pub mod spans;
+pub(crate) mod spans;
 
 pub(crate) mod subject;
 
-pub mod sweep;
+pub(crate) mod sweep;
 
 pub(crate) mod text;
 

@@ -48,19 +48,19 @@ pub(crate) fn difference(a: &[Span], b: &[Span]) -> Vec<Span> {
 
 /// Number of hits of each pixel in an image, in row-major order.
 #[derive(Clone, Debug)]
-pub struct HitCounts {
+pub(crate) struct HitCounts {
     viewport: Viewport,
     counts: Vec<u16>,
 }
 
 impl HitCounts {
     /// Creates counters without hits.
-    pub fn none(viewport: Viewport) -> Self {
+    pub(crate) fn none(viewport: Viewport) -> Self {
         Self { viewport, counts: vec![0; viewport.width as usize * viewport.height as usize] }
     }
 
     /// Adds spans; pixels outside the image are ignored.
-    pub fn add(&mut self, spans: &[Span]) {
+    pub(crate) fn add(&mut self, spans: &[Span]) {
         let width = self.viewport.width as usize;
         for span in spans.iter().filter(|s| s.row < self.viewport.height) {
             let (left, right) = (width.min(span.left as usize), width.min(span.right as usize));
@@ -72,12 +72,12 @@ impl HitCounts {
     }
 
     /// Returns the number of pixels that were never hit.
-    pub fn cracks(&self) -> u64 {
+    pub(crate) fn cracks(&self) -> u64 {
         self.counts.iter().filter(|count| **count == 0).count() as u64
     }
 
     /// Returns the number of pixels that were hit more than once.
-    pub fn doubles(&self) -> u64 {
+    pub(crate) fn doubles(&self) -> u64 {
         self.counts.iter().filter(|count| **count > 1).count() as u64
     }
 

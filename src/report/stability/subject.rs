@@ -20,7 +20,7 @@ const RULE: FillRule = FillRule::TopLeft;
 
 /// Configuration of triangle rasterization.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
-pub struct Configuration {
+pub(crate) struct Configuration {
     /// Algorithm that finds the covered pixels.
     pub(crate) rasterizer: Rasterizer,
     /// Number type of the rasterizer's arithmetic.
@@ -45,7 +45,7 @@ impl Configuration {
 
 /// Configuration of attribute interpolation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
-pub struct Weighting {
+pub(crate) struct Weighting {
     /// Formula that computes the weights of the vertices.
     pub(crate) interpolation: Interpolation,
     /// Number type in which edges are evaluated.

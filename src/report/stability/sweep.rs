@@ -22,21 +22,21 @@ use crate::pipeline::settings::{Arithmetic, Choice as _, Rasterizer};
 
 /// Selection of the classes and configurations to run.
 #[derive(Clone, Debug)]
-pub struct StabilityPlan {
+pub(crate) struct StabilityPlan {
     /// Classes to run, in this order.
-    pub classes: Vec<&'static Class>,
+    pub(crate) classes: Vec<&'static Class>,
     /// Rasterizers to run, in classes that vary them.
-    pub rasterizers: Vec<Rasterizer>,
+    pub(crate) rasterizers: Vec<Rasterizer>,
     /// Arithmetics to run, in classes that vary them.
-    pub arithmetics: Vec<Arithmetic>,
+    pub(crate) arithmetics: Vec<Arithmetic>,
     /// Seed from which the random cases are generated.
-    pub seed: u64,
+    pub(crate) seed: u64,
     /// Whether to measure times as well.
-    pub timed: bool,
+    pub(crate) timed: bool,
 }
 
 /// Default seed of the random cases.
-pub const DEFAULT_SEED: u64 = 1;
+pub(crate) const DEFAULT_SEED: u64 = 1;
 
 impl Default for StabilityPlan {
     fn default() -> Self {
@@ -66,7 +66,7 @@ impl StabilityPlan {
 
 /// Progress of a stability report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct StabilityProgress {
+pub(crate) struct StabilityProgress {
     /// Stage that is running.
     pub(crate) stage: SweepStage,
     /// Number of completed steps in this stage.
@@ -96,7 +96,7 @@ impl SweepStage {
 
 /// Complete stability report.
 #[derive(Clone, Debug, Serialize)]
-pub struct StabilityReport {
+pub(crate) struct StabilityReport {
     /// Seed from which the random cases were generated.
     pub(crate) seed: u64,
     /// Machine that ran the report.
@@ -107,7 +107,7 @@ pub struct StabilityReport {
     /// Noise floor, from timing the first configuration of each class against itself; `None` without times.
     pub(crate) timing_noise: Option<Noise>,
     /// Results of each class.
-    pub classes: Vec<ClassReport>,
+    pub(crate) classes: Vec<ClassReport>,
     /// Whether the run was cancelled before all classes were judged and timed.
     pub(crate) partial: bool,
 }
@@ -118,10 +118,10 @@ fn seconds<S: serde::Serializer>(duration: &Duration, to: S) -> Result<S::Ok, S:
 
 /// Results of one class.
 #[derive(Clone, Debug, Serialize)]
-pub struct ClassReport {
+pub(crate) struct ClassReport {
     /// Class whose cases were run.
     #[serde(flatten)]
-    pub class: &'static Class,
+    pub(crate) class: &'static Class,
     /// Number of cases in the class.
     pub(crate) cases: usize,
     /// Total number of triangles in the cases.
@@ -129,17 +129,17 @@ pub struct ClassReport {
     /// Total number of pixels, samples or depths in the cases.
     pub(crate) units: u64,
     /// Results of each column.
-    pub cells: Vec<ReportCell>,
+    pub(crate) cells: Vec<ReportCell>,
     /// Complete cases named by [`Worst::of`], without duplicates; the counts of the cells can be recomputed from them.
     pub(crate) worst_cases: Vec<StabilityCase>,
 }
 
 /// Results of one class in one configuration.
 #[derive(Clone, Debug, Serialize)]
-pub struct ReportCell {
+pub(crate) struct ReportCell {
     /// Configuration of the engine.
     #[serde(flatten)]
-    pub column: ReportColumn,
+    pub(crate) column: ReportColumn,
     /// Verdict that summarises the measures in one word.
     pub(crate) verdict: Verdict,
     /// Number of cases without an answer.
@@ -149,7 +149,7 @@ pub struct ReportCell {
     /// Time measured for the cell; `None` without timing.
     pub(crate) time: Option<Time>,
     /// Worst case, if there was any fault.
-    pub worst: Option<Worst>,
+    pub(crate) worst: Option<Worst>,
     /// Results per case, for depth classes, whose cases are separate experiments.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) by_case: Vec<CaseMeasures>,
@@ -168,18 +168,18 @@ pub(crate) struct CaseMeasures {
 
 /// Worst case, reduced to the part that shows the fault.
 #[derive(Clone, Debug, Serialize)]
-pub struct Worst {
+pub(crate) struct Worst {
     /// Id of the complete case, which is in [`ClassReport::worst_cases`].
     pub(crate) of: String,
     /// Measures of the complete case; `None` if it was not answered.
     pub(crate) measures: Option<Measures>,
     /// Reduced case, which can be opened in the window.
-    pub case: StabilityCase,
+    pub(crate) case: StabilityCase,
 }
 
 /// Runs a plan. Calls `progress` after every step, from several threads. If `cancel` becomes `true`, returns the
 /// classes judged so far, or `None` if there are none.
-pub fn run(
+pub(crate) fn run(
     plan: &StabilityPlan,
     progress: &(dyn Fn(StabilityProgress) + Sync),
     cancel: &AtomicBool,

@@ -20,4 +20,4 @@ pub(crate) mod skipping;
 
 pub mod sweep;
 
-pub mod tradeoff;
+pub(crate) mod tradeoff;

@@ -4,7 +4,7 @@ use crate::measure::noise::Noise;
 
 /// Position of a method relative to the Pareto front of time and error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Standing<M> {
+pub(crate) enum Standing<M> {
     /// On the Pareto front: every other method has a clearly longer time or a larger error.
     Front,
     /// The other method has a smaller error, or an equal error and a shorter time, and the times differ within noise.

@@ -36,13 +36,13 @@ impl SceneDraft {
     }
 
     /// Adds a generated picture as a texture. Panics if it has no pixels.
-    pub(super) fn texture(&mut self, name: &str, image: Image<Rgba8>) -> TextureId {
-        self.library.add_texture(Texture::new(name, image).expect("generated pictures have pixels"))
+    pub(super) fn texture(&mut self, image: Image<Rgba8>) -> TextureId {
+        self.library.add_texture(Texture::new(image).expect("generated pictures have pixels"))
     }
 
     /// Adds a white material with a texture, whose alpha determines the transparency.
     pub(super) fn textured(&mut self, name: &str, image: Image<Rgba8>) -> MaterialId {
-        let texture = self.texture(name, image);
+        let texture = self.texture(image);
         self.library.add_material(Material::textured(name, texture))
     }
 
@@ -64,8 +64,8 @@ impl SceneDraft {
 
     /// Adds a material with one picture for its lit side and another for its unlit side.
     pub(super) fn cel(&mut self, name: &str, [light, dark]: [Image<Rgba8>; 2]) -> MaterialId {
-        let texture = self.texture(name, light);
-        let dark_texture = Some(self.texture(&format!("{name}, dark"), dark));
+        let texture = self.texture(light);
+        let dark_texture = Some(self.texture(dark));
         self.library.add_material(Material { dark_texture, ..Material::textured(name, texture) })
     }
 

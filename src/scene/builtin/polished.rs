@@ -37,8 +37,8 @@ fn draft() -> SceneDraft {
 
 fn add_floor(draft: &mut SceneDraft) {
     let floor = draft.mesh(shapes::mapped(shapes::grid(8), |position, _| Vec2::new(position.x, position.z) * 3.0));
-    let texture = draft.texture("tiles", textures::chess(256, srgb(0x9A_A4_B4), srgb(0x4C_56_68)));
-    let normal_texture = Some(draft.texture("studs", studs(256)));
+    let texture = draft.texture(textures::chess(256, srgb(0x9A_A4_B4), srgb(0x4C_56_68)));
+    let normal_texture = Some(draft.texture(studs(256)));
     let tiles = draft.material(Material {
         normal_texture,
         specular: srgb(0x9A_A0_AA),
@@ -83,7 +83,7 @@ fn add_lamp(draft: &mut SceneDraft) {
         let glow = 0.72 + 0.28 * (uv.y * 8.0 * std::f32::consts::TAU).cos();
         Vec3::splat(glow)
     });
-    let emission_texture = Some(draft.texture("lamp shade", bands));
+    let emission_texture = Some(draft.texture(bands));
     let shade = draft.material(Material {
         emission: srgb(0xFF_C2_5E),
         emission_texture,

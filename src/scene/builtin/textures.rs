@@ -222,7 +222,7 @@ mod tests {
 
     #[test]
     fn glass_is_graded_and_leaves_are_all_or_nothing() {
-        let alpha = |image| Texture::new("picture", image).unwrap().alpha();
+        let alpha = |image| Texture::new(image).unwrap().alpha();
         assert_eq!(alpha(stained_glass(64, 0.5)), Alpha::Graded);
         let leaf = leaf(64);
         let drawn = leaf.pixels().iter().filter(|p| p[3] == 255).count();

@@ -22,7 +22,7 @@ mod mtl;
 mod normals;
 mod opacity;
 mod polygon;
-pub mod statements;
+pub(crate) mod statements;
 mod textures;
 mod vertices;
 mod warnings;
@@ -36,14 +36,13 @@ use self::attributes::quoted;
 use self::faces::{FaceCorner, Faces, MeshPart};
 use self::libraries::Libraries;
 use self::mtl::{Description, PictureReference, TextureOptions};
-pub use self::opacity::TrMeaning;
+pub(crate) use self::opacity::TrMeaning;
 use self::textures::{Reading, Textures, Use, repeats_alpha};
 use self::vertices::Stopped;
 use self::warnings::Warnings;
 use super::load::Load;
 use super::{
-    Camera, Instance, Library, LoadControl, Material, MaterialId, MemoryLimit, Mesh, MeshData, Scene, SceneError,
-    UpAxis, Warning,
+    Camera, Instance, Library, LoadControl, Material, MaterialId, Mesh, MeshData, Scene, SceneError, UpAxis, Warning,
 };
 use crate::disk;
 
@@ -73,12 +72,13 @@ pub struct Loaded {
 ///
 /// Returns an error that names the file and, if known, the line. Causes are an unreadable file, no OBJ text, a
 /// malformed number, an index out of range, no drawable face, or more memory than the default limit.
-pub fn load(path: &Path) -> Result<Loaded, SceneError> {
-    load_with(path, TrMeaning::Auto, LoadControl::quiet(MemoryLimit::default()))
+#[cfg(test)]
+pub(crate) fn load(path: &Path) -> Result<Loaded, SceneError> {
+    load_with(path, TrMeaning::Auto, LoadControl::quiet(crate::scene::MemoryLimit::default()))
 }
 
 /// Loads a model like [`load`], with the given meaning of `Tr`, memory limit, progress and cancellation.
-pub fn load_with(path: &Path, tr: TrMeaning, control: LoadControl<'_>) -> Result<Loaded, SceneError> {
+pub(crate) fn load_with(path: &Path, tr: TrMeaning, control: LoadControl<'_>) -> Result<Loaded, SceneError> {
     let [share_of_lists, share_of_faces, share_of_normals, share_of_vertices, share_of_textures] = SHARES;
     let mut load = Load::new(path, control);
     let mut warnings = Warnings::default();

@@ -5,7 +5,7 @@
 
 /// Kind of statement: of a model file, of a material library, or a texture option.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
+pub(crate) enum Format {
     /// Statement of a model file (OBJ).
     Obj,
     /// Statement of a material library (MTL).
@@ -25,11 +25,11 @@ pub(crate) enum Treatment {
 
 /// Statement that the loader recognises.
 #[derive(Clone, Copy, Debug)]
-pub struct Statement {
+pub(crate) struct Statement {
     /// Keyword of the statement in its usual spelling; matching is case-insensitive.
-    pub keyword: &'static str,
+    pub(crate) keyword: &'static str,
     /// Kind of file or statement to which the keyword belongs.
-    pub format: Format,
+    pub(crate) format: Format,
     /// Whether the statement is rendered or gives a warning.
     pub(crate) treatment: Treatment,
     /// Meaning of the statement; for a rendered statement, also its effect.
@@ -48,7 +48,7 @@ macro_rules! table {
 }
 
 /// All statements that the loader recognises. Any other keyword is reported as unknown.
-pub const STATEMENTS: &[Statement] = table! {
+pub(crate) const STATEMENTS: &[Statement] = table! {
     Obj Rendered {
         "v": "position; a weight is ignored, three or four further numbers are a vertex colour",
         "vt": "texture coordinate; w is ignored",

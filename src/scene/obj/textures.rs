@@ -85,10 +85,8 @@ impl<'a> Textures<'a> {
         let texture = match read(&path, &mut self.load) {
             Ok(image) => {
                 let bytes = bytes_of_texels(image.size());
-                let texture = adapt(image, purpose, &path, &mut warn).and_then(|image| {
-                    let name = path.file_name().unwrap_or_default().to_string_lossy();
-                    Some(reading.library.add_texture(Texture::new(name, image)?))
-                });
+                let texture = adapt(image, purpose, &path, &mut warn)
+                    .and_then(|image| Some(reading.library.add_texture(Texture::new(image)?)));
                 if texture.is_none() {
                     self.load.release(bytes);
                 }

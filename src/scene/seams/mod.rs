@@ -120,16 +120,16 @@ pub(crate) struct Seam {
 
 /// Numbers of seam faults in a scene, by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct SeamCounts {
+pub(crate) struct SeamCounts {
     /// Number of vertices within open edges.
-    pub t_junctions: usize,
+    pub(crate) t_junctions: usize,
     /// Number of vertices that welding with the tolerance would remove.
-    pub unwelded: usize,
+    pub(crate) unwelded: usize,
 }
 
 /// Open seams of a scene, with the faults along them.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Seams {
+pub(crate) struct Seams {
     seams: Vec<Seam>,
     junctions: Vec<Junction>,
     border: Vec<TriangleCorner>,
@@ -146,7 +146,7 @@ impl Seams {
     }
 
     /// Finds all open seams of a scene, without cancellation.
-    pub fn of(scene: &Scene) -> Self {
+    pub(crate) fn of(scene: &Scene) -> Self {
         Self::find(scene, &AtomicBool::new(false)).unwrap_or_default()
     }
 
@@ -166,7 +166,7 @@ impl Seams {
     }
 
     /// Returns the number of faults of each kind.
-    pub fn counts(&self) -> SeamCounts {
+    pub(crate) fn counts(&self) -> SeamCounts {
         let t_junctions = self.junctions.iter().filter(|j| j.kind == JunctionKind::TJunction).count();
         SeamCounts { t_junctions, unwelded: self.junctions.len() - t_junctions }
     }

@@ -19,13 +19,13 @@ use crate::pipeline::settings::Choice as _;
 
 /// State of the assertion checks.
 #[derive(Clone, Debug, Default)]
-pub struct Checks {
+pub(crate) struct Checks {
     /// Latest report, and the frame that it describes.
-    pub found: Option<(Arc<AssertionReport>, Arc<Frame>)>,
+    pub(crate) found: Option<(Arc<AssertionReport>, Arc<Frame>)>,
     /// Completed share of the running check, in [0, 1].
     pub(crate) progress: Option<f32>,
     /// Whether each new frame is checked.
-    pub every_frame: bool,
+    pub(crate) every_frame: bool,
     /// Whether a check of the frame on screen was requested.
     wanted: bool,
     /// Whether cancellation of the running check was requested.
@@ -34,7 +34,7 @@ pub struct Checks {
 
 /// Change to the assertion checks that the user requests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ChecksChange {
+pub(crate) enum ChecksChange {
     /// Checks the frame on screen.
     Run,
     /// Stops checking.
@@ -61,7 +61,7 @@ impl Checks {
 }
 
 /// Returns the column and row of a violation in the full-resolution picture.
-pub fn place(violation: &Violation, frame: &Frame) -> (u32, u32) {
+pub(crate) fn place(violation: &Violation, frame: &Frame) -> (u32, u32) {
     let drawn_at = (violation.x, violation.y);
     frame.sampling.grid().sample_at(violation.x, violation.y).map_or(drawn_at, |sample| frame.pixel_of(sample))
 }

@@ -22,7 +22,7 @@ pub(crate) const MAX_TILES: usize = 16;
 
 /// Comparison mode.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Mode {
+pub(crate) enum Mode {
     /// No comparison: the canvas shows one picture.
     #[default]
     Off,
@@ -52,11 +52,11 @@ impl Mode {
 
 /// Recipes of all tiles, and the index of the active one.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct TileSet {
+pub(crate) struct TileSet {
     /// Recipe of each tile. The entry of the active tile may be out of date: the session owns its recipe.
     recipes: Vec<Recipe>,
     /// Index of the tile that shows the session's recipe.
-    pub active: usize,
+    pub(crate) active: usize,
 }
 
 impl TileSet {
@@ -91,9 +91,9 @@ impl TileSet {
 
 /// Comparison mode and its settings.
 #[derive(Clone, Debug, PartialEq)]
-pub struct CompareSettings {
+pub(crate) struct CompareSettings {
     /// Current comparison mode.
-    pub mode: Mode,
+    pub(crate) mode: Mode,
     /// Reference that errors are measured against.
     pub(crate) reference: Reference,
     /// Kind of difference that the difference image shows.
@@ -101,9 +101,9 @@ pub struct CompareSettings {
     /// Factor by which the difference image amplifies differences.
     pub(crate) gain: u32,
     /// Position of the wipe line, as a share of the canvas width in [0, 1].
-    pub wipe: f32,
+    pub(crate) wipe: f32,
     /// Region of the picture that is also measured separately.
-    pub region: Option<PixelRegion>,
+    pub(crate) region: Option<PixelRegion>,
     /// Whether dragging on a picture draws the region instead of panning.
     pub(crate) draws_region: bool,
 }
@@ -124,7 +124,7 @@ impl Default for CompareSettings {
 
 /// Change to the comparison that the user requests.
 #[derive(Clone, Debug, PartialEq)]
-pub enum CompareChange {
+pub(crate) enum CompareChange {
     /// Sets the comparison mode.
     Mode(Mode),
     /// Sets the mode, or stops comparing if it is already active.
@@ -159,7 +159,7 @@ pub enum CompareChange {
 
 impl CompareSettings {
     /// Whether a comparison is active.
-    pub fn is_on(&self) -> bool {
+    pub(crate) fn is_on(&self) -> bool {
         self.mode != Mode::Off
     }
 

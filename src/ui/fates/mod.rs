@@ -20,9 +20,9 @@ use crate::scene::TriangleId;
 
 /// Fates of the frame on screen, and the filter that selects triangles by them.
 #[derive(Clone, Debug, Default)]
-pub struct FatesView {
+pub(crate) struct FatesView {
     /// Fates of the frame; `None` until computed. The fates of an earlier frame stay until the new ones are ready.
-    pub fates: Option<Arc<Fates>>,
+    pub(crate) fates: Option<Arc<Fates>>,
     /// Fate that the filter selects.
     pub(crate) bin: Option<Bin>,
     /// Index of the instance that the filter selects.
@@ -30,12 +30,12 @@ pub struct FatesView {
     /// Filter text above the list, as typed.
     pub(crate) text: String,
     /// Triangles that match all filters: fate, object and text.
-    pub members: Arc<[TriangleId]>,
+    pub(crate) members: Arc<[TriangleId]>,
 }
 
 /// Change to the filter that the user requests.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum FatesChange {
+pub(crate) enum FatesChange {
     /// Selects the members of this bin, or clears the bin if it is selected.
     Bin(Bin),
     /// Selects the triangles of this instance, or clears the instance if it is selected.
@@ -76,7 +76,7 @@ impl FatesView {
     }
 
     /// Whether any filter is active.
-    pub fn is_filtering(&self) -> bool {
+    pub(crate) fn is_filtering(&self) -> bool {
         self.bin.is_some() || self.object.is_some() || !self.text.trim().is_empty()
     }
 

@@ -40,17 +40,17 @@ const SPEED: f32 = 12.0;
 
 /// State of the 2D lab.
 #[derive(Clone, Debug)]
-pub struct Lab {
+pub(crate) struct Lab {
     /// Whether the lab replaces the pipeline in the window.
-    pub open: bool,
+    pub(crate) open: bool,
     /// Page shown in the lab.
-    pub page: Page,
+    pub(crate) page: Page,
     /// Lesson of each page with the user's changes, in the order of `Page::ALL`.
     lessons: Vec<Lesson>,
     /// Recorded run of the current page.
-    pub recording: Arc<Recording>,
+    pub(crate) recording: Arc<Recording>,
     /// Number of recorded steps applied to the grid.
-    pub step: usize,
+    pub(crate) step: usize,
     /// Playback direction: 1 forwards, −1 backwards, 0 paused.
     pub(crate) playing: i64,
     /// Playback speed, in steps per second.
@@ -60,7 +60,7 @@ pub struct Lab {
     /// Duration of one run of the algorithm without recording.
     pub(crate) run_time: Duration,
     /// Comparison of all methods for the same task, if requested.
-    pub comparison: Option<MethodComparison>,
+    pub(crate) comparison: Option<MethodComparison>,
     /// Paint that the brush applies on the seed fill page.
     pub(crate) brush: Paint,
     /// Points per pixel of the grid, and the grid position at its centre; `None` fits the grid.
@@ -69,7 +69,7 @@ pub struct Lab {
 
 /// Change to the state of the lab.
 #[derive(Clone, Debug, PartialEq)]
-pub enum LabChange {
+pub(crate) enum LabChange {
     /// Opens the lab if `true`, or returns to the pipeline.
     Open(bool),
     /// Shows a page of the lab.
@@ -126,7 +126,7 @@ impl Default for Lab {
 
 impl Lab {
     /// Returns the lesson of the current page.
-    pub fn lesson(&self) -> &Lesson {
+    pub(crate) fn lesson(&self) -> &Lesson {
         &self.lessons[self.place()]
     }
 

@@ -18,9 +18,9 @@ pub(crate) use pane::MeshPane;
 
 /// Settings of the mesh view, which shows the scene from a second camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MeshView {
+pub(crate) struct MeshView {
     /// Whether the mesh view is visible.
-    pub open: bool,
+    pub(crate) open: bool,
     /// Drawing style of the triangles.
     pub(crate) style: MeshStyle,
     /// Displacement of triangles from the centre of their mesh, in multiples of their distance from it.
@@ -28,9 +28,9 @@ pub struct MeshView {
     /// Whether culled triangles are outlined.
     pub(crate) culled: bool,
     /// Normals that are drawn as lines, and their length.
-    pub normals: MeshNormals,
+    pub(crate) normals: MeshNormals,
     /// Camera of the mesh view; `None` until its first view is computed.
-    pub camera: Option<Camera>,
+    pub(crate) camera: Option<Camera>,
     /// Triangle selected in the mesh view, and the pixel picked with it. Picking another pixel ends the selection.
     pub(crate) selected: Option<(TriangleId, Option<(u32, u32)>)>,
 }
@@ -63,7 +63,7 @@ impl MeshView {
 
 /// Change to the mesh view.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum MeshViewChange {
+pub(crate) enum MeshViewChange {
     /// Shows or hides the mesh view.
     Toggle,
     /// Sets the drawing style of the triangles.

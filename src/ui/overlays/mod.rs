@@ -18,20 +18,20 @@ pub(crate) use crate::inspect::overlays::OverlayLayer;
 
 /// Active overlays, and the state of their card.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Overlays {
+pub(crate) struct Overlays {
     /// Stack of layers, from the bottom up.
-    pub layers: Vec<OverlayLayer>,
+    pub(crate) layers: Vec<OverlayLayer>,
     /// Whether the list of all overlays is open.
-    pub open: bool,
+    pub(crate) open: bool,
     /// Whether sample points and edge owners are drawn over enlarged pixels.
     pub(crate) marks: bool,
     /// Whether pixels are large enough to draw lines as vectors instead of pixels.
-    pub vectors: bool,
+    pub(crate) vectors: bool,
 }
 
 /// Change to the overlays.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum OverlayChange {
+pub(crate) enum OverlayChange {
     /// Opens or closes the list of overlays.
     Open(bool),
     /// Toggles the list of overlays.

@@ -17,7 +17,7 @@ use crate::ui::watch;
 
 /// Tab at the bottom of the window.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Tab {
+pub(crate) enum Tab {
     /// Frame time of each upscaler.
     #[default]
     FrameTime,

@@ -24,18 +24,18 @@ const MAX_BOOKMARKS: usize = 200;
 
 /// Place that was saved under a name.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Bookmark {
+pub(crate) struct Bookmark {
     /// Display name of the bookmark.
-    pub name: String,
+    pub(crate) name: String,
     /// Place that the bookmark opens.
-    pub place: InspectionState,
+    pub(crate) place: InspectionState,
 }
 
 /// Bookmarks, history of visited places, and the place being opened.
 #[derive(Clone, Debug, Default)]
-pub struct Places {
+pub(crate) struct Places {
     /// Bookmarks, in the order of their keys.
-    pub bookmarks: Vec<Bookmark>,
+    pub(crate) bookmarks: Vec<Bookmark>,
     /// History of visited places.
     pub(crate) visits: Visits,
     /// Place to open once its scene is loaded.
@@ -44,7 +44,7 @@ pub struct Places {
 
 /// Change to the bookmarks or to the current place.
 #[derive(Clone, Debug, PartialEq)]
-pub enum PlaceChange {
+pub(crate) enum PlaceChange {
     /// Copies the command line that opens this place to the clipboard.
     Copy,
     /// Bookmarks the current place.
@@ -82,7 +82,7 @@ impl Session {
     }
 
     /// Returns the current place: scene, camera, settings, what is shown, and the picked pixel.
-    pub fn place(&self) -> InspectionState {
+    pub(crate) fn place(&self) -> InspectionState {
         let (buffer, stage, number) = match self.shown {
             Shown::Buffer(buffer) => (buffer, None, None),
             Shown::Stage(stage) => (Buffer::Color, Some(stage), None),
@@ -113,7 +113,7 @@ impl Session {
 
     /// Returns the command line that opens the current place from anywhere. It always states the picture size, because
     /// a pixel is meaningless without it.
-    pub fn command_line(&self) -> String {
+    pub(crate) fn command_line(&self) -> String {
         let viewport = self.viewport();
         InspectionState { picture: Some((viewport.width, viewport.height)), ..self.place() }.command_line()
     }

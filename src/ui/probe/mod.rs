@@ -23,11 +23,11 @@ pub(crate) use panel::ui;
 
 /// State of the stability probe.
 #[derive(Debug, Default)]
-pub struct ProbeState {
+pub(crate) struct ProbeState {
     /// Settings of the next probe.
-    pub probe: Probe,
+    pub(crate) probe: Probe,
     /// Last result of a probe.
-    pub found: Option<Arc<ProbeResult>>,
+    pub(crate) found: Option<Arc<ProbeResult>>,
     /// Completed share of the running probe, in [0, 1]; `None` if none is running.
     pub(crate) progress: Option<f32>,
     /// Heat map shown over the picture, if any.
@@ -39,7 +39,7 @@ pub struct ProbeState {
 
 /// Change to the stability probe.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ProbeChange {
+pub(crate) enum ProbeChange {
     /// Sets the settings of the next probe.
     Set(Probe),
     /// Starts the probe.
@@ -179,7 +179,7 @@ impl ProbeState {
     }
 
     /// Returns the heat map that replaces the picture of a view, if it is visible and describes that view.
-    pub fn picture(&self, view: &RenderedView) -> Option<&Arc<Image<Rgba8>>> {
+    pub(crate) fn picture(&self, view: &RenderedView) -> Option<&Arc<Image<Rgba8>>> {
         let is_finished = view.request.shown == Shown::Buffer(Buffer::Color);
         self.picture.as_ref().filter(|_| is_finished && self.is_of(view)).map(|(image, _)| image)
     }

@@ -22,16 +22,16 @@ use crate::measure::region::PixelRegion;
 
 /// Display settings of one buffer or stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Setting {
+pub(crate) struct Setting {
     /// Range, colour map and channels of the quantity.
-    pub display: Display,
+    pub(crate) display: Display,
     /// Range of the histogram's axis; `None` spans all values.
     pub(crate) axis: Option<Range>,
 }
 
 /// State of the range control.
 #[derive(Clone, Debug, Default)]
-pub struct RangeControl {
+pub(crate) struct RangeControl {
     /// Whether the card with the histogram is open on the canvas.
     pub(crate) open: bool,
     /// Whether the tab with the histogram is open.
@@ -39,17 +39,17 @@ pub struct RangeControl {
     /// Whether histograms show the logarithm of their counts.
     pub(crate) log_counts: bool,
     /// Region with separate statistics.
-    pub region: Option<PixelRegion>,
+    pub(crate) region: Option<PixelRegion>,
     /// Whether dragging draws the region.
     pub(crate) draws_region: bool,
     /// Part of the picture that is visible on the canvas.
-    pub visible: Option<PixelRegion>,
+    pub(crate) visible: Option<PixelRegion>,
     settings: Vec<(Shown, Setting)>,
 }
 
 /// Change to the range control.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum RangeChange {
+pub(crate) enum RangeChange {
     /// Opens or closes the card with the histogram.
     Open(bool),
     /// Records whether the tab with the histogram is open.
@@ -64,8 +64,6 @@ pub enum RangeChange {
     FitVisible,
     /// Toggles fitting the range to every new picture.
     ToggleSticky,
-    /// Sets the range of the histogram's axis; `None` spans all values.
-    Axis(Option<Range>),
     /// Zooms the histogram's axis to the range between the handles.
     ZoomAxis,
     /// Resets the range and the histogram's axis.
@@ -88,7 +86,7 @@ pub enum RangeChange {
 
 impl RangeControl {
     /// Returns the settings of a buffer or stage.
-    pub fn setting(&self, shown: Shown) -> Setting {
+    pub(crate) fn setting(&self, shown: Shown) -> Setting {
         self.settings.iter().find(|(of, _)| *of == shown).map_or(Setting::default(), |(_, setting)| *setting)
     }
 
@@ -127,7 +125,6 @@ impl RangeControl {
                 let is_sticky = matches!(display.rule, Rule::Sticky(_));
                 display.rule = if is_sticky { Rule::Natural } else { Rule::Sticky(RangeFit::All) };
             }
-            RangeChange::Axis(axis) => setting.axis = axis,
             RangeChange::ZoomAxis => setting.axis = view.and_then(|view| view.range).or(setting.axis),
             RangeChange::Reset => (display.rule, setting.axis) = (Rule::Natural, None),
             RangeChange::Map(map) => display.map = map,

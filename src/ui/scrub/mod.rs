@@ -19,17 +19,17 @@ const FASTEST_STAGES: f32 = 2.0;
 
 /// State of the playback of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scrub {
+pub(crate) struct Scrub {
     /// Last requested moment within a triangle. It is valid as long as the triangle limit is unchanged.
     partial: Option<Moment>,
     /// Unit of a step, for the buttons and for playback.
-    pub unit: Unit,
+    pub(crate) unit: Unit,
     /// Playback direction: 1 forwards, −1 backwards, 0 paused.
-    pub playing: i64,
+    pub(crate) playing: i64,
     /// Playback speed, in steps per second.
     pub(crate) speed: f32,
     /// Whether steps skip moments that do not touch the picked pixel.
-    pub only_touches: bool,
+    pub(crate) only_touches: bool,
     /// Fraction of the next step already elapsed during playback.
     due: f32,
 }
@@ -42,7 +42,7 @@ impl Default for Scrub {
 
 /// Change to the playback of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ScrubChange {
+pub(crate) enum ScrubChange {
     /// Steps by this unit, forwards if `true`, otherwise backwards.
     Step(Unit, bool),
     /// Steps by the selected unit, forwards if `true`, otherwise backwards.
@@ -70,7 +70,7 @@ impl Scrub {
 
 impl Session {
     /// Returns the requested moment of the frame.
-    pub fn moment(&self) -> Moment {
+    pub(crate) fn moment(&self) -> Moment {
         let all = self.triangle_count();
         let triangles = self.triangle_limit.map_or(all, |limit| limit.min(all));
         Moment { triangles, fragments: self.scrub.fragment_limit(self.triangle_limit) }

@@ -8,16 +8,16 @@ const LOG_LINES: usize = 500;
 
 /// Line of the log, which is one message.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct LogLine {
+pub(crate) struct LogLine {
     /// Severity of the message.
-    pub level: Severity,
+    pub(crate) level: Severity,
     /// Text of the message, in one line.
-    pub text: String,
+    pub(crate) text: String,
 }
 
 /// Severity of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Severity {
+pub(crate) enum Severity {
     /// Information about a completed operation.
     Info,
     /// Warning: something was skipped or repaired.

@@ -18,7 +18,7 @@ use crate::ui::watch;
 /// Size of the picture that the pipeline draws.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum PictureSize {
+pub(crate) enum PictureSize {
     /// Size of the canvas, with one picture pixel per screen pixel.
     #[default]
     Canvas,
@@ -39,7 +39,7 @@ impl PictureSize {
 /// Pointer mode of the canvas.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum PointerMode {
+pub(crate) enum PointerMode {
     /// Dragging pans the picture, the wheel zooms.
     #[default]
     Inspect,
@@ -60,18 +60,18 @@ impl PointerMode {
 /// State of the window itself: theme, scale, size and layout.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct WindowState {
+pub(crate) struct WindowState {
     /// Whether the theme is light rather than dark.
-    pub light_theme: bool,
+    pub(crate) light_theme: bool,
     /// Interface scale, as a factor of the default size; 0 means 1.
-    pub scale: f32,
+    pub(crate) scale: f32,
     /// Width and height of the window while it is not maximized, in points at interface scale 1; `None` means the
     /// default size.
-    pub window_size: Option<[f32; 2]>,
+    pub(crate) window_size: Option<[f32; 2]>,
     /// Whether the window is maximized.
-    pub maximized: bool,
+    pub(crate) maximized: bool,
     /// Layout of panels and headings, as RON of [`eframe::egui::Memory`]; empty for the default layout.
-    pub layout: String,
+    pub(crate) layout: String,
 }
 
 impl WindowState {
@@ -90,7 +90,7 @@ impl WindowState {
 /// individually.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct Preferences {
+pub(crate) struct Preferences {
     /// Last scene: the id of a built-in scene, or the path of a file.
     #[serde(serialize_with = "stored", deserialize_with = "restored")]
     pub(crate) source: Option<PathBuf>,
@@ -104,13 +104,13 @@ pub struct Preferences {
     #[serde(serialize_with = "all_stored", deserialize_with = "all_restored")]
     pub(crate) recent: Vec<PathBuf>,
     /// Whether the first hint has been closed.
-    pub hint_closed: bool,
+    pub(crate) hint_closed: bool,
     /// Theme, scale, size and layout of the window.
     #[serde(flatten)]
-    pub window: WindowState,
+    pub(crate) window: WindowState,
     /// Bookmarks, in the order of their keys.
     #[serde(deserialize_with = "the_readable")]
-    pub bookmarks: Vec<Bookmark>,
+    pub(crate) bookmarks: Vec<Bookmark>,
     /// Watched pixels, as column and row.
     #[serde(deserialize_with = "the_readable")]
     pub(crate) watched: Vec<(u32, u32)>,
@@ -124,7 +124,7 @@ impl Preferences {
     }
 
     /// Parses stored preferences, skipping fields that cannot be read. Also returns whether everything was read.
-    pub fn read_checked(stored: &str) -> (Self, bool) {
+    pub(crate) fn read_checked(stored: &str) -> (Self, bool) {
         let Ok(fields) = serde_json::from_str::<Map<String, Value>>(stored) else { return Default::default() };
         // A number too large for its type is read as infinity, which cannot be written.
         let can_be_read = |(key, value): &(String, Value)| {
@@ -166,7 +166,7 @@ impl Preferences {
     }
 
     /// Serializes the preferences as JSON.
-    pub fn write(&self) -> String {
+    pub(crate) fn write(&self) -> String {
         // Serialization cannot fail: map keys are strings, and non-finite numbers become null.
         serde_json::to_string(self).unwrap_or_default()
     }
@@ -216,7 +216,7 @@ fn the_readable<'de, D: Deserializer<'de>, T: DeserializeOwned + Serialize>(from
 
 impl Session {
     /// Returns the preferences to store, with the given state of the window.
-    pub fn preferences(&self, window: &WindowState) -> Preferences {
+    pub(crate) fn preferences(&self, window: &WindowState) -> Preferences {
         // A scene that is still loading is the one to restore.
         let InspectionState { scene, camera, mirrored, .. } =
             self.places.pending.clone().unwrap_or_else(|| self.place());

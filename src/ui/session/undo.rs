@@ -13,15 +13,15 @@ const ONE_MOVE_SECONDS: f64 = 0.6;
 
 /// State covered by undo.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Undoable {
+pub(crate) struct Undoable {
     /// Recipe with which the picture is drawn.
-    pub recipe: Recipe,
+    pub(crate) recipe: Recipe,
     /// Camera with which the picture is drawn.
-    pub camera: Camera,
+    pub(crate) camera: Camera,
     /// Size of the picture, fixed or that of the canvas.
-    pub size: PictureSize,
+    pub(crate) size: PictureSize,
     /// Comparison tiles besides the picture drawn with `recipe`.
-    pub tiles: TileSet,
+    pub(crate) tiles: TileSet,
 }
 
 impl Session {
@@ -50,17 +50,17 @@ impl Session {
     }
 
     /// Adopts the current state without adding an undo step.
-    pub fn settle_silently(&mut self) {
+    pub(crate) fn settle_silently(&mut self) {
         self.settled = self.state.clone();
     }
 
     /// Whether there is a step to undo.
-    pub fn can_undo(&self) -> bool {
+    pub(crate) fn can_undo(&self) -> bool {
         !self.undo.is_empty()
     }
 
     /// Whether there is a step to redo.
-    pub fn can_redo(&self) -> bool {
+    pub(crate) fn can_redo(&self) -> bool {
         !self.redo.is_empty()
     }
 

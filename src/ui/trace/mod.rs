@@ -15,7 +15,7 @@ use crate::inspect::{PixelReport, trace};
 
 /// State of the table of arithmetic steps.
 #[derive(Debug, Default)]
-pub struct TraceView {
+pub(crate) struct TraceView {
     /// Last trace, with the inputs from which it was computed.
     cached: Option<CachedTrace>,
     /// For each line, whether its value differs from that in the previous trace, which belongs to another pixel, recipe
@@ -24,7 +24,7 @@ pub struct TraceView {
     /// Index of the selected fragment; `None` means the visible one.
     fragment: Option<usize>,
     /// Index of the current line of the trace.
-    pub line: usize,
+    pub(crate) line: usize,
     /// Filter text: only lines that contain it are listed.
     pub(crate) filter: String,
     /// Number of steps so far, from which the table detects that it must scroll.
@@ -49,7 +49,7 @@ impl CachedTrace {
 
 /// Change to the table of arithmetic steps.
 #[derive(Clone, Debug, PartialEq)]
-pub enum TraceChange {
+pub(crate) enum TraceChange {
     /// Traces the picked pixel again if the trace is outdated.
     Renew,
     /// Goes to the line with this index.
@@ -68,7 +68,7 @@ pub enum TraceChange {
 
 impl TraceView {
     /// Returns the trace if it describes the picked pixel of `view`.
-    pub fn trace(&self, view: Option<&RenderedView>) -> Option<&Arc<Trace>> {
+    pub(crate) fn trace(&self, view: Option<&RenderedView>) -> Option<&Arc<Trace>> {
         let view = view?;
         self.cached.as_ref().filter(|made| made.is_of(view)).map(|made| &made.trace)
     }
@@ -79,7 +79,7 @@ impl TraceView {
     }
 
     /// Whether the value of a line differs from that in the previous trace.
-    pub fn is_changed(&self, line: usize) -> bool {
+    pub(crate) fn is_changed(&self, line: usize) -> bool {
         self.changed.get(line).copied().unwrap_or(false)
     }
 

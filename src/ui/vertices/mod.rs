@@ -16,16 +16,16 @@ pub(crate) use panel::ui;
 
 /// Settings of the vertex table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct VertexTable {
+pub(crate) struct VertexTable {
     /// Whether the table lists all vertices of the object, rather than those of the triangle.
     pub(crate) whole_object: bool,
     /// Followed vertex: index of its object, and its index in the mesh.
-    pub selected: Option<(usize, u32)>,
+    pub(crate) selected: Option<(usize, u32)>,
 }
 
 /// Change to the vertex table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum VerticesChange {
+pub(crate) enum VerticesChange {
     /// Sets whether the table lists the whole object (`true`) or the triangle alone.
     WholeObject(bool),
     /// Follows a vertex, given by object and vertex index; `None` stops following.
@@ -43,7 +43,7 @@ impl VertexTable {
 }
 
 /// Returns the triangle selected in the mesh view, or otherwise the one visible at the picked pixel.
-pub fn picked_triangle(session: &Session) -> Option<TriangleId> {
+pub(crate) fn picked_triangle(session: &Session) -> Option<TriangleId> {
     if let Some(selected) = session.mesh_view.selected(session.pick) {
         return Some(selected);
     }

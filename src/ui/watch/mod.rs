@@ -17,9 +17,9 @@ pub(crate) const MAX_PIXELS: usize = 24;
 
 /// Watched pixels and their values.
 #[derive(Clone, Debug, Default)]
-pub struct WatchList {
+pub(crate) struct WatchList {
     /// Column and row of each pixel, in the order in which they were added.
-    pub pixels: Vec<(u32, u32)>,
+    pub(crate) pixels: Vec<(u32, u32)>,
     /// Values of the watched pixels in the newest frame.
     pub(crate) rows: Vec<WatchedPixel>,
     /// Values of the watched pixels in the last frame that had other values.
@@ -28,7 +28,7 @@ pub struct WatchList {
 
 /// Change to the list of watched pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum WatchChange {
+pub(crate) enum WatchChange {
     /// Watches the picked pixel.
     AddPick,
     /// Watches the pixel at this column and row.

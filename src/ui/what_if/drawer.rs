@@ -15,7 +15,7 @@ pub(crate) const ROUNDS: usize = 15;
 
 /// Request to compare the same view with two recipes.
 #[derive(Clone, Debug)]
-pub struct WhatIfRequest {
+pub(crate) struct WhatIfRequest {
     /// View with the recipe before the change (A).
     pub(crate) before: Request,
     /// View with the recipe after the change (B).
@@ -31,7 +31,7 @@ impl WhatIfRequest {
 
 /// Results of a what-if request so far.
 #[derive(Clone, Debug)]
-pub struct WhatIfResults {
+pub(crate) struct WhatIfResults {
     /// Request that the results belong to.
     pub(crate) request: WhatIfRequest,
     /// View A, coloured with the range of B.
@@ -39,7 +39,7 @@ pub struct WhatIfResults {
     /// View B, with unchanged pixels dimmed.
     pub(crate) marked: RenderedView,
     /// Changed pixels of the shown quantity.
-    pub changes: Arc<Changes>,
+    pub(crate) changes: Arc<Changes>,
     /// Error between the finished pictures, once computed.
     pub(crate) error: Option<ImageError>,
     /// Frame times with and without the change, once measured.

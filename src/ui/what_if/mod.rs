@@ -19,7 +19,7 @@ use drawer::{WhatIfRequest, WhatIfResults};
 
 /// Picture of a what-if comparison that the canvas shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Show {
+pub(crate) enum Show {
     /// Picture B, with unchanged pixels dimmed.
     #[default]
     Changed,
@@ -40,24 +40,24 @@ impl Show {
 
 /// State of the what-if comparison.
 #[derive(Clone, Debug, Default)]
-pub struct WhatIf {
+pub(crate) struct WhatIf {
     /// Whether the what-if bar is open.
     pub(crate) open: bool,
     /// Recipe of A: the one before the last change, or the pinned one; `None` before the first change.
-    pub before: Option<Recipe>,
+    pub(crate) before: Option<Recipe>,
     /// Whether A is pinned while B changes.
     pub(crate) pinned: bool,
     /// Picture that the canvas shows.
     pub(crate) show: Show,
     /// Results so far, if any.
-    pub found: Option<WhatIfResults>,
+    pub(crate) found: Option<WhatIfResults>,
     /// Last request sent to the renderer.
     last_request: Option<WhatIfRequest>,
 }
 
 /// Change to the what-if comparison.
 #[derive(Clone, Debug, PartialEq)]
-pub enum WhatIfChange {
+pub(crate) enum WhatIfChange {
     /// Opens or closes the what-if bar.
     Toggle,
     /// Sets which picture the canvas shows.
@@ -137,7 +137,7 @@ pub(crate) fn visible_view<'a>(ui: &Ui, session: &'a Session) -> Option<&'a Rend
 
 impl Session {
     /// Returns the what-if request for the renderer if the bar is open and there is a state A.
-    pub fn what_if_request(&self) -> Option<WhatIfRequest> {
+    pub(crate) fn what_if_request(&self) -> Option<WhatIfRequest> {
         let shown = self.what_if.open && !self.comparison.is_on() && self.case.is_none();
         let recipe = self.what_if.before.filter(|_| shown)?;
         let after = self.request();

@@ -11,28 +11,28 @@ use crate::ui::engine::Request;
 use crate::upscale::Upscaling;
 
 /// Number of measured rounds, each of which times one frame of every upscaler.
-pub const MEASURE_ROUNDS: usize = 25;
+pub(crate) const MEASURE_ROUNDS: usize = 25;
 
 /// Request to measure the time and error of all upscalers.
 #[derive(Clone, Debug)]
-pub struct MeasureRequest {
+pub(crate) struct MeasureRequest {
     /// Number that identifies the responses to this request.
-    pub number: u64,
+    pub(crate) number: u64,
     /// Scene, view and recipe, in which only the upscaler varies.
-    pub of: Request,
+    pub(crate) of: Request,
     /// Reference against which errors are computed.
-    pub reference: Reference,
+    pub(crate) reference: Reference,
     /// Motion of the camera over the measured frames.
-    pub turn: Turn,
+    pub(crate) turn: Turn,
 }
 
 /// Error of an upscaler over the frames measured so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MethodError {
+pub(crate) struct MethodError {
     /// Error of the still view after it has converged.
-    pub still: ErrorMetrics,
+    pub(crate) still: ErrorMetrics,
     /// Error over the frames in motion; without motion, the error of the still view.
-    pub motion: MotionError,
+    pub(crate) motion: MotionError,
 }
 
 /// Running measurement of all upscalers.

@@ -239,7 +239,7 @@ fn blended_surfaces_are_depth_tested_but_write_no_depth() {
 /// Returns a scene of a tilted pane with a texture, and a pane behind it.
 fn leaning(texture: Image<Rgba8>) -> Scene {
     let mut scene = panes([Pane { z: -1.0, color: Vec3::X, opacity: 1.0 }]);
-    let texture = scene.library.add_texture(Texture::new("texture", texture).expect("not empty"));
+    let texture = scene.library.add_texture(Texture::new(texture).expect("not empty"));
     let material = scene.library.add_material(Material::textured("textured", texture));
     let world_from_model = Mat4::from_rotation_y(0.7) * Mat4::from_rotation_x(0.4);
     let pane = Instance { name: "leaning".into(), material, world_from_model, ..scene.instances[0].clone() };

@@ -3,9 +3,10 @@ use std::collections::BTreeSet;
 use glam::{Mat4, Vec3};
 
 use super::*;
-use crate::chain::run;
+use crate::chain::{redraw, run};
 use crate::inspect::{PixelReport, explain};
 use crate::pipeline::settings::{Arithmetic, Choice, DepthFormat};
+use crate::pipeline::{Geometry, LastStage};
 use crate::scene::{Instance, Library, Material, Mesh, MeshData, builtin};
 use crate::upscale::{Anchor, Upscaling};
 
@@ -180,7 +181,8 @@ fn triangles_after_the_last_drawn_one_are_reported() {
     let whole: Vec<_> = reports(&scene, &recipe, &frame).iter().map(there).collect();
     let half = frame.geometry.triangles.len() / 2;
     frame.geometry.triangles.truncate(half);
-    frame.redraw(&scene, &recipe);
+    let drawn = redraw(&scene, &recipe, &frame, LastStage::Shade, &mut ());
+    let frame = frame.at_moment(&recipe, drawn, Geometry::clone(&frame.geometry));
     let mut count = 0;
     for (cut, whole) in reports(&scene, &recipe, &frame).iter().zip(&whole) {
         let told = absent(cut, Cause::NotDrawnYet);

@@ -107,7 +107,7 @@ impl CaseDraft {
 
 impl Class {
     /// Generates the cases for a seed.
-    pub fn cases(&self, seed: u64) -> Vec<StabilityCase> {
+    pub(crate) fn cases(&self, seed: u64) -> Vec<StabilityCase> {
         let mut dice = Rng::new(seed, self.id);
         let drafts = (self.draft)(&mut dice);
         let named = |(index, CaseDraft { note, body })| StabilityCase {
@@ -127,7 +127,7 @@ pub fn all() -> impl Iterator<Item = &'static Class> {
 }
 
 /// Returns the class with this id, or `None` if there is none.
-pub fn by_id(id: &str) -> Option<&'static Class> {
+pub(crate) fn by_id(id: &str) -> Option<&'static Class> {
     all().find(|class| class.id == id)
 }
 

@@ -17,7 +17,7 @@ use crate::pipeline::viewport::Viewport;
 
 /// Exact clip-space triangle, as seen in a viewport.
 #[derive(Clone, Debug)]
-pub struct ClipTriangle {
+pub(crate) struct ClipTriangle {
     /// λ₀, λ₁ and λ₂ as functions of the pixel, multiplied by `unit`.
     weights: [ExactHalfPlane; 3],
     /// z/w as a function of the pixel, multiplied by `unit`.
@@ -30,7 +30,7 @@ impl ClipTriangle {
     /// Creates a triangle from vertices (x, y, z, w), with 0 ≤ z ≤ w inside, x = y = 0 in the centre and y up. Returns
     /// `None` if a coordinate is not finite, or if the eye lies in the plane of the triangle, so that it is seen
     /// edge-on.
-    pub fn new(corners: [[f32; 4]; 3], viewport: Viewport) -> Option<Self> {
+    pub(crate) fn new(corners: [[f32; 4]; 3], viewport: Viewport) -> Option<Self> {
         if corners.iter().flatten().any(|c| !c.is_finite()) {
             return None;
         }
@@ -49,7 +49,7 @@ impl ClipTriangle {
     }
 
     /// Returns the visible region of the triangle between the near and far planes, inclusive.
-    pub fn region(&self, rule: FillRule) -> ExactRegion {
+    pub(crate) fn region(&self, rule: FillRule) -> ExactRegion {
         let edges = self.weights.iter().map(|w| ExactHalfPlane { closed: w.owns_its_line(rule), ..w.clone() });
         let near = ExactHalfPlane { closed: true, ..self.depth.clone() };
         let far = ExactHalfPlane {
@@ -63,7 +63,7 @@ impl ClipTriangle {
 
     /// Returns the perspective-correct weights of the three vertices, and z/w, at a pixel centre. Returns `None` where
     /// the plane of the triangle is not in front of the eye.
-    pub fn at(&self, column: u32, row: u32) -> Option<([BigRational; 3], BigRational)> {
+    pub(crate) fn at(&self, column: u32, row: u32) -> Option<([BigRational; 3], BigRational)> {
         let [a, b, c] = [0, 1, 2].map(|i| self.weights[i].at(column, row));
         let sum = &a + &b + &c;
         if !sum.is_positive() {

@@ -10,7 +10,7 @@ use super::number::{approximate, exact, exact_f64, ulps};
 /// Mapping from a view-space distance to a depth in [0, 1].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum DepthMapping {
+pub(crate) enum DepthMapping {
     /// 0 at the near plane, 1 at the far plane, hyperbolic.
     Standard,
     /// 1 at the near plane, 0 at the far plane, hyperbolic.
@@ -31,7 +31,7 @@ impl DepthMapping {
 /// Storage format of a depth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum DepthStorage {
+pub(crate) enum DepthStorage {
     /// Depth as a 32-bit float.
     F32,
     /// Depth as a 24-bit unsigned normalised integer: a multiple of 1/(2²⁴ − 1).
@@ -61,7 +61,7 @@ impl DepthStorage {
 
 /// Returns the exact depth of a point at `distance`, or `None` if the distance is zero or a number is not finite.
 /// [`DepthMapping::ReversedInf`] ignores `far`; other mappings need a far plane that differs from the near plane.
-pub fn exact_depth(mapping: DepthMapping, near: f32, far: Option<f32>, distance: f32) -> Option<BigRational> {
+pub(crate) fn exact_depth(mapping: DepthMapping, near: f32, far: Option<f32>, distance: f32) -> Option<BigRational> {
     let (near, z) = (exact(near)?, exact(distance)?);
     if z.is_zero() {
         return None;
@@ -77,7 +77,7 @@ pub fn exact_depth(mapping: DepthMapping, near: f32, far: Option<f32>, distance:
 
 /// Rounds a depth once to its storage format: an integer code, or a float; both preserve the order. Two distances with
 /// the same result are indistinguishable, however precise the computation.
-pub fn ideal_code(storage: DepthStorage, value: &BigRational) -> BigRational {
+pub(crate) fn ideal_code(storage: DepthStorage, value: &BigRational) -> BigRational {
     match storage.largest_code() {
         Some(largest) => {
             let half = BigRational::new(BigInt::one(), 2.into());

@@ -22,18 +22,19 @@ mod region;
 
 mod weights;
 
-pub use clip_space::ClipTriangle;
+pub(crate) use clip_space::ClipTriangle;
 pub(crate) use depth::DepthMapping;
 pub(crate) use depth::DepthStorage;
-pub use depth::exact_depth;
-pub use depth::ideal_code;
-pub use number::approximate;
+pub(crate) use depth::exact_depth;
+pub(crate) use depth::ideal_code;
+#[cfg(test)]
+pub(crate) use number::approximate;
 pub(crate) use number::error;
 #[cfg(test)]
 pub(crate) use number::exact;
 pub(crate) use number::ulps;
-pub use region::ExactRegion;
-pub use region::Snap;
+pub(crate) use region::ExactRegion;
+pub(crate) use region::Snap;
 pub(crate) use weights::ExactSample;
 pub(crate) use weights::ScreenCorner;
-pub use weights::exact_sample;
+pub(crate) use weights::exact_sample;

@@ -21,7 +21,7 @@ pub(super) fn exact_f64(value: f64) -> Option<BigRational> {
 }
 
 /// Returns an approximation of a fraction, for display and for comparing errors.
-pub fn approximate(value: &BigRational) -> f64 {
+pub(crate) fn approximate(value: &BigRational) -> f64 {
     value.to_f64().unwrap_or(f64::NAN)
 }
 

@@ -10,7 +10,7 @@ use crate::pipeline::viewport::Viewport;
 
 /// Vertex positions assumed for a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Snap {
+pub(crate) enum Snap {
     /// Vertices used as given.
     Unsnapped,
     /// Vertices rounded to multiples of 1/256 px, ties to even.
@@ -78,7 +78,7 @@ impl ExactHalfPlane {
 
 /// Intersection of half-planes. Empty if there are none: a triangle without area covers nothing.
 #[derive(Clone, Debug, Default)]
-pub struct ExactRegion {
+pub(crate) struct ExactRegion {
     pub(super) bounds: Vec<ExactHalfPlane>,
     /// First and last rows that may be covered; `None` if unbounded.
     rows: Option<(u32, u32)>,
@@ -92,7 +92,7 @@ impl ExactRegion {
 
     /// Creates a screen-space triangle of either winding, with vertices in pixels. It is empty if it has no area or a
     /// coordinate is not finite.
-    pub fn triangle(corners_px: [[f32; 2]; 3], snap: Snap, rule: FillRule) -> Self {
+    pub(crate) fn triangle(corners_px: [[f32; 2]; 3], snap: Snap, rule: FillRule) -> Self {
         if corners_px.iter().flatten().any(|c| !c.is_finite()) {
             return Self::default();
         }
@@ -116,7 +116,7 @@ impl ExactRegion {
     }
 
     /// Returns the pixels whose centres lie in the region: at most one span per row, from top to bottom.
-    pub fn spans(&self, viewport: Viewport) -> Vec<Span> {
+    pub(crate) fn spans(&self, viewport: Viewport) -> Vec<Span> {
         if self.is_empty() {
             return Vec::new();
         }
@@ -147,7 +147,7 @@ impl ExactRegion {
 
     /// Whether a pixel centre is within 1/128 px of a line that bounds the region, and not clearly outside another
     /// line.
-    pub fn is_borderline(&self, column: u32, row: u32) -> bool {
+    pub(crate) fn is_borderline(&self, column: u32, row: u32) -> bool {
         let lines = || self.bounds.iter().filter(|b| !b.by_column.is_zero() || !b.by_row.is_zero());
         let clearly_outside =
             |bound: &ExactHalfPlane| bound.at(column, row).is_negative() && !bound.is_close(column, row);

@@ -7,7 +7,7 @@ use super::number::exact;
 
 /// Screen-space vertex with attributes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ScreenCorner {
+pub(crate) struct ScreenCorner {
     /// Horizontal position in pixels, increasing to the right.
     pub(crate) x: f32,
     /// Vertical position in pixels, increasing downwards.
@@ -22,20 +22,20 @@ pub struct ScreenCorner {
 
 /// Exact interpolated values at a pixel centre.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ExactSample {
+pub(crate) struct ExactSample {
     /// Screen-space (affine) weights of the vertices.
-    pub affine: [BigRational; 3],
+    pub(crate) affine: [BigRational; 3],
     /// Perspective-correct weights of the vertices.
-    pub perspective: [BigRational; 3],
+    pub(crate) perspective: [BigRational; 3],
     /// Depth, an affine function of screen position.
-    pub depth: BigRational,
+    pub(crate) depth: BigRational,
     /// Perspective-correct texture coordinates.
-    pub uv: [BigRational; 2],
+    pub(crate) uv: [BigRational; 2],
 }
 
 /// Computes the exact values at a pixel centre, without snapping vertices. Returns `None` for a triangle without area,
 /// with a non-finite number, or with w = 0.
-pub fn exact_sample(corners: &[ScreenCorner; 3], column: u32, row: u32) -> Option<ExactSample> {
+pub(crate) fn exact_sample(corners: &[ScreenCorner; 3], column: u32, row: u32) -> Option<ExactSample> {
     let places = all(corners.map(|c| all([c.x, c.y].map(exact))))?;
     let half = BigRational::new(1.into(), 2.into());
     let centre = [column, row].map(|pixel| BigRational::from_integer(pixel.into()) + &half);

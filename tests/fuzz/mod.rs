@@ -3,13 +3,6 @@
 //! [`driver`] describes the environment variables and the files saved for failing inputs. To add a target, implement
 //! [`driver::Target`] in a new file and add a line to `targets!`.
 
-#[path = "../internal/common.rs"]
-mod common;
-#[path = "../internal/samples.rs"]
-mod samples;
-#[path = "../internal/sound.rs"]
-mod sound;
-
 mod cases;
 mod driver;
 mod equal;
