@@ -159,7 +159,7 @@ impl Camera {
         self.view_from_world_f64().as_mat4()
     }
 
-    /// Returns [`Camera::view_from_world`] without rounding to f32. Far from the origin, the positions of eye and
+    /// Returns the view matrix without rounding to f32. Far from the origin, the positions of eye and
     /// object cancel exactly only if neither was rounded before.
     pub(crate) fn view_from_world_f64(&self) -> DMat4 {
         let (forward, right) = (self.forward(), self.right());

@@ -51,7 +51,7 @@ impl SceneSource {
         }
     }
 
-    /// Builds the scene, or loads it within the default memory limit. Only loading a file can fail; see [`obj::load`].
+    /// Builds the scene, or loads it within the default memory limit. Only loading a file can fail; see [`obj::load_with`].
     ///
     /// # Examples
     /// ```

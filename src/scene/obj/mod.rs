@@ -68,16 +68,17 @@ pub struct Loaded {
     pub notes: Vec<Warning>,
 }
 
-/// Loads a model with its materials and textures.
-///
-/// Returns an error that names the file and, if known, the line. Causes are an unreadable file, no OBJ text, a
-/// malformed number, an index out of range, no drawable face, or more memory than the default limit.
+/// Loads a model within the default memory limit.
 #[cfg(test)]
 pub(crate) fn load(path: &Path) -> Result<Loaded, SceneError> {
     load_with(path, TrMeaning::Auto, LoadControl::quiet(crate::scene::MemoryLimit::default()))
 }
 
-/// Loads a model like [`load`], with the given meaning of `Tr`, memory limit, progress and cancellation.
+/// Loads a model with its materials and textures. `tr` is the meaning of `Tr` in its materials; `control` has the memory
+/// limit, the progress and the cancellation.
+///
+/// Returns an error that names the file and, if known, the line. Causes are an unreadable file, no OBJ text, a
+/// malformed number, an index out of range, no drawable face, or more memory than the limit.
 pub(crate) fn load_with(path: &Path, tr: TrMeaning, control: LoadControl<'_>) -> Result<Loaded, SceneError> {
     let [share_of_lists, share_of_faces, share_of_normals, share_of_vertices, share_of_textures] = SHARES;
     let mut load = Load::new(path, control);
